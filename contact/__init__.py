@@ -10,11 +10,11 @@ from importlib import import_module
 # Public names by the module that defines them.
 _PUBLIC = {
     "answers.derivatives": "velocity_derivative",
-    "answers.load_line": "blocked_thrust load_line LoadLine mean_traction",
+    "answers.load_line": "blocked_thrust load_line LoadLine mean_traction stall",
     "answers.steady": "steady SteadyState",
     "answers.steps": "cycles_for Step step",
     "answers.sweep": "mean_motion MeanMotion steady_sweep",
-    "answers.thresholds": "release_amplitude release_factor threshold_amplitude threshold_factor",
+    "answers.thresholds": "release release_amplitude release_factor threshold threshold_amplitude threshold_factor",
     "answers.transient": "burst Trajectory",
     "answers.waveforms": "contact_history History",
     "averaged.pillar_motion": "pillar_load_line pillar_motion pillar_traction PillarLoadLine PillarMotion",

@@ -19,7 +19,7 @@ command line) - stator, papers, motor (questions, one file each) - evidence (wha
 import sys
 from importlib import import_module
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from studies.chain.predictor import Predictor
@@ -68,7 +68,7 @@ __all__ = [
 ]  # fmt: skip
 
 
-def __getattr__(name: str):
+def __getattr__(name: str) -> Any:
     """Import a public name when it is first asked for: importing the package stays cheap."""
     if name not in _HOME:
         raise AttributeError(f"module 'studies' has no attribute {name!r}")
@@ -78,12 +78,12 @@ def __getattr__(name: str):
 class _FormerName(ModuleType):
     """A package under the name that it had before; it leaves the name in ``studies`` to the function."""
 
-    def __getattr__(self, name: str):
+    def __getattr__(self, name: str) -> Any:
         return getattr(import_module("studies.sweeps"), name)
 
 
 sys.modules["studies.sweep"] = _FormerName("studies.sweep")
 
 
-def __dir__():
+def __dir__() -> list[str]:
     return sorted({*globals(), *__all__})

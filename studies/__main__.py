@@ -8,6 +8,11 @@ the file that is named; 130 interrupted.  Nothing heavy is imported before a com
 import os
 import signal
 import sys
+import threading
+import time
+
+# s that a process may take to end by itself after a signal, and more where it has workers
+PATIENCE, PATIENCE_WITH_WORKERS = 1.2, 30.0
 
 
 def main(words: list[str] | None = None) -> int:
@@ -15,6 +20,7 @@ def main(words: list[str] | None = None) -> int:
     try:  # nothing is imported before: an interrupt meanwhile is a sentence too
         if words is None:
             signal.signal(signal.SIGTERM, _ended)  # as an interrupt: work files and locks are cleared away
+            _watch_signals()
         return _guarded(sys.argv[1:] if words is None else words)
     except KeyboardInterrupt:
         return _said("interrupted, nothing was written", 130)
@@ -22,6 +28,31 @@ def main(words: list[str] | None = None) -> int:
 
 def _ended(*_):
     raise KeyboardInterrupt
+
+
+def _watch_signals() -> None:
+    """End the process soon after SIGINT or SIGTERM, also where Python waits for compiled code and runs no handler.
+
+    The interpreter writes every signal to a pipe at once; a thread reads it, as compiled loops let other threads run,
+    and ends the process where it has not ended by itself. Files are replaced as a whole, so none is left half written.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        return
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
+
+    def watch():
+        while os.read(reading, 1)[0] not in (signal.SIGINT, signal.SIGTERM):
+            pass
+        time.sleep(PATIENCE)
+        processes = sys.modules.get("multiprocessing")
+        if processes is not None and processes.active_children():  # they finish their point first
+            time.sleep(PATIENCE_WITH_WORKERS)
+        os.write(2, b"sawmotor: interrupted, nothing was written\n")
+        os._exit(130)
+
+    threading.Thread(target=watch, daemon=True, name="signals").start()
 
 
 def _guarded(words: list[str]) -> int:
@@ -82,9 +113,7 @@ def _dispatch(words: list[str]) -> int:
     if arguments.call is None:
         top.print_help()
         return 0
-    from studies.command import calls
-
-    return getattr(calls, arguments.call)(arguments)
+    return arguments.function(arguments)
 
 
 def _said(message, status: int) -> int:

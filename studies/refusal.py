@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from difflib import get_close_matches
 from importlib import import_module
+from typing import Any
 
 # Exit codes of the command
 EXIT_INEXACT = 1  # an answer that misses its tolerance, or is refused for its model error
@@ -73,7 +74,7 @@ def _on_one_line(text: str) -> str:
     return "".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in text)
 
 
-def suggestion(word: str, known) -> str | None:
+def suggestion(word: str, known: Any) -> str | None:
     """Return the known word that was probably meant: the same start, one of its parts, or nearly the same letters.
 
     Examples
@@ -92,19 +93,19 @@ def suggestion(word: str, known) -> str | None:
     return lowered[close[0]] if close else None
 
 
-def nearest(word: str, known) -> str:
+def nearest(word: str, known: Any) -> str:
     """Return ``; did you mean ...?`` when a known word resembles this one, else a list of those known."""
     known = [str(name) for name in known]
     return resembling(word, known) or (f"; known: {', '.join(known)}" if known else "")
 
 
-def resembling(word: str, known) -> str:
+def resembling(word: str, known: Any) -> str:
     """Return ``; did you mean ...?`` when a known word resembles this one, else nothing."""
     meant = suggestion(word, known)
     return "" if meant is None else f"; did you mean {meant}?"
 
 
-def needed(module: str, what: str):
+def needed(module: str, what: str) -> Any:
     """Import an optional package; a `RunError` that names it where it is missing."""
     try:
         return import_module(module)
@@ -112,7 +113,7 @@ def needed(module: str, what: str):
         raise RunError(f"{what} needs {module}, which is not installed: pip install {module}") from None
 
 
-def shown(value) -> str:
+def shown(value: Any) -> str:
     """Return a value as an error quotes it: on one line and short."""
     try:
         # the only values without a literal of Python's are TOML's dates and times

@@ -30,7 +30,9 @@ told what is being done."""
 _HOMES = """
     motor.voltage_to_velocity evidence.rayleigh papers.seed_figures stator.admittance stator.beam
     stator.frequency_response stator.dispersion motor.regime_map motor.load_line motor.stroke motor.step_planner
+    motor.positioning
     motor.design_map inverse.sensitivity evidence.contact_error_vs_time stator.cell_parameters stator.p_matrix
+    stator.reflector
     stator.network evidence.fem_error_vs_time motor.gallery papers.published_motors papers.published_stators
     evidence.error_vs_time evidence.calibration evidence.stability evidence.left_out
 """
@@ -129,11 +131,13 @@ class StudyRecord:
 
 
 def driven_contact(
-    scene: str | Scene, *, tolerance: float = 1e-3, progress: Callable[[str], None] | None = None
-) -> DrivenContact:
+    scene: str | Scene, *, tolerance: float = 1e-3, pillars: bool = False,
+    progress: Callable[[str], None] | None = None,
+) -> DrivenContact:  # fmt: skip
     """Return the contact of a scene with a slider, its stator solved at the largest voltage and without a burst.
 
-    ``tolerance``: of the slider velocity there; it sets how finely the stator is solved.
+    ``tolerance``: of the slider velocity there; it sets how finely the stator is solved.  ``pillars``: whether the
+    study knows sliders on pillars.
 
     Examples
     --------
@@ -143,6 +147,10 @@ def driven_contact(
     chosen = resolved(scene if isinstance(scene, Scene) else Scene.load(scene))
     if chosen.slider is None:
         chosen.refuse("slider", "is missing: this study needs a slider")
+    if chosen.slider.pillars is not None and not pillars:
+        chosen.refuse(
+            "slider.pillars", "are not known to this study: run, sweep, datasheet and load_line take them"
+        )
     if chosen.wave is not None:
         return DrivenContact.given(chosen)
     if not chosen.transducer:

@@ -1,10 +1,13 @@
 r"""The load line of a motor: steady velocity against a constant load, blocked thrust, mechanical efficiency.
 
-The blocked thrust is the load that holds the slider at rest: the mean traction at v = 0, from below the load at which
-the motor just stalls. Where a contact sticks at rest the load line ends in a jump to zero, and the slider is held over
-a whole interval of loads. Efficiency is the work against the load over the work of the wave, per cycle, by the ledger.
+The blocked thrust is the load that holds the slider at rest. By averaging it is the mean traction at v = 0, from below
+the load at which the motor just stalls, with an error of O((f_n/f)^2); `stall` follows the steady velocity of the full
+motion down to zero instead. Where a contact sticks at rest the load line ends in a jump to zero, and the slider is held
+over a whole interval of loads. Efficiency is the work against the load over the work of the wave, per cycle, by the
+ledger.
 """
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,12 +16,20 @@ from contact import bounds
 from contact.answers.averaged import STIFFEST_STEADY, refuse_unless_applicable
 from contact.answers.steady import steady
 from contact.answers.sweep import mean_motion
+from contact.choice import Answer
 from contact.convergence import ConvergenceError
 from contact.drive import towards_plus
 from contact.orbit import Orbit, as_orbits
 from contact.problem import scaled
 from contact.slider import Slider
 from contact.solve import averaged
+
+# relative error of the averaged stalling load over (f_n/f)^2; true: 1.8 (`tests/contact/test_thrust.py`)
+AVERAGING_ERROR = 3.0
+# relative error at which the search for the load at which the full motion stops ends
+STALL_TOLERANCE = 1e-5
+# share of the way to an extrapolated stall that the next load goes
+APPROACH = 0.9
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,15 +46,27 @@ class LoadLine:
         Mechanical, load times velocity, W.
     efficiency : (k,) array
         Power over what the wave gives the contacts, 0 where the slider is held.
-    blocked_thrust : float
-        N, the load at which the motor stalls.
+    relative_error : (k,) array
+        Of the velocities, over max(|v|, omega |u_x|/10); of the last that of the load at which it is zero.
+    stall : Answer
+        The load at which the motor stalls, N, and its error.
+    status, message : str
+        "ok", or the status and the reasons of the worst point.
     """
 
     load: np.ndarray
     velocity: np.ndarray
     power: np.ndarray
     efficiency: np.ndarray
-    blocked_thrust: float
+    relative_error: np.ndarray
+    stall: Answer
+    status: str
+    message: str
+
+    @property
+    def blocked_thrust(self) -> float:
+        """Load at which the motor stalls, N."""
+        return self.stall.value
 
 
 def blocked_thrust(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[float, float]:
@@ -101,6 +124,87 @@ def _unloaded(slider: Slider, orbits: Orbit | tuple[Orbit, ...]):
     return side, problem, slider.mass * problem.omega**2 * problem.length
 
 
+def stall(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: float) -> Answer:
+    """Return the load in N at which the motor stalls: where the steady velocity of the full motion falls to zero.
+
+    Parameters
+    ----------
+    slider, orbits
+        As for `steady`; the slider's own load is not used.
+    tolerance : float
+        Relative, of the load.
+
+    Returns
+    -------
+    Answer
+        By averaging where its own error keeps the tolerance, or where the full motion is not to be had.
+
+    Raises
+    ------
+    ConvergenceError
+        Status "not applicable" where averaging, which gives the first guess, does not apply; "held" where the wave does
+        not move the unloaded slider.
+    """
+    listed = as_orbits(orbits)
+    guess, _ = blocked_thrust(slider, listed)
+    if guess <= 0.0:
+        raise ConvergenceError(
+            "held", "the wave does not move the unloaded slider; raise the amplitude above the threshold"
+        )
+    ratio = slider.normal_resonance(len(listed)) / listed[0].frequency
+    averaged_answer = Answer(
+        value=guess, error=guess * min(AVERAGING_ERROR * ratio**2, 1.0), reasons=("mean traction at rest",)
+    )
+    if averaged_answer.error <= tolerance * guess:
+        return averaged_answer
+    try:
+        return _full_stall(slider, listed, averaged_answer).judged(tolerance, guess)
+    except ConvergenceError as failed:
+        reason = f"the full motion near the stall was not found: {failed}"
+        return replace(averaged_answer, reasons=(*averaged_answer.reasons, reason)).judged(tolerance, guess)
+
+
+def _full_stall(slider, orbits, near):
+    """Return the load at which the full motion stalls: bracketed, and extrapolated from below."""
+    way = np.sign(mean_motion(replace(slider, load=0.0), orbits).velocity)
+    limit = slider.static_friction(len(orbits)) * (1.0 - 1e-12)
+
+    def velocity(load):
+        try:
+            state = steady(replace(slider, load=load), orbits, tolerance=STALL_TOLERANCE)
+        except ConvergenceError as failed:
+            if failed.status == "runaway":
+                return -math.inf
+            raise
+        if state.relative_error > STALL_TOLERANCE and state.velocity != 0.0:
+            raise ConvergenceError("above tolerance", state.message)
+        return way * state.velocity
+
+    reach = max(2.0 * near.error / near.value, 1e-3)
+    high, low = min(near.value * (1.0 + reach), limit), near.value * (1.0 - reach)
+    before = low, velocity(low)
+    if before[1] <= 0.0:
+        raise ConvergenceError("held", "the full motion stalls far below the averaged load")
+    estimate, error = near.value, near.error
+    for _ in range(16):
+        load = low + APPROACH * (estimate - low)
+        last = load, velocity(load)
+        if last[1] <= 0.0:
+            high = load
+        else:
+            low = load
+        if math.isinf(last[1]) or last[1] == 0.0 or last[1] >= before[1]:
+            estimate, error = 0.5 * (low + high), 0.5 * (high - low)
+        else:
+            new = last[0] + last[1] * (last[0] - before[0]) / (before[1] - last[1])
+            new, error = min(max(new, low), high), abs(new - estimate)
+            estimate, before = new, (last if last[1] > 0.0 else before)
+        if min(error, 0.5 * (high - low)) < STALL_TOLERANCE * estimate:
+            break
+    error = min(error, 0.5 * (high - low)) + STALL_TOLERANCE * estimate
+    return Answer(value=estimate, error=error, reasons=("load at which the full motion stops",))
+
+
 def load_line(
     slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, points: int, tolerance: float
 ) -> LoadLine:
@@ -117,18 +221,21 @@ def load_line(
     """
     listed = as_orbits(orbits)
     bounds.count("points", points, 2)
-    stall, _ = blocked_thrust(slider, listed)
-    if stall <= 0.0:
-        raise ConvergenceError(
-            "held", "the wave does not move the unloaded slider; raise the amplitude above the threshold"
-        )
+    stalled = stall(slider, listed, tolerance=tolerance)
     direction = np.sign(mean_motion(replace(slider, load=0.0), listed).velocity)
-    loads = stall * np.linspace(0.0, 1.0, points)
+    loads = stalled.value * np.linspace(0.0, 1.0, points)
     velocity, wave_power = np.zeros(points), np.zeros(points)
+    errors = np.full(points, stalled.error / stalled.value)
+    worst = stalled
     for k, load in enumerate(loads[:-1]):
         state = steady(replace(slider, load=float(load)), listed, tolerance=tolerance)
-        velocity[k] = direction * state.velocity
+        velocity[k], errors[k] = direction * state.velocity, state.relative_error
+        if state.status != "ok":
+            worst = state
         wave_power[k] = state.ledger.wave * listed[0].frequency
     power = loads * velocity
     efficiency = np.divide(power, wave_power, out=np.zeros(points), where=wave_power > 0.0)
-    return LoadLine(load=loads, velocity=velocity, power=power, efficiency=efficiency, blocked_thrust=stall)
+    return LoadLine(
+        load=loads, velocity=velocity, power=power, efficiency=efficiency, relative_error=errors, stall=stalled,
+        status=worst.status, message=worst.message,
+    )  # fmt: skip

@@ -107,13 +107,13 @@ def shaped_steps(slider, problem, least: int) -> int:
     raise refused("an envelope", {"stepped": reasons}, ENVELOPE_OUT)
 
 
-def ring_down(slider, motion, envelope, *, longest=math.inf, samples=0):
+def ring_down(slider, motion, envelope, *, longest=math.inf, samples=0, least=RINGING_STEPS):
     """Move the slider in fixed steps while the surface rings down.
 
     Returns (times in s from the end of the burst, rows), about as many as `samples`, one per cycle for 0.
     """
     frequency = motion.problem.omega / (2.0 * math.pi)
-    number = shaped_steps(slider, motion.problem, RINGING_STEPS)
+    number = shaped_steps(slider, motion.problem, least)
     loud = np.flatnonzero(envelope.amplitude > SPENT * np.max(envelope.amplitude))
     until = min(float(envelope.time[loud[-1]]) if loud.size else 0.0, longest)
     cycles = max(0, math.ceil(until * frequency))

@@ -29,12 +29,14 @@ from contact.slider import Slider
 from contact.solve.averaged_sweep import MAX_RATIO_HELD, MAX_THRESHOLD_ERROR, THRESHOLD_ERROR
 from contact.solve.bounce import speed_lost
 from contact.solve.equilibrium import Balance, balanced, cycle_at
-from contact.solve.settling import long_run, reached
+from contact.solve.settling import long_run, mean_from_rest, reached
 from contact.solve.shooting import periodic
 
 METHODS = ("auto", "exact", "averaged")
 # largest ratio of contact resonance to wave for which a periodic motion is searched, and cycles to settle before
 SLOWEST_WAVE, SETTLE = 20.0, 200
+# periods of a bounce that nothing damps, and cycles at most, over which its mean velocity is taken
+BOUNCES, MAX_BOUNCE_CYCLES = 20.0, 4000
 # segments of a cycle up to which that is worth its time
 MAX_SEGMENTS = 8000.0
 # error of first order over (f_n/f)^2; true: 0.1 to 1.9 from 0.75 to 20 nm (`tests/benchmarks/contact_ways.py`)
@@ -176,7 +178,8 @@ def _searched(slider, orbits, method):
     mean, balance = _equilibrium(slider, driven, ratio, method)
     search = _Search(slider, driven, side, ratio, balance)
     if method == "averaged" or (mean is not None and mean["held"]):
-        return _averaged(search, mean)
+        found = _averaged(search, mean)
+        return _held_bouncing(search, found) if method != "averaged" and _undamped(slider) else found
     if balance.held or ratio > SLOWEST_WAVE:
         return _waited(search)
     try:
@@ -196,8 +199,7 @@ def _reached(search):
     """Return the motion that repeats with the wave's period, or the one that a slider from rest reaches instead."""
     slider, answer, periodic_motion = search.slider, *_repeating(search)
     if search.ratio <= MAX_RATIO_HELD:
-        undamped = slider.normal_damping == 0.0 and slider.contact_damping == 0.0
-        return _bouncing(search, answer) if undamped and answer["velocity"] != 0.0 else answer
+        return _bouncing(search, answer) if _undamped(slider) and answer["velocity"] != 0.0 else answer
     seen, unit, velocity = (
         reached(slider, search.orbits, search.balance, periodic_motion), search.unit, answer["velocity"],
     )  # fmt: skip
@@ -215,6 +217,11 @@ def _reached(search):
     }  # fmt: skip
 
 
+def _undamped(slider):
+    """Return whether nothing ends the bounce of a start from rest."""
+    return slider.normal_damping == 0.0 and slider.contact_damping == 0.0
+
+
 def _bouncing(search, answer):
     """Return the answer with the bounce that no damper ends as a part of its error.
 
@@ -228,7 +235,8 @@ def _bouncing(search, answer):
     )
     lost = speed_lost(problem, rest, level, search.side * answer["velocity"] / problem.speed) * problem.speed
     if not np.isfinite(lost):
-        return answer
+        message = f"{answer['message']}; how fast the slider is while it bounces without normal damping was not found"
+        return answer | {"relative_error": max(answer["relative_error"], 1.0), "message": message}
     other = answer["velocity"] + search.side * lost
     error = answer["relative_error"] + search.relative(lost, answer["velocity"])
     message = (
@@ -236,6 +244,25 @@ def _bouncing(search, answer):
         "mean: give slider.damping.normal or slider.damping.contact"
     )
     return answer | {"relative_error": error, "message": message, "other_velocity": float(other)}
+
+
+def _held_bouncing(search, answer):
+    """Return the answer of a slider that is held, with what the bounce of a start from rest, never damped, moves it."""
+    cycles = int(min(max(BOUNCES / search.ratio, SETTLE), MAX_BOUNCE_CYCLES))
+    try:
+        moved = search.side * mean_from_rest(search.slider, search.orbits, search.balance.load_sign, cycles)
+    except ConvergenceError as failed:
+        return answer | {
+            "relative_error": max(answer["relative_error"], 1.0),
+            "message": f"{answer['message']}; the bounce of a start from rest was not followed: {failed}",
+        }
+    if search.relative(moved, 0.0) <= answer["relative_error"]:
+        return answer
+    return answer | {
+        "relative_error": answer["relative_error"] + search.relative(moved, 0.0), "other_velocity": float(moved),
+        "message": f"{answer['message']}; without normal damping a start from rest goes on bouncing, at {moved:.4g} "
+                   "m/s in the mean: give slider.damping.normal or slider.damping.contact",
+    }  # fmt: skip
 
 
 def _equilibrium(slider, orbits, ratio, method):

@@ -9,7 +9,8 @@ own deformation of the contact, so the ring does not blur it.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from contact.answers.methods import (
     silence,
     stepped_refusals,
 )
+from contact.choice import Answer
 from contact.codes import Regime
 from contact.convergence import ConvergenceError
 from contact.drive import towards_plus
@@ -34,7 +36,7 @@ from contact.solve.energy import DISPLACEMENT
 from contact.solve.segment import ROW_MEAN_VELOCITY
 from contact.solve.time_stepping import steps
 
-MAX_CYCLES, STEPS_PER_CYCLE = 3_000_000, 96
+MAX_CYCLES = 3_000_000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,6 +57,8 @@ class Step:
         s from the end of the burst to the last slip; after a ring-down at least to its end.
     ring : float
         Amplitude of the ring that is left, m.
+    error : float
+        Estimated error of the displacement, m, from a second computation at another order or step size.
     """
 
     cycles: int
@@ -64,6 +68,12 @@ class Step:
     velocity: float
     stopping_time: float
     ring: float
+    error: float
+
+    @property
+    def answer(self) -> Answer:
+        """The displacement, m, with its error."""
+        return Answer(value=self.displacement, error=self.error, reasons=(f"{self.cycles} cycles from rest",))
 
 
 def step(
@@ -97,23 +107,45 @@ def step(
         raise ConvergenceError(
             "runaway", "friction cannot hold the load, so the slider never stops; lower slider.load"
         )
-    side, driven = towards_plus(listed)
+    fine, coarse = (_followed(slider, listed, cycles, envelope, after, level) for level in (FINE, COARSE))
+    return replace(fine, error=coarse.error * abs(fine.displacement - coarse.displacement))
+
+
+class _Level(NamedTuple):
+    """How finely a step is followed: by events, in fixed steps, and while the surface rings down."""
+
+    nodes: int
+    truncation: float
+    longest: float  # segment, over that of the problem
+    steps: int  # per cycle
+    ringing_steps: int
+
+
+FINE = _Level(12, 1e-10, 1.0, 96, 80)
+COARSE = _Level(10, 1e-8, 0.8, 64, 56)
+
+
+def _followed(slider, orbits, cycles, envelope, after, level):
+    """Return the step at one level; its `error` is the factor on the difference from a finer one."""
+    side, driven = towards_plus(orbits)
     problem = rest_problem(slider, driven)
+    problem = problem._replace(longest=level.longest * problem.longest)
     factor = complex(envelope.at(np.zeros(1))[0]) if envelope is not None else 1.0
-    motion = rest(slider, driven, problem, nodes=12, truncation=1e-10, factor=factor)
+    motion = rest(slider, driven, problem, nodes=level.nodes, truncation=level.truncation, factor=factor)
     unit = side * problem.length
-    travelled = _drive(slider, motion, cycles, envelope)
+    travelled, stepped = _drive(slider, motion, cycles, envelope, level.steps)
     velocity, rang, followed = float(motion.state[2]), 0.0, 0.0
     if after is not None:
-        times, rows = ring_down(slider, motion, after)
-        rang = float(times[-1]) if times.size else 0.0
+        times, rows = ring_down(slider, motion, after, least=level.ringing_steps)
+        rang, stepped = float(times[-1]) if times.size else 0.0, True
         followed = _distance(rows)
     relaxed, last, ring = _stopped(slider, motion)
     relaxed += followed
     return Step(
         cycles=cycles, displacement=unit * (travelled + relaxed), during=unit * travelled, stopping=unit * relaxed,
         velocity=side * velocity * problem.speed, stopping_time=rang + last / problem.omega,
-        ring=ring * problem.length,
+        # fixed steps are counted on with first order
+        ring=ring * problem.length, error=1.0 / (FINE.steps / COARSE.steps - 1.0) if stepped else 1.0,
     )  # fmt: skip
 
 
@@ -146,11 +178,17 @@ def cycles_for(
     wanted = bounds.positive("displacement", displacement, "m")
     known = {0: Step(cycles=0, **dict.fromkeys(Step.__annotations__.keys() - {"cycles"}, 0.0))}
 
+    def shape(number):
+        return (None, None) if envelopes is None else envelopes(number)
+
     def at(number):
         if number not in known:
-            envelope, after = (None, None) if envelopes is None else envelopes(number)
-            known[number] = step(slider, listed, cycles=number, envelope=envelope, after=after)
+            known[number] = _followed(slider, listed, number, *shape(number), FINE)
         return known[number]
+
+    def with_error(number):
+        envelope, after = shape(number)
+        return step(slider, listed, cycles=number, envelope=envelope, after=after) if number else at(0)
 
     # a few cycles leave the contacts strained, whichever way, and a wave may take longer to arrive: the motor's
     # direction shows after some more
@@ -170,20 +208,20 @@ def cycles_for(
     while high - low > 1:
         middle = (low + high) // 2
         low, high = (low, middle) if way * at(middle).displacement >= wanted else (middle, high)
-    return at(low), at(high)
+    return with_error(low), with_error(high)
 
 
-def _drive(slider, motion, cycles, envelope):
-    """Move through the burst; return the distance travelled, scaled."""
+def _drive(slider, motion, cycles, envelope, per_cycle):
+    """Move through the burst; return the distance travelled, scaled, and whether in fixed steps."""
     problem = motion.problem
     if envelope is None:
-        if cycles <= EXACT_CYCLES or stepped_refusals(slider, problem, STEPS_PER_CYCLE):
+        if cycles <= EXACT_CYCLES or stepped_refusals(slider, problem, per_cycle):
             motion.turn(cycles)
-            return float(motion.sums[DISPLACEMENT])
-        return _distance(steps(problem, motion.state, cycles, STEPS_PER_CYCLE))
-    number = shaped_steps(slider, problem, STEPS_PER_CYCLE)
+            return float(motion.sums[DISPLACEMENT]), False
+        return _distance(steps(problem, motion.state, cycles, per_cycle)), True
+    number = shaped_steps(slider, problem, per_cycle)
     shape = envelope.at(np.arange(cycles + 1) * (2.0 * math.pi / problem.omega))
-    return _distance(steps(problem, motion.state, cycles, number, envelope=shape))
+    return _distance(steps(problem, motion.state, cycles, number, envelope=shape)), True
 
 
 def _distance(rows) -> float:

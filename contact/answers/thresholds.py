@@ -17,6 +17,11 @@ slider rides higher and parts earlier. Of contacts at different heights or on di
 while others slip. There the factor is searched in the averaged balance, to 1e-5.
 
 p(z) is homogeneous: with equal heights the approach and the orbits grow by one factor, and the preload gives it.
+
+*Never*: without a load nothing moves a slider whose motion is its own mirror image a while later: waves that move the
+surface along one axis only, contacts in pairs that drive against each other. Then the threshold is infinite.
+
+The slider does answer within a cycle, by (f_n/f)^2 of the wave: that is the error of both factors (`AVERAGING_ERROR`).
 """
 
 import math
@@ -24,6 +29,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from contact.choice import Answer
 from contact.drive import towards_plus
 from contact.law.elastic import tangential_force
 from contact.orbit import Orbit, as_orbits
@@ -33,38 +39,107 @@ from contact.solve.riding import mean_load, riding_height
 from contact.solve.roots import bracketed
 
 ACCURACY = 1e-5
+# relative error of a factor over (f_n/f)^2; true: 0.5 to 1.4 (`tests/contact/test_threshold_answers.py`)
+AVERAGING_ERROR = 1.5
+# how far above the first slip of any contact a motion of the slider is looked for
+CLIMB = 100.0
+# relative difference of orbits that are alike
+ALIKE = 1e-9
 PHASES = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 512, endpoint=False))
 
 
-def threshold_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
-    """Return the factor on all orbits above which the slider starts to move.
+def threshold(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
+    """Return the factor on all orbits above which the slider starts to move, with its error.
 
-    Zero without friction, or with a load that friction cannot hold; inf without motion.
+    Zero without friction, or with a load that friction cannot hold; inf where no amplitude moves it.
 
     Parameters
     ----------
     slider, orbits
         As for `steady`; only ratios and phases of the orbits matter.
+
+    Examples
+    --------
+    >>> slider = Slider(radius=1e-3, mass=8.9e-5, preload=8.7e-4, load=0.0, friction_coefficient=0.08,
+    ...                 effective_modulus=64e9, tangential_modulus=12e9, law="elastic", reciprocal=False,
+    ...                 stick_band=0.0, contact_damping=0.0, normal_damping=0.5, tangential_damping=1e-4)
+    >>> print(threshold(slider, Orbit(frequency=2.2e6, normal=1e-9, tangential=-0.7e-9j)))
+    0.738502 +- 0.00037 (ok: cycle means)
     """
     listed = as_orbits(orbits)
     if all(orbit.normal == 0 and orbit.tangential == 0 for orbit in listed):
-        return math.inf
+        return Answer(value=math.inf, error=0.0, reasons=("there is no wave",))
     if slider.static_friction(len(listed)) <= slider.load:
-        return 0.0
+        return Answer(value=0.0, error=0.0, reasons=("friction cannot hold the load",))
+    if slider.load == 0.0 and _own_mirror_image(slider, listed):
+        return Answer(value=math.inf, error=0.0, reasons=("the wave drives both ways alike",))
     bent = bool(slider.tangential_law.bent)
     elastic = _elastic_threshold(_guess(slider) if slider.heights or bent else slider, listed)
     if slider.law == "elastic" and not (slider.reciprocal or slider.heights or bent) and _alike(listed):
-        return elastic
+        return _averaged(slider, listed, elastic)
     _, driven = towards_plus(listed)
-    return _edge(lambda k: not balanced(slider, tuple(o.scaled(k) for o in driven)).held, elastic)
+    return _averaged(
+        slider,
+        listed,
+        _edge(lambda k: not balanced(slider, tuple(o.scaled(k) for o in driven)).held, elastic),
+    )
+
+
+def threshold_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
+    """Return the value of `threshold`."""
+    return threshold(slider, orbits).value
+
+
+def release(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
+    """Return the factor on all orbits at which the first contact is lost once per cycle, with its error.
+
+    Inf without normal motion. Parameters as for `threshold`. Contacts that do not touch at rest do not count.
+    """
+    listed = as_orbits(orbits)
+    return _averaged(slider, listed, _released(slider, listed))
 
 
 def release_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
-    """Return the factor on all orbits at which the first contact is lost once per cycle; inf without normal motion.
+    """Return the value of `release`."""
+    return release(slider, orbits).value
 
-    Parameters as for `threshold_factor`. Contacts that do not touch at rest do not count.
-    """
-    listed = as_orbits(orbits)
+
+def _averaged(slider, orbits, factor):
+    """Return the answer that a factor by cycle means is."""
+    if math.isinf(factor):
+        return Answer(value=factor, error=0.0, reasons=(f"none up to {CLIMB:g} times the first slip",))
+    ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
+    relative = min(AVERAGING_ERROR * ratio**2, 1.0) + ACCURACY
+    return Answer(value=factor, error=factor * relative, reasons=("cycle means",))
+
+
+def _own_mirror_image(slider, orbits):
+    """True if the orbits with u_x negated are the same orbits some time later, of contacts of the same heights."""
+    heights = slider.offsets(len(orbits))
+    here = [np.array([o.normal, o.tangential]) for o in orbits]
+    size = max(float(np.max(np.abs(each))) for each in here)
+    turned = [np.array([o.normal, -o.tangential]) for o in orbits]
+    axis = 0 if any(o.normal != 0 for o in orbits) else 1
+    first = next(k for k, each in enumerate(here) if each[axis] != 0)
+
+    def same(shift):
+        left = list(range(len(orbits)))
+        for each, height in zip(turned, heights, strict=True):
+            match = [
+                k for k in left
+                if np.max(np.abs(here[k] - shift * each)) < ALIKE * size and abs(heights[k] - height) < 1e-15
+            ]  # fmt: skip
+            if not match:
+                return False
+            left.remove(match[0])
+        return True
+
+    shifts = [each[axis] / turned[first][axis] for each in here]
+    return any(abs(abs(shift) - 1.0) < ALIKE and same(shift / abs(shift)) for shift in shifts)
+
+
+def _released(slider, listed):
+    """Return the factor at which the first contact is lost."""
     if not slider.heights and not slider.reciprocal:
         reach = [abs(o.normal) for o in listed]
         return _factor_at(max(reach), slider, reach) if max(reach) > 0.0 else math.inf
@@ -128,7 +203,7 @@ def _factor_at(height, slider, reach):
 def _alike(orbits):
     """True if all orbits are one orbit with different phases."""
     first, *others = ((abs(o.normal), abs(o.tangential), o.normal * np.conj(o.tangential)) for o in orbits)
-    return all(np.allclose(each, first, rtol=1e-9, atol=0.0) for each in others)
+    return all(np.allclose(each, first, rtol=ALIKE, atol=0.0) for each in others)
 
 
 def _holding_margin(slider, orbits, factor):
@@ -164,10 +239,12 @@ def _falling_root(function, slider, orbits):
 
 
 def _edge(beyond, guess):
-    """Return the factor from which on `beyond` holds, at or below the guess or a little above it."""
+    """Return the factor from which on `beyond` holds, at or below the guess or above it; inf where it is not met."""
     low, high = guess, guess
     while not beyond(high):
         low, high = high, 1.1 * high
+        if high > CLIMB * guess:
+            return math.inf
     while low == high or beyond(low):
         low *= 0.8
         if low < 1e-6 * guess:

@@ -49,11 +49,12 @@ def march(
         j = n - 1 - m
         normal, tangential = normal_stiffness[j], tangential_stiffness[j]
         own = normal + (c.real * c.real + c.imag * c.imag) * tangential
-        across, back = normal + c.conjugate() ** 2 * tangential, normal + c**2 * tangential
+        across, back = normal + c.conjugate() * c.conjugate() * tangential, normal + c * c * tangential
         right = half * (forward_force[j] - own * forward[j] - across * backward[j])
         left = half * (backward_force[j] - back * forward[j] - own * backward[j])
         # behind the row, in its frame: p-_in = rho p+_out + tau, p+_out = 2 p+ - p+_in
-        seen, rest = rho * turn[j].conjugate() ** 2, tau * turn[j].conjugate()
+        after = turn[j].conjugate()
+        seen, rest = rho * after * after, tau * after
         # p+ (1 - half own) - half across p- = p+_in + right
         # -(half back + 2 seen) p+ + (1 - half own) p- = rest - seen p+_in + left
         diagonal, upper, lower = 1.0 - half * own, -half * across, -(half * back + 2.0 * seen)
@@ -69,7 +70,7 @@ def march(
         # before the row: p-_out = 2 p- - p-_in
         out = 2.0 * minus - seen * (2.0 * plus - 1.0)
         out_rest = 2.0 * minus_rest - seen * 2.0 * plus_rest - rest
-        rho, tau = out * turn[j] ** 2, out_rest * turn[j]
+        rho, tau = out * turn[j] * turn[j], out_rest * turn[j]
     here = incident[0]
     for j in range(n):
         before = here * turn[j]

@@ -117,7 +117,8 @@ class PillarMotion:
     @property
     def _work(self):
         u_z, u_x = self._surface
-        return self.first_normal * u_z.conj() + self.first_tangential * u_x.conj()
+        work = self.first_normal * u_z.conj() + self.first_tangential * u_x.conj()
+        return self.pillars.weights * work
 
     @property
     def _surface(self):
@@ -157,8 +158,29 @@ class PillarLoadLine:
 
     @property
     def velocity(self) -> np.ndarray:
-        """Velocities in m/s."""
+        """Velocities in m/s, along +x."""
         return np.array([each.velocity for each in self.motions])
+
+    @property
+    def power(self) -> np.ndarray:
+        """Mechanical powers, load times speed, W."""
+        return np.array([each.thrust_power for each in self.motions])
+
+    @property
+    def efficiency(self) -> np.ndarray:
+        """Mechanical power over what the wave gives the pillars."""
+        taken = [each.thrust_power + each.friction_power + each.damping_power for each in self.motions]
+        return np.divide(self.power, taken, out=np.zeros(len(taken)), where=np.array(taken) > 0.0)
+
+    @property
+    def relative_error(self) -> np.ndarray:
+        """Numerical errors of the velocities."""
+        return np.array([each.relative_error for each in self.motions])
+
+    @property
+    def blocked_thrust(self) -> float:
+        """The stall, as a `LoadLine` names it, N."""
+        return self.stall
 
 
 class _Slider:
@@ -169,7 +191,7 @@ class _Slider:
             loading = wave.loading_number(pillars.preload) > LOADED
         if loading and wave.compliance == 0.0:
             raise InputError("wave.compliance", "(Gamma, 1/Pa) is required where the slider loads the wave")
-        self.pillars, self.wave, self.loading = pillars, wave, bool(loading)
+        self.pillars, self.wave, self.loading = pillars, wave, bool(loading) and wave.amplitude > 0.0
         self.cycle = PillarCycle(pillars, wave, self.loading)
         self.equilibrium = Equilibrium(self.cycle)
 
@@ -193,6 +215,8 @@ class _Slider:
     def under(self, load: float) -> Balance:
         """Return the equilibrium under a load with its sign, which may be held."""
         kept = self.equilibrium.unknowns.copy()
+        if self.wave.amplitude == 0.0:
+            return self._bracketed(load)
         try:
             found = self.equilibrium.solve(load)
             if self._is_moving(found):

@@ -37,7 +37,10 @@ def speed_lost(problem: Problem, rest: float, level: float, near: float) -> floa
         cycle(problem, height, speed, rule, work)
         return float(work.means[NORMAL]), float(work.means[TANGENTIAL])
 
-    heights, weights = _half_bounce(lambda h: problem.preload - means(h, 0.0)[0], rest, level)
+    found = _half_bounce(lambda h: problem.preload - means(h, 0.0)[0], rest, level)
+    if found is None:
+        return math.nan
+    heights, weights = found
     still = _balanced_speed(problem, means, [level], [1.0], near)
     return _balanced_speed(problem, means, heights, weights, near) - still
 
@@ -64,7 +67,7 @@ def _balanced_speed(problem, means, heights, weights, near):
 
 
 def _half_bounce(force, rest, level):
-    """Return heights from one turning point to the other and their shares of the time."""
+    """Return heights from one turning point to the other and their shares of the time; None if it does not turn."""
     grid = collocation(NODES)
     tau, areas = grid.tau[SMOOTH], grid.integrals[SMOOTH, 0]
 
@@ -78,6 +81,8 @@ def _half_bounce(force, rest, level):
         far += level - rest
     far = bracketed(lambda far: bounce(far)[2][-1], level, far, tolerance=1e-12 * abs(level - rest))
     heights, forces, energy = bounce(far)
+    if not np.all(energy[1:-1] > 0.0):
+        return None
     # dt = dh/h' with h = rest + (far - rest) (1 - cos theta)/2; at the ends h' vanishes with sin theta
     weights = np.sin(np.linspace(0.0, np.pi, NODES))
     weights[1:-1] /= np.sqrt(energy[1:-1])

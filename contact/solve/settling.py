@@ -20,7 +20,6 @@ import numpy as np
 
 from contact.codes import Tangential
 from contact.convergence import ConvergenceError
-from contact.drive import reference_speed
 from contact.kinematics import at_phase, tangential_amplitude
 from contact.orbit import Orbit
 from contact.problem import largest_resonance, scaled
@@ -40,9 +39,10 @@ PERIODS, REPEATS = 12, 1e-9
 CLOSE = 1e-5
 # largest difference of two velocities, over the reference speed, that are those of one motion
 SAME = 1e-3
-# Cycles within which a transient is no matter of chance; e-foldings after which a departure has died out, and the
-# slowest that is waited for, cycles (a second in fixed steps)
-REGULAR, SURELY, MAX_SETTLING = 200, 8.0, 100_000
+# Cycles within which a transient is no matter of chance, and within which an irregular one has ended for two starts, so
+# that it hardly lasts ten times as long for a third; e-foldings after which a departure has died out, and the slowest
+# that is waited for, cycles (a second in fixed steps)
+REGULAR, IRREGULAR, SURELY, MAX_SETTLING = 200, 1000, 8.0, 100_000
 # cycles without any slip after which every contact sticks for good: some periods of the bounce
 STUCK_CYCLES = 64
 # fixed steps for that: per cycle, and the largest change of the contact's oscillation in one
@@ -104,11 +104,35 @@ def long_run(slider: Slider, orbits: tuple[Orbit, ...], direction: float) -> Lon
     rate = _relaxation(problem)
     _refuse_unless_affordable(problem, rate)
     first = _followed(problem, begin, rate)
-    if first.period or first.sticks:
+    settled = first.period or first.sticks
+    if settled and first.passed <= REGULAR:
         return first
     second = _followed(problem, _beside(begin), rate)
-    other = second if second.period or second.sticks else first
-    return replace(other, error=max(first.error, second.error, abs(first.speed - second.speed)), starts=2)
+    apart = abs(first.speed - second.speed)
+    if not settled:
+        other = second if second.period or second.sticks else first
+        return replace(other, error=max(first.error, second.error, apart), starts=2)
+    if _together(first, second, _same(first.speed, problem)):
+        return first
+    # an irregular transient, or several motions to settle to: the mean before is what a start may go on with
+    doubt = max(abs(first.transient - first.speed), abs(second.transient - first.speed), apart)
+    return replace(first, error=first.error + doubt, starts=2)
+
+
+def mean_from_rest(slider: Slider, orbits: tuple[Orbit, ...], direction: float, cycles: int) -> float:
+    """Return the mean velocity in m/s over the second half of so many cycles from rest, followed event by event."""
+    problem, begin = _started(slider, orbits, direction)
+    _refuse_unless_affordable(problem, math.inf)
+    motion = Motion(problem, grid=collocation(10), truncation=1e-7)
+    motion.place(*begin[:3], begin[3:])
+    rows = motion.turn(cycles, stride=1)
+    return float(np.mean(rows[cycles // 2 :, ROW_MEAN_VELOCITY])) * problem.speed
+
+
+def _same(speed, problem):
+    """Return the difference of two mean velocities that are those of one motion, scaled."""
+    reach = float(np.max(tangential_amplitude(problem.paths, np.arange(problem.contacts))))
+    return SAME * max(abs(speed), reach / 10.0)
 
 
 def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, found: Periodic) -> Reached:
@@ -116,8 +140,8 @@ def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, found: 
     target = found.motion.copy()
     target.move(0.0, 0.5 * math.pi, np.empty(0))  # from the trough of u_z to its upward zero
     problem, begin = _started(slider, orbits, balance.load_sign)
-    unit = reference_speed(found.speed * problem.speed, orbits) / problem.speed
-    near = Near(target.state, found.speed, SAME * unit, found.growth)
+    same = _same(found.speed, problem)
+    unit, near = same / SAME, Near(target.state, found.speed, same, found.growth)
     rate = _relaxation(problem)
     try:
         _refuse_unless_affordable(problem, math.inf)
@@ -128,7 +152,7 @@ def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, found: 
     except ConvergenceError as failed:
         return Reached(doubt=unit, reason=f"whether a slider from rest comes to it was not seen: {failed}")
     if first.arrived and second.arrived:
-        if _together(first, second, near):
+        if _together(first, second, near.same):
             return Reached()
         late = first if first.passed > second.passed else second
         return _irregular(late, second.passed + first.passed - late.passed, unit, found.speed)
@@ -148,10 +172,12 @@ def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, found: 
     return Reached(doubt=doubt, reason=reason, speed=later[0] if later else run.speed)
 
 
-def _together(first, second, near):
-    """Return whether two runs from almost the same start stay together all the way."""
+def _together(first, second, same):
+    """Return whether two runs from almost the same start settle to one motion, side by side or before long."""
     both = min(first.velocities.size, second.velocities.size)
-    return float(np.max(np.abs(first.velocities[:both] - second.velocities[:both]))) <= near.same
+    apart = float(np.max(np.abs(first.velocities[:both] - second.velocities[:both])))
+    soon = max(first.passed, second.passed) <= IRREGULAR and abs(first.speed - second.speed) <= same
+    return apart <= same or (soon and bool(second.period or second.sticks))
 
 
 def _irregular(run, other, unit, speed):
@@ -206,8 +232,9 @@ def _followed(problem, begin, rate, near=None):
         quiet = quiet + block if motion.sticks else 0
         if quiet >= STUCK_CYCLES:
             return LongRun(
-                speed=0.0, error=0.0, period=0, sticks=True, cycles=block, passed=passed, motion=motion
-            )
+                speed=0.0, error=0.0, period=0, sticks=True, cycles=block, passed=passed, motion=motion,
+                velocities=rows[:, ROW_VELOCITY],
+            )  # fmt: skip
         if near is not None and _arrived(rows, near):
             return _arrival(motion, rows, passed, near)
         period, gap = _period(rows)

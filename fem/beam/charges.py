@@ -4,8 +4,7 @@ The reactions of the potential at the surface's nodes are summed over the column
 outside follows from the sum over the nodes of charge times the response of the bare surface.
 """
 
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +12,7 @@ import numpy as np
 from fem.discretize.spectral import gll_nodes
 from fem.results.evaluation import column_fields
 from fem.results.solution import Solution
+from fem.waveguide.network import Sheet
 
 SAME_NODE = 1e-9  # length units: nodes of neighbouring columns that are nearer are one
 MAX_PHASE, TERMS = 3.0, 28  # across half a finger, and of the Taylor series then: rounding
@@ -53,35 +53,16 @@ class Fingers(NamedTuple):
         return np.tensordot(self.moments, series, axes=1)
 
 
-@dataclass(frozen=True, kw_only=True)
-class ElectrodeCharges:
-    """Charges on the fingers of one transducer.
+class ChargeSheet(NamedTuple):
+    """Charges that are uniform over |y - center| < length / 2; as of `ElectrodeCharges`."""
 
-    Attributes
-    ----------
-    x : ndarray, shape (nodes,)
-        m from the stator's left end, increasing.
-    charge : ndarray, shape (nodes,)
-        C per metre of aperture, per volt of the source; complex.
-    finger : ndarray of int, shape (nodes,)
-        Number of the finger.
-    """
+    x: np.ndarray
+    charge: np.ndarray
+    finger: np.ndarray
+    length: float
+    center: float
 
-    x: np.ndarray = field(repr=False)
-    charge: np.ndarray = field(repr=False)
-    finger: np.ndarray = field(repr=False)
-
-    def transform(self, wavenumbers: np.ndarray, origin: float) -> np.ndarray:
-        """T(k) = sum_j q_j exp(i k (x_j - x_0)) in C/m per V, for k in rad/m of any shape and x_0 = ``origin`` in m."""
-        k, fingers = np.asarray(wavenumbers), Fingers.of(self.x, self.charge, self.finger)
-        out = np.empty(k.shape, dtype=complex)
-        slow = fingers.phase(k) < MAX_PHASE
-        phases = np.exp(1j * np.multiply.outer(fingers.middles - origin, k[slow]))
-        out[slow] = np.sum(fingers.sums(k[slow]) * phases, axis=0)
-        out[~slow] = np.exp(1j * np.multiply.outer(k[~slow], self.x - origin)) @ self.charge
-        return out
-
-    @cached_property
+    @property
     def lumps(self) -> tuple[np.ndarray, np.ndarray]:
         """Places (m) and charges of three lumps per finger with its charge, dipole and spread: for static fields."""
         fingers = Fingers.of(self.x, self.charge, self.finger)
@@ -92,6 +73,56 @@ class ElectrodeCharges:
         places = np.add.outer(np.array([-1, 0, 1]), np.zeros(len(half))) * half + fingers.middles
         charges = np.stack([(spread - dipole) / 2, total - spread, (spread + dipole) / 2])
         return places.ravel(), charges.ravel()
+
+
+@dataclass(frozen=True, kw_only=True)
+class ElectrodeCharges:
+    """Charges on the fingers of one transducer.
+
+    Attributes
+    ----------
+    x : ndarray, shape (nodes,)
+        m from the stator's left end, increasing.
+    charge : ndarray, shape (nodes,)
+        C per metre of aperture, per volt of the source; complex; uniform along the whole aperture.
+    finger : ndarray of int, shape (nodes,)
+        Number of the finger.
+    steps : tuple of (float, ndarray)
+        Length along y (m) of charges that are uniform over a shorter part in the middle, and these charges, (nodes,).
+    """
+
+    x: np.ndarray = field(repr=False)
+    charge: np.ndarray = field(repr=False)
+    finger: np.ndarray = field(repr=False)
+    steps: tuple[tuple[float, np.ndarray], ...] = field(default=(), repr=False)
+
+    def transform(self, wavenumbers: np.ndarray, origin: float) -> np.ndarray:
+        """T(k) = sum_j q_j exp(i k (x_j - x_0)) in C/m per V, for k in rad/m of any shape and x_0 = ``origin`` in m.
+
+        Of the charge that is uniform along the whole aperture.
+        """
+        k, fingers = np.asarray(wavenumbers), Fingers.of(self.x, self.charge, self.finger)
+        out = np.empty(k.shape, dtype=complex)
+        slow = fingers.phase(k) < MAX_PHASE
+        phases = np.exp(1j * np.multiply.outer(fingers.middles - origin, k[slow]))
+        out[slow] = np.sum(fingers.sums(k[slow]) * phases, axis=0)
+        out[~slow] = np.exp(1j * np.multiply.outer(k[~slow], self.x - origin)) @ self.charge
+        return out
+
+    def plane_transform(self, vector: np.ndarray, aperture: float, origin: float) -> np.ndarray:
+        """Charges over the plane at wave vectors (k_x, k_y), shape (2, n), about their middle, in C per V."""
+        return sum(
+            replace(self, charge=charge, steps=()).transform(vector[0], origin)
+            * (length * np.sinc(vector[1] * length / (2 * np.pi)))
+            for length, charge in ((aperture, self.charge), *self.steps)
+        )
+
+    def sheets(self, aperture: float, center: float) -> list[ChargeSheet]:
+        """Uniform charges that add up to these, for the aperture and its middle in m."""
+        return [
+            ChargeSheet(self.x, charge, self.finger, length, center)
+            for length, charge in ((aperture, self.charge), *self.steps)
+        ]
 
 
 def electrode_charges(solution: Solution, index: int) -> ElectrodeCharges:
@@ -107,6 +138,31 @@ def electrode_charges(solution: Solution, index: int) -> ElectrodeCharges:
     -------
     ElectrodeCharges
     """
+    if not solution.fields.sheets:
+        return ElectrodeCharges(
+            **dict(zip(("x", "charge", "finger"), _node_charges(solution, index), strict=True))
+        )
+    sheets = solution.fields.sheets[index]
+    found = [_sheet_charges(solution, index, each) for each in sheets]
+    (x, charge, finger), lengths = found[0], [each.length for each in sheets]
+    steps = tuple((length, each[1]) for length, each in zip(lengths[1:], found[1:], strict=True))
+    return ElectrodeCharges(x=x, charge=charge, finger=finger, steps=steps)
+
+
+def _sheet_charges(solution: Solution, index: int, sheet: Sheet) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Places and charges of a sheet's nodes, its added dipoles included, and the number of their fingers."""
+    sides = tuple(sheet.sides if at == index else each for at, each in enumerate(solution.fields.sides))
+    nodes = _node_charges(replace(solution, fields=replace(solution.fields, sides=sides)), index)
+    section = solution.fields.section
+    unit = -section.solid.stress_unit / section.solid.potential_unit * section.length_unit
+    added = unit * (sheet.dipoles @ solution.circuit.voltages)
+    if not len(added):
+        return nodes
+    return _with_dipoles(*nodes, solution.fields.transducers[index].signs.replace("0", ""), added)
+
+
+def _node_charges(solution: Solution, index: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Places of the nodes on metal in m, their charges in C/m and the numbers of their fingers."""
     section = solution.fields.section
     places, reactions, metal = [], [], []
     for recovery, starts, sides in column_fields(solution, index):
@@ -125,13 +181,7 @@ def electrode_charges(solution: Solution, index: int) -> ElectrodeCharges:
     covered = np.logical_or.reduceat(on_metal, first)
     finger = np.cumsum(np.diff(covered.astype(int), prepend=0) == 1)
     unit = -section.solid.stress_unit / section.solid.potential_unit
-    x, charge, finger = place[first][covered], unit * charge[covered], finger[covered]
-    if solution.fields.dipoles and len(solution.fields.dipoles[index]):
-        added = solution.fields.dipoles[index] @ solution.circuit.voltages * (unit * section.length_unit)
-        x, charge, finger = _with_dipoles(
-            x, charge, finger, solution.fields.transducers[index].signs.replace("0", ""), added
-        )
-    return ElectrodeCharges(x=x, charge=charge, finger=finger)
+    return place[first][covered], unit * charge[covered], finger[covered]
 
 
 def _with_dipoles(x, charge, finger, signs: str, dipoles: np.ndarray):

@@ -123,6 +123,17 @@ class CrossedBeam:
                 total = total + abs(beam.motion(np.clip(s, 0.0, row.stator.length), t)[2])
         return total
 
+    def charge_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray | None:
+        """As of `SurfaceBeam`, of all beams together."""
+        total, x, y = 0.0, np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+        for row, beam in self._moving:
+            s, t = row.local(x, y)
+            own = beam.charge_error(s, t)
+            if own is None:
+                return None
+            total = total + own * abs(beam.motion(s, t)[2])
+        return total / abs(self.motion(x, y)[2])
+
     def shadowed(self, slowing: float) -> float:
         """Sum of u_z at the transducers of other rows, m per V, times the phase that their metal gives the beams.
 

@@ -87,8 +87,12 @@ class LineSource:
     @property
     def surface_mode(self) -> "LineSource":
         """The surface wave alone."""
+        return self.some(self.surface)
+
+    def some(self, modes: np.ndarray) -> "LineSource":
+        """Only some of the modes, without the pole at k = 0."""
         fields = ("surface", "wavenumbers", "amplitudes", "tangential", "normal", "potential")
-        kept = {name: getattr(self, name)[self.surface] for name in fields}
+        kept = {name: getattr(self, name)[modes] for name in fields}
         return LineSource(**kept, static=0.0, slope=0.0)
 
     def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:

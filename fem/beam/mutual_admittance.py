@@ -75,7 +75,7 @@ def mutual_admittance(
             lateral = side * contour.nodes
             vector = np.outer(forward, kappa) + np.outer(across, lateral)
             sent = [
-                _transform(sign * (turn(angle) @ vector), each.aperture, origin, own)
+                own.plane_transform(sign * (turn(angle) @ vector), each.aperture, origin)
                 for sign, angle, each, origin, own in zip(
                     (1, -1), angles, plan, origins, charges, strict=True
                 )
@@ -85,8 +85,3 @@ def mutual_admittance(
                 contour.weights / 2 * (k[number] / kappa) * sent[0] * sent[1] * phase
             )
     return complex(-2j * np.pi * modes.frequency * total)
-
-
-def _transform(vector: np.ndarray, aperture: float, origin: float, charges: ElectrodeCharges) -> np.ndarray:
-    """Charges over the plane at wave vectors (k_s, k_t), about their middle, in C per V."""
-    return charges.transform(vector[0], origin) * aperture * np.sinc(vector[1] * aperture / (2 * np.pi))

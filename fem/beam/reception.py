@@ -1,7 +1,8 @@
-"""Transducers that receive the mean of a beam over their aperture, and send their own in turn.
+"""Transducers that receive a beam along their fingers, and send their own in turn.
 
 In the section a transducer sends waves of amplitude c_p, and another one at a distance L (from middle to middle)
-receives c_p exp(-i k_p L).  Fingers of the lengths W_i and W_j receive B_ij,p times as much,
+receives c_p exp(-i k_p L).  Charges that are uniform over the lengths W_i and W_j along y (sheets, own_aperture.py)
+receive B_ij,p times as much,
 
     B_ij,p = int dk_y / 2 pi  W_i sinc(k_y W_i / 2) sinc(k_y W_j / 2) (k_p / kappa_p) exp(-i (kappa_p - k_p) L)
 
@@ -11,28 +12,40 @@ Massless fingers scatter by their charges alone: what a transducer sends for an 
 less the wave that passes, and the waves of all others pass it as they pass a bare surface.  W_j B_ij,p does not change
 when i and j are exchanged, so the admittance matrix stays symmetric.
 
-A transducer's response to its own charges is that of own_aperture.py.  Limits: solids isotropic about z, absorbing
-ends; elsewhere transducers receive, and respond to their own charges, as in the section.  How a transducer weighs a
-wave along its length is the section's.
+One transducer: with q_b the charges of sheet b, a_b the arriving waves' amplitudes and U_b the potentials of the
+fingers that would make q_b in the section, O the sheets' overlap, D of own_aperture.py and V the ports' potentials,
+
+    q_b = Q_a a_b + Q_U U_b,    sum_b O_cb U_b - sum_b D_cb q_b = L_c V  for all sheets c,
+
+Q_a and Q_U the section's.  An arriving beam phi(y) counts by its projection on the sheets f_c, sum_b O_cb a_b =
+int f_c phi dy.
+
+Limits: solids isotropic about z, absorbing ends; elsewhere transducers receive, and respond to their own charges, as in
+the section.  Open strips are as in the section.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import combinations
+from threading import Lock
 
 import numpy as np
 
 from fem.beam.lateral import evanescent, lateral_rule
 from fem.beam.line_source import line_source
-from fem.beam.own_aperture import finger_coupling, polarisability
+from fem.beam.own_aperture import MAX_UNKNOWNS, Coupling, finger_coupling, sheet_lengths
 from fem.condense.transducer import finger_ports
+from fem.discretize.spectral import chebyshev_nodes, lagrange_weights
 from fem.geometry import Stator, Transducer
 from fem.input_error import InputError
 from fem.materials import isotropic_about_normal
-from fem.waveguide.network import Network, PortSolution, Scatterer
+from fem.waveguide.modes import guided_modes
+from fem.waveguide.network import Network, PortSolution, Scatterer, Sheet
 from fem.waveguide.port_fields import PortFields, Solve, connected
 
-SHORTEST = 0.5  # aperture over wavelength: shorter fingers are no line sources, and their charges vary all along them
+SHORTEST = 0.5  # aperture over wavelength: shorter fingers are no line sources
+MAX_WAVES = 3000  # that transducers send one another: two per sheet and mode
+LEAST_NODES, NODES_PER_SWING = 5, 1.2  # of an interpolation over a band: 1e-5 of the admittance
 
 
 def refuse_short_apertures(transducers: tuple[Transducer, ...], wavelength: float) -> None:
@@ -51,8 +64,8 @@ def refuse_short_apertures(transducers: tuple[Transducer, ...], wavelength: floa
 
 def aperture_coupling(
     wavenumbers: np.ndarray,
-    sender: float,
-    receiver: float,
+    sender: float | np.ndarray,
+    receiver: float | np.ndarray,
     distance: float,
     mirror_width: float | None = None,
     offset: float = 0.0,
@@ -63,8 +76,8 @@ def aperture_coupling(
     ----------
     wavenumbers : ndarray, shape (modes,)
         k_p of waves to the right, rad/m.
-    sender, receiver : float
-        Apertures in m.
+    sender, receiver : float or ndarray
+        Apertures in m, one or several.
     distance : float
         m.
     mirror_width : float, optional
@@ -74,26 +87,30 @@ def aperture_coupling(
 
     Returns
     -------
-    ndarray, shape (modes,)
+    ndarray, shape (*receivers, *senders, modes)
     """
     highest = float(np.sqrt((wavenumbers**2).real.max()))
-    reach = (sender + receiver) / 2 + abs(offset)
+    reach = (np.max(sender) + np.max(receiver)) / 2 + abs(offset)
     rule = lateral_rule(highest, reach, evanescent(highest, distance), mirror_width)
-    out = np.empty(len(wavenumbers), dtype=complex)
+    out = np.empty((*np.shape(receiver), *np.shape(sender), len(wavenumbers)), dtype=complex)
     for some, one, sign in ((wavenumbers.real >= 0, rule, 1), (wavenumbers.real < 0, rule.conjugate, -1)):
         k = wavenumbers[some, None]
         along = sign * np.sqrt(k**2 - one.nodes**2)
-        both = (
-            sender
-            * np.prod([np.sinc(one.nodes * each / (2 * np.pi)) for each in (sender, receiver)], axis=0)
-            * np.cos(one.nodes * offset)
+        waves = k / along * np.exp(-1j * (along - k) * distance) * (one.weights * np.cos(one.nodes * offset))
+        sent, received = (
+            np.sinc(np.multiply.outer(each, one.nodes / (2 * np.pi))) for each in (sender, receiver)
         )
-        out[some] = (k / along * np.exp(-1j * (along - k) * distance)) @ (both * one.weights)
+        sent = sent * np.asarray(sender)[..., None]
+        both = (
+            np.expand_dims(received, tuple(range(np.ndim(receiver), np.ndim(receiver) + np.ndim(sender))))
+            * sent
+        )
+        out[..., some] = both @ waves.T
     return out
 
 
-def with_apertures(fields: PortFields, mirror_width: float | None = None) -> PortFields:
-    """Solve the ports of a stator again, the waves and each transducer's own field averaged over its aperture.
+def with_apertures(fields: PortFields, mirror_width: float | None = None, fineness: int = 0) -> PortFields:
+    """Solve the ports of a stator again for fingers of finite length, along which the charges vary.
 
     Parameters
     ----------
@@ -101,6 +118,8 @@ def with_apertures(fields: PortFields, mirror_width: float | None = None) -> Por
         Of the section.
     mirror_width : float, optional
         Of two reflecting side faces, m.
+    fineness : int
+        How many of the finer sets of steps along the fingers are left out.
 
     Returns
     -------
@@ -109,22 +128,113 @@ def with_apertures(fields: PortFields, mirror_width: float | None = None) -> Por
         the potential of every finger that would make its charge in the section.  Beyond the limits above the fields as
         they are.
     """
-    solve = aperture_solver(fields.stator, mirror_width)
+    solve = aperture_solver(fields.stator, mirror_width, fineness)
     if solve is None:
         return fields
     network, solution = solve(fields.network, fields.transducers)
     return connected(fields.stator, fields.transducers, network, solution, resolution=fields.resolution)
 
 
-def aperture_solver(stator: Stator, mirror_width: float | None = None) -> Solve | None:
-    """What solves a stator's network for finite apertures; None beyond the limits above."""
+def aperture_solver(
+    stator: Stator,
+    mirror_width: float | None = None,
+    fineness: int = 0,
+    limits: tuple[float, float] | None = None,
+) -> Solve | None:
+    """What solves a stator's network for finite apertures; None beyond the limits above.
+
+    ``limits``: lowest and highest frequency (Hz) of a band at many frequencies of which it will be asked.
+    """
     if stator.pieces or stator.ends != "absorbing" or not isotropic_about_normal(stator.solid):
         return None
-    return partial(_solved, mirror_width=mirror_width)
+    return partial(_solved, OwnApertures(mirror_width, limits), fineness=fineness)
+
+
+class OwnApertures:
+    """Coupling of transducers' fingers by `finger_coupling`, interpolated over a band of frequencies if there is one.
+
+    The modes of a band's reduced lines do not resolve the field near the fingers: those of the full section serve.
+    """
+
+    def __init__(self, mirror_width: float | None, limits: tuple[float, float] | None):
+        self.mirror_width, self.limits = mirror_width, limits
+        self._at_nodes: dict[tuple, tuple] = {}
+        self._lock = Lock()
+
+    def coupling(self, network: Network, transducer: Transducer, lengths: np.ndarray) -> Coupling:
+        """At the network's frequency."""
+        section, frequency = network.modes.section, network.modes.frequency
+        section = getattr(section, "full", section)
+        if self.limits is None:
+            modes = network.modes if section is network.modes.section else guided_modes(section, frequency)
+            return finger_coupling(line_source(modes), transducer, lengths, self.mirror_width)
+        key = id(section), transducer, tuple(lengths)
+        with self._lock:
+            if key not in self._at_nodes:
+                wavenumber = abs(network.modes.wavenumbers[network.modes.rayleigh[0]]) / section.length_unit
+                self._at_nodes[key] = (
+                    section,
+                    *self._solved(section, transducer, lengths, wavenumber / frequency),
+                )
+        _, nodes, values = self._at_nodes[key]
+        weights = lagrange_weights(nodes, frequency)
+        return Coupling(*(np.tensordot(weights, each, axes=1) for each in values))
+
+    def _solved(
+        self, section, transducer: Transducer, lengths: np.ndarray, slowness: float
+    ) -> tuple[np.ndarray, list]:
+        """Nodes in Hz, and the couplings' parts there; ``slowness``: wavenumber over frequency, rad s/m."""
+        low, high = self.limits
+        farthest = np.hypot(np.diff(transducer.extent).item(), transducer.aperture)
+        swing = slowness * farthest * (high - low) / 2  # of a wave's phase, over half the band
+        nodes = chebyshev_nodes(low, high, int(np.ceil(LEAST_NODES + NODES_PER_SWING * swing)))
+        at = [
+            finger_coupling(
+                line_source(guided_modes(section, float(each))), transducer, lengths, self.mirror_width
+            )
+            for each in nodes
+        ]
+        return nodes, [np.stack(each) for each in zip(*at, strict=True)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Response:
+    """A transducer's response to the waves that arrive on each of its sheets, and to its ports.
+
+    Columns: of every sheet the modes from the left, then those from the right; the ports.
+    """
+
+    scatterer: Scatterer
+    lengths: np.ndarray
+    arriving: np.ndarray = field(repr=False)  # (2 n, 2 modes): a unit of each mode on the lines
+    lines: np.ndarray = field(repr=False)  # (2 n, 2 modes + fingers), of the section
+    potentials: np.ndarray = field(repr=False)  # U, (sheets, fingers, columns)
+    sent: np.ndarray = field(repr=False)  # (sheets 2 modes, columns): amplitudes to the right and to the left
+    dipoles: np.ndarray = field(repr=False)  # (sheets, fingers, columns), beyond the section's
+
+    def sheets(self, weights: np.ndarray) -> tuple[Sheet, ...]:
+        """Fields of the sheets for the columns' ``weights``, (columns, ports)."""
+        waves = weights[: len(self.sent)].reshape(len(self.lengths), -1, weights.shape[1])
+        potentials, dipoles = self.potentials @ weights, self.dipoles @ weights
+        return tuple(
+            Sheet(
+                length=float(length),
+                sides=np.concatenate(
+                    [self.lines @ np.concatenate([waves[at], potentials[at]]), potentials[at]]
+                ),
+                dipoles=dipoles[at],
+            )
+            for at, length in enumerate(self.lengths)
+        )
+
+    def incoming(self, weights: np.ndarray) -> np.ndarray:
+        """Mean over the aperture of what arrives on both lines, (2 n, ports)."""
+        waves = weights[: len(self.sent)].reshape(len(self.lengths), -1, weights.shape[1])
+        return self.arriving @ np.tensordot(self.lengths / self.lengths[0], waves, axes=1)
 
 
 def _solved(
-    network: Network, transducers: tuple[Transducer, ...], mirror_width: float | None
+    own_apertures: OwnApertures, network: Network, transducers: tuple[Transducer, ...], *, fineness: int
 ) -> tuple[Network, PortSolution]:
     """The network with a potential for every finger, and the fields of its ports."""
     section = network.modes.section
@@ -132,49 +242,46 @@ def _solved(
     refuse_short_apertures(transducers, 2 * np.pi / surface)
     segments = network.segments[1:-1]
     kept = network.survivors(float(np.diff(segments, axis=1).min())) if len(segments) else np.empty(0, int)
-    m = len(kept)
-    travel = _travel(network, transducers, kept, mirror_width)
-    source = line_source(network.modes)
-    # V per C/m, over charge and charge, charge and dipole, dipole and dipole, to scaled ones
-    units = section.solid.stress_unit / section.solid.potential_unit**2 * section.length_unit ** np.arange(3)
-    scatterers, responses, done = [], [], {}
-    for plain, transducer in zip(network.scatterers, transducers, strict=True):
-        if id(plain) not in done:
-            done[id(plain)] = _by_fingers(plain, transducer.signs)
-        scatterer, dipoles = done[id(plain)]
-        if (id(plain), transducer.aperture) not in done:
-            change = [*finger_coupling(source, transducer, mirror_width)]
-            change = [unit * each for unit, each in zip(units, change, strict=True)]
-            change.append(-polarisability(source, transducer.finger_width) / units[2])
-            done[id(plain), transducer.aperture] = _response(scatterer, dipoles, kept, change)
-        scatterers.append(scatterer)
-        responses.append(done[id(plain), transducer.aperture])
-    network = replace(network, scatterers=tuple(scatterers))
+    most = MAX_WAVES // max(2 * len(kept) * len(transducers), 1)
+    lengths = []
+    for each in transducers:
+        fingers = max(sum(sign in "+-" for sign in each.signs), 1)
+        limit = {} if len(transducers) == 1 else {"most": min(MAX_UNKNOWNS, most * fingers)}
+        lengths.append(sheet_lengths(each, fineness, **limit))
+    travel = _travel(network, transducers, kept, lengths, own_apertures.mirror_width)
+    responses, done = [], {}
+    for plain, transducer, own in zip(network.scatterers, transducers, lengths, strict=True):
+        key = id(plain), transducer.aperture
+        if key not in done:
+            change = own_apertures.coupling(network, replace(transducer, name="", center=0.0), own)
+            done[key] = _response(plain, transducer.signs, kept, own, change)
+        responses.append(done[key])
+    network = replace(network, scatterers=tuple(each.scatterer for each in responses))
+    first = np.cumsum([0, *(len(each.sent) for each in responses)])
     coupling = np.zeros_like(travel)
-    for index, (_, _, sent, _) in enumerate(responses):
-        mine = slice(2 * m * index, 2 * m * (index + 1))
-        coupling[mine] = sent[:, : 2 * m] @ travel[mine]
-    volts = np.split(np.eye(network.ports), np.cumsum([each.potentials.shape[1] for each in scatterers])[:-1])
+    for each, start, stop in zip(responses, first, first[1:], strict=False):
+        coupling[start:stop] = each.sent[:, : stop - start] @ travel[start:stop]
+    counts = [each.scatterer.potentials.shape[1] for each in responses]
+    volts = np.split(np.eye(network.ports), np.cumsum(counts)[:-1])
     by_ports = np.concatenate(
-        [sent[:, 2 * m :] @ own for (_, _, sent, _), own in zip(responses, volts, strict=True)]
+        [each.sent[:, len(each.sent) :] @ own for each, own in zip(responses, volts, strict=True)]
     )
     arriving = travel @ np.linalg.solve(np.eye(len(coupling)) - coupling, by_ports)
-    sides, incoming, charges, dipoles = [], [], [], []
-    for scatterer, (lines, comes, _, added), own, waves in zip(
-        scatterers, responses, volts, np.split(arriving, len(responses)), strict=True
-    ):
+    sides, incoming, charges, sheets = [], [], [], []
+    for each, own, waves in zip(responses, volts, np.split(arriving, first[1:-1]), strict=True):
         weights = np.concatenate([waves, own])
-        sides.append(lines @ weights)
-        incoming.append(comes @ weights)
-        dipoles.append(added @ weights)
-        charges.append(scatterer.charge(*np.split(sides[-1], [2 * section.size])))
+        sheets.append(each.sheets(weights))
+        shares = each.lengths / each.lengths[0]
+        sides.append(sum(share * sheet.sides for share, sheet in zip(shares, sheets[-1], strict=True)))
+        incoming.append(each.incoming(weights))
+        charges.append(each.scatterer.charge(*np.split(sides[-1], [2 * section.size])))
     solution = PortSolution(
         sides=tuple(sides),
         incoming=tuple(incoming),
         charges=np.concatenate(charges),
         coupling=coupling,
-        waves=np.tile(kept, 2 * len(responses)),
-        dipoles=tuple(dipoles),
+        waves=np.concatenate([np.tile(kept, 2 * len(each)) for each in lengths]),
+        sheets=tuple(sheets),
         own_apertures=True,
     )
     return network, solution
@@ -189,71 +296,115 @@ def _by_fingers(scatterer: Scatterer, signs: str) -> tuple[Scatterer, np.ndarray
 
 
 def _travel(
-    network: Network, transducers: tuple[Transducer, ...], kept: np.ndarray, mirror_width
+    network: Network,
+    transducers: tuple[Transducer, ...],
+    kept: np.ndarray,
+    lengths: list[np.ndarray],
+    mirror_width: float | None,
 ) -> np.ndarray:
-    """Amplitudes that arrive from those that are sent: of each transducer, to the right, then to the left."""
+    """Amplitudes that arrive from those that are sent: of each transducer and sheet, to the right, then to the left."""
     modes, unit, m = network.modes, network.modes.section.length_unit, len(kept)
     edges = [
         (place, place + each.superelement.width)
         for place, each in zip(network.places, network.scatterers, strict=True)
     ]
-    out = np.zeros((2 * m * len(edges), 2 * m * len(edges)), dtype=complex)
+    first = np.cumsum([0, *(2 * m * len(each) for each in lengths)])
+    out = np.zeros((first[-1], first[-1]), dtype=complex)
+    overlaps = [np.minimum.outer(each, each) / each[:, None] for each in lengths]
     for one, other in combinations(range(len(edges)), 2):
-        (first, last), (left, right), pair = edges[one], edges[other], (transducers[one], transducers[other])
+        (left, last), pair = (edges[other][0], edges[one][1]), (transducers[one], transducers[other])
         to_other = aperture_coupling(
             modes.wavenumbers[kept] / unit,
-            pair[0].aperture,
-            pair[1].aperture,
-            (left + right - first - last) / 2 * unit,
+            lengths[one],
+            lengths[other],
+            (sum(edges[other]) - sum(edges[one])) / 2 * unit,
             mirror_width,
             pair[1].center_y - pair[0].center_y,
         )
-        to_one = to_other * (pair[1].aperture / pair[0].aperture)
+        to_one = np.swapaxes(to_other * (lengths[other][:, None] / lengths[one])[..., None], 0, 1)
         for sender, receiver, shares, phase in (
             (one, other, to_other, modes.wavenumbers[kept] * (left - last)),
             (other, one, to_one, modes.backwards[kept] * (last - left)),
         ):
-            rows, columns = (
-                np.arange(m) + m * (2 * each + (sender > receiver)) for each in (receiver, sender)
-            )
-            out[rows, columns] = shares * np.exp(-1j * phase)
+            shares = np.tensordot(
+                np.linalg.inv(overlaps[receiver]), shares, axes=1
+            )  # amplitudes of the sheets
+            block = out[first[receiver] : first[receiver + 1], first[sender] : first[sender + 1]]
+            block = block.reshape(len(lengths[receiver]), 2, m, len(lengths[sender]), 2, m)
+            way, each = int(sender > receiver), np.arange(m)
+            block[:, way, each, :, way, each] = np.moveaxis(shares * np.exp(-1j * phase), 2, 0)
     return out
 
 
 def _response(
-    scatterer: Scatterer, dipoles: np.ndarray, kept: np.ndarray, change: tuple[np.ndarray, ...]
-) -> tuple[np.ndarray, ...]:
-    """Response to each mode from the left and from the right, and to each port.
-
-    Lines with the fingers' potentials in the section, what arrives there, amplitudes sent, and dipoles beyond the
-    section's.  ``dipoles`` of the fingers by the sides, ``change`` of their potentials by charges and dipoles, scaled.
-    """
+    plain: Scatterer, signs: str, kept: np.ndarray, lengths: np.ndarray, change: Coupling
+) -> _Response:
+    """Response of a transducer from the section's."""
+    scatterer, moments = _by_fingers(plain, signs)
     modes, width = scatterer.modes, scatterer.superelement.width
-    n, m = modes.section.size, len(kept)
+    n, m, sheets = modes.section.size, len(kept), len(lengths)
     fingers, ports = scatterer.potentials.shape
-    incoming = np.zeros((2 * n, 2 * m + fingers), dtype=complex)
-    incoming[:n, :m] = modes.right[:, kept]
-    incoming[n:, m : 2 * m] = modes.left[:, kept]
+    arriving = np.zeros((2 * n, 2 * m + fingers), dtype=complex)
+    arriving[:n, :m] = modes.right[:, kept]
+    arriving[n:, m : 2 * m] = modes.left[:, kept]
     potentials = np.eye(fingers, 2 * m + fingers, 2 * m)
-    lines = scatterer.sides(incoming, potentials)
+    lines = scatterer.sides(arriving, potentials)
     sides = np.concatenate([lines, potentials])
     reactions = scatterer.superelement.matrix[2 * n :] @ sides
     by_waves, by_fingers = reactions[:, : 2 * m], reactions[:, 2 * m :]
     # one potential on all fingers of a floating section makes no charge
     gauge = abs(np.diag(by_fingers)).sum() / max(fingers, 1) ** 2 if modes.section.floating_potential else 0.0
-    dipole = np.linalg.solve((by_fingers + gauge).T, (dipoles @ sides[:, 2 * m :]).T).T
-    charges, mixed, moments, polarisability = change
-    gradient = mixed.T + moments @ dipole  # by the charges
-    own = charges + mixed @ dipole + dipole.T @ gradient + polarisability * gradient.T @ gradient
-    given = np.hstack([own @ by_waves, scatterer.potentials])
-    weights = np.eye(2 * m + fingers, 2 * m + ports, dtype=complex)
-    weights[2 * m :] = np.linalg.solve(np.eye(fingers) - own @ by_fingers, given)
-    lines, incoming = lines @ weights, incoming @ weights
-    out = lines - incoming
-    sent = np.concatenate([modes.right_amplitudes(out[n:])[kept], modes.left_amplitudes(out[:n])[kept]])
+    dipole = np.linalg.solve((by_fingers + gauge).T, (moments @ sides[:, 2 * m :]).T).T
+
+    medium, unit = modes.section.solid, modes.section.length_unit
+    scale = medium.stress_unit / medium.potential_unit**2  # of charges in SI to reactions
+    charged = np.flatnonzero([sign in "+-" for sign in signs])
+    numbers = np.subtract.outer(charged, charged) + len(signs) - 1
+    charges, mixed, between = (
+        scale * unit**power * each[..., numbers]
+        for power, each in enumerate((change.charges, change.mixed, change.moments))
+    )
+    polarisability = -change.polarisability / (scale * unit**2)
+    inverse = np.linalg.inv(np.minimum.outer(lengths, lengths))  # O^-1
+    size = sheets * fingers
+
+    def stacked(each: np.ndarray) -> np.ndarray:
+        return each.transpose(0, 2, 1, 3).reshape(size, size)
+
+    def projected(each: np.ndarray) -> np.ndarray:
+        return np.tensordot(inverse, each.reshape(sheets, fingers, size), axes=1).reshape(size, size)
+
+    gradient = np.swapaxes(mixed, 2, 3) + between @ dipole  # by the charges
+    own = stacked(charges + mixed @ dipole + dipole.T @ gradient)
+    gradient = stacked(gradient)
+    added = polarisability * projected(gradient)
+    own = projected(own + gradient.T @ added)
+    columns = sheets * 2 * m + ports
+    caught = np.zeros((sheets, fingers, columns), dtype=complex)
+    given = np.zeros((sheets, fingers, columns), dtype=complex)
+    for sheet in range(sheets):
+        caught[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] = by_waves
+    given[0, :, sheets * 2 * m :] = scatterer.potentials
+    given += (own @ caught.reshape(size, columns)).reshape(given.shape)
+    system = np.eye(size) - (own.reshape(size, sheets, fingers) @ by_fingers).reshape(size, size)
+    found = np.linalg.solve(system, given.reshape(size, columns)).reshape(given.shape)
+    on_fingers = caught + by_fingers @ found
+
     passed = np.append(
         np.exp(-1j * modes.wavenumbers[kept] * width), np.exp(1j * modes.backwards[kept] * width)
     )
-    sent[:, : 2 * m] -= np.diag(passed)
-    added = polarisability * gradient @ reactions @ weights
-    return np.concatenate([lines, weights[2 * m :]]), incoming, sent, added
+    out = lines - arriving
+    leaving = np.concatenate([modes.right_amplitudes(out[n:])[kept], modes.left_amplitudes(out[:n])[kept]])
+    leaving[:, : 2 * m] -= np.diag(passed)
+    sent = leaving[:, 2 * m :] @ found
+    for sheet in range(sheets):
+        sent[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] += leaving[:, : 2 * m]
+    return _Response(
+        scatterer=scatterer,
+        lengths=lengths,
+        arriving=arriving[:, : 2 * m],
+        lines=lines,
+        potentials=found,
+        sent=sent.reshape(sheets * 2 * m, columns),
+        dipoles=(added @ on_fingers.reshape(size, columns)).reshape(found.shape),
+    )

@@ -1,34 +1,35 @@
 """Surface motion in three dimensions of a stator whose fingers end at y = +-W/2, per volt of the source.
 
-The charge on the fingers is uniform along y within the aperture and zero beyond; how much, follows from the mean
-potential over every finger (own_aperture.py, reception.py; in other cuts it is the section's).  For every lateral
-wavenumber the bare stator's response to it is a sum of guided modes (line_source.py): at x, what the charges q_j to the
-left send,
+A finger's charge is a sum of sheets, uniform over |y| < L_b / 2 (charges.py): the aperture and, for solids isotropic
+about z between absorbing ends, shorter ones, by the mean potentials over the fingers (own_aperture.py, reception.py);
+in other cuts and between reflecting ends it is the section's, uniform along y.  For every lateral wavenumber the bare
+stator's response to it is a sum of guided modes (line_source.py): at x, what the charges q_j to the left send,
 
     u(x, y) = int dk_y / 2 pi  W sinc(k_y W / 2) exp(-i k_y y) sum_p a_p(k_y) sum_j q_j exp(-i kappa_p (x - x_j)),
 
-and the same from the right.  The contributions of all transducers add up: massless fingers scatter by their charges
-alone.  So the field is known between and under the fingers too.  Free and clamped ends add what they send back at each
-k_y (faces.py).
+for a sheet of length W, and the same from the right.  The contributions of all transducers add up: massless fingers
+scatter by their charges alone.  So the field is known between and under the fingers too.  Free and clamped ends add
+what they send back at each k_y (faces.py).
 
 On the axis y = 0, u_y vanishes by symmetry.
 
-Left out: how the charge varies along the fingers.  Near their ends this counts as some 0.025 periods more aperture at
-each (0.07 where the charge is the section's), so that nothing nearer than a wavelength to the ends is resolved
-(evanescent modes that reach less far end there with the aperture).  A strongly coupled plate mode near its cut-off
-changes it all along short fingers (tests/fem/beam/test_volume.py).
+Nothing nearer than a wavelength to the fingers' ends is resolved (evanescent modes that reach less far end there with
+the aperture).  A strongly coupled plate mode near its cut-off changes the charge all along short fingers
+(tests/fem/beam/test_volume.py).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
-from fem.beam.charges import MAX_PHASE, ElectrodeCharges, Fingers, electrode_charges
+from fem.beam.charges import MAX_PHASE, ChargeSheet, ElectrodeCharges, Fingers, electrode_charges
 from fem.beam.cut_source import CutSource, cut_source
 from fem.beam.faces import Faces, faces
 from fem.beam.line_source import Branch, LineSource, line_source
+from fem.beam.own_aperture import STEPS
 from fem.beam.reception import refuse_short_apertures, with_apertures
 from fem.circuit import Circuit
 from fem.geometry import Stator
@@ -44,6 +45,8 @@ GROUPS = (
 UNLIKE = (
     0.25  # of what is not followed; half as much fails beside one finger pair on PZT-8 (test_cut_source.py)
 )
+# of the difference to fewer steps along the fingers that is left; 0.2 to 0.4 seen (test_finger_ends.py)
+COARSER_SHARE = 0.5
 RULE_GAIN = 1.5  # power of the coarse rule's error that bounds the fine one's; 1.8 measured, 2 in theory
 CHUNK = 2000  # points at a time whose distances to all fingers, or whose spectra, are tabulated
 FULL_GRID = 4  # points of the grid of all x and y per point asked for, up to which the whole grid is computed
@@ -165,6 +168,31 @@ class SurfaceBeam:
             return self.wave.power
         return power_balance(self.solution)
 
+    @cached_property
+    def coarser(self) -> "SurfaceBeam | None":
+        """The same with fewer steps of the charge along the fingers; None where the charge has none."""
+        steps = [len(each.steps) for each in self.charges]
+        if not any(steps):
+            return None
+        fields = self.wave.solution.fields
+        for fineness in range(1, len(STEPS)):
+            fewer = with_apertures(fields, self.mirror_width, fineness)
+            found = aperture_beam(self.wave, Solution(fields=fewer, circuit=self.circuit), self.mirror_width)
+            if [len(each.steps) for each in found.charges] != steps:
+                return found
+        return None
+
+    def charge_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray | None:
+        """What is left of |u_z| by the steps of the charge along the fingers: against fewer of them.
+
+        It bounds the difference to 100 steps in combs of PZT (tests/fem/beam/test_finger_ends.py).  None where the
+        charge is uniform along the fingers.
+        """
+        if self.coarser is None:
+            return None
+        here = self.motion(x, y)[2]
+        return COARSER_SHARE * abs(abs(self.coarser.motion(x, y)[2]) - abs(here)) / abs(here)
+
     @property
     def surface_mode(self) -> "SurfaceBeam":
         """The part of the field that the surface wave alone carries."""
@@ -179,8 +207,14 @@ class SurfaceBeam:
         return self.source.surface_wavenumbers(np.asarray(lateral, dtype=float))
 
     @cached_property
+    def _sheets(self) -> list[ChargeSheet]:
+        """Uniform charges of all transducers from left to right."""
+        each = zip(self.charges, self.apertures, self.centers, strict=True)
+        return [sheet for charges, aperture, center in each for sheet in charges.sheets(aperture, center)]
+
+    @cached_property
     def _nodes(self) -> "_Nodes":
-        return _nodes_of(self.charges)
+        return _nodes_of(self._sheets)
 
     @cached_property
     def _section_nodes(self) -> "_Nodes":
@@ -236,7 +270,7 @@ class SurfaceBeam:
         """What the faces send back in some modes, by both rules, (2, 3, points)."""
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
-        found = self.faces.returned(self._reach(y), _sources(self.charges), self.mirror_width)
+        found = self.faces.returned(self._reach(y), _sources(self._sheets), self.mirror_width)
         return self._inverse(
             found, lambda spectra: found.spectra(places, self.wave.length, spectra, modes), lines, column, row
         )
@@ -253,11 +287,14 @@ class SurfaceBeam:
         """
         count, sent = len(column), None
         lateral, weights = waves.rule.nodes, waves.rule.weights / 2
-        uniform = [each * np.sinc(lateral * each / (2 * np.pi)) for each in self.apertures]
+        lengths, centers = (
+            np.array([getattr(each, name) for each in self._sheets]) for name in ("length", "center")
+        )
+        uniform = lengths[:, None] * np.sinc(np.outer(lengths, lateral / (2 * np.pi)))
         total = np.zeros((2, 3, count), dtype=complex)
         for sign, factors in waves.signs:
-            if sent is None or any(self.centers):
-                sent = sent_by(uniform * np.exp(1j * sign * np.outer(self.centers, lateral)))
+            if sent is None or centers.any():
+                sent = sent_by(uniform * np.exp(1j * sign * np.outer(centers, lateral)))
             phases = np.exp(-1j * sign * np.outer(lateral, lines))
             for coarse, step in ((0, 1), (1, 1 if self.mirror_width is not None else 2)):
                 weighted = factors[:, None] * sent[..., ::step] * (step * weights[::step])
@@ -322,12 +359,12 @@ class SurfaceBeam:
         out = np.zeros((3, len(x)), dtype=complex)
         if self.source.static == 0:
             return out
-        for charges, aperture, center in zip(self.charges, self.apertures, self.centers, strict=True):
-            nodes, charge = charges.lumps
+        for sheet in self._sheets:
+            nodes, charge = sheet.lumps
             for start in range(0, len(x), CHUNK):
                 some = slice(start, start + CHUNK)
                 distance = np.subtract.outer(x[some], nodes)
-                above, below = (aperture / 2 + sign * (y[some, None] - center) for sign in (1, -1))
+                above, below = (sheet.length / 2 + sign * (y[some, None] - sheet.center) for sign in (1, -1))
                 inward = np.arctan2(above, abs(distance)) + np.arctan2(below, abs(distance))
                 sideways = 0.5 * np.log((distance**2 + above**2) / (distance**2 + below**2))
                 out[0, some] += (np.sign(distance) * inward) @ charge
@@ -359,11 +396,11 @@ def _charges_of(solution: Solution) -> tuple[ElectrodeCharges, ...]:
     return tuple(electrode_charges(solution, index) for index in range(len(solution.fields.transducers)))
 
 
-def _sources(charges: tuple[ElectrodeCharges, ...]) -> list[tuple[np.ndarray, np.ndarray]]:
+def _sources(charges: Sequence[ElectrodeCharges | ChargeSheet]) -> list[tuple[np.ndarray, np.ndarray]]:
     return [(each.x, each.charge) for each in charges]
 
 
-def _nodes_of(charges: tuple[ElectrodeCharges, ...]) -> _Nodes:
+def _nodes_of(charges: Sequence[ElectrodeCharges | ChargeSheet]) -> _Nodes:
     owner = np.repeat(np.arange(len(charges)), [len(each.x) for each in charges])
     number = np.concatenate([each.finger for each in charges])
     another = (np.diff(number, prepend=number[0]) != 0) | (np.diff(owner, prepend=0) != 0)

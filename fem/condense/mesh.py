@@ -21,7 +21,7 @@ from fem.condense.sparse import schur_complement, sparse_solution
 from fem.convergence import ConvergenceError
 from fem.discretize.grading import Resolution
 from fem.discretize.quads import QuadSpace, medium_matrices
-from fem.discretize.section import Section
+from fem.discretize.section import FIELD_COLUMN, Section
 from fem.geometry import Stator
 from fem.materials.christoffel import slowest_wavelength
 from fem.materials.medium import Medium, medium, units
@@ -174,6 +174,31 @@ class MeshField:
         return np.stack(
             [np.sum(nodal[numbers, names.index(name)] * weights, axis=1) for name in ("ux", "uz")]
         )
+
+    def at(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Scaled u_x, u_y, u_z and phi at points (m, 2) from the left edge and the surface, length units.
+
+        Values and their derivatives along x and z, (m, 4) each, zero outside the mesh; and whether a point lies in it.
+        """
+        space, _names = self.assembly.space, self.assembly.fields
+        shift = np.array([self.assembly.piece.mesh.extent[0] / space.unit, 0.0])
+        owner, places = space.locate(np.asarray(points) + shift)
+        out = np.zeros((3, len(points), 4), dtype=complex)
+        for _, own, chosen in self.assembly.solids():
+            columns = [FIELD_COLUMN[name] for name in own.fields]
+            for elements, _, values in self.elements(own, np.intersect1d(chosen, owner)):
+                for element, unknowns in zip(elements, values, strict=True):
+                    here = np.flatnonzero(owner == element)
+                    value, by_first, by_second = space.local_values(places[here])
+                    nodal = unknowns.reshape(-1, len(own.fields))
+                    slopes = space.slopes(element, places[here])
+                    reference = np.stack([by_first @ nodal, by_second @ nodal], axis=1)
+                    out[0][np.ix_(here, columns)] = value @ nodal
+                    for axis in (0, 1):
+                        out[1 + axis][np.ix_(here, columns)] = np.einsum(
+                            "mr,mrf->mf", slopes[:, :, axis], reference
+                        )
+        return *out, owner >= 0
 
     def elements(self, own: Medium, chosen: np.ndarray):
         """Yield elements of one medium in parts: numbers, scalar matrices, all unknowns (m, functions * fields)."""

@@ -68,7 +68,9 @@ def discretise(
     pieces.append(graded(top, layers, largest=largest))
     heights = np.concatenate(pieces)
     complex_heights = heights.astype(complex) if stator.absorbs_below else heights
-    below = absorber(stator.solid, body, resolution.lossy_elements) if stator.absorbs_below else []
+    below = []
+    if stator.absorbs_below:
+        below = absorber(stator.solid, body, resolution.order, resolution.absorber)
     heights = np.concatenate([[each.real for each, _, _ in below], heights])
     complex_heights = np.concatenate([[each * stretch for each, stretch, _ in below], complex_heights])
     solid_elements = len(heights)

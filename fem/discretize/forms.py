@@ -8,6 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from fem.discretize.graded_medium import GradedMedium, element_line
 from fem.discretize.spectral import reference_matrices
 from fem.materials.medium import Medium
 
@@ -43,14 +44,17 @@ def element_matrix(
 @lru_cache(maxsize=8)
 def _element_parts(medium: Medium, order: int, part: str) -> tuple[np.ndarray, ...]:
     """The four matrices that an element of any size is a combination of: d_x d_x, mixed, d_z d_z, inertia."""
-    line = reference_matrices(order)
+    line, depth = reference_matrices(order), element_line(medium, order)
     xx, xz, zz, inertia = medium.xx, medium.xz, medium.zz, np.diag(medium.inertia)
     if part == "loss":
         xx, xz, zz, inertia = (np.imag(table) for table in (xx, xz, zz, inertia))
     across = np.kron(line.advection, line.advection.T)
+    along = np.kron(np.kron(line.stiffness, depth.mass), xx)
+    if isinstance(medium, GradedMedium):
+        along = along + 1j * np.kron(np.kron(line.stiffness, medium.lossy_mass), medium.loss)
     return (
-        np.kron(np.kron(line.stiffness, line.mass), xx),
+        along,
         np.kron(across, xz) + np.kron(across.T, xz.T),
-        np.kron(np.kron(line.mass, line.stiffness), zz),
-        np.kron(np.kron(line.mass, line.mass), inertia),
+        np.kron(np.kron(line.mass, depth.stiffness), zz),
+        np.kron(np.kron(line.mass, depth.mass), inertia),
     )

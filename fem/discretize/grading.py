@@ -30,15 +30,14 @@ class Resolution:
         Geometric layers towards finger edges and the surface, ratio 0.15 each.
     element_size : float
         Largest element in wavelengths of the slowest bulk wave.
-    lossy_elements : int
-        Wavelengths of viscous solid below, of increasing loss, in cuts where a perfectly matched layer is unstable;
-        its error falls as the square of their number.
+    absorber : int
+        Level of the absorbing layer (`fem.discretize.absorber.DEPTHS`), from 0 to 5.
     """
 
     order: int
     edge_layers: int
     element_size: float = 1.0
-    lossy_elements: int = 8
+    absorber: int = 2
 
 
 def graded(

@@ -10,8 +10,11 @@ import numpy as np
 
 from fem.materials.medium import Medium
 from fem.mesh.quads import QuadMesh
+from fem.mesh.shapes import shape_functions
 
 CHUNK_BYTES = 2e8  # of the basis functions that are kept at a time
+LOCATED = 1e-8  # of an element's size: points nearer than this to it lie in it
+NEWTON_STEPS = 8
 
 
 class QuadSpace:
@@ -82,6 +85,57 @@ class QuadSpace:
         element, places = ElementLinePp(self.order), np.asarray(along, dtype=float)[None]
         return np.stack([element.lbasis(places, index)[0] for index in range(self.order + 1)], axis=1)
 
+    def locate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Elements that hold points (m, 2), -1 where none does, and the places in their reference squares."""
+        nodes = self.mesh.points[self.mesh.quads] / self.unit
+        kind = "quad" if nodes.shape[1] == 4 else "quad9"
+        owner, places = np.full(len(points), -1), np.zeros((len(points), 2))
+        low, high = nodes.min(axis=1), nodes.max(axis=1)
+        room = LOCATED * (high - low).max(axis=1)
+        for element in range(self.elements):
+            near = (points >= low[element] - room[element]) & (points <= high[element] + room[element])
+            here = np.flatnonzero(near.all(axis=1) & (owner < 0))
+            if not len(here):
+                continue
+            at, error = _inverse(kind, nodes[element], points[here])
+            inside = (np.abs(at - 0.5) <= 0.5 + LOCATED).all(axis=1) & (error <= room[element])
+            owner[here[inside]], places[here[inside]] = element, np.clip(at[inside], 0.0, 1.0)
+        return owner, places
+
+    def local_values(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Values of an element's functions at reference places (m, 2), and their derivatives there, (m, functions)."""
+        across, along = (self._line_values(places[:, axis]) for axis in (0, 1))
+        pairs = np.array(self._pairs)
+        (a, da), (b, db) = ((each[0], each[1]) for each in (across, along))
+        i, j = pairs.T
+        return a[:, i] * b[:, j], da[:, i] * b[:, j], a[:, i] * db[:, j]
+
+    def _line_values(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        from skfem.element.element_line.element_line_pp import ElementLinePp
+
+        element = ElementLinePp(self.order)
+        both = [element.lbasis(places[None], index) for index in range(self.order + 1)]
+        return np.stack([each for each, _ in both], axis=1), np.stack([each[0] for _, each in both], axis=1)
+
+    @cached_property
+    def _pairs(self) -> list[tuple[int, int]]:
+        """Line functions along both axes that an element's functions are products of: vertices, edges, inside."""
+        more = range(2, self.order + 1)
+        edges = [
+            [(k, 0) for k in more],
+            [(1, k) for k in more],
+            [(k, 1) for k in more],
+            [(0, k) for k in more],
+        ]
+        inside = [(i, j) for i in more for j in more]
+        return [(0, 0), (1, 0), (1, 1), (0, 1), *(pair for edge in edges for pair in edge), *inside]
+
+    def slopes(self, element: int, places: np.ndarray) -> np.ndarray:
+        """Derivatives of an element's reference coordinates by x and z at places (m, 2): (m, reference, 2)."""
+        nodes = self.mesh.points[self.mesh.quads[element]] / self.unit
+        kind = "quad" if len(nodes) == 4 else "quad9"
+        return np.linalg.inv(_jacobian(kind, nodes, places))
+
     def chunks(self, chosen: np.ndarray):
         """Yield elements in parts whose basis functions fit into memory."""
         per_element = self.functions * (self.order + 2) ** 2 * 3 * 8
@@ -107,6 +161,27 @@ class QuadSpace:
             (weights * up) @ up.swapaxes(1, 2),
             (weights * value) @ value.swapaxes(1, 2),
         )
+
+
+def _jacobian(kind: str, nodes: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Derivatives of x and z by the reference coordinates, (m, 2, reference); exact for polynomials of degree 2."""
+    step = 0.5
+    columns = []
+    for axis in (0, 1):
+        shift = step * np.eye(2)[axis]
+        ahead, behind = (shape_functions(kind, places + sign * shift) @ nodes for sign in (1, -1))
+        columns.append((ahead - behind) / (2 * step))
+    return np.stack(columns, axis=-1)
+
+
+def _inverse(kind: str, nodes: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Reference places of points by Newton's method, and how far from the points they lie."""
+    places = np.full(points.shape, 0.5)
+    for _ in range(NEWTON_STEPS):
+        gap = shape_functions(kind, places) @ nodes - points
+        places = places - np.linalg.solve(_jacobian(kind, nodes, places), gap[..., None])[..., 0]
+        places = np.clip(places, -1.0, 2.0)
+    return places, np.abs(shape_functions(kind, places) @ nodes - points).max(axis=1)
 
 
 def medium_matrices(

@@ -5,37 +5,45 @@ With the answers a_h of a level and a_H of the level before, and a gain g by whi
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
 import numpy as np
 
 from fem.convergence import ConvergenceError
+from fem.discretize.absorber import absorber_kind, backwardness
 from fem.discretize.grading import Resolution
 from fem.geometry import Stator
-from fem.materials.christoffel import stretch_absorbs
 
 # From coarse to fine: measured on the seed's stator (admittance and surface motion move together).
 LEVELS = (
-    Resolution(order=5, edge_layers=0, lossy_elements=5),
-    Resolution(order=6, edge_layers=1, lossy_elements=6),
-    Resolution(order=7, edge_layers=2, lossy_elements=8),
-    Resolution(order=8, edge_layers=3, lossy_elements=10),
-    Resolution(order=9, edge_layers=4, lossy_elements=12),
-    Resolution(order=10, edge_layers=5, lossy_elements=14),
+    Resolution(order=5, edge_layers=0, absorber=0),
+    Resolution(order=6, edge_layers=1, absorber=1),
+    Resolution(order=7, edge_layers=2, absorber=2),
+    Resolution(order=8, edge_layers=3, absorber=3),
+    Resolution(order=9, edge_layers=4, absorber=4),
+    Resolution(order=10, edge_layers=5, absorber=5),
 )
 
 # Estimate at each level on an ordinary motor: where to begin.
 EXPECTED = (np.inf, 5e-3, 2e-4, 2e-5, 2e-6, 3e-7)
 GAIN = 8.0  # a level divides the error by more: 6.7 per edge layer, and more by the order (11 to 25 seen)
-LOSSY_GAIN = 1.5  # where a lossy layer stands for the half-space its thickness decides, squared
+# Where a viscous layer stands for the half-space its depth decides, squared; so does that of a selective layer
+# whose waves are backward beyond MAX_BACKWARDNESS (Z quartz: 1e-3 at a depth of 2 and of 3 wavelengths).
+SLOW_GAIN, MAX_BACKWARDNESS = 1.5, 0.03
+
+
+def absorbs_slowly(stator: Stator) -> bool:
+    """True if the error of an absorbing bottom falls slowly with its depth."""
+    if not stator.absorbs_below or absorber_kind(stator.solid) == "matched":
+        return False
+    return absorber_kind(stator.solid) == "viscous" or backwardness(stator.solid) > MAX_BACKWARDNESS
 
 
 def level_gain(stator: Stator) -> float:
     """By how much a level divides the error, at least."""
-    if stator.absorbs_below and not stretch_absorbs(stator.solid):
-        return LOSSY_GAIN
-    return GAIN
+    return SLOW_GAIN if absorbs_slowly(stator) else GAIN
 
 
 def first_level(tolerance: float) -> int:
@@ -64,7 +72,8 @@ class Refined(Generic[Answer]):
     level: int  # of the answer
     # one for each of the differences; the first is the one that the tolerance bounds
     errors: tuple[float, ...]
-    obstacle: str  # why no finer level was solved; empty if the tolerance is met or the levels ended
+    # why a finer level was not solved or not taken; empty if the tolerance is met or the levels ended
+    obstacle: str
 
 
 def refine(
@@ -80,8 +89,9 @@ def refine(
 
     ``differences``: finer answer, coarser answer -> relative differences, the first of which is bounded; ``start``: the
     coarser of the two levels to begin with, one lower if the finer one has no answer, below 0 for the coarsest level
-    alone, its errors unknown; ``gain``: least factor, above 1, by which a level divides the error.  A ConvergenceError
-    if no two neighbouring levels have an answer.
+    alone, its errors unknown; ``gain``: least factor, above 1, by which a level divides the error.  Where the
+    differences grow towards the last level the answer before is kept, and ``obstacle`` says so.  A ConvergenceError if
+    no two neighbouring levels have an answer.
 
     Examples
     --------
@@ -99,27 +109,46 @@ def refine(
     """
     if start < 0:
         return Refined(answer=at_level(levels[0]), level=0, errors=(np.inf, np.inf), obstacle="")
-    coarse = reached = None
+    coarse = best = None
+
+    def compared(fine: Answer, coarse: Answer, level: int) -> Refined[Answer]:
+        errors = tuple(float(each) / (gain - 1) for each in differences(fine, coarse))
+        return Refined(answer=fine, level=level, errors=errors, obstacle="")
+
     for level in range(start, len(levels)):
         try:
             answer = at_level(levels[level])
         except ConvergenceError as error:
-            if reached is not None:
-                return Refined(
-                    answer=reached.answer, level=reached.level, errors=reached.errors, obstacle=str(error)
-                )
+            if best is not None:
+                return replace(best, obstacle=str(error))
             if start == 0:
                 raise
             return refine(  # a coarser pair says how far it got
                 at_level, levels, start=start - 1, differences=differences, gain=gain, tolerance=tolerance
             )
         if coarse is not None:
-            errors = tuple(float(each) / (gain - 1) for each in differences(answer, coarse))
-            reached = Refined(answer=answer, level=level, errors=errors, obstacle="")
-            if errors[0] <= tolerance:
-                break
+            latest = compared(answer, coarse, level)
+            if latest.errors[0] <= tolerance:
+                return latest
+            if (
+                best is None and level == len(levels) - 1 and start > 0
+            ):  # the only pair: do the differences grow?
+                with suppress(ConvergenceError):
+                    best = compared(coarse, at_level(levels[start - 1]), start)
+            grows = best is not None and latest.errors[0] >= best.errors[0]
+            best = _kept(best, latest) if grows else latest
         coarse = answer
-    return reached
+    return best
+
+
+def _kept(before: Refined[Answer], latest: Refined[Answer]) -> Refined[Answer]:
+    """Answer of a level from which the next one differs more than from the one before, with the larger errors."""
+    return replace(
+        before,
+        errors=tuple(map(max, before.errors, latest.errors)),
+        obstacle=f"level {latest.level} differs more from level {before.level} (error {latest.errors[0]:.1e}) than "
+        f"that from the one before ({before.errors[0]:.1e}): rounding decides there",
+    )
 
 
 def refine_stator(

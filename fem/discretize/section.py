@@ -18,6 +18,7 @@ from typing import Protocol
 
 import numpy as np
 
+from fem.discretize.graded_medium import along_x, element_line
 from fem.discretize.spectral import line_nodes, reference_matrices
 from fem.materials.medium import Medium
 
@@ -192,15 +193,14 @@ class Section(LineSpace):
 
     def matrices(self, frequency: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """K2, K1 and K0 - omega^2 M of a uniform segment at a frequency in Hz, scaled."""
-        reference = reference_matrices(self.order)
         factor = (2 * np.pi * frequency * self.length_unit) ** 2
 
         def of_element(height: complex, part: Medium):
-            mass = height * reference.mass
-            yield np.kron(mass, part.xx)
-            yield np.kron(reference.advection.T, part.xz)
-            stiffness = np.kron(reference.stiffness / height, part.zz)
-            yield stiffness - factor * np.kron(mass, np.diag(part.inertia))
+            line = element_line(part, self.order)
+            yield along_x(part, self.order, height)
+            yield np.kron(line.advection.T, part.xz)
+            stiffness = np.kron(line.stiffness / height, part.zz)
+            yield stiffness - factor * np.kron(height * line.mass, np.diag(part.inertia))
 
         return self._assembled(of_element, np.result_type(self.heights, *(part.xx for part in self.media)))
 
@@ -222,13 +222,13 @@ class Section(LineSpace):
         """
         second, first, zeroth = self.matrices(frequency)
         adjoint = first.T
-        reference = reference_matrices(self.order)
 
         def of_element(height: complex, part: Medium):
-            tables, mass = part.lateral(wavenumber), height * reference.mass
+            line = element_line(part, self.order)
+            tables, mass = part.lateral(wavenumber), height * line.mass
             yield np.kron(mass, tables.xy)
             yield np.kron(mass, tables.yx)
-            through = np.kron(reference.advection, tables.zy) + np.kron(reference.advection.T, tables.yz)
+            through = np.kron(line.advection, tables.zy) + np.kron(line.advection.T, tables.yz)
             yield through + np.kron(mass, tables.yy)
 
         along, back, across = self._assembled(of_element, complex)

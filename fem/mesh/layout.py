@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from fem.input_error import InputError
 from fem.mesh.piece import FLOATING, GROUNDED, SAME, MeshPiece
 
-# Ratio of heights that a mistaken length unit makes, and the unit that the file then has
-UNITS = {1e3: "um", 1e-3: "m", 10.0: "mm", 25.4: "mm", 1 / 25.4: "inch", 1e6: "nm"}
+UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "inch": 0.0254}  # m
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,8 +127,8 @@ def _check_heights(piece: MeshPiece, thickness: float) -> None:
             f"must end at the surface z = 0: the upper end of the group {side} is at z = {top * 1e3:.6g} mm",
             owner=piece.name,
         )
-    ratio = height / thickness
-    hint = next((unit for factor, unit in UNITS.items() if abs(ratio / factor - 1) < 0.02), "")
+    meant = piece.mesh.unit * thickness / height
+    hint = next((name for name, unit in UNITS.items() if abs(meant / unit - 1) < 0.02), "")
     advice = f": is the file's length unit {hint}?" if hint else ""
     raise InputError(
         "piece",

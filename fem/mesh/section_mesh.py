@@ -48,6 +48,8 @@ class SectionMesh:
         Of the file, without its folder and suffix.
     digest : str
         SHA-256 of the file's content and of the unit.
+    unit : float
+        Of the file's numbers, m.
     points : ndarray, shape (n, 2)
         x and z in m.
     cells : tuple of Cells
@@ -58,6 +60,7 @@ class SectionMesh:
 
     name: str
     digest: str
+    unit: float
     points: np.ndarray = field(repr=False)
     cells: tuple[Cells, ...] = field(repr=False)
     lines: dict[str, np.ndarray] = field(repr=False)
@@ -141,6 +144,7 @@ def read_mesh(path: str | Path, unit: float) -> SectionMesh:
     mesh = SectionMesh(
         name=path.stem,
         digest=hashlib.sha256(content + repr(float(unit)).encode()).hexdigest(),
+        unit=float(unit),
         points=points,
         cells=cells,
         lines={name: number[nodes] for name, nodes in lines.items()},

@@ -41,6 +41,7 @@ def _pieces(solution: Solution, solve: Callable[[], Solution]) -> tuple:
             start=start,
             stop=stop,
             recover=lambda: _in_metres(recovered(solve(), index), origin, unit),
+            index=index,
             **rest,
         )
 
@@ -92,6 +93,7 @@ def _beyond(solution: Solution, side: int, length: float) -> UniformSegment:
         right_shapes=modes.section.surface_rows @ modes.right,
         left_shapes=modes.section.surface_rows @ modes.left,
         rayleigh=modes.rayleigh,
+        beyond=True,
     )
 
 

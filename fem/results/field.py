@@ -11,10 +11,10 @@ import numpy as np
 
 from fem.discretize.spectral import gll_nodes, lagrange
 from fem.results.densities import Densities, densities, shared, upward_slope
-from fem.results.evaluation import ENDS, columns_in_row
+from fem.results.evaluation import ENDS, columns_in_row, recovered
 from fem.results.segment_modes import FreeWave
 from fem.results.solution import Solution
-from fem.results.surface import CondensedPiece
+from fem.results.surface import CondensedPiece, UniformSegment
 from fem.results.surface_wave import SurfaceWave
 
 SAME_LINE = 1e-6  # of the lines' distance: places nearer than this are one
@@ -40,6 +40,9 @@ class WaveField:
         Of the elements through the depth: every ``order``-th node is an element's end.
     densities : Densities or None
         Strain energy and power flow, where they were asked for.
+    inside : ndarray of bool, shape (nx, nz), or None
+        Whether a node lies in the solid, where a meshed piece leaves some of the grid empty: there the field is 0.
+        What a mesh has above z = 0 is not on the grid.
     """
 
     x: np.ndarray
@@ -49,6 +52,7 @@ class WaveField:
     frequency: float
     order: int
     densities: Densities | None = field(default=None, repr=False)
+    inside: np.ndarray | None = field(default=None, repr=False)
 
     def depth_basis(self, z: np.ndarray) -> np.ndarray:
         """Return the matrix from nodal values to values at heights z (m) by the elements' polynomials, (m, nz)."""
@@ -89,44 +93,93 @@ def wave_field(
     step = wave.phase_velocity / wave.frequency / per_wavelength
     nearby = SAME_LINE * step
     low, high = (0.0, wave.length) if span is None else span
-    lines, values, slopes, offset, step_in_mean = [], [], [], 0.0, 0.0
-    transducer = 0
+    depth = section.nodes[section.body]
+    parts: list[_Part] = []
+    offset, step_in_mean, passed = 0.0, 0.0, False  # whether a condensed piece of the row lies behind
     for piece in wave.pieces:
+        if isinstance(piece, UniformSegment) and piece.beyond:
+            continue  # another section: not on this grid
         start, stop = max(piece.start, low), min(piece.stop, high)
         seen = start < stop
         if isinstance(piece, CondensedPiece):
-            end = piece.beside is not None
-            if seen:
-                which = ENDS[transducer > 0] if end else transducer
-                x, part, slope = _in_columns(solution, which, slopes=energies)
-                inside = (x > start - nearby) & (x < stop + nearby)
-                x, part, slope = x[inside], part[inside], slope[inside] if energies else None
+            end = piece.index in ENDS
             offset += 0.0 if end else step_in_mean
-            transducer += not end
-            shift = offset
+            passed |= not end
+            if seen:
+                part = _in_piece(solution, piece, depth, step, slopes=energies)
+                part = part.chosen((part.x > start - nearby) & (part.x < stop + nearby))
         else:
             if seen:
                 x = _lines(start, stop, step, places)
-                part, slope = _between(solution, piece, x, first=not transducer, slopes=energies)
-            shift = offset
-            step_in_mean = _gauge_step(solution, piece) if transducer else 0.0
+                part = _Part(x, *_between(solution, piece, x, first=not passed, slopes=energies))
+            step_in_mean = _gauge_step(solution, piece) if passed else 0.0
         if not seen:
             continue
-        part[:, :, 3] += shift
-        first = 1 if lines and x[0] < lines[-1][-1] + nearby else 0  # the line shared with the piece before
-        lines.append(x[first:])
-        values.append(part[first:])
-        slopes.append(slope[first:] if energies else slope)
-    along = np.concatenate(slopes) * section.field_units if energies else None
+        part.values[..., 3] += offset * part.inside
+        if parts and part.x[0] < parts[-1].x[-1] + nearby:  # the line shared with the piece before
+            part = part.chosen(slice(1, None))
+        parts.append(part)
+    units = section.field_units
     return _of_values(
         solution.fields.stator.solid,
         wave.frequency,
-        np.concatenate(lines),
-        section.nodes[section.body],
-        np.concatenate(values) * section.field_units,
-        along,
+        np.concatenate([part.x for part in parts]),
+        depth,
+        np.concatenate([part.values for part in parts]) * units,
+        np.concatenate([part.along for part in parts]) * units if energies else None,
         section.order,
+        upward=np.concatenate([part.raised(section, depth) for part in parts]) * units if energies else None,
+        inside=np.concatenate([np.broadcast_to(part.inside, part.values.shape[:2]) for part in parts]),
     )
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Scaled fields on some lines of the grid: values (lines, nodes, 4), their derivatives per m if asked for."""
+
+    x: np.ndarray
+    values: np.ndarray
+    along: np.ndarray | None
+    upward: np.ndarray | None = None  # where it is not that of the section's elements
+    inside: np.ndarray = field(
+        default_factory=lambda: np.ones((1, 1), dtype=bool)
+    )  # whether there is a solid
+
+    def chosen(self, which) -> "_Part":
+        """Some of the lines."""
+        cut = (None if each is None else each[which] for each in (self.along, self.upward))
+        inside = self.inside if len(self.inside) == 1 else self.inside[which]
+        return _Part(self.x[which], self.values[which], *cut, inside)
+
+    def raised(self, section, depth: np.ndarray) -> np.ndarray:
+        """Derivatives along z per m."""
+        if self.upward is not None:
+            return self.upward
+        return upward_slope(self.values, section.order, np.diff(depth[:: section.order]))
+
+
+def _in_piece(
+    solution: Solution, piece: CondensedPiece, depth: np.ndarray, step: float, *, slopes: bool
+) -> _Part:
+    """Fields of a condensed piece: on the lines of its columns, or on even lines through its mesh."""
+    if not _meshed(solution, piece.index):
+        return _Part(*_in_columns(solution, piece.index, slopes=slopes))
+    unit = solution.fields.section.length_unit
+    x = _lines(piece.start, piece.stop, step, ())
+    points = np.stack(np.meshgrid(x - piece.start, depth, indexing="ij"), axis=-1).reshape(-1, 2) / unit
+    values, along, upward, inside = recovered(solution, piece.index).at(points)
+    shape = (len(x), len(depth))
+    values, along, upward = (each.reshape(*shape, 4) for each in (values, along / unit, upward / unit))
+    return _Part(x, values, along if slopes else None, upward if slopes else None, inside.reshape(shape))
+
+
+def _meshed(solution: Solution, index: int) -> bool:
+    """Whether a scatterer or an end is a mesh."""
+    if index in ENDS:
+        return bool(solution.fields.stator.pieces) and bool(
+            solution.fields.stator.placement.ends[ENDS.index(index)]
+        )
+    return solution.fields.owners[index] is None
 
 
 def free_field(
@@ -158,11 +211,14 @@ def free_field(
     return _of_values(wave.solid, wave.frequency, x, wave.depth, values, along, wave.order)
 
 
-def _of_values(solid, frequency: float, x, z, values, along, order: int) -> WaveField:
+def _of_values(
+    solid, frequency: float, x, z, values, along, order: int, *, upward=None, inside=None
+) -> WaveField:
     """Field of nodal values (nx, nz, 4), with densities where the derivatives along x are given."""
     found = None
     if along is not None:
-        upward = upward_slope(values, order, np.diff(z[::order]))
+        if upward is None:
+            upward = upward_slope(values, order, np.diff(z[::order]))
         found = densities(solid, frequency, values, along, upward)
     return WaveField(
         x=x,
@@ -172,6 +228,7 @@ def _of_values(solid, frequency: float, x, z, values, along, order: int) -> Wave
         frequency=frequency,
         order=order,
         densities=found,
+        inside=None if inside is None or inside.all() else inside,
     )
 
 

@@ -19,7 +19,7 @@ def write_vtu(wave_field: WaveField, path: str | Path) -> None:
         data |= {ENERGY: found.strain_energy, POWER: _in_space(found.power_flow)}
         data |= _split(f"{ENERGY}_pulse", found.strain_energy_pulse)
         data |= _split(f"{POWER}_pulse", _in_space(found.power_flow_pulse))
-    write_mesh(wave_field.x, wave_field.z, data, path)
+    write_mesh(wave_field.x, wave_field.z, data, path, inside=wave_field.inside)
 
 
 def write_instant(wave_field: WaveField, phase: float, path: str | Path) -> None:
@@ -32,7 +32,7 @@ def write_instant(wave_field: WaveField, phase: float, path: str | Path) -> None
         POWER: _in_space(found.power_flow + (found.power_flow_pulse * turn**2).real),
     }
     data = {name: values.astype(np.float32) for name, values in data.items()}
-    write_mesh(wave_field.x, wave_field.z, data, path)
+    write_mesh(wave_field.x, wave_field.z, data, path, inside=wave_field.inside)
 
 
 def write_surface(x: np.ndarray, y: np.ndarray, motion: np.ndarray, path: str | Path) -> None:
@@ -43,8 +43,18 @@ def write_surface(x: np.ndarray, y: np.ndarray, motion: np.ndarray, path: str | 
     write_mesh(x, y, _split(DISPLACEMENT, np.moveaxis(motion, 0, -1)), path, axis=1)
 
 
-def write_mesh(x: np.ndarray, z: np.ndarray, data: dict, path: str | Path, axis: int = 2) -> None:
-    """Write fields (nx, nz, ...) on the grid of lines x and heights z (m; axis 1: lateral places) as quadrilaterals."""
+def write_mesh(
+    x: np.ndarray,
+    z: np.ndarray,
+    data: dict,
+    path: str | Path,
+    axis: int = 2,
+    inside: np.ndarray | None = None,
+) -> None:
+    """Write fields (nx, nz, ...) on the grid of lines x and heights z (m; axis 1: lateral places) as quadrilaterals.
+
+    ``inside``: nodes that are there, (nx, nz); quadrilaterals with another corner are left out.
+    """
     import meshio
 
     nx, nz = len(x), len(z)
@@ -52,6 +62,8 @@ def write_mesh(x: np.ndarray, z: np.ndarray, data: dict, path: str | Path, axis:
     points[:, :, 0], points[:, :, axis] = x[:, None], z
     corner = (np.arange(nx - 1)[:, None] * nz + np.arange(nz - 1)).ravel()
     quads = np.stack([corner, corner + nz, corner + nz + 1, corner + 1], axis=1)
+    if inside is not None:
+        quads = quads[inside.reshape(-1)[quads].all(axis=1)]
     flat = {name: values.reshape(nx * nz, *values.shape[2:]) for name, values in data.items()}
     mesh = meshio.Mesh(points.reshape(-1, 3), [("quad", quads)], point_data=flat)
     meshio.write(str(path), mesh, file_format="vtu", binary=True)

@@ -37,6 +37,7 @@ class UniformSegment:
     right_shapes: np.ndarray = field(repr=False)
     left_shapes: np.ndarray = field(repr=False)
     rayleigh: np.ndarray  # indices of the surface wave's modes
+    beyond: bool = False  # behind a step of thickness: another section
 
     def motion(self, x: np.ndarray, *, only: np.ndarray | None = None) -> np.ndarray:
         """u_x and u_z at places in the segment (m), shape (2, places), of all modes or of some."""
@@ -63,6 +64,7 @@ class CondensedPiece:
     # for an end of the plain section: the segment whose surface mode goes on in it
     beside: UniformSegment | None = field(default=None, repr=False)
     transducer: bool = True  # whether fingers stand on it
+    index: int = 0  # number of the scatterer, or of the end (`fem.results.evaluation.ENDS`)
 
     @cached_property
     def _motion(self) -> Callable[[np.ndarray], np.ndarray]:

@@ -20,6 +20,7 @@ from fem.reduce.projection import BandProblem, NodeSolutions, project, solve_at_
 from fem.results.evaluation import surface_of
 from fem.results.solution import Solution, driven_solution
 from fem.results.surface_wave import SurfaceWave, surface_wave
+from fem.solve.full_band import FullModel
 from fem.solve.harmonic import check_driven, driven_wave, solution_differences
 from fem.threads import one_blas_thread, side_by_side
 from fem.waveguide.port_fields import PortFields, Solve, solve_ports
@@ -47,7 +48,7 @@ class Band:
         Of the surface motion at the places asked for and of the admittance, at the worst frequency of the band.
     """
 
-    model: ReducedModel = field(repr=False)
+    model: ReducedModel | FullModel = field(repr=False)
     relative_error: float
     admittance_error: float
 
@@ -137,11 +138,6 @@ def frequency_band(
             "band", f"must run from a lower to a higher frequency, got {lowest!r} to {highest!r} Hz"
         )
     check_driven(stator, transducers, highest, tolerance)
-    if stator.pieces:
-        raise InputError(
-            "piece",
-            "must be absent over a band of frequencies, and under a burst: solve one frequency at a time",
-        )
     transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
     for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
         if min(gaps) < (1 - 1e-9) * transducer.half_gap:
@@ -159,6 +155,8 @@ def frequency_band(
         tolerance=tolerance,
         places=np.array(places or (stator.length / 2,)),
     )
+    if stator.pieces:
+        return _solved_anew(problem)
     share = (1 - REDUCTION_SHARE) * tolerance  # of the discretisation
     asked = tolerance
     for _ in range(MAX_ROUNDS):
@@ -173,6 +171,40 @@ def frequency_band(
         "asked for: ask for less, give the solid a lower mechanical_quality, or solve one frequency at a time",
         reached=band,
     )
+
+
+def _solved_anew(problem: BandProblem) -> Band:
+    """A band of a stator with meshed pieces: each frequency is solved on its own."""
+    (low, high), drive = problem.limits, problem.drive
+    waves = [
+        driven_wave(
+            problem.stator,
+            problem.transducers,
+            frequency=frequency,
+            drive=drive,
+            tolerance=problem.tolerance,
+            places=tuple(problem.places),
+        )
+        for frequency in (low, (low + high) / 2, high)
+    ]
+    checks = [_Check.of(problem, wave.solution) for wave in waves]
+    worst = max(check.worst for check in checks)
+    growth = [max(1.0, worst / check.here / ESTIMATE_EXCESS) for check in checks]
+    finest = max((wave.solution.fields.resolution for wave in waves), key=lambda resolution: resolution.order)
+    band = Band(
+        model=FullModel(
+            stator=problem.stator, transducers=problem.transducers, limits=problem.limits, resolution=finest
+        ),
+        relative_error=max(more * wave.relative_error for more, wave in zip(growth, waves, strict=True)),
+        admittance_error=max(more * wave.admittance_error for more, wave in zip(growth, waves, strict=True)),
+    )
+    if band.relative_error > problem.tolerance:
+        raise ConvergenceError(
+            f"the stator's surface motion in the band is known to {band.relative_error:.1e} only, "
+            f"{problem.tolerance:.1e} was asked for: ask for less, or solve one frequency at a time",
+            reached=band,
+        )
+    return band
 
 
 def _attempt(problem: BandProblem, asked: float) -> tuple[Band, float]:

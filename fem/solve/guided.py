@@ -6,8 +6,8 @@ which the mode carries its energy.  The free wave is the mode at k_y = 0 whose m
 In a block of several wavelengths it is the Rayleigh wave of the half-space up to a splitting that decays exponentially
 with the thickness.
 
-Limits: a bare surface.  Whether an absorbing bottom is a perfectly matched or a viscous layer is decided by the bulk
-waves of the sagittal plane: at a large lateral wavenumber other modes than the surface wave may be reflected there.
+Limits: a bare surface.  Which layer stands for an absorbing bottom is decided by the bulk waves of the sagittal plane:
+at a large lateral wavenumber other modes than the surface wave may be reflected there, or grow (YZ LiNbO3: 2e-3 of k).
 """
 
 from functools import cache
@@ -17,11 +17,11 @@ import numpy as np
 from fem.convergence import ConvergenceError
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
-from fem.discretize.refinement import refine
+from fem.discretize.refinement import absorbs_slowly, refine
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.geometry import Stator
 from fem.input_error import InputError
-from fem.materials.christoffel import slowest_wavelength, stretch_absorbs
+from fem.materials.christoffel import slowest_wavelength
 from fem.results.segment_modes import FreeWave, SegmentModes
 from fem.threads import one_blas_thread
 from fem.waveguide.modes import GuidedModes
@@ -29,7 +29,7 @@ from fem.waveguide.modes import guided_modes as modes_of_section
 
 FREE_ORDERS, ORDERS = (4, 6, 8, 10, 12), (6, 8, 10, 12, 14)
 GAIN = 10.0  # two orders more divide the error of a wavenumber by far more than this
-LOSSY_GAIN = 1.4  # where a viscous layer stands for the half-space: its depth grows with the order, squared
+SLOW_GAIN = 1.4  # where the depth of an absorbing layer decides (`absorbs_slowly`)
 
 
 def _refined_modes(
@@ -44,7 +44,7 @@ def _refined_modes(
     def at_order(order: int) -> GuidedModes:
         section = discretise(
             stator,
-            Resolution(order=order, edge_layers=0, lossy_elements=order + 2),
+            Resolution(order=order, edge_layers=0, absorber=(order - 4) // 2),
             wavelength=unit,
             surface_scale=np.inf,
             lateral=lateral_wavenumber != 0,
@@ -55,7 +55,7 @@ def _refined_modes(
         at_order,
         orders,
         differences=lambda fine, coarse: (difference(fine, coarse),),
-        gain=LOSSY_GAIN if stator.absorbs_below and not stretch_absorbs(stator.solid) else GAIN,
+        gain=SLOW_GAIN if absorbs_slowly(stator) else GAIN,
         tolerance=tolerance,
     )
     (error,) = refined.errors

@@ -94,7 +94,8 @@ def port_admittance(
     (('left',), (1, 1), True)
     """
     at = np.asarray(frequency, dtype=float)
-    solve = aperture_solver(stator, mirror_width) if finite_apertures else None
+    limits = (float(at.min()), float(at.max())) if at.size > 1 else None
+    solve = aperture_solver(stator, mirror_width, limits=limits) if finite_apertures else None
     if at.size > 1:
         return _over_band(stator, transducers, at, tolerance, solve)
     check_driven(stator, transducers, float(at.item()), tolerance)

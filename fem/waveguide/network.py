@@ -246,7 +246,19 @@ class PortSolution:
     # left the ones beside them. The stator resonates where an eigenvalue of M is near 1.
     coupling: np.ndarray = field(repr=False)
     waves: np.ndarray = field(repr=False)  # shape (waves,): number of the mode of each of these amplitudes
-    # shape (fingers, ports): of each scatterer: first moments of the reactions that its lines do not have
-    dipoles: tuple[np.ndarray, ...] = field(default=(), repr=False)
+    # of each scatterer: what its charges are along the fingers (fem.beam.reception); empty for a section's
+    sheets: tuple[tuple["Sheet", ...], ...] = field(default=(), repr=False)
     # each transducer's charge is that of its whole aperture, not of the shared beam
     own_apertures: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sheet:
+    """Charges of a transducer that are uniform over |y| < length / 2, per unit at each port."""
+
+    length: float  # m
+    sides: np.ndarray = field(
+        repr=False
+    )  # as of `PortSolution`, with the potentials that would make the charges
+    # shape (fingers, ports): first moments of the reactions on the charged fingers that the lines do not have
+    dipoles: np.ndarray = field(repr=False)

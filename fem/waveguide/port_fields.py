@@ -13,7 +13,7 @@ aperture share the narrower beam.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from fem.geometry import Stator, Transducer, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
 from fem.waveguide.ends import End
 from fem.waveguide.modes import GuidedModes, guided_modes
-from fem.waveguide.network import Network, PortSolution, Scatterer
+from fem.waveguide.network import Network, PortSolution, Scatterer, Sheet
 from fem.waveguide.row import CondensedPieces, condensed_pieces, no_pieces
 
 CUT_OFF = 1e-3  # rad per slowest wavelength: a mode's wavenumber below which its square, all that is known, is rounding
@@ -63,9 +63,8 @@ class PortFields:
     own_apertures: bool = (
         False  # each transducer's charge is that of its whole aperture, not of the shared beam
     )
-    # shape (fingers, ports): of each transducer: first moments of the reactions on its charged fingers that its lines
-    # do not have, length units; scaled; or empty
-    dipoles: tuple[np.ndarray, ...] = field(default=(), repr=False)
+    # of each transducer: its charges along the fingers, per volt, scaled, dipoles in length units; or empty
+    sheets: tuple[tuple[Sheet, ...], ...] = field(default=(), repr=False)
 
     @property
     def section(self) -> Section:
@@ -269,7 +268,10 @@ def connected(
         coupling=solution.coupling,
         waves=solution.waves,
         own_apertures=solution.own_apertures,
-        dipoles=tuple(each @ volts for each in solution.dipoles),
+        sheets=tuple(
+            tuple(replace(each, sides=each.sides @ volts, dipoles=each.dipoles @ volts) for each in own)
+            for own in solution.sheets
+        ),
     )
 
 

@@ -10,6 +10,7 @@ as one.
 
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -17,6 +18,10 @@ import contact
 from studies.record import Record
 from studies.scene import Scene
 from studies.scene.slider import Friction, LawText, Slider, Wave
+
+if TYPE_CHECKING:
+    from studies.chain.ring_up import RingUp
+    from studies.chain.travel import WaveAlong
 
 
 def orbits_per_volt(motion, slider: Slider) -> tuple:
@@ -36,7 +41,7 @@ def _orbits(frequency: float, motion) -> tuple:
 
 
 def wave_along(motion, slider: Slider):
-    """Return the orbits under a slider that moves along x, a `studies.chain.travel.WaveAlong`, per volt."""
+    """Return the orbits under a slider that moves along x, per volt."""
     from studies.chain.travel import WaveAlong
 
     wave, places = motion.wave, slider.places
@@ -113,20 +118,20 @@ class DrivenContact:
     orbits: tuple = field(repr=False)
     amplitudes: tuple[float, float]  # |u_z| and |u_x| under the slider's centre for a level of 1, m
     stator_error: float = 0.0  # of the orbits, relative
-    ringing: object = None  # how they grow during a burst, a `studies.chain.ring_up.RingUp`
+    ringing: "RingUp | None" = None  # how they grow during a burst
     # the waves under a slider on pillars per volt, a contact.PassingWave, and their misfit
     passing: tuple | None = field(default=None, repr=False)
-    along: object = None  # how they change with the slider's place, a `studies.chain.travel.WaveAlong`
+    along: "WaveAlong | None" = None  # how they change with the slider's place
     record: Record | None = field(default=None, repr=False)  # of the run that solved the stator
 
     @classmethod
-    def given(cls, scene: Scene, record: Record | None = None) -> "DrivenContact":
+    def given(cls, scene: Scene, record: Record | None = None) -> Self:
         """Return the contact of a resolved scene with a given wave."""
         amplitudes = 1.0, scene.wave.tangential_ratio
         return cls(scene=scene, orbits=given_orbits(scene.wave), amplitudes=amplitudes, record=record)
 
     @classmethod
-    def of_motion(cls, scene: Scene, motion, **given) -> "DrivenContact":
+    def of_motion(cls, scene: Scene, motion, **given) -> Self:
         """Return the contact on a `studies.chain.surface_motion.SurfaceMotion`; ``given``: more of the fields."""
         tangential, _, normal = map(float, abs(motion.at([scene.slider.center])[:, 0]))
         given.setdefault("stator_error", motion.relative_error(scene.slider.places))

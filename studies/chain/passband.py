@@ -1,5 +1,7 @@
 """The passband of a scene's driven transducer: which frequencies a study takes, and the estimate beside them."""
 
+from pathlib import Path
+
 import numpy as np
 
 import fem
@@ -11,7 +13,7 @@ WIDEST = 0.45  # of the middle frequency, for transducers of few fingers
 MOST = 2000  # frequencies that a study chooses
 
 
-def driven_scene(scene: str | Scene) -> Scene:
+def driven_scene(scene: str | Path | Scene) -> Scene:
     """Return a scene as resolved; refuse one without a transducer."""
     loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
     if not loaded.transducer:
@@ -52,7 +54,9 @@ def group_delay(at, transfer, way: float):
 
     Examples
     --------
-    >>> import numpy as np
+    >>> from pathlib import Path
+
+    import numpy as np
     >>> at = np.linspace(1.9e6, 2.5e6, 11)
     >>> np.round(group_delay(at, np.exp(-2j * np.pi * at * 59e-6), 55e-6)[0] * 1e6, 6)
     np.float64(59.0)

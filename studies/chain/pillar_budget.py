@@ -15,7 +15,7 @@ import numpy as np
 import contact
 from studies.chain import pillars
 from studies.chain.bridge import DrivenContact
-from studies.chain.pillar_points import PillarContact
+from studies.chain.pillar_points import PillarContact, bounce_ratio
 from studies.record import Record
 
 # Compliance of silicon and 128YX niobate to a pressure that travels with the wave, over the static 2/(E* k)
@@ -45,6 +45,13 @@ def pillar_rows(record: Record) -> Rows:
     if body.misfit > 0.0:
         how = "what two surface waves of one wavelength leave of the surface mode there, rms"
         yield "beating and spreading of the wave under the slider", "u_z", body.misfit, how
+    vibration = bounce_ratio(slider, wave.frequency) ** 2
+    yield (
+        "the slider's own vibration",
+        "velocity",
+        vibration,
+        "square of its bounce over the wave's frequency",
+    )
     if wave.compliance > 0.0:
         if not motion.loading and motion.loading_number > 0.0:
             yield (

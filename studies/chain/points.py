@@ -87,6 +87,10 @@ def point_answer(driven: DrivenContact, level: float, tolerance: float, *, burst
 
     ``bursting``: whether a burst of the scene is followed, and not its steady state alone.
     """
+    if driven.scene.slider.pillars is not None:
+        from studies.chain.pillar_points import pillar_point
+
+        return pillar_point(driven, level, tolerance, bursting=bursting)
     orbits, asked = driven.at(level), CONTACT_SHARE * tolerance
     method = _method(driven.scene, "the steady state", STEADY_METHODS)
 

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import fem
 from studies.chain import resolve
@@ -21,6 +22,7 @@ from studies.chain.free_wave import free_wave_record
 from studies.chain.outcomes import also_asked, amplitudes
 from studies.chain.points import slider_answer
 from studies.chain.ring_up import RingUp, ring_up
+from studies.chain.slider_wave import stator_wave
 from studies.chain.solved_stator import Driven, SolvedStator, at_one_volt, stator_alone
 from studies.chain.spectrum import response
 from studies.chain.steady import SHARE, averaged_answers, judged
@@ -51,9 +53,10 @@ class Predictor:
     """
 
     def __init__(
-        self, table: dict, *, tolerance: float, places=(), limits=(), coarse=False, slider=True,
+        self, table: dict, *, tolerance: float, places: Sequence[tuple] = (), limits: Sequence[float] = (),
+        coarse: bool = False, slider: bool = True,
         steps: int = STEPS, progress: Callable[[str], None] | None = None,
-    ):  # fmt: skip
+    ) -> None:  # fmt: skip
         rules = {name: key.rule for name, key in keys_of(Scene).items()}
         for key in table:
             if key not in rules:
@@ -63,7 +66,9 @@ class Predictor:
         self.free = "wave" not in table and not table.get("transducer")
         self.places, self.limits, self.progress = tuple(places), limits, progress or LOGGER.info
         self.seconds = 0.0  # spent on stators
-        self._rules, self._answers, self._latest, self._count = rules, {}, (None, None), 0
+        self._rules, self._count = rules, 0
+        self._answers: dict[tuple, SolvedStator | Exception] = {}
+        self._latest: tuple[tuple | None, SurfaceMotion | None] = (None, None)
         self._block, self._slider = lru_cache(KEPT)(self._read), lru_cache(KEPT)(resolve.resolved_slider)
         self._ring_up = lru_cache(64)(ring_up)
         self._stator, self._band = lru_cache(64)(_resolved_stator), lru_cache(4)(response)
@@ -100,7 +105,7 @@ class Predictor:
             ``relative_error`` is absent where there is no answer.
         """
         answers: list[dict] = [{} for _ in many]
-        todo = range(len(many))
+        todo = list(range(len(many)))
         for step in range(self.steps):
             self.solve_together((many[at] for at in todo), step)
             found = self._answers_of([many[at] for at in todo], also, step, threads)
@@ -113,7 +118,8 @@ class Predictor:
 
     def scene(self, changes: dict) -> Scene:
         """Return the scene with some of its keys changed; SceneError if it breaks a rule of the text."""
-        own, blocks = {}, {}
+        own: dict[str, list] = {}
+        blocks = {}
         for key, value in changes.items():
             name, dot, _ = key.partition(".")
             if dot:
@@ -150,12 +156,15 @@ class Predictor:
                 raise
             solved = self._answer(stator, places, step)
         tangential, normal, _, _ = solved.at[places[0]]
+        passing = None
+        if block is not None and block.pillars is not None:
+            passing = stator_wave(scene, self.motion(stator, places, step))
         return Driven(
-            scene=scene, orbits=() if block is None else solved.orbits(block.places), solved=solved,
+            scene=scene, orbits=() if block is None else solved.orbits(block.places), solved=solved, passing=passing,
             amplitudes=(abs(normal), abs(tangential)), stator_error=max(solved.at[place][2] for place in places),
         )  # fmt: skip
 
-    def motion(self, stator: Scene, places, step: int = 0) -> SurfaceMotion:
+    def motion(self, stator: Scene, places: Any, step: int = 0) -> SurfaceMotion:
         """Return the surface motion of a `stator_alone` at places (x, y) in m; only the latest is kept."""
         asked = stator, places, step
         latest, motion = self._latest  # once: a worker may have several threads
@@ -190,7 +199,7 @@ class Predictor:
         """Solve the frequencies of one geometry side by side, where they make a band."""
         if len(self._answers) * max(1, len(self.places)) > MAX_KEPT:
             self._answers.clear()
-        groups = {}
+        groups: dict = {}
         for changes in many if self.limits else ():
             with suppress(SceneError):  # said when it is its turn
                 scene, stator = self._resolved(changes)
@@ -210,7 +219,7 @@ class Predictor:
                     self._answers[stator, places, step] = SolvedStator.of(motion, places)
             self.seconds += time.perf_counter() - begun
 
-    def _answers_of(self, many: list[dict], also, step: int, threads: int | None) -> list[dict]:
+    def _answers_of(self, many: list[dict], also: Any, step: int, threads: int | None) -> list[dict]:
         """Return the answers with the stator of a step; ``finer`` where a better one would help."""
         answers: list[dict] = [{} for _ in many]
         ready: dict[int, Driven] = {}
@@ -259,7 +268,7 @@ class Predictor:
             return {"status": f"no answer: {point['status']}"}
         return point | judged(self.tolerance, *parts, point["status"])
 
-    def _read(self, name: str, changes: tuple):
+    def _read(self, name: str, changes: tuple) -> Any:
         """Return a block with some keys changed, or why it is refused."""
         table = {name: self.table[name]} if name in self.table else {}
         try:
@@ -271,7 +280,8 @@ class Predictor:
 
     def _resolved(self, changes: dict) -> tuple[Scene, Scene | None]:
         """Return the scene with its automatic values found, and its stator alone at 1 V; None for a given wave."""
-        scene, stator, found = self.scene(changes), None, {}
+        scene, stator = self.scene(changes), None
+        found: dict[str, Any] = {}
         if scene.stator is not None:
             found_circuit = scene.drive.match == "auto" or scene.drive.recovery is not None
             spread = found_circuit and resolve.diffracts(scene)
@@ -286,22 +296,22 @@ class Predictor:
             on = None if scene.slider.ball is None else scene.stator
             found["slider"] = self._slider(scene.slider, on)
             if scene.burst is not None:
-                refuse_endless_burst(scene, (stator or scene).frequency)
+                refuse_endless_burst(scene, float((stator or scene).frequency))
         same = all(getattr(scene, key) == each for key, each in found.items())
         return scene if same else replace(scene, **found), stator
 
     def _places(self, scene: Scene) -> tuple[tuple, tuple]:
         """Return the places of a scene, its slider's centre the first, and those that one solution serves."""
         if scene.slider is None:
-            places = ((scene.stator.length / 2, 0.0),)
-            return places, places
-        places = tuple(dict.fromkeys((scene.slider.center, *scene.slider.places)))
+            middle = ((scene.stator.length / 2, 0.0),)
+            return middle, middle
+        places = (*dict.fromkeys((scene.slider.center, *scene.slider.places)),)
         # without a ball beside the axis the section may stand for the wave
         beside, length = any(y for _, y in places), scene.stator.length
         shared = tuple((x, y) for x, y in self.places if 0.0 <= x <= length and (beside or not y))
         return places, shared if set(places) <= set(shared) else places
 
-    def _answer(self, *asked) -> SolvedStator:
+    def _answer(self, *asked: Any) -> SolvedStator:
         """Return what is kept of a stator solved as `motion` does, or raise why there is none."""
         if asked not in self._answers:
             try:
@@ -313,7 +323,7 @@ class Predictor:
             raise found.with_traceback(None)
         return found
 
-    def _in_band(self, stator: Scene, places) -> bool:
+    def _in_band(self, stator: Scene, places: Any) -> bool:
         """Return whether a stator is solved as one of a band: there are enough, and no finite aperture."""
         return (
             bool(self.limits)
@@ -321,7 +331,7 @@ class Predictor:
             and not resolve.spreads(stator.stator, places if self.slider else None)
         )
 
-    def _goal(self, stator: Scene, places, step: int) -> float:
+    def _goal(self, stator: Scene, places: Any, step: int) -> float:
         """Return the relative error allowed of a stator at a step."""
         if self.coarse:
             return math.inf

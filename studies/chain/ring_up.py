@@ -7,6 +7,7 @@ end the surface rings down under the slider as the same envelope goes on, until 
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +16,10 @@ import fem
 from studies.chain import resolve
 from studies.chain.spectrum import response
 from studies.scene import Scene
+
+if TYPE_CHECKING:
+    from contact.envelope import Envelope
+    from fem.solve.burst import BurstEnvelope
 
 LOBES = 1.2  # of 1/N: the band taken on either side, the main lobe and a little
 WIDEST = 0.22  # of the frequency: one band of frequencies
@@ -30,9 +35,11 @@ class RingUp:
     # length; without an envelope, how long it certainly rings over the burst's length
     error: float
     # Factor on the steady orbits; None where the stator rings for too long to be followed
-    envelope: object = field(default=None, repr=False)
-    ring_down: object = field(default=None, repr=False)  # the same from the burst's end on, time from there
-    found: object = field(default=None, repr=False)  # fem's answer
+    envelope: "Envelope | None" = field(default=None, repr=False)
+    ring_down: "Envelope | None" = field(
+        default=None, repr=False
+    )  # the same from the burst's end on, time from there
+    found: "BurstEnvelope | None" = field(default=None, repr=False)  # fem's answer
 
     @classmethod
     def of(cls, found) -> "RingUp":

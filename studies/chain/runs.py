@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import fem
 from studies.chain import resolve
@@ -99,7 +100,7 @@ def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None)
     return replace(record, warnings=warnings_of(record))
 
 
-def _given(scene: Scene, tolerance: float, say) -> Record:
+def _given(scene: Scene, tolerance: float, say: Any) -> Record:
     """Return the record of a given wave: its orbit, then the contact."""
     begun = time.perf_counter()
     answer = slider_answer(DrivenContact.given(scene), tolerance=tolerance, progress=say)
@@ -113,7 +114,7 @@ def _given(scene: Scene, tolerance: float, say) -> Record:
     )
 
 
-def _driven(scene: Scene, tolerance: float, say) -> Record:
+def _driven(scene: Scene, tolerance: float, say: Any) -> Record:
     """Return the record of a driven stator: the motion of its surface, then the contact under a slider."""
     begun = time.perf_counter()
     slider, ringing, seconds = scene.slider, None, {}
@@ -158,7 +159,9 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
     return replace(record, seconds={"stator": time.perf_counter() - begun - sum(seconds.values())} | seconds)
 
 
-def _with_contact(scene: Scene, motion: SurfaceMotion, solved: Callable, tolerance: float, say, ringing):
+def _with_contact(
+    scene: Scene, motion: SurfaceMotion, solved: Callable, tolerance: float, say: Any, ringing: Any
+) -> Any:
     """Return motion, answer and the contact's seconds; the motion is solved again where its error is too large."""
     slider, seconds = scene.slider, 0.0
     places = tuple(dict.fromkeys((slider.center, *slider.places)))

@@ -2,6 +2,7 @@
 
 import logging
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,12 +13,21 @@ from studies.scene import Scene
 from studies.scene.quantity import si_value
 from studies.scene.ranges import is_number, read_range
 
+if TYPE_CHECKING:
+    import skrf
+
 LOGGER = logging.getLogger("studies.network")
 MAX_FREQUENCIES = 100_000
 DEFAULT_COUNT = 401
 
 
-def network(scene: Scene | str | Path, band=None, *, z0: str | float = 50.0, tolerance: float = 1e-3):
+def network(
+    scene: Scene | str | Path,
+    band: "str | np.ndarray | None" = None,
+    *,
+    z0: str | float = 50.0,
+    tolerance: float = 1e-3,
+) -> "skrf.Network":
     """Return the transducers of a scene as a `skrf.Network`, to be plotted, cascaded and written by scikit-rf.
 
     Parameters
@@ -43,13 +53,13 @@ def network(scene: Scene | str | Path, band=None, *, z0: str | float = 50.0, tol
     RunError
         If scikit-rf is not installed, or the tolerance is not met.
     """
-    skrf = needed("skrf", "network")
+    library = needed("skrf", "network")
     chosen = passband.driven_scene(scene)
     reference = reference_impedance(z0)
     at = band_frequencies(chosen, band)
     names, _, scattering = scattering_matrix(chosen, at, reference, tolerance, LOGGER.info)
-    found = skrf.Network(
-        frequency=skrf.Frequency.from_f(at, unit="hz"),
+    found = library.Network(
+        frequency=library.Frequency.from_f(at, unit="hz"),
         s=scattering,
         z0=reference,
         name=chosen.title or "network",
@@ -58,7 +68,7 @@ def network(scene: Scene | str | Path, band=None, *, z0: str | float = 50.0, tol
     return found
 
 
-def scattering_matrix(scene: Scene, at, reference: float, tolerance: float, progress):
+def scattering_matrix(scene: Scene, at: Any, reference: float, tolerance: float, progress: Any) -> Any:
     """Return names, `fem.PortAdmittance` and S, (frequencies, ports, ports), of a resolved scene in its order."""
     names = [each.name for each in scene.transducer if each.has_two_combs]
     ports = port_admittances(scene, at, tolerance, progress)
@@ -74,7 +84,7 @@ def reference_impedance(z0: str | float) -> float:
     return reference
 
 
-def band_frequencies(scene: Scene, band=None, count: int | None = None) -> np.ndarray:
+def band_frequencies(scene: Scene, band: Any = None, count: int | None = None) -> np.ndarray:
     """Return the frequencies in Hz of START:STOP:N (MHz without a unit), or of the driven transducer's passband."""
     if band is None:
         return passband.frequencies(scene, count, DEFAULT_COUNT)

@@ -46,7 +46,8 @@ def averaged_answers(
     asked: list[tuple[DrivenContact, float]], tolerance: float, *, threads: int | None = None
 ) -> list[dict | None]:
     """Return what `steady_answers` does, None where averaging does not know the state well enough."""
-    takes = [driven.scene.slider.method in AVERAGED_METHODS for driven, _ in asked]
+    sliders = [driven.scene.slider for driven, _ in asked]
+    takes = [each.method in AVERAGED_METHODS and each.pillars is None for each in sliders]
     rows = iter(
         averaged(
             [

@@ -7,6 +7,7 @@ them (`fem.crossed_beam`); the section of the motion is then that of the driven 
 """
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +17,11 @@ from studies.refusal import RunError
 from studies.scene import Scene
 from studies.scene.blocks import Stator
 
+if TYPE_CHECKING:
+    from fem.beam.crossed_beam import CrossedBeam
+    from fem.beam.surface_beam import SurfaceBeam
+    from fem.results.surface_wave import SurfaceWave
+
 # places where the beam's standing wave is looked at; a minimum between them is missed by 1 %
 PER_WAVELENGTH = 24
 
@@ -24,9 +30,9 @@ PER_WAVELENGTH = 24
 class SurfaceMotion:
     """Motion of a driven stator's surface."""
 
-    wave: object = field(repr=False)  # fem.SurfaceWave, of the section
-    # fem.SurfaceBeam or fem.CrossedBeam, of the finite aperture; None where the section stands for it
-    beam: object = field(default=None, repr=False)
+    wave: "SurfaceWave" = field(repr=False)  # of the section
+    # Of the finite aperture; None where the section stands for it
+    beam: "SurfaceBeam | CrossedBeam | None" = field(default=None, repr=False)
     reason: str = ""  # why there is no beam; empty where there is one, or none is wanted
     _known: dict = field(default_factory=dict, init=False, repr=False)
 

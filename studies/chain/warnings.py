@@ -140,6 +140,12 @@ def _section(record: Record) -> Iterator[str]:
             'or ends = "absorbing"'
         )
     if isinstance(stator.thickness, str) or stator.bottom == "absorbing":
+        if fem.absorber_kind(resolve.solid(stator)) == "viscous":
+            yield (
+                "no fast absorbing layer is known for the half-space of this cut, whose slowness curve is too concave "
+                "at the x axis: a viscous layer stands for it, which converges slowly; a stator.thickness of a few "
+                "wavelengths with a free bottom is much faster"
+            )
         return
     thickness = stator.thickness * frequency / abs(wave.phase_velocity)
     if wave.transfer_length < stator.length:

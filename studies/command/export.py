@@ -3,13 +3,92 @@
 import argparse
 from pathlib import Path
 
+from studies.command.given_scene import changed_scene, tolerance
+from studies.command.options import add_changes, add_no_plot, add_tolerance, add_voltage
+from studies.command.output import committed_pictures, say
 from studies.export.exported import Exported
+from studies.progress import Progress
 from studies.refusal import SceneError, nearest
+from studies.results import Origin, result_directory
 from studies.scene import Scene
+
+HELP = "a run or a scene for others: a motor for simulators, a mask, what a lab's instruments would record"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument(
+        "scene", metavar="RUN_OR_SCENE", help="a directory that `sawmotor run` left, a path or a shipped name"
+    )
+    parser.add_argument("--format", metavar="FORMAT", help="fmu, c, gds, dxf, uff, touchstone, csv, vtu")
+    parser.add_argument("--fmi", metavar="VERSION", help="fmu: 3 or 2 (3)")
+    parser.add_argument(
+        "--size",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help='gds, dxf: busbar, end_gap, pad, mark, margin or grid, e.g. grid="5 nm"; once for each',
+    )
+    parser.add_argument("--scan", metavar="WAY", help="uff, csv: x, y, xy or frequency (x)")
+    parser.add_argument(
+        "--band", metavar="START:STOP:N", help="touchstone, --scan frequency: frequencies in MHz"
+    )
+    parser.add_argument("--z0", metavar="OHM", help="touchstone: reference impedance (50)")
+    parser.add_argument(
+        "--noise",
+        metavar="SHARE",
+        help="uff, csv, touchstone: standard deviation over the largest value, e.g. 1e-2 or 1%%",
+    )
+    parser.add_argument("--seed", type=int, metavar="N", help="of the noise")
+    add_voltage(parser)
+    add_changes(parser)
+    add_tolerance(parser)
+    parser.add_argument(
+        "--out",
+        metavar="PATH",
+        help="a directory, or the file where there is one (results/NAME-export-FORMAT)",
+    )
+    add_no_plot(parser)
+
+
+def call(arguments: argparse.Namespace) -> int:
+    """Write a run or a scene in a format of others."""
+    from studies.record.text import labelled
+
+    ending, _ = checked(arguments)
+    given, name = arguments.scene, Path(arguments.scene).stem
+    arguments.scene = scene_of(given)
+    wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
+    alone = bool(ending) and arguments.out is not None and Path(arguments.out).suffix.lower() == ending
+    if alone and Path(arguments.out).exists():
+        raise SceneError("--out", f"{arguments.out!r} exists already, and is not replaced")
+    with Progress() as progress:
+        done = exported(arguments, scene, name, tolerance=wanted, progress=progress)
+        out = Path(arguments.out or Path("results") / f"{name}-export-{arguments.format}")
+        if alone:
+            done.write_alone(out)
+        else:
+            origin = Origin(kind="export", name=f"{arguments.format} of {name}")
+            with result_directory(out, origin, chosen=arguments.out is not None) as result:
+                done.write(result.folder)
+                result.commit()
+                if done.pictures and not arguments.no_plot:
+                    from studies.record.plots import saved
+
+                    with committed_pictures(result):
+                        for file, draw in done.pictures.items():
+                            saved(result.folder / file, draw)
+            say(result.notes)
+    print("\n".join([*labelled(done.answer, 16), f"{'results':<16}{out}"]))
+    say(done.remarks)
+    return 0
+
 
 # by format: ending of its file, and the options of the command that it takes beside the scene's own
 FORMATS = {
     "fmu": (".fmu", ("fmi",)), "c": ("", ()), "gds": (".gds", ("size",)), "dxf": (".dxf", ("size",)),
+    "uff": (".uff", ("scan", "band", "noise", "seed")), "csv": ("", ("scan", "band", "noise", "seed")),
+    "touchstone": (".snp", ("band", "z0", "noise", "seed")), "vtu": (".vtu", ()),
 }  # fmt: skip
 
 
@@ -17,10 +96,12 @@ def exported(
     arguments: argparse.Namespace, scene: Scene, name: str, *, tolerance: float, progress
 ) -> Exported:
     """Return what a call of the command exports, nothing written; options that a format does not take are refused."""
-    from studies.export import mask_files, simulators
+    from studies.export import instruments, mask_files, simulators
 
     calls = {
         "fmu": simulators.fmu_files, "c": simulators.c_files, "gds": mask_files.gds_files, "dxf": mask_files.dxf_files,
+        "uff": instruments.uff_files, "csv": instruments.csv_files, "touchstone": instruments.touchstone_files,
+        "vtu": instruments.vtu_files,
     }  # fmt: skip
     _, taken = checked(arguments)
     options = {key: value for key in taken if (value := getattr(arguments, key)) not in (None, [])}

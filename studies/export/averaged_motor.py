@@ -204,6 +204,9 @@ def averaged_motor(
     if slider.friction is not None:
         rule = "must be a number without a law of one's own: the tables of the averaged motor take one coefficient"
         chosen.refuse("slider.friction_coefficient", rule)
+    if getattr(slider, "friction", None) is not None:
+        rule = "must be one number here: the tables of the averaged motor take Coulomb's friction"
+        driven.scene.refuse("slider.friction_coefficient", rule)
     left_out = ["the wave is that at the slider's place: its change along the way is not followed"]
     drives = [_drive(driven, progress, left_out)]
     for other in _other_scenes(chosen):

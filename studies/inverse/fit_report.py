@@ -1,5 +1,6 @@
 """What a fit leaves: its answer as text, fit.json, the fitted scene with its intervals, and a picture."""
 
+import math
 from itertools import combinations
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from studies.results.content import write_json
 from studies.scene.toml import document
 
 SHOWN_CANDIDATES = 6
+INFORMED = 2.0  # times narrower than its range, from which a measurement tells something of a number
 DOUBTFUL = 0.01  # probability of the sum of squares below which the model does not explain the data
 
 
@@ -21,8 +23,14 @@ def fit_answer(fit: Fit) -> str:
     """Return what a fit prints."""
     rows = [["parameter", "value", "95 % from", "to"]]
     for key, value in fit.values.items():
-        ends = ("open" if end is None else f"{end:.4g}" for end in fit.intervals[key])
-        rows.append([key, f"{value:.5g}", *ends])
+        ends = fit.intervals[key]
+        width = abs(ends[1] - ends[0]) if None not in ends else abs(value)
+        digits = (
+            4 + max(0, math.ceil(-math.log10(max(width / (abs(value) or 1.0), 1e-12)))) - 1
+        )  # shows the interval
+        digits = max(digits, 4)
+        texts = ("open" if end is None else f"{end:.{digits}g}" for end in ends)
+        rows.append([key, f"{value:.{digits + 1}g}", *texts])
     notes = [("goodness of fit", _goodness(fit))]
     notes += [("undetermined", each.sentence) for each in fit.directions]
     for rival in fit.rivals:
@@ -34,6 +42,10 @@ def fit_answer(fit: Fit) -> str:
     for (i, one), (j, other) in combinations(enumerate(fit.values), 2):
         if abs(fit.correlation[i, j]) > 0.5:
             notes.append(("correlation", f"{one}, {other}: {fit.correlation[i, j]:+.3f}"))
+    if len(fit.informs) > 1:
+        for name, gains in fit.informs:
+            known = [f"{key} ({gain:.3g} times narrower)" for key, gain in gains.items() if gain > INFORMED]
+            notes.append(("informs", f"{name}: {', '.join(known) or 'none of the numbers'}"))
     for each in fit.candidates[:SHOWN_CANDIDATES]:
         gain = f"{each.key} from {100 * each.before:.3g} % to {100 * each.after:.3g} %"
         notes.append(("measure next", f"{each.name}: {gain}"))
@@ -94,11 +106,19 @@ def draw_fit(fit: Fit, path: Path) -> None:
 def _draw(fit: Fit, measurement: Measurement, residuals, upper, lower) -> None:
     """Draw one measurement with band and curve into Axes, its residuals into others below."""
     at, along = measurement.levels, quantity(measurement.level_key or "normal_amplitude_m")
+    data = measurement.network or measurement.scan
+    if data is not None:
+        by_frequency = measurement.network is not None or data.kind == "frequency"
+        at, along = measurement.coordinate, quantity("frequency_Hz" if by_frequency else "place_m")
     if measurement.time:
         at, along = measurement.time, quantity("time_s")
     scale, drawn = along.scale, QUANTITIES[measurement.quantity]
     factor = drawn.scale
     where, best, low, high = fit.band(measurement)
+    if data is not None:  # real and imaginary parts lie on one axis: a line each
+        half = len(where) // len(data.coordinate)
+        where, best, low, high = (np.insert(each.astype(float), [len(each) // half] if half > 1 else [], np.nan)
+                                  for each in (where, best, low, high))  # fmt: skip
     upper.fill_between(where * scale, low * factor, high * factor, color=COLOURS["slip"], alpha=0.25, linewidth=0,
                        label="95 % of the fitted motors")  # fmt: skip
     upper.plot(where * scale, best * factor, color=COLOURS["slip"], linewidth=1.2, label="best fit")

@@ -11,17 +11,25 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from studies.chain.scan_prediction import placed, refuse_other_range
 from studies.inverse.directions import Direction, direction, undetermined
 from studies.inverse.least_squares import CLEARLY, Problem
 from studies.inverse.next_measurement import ranked
-from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT, as_measurements, as_parameters
+from studies.inverse.parameters import (
+    AMPLITUDE_FACTOR,
+    AMPLITUDE_PER_VOLT,
+    Parameter,
+    as_measurements,
+    as_parameters,
+)
 from studies.inverse.prediction import MeasurementPredictor
 from studies.inverse.profile import BetterMinimumError, End, allowed_excess, profile
 from studies.inverse.result import Fit
-from studies.record.measured import Measurement
+from studies.record.measured import FIELD, Measurement
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 
@@ -76,13 +84,11 @@ def fit(
     """
     say = progress or LOGGER.info
     problem, fixed, estimated = prepared(scene, measurements, parameters, tolerance=tolerance, progress=say)
-    parameters = problem.parameters
+    free = problem.parameters
     problem = replace(problem, measurements=_signed(problem))
-    degrees = problem.points - len(parameters)
+    degrees = problem.points - len(free)
     if degrees < (1 if estimated else 0):
-        raise SceneError(
-            "--free", f"asks for {len(parameters)} numbers from {problem.points} measured values"
-        )
+        raise SceneError("--free", f"asks for {len(free)} numbers from {problem.points} measured values")
     say("fit: least squares")
     minima = problem.minima()
     for _ in range(4):
@@ -95,28 +101,31 @@ def fit(
     )
 
 
-def prepared(scene, measurements, parameters, *, tolerance: float, progress: Callable[[str], None]):
+def prepared(
+    scene: Scene | str | Path,
+    measurements: Measurement | str | Path | list,
+    parameters: list | dict,
+    *,
+    tolerance: float,
+    progress: Callable[[str], None],
+) -> tuple[Problem, tuple[Parameter, ...], bool]:
     """Return the problem of a fit, the parameters that are held, and whether the deviations are to be estimated."""
     loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
     predictor = MeasurementPredictor(loaded, tolerance=tolerance, progress=progress)
-    measurements, parameters = as_measurements(measurements), as_parameters(parameters)
-    fixed = tuple(each for each in parameters if not each.vary)
+    curves, asked = as_measurements(measurements), as_parameters(parameters)
+    fixed = tuple(each for each in asked if not each.vary)
     for each in fixed:
         if each.value is None:
             raise SceneError(f"--free {each.key}", "is held, and needs a value")
     held = {each.key: each.value for each in fixed}
-    measurements = [replace(each, settings=held | each.settings) for each in measurements]
-    parameters = tuple(each for each in parameters if each.vary)
-    _refuse(predictor, measurements, parameters)
-    measurements, estimated = _weighted(measurements)
-    return (
-        Problem(predictor=predictor, parameters=parameters, measurements=tuple(measurements)),
-        fixed,
-        estimated,
-    )
+    curves = [replace(each, settings=held | each.settings) for each in curves]
+    free = tuple(each for each in asked if each.vary)
+    _refuse(predictor, curves, free)
+    curves, estimated = _weighted(curves)
+    return Problem(predictor=predictor, parameters=free, measurements=tuple(curves)), fixed, estimated
 
 
-def _explored(problem, minima, degrees, estimated, say) -> Fit:
+def _explored(problem: Any, minima: Any, degrees: Any, estimated: Any, say: Any) -> Fit:
     """Return the fit about its least minimum: directions, profiles, next measurements."""
     if estimated:
         scale = math.sqrt(minima[0][1] / degrees) or 1e-9
@@ -133,36 +142,53 @@ def _explored(problem, minima, degrees, estimated, say) -> Fit:
     covariance = np.linalg.inv(information)
     allowed = allowed_excess(degrees if estimated else None)
     rivals = [(x, squares) for x, squares in others if squares - least < allowed]
-    ends = {}
+    ends: dict[str, tuple[End | None, End | None]] = {}
     for j, parameter in enumerate(problem.parameters):
         say(f"fit: interval of {parameter.key}")
         step = FIRST_STEP * math.sqrt(covariance[j, j])
         if parameter.key in lost:
             ends[parameter.key] = (None, None)
             continue
-        ends[parameter.key] = tuple(
-            _outermost(problem, [(best, least), *rivals], j, sign, step, allowed) for sign in (-1.0, 1.0)
+        tried = problem, [(best, least), *rivals], j
+        ends[parameter.key] = (
+            _outermost(*tried, -1.0, step, allowed),
+            _outermost(*tried, 1.0, step, allowed),
         )
     directions += _open_directions(problem, best, ends, lost)
     say("fit: next measurements")
+    informs = _informed(problem, slopes, information)
     sizes, count = np.sqrt(np.diag(covariance)), len(problem.parameters)
     return Fit(
         problem=problem, best=best, chi2=least, degrees_of_freedom=degrees, ends=ends,
         deviation=problem.measurements[0].deviations[0] if estimated else None,
         directions=tuple(directions), correlation=(covariance / np.outer(sizes, sizes))[:count, :count],
         rivals=tuple(problem.numbers(x) for x, _ in rivals), covariance=covariance,
-        candidates=tuple(ranked(problem, best, information)),
+        candidates=tuple(ranked(problem, best, information)), informs=informs,
     )  # fmt: skip
 
 
-def _outermost(problem, minima, j: int, sign: float, step: float, allowed: float) -> End:
+def _informed(problem: Problem, slopes: Any, information: Any) -> tuple[tuple[str, dict[str, float]], ...]:
+    """Return, for each measurement, how far it alone narrows each number: the range's width over the width then.
+
+    A width is the standard deviation with the other numbers free; the ranges are a weak prior.
+    """
+    ends, found = np.cumsum([len(each.values) for each in problem.measurements]), []
+    prior = np.diag(problem.half_width**-2.0)
+    for each, rows in zip(problem.measurements, np.split(slopes, ends)[: len(ends)], strict=True):
+        own = np.sqrt(np.diag(np.linalg.inv(rows.T @ rows + prior)))
+        gains = {p.key: float(problem.half_width[k] / own[k]) for k, p in enumerate(problem.parameters)}
+        found.append((each.name, gains))
+    return tuple(found)
+
+
+def _outermost(problem: Any, minima: Any, j: int, sign: float, step: float, allowed: float) -> End:
     """Return the end of an interval: the outermost of those about each minimum that the data do not rule out."""
     least = minima[0][1]
     found = [profile(problem, each, least, j, sign=sign, step=step, allowed=allowed) for each in minima]
     return min(found, key=lambda end: (end.closed, -sign * end.x[j]))
 
 
-def _nearest(problem: Problem, best, least, directions) -> np.ndarray:
+def _nearest(problem: Problem, best: Any, least: Any, directions: Any) -> np.ndarray:
     """Return the minimum nearest to the scene's own values, along directions of no effect."""
     ways = [
         [each.components.get(p.key, 0.0) for p in problem.parameters] for each in directions if each.exact
@@ -177,9 +203,10 @@ def _nearest(problem: Problem, best, least, directions) -> np.ndarray:
     return moved if np.sum(problem.residuals([moved])[0] ** 2) <= least + CLEARLY * max(1.0, least) else best
 
 
-def _open_directions(problem, best, ends, lost) -> list[Direction]:
+def _open_directions(problem: Any, best: Any, ends: Any, lost: Any) -> list[Direction]:
     """Return the directions along which a profile went on to the end of a range without making an interval."""
-    found, said = [], set(lost)
+    found: list[Direction] = []
+    said = set(lost)
     for key, pair in ends.items():
         for end in pair:
             if end is None or end.closed or key in said:
@@ -193,9 +220,18 @@ def _open_directions(problem, best, ends, lost) -> list[Direction]:
     return found
 
 
-def _refuse(predictor: MeasurementPredictor, measurements, parameters) -> None:
+def _refuse(predictor: MeasurementPredictor, measurements: Any, parameters: Any) -> None:
     if not measurements:
         raise SceneError("--data", "is required: a CSV file of measured points")
+    for each in measurements:
+        if each.quantity not in FIELD and not predictor.slider:
+            raise SceneError(
+                f"--data {each.name}", "needs a scene with a [slider]: without one there is no velocity"
+            )
+        if each.network is not None and not predictor.given_wave:
+            refuse_other_range(predictor.scene({}), each.network, "--data")
+        if each.scan is not None:
+            placed(predictor.scene({}), each.scan, "--data")
     if not parameters:
         raise SceneError("--free", "is required: KEY=LOW:HIGH")
     keys = [parameter.key for parameter in parameters]
@@ -212,7 +248,7 @@ def _refuse(predictor: MeasurementPredictor, measurements, parameters) -> None:
                 predictor.scene({key: end})
 
 
-def _weighted(measurements) -> tuple[list[Measurement], bool]:
+def _weighted(measurements: Any) -> tuple[list[Measurement], bool]:
     """Return the measurements with deviations, and whether these are to be scaled by the residuals."""
     known = [each.deviations is not None for each in measurements]
     if all(known):
@@ -233,6 +269,8 @@ def _signed(problem: Problem) -> tuple[Measurement, ...]:
     predicted, found = problem.predictions(problem.starts()[:8]), []
     for k, each in enumerate(problem.measurements):
         total = np.nansum([values[k] for values in predicted])
-        unsigned = each.quantity != "amplitude" and min(each.values) >= 0.0 and total < 0.0
+        unsigned = (
+            each.quantity in ("velocity", "burst", "position") and min(each.values) >= 0.0 and total < 0.0
+        )
         found.append(replace(each, values=tuple(-value for value in each.values)) if unsigned else each)
     return tuple(found)

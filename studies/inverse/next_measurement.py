@@ -11,7 +11,7 @@ import numpy as np
 
 from studies.inverse.least_squares import Problem
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
-from studies.record.measured import Measurement
+from studies.record.measured import FIELD, Measurement
 
 FREQUENCY_ERROR, AMPLITUDE_ERROR, WEIGHED = 0.01, 0.02, 0.01
 WEIGHABLE = ("slider.preload", "slider.mass", "slider.radius")
@@ -31,25 +31,33 @@ class Candidate:
 def candidates(problem: Problem) -> list[Measurement]:
     """Return measurements to think of; empty deviations are to be those of the data."""
     predictor, own = problem.predictor, {each.quantity: each for each in reversed(problem.measurements)}
-    base = own.get("velocity", problem.measurements[0])
-    levels = base.levels or (max(predictor.contact(base.settings).scene.levels),)
-    top, found = max(levels), []
-
     own_levels = "normal_amplitude_m" if predictor.given_wave else "voltage_V"
+    moving = [each for each in problem.measurements if each.quantity not in FIELD]
+    base = own.get(
+        "velocity", moving[0] if moving else Measurement(name="", quantity="none", level_key=own_levels)
+    )
+    levels = (
+        base.levels or tuple(sorted(predictor.contact(base.settings).scene.levels))[-1 if moving else 0 :]
+    )
+    top, found = max(levels), []
+    if not moving and predictor.slider:
+        spread = tuple(np.linspace(min(levels), top, 12)) if len(levels) > 1 else levels
+        found.append(Measurement(name="slider velocity at 12 levels", quantity="velocity", level_key=own_levels,
+                                 levels=spread))  # fmt: skip
 
     def think(name, quantity="velocity", at=(top,), settings=base.settings, **given):
         level_key = base.level_key if base.levels else own_levels
         plain = Measurement(name="", quantity=quantity, level_key=level_key, systematic=base.systematic)
         found.append(replace(plain, name=name, levels=at, settings=settings, **given))
 
-    if base.quantity != "amplitude":
+    if base.quantity not in ("amplitude", "none"):
         preload = float(base.settings.get("slider.preload", predictor.value("slider.preload")))
         spread = tuple(np.linspace(min(levels), top, 12)) if len(levels) > 1 else (top,)
         for size in (0.5 * preload, 2.0 * preload):
             settings = base.settings | {"slider.preload": size}
             think(f"velocity at a preload of {size * 1e3:.3g} mN", at=spread, settings=settings)
         think("velocity up to twice the level", at=tuple(np.linspace(top, 2 * top, 6)))
-        if "burst" not in own:
+        if "burst" not in own and base.quantity != "position":
             start = [p.start(predictor.value(p.key)) for p in problem.parameters]
             driven = predictor.contact(problem.numbers(start) | base.settings)
             rise = driven.slider.mass / driven.slider.least_friction(len(driven.orbits))
@@ -57,9 +65,13 @@ def candidates(problem: Problem) -> list[Measurement]:
             settings = base.settings | {"wave.burst" if predictor.given_wave else "drive.burst": length}
             time = tuple(np.linspace(0.02, 1.0, INSTANTS) * length)
             think(f"v(t) of a burst of {length:.2g} s", "burst", settings=settings, time=time)
-    think(
-        "frequency of the tangential ring-down", "ring-down frequency", at=(), deviations=(FREQUENCY_ERROR,)
-    )
+    if predictor.slider:
+        think(
+            "frequency of the tangential ring-down",
+            "ring-down frequency",
+            at=(),
+            deviations=(FREQUENCY_ERROR,),
+        )
     sizes = (AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT)
     if any(p.key in sizes or predictor.needs_stator(p.key) for p in problem.parameters):
         think("surface amplitude under the slider (vibrometer)", "amplitude", deviations=(AMPLITUDE_ERROR,),

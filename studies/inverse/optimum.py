@@ -9,7 +9,7 @@ what no evaluation at the tolerance beats in both.
 """
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -55,7 +55,7 @@ def design(
     scene: Scene | str | Path | dict,
     goals: str | list[str],
     variables: list | dict,
-    constraints: list = (),
+    constraints: Sequence = (),
     *,
     options: Options = DEFAULT,
     progress: Callable[[str], None] | None = None,
@@ -98,7 +98,7 @@ def design(
     if budget < 4 * len(variables) + 8:
         raise SceneError("--evaluations", f"must be at least {4 * len(variables) + 8}, got {budget}")
     also = {GOALS[goal][1] for goal in goals} | {each.also for each in constraints}
-    plan = planned(table, variables, also=tuple(sorted(also - {""})), tolerance=options.tolerance)
+    plan = planned(table, tuple(variables), also=tuple(sorted(also - {""})), tolerance=options.tolerance)
     search = {"goals": goals, "subject": [each.text for each in constraints], "evaluations": budget,
               "seed": options.seed, "ranges": [[each.key, each.low, each.high] for each in variables]}  # fmt: skip
     given = plan, search, options, progress or LOGGER.info

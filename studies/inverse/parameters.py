@@ -1,12 +1,16 @@
 """The free numbers of a fit: keys of a scene with their ranges, positive ones as logarithms.
 
-Two names stand for what is no key of a scene: ``amplitude_per_volt`` (m/V) turns the voltages of a measurement into
-amplitudes of a given [wave]; ``amplitude_factor`` multiplies the surface motion computed for a stator.
+Some names stand for what is no key of a scene: ``amplitude_per_volt`` (m/V) turns the voltages of a measurement into
+amplitudes of a given [wave]; ``amplitude_factor`` multiplies the surface motion computed for a stator.  Three belong
+to instruments: ``wave_velocity_factor`` multiplies the surface wave's velocity in a vibrometer's scan,
+``bandwidth`` is that of an encoder (a low-pass filter of first order), and ``time_offset`` the time of its trace at
+which the burst begins.
 """
 
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from studies.record.measured import Measurement, read_measured
 from studies.refusal import SceneError, nearest, shown
@@ -16,7 +20,11 @@ from studies.scene.override import parts_of, toml_value
 from studies.scene.rule import Count
 
 AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT, SYSTEMATIC = "amplitude_factor", "amplitude_per_volt", "systematic"
-OWN = {AMPLITUDE_FACTOR: Quantity(), AMPLITUDE_PER_VOLT: Quantity("m"), SYSTEMATIC: Quantity()}
+WAVE_VELOCITY_FACTOR, BANDWIDTH, TIME_OFFSET = "wave_velocity_factor", "bandwidth", "time_offset"
+OWN = {
+    AMPLITUDE_FACTOR: Quantity(), AMPLITUDE_PER_VOLT: Quantity("m"), SYSTEMATIC: Quantity(),
+    WAVE_VELOCITY_FACTOR: Quantity(), BANDWIDTH: Quantity("Hz"), TIME_OFFSET: Quantity("s", negative=True),
+}  # fmt: skip
 LEVELS = ("drive.voltage", "wave.normal_amplitude")
 
 
@@ -114,6 +122,8 @@ def read_parameter(text: str, option: str = "--free", *, design: bool = False) -
     >>> read_parameter("slider.preload=1 mN:5 mN")
     Parameter(key='slider.preload', low=0.001, high=0.005, value=None, vary=True, stderr=None)
     """
+    low: float
+    high: float
     key, span = parts_of(option, text, "KEY=LOW:HIGH")
     ends = [end.strip() for end in span.split(":")]
     if len(ends) != 2:
@@ -123,7 +133,7 @@ def read_parameter(text: str, option: str = "--free", *, design: bool = False) -
     if design and "." in key and isinstance(rule_at(key), Count):
         if not all(end.isdigit() for end in ends):
             raise SceneError(f"{option} {key}", f"must be LOW:HIGH of whole numbers, got {shown(span)}")
-        low, high = map(int, ends)
+        low, high = (int(end) for end in ends)
     else:
         low, high = (_number(option, key, end) for end in ends)
     if not low < high:
@@ -131,7 +141,7 @@ def read_parameter(text: str, option: str = "--free", *, design: bool = False) -
     return Parameter(key=key, low=low, high=high)
 
 
-def as_parameters(given) -> tuple[Parameter, ...]:
+def as_parameters(given: Any) -> tuple[Parameter, ...]:
     """Return the parameters of a fit, however they are written.
 
     Parameters
@@ -166,7 +176,7 @@ def ranges(given: list | dict) -> list:
     ]
 
 
-def as_measurements(given) -> list[Measurement]:
+def as_measurements(given: Any) -> list[Measurement]:
     """Return measurements: `Measurement` objects or paths of CSV files, one or a list."""
     several = given if isinstance(given, (list, tuple)) else [given]
     return [each if isinstance(each, Measurement) else read_measurement(each) for each in several]
@@ -191,7 +201,7 @@ def read_measurement(path: str | Path, settings: tuple[str, ...] = ()) -> Measur
     if "=" in str(path):
         raise SceneError("--data", f"must begin with a file: FILE.csv KEY=VALUE ..., got {str(path)!r}")
     fixed = dict(read_setting(text) for text in settings)
-    systematic = float(fixed.pop(SYSTEMATIC, 0.0))
+    systematic = float(str(fixed.pop(SYSTEMATIC, 0.0)))
     return replace(read_measured(path, "--data"), systematic=systematic, settings=fixed)
 
 

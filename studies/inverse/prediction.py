@@ -15,13 +15,29 @@ from studies.chain.bridge import DrivenContact
 from studies.chain.points import followed_burst
 from studies.chain.predictor import Predictor
 from studies.chain.resolve import resolved
+from studies.chain.scan_prediction import (
+    along_places,
+    at_other_velocity,
+    network_prediction,
+    over_frequency,
+    placed,
+)
 from studies.chain.solved_stator import PLACE_KEYS, Driven, of_stator
 from studies.chain.steady import steady_answers
-from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
-from studies.record.measured import Measurement
+from studies.inverse.parameters import (
+    AMPLITUDE_FACTOR,
+    AMPLITUDE_PER_VOLT,
+    BANDWIDTH,
+    TIME_OFFSET,
+    WAVE_VELOCITY_FACTOR,
+)
+from studies.lab.trace import low_pass, travelled_distance
+from studies.record.measured import FIELD, Measurement
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.override import value_at
+
+MAX_FIELDS = 64  # scans and networks kept, each of one stator
 
 
 class MeasurementPredictor(Predictor):
@@ -32,11 +48,13 @@ class MeasurementPredictor(Predictor):
     """
 
     def __init__(self, scene: Scene, *, tolerance: float = 1e-3, progress: Callable | None = None):
-        if scene.slider is None:
-            scene.refuse("slider", "is missing: without a slider there is no velocity")
         if scene.wave is None and not scene.transducer:
             scene.refuse("transducer", "is missing: nothing drives the slider")
-        super().__init__(resolved(scene).to_table(), tolerance=tolerance, steps=1, progress=progress)
+        has_slider = scene.slider is not None
+        super().__init__(
+            resolved(scene).to_table(), tolerance=tolerance, steps=1, progress=progress, slider=has_slider
+        )
+        self._fields: dict = {}  # of scans and networks that are known, by the stator and the data
 
     @property
     def given_wave(self) -> bool:
@@ -51,7 +69,9 @@ class MeasurementPredictor(Predictor):
 
     def value(self, key: str) -> float | None:
         """Return the scene's own value of a key; None where it has none."""
-        at = 1.0 if key == AMPLITUDE_FACTOR else value_at(self.table, key)
+        if key in (AMPLITUDE_FACTOR, WAVE_VELOCITY_FACTOR):
+            return 1.0
+        at = value_at(self.table, key) if "." in key else None
         return at if isinstance(at, (int, float)) and not isinstance(at, bool) else None
 
     def needs_stator(self, key: str) -> bool:
@@ -63,6 +83,9 @@ class MeasurementPredictor(Predictor):
         answers, states = [], []
         for measurement, numbers in asked:
             numbers = numbers | measurement.settings
+            if measurement.quantity in FIELD:
+                answers.append(self._field(measurement, numbers))
+                continue
             contact = self.contact(numbers)
             factors = self._factors(measurement, numbers, contact)
             if measurement.quantity == "velocity":
@@ -70,12 +93,52 @@ class MeasurementPredictor(Predictor):
                 states += [(contact, float(factor)) for factor in factors]
             elif measurement.quantity == "amplitude":
                 answers.append(factors * contact.amplitude)
-            elif measurement.quantity == "burst":
-                answers.append(self._burst(measurement, contact, float(factors[0])))
+            elif measurement.quantity in ("burst", "position"):
+                answers.append(self._burst(measurement, contact, float(factors[0]), numbers))
             else:
                 answers.append(np.array([contact.slider.tangential_resonance(len(contact.orbits))]))
         speeds = self.velocities(states)
         return [speeds[each] if isinstance(each, slice) else each for each in answers]
+
+    def _field(self, measurement: Measurement, numbers: dict) -> np.ndarray:
+        """Return the numbers of a scan or of a network analyser's file.
+
+        A scan's phase has no origin of its own: the prediction is turned by the angle that fits best.
+        """
+        scene, stator = self._resolved(numbers)
+        if stator is None:
+            raise SceneError(f"--data {measurement.name}", "needs a scene with a stator")
+        scan, key = measurement.scan, (stator, id(measurement.scan or measurement.network))
+        if measurement.network is not None:
+            if key not in self._fields:
+                self._keep(
+                    key, measurement.network, network_prediction(scene, measurement.network, self.tolerance)
+                )
+            known = self._fields[key][1]
+            return np.concatenate([known.real.ravel(), known.imag.ravel()])
+        scan = placed(scene, scan, "--data")
+        if key not in self._fields:
+            if scan.kind == "frequency":
+                motion = over_frequency(scene, scan, tolerance=self.tolerance, progress=self.progress)
+            else:
+                places = tuple(zip(scan.x.tolist(), scan.y.tolist(), strict=True))
+                motion = along_places(self.motion(stator, places[:1]), scan)
+            self._keep(key, measurement.scan, motion)
+        motion = self._fields[key][1] * numbers.get(AMPLITUDE_FACTOR, 1.0)
+        motion = at_other_velocity(scene, scan, motion, numbers.get(WAVE_VELOCITY_FACTOR, 1.0))
+        if not scan.is_complex:
+            return np.abs(motion)
+        if measurement.values:
+            motion = motion * np.exp(
+                1j * np.angle(np.vdot(motion, scan.as_displacement(scene.frequency).values))
+            )
+        return np.concatenate([motion.real, motion.imag])
+
+    def _keep(self, key, data, values) -> None:
+        """Keep what is known of a stator, and the data, whose identity is part of the key."""
+        if len(self._fields) > MAX_FIELDS:
+            self._fields.clear()
+        self._fields[key] = data, values
 
     def _factors(self, measurement: Measurement, numbers: dict, contact: Driven) -> np.ndarray:
         """Return the factors on the contact's orbits at the levels of a measurement."""
@@ -98,17 +161,26 @@ class MeasurementPredictor(Predictor):
         answers = steady_answers(asked, self.tolerance)
         return np.array([answer.get("velocity_m_per_s", math.nan) for answer in answers])
 
-    def _burst(self, measurement: Measurement, contact: Driven, level: float) -> np.ndarray:
-        """Return v at the instants of a burst, whose surface rings up and fades as in a run."""
+    def _burst(self, measurement: Measurement, contact: Driven, level: float, numbers: dict) -> np.ndarray:
+        """Return v, or the position, at the instants of a burst, whose surface rings up and fades as in a run.
+
+        What the instrument does to it - its bandwidth, its own origin of time - is done to the prediction.
+        """
         duration = contact.scene.burst
         if duration is None:
             key = "wave.burst" if self.given_wave else "drive.burst"
             raise SceneError(f"--data {measurement.name}", f'holds a burst: give {key}="0.1 s" with the file')
         contact = replace(contact, ringing=self.ring_up(contact))
         (speed,) = self.velocities([(contact, level)])
-        after = max(0.0, 1.01 * measurement.time[-1] - duration)
+        offset = float(numbers.get(TIME_OFFSET, 0.0))
+        after = max(0.0, 1.01 * (measurement.time[-1] - offset) - duration)
         try:
             found = followed_burst(contact, contact.at(level), speed, self.tolerance, after=after)
         except library.ConvergenceError:
             return np.full(len(measurement.time), math.nan)
-        return np.interp(measurement.time, found.time, found.velocity)
+        curve = found.velocity
+        if measurement.quantity == "position":
+            curve = travelled_distance(found.time, curve)
+        if BANDWIDTH in numbers:
+            curve = low_pass(found.time, curve, float(numbers[BANDWIDTH]))
+        return np.interp(np.array(measurement.time) - offset, found.time, curve)

@@ -2,6 +2,7 @@
 
 import logging
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -65,11 +66,11 @@ class Residual:
             np.array([each.high for each in self.parameters]),
         )
 
-    def __call__(self, values) -> np.ndarray:
+    def __call__(self, values: Any) -> np.ndarray:
         """Return the residuals."""
         return self._problem.residuals([self._inner(values)])[0]
 
-    def jacobian(self, values) -> np.ndarray:
+    def jacobian(self, values: Any) -> np.ndarray:
         """Return the derivatives of the residuals by the values in SI units, shape (n, p)."""
         x = self._inner(values)
         count = len(self.parameters)
@@ -80,7 +81,7 @@ class Residual:
         ]
         return slopes / np.array(scale)
 
-    def lmfit_parameters(self):
+    def lmfit_parameters(self) -> Any:
         """Return lmfit.Parameters; a dot of a key is ``__`` in their names.
 
         Predictions are computed to some 1e-9: give `lmfit.minimize` ``epsfcn=1e-8``, for steps of 1e-4.
@@ -90,7 +91,7 @@ class Residual:
             found.add(each.key.replace(".", "__"), value=float(value), min=each.low, max=each.high)
         return found
 
-    def _inner(self, values) -> np.ndarray:
+    def _inner(self, values: Any) -> np.ndarray:
         if hasattr(values, "valuesdict"):
             values = {key.replace("__", "."): value for key, value in values.valuesdict().items()}
         if isinstance(values, dict):
@@ -98,5 +99,5 @@ class Residual:
         own = [each.inner(float(value)) for each, value in zip(self.parameters, values, strict=True)]
         return np.array([*own, *(0.0 for _ in self._problem.systematic)])
 
-    def _outer(self, x) -> np.ndarray:
+    def _outer(self, x: Any) -> np.ndarray:
         return np.array([each.outer(value) for each, value in zip(self.parameters, x, strict=False)])

@@ -34,6 +34,8 @@ class Fit:
     correlation: np.ndarray  # of the free numbers, the ranges as a weak prior
     covariance: np.ndarray  # of all x, likewise
     candidates: tuple[Candidate, ...]  # next measurements, the most useful first
+    # by measurement: how many times narrower than its range each number is by this measurement alone
+    informs: tuple[tuple[str, dict[str, float]], ...] = ()
     fixed: tuple[Parameter, ...] = ()  # held at their values
 
     @property
@@ -61,10 +63,11 @@ class Fit:
         """95 % intervals by key; None for an end that the data do not make."""
         found = {}
         for k, parameter in enumerate(self.problem.parameters):
-            ends = self.ends[parameter.key]
-            found[parameter.key] = tuple(
-                parameter.outer(end.x[k]) if end is not None and end.closed else None for end in ends
+            low, high = (
+                parameter.outer(end.x[k]) if end is not None and end.closed else None
+                for end in self.ends[parameter.key]
             )
+            found[parameter.key] = low, high
         return found
 
     @property
@@ -90,6 +93,7 @@ class Fit:
             "chi2": self.chi2,
             "degrees_of_freedom": self.degrees_of_freedom,
             "correlation": self.correlation.tolist(),
+            "informs": [{"measurement": name, "times_narrower": gains} for name, gains in self.informs],
             "next_measurements": [
                 {"measurement": each.name, "narrows": each.key, "relative_deviation_before": each.before,
                  "relative_deviation_after": each.after}
@@ -114,9 +118,9 @@ class Fit:
         the stator or a burst would be computed for each, two standard deviations of the linearised prediction.
         """
         problem, imagined = self.problem, _drawn(measurement)
-        at = np.array(imagined.time or imagined.levels)
+        at = np.array(imagined.coordinate)
         best = problem.predictions([self.best], (imagined,))[0][0]
-        slow = measurement.quantity == "burst" or any(
+        slow = measurement.quantity not in ("velocity", "amplitude") or any(
             problem.predictor.needs_stator(p.key) for p in problem.parameters
         )
         if slow:
@@ -134,6 +138,8 @@ class Fit:
 
 def _drawn(measurement: Measurement) -> Measurement:
     """Return a measurement at the levels or instants at which its band is drawn."""
+    if measurement.scan is not None or measurement.network is not None:
+        return measurement
     if measurement.time:
         time = tuple(np.linspace(0.0, measurement.time[-1], 100)[1:])
         return replace(measurement, time=time, values=(), deviations=None)

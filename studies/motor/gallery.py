@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import contact
 from studies.chain import run as run_chain
@@ -25,6 +26,10 @@ from studies.view.contact_view import contact_moments
 from studies.view.gallery_pictures import draw_all
 from studies.view.run_field import run_field
 
+if TYPE_CHECKING:
+    from contact.answers.ledger import Ledger
+    from studies.view.run_field import RunField
+
 QUICK = {"films": False, "maps": False}
 CONTACT, BURSTS = 0.5, (0.2, 0.4, 0.8)  # of the largest voltage: the scene's nearest ones are drawn
 LONG = 2.0  # burst over the time in which friction alone would reach the steady velocity
@@ -35,12 +40,12 @@ class Gallery(StudyRecord):
     """What the pictures are drawn from: run and field, contact and ledger at a voltage, bursts, other studies."""
 
     record: Record = field(repr=False)
-    found: object = field(repr=False)  # its RunField
+    found: "RunField" = field(repr=False)  # its RunField
     voltage: float  # of the contact and its ledger, V
     contact: tuple = field(repr=False)  # `contact_view.moments` and title
     bursts: tuple = field(repr=False)  # of (str, contact.Trajectory)
     acceleration: float  # mu preload / m, m/s^2
-    ledger: object = field(repr=False)  # contact.Ledger of one cycle
+    ledger: "Ledger" = field(repr=False)  # contact.Ledger of one cycle
     others: tuple = field(repr=False)  # of (study, panel)
     films: bool = True
 

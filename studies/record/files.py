@@ -69,7 +69,7 @@ def write_run(record: "Record", folder: Path, *, field: bool) -> None:
 
 def _flat(point: dict) -> dict:
     """Return a point with complex numbers in two columns, ``..._re`` and ``..._im``, and lists in ``_0``, ``_1``."""
-    found = {}
+    found: dict = {}
     for key, value in point.items():
         if isinstance(value, complex):
             found |= {f"{key}_re": value.real, f"{key}_im": value.imag}

@@ -5,14 +5,19 @@ velocity curve; ``voltage_V`` with ``normal_amplitude_m`` and no velocity a cali
 ``time_s`` with ``velocity_m_per_s`` a burst.  ``velocity_standard_deviation_m_per_s`` (or ``error_m_per_s``) and
 ``normal_amplitude_standard_deviation_m`` hold standard deviations.  ``_mm_per_s``, ``_nm`` and ``_ms`` serve as units
 too.  Other columns are ignored, so that a run's own velocity.csv may be compared with another run.
+``time_s`` with ``position_m`` is an encoder's trace.  Vibrometers' scans are read by `studies.lab.scan`, network
+analysers' files by `studies.lab.network`.
 """
 
 import csv
 import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from studies.lab.heads import DISPLACEMENTS, Heads
+from studies.lab.network import TOUCHSTONE, NetworkData, read_network
+from studies.lab.scan import UFF_ENDINGS, Scan, is_scan, scan_of_columns, scan_of_uff
 from studies.record.quantities import quantity
 from studies.refusal import SceneError, shown
 
@@ -24,11 +29,15 @@ __all__ = ["MeasuredTable", "Measurement", "compared", "comparison", "read_measu
 VOLTAGES, LENGTHS = {"V": 1.0}, {"m": 1.0, "nm": 1e-9}  # units of a column's name, in SI units
 SPEEDS, TIMES = {"m_per_s": 1.0, "mm_per_s": 1e-3}, {"s": 1.0, "ms": 1e-3}
 OPTION = "--measured"
+FIELD = ("scan", "network")  # quantities of the stator alone
 QUANTITIES = {
     "velocity": quantity("velocity_m_per_s"),
     "burst": quantity("velocity_m_per_s"),
     "amplitude": quantity("normal_amplitude_m"),
     "ring-down frequency": quantity("ring_down_frequency_Hz"),
+    "position": quantity("travelled_m"),
+    "scan": quantity("surface_motion_m_per_V"),
+    "network": quantity("scattering"),
 }  # that are measured
 
 
@@ -67,6 +76,17 @@ class Measurement:
     deviations: tuple[float, ...] | None = None
     systematic: float = 0.0
     settings: dict = field(default_factory=dict)
+    # of a vibrometer or a network analyser; the values are then its real parts, followed by the imaginary ones
+    scan: Scan | None = field(default=None, repr=False)
+    network: NetworkData | None = field(default=None, repr=False)
+
+    @property
+    def coordinate(self) -> "tuple[float, ...]":
+        """Where each value stands: time in s, level, or place in m or frequency in Hz of a scan or network."""
+        data = self.scan if self.scan is not None else self.network
+        if data is None:
+            return self.time or self.levels
+        return tuple(data.coordinate) * (len(self.values) // len(data.coordinate))
 
     def scattered(self, factor: float) -> "Measurement":
         """Return the same measurement, its standard deviations multiplied."""
@@ -147,7 +167,18 @@ def read_measured(path: str | Path, option: str = OPTION) -> Measurement:
     SceneError
         If it cannot be read, lacks a column, or holds what is no number.
     """
+    if TOUCHSTONE.fullmatch(Path(path).suffix):
+        data = read_network(Path(path), option)
+        return Measurement(name=data.name, quantity="network", values=tuple(data.flat()), network=data)
+    if Path(path).suffix.lower() in UFF_ENDINGS:
+        if not Path(path).is_file():
+            raise SceneError(option, f"{str(path)!r} cannot be read: no such file")
+        return measured_scan(scan_of_uff(Path(path), option))
     table = MeasuredTable.read(path, option)
+    heads = Heads(path=table.path, option=option, names=table.names, rows=table.rows)
+    if is_scan(table.path, table.names):
+        return measured_scan(scan_of_columns(heads))
+    position = heads.column("position", DISPLACEMENTS | {"mm": 1e-3})
     voltage, amplitude = table.column("voltage", VOLTAGES), table.column("normal_amplitude", LENGTHS)
     velocity, time = table.column("velocity", SPEEDS), table.column("time", TIMES)
     level_key = "voltage_V" if voltage is not None else "normal_amplitude_m" if amplitude is not None else ""
@@ -161,18 +192,26 @@ def read_measured(path: str | Path, option: str = OPTION) -> Measurement:
         levels = levels[:1]
         if list(time) != sorted(set(time)) or time[-1] == 0.0:
             raise SceneError(option, f"{str(path)!r}: time must rise from point to point")
+    elif position is not None and time is not None:
+        quantity, values, levels = "position", tuple(position[0]), levels[:1]
+        if list(time) != sorted(set(time)) or time[-1] == 0.0:
+            raise SceneError(option, f"{str(path)!r}: time must rise from point to point")
     elif velocity is not None and level_key:
         quantity, values = "velocity", velocity
     elif voltage is not None and amplitude is not None:
         quantity, values = "amplitude", amplitude
     else:
         wanted = "voltage_V or normal_amplitude_m with velocity_m_per_s, voltage_V with normal_amplitude_m, "
-        wanted += "or time_s with velocity_m_per_s"
+        wanted += (
+            "time_s with velocity_m_per_s or position_m, or x_m with u_z_real_m_per_V and u_z_imag_m_per_V"
+        )
         raise SceneError(
             option, f"{str(path)!r} must have the columns {wanted}; got {', '.join(table.names)}"
         )
     if quantity == "amplitude":
         deviations = table.deviation(("normal_amplitude_standard_deviation",), LENGTHS)
+    elif quantity == "position":
+        deviations = table.deviation(("position_standard_deviation",), LENGTHS)
     else:
         deviations = table.deviation(("error", "velocity_standard_deviation"), SPEEDS)
     return Measurement(
@@ -181,11 +220,39 @@ def read_measured(path: str | Path, option: str = OPTION) -> Measurement:
     )  # fmt: skip
 
 
+def measured_scan(scan: Scan) -> Measurement:
+    """Return the measurement that a vibrometer's scan is, per volt and as displacement where the file says how."""
+    if not scan.is_velocity:
+        scan = scan.at_volts(None)
+    elif scan.frequency is not None:
+        scan = scan.at_volts(None).as_displacement(0.0)
+    count = 2 if scan.is_complex else 1
+    deviations = None if scan.deviation is None else tuple(scan.deviation) * count
+    return Measurement(
+        name=scan.name, quantity="scan", values=tuple(scan.flat()), deviations=deviations, scan=scan
+    )
+
+
 def refuse_incomparable(scene: "Scene", measured: Measurement) -> None:
-    """Refuse a measurement that is no velocity of a scene's slider against the levels of its drive."""
+    """Refuse a measurement that a run of a scene does not predict."""
+    if measured.quantity == "scan":
+        if scene.stator is None or not scene.transducer:
+            raise SceneError(OPTION, f"{measured.name!r} is a scan: it needs a scene with a driven stator")
+        return
+    if measured.quantity == "network":
+        raise SceneError(
+            OPTION, f"{measured.name!r} is a network analyser's: sawmotor study network draws it"
+        )
     if scene.slider is None:
         raise SceneError(OPTION, "needs a scene with a [slider]: there is no velocity to compare with")
     level = "voltage_V" if scene.wave is None else "normal_amplitude_m"
+    if measured.quantity in ("burst", "position"):
+        if scene.burst is None:
+            key = "wave.burst" if scene.wave is not None else "drive.burst"
+            raise SceneError(
+                OPTION, f'{measured.name!r} holds a burst: --set {key}="0.1 s" says how long it was'
+            )
+        return
     if measured.quantity != "velocity":
         raise SceneError(OPTION, f"must hold velocities against {level}, got a {measured.quantity}")
     if measured.level_key != level:
@@ -247,9 +314,22 @@ def compared(measured: Measurement, predicted: list[float | None]) -> dict:
     return block
 
 
-def comparison(block: dict):
+def comparison(block: dict) -> Any:
     """Yield what a run prints of a comparison, as rows of a name and a line."""
     if not block:
+        return
+    if "scan" in block:
+        from studies.record.scan_comparison import scan_comparison
+
+        yield from scan_comparison(block)
+        return
+    if "trace" in block:
+        yield "measured", f"{block['compared']} instants of {block['file']} compared, {block['quantity']}"
+        yield "", f"deviation {100 * block['rms_deviation_relative']:.3g} % rms of the largest predicted"
+        yield (
+            "",
+            f"measured / predicted {block['measured_over_predicted']:.4g}, begins at {block['time_offset_s']:.4g} s",
+        )
         return
     rms, mean = (block[f"{kind}_deviation_m_per_s"] * 1e3 for kind in ("rms", "mean"))
     relative = block.get("rms_deviation_relative")

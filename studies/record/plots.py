@@ -49,7 +49,66 @@ def pictures(record: "Record") -> dict[str, Callable]:
         found["trajectory"] = trajectories
     if record.surface:
         found["surface"] = surface if record.scene.transducer else profile
+    if "scan" in record.measured or "trace" in record.measured:
+        found["measured"] = measured_picture
+    if record.pillars:
+        from studies.record import pillar_plots
+
+        found |= {"slider_wave": pillar_plots.wave_along, "pressure": pillar_plots.pressure}
+        if any(point.get("wave_power_in_W") for point in record.points):
+            found["power"] = pillar_plots.power
     return {name: partial(draw, record) for name, draw in found.items()}
+
+
+def measured_picture(record: "Record", ax):
+    """Draw a scan or a trace over the run's own field or motion."""
+    block = record.measured
+    if "scan" in block:
+        return draw_scan(block, ax)
+    trace, unit, scale = block["trace"], "m_per_s", 1e3
+    label = "slider velocity (mm/s)"
+    if "measured_m" in trace:
+        unit, scale, label = "m", 1e6, "position (um)"
+    curve(ax, trace["time_s"] * 1e3, trace[f"predicted_{unit}"] * scale, "-", "slip", "computed")
+    curve(
+        ax,
+        trace["time_s"] * 1e3,
+        trace[f"measured_{unit}"] * scale,
+        "o",
+        "line",
+        f"measured, {block['file']}",
+        size=2.5,
+    )
+    return finished(ax, "time (ms)", label, f"Measured over computed: {block['quantity']}", columns=2)
+
+
+def draw_scan(block: dict, ax):
+    """Draw a scan over its prediction: magnitudes over the place or the frequency."""
+    import numpy as np
+
+    points = block["scan"]
+    by_frequency, across = (
+        "frequency_Hz" in points and np.ptp(points["frequency_Hz"]) > 0.0,
+        np.ptp(points["x_m"]) == 0.0,
+    )
+    key, scale, label = ("y_m", 1e3, "y (mm)") if across else ("x_m", 1e3, "x (mm)")
+    if by_frequency:
+        key, scale, label = "frequency_Hz", 1e-6, "frequency (MHz)"
+    at = np.asarray(points[key]) * scale
+    order = np.argsort(at, kind="stable")
+    curve(ax, at[order], np.abs(points["predicted_m_per_V"])[order] * 1e9, "-", "slip", "computed")
+    curve(
+        ax,
+        at[order],
+        np.abs(points["measured_m_per_V"])[order] * 1e9,
+        "o",
+        "line",
+        f"measured, {block['file']}",
+        size=2.5,
+    )
+    return finished(
+        ax, label, "amplitude (nm per V)", f"Measured over computed: {block['quantity']}", columns=2
+    )
 
 
 def draw_run(record: "Record", folder: Path) -> None:
@@ -238,7 +297,7 @@ def velocity(record: "Record", ax):
     if speeds and not any(speeds) and not record.measured:
         ax.set_ylim(-1.0, 1.0)
         ax.text(0.5, 0.75, "at rest: the slider sticks at every level", transform=ax.transAxes, ha="center")
-    if record.measured:
+    if "points" in record.measured:
         _measured(record, ax, scale)
     _power_axis(record, ax)
     return finished(ax, unit, "slider velocity (mm/s)", record.scene.title, columns=3)

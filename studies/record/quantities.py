@@ -11,6 +11,7 @@ import sys
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from studies.refusal import SceneError, nearest
 
@@ -79,7 +80,7 @@ class Quantity:
         """
         return f"{self.label} ({self.shown})" if self.shown else self.label
 
-    def text(self, value) -> str:
+    def text(self, value: Any) -> str:
         """Return a value as it is printed.
 
         Examples
@@ -94,8 +95,8 @@ class Quantity:
 def quantities() -> dict[str, Quantity]:
     """Return all quantities by their path."""
     with Path(__file__).with_suffix(".csv").open(encoding="utf-8", newline="") as file:
-        rows = [row | {"scale": float(row["scale"] or 1.0)} for row in csv.DictReader(file)]
-    return {row["key"]: Quantity(**row) for row in rows}
+        rows = [(row.pop("scale"), row) for row in csv.DictReader(file)]
+    return {row["key"]: Quantity(**row, scale=float(scale or 1.0)) for scale, row in rows}
 
 
 @cache

@@ -6,7 +6,7 @@ Drawing and writing belong to ``report``, which is imported when it is asked for
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from studies.record.quantities import described
 from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, SceneError, nearest, needed
@@ -99,7 +99,7 @@ class Record:
     pillars: dict = field(default_factory=dict, repr=False)
     slider_wave: dict = field(default_factory=dict, repr=False)
     trajectories: tuple = field(default=(), repr=False)
-    surface_motion: object = field(default=None, repr=False, compare=False)
+    surface_motion: Any = field(default=None, repr=False, compare=False)
     versions: dict = field(default_factory=dict, compare=False)
 
     @property
@@ -108,7 +108,7 @@ class Record:
         return "normal_amplitude_m" if self.scene.wave is not None else "voltage_V"
 
     @property
-    def surface_wave(self):
+    def surface_wave(self) -> Any:
         """Plane section of the driven stator, a fem.SurfaceWave; None without one."""
         return None if self.surface_motion is None else self.surface_motion.wave
 
@@ -307,13 +307,13 @@ class Record:
 
         return cls(**read_run(Path(folder)))
 
-    def __str__(self):
+    def __str__(self) -> Any:
         """Return what `sawmotor run` prints."""
         from studies.record.text import answer
 
         return answer(self)
 
-    def __repr__(self):
+    def __repr__(self) -> Any:
         """Return title, size and range of the answer on one line."""
         return f"Record({', '.join([repr(self.scene.title or 'untitled'), *self._in_short()])})"
 

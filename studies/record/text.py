@@ -42,7 +42,7 @@ def answer(record: "Record") -> str:
         head, rows = points_table(record)
         shown = [k for k, name in enumerate(head) if name != "status"]
         lines += [*table([[row[k] for k in shown] for row in (head, *rows)]), ""]
-    rows = [*_wave(record), *_limits(record.summary), *_uncertainty(record.uncertainty)]
+    rows: list[tuple] = [*_wave(record), *_limits(record.summary), *_uncertainty(record.uncertainty)]
     rows += comparison(record.measured)
     asked = f"asked for {record.tolerance:.1e}"
     if record.at_rest:

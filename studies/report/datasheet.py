@@ -9,17 +9,23 @@ import logging
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 import contact
 from studies.chain import resolve, run
 from studies.chain.bridge import DrivenContact
+from studies.chain.pillar_points import PillarContact
+from studies.chain.pillar_points import burst as pillar_burst
 from studies.chain.steps import Steps
 from studies.record import Record
 from studies.refusal import RunError
 from studies.scene import Scene
+
+if TYPE_CHECKING:
+    from contact.answers.transient import Trajectory
+    from studies.chain.pillar_points import PillarBurst
 
 __all__ = ["Datasheet", "Row", "datasheet"]
 
@@ -56,7 +62,7 @@ class Datasheet:
     rows: tuple[Row, ...]
     lines: dict = field(repr=False)  # by level: contact.LoadLine of one of the balls that are computed as one
     balls: float  # how many balls such a load line stands for
-    start_stop: object = field(
+    start_stop: "Trajectory | PillarBurst" = field(
         repr=False
     )  # contact.Trajectory from rest at the rated level, and the stop after it
     steps: tuple = field(repr=False)  # contact.Step: the shortest bursts that move by the sizes in `STEPS`
@@ -106,6 +112,8 @@ def datasheet(
     if record.shortfall:
         raise RunError(record.shortfall)
     driven = DrivenContact.of_run(record)
+    if record.scene.slider.pillars is not None:
+        return _of_pillars(record, driven, say)
     moving = driven.above(1.0)
     rated = moving[-1]
     try:
@@ -128,7 +136,7 @@ def datasheet(
     line = lines[driven.named(rated)]
     rows = (
         *_speeds(record, driven, rated),
-        *_forces(driven, rated, balls),
+        *_forces(driven, rated, line, balls),
         *_positioning(bursts, rated, steps, start_stop),
         *_powers(record, driven, rated, line, balls),
         *_resonances(record, driven, say),
@@ -139,7 +147,60 @@ def datasheet(
     )  # fmt: skip
 
 
-def _start_stop(driven: DrivenContact, rated: float):
+def _of_pillars(record: Record, driven: DrivenContact, say: Any) -> Datasheet:
+    """Return the datasheet of a slider on pillars: no steps, for its bounce is not followed."""
+    body = PillarContact.of(driven)
+    moving = sorted(
+        {
+            each[record.level]
+            for each in record.points
+            if each.get("velocity_m_per_s") and each[record.level] > 0
+        }
+    )
+    if not moving:
+        record.scene.refuse(driven.level_key, "must hold a value at which the slider moves")
+    rated = moving[-1]
+    try:
+        say("load lines")
+        picked = sorted({min(moving, key=lambda level: abs(level - part * rated)) for part in LINES})
+        lines = {driven.named(level): body.load_line(level, LOADS) for level in picked}
+        line = lines[driven.named(rated)]
+        say("start and stop")
+        slider, free = record.scene.slider, line.motions[0]
+        friction = slider.friction_coefficient
+        if not isinstance(friction, float):
+            record.scene.refuse("slider.friction_coefficient", "must be a number with [slider.pillars]")
+        acceleration = friction * float(slider.preload) / slider.mass
+        start_stop = pillar_burst(body, rated, free, LONG * abs(free.velocity) / acceleration)
+    except contact.ConvergenceError as error:
+        raise RunError(f"the datasheet is incomplete: {' '.join(str(error).split())}") from None
+    relative = 2.0 * driven.stator_error + CONTACT_TOLERANCE
+    rows = (
+        *_speeds(record, driven, rated),
+        Row("force", "blocked thrust", line.stall, "N", relative, "load at which the motor stalls"),
+        Row("force", "load held on the wave", line.held_up_to, "N", relative, "against the drive, at rest"),
+        Row("force", "holding force", acceleration * slider.mass, "N",
+            condition="drive off: friction coefficient times preload"),
+        Row("force", "largest acceleration", acceleration, "m/s\u00b2",
+            condition="that friction can give: holding force over mass"),
+        *_start_and_stop(start_stop, ""),
+        *_powers(record, driven, rated, line, 1.0),
+        Row("power", "friction power", free.friction_power, "W", relative, "no load, all pillars"),
+        *_resonances(record, driven, say),
+    )  # fmt: skip
+    return Datasheet(
+        record=record,
+        driven=driven,
+        rated=rated,
+        rows=rows,
+        lines=lines,
+        balls=1.0,
+        start_stop=start_stop,
+        steps=(),
+    )
+
+
+def _start_stop(driven: DrivenContact, rated: float) -> Any:
     """Return a burst from rest that reaches the steady velocity, and the stop after it."""
     slider, orbits = driven.slider, driven.at(rated)
     acceleration = slider.least_friction(len(orbits)) / slider.mass
@@ -150,31 +211,39 @@ def _start_stop(driven: DrivenContact, rated: float):
     )
 
 
-def _speeds(record: Record, driven: DrivenContact, rated: float):
+def _speeds(record: Record, driven: DrivenContact, rated: float) -> Any:
     point = next(each for each in record.points if each[record.level] == rated)
     # the point's error is stated over max(|v|, omega |u_x| / 10)
-    speed, omega = abs(point["velocity_m_per_s"]), 2.0 * np.pi * record.scene.frequency
+    speed, omega = abs(point["velocity_m_per_s"]), 2.0 * np.pi * float(record.scene.frequency)
     error = point["relative_error"] * max(speed, omega * point["tangential_amplitude_m"] / 10.0) / speed
     scale, model = error / point["relative_error"] if error else 1.0, point.get("model_relative_error")
     yield Row(
         "speed", "speed", speed, "m/s", error, "no load, steady", None if model is None else scale * model
     )
     unit, key = ("m", "amplitude_m") if record.scene.wave is not None else ("V", "voltage_V")
-    for name, words in (("threshold", "starts to move"), ("release", "leaves the surface in every cycle")):
+    for name, words, question in (
+        ("threshold", "starts to move", contact.threshold),
+        ("release", "leaves the surface in every cycle", contact.release),
+    ):
         if f"{name}_{key}" in record.summary:
             value, condition = record.summary[f"{name}_{key}"], f"the slider {words}"
-            yield Row("speed", name, value, unit, driven.stator_error, condition, record.error.get("model"))
+            factor = question(driven.slider, driven.orbits)
+            error = driven.stator_error + (factor.error / factor.value if factor.error else 0.0)
+            yield Row("speed", name, value, unit, error, condition, record.error.get("model"))
 
 
-def _forces(driven: DrivenContact, rated: float, balls: float):
-    slider = driven.slider
-    stall, held = contact.blocked_thrust(slider, driven.at(rated))
+def _forces(driven: DrivenContact, rated: float, line: Any, balls: float) -> Any:
+    slider, stall = driven.slider, line.stall
+    averaged, held = contact.blocked_thrust(slider, driven.at(rated))
     more, _ = contact.blocked_thrust(slider, driven.at(rated * (1.0 + driven.stator_error)))
-    friction, error = (
-        slider.static_friction(len(driven.orbits)),
-        abs(more / stall - 1.0) + CONTACT_TOLERANCE,
-    )
-    yield Row("force", "blocked thrust", balls * stall, "N", error, "load at which the motor stalls")
+    friction = slider.static_friction(len(driven.orbits))
+    error = abs(more / averaged - 1.0) + stall.error / stall.value
+    yield Row("force", "blocked thrust", balls * stall.value, "N", error, "load at which the motor stalls")
+    if held > averaged * (
+        1.0 + 1e-9
+    ):  # a contact sticks at rest; averaged, with the same error as the stall had
+        error += abs(stall.value / averaged - 1.0)
+    held = max(held, stall.value)
     yield Row("force", "load held on the wave", balls * held, "N", error, "against the drive, at rest")
     condition = "drive off: friction coefficient times preload"
     yield Row("force", "holding force", balls * friction, "N", condition=condition)
@@ -182,10 +251,10 @@ def _forces(driven: DrivenContact, rated: float, balls: float):
     yield Row("force", "largest acceleration", friction / slider.mass, "m/s\u00b2", condition=condition)
 
 
-def _positioning(bursts: Steps, rated: float, steps, start_stop):
+def _positioning(bursts: Steps, rated: float, steps: Any, start_stop: Any) -> Any:
     frequency = bursts.driven.scene.frequency
     for size, step in zip(STEPS, steps, strict=True):
-        error = bursts.error(rated, step) or None
+        error = bursts.error(rated, step) + step.error / abs(step.displacement) or None
         name = f"{'smallest step' if size == STEPS[0] else 'step'} of {size * 1e9:g} nm or more"
         cycles = f"{step.cycles} cycle{'' if step.cycles == 1 else 's'}"
         condition = (
@@ -195,11 +264,14 @@ def _positioning(bursts: Steps, rated: float, steps, start_stop):
         if bursts.sentence:
             condition += f"; {bursts.sentence if size == STEPS[0] or not bursts.reason else AT_ONCE}"
         yield Row("positioning", name, abs(step.displacement), "m", error, condition)
+    settles = f"; it takes {bursts.settling * 1e6:.3g} \u00b5s to settle" if bursts.settling else ""
+    yield from _start_and_stop(start_stop, settles)
+
+
+def _start_and_stop(start_stop: Any, settles: str) -> Any:
     time, speed, last = start_stop.time, abs(start_stop.velocity), abs(start_stop.velocity_at_burst_end)
     grid, reached = float(np.max(np.diff(time))), float(time[np.argmax(speed >= SETTLED * last)])
-    condition = f"from rest to {SETTLED:.0%} of the speed, wave at full size from the first cycle"
-    if bursts.settling:
-        condition += f"; it takes {bursts.settling * 1e6:.3g} \u00b5s to settle"
+    condition = f"from rest to {SETTLED:.0%} of the speed, wave at full size from the first cycle{settles}"
     yield Row("positioning", "start time", reached, "s", grid / reached, condition)
     # the slider has stopped when its velocity is that of its ring in the contact's spring
     slow = (time >= start_stop.duration) & (speed < 1e-2 * last)
@@ -208,8 +280,9 @@ def _positioning(bursts: Steps, rated: float, steps, start_stop):
     yield Row("positioning", "stop time", stopped, "s", grid / stopped, condition)
 
 
-def _powers(record: Record, driven: DrivenContact, rated: float, line, balls: float):
-    best, error = int(np.argmax(line.power)), 2.0 * driven.stator_error + CONTACT_TOLERANCE
+def _powers(record: Record, driven: DrivenContact, rated: float, line: Any, balls: float) -> Any:
+    best = int(np.argmax(line.power))
+    error = 2.0 * driven.stator_error + float(np.max(line.relative_error)) + CONTACT_TOLERANCE
     power, drawn = balls * float(line.power[best]), 0.0
     electrical = record.electrical
     if electrical:
@@ -228,14 +301,14 @@ def _powers(record: Record, driven: DrivenContact, rated: float, line, balls: fl
         yield Row("power", "efficiency of the motor", power / drawn, "1", of_charge + error, condition)
 
 
-def _resonances(record: Record, driven: DrivenContact, say):
+def _resonances(record: Record, driven: DrivenContact, say: Any) -> Any:
     scene, contacts, slider = record.scene, len(driven.orbits), driven.slider
-    yield Row("resonance", "drive frequency", scene.frequency, "Hz")
+    yield Row("resonance", "drive frequency", float(scene.frequency), "Hz")
     if scene.transducer:
         say("stator: looking for the strongest wave")
         best = resolve.resolved(replace(scene, drive=replace(scene.drive, frequency="center"))).frequency
         condition = "per volt, sent by the driven fingers alone"
-        yield Row("resonance", "frequency of the strongest wave", best, "Hz", CENTRE, condition)
+        yield Row("resonance", "frequency of the strongest wave", float(best), "Hz", CENTRE, condition)
     for name, frequency, springs in (
         ("bounce of the slider", slider.normal_resonance(contacts), "normal"),
         ("tangential ring", slider.tangential_resonance(contacts), "tangential"),

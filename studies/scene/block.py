@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import MISSING, dataclass, fields
 from functools import cache
-from typing import ClassVar, Self
+from typing import ClassVar, NoReturn, Self
 
 from studies.refusal import SceneError, nearest, shown, suggestion
 from studies.scene.rule import Rule, read_each
@@ -32,7 +32,7 @@ class Key:
 
 
 @cache
-def keys_of(kind: "type[Block]") -> dict[str, Key]:
+def keys_of(kind: type) -> dict[str, Key]:
     """Return the keys of a block's class by name."""
     meanings = {name: " ".join(text.split()) for name, text in MEANING.findall(kind.__doc__ or "")}
     return {
@@ -95,7 +95,7 @@ class Block:
         if problems:
             raise SceneError.together(problems)
 
-    def refuse(self, key: str, rule: str) -> None:
+    def refuse(self, key: str, rule: str) -> NoReturn:
         """Raise the refusal of one of this block's keys."""
         raise SceneError(self._path(key), rule)
 

@@ -6,7 +6,7 @@ stator's left end, z out of the surface.  The sentence beside each key is its en
 
 from dataclasses import dataclass
 from pathlib import PurePath
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from studies.refusal import shown
 from studies.scene.block import Block, Blocks, Within, keys_of
@@ -62,7 +62,7 @@ class IsotropicSolid(Block):
     density: Annotated[float, Quantity("kg/m^3")]
     mechanical_quality: Annotated[float | None, Quantity()] = None
 
-    def check_stable(self):
+    def check_stable(self) -> Any:
         if self.poisson_ratio <= -1:
             yield "poisson_ratio", f"must be above -1 and below 0.5, got {self.poisson_ratio!r}"
 
@@ -116,11 +116,11 @@ class Stator(Block):
         """Distance of the side faces in m where they reflect."""
         return self.width if self.sides == "mirror" else None
 
-    def check_sides(self):
+    def check_sides(self) -> Any:
         if self.sides == "mirror" and self.diffraction is False:
             yield "sides", "must be absorbing where stator.diffraction is false, got 'mirror'"
 
-    def check_loss(self):
+    def check_loss(self) -> Any:
         if isinstance(self.material, IsotropicSolid) and self.dielectric_loss is not None:
             yield "dielectric_loss", "must be absent with an isotropic solid: no electric field is solved for"
 
@@ -157,12 +157,12 @@ class Transducer(Block):
     split: Annotated[bool, FLAG] = False
     angle: Annotated[float, Quantity("deg", negative=True)] = 0.0
 
-    def check_width(self):
+    def check_width(self) -> Any:
         if not MIN_WIDTH <= self.metallisation <= 1 - MIN_WIDTH:
             rule = f"must be between {MIN_WIDTH:g} and {1 - MIN_WIDTH:g}, got {self.metallisation!r}"
             yield "metallisation", rule
 
-    def check_pattern(self):
+    def check_pattern(self) -> Any:
         if self.pattern is not None and len(self.pattern) != self.fingers:
             each = "four" if self.split else "two"
             rule = f"must have {self.fingers} signs, {each} for each of the {self.finger_pairs} finger_pairs"
@@ -241,7 +241,7 @@ class Element(Block):
     shunt_R: Annotated[float | None, Quantity("ohm")] = None
     Q: Annotated[float | None, Quantity()] = None
 
-    def check_one(self):
+    def check_one(self) -> Any:
         given = [name for name in keys_of(Element) if name != "Q" and getattr(self, name) is not None]
         if len(given) != 1:
             known = ", ".join(name for name in keys_of(Element) if name != "Q")
@@ -254,7 +254,7 @@ class Element(Block):
         """Its place and kind, such as series_L."""
         return next(name for name in keys_of(Element) if getattr(self, name) is not None)
 
-    def __str__(self):
+    def __str__(self) -> Any:
         return f"{self.name} {getattr(self, self.name):.4g} {keys_of(Element)[self.name].rule.unit}"
 
 
@@ -278,7 +278,7 @@ class Recovery(Block):
     efficiency: Annotated[float, Quantity()] = 1.0
     circulation: Annotated[bool, FLAG] = False
 
-    def check_load(self):
+    def check_load(self) -> Any:
         if self.rectifier is not None and self.load not in ("matched", self.rectifier_load):
             yield "load", "must be absent with drive.recovery.rectifier: it is the load"
         elif self.load != "matched" and not complex(self.load).real > 0:
@@ -324,7 +324,7 @@ class Drive(Block):
     match: Annotated[str | tuple, choice("none", "auto") | Blocks(Element, least=1)] = "none"
     recovery: Annotated[Recovery | None, Within(Recovery)] = None
 
-    def check_power(self):
+    def check_power(self) -> Any:
         if self.power is None:
             return
         if self.voltage is not None:
@@ -332,7 +332,7 @@ class Drive(Block):
         if complex(self.source_impedance).real == 0:
             yield "power", f"needs a drive.source_impedance with a resistance{SUCH}, which limits the power"
 
-    def check_match(self):
+    def check_match(self) -> Any:
         if self.match == "auto" and complex(self.source_impedance).real == 0:
             yield "match", f'needs a drive.source_impedance with a resistance for "auto"{SUCH}'
         if self.match == "auto" and len(self.sources or ()) > 1:
@@ -341,12 +341,12 @@ class Drive(Block):
             )
             yield "match", rule
 
-    def check_sources(self):
+    def check_sources(self) -> Any:
         if self.sources is not None and not any(amplitude for _, amplitude in self.sources):
             given = shown(dict(self.sources))
             yield "sources", f"must have at least one amplitude that is not 0, got {given}"
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         super().__post_init__()
         if self.sources is not None:  # they count; the first that is on is the one that reports are about
             first = next(name for name, amplitude in self.sources if amplitude)

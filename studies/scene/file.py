@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 from studies.refusal import RunError, SceneError, nearest, shown
 from studies.scene.lines import key_lines, line_of
@@ -40,7 +40,7 @@ class SceneFile:
         except (RecursionError, ValueError) as error:
             raise SceneError("", f"the scene {str(path)!r} is not TOML: {str(error)[:200]}") from None
 
-    def replaced(self, key: str, value) -> Self:
+    def replaced(self, key: str, value: Any) -> Self:
         """Return the file with the value at a dotted key replaced."""
         return replace(self, table=replaced(self.table, key, value), changed=(*self.changed, key))
 
@@ -65,17 +65,20 @@ class SceneFile:
 
 
 def _with_whole_paths(table: dict, scene: Path) -> dict:
-    """Return a scene's table with the files of its meshes and its law from the root on: it runs from anywhere."""
+    """Return a scene's table with the files of its meshes, law and pillars from the root on: it runs from anywhere."""
     pieces, slider = table.get("piece"), table.get("slider")
     if isinstance(pieces, list):
         table = table | {"piece": [_with_whole_path(each, scene, "file") for each in pieces]}
     law = slider.get("law") if isinstance(slider, dict) else None
     if isinstance(law, str) and law.endswith(".py"):
         table = table | {"slider": _with_whole_path(slider, scene, "law")}
+    if isinstance(slider, dict) and isinstance(slider.get("pillars"), dict):
+        own = {"pillars": _with_whole_path(slider["pillars"], scene, "file")}
+        table = table | {"slider": table["slider"] | own}
     return table
 
 
-def _with_whole_path(block, scene: Path, key: str):
+def _with_whole_path(block: Any, scene: Path, key: str) -> Any:
     name = block.get(key) if isinstance(block, dict) else None
     if not isinstance(name, str) or not name or Path(name).is_absolute():
         return block
@@ -103,7 +106,7 @@ def scene_path(source: str | Path) -> Path:
     here = [str(each) for each in path.parent.glob("*.toml")] if path.parent.is_dir() else []
     raise SceneError(
         "",
-        f"no scene file or shipped scene is named {shown(str(source))}{nearest(source, [*here, *shipped])}",
+        f"no scene file or shipped scene is named {shown(str(source))}{nearest(str(source), [*here, *shipped])}",
     )
 
 

@@ -58,7 +58,7 @@ def read_range(path: str, text: str, unit: str, *, bare: float = 1.0) -> Range:
         raise SceneError(path, f"must ask for 1 to {MAX_COUNT} values, got {shown(number)}")
     if int(number) == 1 and ends[0] != ends[1]:
         raise SceneError(path, f"must ask for at least 2 values between different ends, got {shown(text)}")
-    return Range(*ends, int(number), logarithmic)
+    return Range(ends[0], ends[1], int(number), logarithmic)
 
 
 def is_number(text) -> bool:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from studies.refusal import SceneError
 from studies.scene import consistency
@@ -52,7 +52,7 @@ class Scene(Block):
         """
         return cls.from_file(SceneFile.read(source))
 
-    def replace(self, **blocks) -> Self:
+    def replace(self, **blocks: Any) -> Self:
         """Return the scene with some keys changed; what is not named stays.
 
         Parameters
@@ -88,7 +88,7 @@ class Scene(Block):
                 raise SceneError.together([error, *_unknown_solids(file.table)]) from None
 
     @classmethod
-    def from_table(cls, path, table):
+    def from_table(cls, path: Any, table: Any) -> Any:
         """Build the scene from its TOML document; ``"0.08 +- 0.02"`` at a key is a tolerance of [uncertain]."""
         return super().from_table(path, parted(table) if isinstance(table, dict) else table)
 

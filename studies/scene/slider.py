@@ -1,7 +1,7 @@
 """The blocks of a scene that a contact needs: the slider with its damping, and a given surface motion."""
 
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from studies.refusal import SceneError, shown
 from studies.scene.block import Block, Within, keys_of
@@ -68,7 +68,7 @@ class Friction(Block):
     high_pressure: Annotated[float | None, Quantity()] = None
     pressure: Annotated[float | None, Quantity("Pa")] = None
 
-    def check_pairs(self):
+    def check_pairs(self) -> Any:
         for one, other in (("sliding", "speed"), ("high_pressure", "pressure")):
             for given, missing in ((one, other), (other, one)):
                 if getattr(self, given) is not None and getattr(self, missing) is None:
@@ -100,7 +100,7 @@ class LawText(Block):
         Plain("the text of a file", lambda value: isinstance(value, str) and value != "", {"type": "string"}),
     ]
 
-    def __str__(self):
+    def __str__(self) -> Any:
         return self.name
 
 
@@ -109,10 +109,10 @@ class LawFile(Rule):
 
     expected = 'a file such as "my_law.py", from the scene\'s folder'
 
-    def takes(self, value):
+    def takes(self, value: Any) -> Any:
         return isinstance(value, str) and value.endswith(".py")
 
-    def read(self, path, value):
+    def read(self, path: Any, value: Any) -> Any:
         try:
             with open(value, encoding="utf-8") as file:
                 return LawText(name=value.replace("\\", "/").rsplit("/", 1)[-1], source=file.read())
@@ -120,7 +120,7 @@ class LawFile(Rule):
             why = getattr(error, "strerror", None) or "it is no UTF-8 text"
             raise SceneError(path, f"names the file {shown(value)}, which cannot be read: {why}") from None
 
-    def schema(self):
+    def schema(self) -> Any:
         return {"type": "string", "pattern": r"\.py$"}
 
 
@@ -191,13 +191,13 @@ class Slider(Block):
     backing: Annotated[str, choice("rigid", "soft")] = "rigid"
     loading: Annotated[bool | None, FLAG] = None
 
-    def check_contacts(self):
+    def check_contacts(self) -> Any:
         if self.pillars is None:
             for key in ALONE[:2]:
                 if getattr(self, key) is None:
-                    yield key, f"is required and missing: give {keys_of(type(self))[key].rule.expected}"
+                    yield key, f"is required and missing: give {keys_of(Slider)[key].rule.expected}"
             for key in ("loading", "tilt", "preload_at", "load_height", "backing"):
-                if getattr(self, key) != keys_of(type(self))[key].default:
+                if getattr(self, key) != keys_of(Slider)[key].default:
                     yield key, "must be absent without [slider.pillars], which alone know it"
             return
         for key in ALONE:
@@ -219,11 +219,11 @@ class Slider(Block):
                 f'must be "held" where slider.backing is "soft", which has no plane to tilt, got "{self.tilt}"',
             )
 
-    def check_punch(self):
+    def check_punch(self) -> Any:
         if self.shape == "punch" and self.law == "hysteretic":
             yield "law", 'must be "elastic" with shape = "punch", which slips as a whole'
 
-    def check_friction(self):
+    def check_friction(self) -> Any:
         given = [
             *(["a table of friction_coefficient"] if isinstance(self.friction_coefficient, Friction) else []),
             *(["a law of one's own"] if isinstance(self.law, LawText) else []),
@@ -240,7 +240,7 @@ class Slider(Block):
             allowed = {"law": '"elastic"', "reciprocal": "false", "stick_band": "0"}[key]
             yield key, f"must be {allowed} with {given[0]}"
 
-    def check_heights(self):
+    def check_heights(self) -> Any:
         if self.heights is None:
             return
         number = 0 if self.contacts is None or isinstance(self.contacts, int) else len(self.contacts)
@@ -252,7 +252,7 @@ class Slider(Block):
                 f"must hold one height for each of the {number} contacts, got {len(self.heights)}",
             )
 
-    def check_moduli(self):
+    def check_moduli(self) -> Any:
         for key in ("effective_modulus", "tangential_modulus"):
             if self.ball is not None and getattr(self, key) is not None:
                 yield "ball", f"must not be given together with slider.{key}: they follow from the ball"
@@ -273,7 +273,7 @@ class Slider(Block):
     @property
     def preload_force(self) -> float:
         """Total normal force in N, the weight included."""
-        return self.mass * self.gravity if self.preload == "weight" else self.preload
+        return self.mass * self.gravity if isinstance(self.preload, str) else self.preload
 
     @property
     def offsets(self) -> tuple[tuple[float, float], ...]:

@@ -17,9 +17,10 @@ import numpy as np
 import fem
 from studies.chain import passband, resolve
 from studies.chain.surface_motion import solved_motion
-from studies.record.plots import curve, finished
+from studies.record.plots import curve, draw_scan, finished
 from studies.refusal import RunError
 from studies.scene import Scene
+from studies.stator.scan_panel import said, scan_file, scan_panel
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 25}
@@ -30,18 +31,26 @@ STEEPEST, DIRECTIONS = 0.36, 16  # of the slowness curve: its end over the waven
 
 @study
 def run(
-    scene: str | Scene = "twente", *, count: int = 400, tolerance: float = 1e-3, progress=None
+    scene: str | Scene = "twente",
+    *,
+    measured: str | None = None,
+    count: int = 400,
+    tolerance: float = 1e-3,
+    progress=None,
 ) -> StudyRecord:
     """Return the amplitude on the axis and across the beam.
 
     Parameters
     ----------
+    measured : str, optional
+        File of a vibrometer's scan along x, along y or over both, CSV or UFF; drawn over the beam at its own places.
     count : int
         Points of each line.
     tolerance : float
         Relative, of the section's surface motion.
     """
-    chosen = passband.driven_scene(scene)
+    chosen = whole = passband.driven_scene(scene)
+    scan = None if measured is None else scan_file(whole, measured, "place")
     chosen, place = resolve.first_row(chosen, passband.place(chosen))
     transducers, driven = resolve.transducers(chosen), resolve.driven(chosen)
     section = replace(chosen, stator=replace(chosen.stator, diffraction=False))
@@ -86,7 +95,9 @@ def run(
                "estimated relative error under the slider", beam.relative_error(place), high=2 * tolerance,
                expected="below twice the tolerance of the section"),
     )  # fmt: skip
-    return panels, findings
+    if scan is not None:
+        panels += (scan_panel(whole, scan, tolerance=tolerance, progress=progress),)
+    return panels, findings, said(panels)
 
 
 def _slowness(beam, wave) -> fem.Slowness:
@@ -110,6 +121,8 @@ def _axis(scene: Scene, transducers, driven, place: float, wavelength: float, co
 def figure(record: Panel, ax):
     """Draw the beam as points, the angular spectrum as a line, and the section dashed."""
     data = record.data
+    if "scan" in data:
+        return draw_scan(data, ax)
     for name, style, colour, label in (
         ("section", "--", "stick", "plane section"),
         ("spectrum", "-", "line", "angular spectrum"),

@@ -15,8 +15,9 @@ import fem
 from studies.chain import passband, resolve
 from studies.chain.spectrum import response
 from studies.chain.surface_motion import solved_motion
-from studies.record.plots import curve, lines, shaded
+from studies.record.plots import curve, draw_scan, lines, shaded
 from studies.scene import Scene
+from studies.stator.scan_panel import said, scan_file, scan_panel
 from studies.study import Finding, Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 9, "tolerance": 0.1}
@@ -24,18 +25,26 @@ QUICK = {"count": 9, "tolerance": 0.1}
 
 @study
 def run(
-    scene: str | Scene = "twente-left", *, count: int | None = None, tolerance: float = 1e-2, progress=None
+    scene: str | Scene = "twente-left",
+    *,
+    measured: str | None = None,
+    count: int | None = None,
+    tolerance: float = 1e-2,
+    progress=None,
 ) -> StudyRecord:
     """Return amplitude and group delay against frequency.
 
     Parameters
     ----------
+    measured : str, optional
+        File of a vibrometer's scan over frequency, CSV or UFF; drawn over the prediction at its own frequencies.
     count : int, optional
         Frequencies; without it 161, or as many as resolve the ripple of waves that return.
     tolerance : float
         Relative, of the surface motion.
     """
     chosen = passband.driven_scene(scene)
+    scan = None if measured is None else scan_file(chosen, measured, "frequency")
     place, at = passband.place(chosen)[0], passband.frequencies(chosen, count, 161)
     driven = chosen.driven_transducer
     prepared = response(chosen, at[0], at[-1], places=(place,), tolerance=tolerance, progress=progress)
@@ -78,7 +87,9 @@ def run(
             "frequency_Hz": at[inside], "group_delay_s": delay[inside], "way_s": late,
         }),
     )  # fmt: skip
-    return panels, findings + spreading
+    if scan is not None:
+        panels += (scan_panel(chosen, scan, tolerance=tolerance, progress=progress),)
+    return panels, findings + spreading, said(panels)
 
 
 def _aperture(scene: Scene, place: float, tolerance: float, progress) -> tuple[dict, tuple[Finding, ...]]:
@@ -102,6 +113,8 @@ def _aperture(scene: Scene, place: float, tolerance: float, progress) -> tuple[d
 def figure(record: Panel, ax):
     """Draw the amplitude with its estimate, or the group delay with the way's."""
     data = record.data
+    if "scan" in data:
+        return draw_scan(data, ax)
     if "group_delay_s" in data:
         ax.axhline(data["way_s"] * 1e6, color="black", linewidth=1, label="way over velocity (theory)")
         rows = (("group_delay_s", "o", "slip", "surface mode"),)

@@ -14,12 +14,15 @@ import numpy as np
 
 import fem
 from studies.chain import passband, resolve
+from studies.chain.scan_prediction import refuse_other_range
 from studies.chain.scattering import band_frequencies, reference_impedance, scattering_matrix
 from studies.chain.spectrum import driving_point
+from studies.lab.network import NetworkData, read_network
 from studies.record.plots import COLOURS, curve, finished, lines
 from studies.record.quantities import quantity
 from studies.refusal import SceneError
 from studies.scene import Scene
+from studies.stator.network_deviation import deviations
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 11, "tolerance": 0.3}
@@ -60,9 +63,10 @@ def run(
     at = band_frequencies(chosen, band, count)
     names, ports, scattering = scattering_matrix(chosen, at, reference, tolerance, progress)
     shared = {"frequency_Hz": at, "ports": names, "reference_ohm": reference, "scattering": scattering}
-    if measured is not None:
-        f, s = _measured(Path(measured), len(names), reference)
-        shared |= {"measured_frequency_Hz": f, "measured_scattering": s, "measured_file": Path(measured).name}
+    lab_file = None if measured is None else _measured(Path(measured), chosen, len(names), reference)
+    if lab_file is not None:
+        shared |= {"measured_frequency_Hz": lab_file.frequency, "measured_scattering": lab_file.scattering,
+                   "measured_file": lab_file.name}  # fmt: skip
     panels = [
         Panel(name=name, title=f"{chosen.title}: {what}, {reference:g} ohm", data=shared)
         for name, what in (("smith", "reflection"), ("magnitude", "S-parameters"))
@@ -70,17 +74,25 @@ def run(
     if len(names) > 1:
         first, second = (each.place[0] for each in chosen.transducer if each.name in names[:2])
         velocity = fem.rayleigh(resolve.solid(chosen.stator), "open").velocity
-        delay = passband.group_delay(at, scattering[:, 1, 0], abs(second - first) / velocity)
+        way = abs(second - first) / velocity
+        delay = passband.group_delay(at, scattering[:, 1, 0], way)
         data, title = (
             {"frequency_Hz": at, "group_delay_s": delay},
             f"{chosen.title}: {names[0]} to {names[1]}",
         )
+        if lab_file is not None:
+            data |= _measured_delay(lab_file, way)
         panels.append(Panel(name="group_delay", title=title, data=data))
     models = {}
     for name in names:
         seen = driving_point(ports, resolve.transducers(chosen), name)
         models[name] = [fem.motional_model(at, seen, branches) for branches in (1, BRANCHES)]
         panels.append(_circuit_panel(name, at, seen, models[name]))
+    answer = []
+    if lab_file is not None:
+        _, _, own = scattering_matrix(chosen, lab_file.frequency, reference, tolerance, progress)
+        answer = deviations(lab_file, own, names)
+        answer += [("", panel.data["not_drawn"]) for panel in panels if "not_drawn" in panel.data]
     gain = float(np.linalg.svd(scattering, compute_uv=False).max())
     apart = float(abs(scattering - scattering.transpose(0, 2, 1)).max())
     findings = (
@@ -94,7 +106,7 @@ def run(
                  remark=f"one branch leaves {one.error:.2g}; take the Touchstone file where that is too much")
           for name, (one, several) in models.items()),
     )  # fmt: skip
-    return panels, findings, list(_in_words(names, at, scattering, models))
+    return panels, findings, [*_in_words(names, at, scattering, models), *answer]
 
 
 def _in_words(names, at, scattering, models):
@@ -130,6 +142,11 @@ def figure(record: Panel, ax):
         return _smith(record, ax)
     if "group_delay_s" in data:
         rows = (("group_delay_s", "-", "slip", None),)
+        if "measured_group_delay_s" in data:
+            at = data["measured_frequency_Hz"] / 1e6
+            curve(ax, at, data["measured_group_delay_s"] * 1e6, "o", "stick", "measured", size=2.5)
+        title = record.title + (f"\n{data['not_drawn']}" if "not_drawn" in data else "")
+        record = Panel(name=record.name, title=title, data=data)
         return lines(ax, record, "frequency_Hz", rows, "group delay (us)", factor=1e6)
     if "spice" in data:
         for key, part, style in (
@@ -193,16 +210,27 @@ def _circuit_panel(name: str, at, seen, models) -> Panel:
     })  # fmt: skip
 
 
-def _measured(file: Path, ports: int, reference: float):
-    """Return frequencies and S-parameters of a Touchstone file."""
+def _measured(file: Path, scene: Scene, ports: int, reference: float) -> NetworkData:
+    """Return the data of a Touchstone file of as many ports, which meets the passband."""
     if not file.is_file():
         raise SceneError("--measured", f"must be a Touchstone file, and {str(file)!r} is none")
     if file.suffix.lower() != f".s{ports}p":
         raise SceneError("--measured", f"must be a file of {ports} ports, .s{ports}p, got {file.name!r}")
-    try:
-        at, values, own = fem.read_touchstone(file.read_text(encoding="utf-8", errors="replace"), ports)
-    except fem.InputError as error:
-        raise SceneError("--measured", f"{file.name!r} {error.rule}") from None
-    if own != reference:
+    found = read_network(file, "--measured")
+    if found.reference != reference:
+        own = found.reference
         raise SceneError("--measured", f"has the reference {own:g} ohm: give --z0 {own:g}, not {reference:g}")
-    return at, values
+    refuse_other_range(scene, found, "--measured")
+    return found
+
+
+def _measured_delay(seen: NetworkData, way: float) -> dict:
+    """Return the group delay of a file, or why it is not drawn: steps too wide for the phase to be followed."""
+    step = float(np.max(np.diff(seen.frequency)))
+    # echoes run the way twice more: their phase against the first arrival's may turn by half a turn per step
+    widest = 0.5 / (2.0 * way)
+    if step > widest:
+        rule = f"steps of {step / 1e3:.4g} kHz, at most {widest / 1e3:.4g} kHz would do"
+        return {"not_drawn": f"the measured group delay is undersampled and not drawn: {rule}"}
+    delay = passband.group_delay(seen.frequency, seen.scattering[:, 1, 0], way)
+    return {"measured_frequency_Hz": seen.frequency, "measured_group_delay_s": delay}

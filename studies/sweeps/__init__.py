@@ -13,7 +13,7 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -115,7 +115,7 @@ class Sweep:
 
 def sweep(
     scene: Scene | str | Path | dict,
-    over=None,
+    over: Any = None,
     *,
     tolerance: float = 1e-3,
     also: tuple[str, ...] = (),
@@ -176,7 +176,7 @@ def _units(key: str) -> dict[str, str]:
     return {} if unit is None else {"units": unit or "1"}
 
 
-def _table(scene) -> dict:
+def _table(scene: Any) -> dict:
     """Return the TOML document of a scene, in SI units where it is one without the sweep's keys."""
     if isinstance(scene, Scene):
         return scene.to_table()

@@ -20,7 +20,8 @@ from studies.refusal import RunError, SceneError, shown
 class Workers:
     """The calling process: a batch is done when it is submitted, on all processors where kernels share their work."""
 
-    size, threads = 1, None  # workers; threads of each, None for all processors
+    size = 1  # workers
+    threads: int | None = None  # of each, None for all processors
     lost: tuple = (BrokenExecutor,)  # what says that a worker vanished
 
     @property

@@ -10,7 +10,7 @@ and fills the width.  The displacement is enlarged so that it is seen; the pictu
 import textwrap
 from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.ticker import MaxNLocator
@@ -38,7 +38,7 @@ MIN_PIXELS = (
 class _Moving(NamedTuple):
     """A mesh, its points at rest (m) and their complex displacement (m), shape (points, 3), and parts of a shade."""
 
-    mesh: object
+    mesh: Any
     rest: np.ndarray
     displacement: np.ndarray
     mean: np.ndarray | None = None

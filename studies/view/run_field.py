@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +16,10 @@ from studies.chain.surface_motion import SurfaceMotion, crossed_motion
 from studies.record import Record
 from studies.refusal import RunError, SceneError, shown
 from studies.scene import Scene
+
+if TYPE_CHECKING:
+    from fem.beam.crossed_beam import CrossedBeam
+    from fem.results.surface_wave import SurfaceWave
 
 __all__ = ["NO_STATOR", "RunField", "left_run", "motion_again", "run_field"]
 
@@ -36,8 +41,10 @@ class RunField:
     # edges of the electrodes in m by sign: "+" and "-" the combs, "o" open strips
     fingers: dict = field(repr=False)
     spans: tuple[tuple[float, float], ...]  # from end to end of each transducer, m
-    wave: object = field(default=None, repr=False)  # the fem.SurfaceWave of a driven stator
-    crossed: object = field(default=None, repr=False)  # the fem.CrossedBeam of turned transducers
+    wave: "SurfaceWave | None" = field(default=None, repr=False)  # the fem.SurfaceWave of a driven stator
+    crossed: "CrossedBeam | None" = field(
+        default=None, repr=False
+    )  # the fem.CrossedBeam of turned transducers
 
     def in_section(self, place: tuple[float, float]) -> float:
         """Where a place (x, y) lies along the section, m."""

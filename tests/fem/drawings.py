@@ -87,3 +87,19 @@ def rectangle(
         {name: number[np.array(nodes)] for name, nodes in solids.items()},
         {name: number[np.array(lines[name])] for name in groups},
     )
+
+
+def bevelled_end(path: Path, foot: float, top: float, depth: float, *, size: float) -> Path:
+    """The right end of a plate from x = 0 on, a trapezoid: ``foot`` wide at the bottom, ``top`` at the surface."""
+    across, down = 1 + round(foot / size), 1 + round(depth / size)
+    share, z = np.meshgrid(np.linspace(0, 1, across), np.linspace(-depth, 0, down), indexing="ij")
+    x = share * (foot + (top - foot) * (1 + z / depth))
+    node = np.arange(x.size).reshape(x.shape)
+    a, b = node[:-1, :-1].ravel(), node[1:, :-1].ravel()
+    c, d = node[1:, 1:].ravel(), node[:-1, 1:].ravel()
+    triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    lines = {
+        "left": np.stack([node[0, :-1], node[0, 1:]], axis=1),
+        "bottom": np.stack([node[:-1, 0], node[1:, 0]], axis=1),
+    }
+    return write_msh(path, np.stack([x.ravel(), z.ravel()], axis=1), {"stator": triangles}, lines)

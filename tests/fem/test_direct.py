@@ -25,7 +25,9 @@ def solve(stator):
 
 @pytest.mark.parametrize("rest", [{"bottom": "absorbing"}, {"thickness": np.inf}, {"above": "vacuum"}])
 def test_only_real_bottoms(rest):
-    with pytest.raises(ValueError, match="takes a stator with a real bottom and nothing above"):
+    with pytest.raises(
+        ValueError, match="takes a stator with a real bottom, nothing above and no meshed pieces"
+    ):
         solve(plate(cut("PZT-4", "Z"), length=2.0, **rest))
 
 

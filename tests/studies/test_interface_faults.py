@@ -63,7 +63,8 @@ def test_columns_of_a_sweep_have_units():
     units = {name: each.attrs.get("units") for name, each in found.data_vars.items()}
     assert units["velocity_m_per_s"] == "m/s"
     assert units["normal_amplitude_m"] == "m"
-    assert units["relative_error"] is None
+    assert units["relative_error"] == "1"
+    assert units["regime"] is None
 
 
 def test_an_error_without_a_unit_is_refused(tmp_path):

@@ -44,10 +44,12 @@ def test_aperture_and_side_faces_of_the_seed(motor):
     found = {each["effect"]: each["size"] for each in model_error(spread)}
     images = sum(beam.motion(0.08, k * width)[2] for k in range(-4, 5))  # of an aperture between two mirrors
     expected = abs(images / beam.motion(0.08)[2]) - 1
-    assert found["side faces"] == pytest.approx(expected, rel=0.02)
+    assert found["side faces"] == pytest.approx(expected, abs=0.002)  # of the same charges; here they respond
     assert "finite aperture" not in found
-    left = found["charge at the finger ends"] / effect(motor, "charge at the finger ends")["size"]
-    assert left == pytest.approx(0.34, abs=0.01)  # uniform charges have the rest
+    places = np.transpose(motor.scene.slider.places)
+    assert effect(motor, "charge at the finger ends")["size"] == pytest.approx(0.05)  # of uniform charges
+    assert 0 < found["charge at the finger ends"] < 0.01
+    assert found["charge at the finger ends"] == pytest.approx(float(beam.charge_error(*places).max()))
 
 
 def test_aperture_beside_the_axis(motor):
@@ -69,7 +71,7 @@ def test_loads_are_left_out_where_the_amplitude_is_not_that_of_one_beam(motor):
 
 
 def test_closed_forms_of_the_seed(motor):
-    """Contact radiation 0.8 %, load of a ball 1e-4, vacuum 1e-3 of the capacitance, 0.0745 periods per end."""
+    """Contact radiation 0.8 %, load of a ball 1e-4, vacuum 1e-3 of the capacitance."""
     assert effect(motor, "radiation of a contact into the stator")["size"] == pytest.approx(0.0089, rel=0.05)
     # Gamma k_n / w, Gamma the compliance of PZT-8's Rayleigh wave, k_n from the bounce at 8893.1 Hz of 0.089 g
     load = 4.8674e-12 * 0.089e-3 * (2 * math.pi * 8893.1) ** 2 / 0.02
@@ -78,8 +80,6 @@ def test_closed_forms_of_the_seed(motor):
     permittivity = fem.material("PZT-8").permittivity
     share = 8.8541878e-12 / math.sqrt(permittivity[0, 0] * permittivity[2, 2])
     assert effect(motor, "vacuum above the surface")["size"] == pytest.approx(share, rel=1e-6)
-    ends = effect(motor, "charge at the finger ends")["size"]
-    assert ends == pytest.approx(2 * 0.0745 * motor.scene.transducer[0].period / 0.02)
     power = effect(motor, "heating of the stator")["size"]
     assert power == pytest.approx(0.5 * motor.electrical["admittance_S"].real * 30.0**2)
 
@@ -90,7 +90,7 @@ def test_electrode_mass_against_rayleigh_energy(motor):
     motion = (1.75e-6) ** 2 / 2.2e6 * (1 + wave["surface_ratio"] ** 2)
     expected = -wave["phase_velocity_m_per_s"] / 4 * 2700 * 100e-9 * omega**2 * motion
     found = effect(motor, "mass of 100 nm aluminium on the fingers")["size"]
-    assert found == pytest.approx(expected, rel=0.25)
+    assert found == pytest.approx(math.pi * 10 * expected, rel=0.25)  # as phase over half of ten pairs
 
 
 def test_answer_and_files_hold_them(motor, tmp_path):

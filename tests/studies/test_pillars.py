@@ -77,11 +77,11 @@ def test_a_scene_gives_what_the_contact_gives():
 
 def test_the_load_on_the_wave_is_computed_from_a_loading_number_of_one_in_twenty():
     light = run(scene(wave={"normal_amplitude": 20e-9}, preload=2e-3))
-    assert "exit_over_entry" not in light.points[0]
+    assert light.points[0]["exit_over_entry"] == 1.0
     assert light.points[0]["loading_number"] < 0.05
     sizes = {row["effect"]: row["size"] for row in light.model_error}
     assert sizes["load of the slider on the wave"] == pytest.approx(light.points[0]["loading_number"])
-    assert "exit_over_entry" in run(scene()).points[0]
+    assert run(scene()).points[0]["exit_over_entry"] != 1.0
     body, wave = by_hand()
     alone = contact.pillar_motion(body, wave, loading=False)
     assert run(scene(loading=False)).velocity[-1] == pytest.approx(alone.velocity, rel=1e-12)
@@ -137,6 +137,19 @@ def test_pillars_of_a_file_are_those_of_the_grid(tmp_path):
     none = dict.fromkeys(("pitch", "rows", "columns"))
     found = run(scene(pillars={**none, "file": file}))
     assert found.velocity[-1] == pytest.approx(run(scene()).velocity[-1], rel=1e-12)
+
+
+def test_a_file_lies_in_the_folder_of_its_scene(tmp_path, monkeypatch):
+    from studies.scene.toml import document
+
+    table = scene().to_table()
+    table["slider"]["pillars"] = {"diameter": 20e-6, "height": 2e-6, "file": "mine.csv"}
+    (tmp_path / "folder").mkdir()
+    written(tmp_path / "folder" / "mine.csv", "x_m,y_m,height_m\n0,0,0\n5e-5,0,1e-9\n")
+    (tmp_path / "folder" / "scene.toml").write_text(document(table), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    loaded = Scene.load("folder/scene.toml")
+    assert pillars.layout(loaded.slider)["heights"].tolist() == [0.0, 1e-9]
 
 
 @pytest.mark.parametrize(
@@ -272,3 +285,74 @@ def test_the_motor_runs_towards_its_transducer_and_takes_less_than_the_wave_brin
 def test_pillars_stand_on_the_bare_stator(changes, sentence):
     with pytest.raises(SceneError, match=sentence):
         run(niobate(**changes), tolerance=1e-2)
+
+
+def test_sweeps_are_runs_at_other_values(tmp_path):
+    from studies import sweep
+
+    table = scene(wave={"normal_amplitude": 20e-9}, pillars={"height_scatter": 5e-9, "seed": 3})
+    found = sweep(table, over={"slider.preload": [0.1, 0.18]}, out=tmp_path / "sweep").to_dataframe()
+    alone = run(table.replace(slider={"preload": 0.1}))
+    assert found["velocity_m_per_s"][0] == pytest.approx(alone.velocity[0], rel=1e-9)
+    assert found["velocity_m_per_s"][0] > found["velocity_m_per_s"][1]
+
+
+def test_a_datasheet_and_a_load_line_are_those_of_the_pillars():
+    from studies.motor import load_line
+    from studies.report.datasheet import datasheet
+
+    table = scene(wave={"normal_amplitude": 20e-9}, pillars={"height_scatter": 5e-9, "seed": 3})
+    body, wave = by_hand(heights=np.random.default_rng(3).normal(scale=5e-9, size=60))
+    line = contact.pillar_load_line(body, wave, points=13)
+    rows = {row.name: row.value for row in datasheet(table).rows}
+    assert rows["speed"] == pytest.approx(line.velocity[0], rel=1e-9)
+    assert rows["blocked thrust"] == pytest.approx(line.stall, rel=1e-9)
+    assert rows["largest mechanical power"] == pytest.approx(line.power.max(), rel=1e-9)
+    panel = load_line.run(table, points=5).panels[0]
+    (loads,) = panel.data["load_N"].values()
+    assert loads[-1] == pytest.approx(line.stall, rel=1e-9)
+
+
+def test_a_burst_reaches_the_steady_velocity_at_the_rate_of_the_mean_traction():
+    # m v' = <Q>(v) from rest: the time to half the speed by quadrature of dv/<Q>(v)
+    table = scene(
+        wave={"normal_amplitude": 20e-9, "burst": 8e-3}, pillars={"height_scatter": 5e-9, "seed": 3}
+    )
+    record = run(table)
+    (_, motion), steady = record.trajectories[0], record.velocity[0]
+    assert motion.velocity_at_burst_end == pytest.approx(steady, rel=5e-3)
+    body, wave = by_hand(heights=np.random.default_rng(3).normal(scale=5e-9, size=60))
+    traction = contact.pillar_traction(body, wave)
+    node, weight = np.polynomial.legendre.leggauss(8)
+    speeds = 0.25 * steady * (node + 1.0)
+    half = 0.25 * steady * sum(w / traction(v) for v, w in zip(speeds, weight, strict=True)) * 1e-4
+    on = motion.time <= motion.duration
+    reached = np.interp(0.5 * steady, motion.velocity[on], motion.time[on])
+    assert reached == pytest.approx(half, rel=1e-2)
+
+
+def test_a_study_of_balls_says_that_it_knows_no_pillars():
+    from studies.motor import regime_map
+
+    with pytest.raises(SceneError, match=r"slider.pillars are not known to this study"):
+        regime_map.run(scene())
+
+
+def test_the_pictures_show_the_tables():
+    from matplotlib.figure import Figure
+
+    from studies.record.plots import pictures
+
+    record = run(scene(pillars={"height_scatter": 5e-9, "seed": 3}))
+    drawn = pictures(record)
+    assert {"velocity", "slider_wave", "pressure", "power"} <= set(drawn)
+    ax = drawn["slider_wave"](Figure().add_subplot())
+    assert ax.get_lines()[0].get_ydata() == pytest.approx(1e9 * np.abs(record.slider_wave["backward_m"]))
+    ax = drawn["power"](Figure().add_subplot())
+    point = record.points[-1]
+    bars = [each.get_height() for each in ax.patches]
+    assert bars[len(record.points) - 1] == pytest.approx(
+        100 * point["friction_power_W"] / point["wave_power_in_W"]
+    )
+    ax = drawn["pressure"](Figure().add_subplot())
+    assert ax.collections[0].get_array().sum() == pytest.approx(180.0, rel=1e-6)  # mN

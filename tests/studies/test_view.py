@@ -553,9 +553,16 @@ def test_what_the_program_reads_is_installed_with_it():
     patterns = tomllib.loads((root / "pyproject.toml").read_text())["tool"]["setuptools"]["package-data"][
         "studies"
     ]
-    read = {path for suffix in ("toml", "html") for path in (root / "studies").rglob(f"*.{suffix}")}
+    read = {
+        path
+        for suffix in ("toml", "html", "csv", "c", "h")
+        for path in (root / "studies").rglob(f"*.{suffix}")
+    }
     assert len(read) > 5
-    read |= {root / "studies" / name for name in ("py.typed", "scenes/README.md", "scenes/schema.json")}
+    read |= {
+        root / "studies" / name
+        for name in ("py.typed", "glossary.md", "scenes/README.md", "scenes/schema.json")
+    }
     assert read == {path for pattern in patterns for path in (root / "studies").glob(pattern)}
 
 

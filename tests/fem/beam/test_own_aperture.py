@@ -1,13 +1,19 @@
 """A transducer's response to the finite aperture of its own charges."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.special import hankel2
 
+from fem.beam import point_potential
 from fem.beam.charges import electrode_charges
-from fem.beam.own_aperture import _between_mirrors, mode_change, static_change
+from fem.beam.line_source import LineSource
+from fem.beam.own_aperture import STEPS, _between_mirrors, finger_coupling, sheet_lengths
+from fem.beam.point_potential import PointPotential
 from fem.beam.reception import aperture_coupling, with_apertures
 from fem.condense.transducer import finger_ports
+from fem.geometry import Transducer
 from tests.fem.stators import comb, cut, plate, solution
 
 APERTURE = 4e-3
@@ -21,28 +27,78 @@ def over_the_aperture(function) -> complex:
     return complex(np.sum(WEIGHTS * 3 * APERTURE * t**2 * (1 - y / APERTURE) * function(y)))
 
 
+def one_mode(k: complex, potential: complex = 1.0, slope: complex = 0.0) -> LineSource:
+    return LineSource(
+        surface=np.ones(1, dtype=bool),
+        wavenumbers=np.array([k]),
+        amplitudes=np.zeros(1),
+        tangential=np.zeros(1),
+        normal=np.zeros(1),
+        potential=np.array([potential]),
+        static=0.0,
+        slope=slope,
+    )
+
+
 @pytest.mark.parametrize("k", [6300 - 1e-9j, 6300 - 30j, -5000 - 3j, -4000j, 3000 - 3000j])
 def test_a_mode_is_a_double_integral_of_a_hankel_function(k):
     x = np.array([0.0, 0.3e-3, 2e-3, 6e-3])
     mean = [over_the_aperture(lambda y, x=each: k / 2 * hankel2(0, k * np.hypot(x, y))) for each in x]
-    found = mode_change(np.array([k]), APERTURE, x)[0]
-    np.testing.assert_allclose(found, mean - np.exp(-1j * k * x), atol=1e-7)
+    found = PointPotential(one_mode(k), 8e-3).strips(x, np.array([0.01e-3, 1e-3, APERTURE]))[-1] / APERTURE
+    np.testing.assert_allclose(found, mean, atol=1e-7)
     if k.imag > -100:
         coupling = aperture_coupling(np.array([k]), APERTURE, APERTURE, x[-1])[0]
-        assert found[-1] == pytest.approx((coupling - 1) * np.exp(-1j * k * x[-1]), rel=1e-5)
-
-
-def test_many_distances_are_interpolated():
-    k, x = np.array([6300 - 1j, -5000 - 3j, 900 - 4000j]), np.linspace(0.5e-3, 6e-3, 40)
-    few = np.hstack([mode_change(k, APERTURE, each) for each in np.split(x, 4)])
-    np.testing.assert_allclose(mode_change(k, APERTURE, x), few, atol=1e-11 * abs(few).max())
+        assert found[-1] == pytest.approx(coupling * np.exp(-1j * k * x[-1]), rel=1e-5)
 
 
 def test_the_static_pole_is_a_double_integral_of_a_logarithm():
     x = np.array([0.0, 0.3e-3, 2e-3, 6e-3])
     mean = [over_the_aperture(lambda y, x=each: np.log(np.hypot(x, y)) / np.pi).real for each in x]
-    found, expected = static_change(APERTURE, x), mean - x
-    np.testing.assert_allclose(found - found[0], expected - expected[0], atol=1e-9)
+    source = one_mode(6300 - 1j, potential=0.0, slope=1.0)
+    found = PointPotential(source, 8e-3).strips(x, np.array([APERTURE]))[0] / APERTURE
+    np.testing.assert_allclose(found, mean, atol=1e-8)
+
+
+def test_wide_strips_take_the_path_of_steepest_descent(monkeypatch):
+    """Sixty wavelengths, three modes and the pole at 0: both ways, at all lengths."""
+    source = replace(
+        one_mode(6300 - 1j, slope=0.7e3),
+        wavenumbers=np.array([6300 - 1j, 900 - 4000j, -5000 - 3j]),
+        potential=np.array([1.0, 0.4j, -0.3]),
+    )
+    x, lengths = np.array([0.0, 0.3e-3, 2e-3, 9e-3]), np.array([0.2e-3, 3e-3, 55e-3, 58e-3, 60e-3])
+    table = PointPotential(source, 0.07)
+    direct = table.strips(x, lengths)
+    monkeypatch.setattr(point_potential, "MAX_PANELS", 0)
+    found = table.strips(x, lengths)
+    np.testing.assert_allclose(found, direct, rtol=1e-6)
+    assert abs(found[2:] - direct[2:]).max() > 0
+
+
+def test_sheets_of_unequal_lengths():
+    """Two lines of 4 and 2.4 mm, a distance apart: the integral over both, less the section's."""
+    k, lengths = 6300.0 - 60j, np.array([APERTURE, 2.4e-3])
+    one = Transducer(name="t", center=0.0, finger_pairs=1, period=1e-3, metallisation=1e-3, aperture=APERTURE)
+    found = finger_coupling(one_mode(k), one, lengths)
+    nodes, weights = np.polynomial.legendre.leggauss(120)
+    (y, at), (u, v) = ([length / 2 * each for length in lengths] for each in (nodes, weights))
+    kernel = k / 2 * hankel2(0, k * np.hypot(one.pitch, np.subtract.outer(y, at)))
+    expected = u @ kernel @ v - 2.4e-3 * np.exp(-1j * k * one.pitch)
+    for pair in ((0, 1), (1, 0)):
+        assert found.charges[pair][[0, 2]] == pytest.approx([expected, expected], rel=1e-5)
+
+
+def test_lengths_of_sheets():
+    """Finer steps where the fingers are few; nothing shorter than a fifth of the aperture."""
+    one = Transducer(name="t", center=0.0, finger_pairs=5, period=1e-3, metallisation=0.5, aperture=2e-2)
+    found = sheet_lengths(one)
+    assert found[0] == one.aperture
+    assert np.all(np.diff(found) < 0)
+    np.testing.assert_allclose((one.aperture - found[1:]) / 2 / one.period, STEPS[0])
+    assert sheet_lengths(replace(one, aperture=2e-3))[-1] > 0.4e-3
+    assert len(sheet_lengths(one, 2)) == 4
+    assert len(sheet_lengths(replace(one, finger_pairs=300))) == 2
+    assert len(sheet_lengths(replace(one, finger_pairs=2000))) == 1
 
 
 def test_mirrors_repeat_the_aperture():

@@ -28,7 +28,7 @@ def test_lumps_keep_charge_dipole_and_spread_of_any_finger():
     charge = rng.normal(size=(2, 7)) + 1j * rng.normal(size=(2, 7))
     charge[1] -= charge[1].mean()
     both = ElectrodeCharges(x=np.append(x, x + 1e-3), charge=charge.ravel(), finger=np.repeat([3, 5], 7))
-    places, lumps = both.lumps
+    places, lumps = both.sheets(1e-3, 0.0)[0].lumps
     assert places.min() > -1e-3
     assert places.max() < 2e-3
     for power in range(3):

@@ -246,13 +246,46 @@ def test_nothing_propagates_where_the_loss_eats_all():
 
 
 def test_long_waves_in_fine_layers_raise_no_warning():
-    """A ten-thousandth of the frequency: k^2 over 24 decades, and no word from the linear algebra."""
+    """A thousandth of the frequency: k^2 over 22 decades, and no word from the linear algebra."""
     stator = plate(cut("PZT-8", "Z"), thickness=1.0)
-    slow = 1e-4 * FREQUENCY
-    depth = section(stator, order=8, layers=3, frequency=slow, scale=1e-5)
+    slow = 1e-3 * FREQUENCY
+    depth = section(stator, order=8, layers=3, frequency=slow, scale=1e-4)
     modes = guided_modes(depth, slow)
     assert np.all(np.isfinite(modes.right_impedance))
     assert (
         np.abs(modes.right_impedance @ depth.constant_potential).max()
         < 1e-5 * np.abs(modes.right_impedance).max()
     )
+    propagating = modes.propagating
+    flux = modes.right_flux[:, propagating]
+    missed = np.abs(modes.right_impedance @ modes.right[:, propagating] - flux).max(axis=0)
+    assert np.all(missed < 1e-5 * np.abs(flux).max(axis=0))
+
+
+def test_finest_level_keeps_the_fluxes_of_slow_modes():
+    """PZT-4 poled along x, clamped below, vacuum above, five edge layers: k^2 over 16 decades.
+
+    Unscaled, the eigenproblem leaves errors of 6e-3 in the fluxes of the slow modes; the motion of a
+    stator came out wrong by 6e-3 where 8e-4 was stated.
+    """
+    solid = cut("PZT-4", "X", quality=1e4)
+    stator = Stator(
+        solid=solid, length=0.0177, thickness=1.194e-3, bottom="clamped", ends="clamped", above="vacuum"
+    )
+    frequency = 2429119.16
+    depth = section(stator, order=10, layers=5, frequency=frequency, scale=0.1)
+    modes = guided_modes(depth, frequency)
+    slow = (abs(modes.wavenumbers) < 40) & (modes.wavenumbers != 0)
+    flux = modes.right_flux[:, slow]
+    missed = abs(modes.right_impedance @ modes.right[:, slow] - flux).max(axis=0) / abs(flux).max(axis=0)
+    assert slow.sum() > 12
+    assert missed.max() < 1e-4
+
+
+def test_fluxes_that_rounding_decides_are_refused():
+    """A ten-thousandth of the frequency: the Riccati equation holds to 4e-14, the waves' own fluxes are off by 2."""
+    stator = plate(cut("PZT-8", "Z"), thickness=1.0)
+    slow = 1e-4 * FREQUENCY
+    modes = guided_modes(section(stator, order=8, layers=3, frequency=slow, scale=1e-5), slow)
+    with pytest.raises(ConvergenceError, match=r"miss their own fluxes by"):
+        _ = modes.right_impedance

@@ -1,4 +1,10 @@
-"""Quadratic eigenvalue problem of the guided modes: all wavenumbers, slow and strongly evanescent ones alike."""
+"""Quadratic eigenvalue problem of the guided modes: all wavenumbers, slow and strongly evanescent ones alike.
+
+Elements of a thousandth of a wavelength at the fingers' edges stand beside elements stretched a thousandfold in an
+absorbing layer.  The problem is solved in scaled unknowns; unscaled, the slow modes of such a section lose five digits.
+The problem that is linear in k^2 wants all diagonal entries of K2 alike; the one that is linear in k wants the large
+ones made small and the small ones left alone.
+"""
 
 import numpy as np
 
@@ -10,6 +16,8 @@ def even_odd_modes(second, skew, zeroth, odd):
 
     ``skew`` couples only odd unknowns with even ones; with u_o = -i k w for the odd ones the problem is linear in k^2.
     """
+    scale = 1 / np.sqrt(abs(np.diag(second)))
+    second, skew, zeroth = (scale[:, None] * each * scale for each in (second, skew, zeroth))
     even = ~odd
     odds, size = int(odd.sum()), len(odd)
     dtype = np.result_type(second, skew, zeroth)
@@ -26,17 +34,20 @@ def even_odd_modes(second, skew, zeroth, odd):
     shapes = np.empty((size, size), dtype=complex)
     shapes[odd] = -1j * wavenumbers * vectors[:odds]
     shapes[even] = vectors[odds:]
-    return wavenumbers, shapes
+    return wavenumbers, scale[:, None] * shapes
 
 
 def companion_modes(second, skew, zeroth):
     """All eigenpairs (k, v) of k^2 second + k skew + zeroth, both directions together, 2 n of them."""
     size = len(second)
+    diagonal = abs(np.diag(second))
+    scale = 1 / np.sqrt(np.maximum(diagonal / np.median(diagonal), 1.0))
+    second, skew, zeroth = (scale[:, None] * each * scale for each in (second, skew, zeroth))
     nothing, unit = np.zeros((size, size)), np.eye(size)
     left = np.block([[unit, nothing], [nothing, second]])
     right = np.block([[nothing, unit], [-zeroth, -skew]])
     wavenumbers, pairs = _graded_eigenpairs(left, right, 2 * np.pi * (0.31 + 0.57j))
-    return wavenumbers, pairs[:size]
+    return wavenumbers, scale[:, None] * pairs[:size]
 
 
 def _graded_eigenpairs(left, right, shift):

@@ -1,0 +1,145 @@
+"""Potential of a point of charge on the bare surface, and of strips along y that carry a uniform charge.
+
+In a solid isotropic about z every mode of a line source, g_p exp(-i k_p |x|), is k_p H_0(k_p r) / 2 for a point (H:
+Hankel functions of the second kind), and the pole at k = 0, s |x|, is (s / pi) log r.  Their sum G(r) is tabulated
+once, by Chebyshev polynomials on pieces that grow geometrically from r = 0 and are half a wavelength long beyond.
+
+A charge that is uniform over |y| < A / 2, tested by one over |y| < B / 2 at a distance x, gives the integral of G over
+the correlation of both, a trapezium: with a = (A + B) / 2 and b = |A - B| / 2
+
+    K_AB(x) = T(a, x) - T(b, x),    T(h, x) = 2 int_0^h (h - y) G((x^2 + y^2)^(1/2)) dy.
+
+Over many wavelengths T(h) = h Z - 2 int_0^oo y G dy + 2 int_h^oo (y - h) G dy, Z the potential of a line: the second
+term is x H_1(k x) for every mode, the third follows from the path of steepest descent from y = h.
+"""
+
+from functools import cache
+
+import numpy as np
+from numpy.polynomial.chebyshev import chebvander
+
+from fem.analytic.hankel import scaled_hankel
+from fem.beam.line_source import LineSource
+from fem.discretize.spectral import chebyshev_nodes
+
+TERMS, NODES = 12, 8  # of a piece's polynomial, and of Gauss's rule on a panel: 1e-10
+# m: below it G counts as constant.  1e-8 errs by 1 % in T(h, 0), for a sum of modes has a logarithm at 0.
+SMALLEST = 1e-12
+DECAYED = 45.0  # exponent beyond which a Hankel function is nothing
+SERIES = 2e-4  # |z| below which H_0 = 1 - 2i/pi (log(z / 2) + Euler's constant), to 1e-8
+MAX_PANELS = 300_000  # half wavelengths up to the longest h, for all distances together; more take the path
+LAGUERRE = 12  # nodes of the path: 1e-10
+
+laguerre_rule = cache(np.polynomial.laguerre.laggauss)
+
+
+class PointPotential:
+    """G(r) in V per C up to a distance in m; a matter of gauge up to a constant."""
+
+    def __init__(self, source: LineSource, farthest: float):
+        k, self.source = source.wavenumbers, source
+        highest = max(float((k**2).real.max()), float(abs(k).min()) ** 2)
+        self.half_wavelength = half = np.pi / np.sqrt(highest)
+        self.halvings = int(np.ceil(np.log2(half / SMALLEST)))
+        self.edges = np.append(
+            half * 2.0 ** np.arange(-self.halvings, 0), half * np.arange(1, int(farthest / half) + 3)
+        )
+        nodes = chebyshev_nodes(-1.0, 1.0, TERMS)
+        low, high = self.edges[:-1, None], self.edges[1:, None]
+        places = (low + high) / 2 + (high - low) / 2 * nodes
+        values = _sum_of_modes(source, np.sort(places, axis=None))
+        order = np.argsort(np.argsort(places, axis=None))
+        self._coefficients = (
+            values[order].reshape(places.shape) @ np.linalg.inv(chebvander(nodes, TERMS - 1)).T
+        )
+
+    def __call__(self, distances: np.ndarray) -> np.ndarray:
+        """Values at distances in m, of any shape."""
+        r = np.maximum(distances, self.edges[0])
+        exponent = np.floor(np.log2(np.minimum(r / self.half_wavelength, 1.0))).astype(int)
+        piece = self.halvings + np.where(
+            exponent < 0, exponent, np.floor(r / self.half_wavelength).astype(int) - 1
+        )
+        low, high = self.edges[piece], self.edges[piece + 1]
+        twice = 2 * (2 * r - low - high) / (high - low)
+        last, before = self._coefficients[piece, -1], 0.0  # Clenshaw's recurrence
+        for term in range(TERMS - 2, 0, -1):
+            last, before = self._coefficients[piece, term] + twice * last - before, last
+        return self._coefficients[piece, 0] + twice / 2 * last - before
+
+    def strips(self, distances: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+        """T(h, x) in V m2 per C for all h = ``lengths`` (m, increasing) and x = ``distances`` (m), shape (h, x)."""
+        top = lengths[-1]
+        near = lengths < top / 4
+        if top / self.half_wavelength * len(distances) < MAX_PANELS:
+            near[:] = True
+        out = np.empty((len(lengths), len(distances)), dtype=complex)
+        if near.any():
+            some = lengths[near]
+            charge, moment = self._integrals(distances, 0.0, some)
+            out[near] = 2 * (some[:, None] * charge - moment)
+        if not near.all():
+            some = lengths[~near]
+            charge, moment = self._integrals(distances, some[0], some)
+            value, slope = _wide(self.source, distances, top)
+            beyond = (moment[-1] - moment) - some[:, None] * (charge[-1] - charge)
+            out[~near] = value - (top - some)[:, None] * slope + 2 * beyond
+        return out
+
+    def _integrals(self, x: np.ndarray, start: float, stops: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Integrals of G dy and y G dy from y = ``start`` to some places, shape (stops, x) each."""
+        half, last = self.half_wavelength, stops[-1]
+        edges = np.concatenate(
+            [[start], half * 2.0 ** np.arange(-self.halvings, 0), half * np.arange(1, last / half), stops]
+        )
+        edges = np.unique(edges[(edges >= start) & (edges <= last)])
+        edges = edges[np.append(True, np.diff(edges) > 1e-14 * last)]
+        nodes, weights = np.polynomial.legendre.leggauss(NODES)
+        middle, width = (edges[1:] + edges[:-1]) / 2, np.diff(edges)
+        y = middle[:, None] + width[:, None] / 2 * nodes
+        values = self(np.hypot(x[:, None, None], y)) * (width[:, None] / 2 * weights)
+        at = np.searchsorted(edges, stops * (1 - 1e-13))
+        return tuple(
+            np.cumsum(np.pad(each.sum(axis=2), ((0, 0), (1, 0))), axis=1)[:, at].T
+            for each in (values, values * y)
+        )
+
+
+def _wide(source: LineSource, x: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
+    """T(h, x) of a length of many wavelengths, and its derivative over h, shape (x,) each."""
+    reach = np.hypot(x, h)
+    angle, squares = x * np.arctan2(h, x), x**2 * np.log(np.where(x > 0, x, 1.0))
+    inner = h * np.log(reach) - h + angle
+    static = 2 * source.slope / np.pi
+    value = static * (h * inner - (reach**2 * np.log(reach) - squares) / 2 + h**2 / 4) + 0j
+    slope = static * inner + 0j
+    s, weights = laguerre_rule(LAGUERRE)
+    for k, potential in zip(source.wavenumbers, source.potential, strict=True):
+        line = np.exp(-1j * k * x)
+        near = np.full(len(x), 2j / np.pi / k)
+        some = (abs(k) * x > SERIES) & (-k.imag * x < DECAYED)
+        near[some] = x[some] * line[some] * scaled_hankel(1, k * x[some])
+        near[-k.imag * x >= DECAYED] = 0.0
+        value += potential * (h * line + near)
+        slope += potential * line
+        if -k.imag * h < DECAYED:
+            path = -1j * (reach / h)[:, None] * s / k
+            z = k * np.sqrt(reach[:, None] ** 2 + path * (2 * h + path))
+            sent = scaled_hankel(0, z) * np.exp(s - 1j * (z - (k * reach)[:, None])) * weights
+            sent *= (-1j * reach / h * np.exp(-1j * k * reach))[:, None] * potential
+            value += np.sum(sent * path, axis=1)
+            slope -= np.sum(sent, axis=1)
+    return value, slope
+
+
+def _sum_of_modes(source: LineSource, r: np.ndarray) -> np.ndarray:
+    """G at increasing distances, shape (n,)."""
+    total = source.slope / np.pi * np.log(r).astype(complex)
+    for k, potential in zip(source.wavenumbers, source.potential, strict=True):
+        z = k * r[-k.imag * r < DECAYED]
+        small = abs(z) < SERIES
+        hankel = np.empty_like(z)
+        hankel[small] = 1 - 2j / np.pi * (np.log(z[small] / 2) + np.euler_gamma)
+        hankel[~small] = np.exp(-1j * z[~small]) * scaled_hankel(0, z[~small])
+        total[: len(z)] += potential * k / 2 * hankel
+    return total

@@ -1,0 +1,69 @@
+"""A medium whose depth is stretched by a complex factor that varies through an element, with a loss along x.
+
+With the stretch s(z) and the loss delta(z) of a table R the weak form has (forms.py, section.py)
+
+    s (C_xx + i delta R),   C_xz,   C_zz / s,   s rho omega^2,
+
+so that the matrices of a line are weighted by s, 1, 1/s, s and s delta; tractions stay continuous from element to
+element, because R acts on d/dx alone.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from fem.discretize.spectral import LineMatrices, lagrange, reference_matrices
+from fem.materials.medium import Medium
+
+POINTS = 8  # of the Gauss rule beyond the order: s varies slowly within an element
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GradedMedium(Medium):
+    """A medium in one element of a layer whose stretch varies through it."""
+
+    line: LineMatrices  # of the element, weighted by s over its mean; the element's height contains the mean
+    lossy_mass: np.ndarray  # shape (order + 1,) * 2: the mass weighted by s delta over the mean of s
+    loss: np.ndarray  # shape (fields, fields): R
+
+
+def graded_medium(
+    body: Medium, order: int, *, stretch: Callable, damping: Callable, loss: np.ndarray
+) -> tuple[complex, GradedMedium]:
+    """Mean stretch of an element and its medium.
+
+    ``stretch``, ``damping``: s and delta as functions of the height in the element, 0 to 1; ``loss``: R over the
+    stress unit, shape (fields, fields).
+    """
+    points, weights = legendre.leggauss(order + POINTS)
+    points, weights = (points + 1) / 2, weights / 2
+    values, slopes = lagrange(order, points)
+    factor = stretch(points)
+    mean = complex(weights @ factor)
+
+    def integral(density: np.ndarray, left: np.ndarray) -> np.ndarray:
+        return np.einsum("q,qi,qj->ij", weights * density, left, left)
+
+    line = LineMatrices(
+        mass=integral(factor / mean, values),
+        stiffness=integral(mean / factor, slopes),
+        advection=reference_matrices(order).advection,
+    )
+    own = {each.name: getattr(body, each.name) for each in fields(body)}
+    lossy_mass = integral(factor * damping(points) / mean, values)
+    return mean, GradedMedium(**own, line=line, lossy_mass=lossy_mass, loss=loss)
+
+
+def element_line(medium: Medium, order: int) -> LineMatrices:
+    """Matrices of an element's line through the depth, for the height 1."""
+    return medium.line if isinstance(medium, GradedMedium) else reference_matrices(order)
+
+
+def along_x(medium: Medium, order: int, height: complex) -> np.ndarray:
+    """Factor of (d_x v)(d_x u) in an element: over nodes, then fields, shape ((order + 1) fields,) * 2."""
+    out = np.kron(height * element_line(medium, order).mass, medium.xx)
+    if isinstance(medium, GradedMedium):
+        out = out + 1j * np.kron(height * medium.lossy_mass, medium.loss)
+    return out

@@ -1,0 +1,70 @@
+"""Whether an absorbing layer makes a guided mode grow in the direction in which it carries its energy.
+
+A stretched depth turns a bulk wave whose energy goes down while its phase goes up into one that grows (Becache,
+Fauqueux and Joly 2003); the section then has guided modes with power along +x and Im k > 0 for exp(-i k x).
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fem.discretize.section import FIELD_COLUMN, Section
+from fem.eigenproblem import companion_modes, even_odd_modes
+from fem.materials.christoffel import slowest_wavelength
+from fem.materials.medium import Medium
+from fem.materials.solids import Solid
+
+TRIAL_FREQUENCY = 1e6  # Hz; a layer is as thick as so many wavelengths, so that growth does not depend on it
+TRIAL_SOLID = (0.5, 0.5)  # elements of solid above the layer, wavelengths
+PROPAGATING = 0.3  # |Im k| / |Re k| below which the power of a mode tells its direction
+MAX_WAVENUMBER = (
+    4 * np.pi
+)  # rad per slowest bulk wavelength; beyond it a mode is a matter of the discretisation
+Layer = Sequence[
+    tuple[float, complex, Medium]
+]  # height in wavelengths, mean stretch, medium; from the bottom up
+
+
+def largest_growth(wavenumbers: np.ndarray, shapes: np.ndarray, flux: np.ndarray) -> float:
+    """Largest growth Im k > 0 of a mode along its power flux, radians per length unit; 0 if none grows.
+
+    ``wavenumbers``: per length unit, of modes of either direction; ``shapes``, ``flux``: in columns.
+    """
+    size = abs(wavenumbers.real)
+    counted = (abs(wavenumbers.imag) < PROPAGATING * size) & (size < MAX_WAVENUMBER)
+    carried = -np.imag(np.sum(flux[:, counted] * np.conj(shapes[:, counted]), axis=0))
+    return float(np.max(np.sign(carried) * wavenumbers[counted].imag, initial=0.0))
+
+
+def layer_growth(solid: Solid, body: Medium, layer: Layer, order: int) -> float:
+    """Largest growth of a guided mode over an absorbing layer, radians per slowest bulk wavelength.
+
+    ``solid``: in the stator's frame; ``body``: its medium without loss, in the fields of the layer.
+    """
+    section = _trial_section(solid, body, layer, order)
+    second, first, zeroth = section.matrices(TRIAL_FREQUENCY)
+    if section.odd is None:
+        wavenumbers, shapes = companion_modes(second, 1j * (first - first.T), zeroth)
+    else:
+        wavenumbers, shapes = even_odd_modes(second, first - first.T, zeroth, section.odd)
+    return largest_growth(wavenumbers, shapes, first @ shapes - 1j * (second @ shapes) * wavenumbers)
+
+
+def _trial_section(solid: Solid, body: Medium, layer: Layer, order: int) -> Section:
+    heights = np.array([height * stretch for height, stretch, _ in layer] + list(TRIAL_SOLID), dtype=complex)
+    media = tuple(each for _, _, each in layer) + (body,) * len(TRIAL_SOLID)
+    exists = np.zeros((len(heights) * order + 1, 4), dtype=bool)
+    exists[1:, [FIELD_COLUMN[name] for name in body.fields]] = True
+    dofs = np.full(exists.shape, -1)
+    dofs[exists] = np.arange(exists.sum())
+    return Section(
+        heights=heights,
+        breakpoints=np.concatenate([[0.0], np.cumsum(heights.real)]),
+        media=media,
+        order=order,
+        length_unit=slowest_wavelength(solid, TRIAL_FREQUENCY),
+        dofs=dofs,
+        surface=len(dofs) - 1,
+        bottom=len(layer) * order,
+        surface_speed=None,
+    )

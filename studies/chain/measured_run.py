@@ -1,0 +1,80 @@
+"""A vibrometer's scan or a burst's trace beside a run: the run's own field and motion at the measured points."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+import fem
+from studies.chain import resolve
+from studies.chain.scan_prediction import along_places, over_frequency, placed
+from studies.lab.trace import aligned, travelled_distance
+from studies.record import Record
+from studies.record.measured import Measurement
+from studies.record.scan_comparison import compared_scan
+from studies.refusal import SceneError
+from studies.scene import Scene
+
+
+def beside(record: Record, measured: Measurement, *, progress: Callable[[str], None]) -> dict:
+    """Return the block ``measured`` of a run for a scan, or for velocity or position over the time of a burst.
+
+    Raises
+    ------
+    SceneError
+        If the scan does not lie on the stator, or the run has no burst at the trace's level.
+    """
+    if measured.scan is None:
+        return _trace(record, measured)
+    scene = record.scene
+    scan = placed(scene, measured.scan).as_displacement(scene.frequency)
+    progress("the field at the measured points")
+    if scan.kind == "frequency":
+        predicted = over_frequency(scene, scan, tolerance=max(record.tolerance, 1e-3), progress=progress)
+    else:
+        predicted = along_places(record.surface_motion, scan)
+    return scan_block(scene, scan, predicted)
+
+
+def scan_block(scene: Scene, scan, predicted) -> dict:
+    """Return the comparison of a placed scan with its prediction."""
+    velocity = fem.rayleigh(resolve.solid(scene.stator), "open").velocity
+    return compared_scan(
+        scan, predicted, wavelength=velocity / scene.frequency, source=scene.driven_transducer.place[0]
+    )
+
+
+def _trace(record: Record, measured: Measurement) -> dict:
+    """Return a trace beside the trajectory of its level, moved in time to where it lies closest."""
+    if not record.trajectories:
+        key = "wave.burst" if record.scene.wave is not None else "drive.burst"
+        raise SceneError(
+            "--measured", f'{measured.name!r} holds a burst: --set {key}="0.1 s" says how long it was'
+        )
+    levels = [level for level, _ in record.trajectories]
+    wanted = measured.levels[0] if measured.levels else levels[-1]
+    close = [
+        k for k, level in enumerate(levels) if abs(level - wanted) <= 1e-9 * max(abs(wanted), abs(level))
+    ]
+    if not close:
+        known = ", ".join(f"{level:.6g}" for level in levels)
+        raise SceneError(
+            "--measured", f"{measured.name!r} was taken at {wanted:.6g}, and the run has {known}"
+        )
+    path = record.trajectories[close[0]][1]
+    time, values = np.array(measured.time), np.array(measured.values)
+    curve = path.velocity if measured.quantity == "burst" else travelled_distance(path.time, path.velocity)
+    unsigned = bool(np.all(values >= 0.0) and np.mean(curve) < 0.0)
+    values = -values if unsigned else values
+    offset = aligned(time, values, path.time, curve)
+    predicted = np.interp(time - offset, path.time, curve)
+    unit = "m_per_s" if measured.quantity == "burst" else "m"
+    gap, size = values - predicted, float(np.max(np.abs(predicted))) or 1e-300
+    return {
+        "file": measured.name, "quantity": f"{measured.quantity} over time", "compared": len(time),
+        "sign_of_prediction_given": unsigned, "time_offset_s": offset,
+        "trace": {"time_s": time, f"measured_{unit}": values, f"predicted_{unit}": predicted},
+        f"rms_deviation_{unit}": float(np.sqrt(np.mean(gap**2))),
+        f"mean_deviation_{unit}": float(np.mean(gap)),
+        "rms_deviation_relative": float(np.sqrt(np.mean(gap**2))) / size,
+        "measured_over_predicted": float(np.sum(values * predicted) / max(np.sum(predicted**2), 1e-300)),
+    }  # fmt: skip

@@ -1,0 +1,136 @@
+"""What a vibrometer would see: the surface motion of a scene at a scan's own places or frequencies, per volt."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from studies.chain import passband, resolve
+from studies.chain.scattering import scattering_matrix
+from studies.chain.solved_stator import stator_alone
+from studies.chain.spectrum import response
+from studies.chain.surface_motion import SurfaceMotion, solved_motion
+from studies.lab.network import NetworkData
+from studies.lab.scan import COMPONENTS, Scan
+from studies.refusal import SceneError
+from studies.scene import Scene
+
+MAX_APART = 1e-6  # relative: a scan at another frequency than the drive's is another wave
+
+
+def placed(scene: Scene, scan: Scan, option: str = "--measured") -> Scan:
+    """Return a scan whose places are all known, on the stator of a resolved scene, and at the drive's frequency.
+
+    A place that the file does not say is the slider's, without one the stator's middle.
+
+    Raises
+    ------
+    SceneError
+        If the scene drives no stator, a place lies beside it, or the scan was taken at another frequency.
+    """
+    if scene.stator is None or not scene.transducer:
+        raise SceneError(
+            option, f"{scan.name!r} is a vibrometer's scan: it needs a scene with a driven stator"
+        )
+    x, y = passband.place(scene)
+    found = replace(scan, x=np.where(np.isnan(scan.x), x, scan.x), y=np.where(np.isnan(scan.y), y, scan.y))
+    length, half = scene.stator.length, scene.stator.width / 2
+    for name, places, low, high in (("x", found.x, 0.0, length), ("y", found.y, -half, half)):
+        if np.min(places) < low or np.max(places) > high:
+            rule = f"{scan.name!r}: {name} must lie on the stator, {low:g} to {high:g} m"
+            raise SceneError(option, f"{rule}, got {np.min(places):g} to {np.max(places):g} m")
+    if found.frequency is not None and found.kind != "frequency":
+        apart = abs(found.frequency[0] / scene.frequency - 1.0)
+        if apart > MAX_APART:
+            taken = f"{found.frequency[0]:.7g} Hz, and the scene drives {scene.frequency:.7g} Hz"
+            rule = f"{scan.name!r} was taken at {taken}"
+            raise SceneError(option, f"{rule}: set drive.frequency")
+    return found
+
+
+def along_places(motion: SurfaceMotion, scan: Scan) -> np.ndarray:
+    """Return the component of a scan at its places, complex, m per V."""
+    places = list(zip(scan.x.tolist(), scan.y.tolist(), strict=True))
+    return motion.at(places)[COMPONENTS.index(scan.component)]
+
+
+def over_frequency(
+    scene: Scene, scan: Scan, *, tolerance: float, progress: Callable[[str], None]
+) -> np.ndarray:
+    """Return the component of a scan at its frequencies, complex, m per V, of the plane section.
+
+    Raises
+    ------
+    SceneError
+        For u_y, which a section has not, several places or a place beside the middle line.
+    """
+    place = float(scan.x[0])
+    if scan.component == "u_y" or np.ptp(scan.x) > 0.0 or np.any(scan.y != 0.0) or scene.crossed:
+        rule = (
+            "over frequency must be of u_x or u_z at one place on the middle line, of one row of transducers"
+        )
+        raise SceneError("--measured", f"{scan.name!r} {rule}")
+    at = np.unique(scan.frequency)
+    alone = stator_alone(scene)
+    prepared = response(alone, at[0], at[-1], places=(place,), tolerance=tolerance, progress=progress)
+    progress(f"stator: {len(at)} frequencies")
+    waves = prepared.waves(at, resolve.drive(alone))
+    motion = np.array([wave.motion(place)[COMPONENTS.index(scan.component) // 2] for wave in waves])
+    return motion[np.searchsorted(at, scan.frequency)]
+
+
+def predicted_scan(
+    scene: Scene, scan: Scan, *, tolerance: float, progress: Callable[[str], None] = lambda text: None
+) -> np.ndarray:
+    """Return the motion of a resolved scene at the points of a placed scan, complex, m per V."""
+    if scan.kind == "frequency":
+        return over_frequency(scene, scan, tolerance=tolerance, progress=progress)
+    alone = stator_alone(scene)
+    places = tuple(zip(scan.x.tolist(), scan.y.tolist(), strict=True))
+    motion = solved_motion(
+        alone, places[:1], tolerance=tolerance, progress=progress, slider=True, missed=True
+    )
+    return along_places(motion, scan)
+
+
+def at_other_velocity(scene: Scene, scan: Scan, motion: np.ndarray, factor: float) -> np.ndarray:
+    """Return a motion along x with the velocity of the surface wave multiplied by a factor.
+
+    The phase on the way from the middle of the driven transducer turns by omega/v (1/factor - 1) more; amplitudes and
+    what returns from ends and other transducers keep their sizes: for absorbing ends, and factors near 1.
+    """
+    import fem
+
+    if factor == 1.0:
+        return motion
+    velocity = fem.rayleigh(resolve.solid(scene.stator), "open").velocity
+    frequency = scene.frequency if scan.frequency is None else scan.frequency
+    way = abs(scan.x - scene.driven_transducer.place[0])
+    return motion * np.exp(-2j * np.pi * frequency / velocity * (1.0 / factor - 1.0) * way)
+
+
+def network_prediction(
+    scene: Scene, data: NetworkData, tolerance: float, progress=None, option="--data"
+) -> np.ndarray:
+    """Return the S-parameters of a scene's transducers with two combs at the frequencies of a file, (n, ports, ports).
+
+    Raises
+    ------
+    SceneError
+        If the file has another number of ports, or its frequencies lie outside the driven transducer's passband.
+    """
+    names = [each.name for each in scene.transducer if each.has_two_combs]
+    if data.ports != len(names):
+        rule = f"{data.name!r} has {data.ports} ports, and the scene {len(names)} transducers with two combs"
+        raise SceneError(option, rule)
+    refuse_other_range(scene, data, option)
+    return scattering_matrix(scene, data.frequency, data.reference, tolerance, progress)[2]
+
+
+def refuse_other_range(scene: Scene, data: NetworkData, option: str) -> None:
+    """Refuse a file whose frequencies do not meet the passband of the driven transducer."""
+    band = passband.frequencies(scene, 2)
+    if data.frequency[-1] < band[0] or data.frequency[0] > band[-1]:
+        own = f"{data.frequency[0] / 1e6:.5g} to {data.frequency[-1] / 1e6:.5g} MHz"
+        rule = f"{data.name!r} must meet the passband, {band[0] / 1e6:.5g} to {band[-1] / 1e6:.5g} MHz, got {own}"
+        raise SceneError(option, rule)

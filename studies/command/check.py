@@ -1,0 +1,33 @@
+"""``sawmotor check``: a scene's text, material and layout, without running it."""
+
+import argparse
+
+from studies.command.given_scene import changed_file
+from studies.command.options import add_changes, add_scene, add_voltage
+from studies.command.output import warn
+from studies.scene import Scene
+
+HELP = "a scene's text, material and layout, without running it"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    add_scene(parser)
+    add_voltage(parser)
+    add_changes(parser)
+
+
+def call(arguments: argparse.Namespace) -> int:
+    """Check a scene without running it and print what a run would do."""
+    from studies.chain.resolve import resolved
+    from studies.chain.scene_warnings import scene_warnings
+    from studies.record.text import labelled
+    from studies.report.contents import contents
+
+    file = changed_file(arguments)
+    with file.located():
+        scene = resolved(Scene.from_file(file))
+    print(f"{arguments.scene}: {scene.title or 'no title'}")
+    print("\n".join(f"  {line}" for line in labelled(contents(scene), 12)))
+    warn(scene_warnings(scene))
+    return 0

@@ -1,0 +1,39 @@
+"""``sawmotor datasheet``: a motor's datasheet: one page with speed, force, steps, power and limits."""
+
+import argparse
+
+from studies.command.given_scene import changed_scene, tolerance
+from studies.command.options import add_changes, add_scene, add_tolerance, add_voltage
+from studies.command.output import committed_pictures, print_answer, results_of, warn
+from studies.progress import Progress
+
+HELP = "a motor's datasheet: one page with speed, force, steps, power and limits"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    add_scene(parser)
+    add_voltage(parser)
+    add_changes(parser)
+    add_tolerance(parser)
+    parser.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-datasheet)")
+    parser.add_argument("--json", action="store_true", help="the numbers on stdout; files only with --out")
+
+
+def call(arguments: argparse.Namespace) -> int:
+    """Compute a motor's datasheet; print its table and leave its page and numbers."""
+    from studies.report.datasheet import datasheet as computed
+    from studies.report.datasheet_page import page, table
+    from studies.results.content import write_json
+
+    wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
+    with results_of(arguments, "datasheet", "-datasheet") as (result, out), Progress() as progress:
+        sheet = computed(scene, tolerance=wanted, progress=progress)
+        if result is not None:
+            write_json(result.folder / "datasheet.json", sheet.to_dict())
+            result.commit()
+            with committed_pictures(result):
+                (result.folder / "datasheet.html").write_text(page(sheet), encoding="utf-8")
+    print_answer(arguments, sheet.to_dict(), f"{table(sheet)}\nresults  {out}")
+    warn(sheet.record.warnings)
+    return 0

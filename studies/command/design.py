@@ -1,0 +1,80 @@
+"""``sawmotor design``: the best motor within ranges: a search that can be interrupted and goes on."""
+
+import argparse
+from pathlib import Path
+
+from studies.command.given_scene import changed_scene, tolerance
+from studies.command.options import add_changes, add_scene, add_voltage, add_workers
+from studies.command.output import print_answer
+from studies.progress import Progress
+from studies.scene import scene_path
+
+HELP = "the best motor within ranges: a search that can be interrupted and goes on"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    add_scene(parser)
+    parser.add_argument(
+        "--maximise",
+        action="append",
+        default=[],
+        metavar="GOAL",
+        help="velocity, thrust, efficiency or step_resolution; twice for the front of two goals",
+    )
+    parser.add_argument(
+        "--over",
+        action="extend",
+        nargs="+",
+        default=[],
+        metavar="KEY=LOW:HIGH",
+        help="a number of the scene to be chosen",
+    )
+    parser.add_argument(
+        "--subject",
+        action="extend",
+        nargs="+",
+        default=[],
+        metavar="'NAME <= VALUE'",
+        help="on a key, velocity, thrust, contact_pressure, stick_margin, normal_amplitude or power_W",
+    )
+    parser.add_argument("--evaluations", type=int, metavar="N", help="of each search (60 for each number)")
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the random numbers (0)")
+    add_voltage(parser)
+    add_changes(parser)
+    parser.add_argument("--tolerance", metavar="T", help="of the velocity at each evaluation (3e-2)")
+    add_workers(parser)
+    parser.add_argument(
+        "--out", metavar="DIR", help="where evaluations and results are kept (results/NAME-design)"
+    )
+    parser.add_argument("--json", action="store_true", help="design.json on stdout")
+
+
+def call(arguments: argparse.Namespace) -> int:
+    """Search for the best motor within ranges; print it and leave its scene beside all evaluations."""
+    from studies.inverse.design_report import design_answer, draw_design, write_design
+    from studies.inverse.goals import read_constraint, read_variable
+    from studies.inverse.optimum import Options
+    from studies.inverse.optimum import design as search
+
+    wanted = tolerance(arguments.tolerance or "3e-2")
+    table = changed_scene(arguments).to_table()
+    variables = [read_variable(text) for text in arguments.over]
+    out = Path(arguments.out or Path("results") / f"{scene_path(arguments.scene).stem}-design")
+    with Progress() as progress:
+        found = search(
+            table,
+            arguments.maximise,
+            variables,
+            [read_constraint(text) for text in arguments.subject],
+            options=Options(
+                **{key: getattr(arguments, key) for key in ("evaluations", "seed", "workers")},
+                tolerance=wanted,
+                out=out,
+            ),
+            progress=progress,
+        )
+        write_design(found, out)
+        draw_design(found, out / "design.png")
+    print_answer(arguments, found.to_dict(), f"{design_answer(found, variables)}\n{'results':<16}{out}")
+    return 0

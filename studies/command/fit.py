@@ -1,0 +1,59 @@
+"""``sawmotor fit``: numbers of a scene from measured curves, and what the data cannot tell."""
+
+import argparse
+
+from studies.command.given_scene import changed_scene, tolerance
+from studies.command.options import add_changes, add_no_plot, add_scene, add_tolerance, add_voltage
+from studies.command.output import committed_pictures, print_answer, results_of
+from studies.progress import Progress
+
+HELP = "numbers of a scene from measured curves, and what the data cannot tell"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    add_scene(parser)
+    parser.add_argument(
+        "--data",
+        action="append",
+        nargs="+",
+        default=[],
+        metavar=("FILE.csv", "KEY=VALUE"),
+        help="measured points, and keys of this file alone, e.g. systematic=0.02; once for each file",
+    )
+    parser.add_argument(
+        "--free",
+        action="extend",
+        nargs="+",
+        default=[],
+        metavar="KEY=LOW:HIGH",
+        help="a number to be fitted; also amplitude_per_volt (m/V, given wave), amplitude_factor (computed)",
+    )
+    add_voltage(parser)
+    add_changes(parser)
+    add_tolerance(parser)
+    parser.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-fit)")
+    parser.add_argument("--json", action="store_true", help="fit.json on stdout; files only with --out")
+    add_no_plot(parser)
+
+
+def call(arguments: argparse.Namespace) -> int:
+    """Fit numbers of a scene to measurements; print what they say and leave the fitted scene."""
+    from fem import blas_on_one_thread
+    from studies.inverse import fit as fitted
+    from studies.inverse import read_measurement, read_parameter
+    from studies.inverse.fit_report import draw_fit, fit_answer, write_fit
+
+    wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
+    measurements = [read_measurement(file, tuple(settings)) for file, *settings in arguments.data]
+    parameters = [read_parameter(text) for text in arguments.free]
+    with results_of(arguments, "fit", "-fit") as (result, out), Progress() as progress, blas_on_one_thread():
+        found = fitted(scene, measurements, parameters, tolerance=wanted, progress=progress)
+        if result is not None:
+            write_fit(found, result.folder)
+            result.commit()
+            if not (arguments.no_plot or arguments.json):
+                with committed_pictures(result):
+                    draw_fit(found, result.folder / "fit.png")
+    print_answer(arguments, found.to_dict(), f"{fit_answer(found)}\n{'results':<16}{out}")
+    return 0

@@ -1,0 +1,41 @@
+"""The scene of a call, with the changes that its options make."""
+
+import argparse
+
+from studies.command.output import say
+from studies.refusal import SceneError
+from studies.scene import Scene, SceneFile
+from studies.scene.numbers import Quantity
+from studies.scene.override import toml_value
+from studies.scene.uncertain import parted
+
+
+def changed_scene(arguments: argparse.Namespace) -> Scene:
+    """Return the scene of a call with its ``--set`` and ``--voltage`` applied."""
+    return Scene.from_file(changed_file(arguments))
+
+
+def changed_file(arguments: argparse.Namespace) -> SceneFile:
+    """Return the document of a call's scene, with its ``--set`` and ``--voltage`` applied."""
+    file = SceneFile.read(arguments.scene)
+    for setting in arguments.set:
+        file = file.assigned(setting)
+    if arguments.voltage is not None:
+        if not isinstance(file.table.get("drive"), dict):
+            raise SceneError("--voltage", "needs a scene with a [drive]; this one has none")
+        values = [toml_value(part.strip()) for part in arguments.voltage.split(",")]
+        file = file.replaced("drive.voltage", values if len(values) > 1 else values[0])
+    if arguments.call in ("sweep", "fit", "design"):
+        without_bands(file.table)
+    return file
+
+
+def without_bands(table: dict) -> None:
+    """Say that the tolerances of a scene are not looked at, if it has any."""
+    if "uncertain" in parted(table):
+        say(["[uncertain] is not used here: its bands are those of sawmotor run"])
+
+
+def tolerance(text: str | None) -> float:
+    """Return the tolerance of a call, 1e-3 when absent."""
+    return Quantity(below=1.0).read("--tolerance", 1e-3 if text is None else toml_value(text))

@@ -1,0 +1,65 @@
+"""What a command prints, and the directory that its results go to."""
+
+import argparse
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from studies.refusal import InterruptedRunError
+from studies.results import Origin, ResultDirectory, result_directory
+from studies.scene import scene_path, shipped_scenes
+
+
+def origin_of(kind: str, scene: str) -> Origin:
+    """Return what a result of a scene belongs to."""
+    path = scene_path(scene)
+    ships = path == shipped_scenes().get(path.stem)
+    return Origin(kind=kind, name=path.stem, source=None if ships else path)
+
+
+@contextmanager
+def results_of(arguments: argparse.Namespace, kind: str, ending: str) -> Iterator[tuple]:
+    """Hold the directory that a call's results go to, and its path as given; None with --json alone."""
+    origin, out = origin_of(kind, arguments.scene), arguments.out
+    if out is None and arguments.json:
+        yield None, None
+        return
+    folder = out or Path("results") / f"{origin.name}{ending}"
+    with result_directory(folder, origin, chosen=out is not None) as result:
+        yield result, folder
+    say(result.notes)
+
+
+@contextmanager
+def committed_pictures(result: ResultDirectory) -> Iterator[None]:
+    """Commit what is drawn; what cannot be drawn is a warning, for the numbers are in place already."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise InterruptedRunError(f"interrupted while drawing: the numbers are in {result.target}") from None
+    except Exception as error:
+        reason = " ".join(str(error).split()) or type(error).__name__
+        result.notes.append(f"pictures are missing in {result.target}: {reason}")
+    result.commit()
+
+
+def print_answer(arguments: argparse.Namespace, whole: dict, text: str) -> None:
+    """Print an answer as JSON or as text."""
+    if arguments.json:
+        from studies.record.text import print_json
+
+        print_json(whole)
+    else:
+        print(text)
+
+
+def say(sentences) -> None:
+    """Say something on stderr."""
+    for each in sentences:
+        print(f"sawmotor: {each}", file=sys.stderr, flush=True)
+
+
+def warn(warnings) -> None:
+    """Say warnings on stderr."""
+    say(f"warning: {each}" for each in warnings)

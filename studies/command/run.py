@@ -1,0 +1,118 @@
+"""``sawmotor run``: just the chain that a scene needs, up to the slider's velocity for each voltage."""
+
+import argparse
+from contextlib import ExitStack
+from dataclasses import replace
+
+from studies.command.given_scene import changed_scene, tolerance
+from studies.command.options import add_changes, add_no_plot, add_voltage
+from studies.command.output import committed_pictures, print_answer, results_of, say, warn
+from studies.progress import Progress
+from studies.refusal import SceneError
+
+HELP = "a scene: just the chain that it needs, up to the slider's velocity for each voltage"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument(
+        "scene", nargs="?", default="twente", metavar="SCENE", help="a path or a shipped name (twente)"
+    )
+    add_voltage(parser)
+    add_changes(parser)
+    parser.add_argument(
+        "--tolerance", metavar="T", help="bound of the relative error of the last quantity (1e-3)"
+    )
+    parser.add_argument("--out", metavar="DIR", help="where the results go (results/NAME)")
+    parser.add_argument(
+        "--json", action="store_true", help="run.json on stdout; no pictures, files only with --out"
+    )
+    parser.add_argument(
+        "--field",
+        action="store_true",
+        help="keep the whole wave field in field.vtu, and the surface in surface_map.vtu and .csv",
+    )
+    add_no_plot(parser)
+    parser.add_argument(
+        "--plot", action="store_true", help="show the pictures in windows when the run has ended"
+    )
+    parser.add_argument(
+        "--measured",
+        metavar="FILE",
+        help="measured velocities (voltage_V, velocity_m_per_s), a burst's trace or a vibrometer's scan",
+    )
+    parser.add_argument(
+        "--report",
+        action="store_true",
+        help="write report.html too: everything about the run on one self-contained page",
+    )
+    parser.add_argument(
+        "--explain",
+        action="store_true",
+        help="say what would be computed, its size, time and memory, and stop",
+    )
+
+
+def call(arguments: argparse.Namespace) -> int:
+    """Run the chain of a scene; print its answer and leave its files."""
+    from studies.chain import run as run_chain
+    from studies.record.files import write_run
+    from studies.record.measured import compared, read_measured, refuse_incomparable
+    from studies.record.text import answer
+    from studies.report.drawing import Drawing
+    from studies.report.explanation import explanation, long_wait, plan
+
+    wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
+    measured = None if arguments.measured is None else read_measured(arguments.measured)
+    if measured is not None:
+        refuse_incomparable(scene, measured)
+    if arguments.explain:
+        planned = plan(scene, tolerance=wanted)
+        print_answer(arguments, planned, explanation(planned))
+        return 0
+    if arguments.plot:
+        from studies.record.plots import pictures, refuse_without_toolkit, show
+
+        refuse_without_toolkit("--plot", "without it the same pictures are files in the result directory")
+    for option in ("report", "field"):
+        if getattr(arguments, option) and arguments.json and arguments.out is None:
+            raise SceneError(f"--{option}", "needs a directory to go to: give --out, or leave --json out")
+    if arguments.field and not scene.transducer:
+        raise SceneError(
+            "--field", "keeps the field of a driven stator, and this scene has no [[transducer]]"
+        )
+    say(long_wait(scene, tolerance=wanted))
+    with ExitStack() as stack:
+        result, out = stack.enter_context(results_of(arguments, "run", ""))
+        plotted = result is not None and not (arguments.json or arguments.no_plot)
+        drawing = stack.enter_context(Drawing()) if plotted else None
+        with Progress() as progress:
+            record = run_chain(scene, tolerance=wanted, progress=progress)
+            if measured is not None and measured.quantity != "velocity":
+                from studies.chain.measured_run import beside
+
+                record = replace(record, measured=beside(record, measured, progress=progress))
+            elif measured is not None:
+                from studies.chain.uncertainty import velocities_at
+
+                progress("velocities at the measured levels")
+                predicted = velocities_at(record, measured.levels, progress=progress)
+                record = replace(record, measured=compared(measured, predicted))
+            whole = record.to_dict()
+            if result is not None:
+                progress("writing the results")
+                write_run(record, result.folder, field=arguments.field)
+                result.commit()
+                with committed_pictures(result):
+                    if arguments.report:
+                        from studies.report.page import write_report
+
+                        write_report(record, result.folder)
+                    if drawing is not None:
+                        drawing.draw(record, result.folder)
+    print_answer(arguments, whole, f"{answer(record)}\nresults         {out}")
+    warn(record.warnings)
+    say([record.shortfall] if record.shortfall else [])
+    if arguments.plot:
+        show(*pictures(record).values())
+    return record.exit_code

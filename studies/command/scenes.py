@@ -1,0 +1,30 @@
+"""``sawmotor scenes``: the scenes that ship, or a copy of one to start from."""
+
+import argparse
+from pathlib import Path
+
+from studies.scene import Scene, shipped_scenes
+
+HELP = "the scenes that ship, or a copy of one to start from"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument(
+        "--copy", nargs=2, metavar=("NAME", "FILE"), help="write a scene that ships into a new file"
+    )
+
+
+def call(arguments: argparse.Namespace) -> int:
+    """Print the scenes that ship, a line each, or copy one of them."""
+    from studies.record.text import labelled
+
+    if arguments.copy is not None:
+        from studies.scene.file import copied
+
+        name, file = arguments.copy
+        print(f"{copied(name, Path(file))}: sawmotor check {file}, sawmotor run {file}")
+        return 0
+    rows = [(name, Scene.load(name).title) for name in shipped_scenes()]
+    print("\n".join(labelled(rows, 2 + max(map(len, shipped_scenes())))))
+    return 0

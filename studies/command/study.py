@@ -1,0 +1,86 @@
+"""``sawmotor study``: a study, or without a name the list of them."""
+
+import argparse
+from pathlib import Path
+
+from studies.command.given_scene import without_bands
+from studies.command.options import add_axes
+from studies.command.output import committed_pictures, origin_of, say
+from studies.progress import Progress
+from studies.results import Origin, result_directory
+from studies.scene import read_table
+from studies.scene.override import axes_given
+
+HELP = "a study, or without a name the list of them"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("name", nargs="?", metavar="NAME", help="which study")
+    parser.add_argument(
+        "scene", nargs="?", metavar="SCENE", help="a path or a shipped name, for studies of a scene"
+    )
+    add_axes(parser)
+    parser.add_argument("--band", metavar="START:STOP:N", help="network: frequencies in MHz")
+    parser.add_argument("--z0", metavar="OHM", help="network: reference impedance (50)")
+    parser.add_argument(
+        "--measured",
+        metavar="FILE",
+        help="network: Touchstone file; beam, frequency_response: vibrometer's scan; drawn over the prediction",
+    )
+    parser.add_argument("--target", metavar="LENGTH", help='positioning: where to go, e.g. "10 um"')
+    parser.add_argument(
+        "--controller",
+        metavar="NAME",
+        help="positioning: two_phase, dead_zone_pi, burst_length or FILE.py:FUNCTION",
+    )
+    parser.add_argument(
+        "--loop",
+        action="append",
+        default=None,
+        metavar="KEY=VALUE",
+        help='positioning: sensor, period, preload, load and gains, e.g. resolution="1 nm"; once for each',
+    )
+    parser.add_argument(
+        "--quick", action="store_true", help="a small version of it, to see what it gives: no evidence"
+    )
+    parser.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-study[-SCENE])")
+
+
+def call(arguments: argparse.Namespace) -> int:
+    """Run a study, or list them with their questions."""
+    from studies.record.text import labelled
+    from studies.study import STUDIES, draw_study, module, question, run_study
+
+    if arguments.name is None:
+        print("\n".join(labelled([(name, question(name)) for name in STUDIES], 2 + max(map(len, STUDIES)))))
+        return 0
+    module(arguments.name)
+    origin = Origin(kind="study", name=arguments.name)
+    out = arguments.out or Path("results") / f"{arguments.name}-study"
+    if arguments.scene is not None:
+        scene = origin_of("study", arguments.scene)
+        if arguments.name not in ("voltage_to_velocity", "gallery"):
+            without_bands(read_table(arguments.scene))
+        origin = Origin(kind="study", name=f"{arguments.name} of {scene.name}", source=scene.source)
+        out = arguments.out or Path("results") / f"{arguments.name}-study-{scene.name}"
+    with result_directory(out, origin, chosen=arguments.out is not None) as result, Progress() as progress:
+        done = run_study(
+            arguments.name,
+            arguments.scene,
+            result.folder,
+            progress=progress,
+            over=axes_given(arguments.over),
+            options={
+                name: value
+                for name in ("band", "z0", "measured", "target", "controller", "loop")
+                if (value := getattr(arguments, name)) is not None
+            },
+            quick=arguments.quick,
+        )
+        result.commit()
+        with committed_pictures(result):
+            draw_study(arguments.name, done, result.folder, progress=progress)
+    print(f"{done}\nresults  {out}")
+    say([*result.notes, *([done.remark] if done.remark else [])])
+    return done.exit_code

@@ -1,0 +1,44 @@
+"""``sawmotor sweep``: many points of one scene, here, on processes or on a Dask cluster."""
+
+import argparse
+from pathlib import Path
+
+from studies.command.given_scene import changed_file, tolerance
+from studies.command.options import add_axes, add_changes, add_scene, add_voltage, add_workers
+from studies.scene import scene_path
+from studies.scene.override import axes_given
+
+HELP = "many points of one scene, here, on processes or on a Dask cluster"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    add_scene(parser)
+    add_voltage(parser)
+    add_changes(parser)
+    add_axes(parser)
+    parser.add_argument("--points", metavar="FILE", help="a CSV file of points, keys in its first line")
+    parser.add_argument(
+        "--also",
+        default="",
+        metavar="LIST",
+        help="beside the velocity: limits (threshold, release), thrust (blocked), efficiency, pressure, step (cycle)",
+    )
+    parser.add_argument(
+        "--tolerance", metavar="T", help="bound of the relative error of the last quantity (1e-3)"
+    )
+    add_workers(parser)
+    parser.add_argument(
+        "--scheduler", metavar="ADDRESS", help="of a Dask scheduler, e.g. tcp://127.0.0.1:8786"
+    )
+    parser.add_argument("--out", metavar="DIR", help="where the points are kept (results/NAME-sweep)")
+    parser.add_argument("--json", action="store_true", help="the summary as JSON on stdout")
+
+
+def call(arguments: argparse.Namespace) -> int:
+    """Compute what is missing of a sweep's points, and say what they came to."""
+    from studies.sweeps.answer import run_sweep
+
+    table = changed_file(arguments).table
+    out = arguments.out or Path("results") / f"{scene_path(arguments.scene).stem}-sweep"
+    return run_sweep(arguments, table, axes_given(arguments.over), tolerance(arguments.tolerance), out)

@@ -1,0 +1,249 @@
+"""What a lab's instruments would have recorded of a scene: a known truth to try an evaluation on.
+
+A vibrometer's scan (CSV, UFF), a network analyser's file (Touchstone), an encoder's trace of a burst (CSV), the field
+of the surface (VTU).  Noise is Gaussian, of a given share of the largest value, from a given seed.
+"""
+
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from studies.chain import passband, resolve
+from studies.chain.scan_prediction import placed, predicted_scan
+from studies.chain.scattering import band_frequencies, reference_impedance, scattering_matrix
+from studies.export.exported import Exported
+from studies.lab.scan import Scan, scan_csv, scan_uff
+from studies.refusal import SceneError
+from studies.scene import Scene
+from studies.scene.override import toml_value
+from studies.scene.quantity import si_value
+
+PER_WAVELENGTH = 8  # points of a scan along x
+LINES = 41  # of an area along y
+CLEAR = 0.5  # wavelengths from the fingers
+FREQUENCIES = 201
+SCANS = ("x", "y", "xy", "frequency")
+COARSE = 2  # points per wavelength of an area: places enough for the beam, not for the ripple
+
+
+def csv_files(
+    scene: Scene, name: str, *, scan: str | None = None, band: str | None = None, noise: str | None = None,
+    seed: int | None = None, tolerance: float, progress,
+) -> Exported:  # fmt: skip
+    """Return scan.csv; with a slider, and no scan asked for, burst.csv of a burst and the motor's tables too."""
+    files, answer, pictures = {}, (), {}
+    if scene.transducer:
+        taken, remarks = virtual_scan(scene, scan or "x", band, noise, seed, tolerance, progress)
+        files["scan.csv"], answer = scan_csv(taken, remarks), _said(taken, remarks)
+        pictures["scan.png"] = lambda ax: _draw(taken, ax)
+    elif scan is not None:
+        scene.refuse("transducer", "is missing: a scan is of a driven stator")
+    if scene.slider is not None and scan is None:
+        if scene.burst is not None:
+            files["burst.csv"] = _trace(scene, noise, seed, tolerance, progress)
+            answer += (("encoder", "burst.csv: position and velocity over time"),)
+        from studies.export.averaged_motor import averaged_motor
+        from studies.export.simulators import tables
+
+        motor = averaged_motor(scene, tolerance=tolerance, progress=progress)
+        files |= tables(motor)
+        answer += (
+            (
+                "tables",
+                "mean forces of the averaged motor: " + ", ".join(n for n in files if n.startswith("mean_")),
+            ),
+        )
+    if not files:
+        scene.refuse("transducer", "is missing: without it and without a slider there is nothing to record")
+    return Exported(files=files, answer=answer, pictures=pictures)
+
+
+def uff_files(
+    scene: Scene, name: str, *, scan: str | None = None, band: str | None = None, noise: str | None = None,
+    seed: int | None = None, tolerance: float, progress,
+) -> Exported:  # fmt: skip
+    """Return NAME.uff, the virtual vibrometer's scan as datasets 58."""
+    taken, remarks = virtual_scan(scene, scan or "x", band, noise, seed, tolerance, progress)
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "scan.uff"
+        scan_uff(taken, path, remarks)
+        content = path.read_bytes()
+    return Exported(
+        files={f"{name}.uff": content},
+        answer=_said(taken, remarks),
+        pictures={"scan.png": lambda ax: _draw(taken, ax)},
+    )
+
+
+def touchstone_files(
+    scene: Scene, name: str, *, band: str | None = None, z0: str | None = None, noise: str | None = None,
+    seed: int | None = None, tolerance: float, progress,
+) -> Exported:  # fmt: skip
+    """Return NAME.sNp, the S-parameters of all transducers with two combs, in the scene's order."""
+    import fem
+
+    chosen = passband.driven_scene(scene)
+    reference = reference_impedance(50.0 if z0 is None else z0)
+    at = passband.frequencies(chosen, None, FREQUENCIES) if band is None else band_frequencies(chosen, band)
+    names, _, scattering = scattering_matrix(chosen, at, reference, tolerance, progress)
+    share, remark = _noise(noise, seed)
+    scattering = scattering + _scatter(scattering.shape, share, seed)
+    remarks = (chosen.title or name, "ports: " + ", ".join(names), *remark)
+    text = fem.touchstone(at, scattering, reference, remarks)
+    span = f"{at[0] / 1e6:.5g} to {at[-1] / 1e6:.5g} MHz"
+    said = f"{len(at)} frequencies, {span}, ports {', '.join(names)}, {reference:g} ohm"
+    return Exported(
+        files={f"{name}.s{len(names)}p": text}, answer=(("network", said), *(("noise", r) for r in remark))
+    )
+
+
+def vtu_files(scene: Scene, name: str, *, tolerance: float, progress) -> Exported:
+    """Return field.vtu and the surface map of a scene with a driven stator."""
+    from studies.chain import run
+    from studies.record.files import write_run
+
+    if not scene.transducer:
+        scene.refuse("transducer", "is missing: the field of a driven stator is written")
+    drive = replace(scene.drive, burst=None)
+    record = run(
+        replace(scene, drive=drive, uncertain=None, slider=None), tolerance=tolerance, progress=progress
+    )
+    with TemporaryDirectory() as folder:
+        write_run(record, Path(folder), field=True)
+        kept = {each.name: each.read_bytes() for each in Path(folder).iterdir() if each.suffix == ".vtu"}
+    return Exported(files=dict(sorted(kept.items())), answer=(("field", ", ".join(sorted(kept))),))
+
+
+def virtual_scan(
+    scene: Scene, kind: str, band, noise, seed, tolerance: float, progress
+) -> tuple[Scan, tuple[str, ...]]:
+    """Return what a vibrometer would record per volt, u_z, and remarks.
+
+    Parameters
+    ----------
+    kind : str
+        "x": from the driven transducer to the next one or the stator's end, 8 points per wavelength; "y": across the
+        beam at the slider; "xy": an area; "frequency": at the slider, over ``band``.
+    band, noise : str or None
+        START:STOP:N in MHz; share of the largest |u_z|, the standard deviation of real and imaginary part each.
+    seed : int or None
+        Of the noise.
+    """
+    if kind not in SCANS:
+        raise SceneError("--scan", f"must be one of {', '.join(SCANS)}, got {kind!r}")
+    if band is not None and kind != "frequency":
+        raise SceneError(
+            "--band", f"is for --scan frequency and the format touchstone, not for --scan {kind}"
+        )
+    share, remark = _noise(noise, seed)
+    chosen = passband.driven_scene(scene)
+    empty = placed(chosen, _points(chosen, kind, band))
+    motion = predicted_scan(chosen, empty, tolerance=tolerance, progress=progress)
+    size = share * float(np.max(np.abs(motion)))
+    taken = replace(
+        empty, name="scan", values=motion + size * _scatter(motion.shape, 1.0, seed),
+        deviation=np.full(len(motion), size) if size > 0.0 else None,
+    )  # fmt: skip
+    return taken, (chosen.title or "untitled", "u_z per volt of the source, peak, exp(+i omega t)", *remark)
+
+
+def _points(scene: Scene, kind: str, band) -> Scan:
+    """Return a scan without values yet."""
+    import fem
+
+    wavelength = fem.rayleigh(resolve.solid(scene.stator), "open").velocity / scene.frequency
+    driven, (place, middle) = scene.driven_transducer, passband.place(scene)
+    half = driven.finger_pairs * driven.period / 2 + CLEAR * wavelength
+    ahead = 1.0 if place >= driven.place[0] else -1.0
+    first = driven.place[0] + ahead * half
+    rows = [each.place[0] - ahead * (each.finger_pairs * each.period / 2 + CLEAR * wavelength)
+            for each in scene.transducer if ahead * (each.place[0] - first) > 0.0]  # fmt: skip
+    end = scene.stator.length - wavelength if ahead > 0 else wavelength
+    last = min([end, *rows], key=lambda x: ahead * x)
+    if ahead * (last - first) <= 0.0:
+        first, last = max(place - 2 * wavelength, 0.0), min(place + 2 * wavelength, scene.stator.length)
+    low, high = sorted((first, last))
+    along = np.linspace(low, high, int(np.ceil(PER_WAVELENGTH * (high - low) / wavelength)) + 1)
+    y = np.linspace(-0.5, 0.5, LINES) * min(1.5 * driven.aperture, scene.stator.width)
+    if kind == "x":
+        x, y, frequency = along, np.full(len(along), middle), None
+    elif kind == "y":
+        x, frequency = np.full(len(y), place), None
+    elif kind == "xy":
+        along = along[:: PER_WAVELENGTH // COARSE]
+        x, y, frequency = np.tile(along, len(y)), np.repeat(y, len(along)), None
+    else:
+        frequency = (
+            passband.frequencies(scene, None, FREQUENCIES) if band is None else band_frequencies(scene, band)
+        )
+        x, y = np.full(len(frequency), place), np.full(len(frequency), middle)
+    return Scan(name="scan", x=x, y=y, frequency=frequency, values=np.zeros(len(x), complex))
+
+
+def _noise(noise: str | None, seed: int | None) -> tuple[float, tuple[str, ...]]:
+    """Return the share of the largest value that is noise, and the remark on it."""
+    if noise is None:
+        if seed is not None:
+            raise SceneError("--seed", "needs --noise")
+        return 0.0, ()
+    text = str(noise).strip()
+    percent = text.endswith("%")
+    value = si_value("--noise", toml_value(text.rstrip("% ")), "") * (0.01 if percent else 1.0)
+    if not 0.0 <= value < 1.0:
+        raise SceneError("--noise", f"must be at least 0 and below 1, or a percentage, got {noise}")
+    if seed is None:
+        raise SceneError("--noise", "needs --seed N, so that the same noise can be had again")
+    return value, (f"noise: standard deviation {value:g} of the largest value in each part, seed {seed}",)
+
+
+def _scatter(shape, size: float, seed: int | None) -> np.ndarray:
+    """Return complex Gaussian noise of a standard deviation in real and imaginary part each."""
+    if size == 0.0 or seed is None:
+        return np.zeros(shape, complex)
+    random = np.random.default_rng(seed)
+    return size * (random.standard_normal(shape) + 1j * random.standard_normal(shape))
+
+
+def _trace(scene: Scene, noise, seed, tolerance: float, progress) -> str:
+    """Return position and velocity of the slider in the scene's burst as CSV, at its largest level."""
+    from studies.chain import run
+
+    key = "wave" if scene.wave is not None else "drive"
+    block = getattr(scene, key)
+    level = {"normal_amplitude": (max(scene.levels),)} if key == "wave" else {"voltage": (max(scene.levels),)}
+    record = run(
+        replace(scene, **{key: replace(block, **level)}, uncertain=None),
+        tolerance=tolerance,
+        progress=progress,
+    )
+    _, path = record.trajectories[0]
+    share, remark = _noise(noise, seed)
+    velocity = (
+        path.velocity + _scatter(path.velocity.shape, share * float(np.max(np.abs(path.velocity))), seed).real
+    )
+    steps = np.diff(path.time) * 0.5 * (path.velocity[1:] + path.velocity[:-1])
+    position = np.concatenate([[0.0], np.cumsum(steps)])
+    position += _scatter(
+        position.shape, share * float(np.max(np.abs(position))), None if seed is None else seed + 1
+    ).real
+    head = f"{'normal_amplitude_m' if key == 'wave' else 'voltage_V'},time_s,position_m,velocity_m_per_s"
+    levels = np.full(len(position), max(scene.levels))
+    table = np.column_stack([levels, path.time, position, velocity])
+    rows = [",".join(repr(float(value)) for value in row) for row in table]
+    return "\n".join([*(f"# {each}" for each in (scene.title, *remark)), head, *rows[1:]]) + "\n"
+
+
+def _said(taken: Scan, remarks) -> tuple:
+    return (("scan", f"{len(taken.x)} points over {taken.kind}"), *(("", each) for each in remarks[1:]))
+
+
+def _draw(taken: Scan, ax):
+    from studies.record.plots import curve, finished
+
+    at, label = (taken.frequency * 1e-6, "frequency (MHz)") if taken.kind == "frequency" else (
+        (taken.y * 1e3, "y (mm)") if taken.kind == "y" else (taken.x * 1e3, "x (mm)")
+    )  # fmt: skip
+    curve(ax, at, np.abs(taken.values) * 1e9, ".", "slip", "virtual vibrometer", size=2.5)
+    return finished(ax, label, f"|{taken.component}| (nm per V)", "What a vibrometer would record", columns=1)

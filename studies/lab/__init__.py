@@ -1,0 +1,1 @@
+"""What instruments of a laboratory record: vibrometer scans, network analysers' files, encoder traces."""

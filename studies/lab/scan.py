@@ -1,0 +1,324 @@
+"""A vibrometer's scan: the motion of the surface over places or over frequency, as CSV or Universal File Format.
+
+CSV: a place (``x_mm``, perhaps ``y_mm``) or a ``frequency_MHz`` in each row, and the motion as ``u_z_real_nm`` with
+``u_z_imag_nm``, or as ``u_z_magnitude_nm``, perhaps with ``u_z_phase_rad``; ``u_x`` and ``u_y`` likewise, velocities as
+``v_z_real_mm_per_s``.  A unit that ends in ``_per_V`` is per volt of the source, peak; otherwise the file has a column
+``voltage_V``.  ``u_z_standard_deviation_nm`` is the standard deviation of real and imaginary part each, or
+of the magnitude.  Lines that begin with # are remarks.
+
+UFF: dataset 58 (ASCII or binary), real or complex: an abscissa of places along x, or of frequencies at one place.  The
+place stands in the fourth line of identification as ``x = 0.08 m, y = 0 m``.
+
+exp(+i omega t), peak amplitudes.
+"""
+
+import re
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from studies.lab.heads import DISPLACEMENTS, FREQUENCIES, PHASES, PLACES, VELOCITIES, VOLTAGES, Heads
+from studies.refusal import RunError, SceneError
+
+COMPONENTS = ("u_x", "u_y", "u_z")
+UFF_ENDINGS = (".uff", ".unv", ".uf58")
+FREQUENCY, GENERAL, DISPLACEMENT, VELOCITY = 18, 1, 8, 11  # data types of dataset 58
+PLACE = re.compile(r"x = (?P<x>\S+) m, y = (?P<y>\S+) m")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scan:
+    """Motion of the surface at places or frequencies; arrays of one length, SI units.
+
+    Attributes
+    ----------
+    name : str
+        Of the file.
+    component : str
+        ``u_x``, ``u_y`` or ``u_z``.
+    x, y : ndarray
+        Places in m.
+    frequency : ndarray or None
+        Hz, of each point; None: that of the drive.
+    values : ndarray
+        Complex or magnitudes (real), displacement in m or m per V; a velocity where ``is_velocity``.
+    deviation : ndarray or None
+        Standard deviation of the real and the imaginary part each, or of a magnitude.
+    per_volt : bool
+        Whether the values are per volt of the source.
+    voltage : float or None
+        Of the source, V, peak, where they are not and the file says.
+    is_velocity : bool
+        Whether the values are velocities, of which the displacement is the 1/(i omega)-th part.
+    """
+
+    name: str
+    component: str = "u_z"
+    x: np.ndarray = field(repr=False)
+    y: np.ndarray = field(repr=False)
+    values: np.ndarray = field(repr=False)
+    frequency: np.ndarray | None = field(default=None, repr=False)
+    deviation: np.ndarray | None = field(default=None, repr=False)
+    per_volt: bool = True
+    voltage: float | None = None
+    is_velocity: bool = False
+
+    @property
+    def is_complex(self) -> bool:
+        """Whether the phase was measured."""
+        return bool(np.iscomplexobj(self.values))
+
+    @property
+    def kind(self) -> str:
+        """What varies: "frequency", "x", "y" or "x, y"."""
+        if self.frequency is not None and np.ptp(self.frequency) > 0.0:
+            return "frequency"
+        ways = [name for name in "xy" if np.ptp(getattr(self, name)) > 0.0]
+        return ", ".join(ways) or "x"
+
+    @property
+    def coordinate(self) -> np.ndarray:
+        """Frequency in Hz, or the place in m, along which the points lie; of an area x."""
+        return self.frequency if self.kind == "frequency" else self.y if self.kind == "y" else self.x
+
+    def as_displacement(self, drive_frequency: float) -> "Scan":
+        """Return the scan as displacements; ``drive_frequency`` in Hz where it holds none."""
+        if not self.is_velocity:
+            return self
+        omega = 2.0 * np.pi * (drive_frequency if self.frequency is None else self.frequency)
+        factor = 1.0 / (1j * omega) if self.is_complex else 1.0 / omega
+        deviation = None if self.deviation is None else self.deviation / omega
+        return replace(self, values=self.values * factor, deviation=deviation, is_velocity=False)
+
+    def at_volts(self, voltage: float | None) -> "Scan":
+        """Return the scan per volt; the file's own voltage first, then the one that is given (V)."""
+        if self.per_volt:
+            return self
+        size = self.voltage if self.voltage is not None else voltage
+        if size is None or not size > 0.0:
+            raise SceneError(
+                "--measured",
+                f"{self.name!r} holds motions at an unknown voltage: add a column voltage_V, or units _per_V",
+            )
+        deviation = None if self.deviation is None else self.deviation / size
+        return replace(self, values=self.values / size, deviation=deviation, per_volt=True)
+
+    def flat(self) -> np.ndarray:
+        """Return the values as real numbers: real parts, then imaginary parts; or magnitudes."""
+        return np.concatenate([self.values.real, self.values.imag]) if self.is_complex else self.values
+
+
+def is_scan(path: Path, names: list[str]) -> bool:
+    """Return whether a file is a scan: by its ending, or by a column of a motion in its head."""
+    if path.suffix.lower() in UFF_ENDINGS:
+        return True
+    return any(name.startswith(f"{kind}_{axis}_") for name in names for kind in "uv" for axis in "xyz")
+
+
+def scan_of_columns(heads: Heads) -> Scan:
+    """Return the scan of a CSV file's columns; SceneError for what is missing or has a wrong unit."""
+    noun = _motion(heads)
+    is_velocity, component = noun[0] == "v", "u" + noun[1:]
+    base = VELOCITIES if is_velocity else DISPLACEMENTS
+    units = base | {f"{unit}_per_V": factor for unit, factor in base.items()}
+    x, y, frequency = (
+        heads.column("x", PLACES),
+        heads.column("y", PLACES),
+        heads.column("frequency", FREQUENCIES),
+    )
+    if x is None and y is None and frequency is None:
+        raise SceneError(
+            heads.option,
+            f"{str(heads.path)!r} must have a column x_UNIT, y_UNIT or frequency_UNIT, got {', '.join(heads.names)}",
+        )
+    values, unit = _values(heads, noun, units)
+    deviation = heads.column(f"{noun}_standard_deviation", units)
+    if deviation is not None and np.min(deviation[0]) <= 0.0:
+        raise SceneError(
+            heads.option,
+            f"{str(heads.path)!r}: {noun}_standard_deviation must be positive, got {float(np.min(deviation[0])):g}",
+        )
+    voltage = heads.column("voltage", VOLTAGES)
+    if voltage is not None and np.ptp(voltage[0]) > 0.0:
+        raise SceneError(heads.option, f"{str(heads.path)!r} must hold one voltage_V, got several")
+    zeros = np.zeros(len(heads.rows))
+    # a place that no column says is the slider's, or the stator's middle: NaN until the scene is known
+    unknown = zeros * np.nan
+    return Scan(
+        name=heads.path.name, component=component, x=unknown if x is None else x[0],
+        y=(zeros if x is not None else unknown) if y is None else y[0],
+        frequency=None if frequency is None else frequency[0], values=values,
+        deviation=None if deviation is None else deviation[0], per_volt=unit.endswith("_per_V"),
+        voltage=None if voltage is None else float(voltage[0][0]), is_velocity=is_velocity,
+    )  # fmt: skip
+
+
+def _motion(heads: Heads) -> str:
+    """Return the name of the motion in the heads, such as ``u_z``."""
+    known = [f"{kind}_{axis}" for kind in "uv" for axis in "xyz"]
+    found = sorted({each for each in known for name in heads.names if name.startswith(f"{each}_")})
+    if len(found) != 1:
+        raise SceneError(
+            heads.option,
+            f"{str(heads.path)!r} must hold one motion, such as u_z, got {', '.join(found) or 'none'}",
+        )
+    return found[0]
+
+
+def _values(heads: Heads, noun: str, units) -> tuple[np.ndarray, str]:
+    """Return the motion, complex or magnitudes, and its unit."""
+    real, imaginary = (heads.column(f"{noun}_{part}", units) for part in ("real", "imag"))
+    size, phase = heads.column(f"{noun}_magnitude", units), heads.column(f"{noun}_phase", PHASES)
+    where = f"{str(heads.path)!r}"
+    if (real is None) != (imaginary is None):
+        missing = "imag" if imaginary is None else "real"
+        raise SceneError(
+            heads.option, f"{where} must have a column {noun}_{missing}_UNIT beside the other part"
+        )
+    if real is not None:
+        if size is not None:
+            raise SceneError(
+                heads.option, f"{where} must hold {noun} once, as complex parts or as a magnitude"
+            )
+        if real[1] != imaginary[1]:
+            raise SceneError(
+                heads.option, f"{where}: {noun} must have one unit, got {real[1]} and {imaginary[1]}"
+            )
+        return real[0] + 1j * imaginary[0], real[1]
+    if size is None:
+        wanted = f"{noun}_real_UNIT with {noun}_imag_UNIT, or {noun}_magnitude_UNIT"
+        raise SceneError(
+            heads.option, f"{where} must have the columns {wanted}; got {', '.join(heads.names)}"
+        )
+    if np.min(size[0]) < 0.0:
+        raise SceneError(
+            heads.option,
+            f"{where}: {noun}_magnitude must be zero or positive, got {float(np.min(size[0])):g}",
+        )
+    return (size[0] if phase is None else size[0] * np.exp(1j * phase[0])), size[1]
+
+
+def scan_csv(scan: Scan, remarks: tuple[str, ...] = ()) -> str:
+    """Return a scan as CSV that `scan_of_columns` reads to the same numbers, to the last digit of a double."""
+    unit = "m_per_s" if scan.is_velocity else "m"
+    unit += "_per_V" if scan.per_volt else ""
+    noun = ("v" if scan.is_velocity else "u") + scan.component[1:]
+    columns = {}
+    if scan.frequency is not None:
+        columns["frequency_Hz"] = scan.frequency
+    columns |= {"x_m": scan.x, "y_m": scan.y}
+    if scan.is_complex:
+        columns |= {f"{noun}_real_{unit}": scan.values.real, f"{noun}_imag_{unit}": scan.values.imag}
+    else:
+        columns[f"{noun}_magnitude_{unit}"] = scan.values
+    if scan.deviation is not None:
+        columns[f"{noun}_standard_deviation_{unit}"] = scan.deviation
+    if scan.voltage is not None:
+        columns["voltage_V"] = np.full(len(scan.x), scan.voltage)
+    rows = [",".join(repr(float(value)) for value in row) for row in np.column_stack(list(columns.values()))]
+    return "\n".join([*(f"# {each}" for each in remarks), ",".join(columns), *rows]) + "\n"
+
+
+def _pyuff():
+    try:
+        import pyuff
+    except ImportError:
+        raise RunError("UFF files need pyuff, which is not installed: pip install sawmotor[lab]") from None
+    return pyuff
+
+
+def scan_uff(scan: Scan, path: Path, remarks: tuple[str, ...] = ()) -> None:
+    """Write a scan into a UFF file, one dataset 58 (ASCII) for each line of places or for the frequencies."""
+    by_frequency = scan.kind == "frequency"
+    file = _pyuff().UFF(str(path))
+    lines = (
+        [np.arange(len(scan.x))] if by_frequency else [np.flatnonzero(scan.y == y) for y in np.unique(scan.y)]
+    )
+    for number, line in enumerate(lines, 1):
+        if len(line) < 2:
+            raise SceneError(
+                "--format", "uff needs at least two points on each line along x: ask for more, or for csv"
+            )
+        order = line[np.argsort((scan.frequency if by_frequency else scan.x)[line])]
+        at = scan.frequency[order] if by_frequency else scan.x[order]
+        place = f"x = {scan.x[order[0]]!r} m, y = {scan.y[order[0]]!r} m".replace("np.float64(", "").replace(
+            ")", ""
+        )
+        dataset = {
+            "type": 58, "func_type": 4 if by_frequency else 0, "data": scan.values[order], "x": at, "binary": 0,
+            "id1": f"{'velocity' if scan.is_velocity else 'displacement'} {scan.component}"[:80],
+            "id2": (remarks[0] if remarks else "")[:80] or "NONE", "id3": "peak values, exp(+i omega t)", "id4": place,
+            "id5": "NONE" if scan.voltage is None else f"voltage = {scan.voltage!r} V",
+            "rsp_node": number, "rsp_dir": COMPONENTS.index(scan.component) + 1, "ref_node": 0, "ref_dir": 0,
+            "abscissa_spacing": 0, "abscissa_spec_data_type": FREQUENCY if by_frequency else GENERAL,
+            "abscissa_axis_lab": "frequency" if by_frequency else "x",
+            "abscissa_axis_units_lab": "Hz" if by_frequency else "m",
+            "ordinate_spec_data_type": VELOCITY if scan.is_velocity else DISPLACEMENT,
+            "ordinate_axis_lab": scan.component, "ordinate_axis_units_lab": "m/s" if scan.is_velocity else "m",
+            "orddenom_spec_data_type": 0, "orddenom_axis_lab": "voltage" if scan.per_volt else "NONE",
+            "orddenom_axis_units_lab": "V" if scan.per_volt else "NONE",
+        }  # fmt: skip
+        file.write_sets(dataset, "add" if number > 1 else "overwrite")
+
+
+def scan_of_uff(path: Path, option: str) -> Scan:
+    """Return the scan of a UFF file's datasets 58.
+
+    Raises
+    ------
+    SceneError
+        If it holds none, several motions, or a unit that is no displacement or velocity.
+    """
+    try:
+        file = _pyuff().UFF(str(path))
+        kinds = list(file.get_set_types())
+        sets = [file.read_sets(k) for k, kind in enumerate(kinds) if int(kind) == 58]
+    except (OSError, ValueError, IndexError, UnicodeDecodeError, AttributeError) as error:
+        text = " ".join(str(error).split())
+        raise SceneError(option, f"{str(path)!r} is no Universal File Format file: {text}") from None
+    if not sets:
+        raise SceneError(
+            option, f"{str(path)!r} must hold a dataset 58, got {', '.join(map(str, kinds)) or 'none'}"
+        )
+    parts = [_of_dataset(each, path, option) for each in sets]
+    first = parts[0]
+    same = ("component", "is_velocity", "per_volt", "voltage", "is_complex")
+    if any(getattr(each, name) != getattr(first, name) for each in parts for name in same):
+        raise SceneError(
+            option, f"{str(path)!r} must hold one motion in one unit, complex or real, got several"
+        )
+    if any((each.frequency is None) != (first.frequency is None) for each in parts):
+        raise SceneError(option, f"{str(path)!r} must be a scan over places or over frequencies, got both")
+    names = ("x", "y", "values") + (("frequency",) if first.frequency is not None else ())
+    return replace(first, **{name: np.concatenate([getattr(each, name) for each in parts]) for name in names})
+
+
+def _of_dataset(dataset: dict, path: Path, option: str) -> Scan:
+    kind, motion = int(dataset["abscissa_spec_data_type"]), int(dataset["ordinate_spec_data_type"])
+    unit, length = dataset["ordinate_axis_units_lab"].strip(), dataset["abscissa_axis_units_lab"].strip()
+    is_velocity = motion == VELOCITY
+    base = VELOCITIES if is_velocity else DISPLACEMENTS
+    unit = unit.replace("/", "_per_")
+    if motion not in (DISPLACEMENT, VELOCITY) or unit not in base:
+        wanted = "displacements (data type 8: m, um, nm, pm) or velocities (11: m/s, mm/s, um/s)"
+        raise SceneError(
+            option, f"{str(path)!r} must hold {wanted}, got data type {motion} in {unit or 'no unit'}"
+        )
+    abscissa = {FREQUENCY: FREQUENCIES, GENERAL: PLACES, DISPLACEMENT: PLACES}.get(kind, {})
+    if length not in abscissa:
+        wanted = "frequencies (data type 18, Hz) or places (1 or 8, m or mm)"
+        raise SceneError(
+            option, f"{str(path)!r} must have {wanted} as abscissa, got type {kind} in {length or 'no unit'}"
+        )
+    at, values = np.array(dataset["x"], float) * abscissa[length], np.array(dataset["data"]) * base[unit]
+    place, volts = PLACE.search(str(dataset["id4"])), re.search(r"voltage = (\S+) V", str(dataset["id5"]))
+    own = (float(place["x"]), float(place["y"])) if place else (np.nan, 0.0)
+    direction = abs(int(dataset["rsp_dir"])) or 3
+    by_frequency = kind == FREQUENCY
+    return Scan(
+        name=path.name, component=COMPONENTS[(direction - 1) % 3], values=values,
+        x=np.full(len(at), own[0]) if by_frequency else at, y=np.full(len(at), own[1]),
+        frequency=at if by_frequency else None, per_volt=dataset["orddenom_axis_units_lab"].strip() == "V",
+        voltage=float(volts[1]) if volts else None, is_velocity=is_velocity,
+    )  # fmt: skip

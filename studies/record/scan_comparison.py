@@ -1,0 +1,115 @@
+"""A vibrometer's scan beside the computed field: how far apart in size, phase, ripple and place of the beam."""
+
+import numpy as np
+
+from studies.lab.scan import Scan
+
+PER_WAVELENGTH = 6  # points from which the ripple along a line is looked at
+
+
+def compared_scan(scan: Scan, predicted: np.ndarray, *, wavelength: float, source: float) -> dict:
+    """Return the block ``measured`` of run.json for a scan per volt and its prediction.
+
+    Parameters
+    ----------
+    scan : Scan
+        Displacements per volt.
+    predicted : ndarray
+        Complex, m per V.
+    wavelength : float
+        Of the surface wave, m.
+    source : float
+        x of the middle of the driven transducer, m.
+    """
+    values = scan.values if scan.is_complex else np.abs(scan.values)
+    own = predicted if scan.is_complex else np.abs(predicted)
+    weight = float(np.sum(np.abs(own) ** 2)) or 1e-300
+    factor = complex(np.sum(np.conj(own) * values)) / weight
+    left = values - factor * own
+    points = {
+        "x_m": scan.x, "y_m": scan.y, "measured_m_per_V": values, "predicted_m_per_V": predicted,
+    }  # fmt: skip
+    if scan.frequency is not None:
+        points["frequency_Hz"] = scan.frequency
+    block = {
+        "file": scan.name, "quantity": f"scan of {scan.component} over {scan.kind}", "compared": len(values),
+        "scan": points,
+        "measured_over_predicted": abs(factor),
+        "rms_deviation_relative": float(np.sqrt(np.mean(np.abs(values - own) ** 2) / np.mean(np.abs(own) ** 2))),
+        "rms_deviation_of_shape": float(np.sqrt(np.mean(np.abs(left) ** 2) / np.mean(np.abs(values) ** 2))),
+    }  # fmt: skip
+    if scan.is_complex:
+        block["phase_of_measured_rad"] = float(np.angle(factor))
+    block |= _along(scan, values, predicted, wavelength, source)
+    if scan.kind in ("y", "x, y"):
+        block |= {f"beam_center_{name}_m": _center(scan.y, each) for name, each in _pair(values, predicted)}
+    if scan.kind == "frequency":
+        block |= {f"{name}_maximum_at_Hz": float(scan.frequency[np.argmax(np.abs(each))])
+                  for name, each in _pair(values, predicted)}  # fmt: skip
+    if scan.deviation is not None:
+        ratios = np.abs(values - own) / scan.deviation
+        count = 2.0 if scan.is_complex else 1.0
+        block["chi_square_per_point"] = float(np.mean(ratios**2) / count)
+    return block
+
+
+def _pair(measured, predicted):
+    return ("measured", measured), ("predicted", predicted)
+
+
+def _along(scan: Scan, values, predicted, wavelength: float, source: float) -> dict:
+    """Return the standing-wave ratio of a line along x that resolves it, and how the phase runs away."""
+    if scan.kind != "x" or len(values) < 3:
+        return {}
+    found, order = {}, np.argsort(scan.x)
+    step = np.max(np.diff(scan.x[order]))
+    if step <= wavelength / PER_WAVELENGTH and np.ptp(scan.x) >= wavelength / 2:
+        for name, each in _pair(values, predicted):
+            sizes, half = np.abs(each[order]), max(2, round(wavelength / 2 / step))
+            # of each half wavelength, the period of the ripple: diffraction and loss change slowly
+            ratios = [
+                np.max(part) / max(np.min(part), 1e-300)
+                for part in np.array_split(sizes, max(1, len(sizes) // half))
+            ]
+            found[f"{name}_standing_wave_ratio"] = float(np.median(ratios))
+    if scan.is_complex:
+        way = abs(scan.x - source)[order]
+        turned = np.unwrap(np.angle(values[order] * np.conj(predicted[order])))
+        weights = np.abs(predicted[order])
+        slope = float(np.polyfit(way, turned, 1, w=weights)[0])
+        # phase -k way: a slope s is a wavenumber k - s
+        wavenumber = 2.0 * np.pi / wavelength
+        found["measured_wave_velocity_over_predicted"] = wavenumber / (wavenumber - slope)
+    return found
+
+
+def _center(y, values) -> float:
+    power = np.abs(values) ** 2
+    return float(np.sum(y * power) / np.sum(power))
+
+
+def scan_comparison(block: dict):
+    """Yield what a run prints of a scan's comparison, as rows of a name and a line."""
+    yield (
+        "measured",
+        f"{block['compared']} points of {block['file']}, a {block['quantity']}, compared where they lie",
+    )
+    phase = block.get("phase_of_measured_rad")
+    turned = "" if phase is None else f", phase {np.degrees(phase):+.3g} deg"
+    yield "", f"measured / predicted {block['measured_over_predicted']:.4g}{turned}"
+    whole, shape = block["rms_deviation_relative"], block["rms_deviation_of_shape"]
+    yield "", f"deviation {100 * whole:.3g} % rms; {100 * shape:.3g} % once size and phase are taken out"
+    if "measured_standing_wave_ratio" in block:
+        ratios = (block[f"{name}_standing_wave_ratio"] for name in ("measured", "predicted"))
+        yield "", "standing-wave ratio {:.4g} measured, {:.4g} predicted".format(*ratios)
+    if "measured_wave_velocity_over_predicted" in block:
+        away = block["measured_wave_velocity_over_predicted"] - 1.0
+        yield "", f"wave velocity {100 * away:+.3g} % of the predicted, by the phase along x"
+    if "beam_center_measured_m" in block:
+        places = (block[f"beam_center_{name}_m"] * 1e3 for name in ("measured", "predicted"))
+        yield "", "middle of the beam at y = {:.4g} mm measured, {:.4g} mm predicted".format(*places)
+    if "measured_maximum_at_Hz" in block:
+        at = (block[f"{name}_maximum_at_Hz"] / 1e6 for name in ("measured", "predicted"))
+        yield "", "largest at {:.6g} MHz measured, {:.6g} MHz predicted".format(*at)
+    if "chi_square_per_point" in block:
+        yield "", f"chi^2 per number {block['chi_square_per_point']:.3g}"

@@ -1,0 +1,39 @@
+"""A vibrometer's scan drawn over a study's prediction: what `beam` and `frequency_response` share."""
+
+from studies.chain.measured_run import scan_block
+from studies.chain.scan_prediction import placed, predicted_scan
+from studies.lab.scan import Scan
+from studies.record.measured import read_measured
+from studies.record.scan_comparison import scan_comparison
+from studies.refusal import SceneError
+from studies.scene import Scene
+from studies.study import Panel
+
+
+def scan_file(scene: Scene, path: str, over: str) -> Scan:
+    """Return the scan of a file, placed on a resolved scene; ``over``: "place" or "frequency".
+
+    Raises
+    ------
+    SceneError
+        If the file holds no such scan.
+    """
+    found = read_measured(path).scan
+    if found is None:
+        raise SceneError("--measured", f"must be a vibrometer's scan for this study, got {path!r}")
+    scan = placed(scene, found)
+    if (scan.kind == "frequency") != (over == "frequency"):
+        rule = f"must be a scan over {over} for this study, got one over {scan.kind}"
+        raise SceneError("--measured", rule)
+    return scan.as_displacement(scene.frequency)
+
+
+def scan_panel(scene: Scene, scan: Scan, *, tolerance: float, progress) -> Panel:
+    """Return the panel of a scan beside the motion computed at its own points, for the study to draw."""
+    block = scan_block(scene, scan, predicted_scan(scene, scan, tolerance=tolerance, progress=progress))
+    return Panel(name="measured", title=f"{scene.title}: measured", data=block)
+
+
+def said(panels) -> list[tuple[str, str]]:
+    """Return what a study answers of its scan; nothing where there is none."""
+    return [row for panel in panels if panel.name == "measured" for row in scan_comparison(panel.data)]

@@ -1,0 +1,127 @@
+"""The load at which the full motion stalls, load lines with errors, steps with errors."""
+
+import numpy as np
+import pytest
+
+from contact import (
+    ConvergenceError,
+    Envelope,
+    Orbit,
+    blocked_thrust,
+    cycles_for,
+    load_line,
+    stall,
+    steady,
+    step,
+)
+from contact.answers import methods
+from contact.answers.load_line import AVERAGING_ERROR
+from contact.drive import towards_plus
+from contact.solve.energy import DISPLACEMENT
+from tests.contact.motors import orbit, slider
+
+LIGHT = {
+    "mass": 2e-6,
+    "preload": 2e-3,
+    "friction_coefficient": 0.15,
+    "normal_damping": 0.25678,
+    "tangential_damping": 0.0,
+}
+WAVE = Orbit(frequency=756808.77, normal=4e-9, tangential=-2.8e-9j)  # f_n/f = 0.09
+
+
+def test_a_light_motor_stalls_where_an_independent_integrator_says():
+    answer = stall(slider(**LIGHT), WAVE, tolerance=1e-4)
+    assert answer.value == pytest.approx(63.72e-6, abs=0.005e-6)
+    assert (answer.status, answer.error < 1e-4 * answer.value) == ("ok", True)
+    averaged, _ = blocked_thrust(slider(**LIGHT), WAVE)
+    assert averaged == pytest.approx(62.81e-6, abs=0.005e-6)
+    assert 0.01 * averaged < answer.value - averaged < AVERAGING_ERROR * 0.09**2 * averaged
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [{}, {"mass": 2e-5}, {"shape": "punch", "radius": 3e-6, "mass": 1e-5}, {"tangential_damping": 1e-3}],
+)
+@pytest.mark.parametrize("amplitude", [4e-9, 2e-8])
+def test_the_full_motion_goes_on_below_the_stall_and_not_above(changed, amplitude):
+    wave = WAVE.scaled(amplitude / 4e-9)
+    answer = stall(slider(**(LIGHT | changed)), wave, tolerance=1e-4)
+    forward = steady(slider(**(LIGHT | changed)), wave, tolerance=1e-5).velocity
+    below = slider(**(LIGHT | changed), load=answer.value - 3.0 * answer.error)
+    assert steady(below, wave, tolerance=1e-5).velocity * forward > 0.0
+    above = slider(**(LIGHT | changed), load=answer.value + 3.0 * answer.error)
+    try:
+        assert steady(above, wave, tolerance=1e-5).velocity * forward <= 0.0
+    except ConvergenceError as refused:
+        assert refused.status == "runaway"  # noqa: PT017
+
+
+def test_a_stall_that_only_averaging_gives_has_its_error():
+    heavy = stall(slider(), orbit(10e-9), tolerance=0.05)
+    ratio = slider().normal_resonance(1) / 2.2e6
+    assert heavy.error == pytest.approx(AVERAGING_ERROR * ratio**2 * heavy.value, rel=1e-9)
+    assert heavy.value == blocked_thrust(slider(), orbit(10e-9))[0]
+    with pytest.raises(ConvergenceError, match="does not move the unloaded slider"):
+        stall(slider(), orbit(0.5e-9), tolerance=1e-3)
+
+
+def test_a_load_line_carries_the_errors_of_its_points():
+    line = load_line(slider(**LIGHT), WAVE, points=4, tolerance=1e-4)
+    assert line.status == "ok"
+    assert line.blocked_thrust == line.stall.value == line.load[-1]
+    for load, velocity, error in zip(line.load[:-1], line.velocity, line.relative_error, strict=False):
+        state = steady(slider(**LIGHT, load=float(load)), WAVE, tolerance=1e-4)
+        assert abs(state.velocity) == velocity
+        assert state.relative_error == error
+    assert line.relative_error[-1] == line.stall.error / line.stall.value
+    undamped = load_line(slider(**(LIGHT | {"normal_damping": 0.0})), WAVE, points=3, tolerance=1e-4)
+    assert undamped.status == "above tolerance"
+    assert "bouncing" in undamped.message
+
+
+@pytest.mark.parametrize("cycles", [40, 300])
+@pytest.mark.parametrize("shaped", [False, True])
+def test_the_error_of_a_step_holds(cycles, shaped):
+    """Truth: the exact motion with 20 nodes; under an envelope four times as many steps."""
+    body, wave = slider(**LIGHT), WAVE.scaled(2.0)
+    f = WAVE.frequency
+    shape = Envelope(time=[0.0, 30 / f], amplitude=[0.0, 1.0], phase=[0.0, 0.0]) if shaped else None
+    found = step(body, wave, cycles=cycles, envelope=shape)
+    side, driven = towards_plus((wave,))
+    problem = methods.rest_problem(body, driven)
+    motion = methods.rest(body, driven, problem, nodes=20, truncation=1e-13, factor=0.0 if shaped else 1.0)
+    if shaped:
+        factors = shape.at(np.arange(cycles + 1) / f)
+        rows = methods.steps(problem, motion.state, cycles, 384, envelope=factors)
+        during = 2.0 * np.pi * float(np.sum(rows[:, 2]))
+    else:
+        motion.turn(cycles)
+        during = float(motion.sums[DISPLACEMENT])
+    assert abs(side * during * problem.length - found.during) <= 2.0 * found.error + 1e-18
+    assert found.answer.value == found.displacement
+    assert found.error < (1e-2 if shaped else 1e-9) * abs(found.displacement)
+
+
+def test_steps_that_are_planned_have_errors_too():
+    short, enough = cycles_for(slider(), orbit(10e-9), displacement=1e-8)
+    assert enough == step(slider(), orbit(10e-9), cycles=enough.cycles)
+    assert short.cycles == enough.cycles - 1
+    assert 0.0 < enough.error < 1e-15
+
+
+def test_stopping_takes_the_ring_down_and_the_braking():
+    f, body, wave = WAVE.frequency, slider(**(LIGHT | {"mass": 2e-4})), WAVE.scaled(2.0)
+    ringing = 200 / f
+    fading = Envelope(
+        time=np.linspace(0, ringing, 50), amplitude=np.linspace(1.0, 0.0, 50), phase=np.zeros(50)
+    )
+    rising = Envelope(time=[0.0], amplitude=[1.0], phase=[0.0])
+    sudden = step(body, wave, cycles=3000, envelope=rising)
+    rung = step(body, wave, cycles=3000, envelope=rising, after=fading)
+    assert sudden.velocity == pytest.approx(rung.velocity, rel=1e-12)
+    friction = 0.15 * 2e-3
+    braking = abs(sudden.velocity) * 2e-4 / friction
+    assert sudden.stopping_time == pytest.approx(braking, rel=0.1)
+    assert rung.stopping_time > ringing * 0.98
+    assert rung.stopping == pytest.approx(rung.displacement - rung.during, rel=1e-12)

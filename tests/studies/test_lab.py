@@ -1,0 +1,377 @@
+"""Measured data in the instruments' formats: round trips, comparisons where the data lie, fits of a known truth."""
+
+import math
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fem
+from studies.__main__ import main
+from studies.chain import resolve
+from studies.chain.scan_prediction import at_other_velocity, placed
+from studies.export.instruments import touchstone_files, virtual_scan
+from studies.inverse import fit, read_measurement, read_parameter
+from studies.lab.network import NetworkData, read_network
+from studies.lab.scan import Scan, scan_csv, scan_of_uff, scan_uff
+from studies.lab.trace import aligned, low_pass, travelled_distance
+from studies.record.measured import measured_scan, read_measured
+from studies.record.scan_comparison import compared_scan
+from studies.refusal import SceneError
+from studies.scene import Scene
+from studies.stator.network_deviation import deviations
+
+SMALL = Scene.load("twente-left").replace(
+    stator={"length": "60 mm"}, slider={"position": "40 mm"}, drive={"voltage": "30 V"}
+)
+
+
+def quiet(text):
+    """Say nothing."""
+
+
+@cache
+def clean():
+    """What a vibrometer would see of a short stator, without noise."""
+    return virtual_scan(SMALL, "x", None, None, None, 1e-2, quiet)[0]
+
+
+def noisy(seed, share=0.01):
+    random = np.random.default_rng(seed)
+    size = share * float(np.max(np.abs(clean().values)))
+    scatter = random.standard_normal((2, len(clean().x)))
+    values = clean().values + size * (scatter[0] + 1j * scatter[1])
+    return replace(clean(), values=values, deviation=np.full(len(values), size))
+
+
+def some_scan(kind="xy"):
+    random = np.random.default_rng(3)
+    x, y = np.repeat([0.031, 0.0402, 0.055], 2), np.tile([-0.002, 0.003], 3)
+    values = 1e-9 * (random.standard_normal(6) + 1j * random.standard_normal(6))
+    if kind == "xy":
+        return Scan(name="lab", x=x, y=y, values=values)
+    frequency = np.array([2.1e6, 2.15e6, 2.2e6, 2.22e6, 2.3e6, 2.31e6])
+    return Scan(name="lab", x=np.full(6, 0.04), y=np.zeros(6), frequency=frequency, values=values)
+
+
+@pytest.mark.parametrize("kind", ["xy", "frequency"])
+def test_csv_round_trip_is_exact(kind, tmp_path):
+    scan = replace(some_scan(kind), deviation=np.full(6, 1.7e-11))
+    path = tmp_path / "lab.csv"
+    path.write_text(scan_csv(scan, ("remark",)))
+    found = read_measured(path).scan
+    for name in ("x", "y", "values", "deviation", "frequency"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(scan, name))
+    assert (found.component, found.per_volt, found.kind) == ("u_z", True, {"xy": "x, y"}.get(kind, kind))
+
+
+@pytest.mark.parametrize("kind", ["xy", "frequency"])
+@pytest.mark.parametrize("form", ["complex", "magnitude of a velocity"])
+def test_uff_round_trip_is_exact_to_the_format_s_twelve_digits(kind, form, tmp_path):
+    pytest.importorskip("pyuff")
+    scan = some_scan(kind)
+    if form != "complex":
+        scan = replace(
+            scan, values=np.abs(scan.values), is_velocity=True, per_volt=False, voltage=12.5, component="u_x"
+        )
+    scan_uff(scan, tmp_path / "lab.uff", ("remark",))
+    found = scan_of_uff(tmp_path / "lab.uff", "--measured")
+    order = np.lexsort((scan.x, scan.y)) if kind == "xy" else np.arange(6)
+    np.testing.assert_allclose(found.values, scan.values[order], rtol=1.1e-11)
+    np.testing.assert_allclose(found.x, scan.x[order], rtol=1e-11)
+    np.testing.assert_allclose(found.y, scan.y[order], rtol=1e-11)
+    if kind == "frequency":
+        np.testing.assert_allclose(found.frequency, scan.frequency, rtol=1e-11)
+    for name in ("component", "is_velocity", "per_volt", "voltage", "kind"):
+        assert getattr(found, name) == getattr(scan, name)
+
+
+@cache
+def network():
+    made = touchstone_files(SMALL, "small", band="2.1:2.3:9", tolerance=1e-2, progress=quiet)
+    return made.files["small.s1p"]
+
+
+def test_touchstone_round_trip_is_exact_and_scikit_rf_reads_the_same(tmp_path):
+    skrf = pytest.importorskip("skrf")
+    path = tmp_path / "small.s1p"
+    path.write_text(network())
+    ours, theirs = read_network(path, "--measured"), skrf.Network(str(path))
+    np.testing.assert_allclose(ours.frequency, theirs.f, rtol=1e-12)
+    np.testing.assert_allclose(ours.scattering, theirs.s, rtol=1e-12)
+    again = fem.touchstone(ours.frequency, ours.scattering, ours.reference, ())
+    path.write_text(again)
+    twice = read_network(path, "--measured")
+    np.testing.assert_array_equal(twice.scattering, ours.scattering)
+    np.testing.assert_array_equal(twice.frequency, ours.frequency)
+
+
+def test_a_velocity_scan_is_the_same_displacement():
+    scan, omega = some_scan(), 2 * np.pi * 2.2e6
+    rates = replace(
+        scan, values=1j * omega * scan.values * 30.0, is_velocity=True, per_volt=False, voltage=30.0
+    )
+    np.testing.assert_allclose(rates.at_volts(None).as_displacement(2.2e6).values, scan.values, rtol=1e-12)
+    unknown = replace(rates, voltage=None)
+    with pytest.raises(SceneError, match="at an unknown voltage: add a column voltage_V"):
+        unknown.at_volts(None)
+
+
+def test_a_comparison_states_size_phase_velocity_ripple_and_place_of_the_beam():
+    # a wave with 12 % coming back, seen 1.3 times larger, turned, and 0.5 % faster
+    wavelength, source = 1e-3, 0.015
+    x = np.arange(0.03, 0.06, wavelength / 12)
+    k = 2 * np.pi / wavelength
+
+    def field(speed):
+        return np.exp(-1j * k / speed * (x - source)) + 0.12 * np.exp(1j * k / speed * (x - 0.06))
+
+    scan = Scan(name="lab", x=x, y=0 * x, values=1.3 * np.exp(0.4j) * field(1.0))
+    block = compared_scan(scan, field(1.0), wavelength=wavelength, source=source)
+    assert block["measured_over_predicted"] == pytest.approx(1.3, rel=1e-12)
+    assert block["phase_of_measured_rad"] == pytest.approx(0.4, abs=1e-12)
+    assert block["rms_deviation_of_shape"] < 1e-12
+    assert block["measured_standing_wave_ratio"] == pytest.approx(1.12 / 0.88, rel=0.03)
+    faster = replace(scan, values=np.exp(-1j * k / 1.005 * (x - source)))
+    block = compared_scan(faster, np.exp(-1j * k * (x - source)), wavelength=wavelength, source=source)
+    assert block["measured_wave_velocity_over_predicted"] == pytest.approx(1.005, abs=1e-9)
+    y = np.linspace(-0.01, 0.01, 41)
+    beam = np.exp(-(((y - 0.001) / 0.004) ** 2))
+    across = Scan(name="lab", x=0 * y + 0.04, y=y, values=beam)
+    block = compared_scan(across, np.exp(-((y / 0.004) ** 2)) + 0j, wavelength=wavelength, source=source)
+    assert block["beam_center_measured_m"] == pytest.approx(0.001, abs=2e-5)
+    assert abs(block["beam_center_predicted_m"]) < 1e-9
+
+
+def test_another_wave_velocity_turns_the_phase_along_the_way():
+    chosen = resolve.resolved(SMALL)
+    scan = Scan(name="", x=np.array([0.03, 0.05]), y=np.zeros(2), values=np.ones(2, complex))
+    turned = at_other_velocity(chosen, scan, np.ones(2, complex), 1.001)
+    velocity = fem.rayleigh(resolve.solid(chosen.stator), "open").velocity
+    expected = 2 * np.pi * 2.2e6 / velocity * (1 - 1 / 1.001) * 0.02
+    assert np.angle(turned[1] / turned[0]) == pytest.approx(expected, rel=1e-9)
+
+
+def both_fitted(seed):
+    found = fit(
+        SMALL, [measured_scan(noisy(seed))],
+        [read_parameter("amplitude_factor=0.5:2"), read_parameter("wave_velocity_factor=0.99:1.01")],
+        tolerance=1e-2,
+    )  # fmt: skip
+    return found, [low <= 1.0 <= high for low, high in found.intervals.values()]
+
+
+def test_a_virtual_scan_gives_back_the_truth():
+    found, inside = both_fitted(5)
+    assert all(inside)
+    sizes = [high - low for low, high in found.intervals.values()]
+    # 1.96 standard deviations either side: of the mean of 2 N numbers, and of a slope over the scan's length
+    scan = noisy(5)
+    size, weights = scan.deviation[0], np.abs(scan.values) ** 2
+    assert sizes[0] == pytest.approx(2 * 1.96 * size / np.sqrt(np.sum(weights)), rel=0.05)
+    spread = np.sqrt(np.sum(weights * (scan.x - np.average(scan.x, weights=weights)) ** 2))
+    assert sizes[1] == pytest.approx(2 * 1.96 * size / (spread * 2 * np.pi * 2.2e6 / 2181.9), rel=0.05)
+    assert found.candidates[0].name == "slider velocity at 12 levels" or found.candidates
+
+
+@pytest.mark.slow
+def test_the_truth_lies_in_its_interval_in_18_of_20_draws():
+    inside = np.array([both_fitted(seed)[1] for seed in range(20)])
+    assert inside.sum(axis=0).min() >= 18
+
+
+def test_a_scaled_and_slower_truth_is_found():
+    scan = noisy(9)
+    chosen = resolve.resolved(SMALL)
+    values = 1.2 * np.exp(1j) * at_other_velocity(chosen, placed(chosen, scan), scan.values, 0.9990)
+    found = fit(
+        SMALL, [measured_scan(replace(scan, values=values))],
+        [read_parameter("amplitude_factor=0.5:2"), read_parameter("wave_velocity_factor=0.99:1.01")],
+        tolerance=1e-2,
+    )  # fmt: skip
+    low, high = found.intervals["wave_velocity_factor"]
+    assert low < 0.9990 < high
+    assert high - low < 1e-4
+    low, high = found.intervals["amplitude_factor"]
+    assert low < 1.2 < high
+    assert high - low < 5e-3
+
+
+@pytest.mark.slow
+def test_a_mixture_says_which_file_informs_which_number(tmp_path):
+    curve = tmp_path / "curve.csv"
+    # the velocities of a friction coefficient of 0.08 at half of the computed amplitude
+    rows = ["voltage_V,velocity_m_per_s,error_m_per_s"]
+    truth = fit_predictor().predict([(read_curve(tmp_path, (20.0, 30.0, 50.0)), {"amplitude_factor": 0.5})])[
+        0
+    ]
+    rows += [f"{volts},{value},2e-4" for volts, value in zip((20, 30, 50), truth, strict=True)]
+    curve.write_text("\n".join(rows))
+    scan = replace(noisy(2), values=0.5 * noisy(2).values)
+    found = fit(
+        SMALL, [measured_scan(scan), read_measurement(curve)],
+        [read_parameter(each) for each in ("amplitude_factor=0.2:2", "slider.damping.tangential=1e-5:1e-3")],
+        tolerance=1e-2,
+    )  # fmt: skip
+    (_, by_scan), (_, by_curve) = found.informs
+    assert by_scan["amplitude_factor"] > 20.0
+    assert by_scan["slider.damping.tangential"] == pytest.approx(1.0)
+    assert by_curve["slider.damping.tangential"] > 2.0
+    low, high = found.intervals["slider.damping.tangential"]
+    assert low < 1e-4 < high
+
+
+def fit_predictor():
+    from studies.inverse.prediction import MeasurementPredictor
+
+    return MeasurementPredictor(SMALL, tolerance=1e-2)
+
+
+def read_curve(folder, volts):
+    path = folder / "levels.csv"
+    path.write_text("voltage_V,velocity_m_per_s\n" + "".join(f"{each},0\n" for each in volts))
+    return read_measurement(path)
+
+
+def test_network_deviations_are_those_put_in():
+    at = np.linspace(2.0e6, 2.4e6, 81)
+    omega = 2 * np.pi * at
+
+    def data(shift, size):
+        branch = 120.0 / size + 1j * omega * 9e-5 / size + 1 / (1j * omega * 5.9e-11 * size * shift)
+        y = 1j * omega * 1e-9 * size + 1 / branch
+        return NetworkData(
+            name="lab.s1p",
+            frequency=at,
+            scattering=((1 - 50 * y) / (1 + 50 * y))[:, None, None],
+            reference=50.0,
+        )
+
+    rows = deviations(data(0.98, 1.1), data(1.0, 1.0).scattering, ["left"])
+    said = " ".join(text for _, text in rows)
+    numbers = {
+        text.split()[0]: float(text.split("predicted, ")[1].rstrip(" %"))
+        for _, text in rows[1:]
+        if "predicted, " in text
+    }
+    assert numbers["C0"] == pytest.approx(10.0, abs=0.05)
+    assert numbers["G"] == pytest.approx(10.0, abs=1.0)
+    assert numbers["resonance"] == pytest.approx(100 * (1 / math.sqrt(0.98) - 1), abs=0.2)
+    assert "K2 over the predicted 0.98" in said
+
+
+def test_an_encoder_is_a_low_pass_filter_and_a_trace_is_moved_to_where_it_fits():
+    time = np.linspace(0.0, 1.0, 2001)
+    ramp = low_pass(time, time, 5.0)
+    late = 1 / (2 * np.pi * 5.0)
+    np.testing.assert_allclose(ramp, time - late * (1 - np.exp(-time / late)), atol=1e-12)
+    assert travelled_distance(time, 2 * time)[-1] == pytest.approx(1.0, abs=1e-9)
+    curve = np.tanh(5 * time)
+    assert aligned(time, np.interp(time - 0.07, time, curve), time, curve) == pytest.approx(0.07, abs=1e-6)
+
+
+def test_a_run_is_laid_beside_a_trace_of_its_burst(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    levels = ["--set", 'wave.normal_amplitude="10 nm"', "--set", 'wave.burst="40 ms"']
+    assert main(["export", "twente-contact", *levels, "--format", "csv", "--no-plot", "--out", "made"]) == 0
+    names = {each.name for each in Path("made").iterdir()}
+    assert {"burst.csv", "mean_force_wave.csv", "mean_load_wave.csv"} <= names
+    head = Path("made/mean_load_wave.csv").read_text()
+    assert "tau,R" in head
+    assert main(["run", "twente-contact", *levels, "--measured", "made/burst.csv", "--out", "ran"]) == 0
+    said = capsys.readouterr().out
+    assert "burst over time" in said
+    assert "measured / predicted 1, begins at" in said
+    assert (tmp_path / "ran/measured.png").stat().st_size > 5000
+
+
+X_HEAD, ROW = "x_mm,u_z_real_nm_per_V,u_z_imag_nm_per_V", "40,0.1,0.2"
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        (
+            "a.csv",
+            f"x_inch,u_z_real_nm,u_z_imag_nm\n{ROW}\n",
+            "must have one column x_UNIT with a unit of m, mm, um",
+        ),
+        (
+            "a.csv",
+            f"x_mm,u_z_real_nm_per_V,u_z_imag_V\n{ROW}\n",
+            "must have one column u_z_imag_UNIT with a unit of m",
+        ),
+        (
+            "a.csv",
+            "x_mm,u_z_real_nm_per_V\n40,0.1\n",
+            "must have a column u_z_imag_UNIT beside the other part",
+        ),
+        ("a.csv", "u_z_magnitude_nm_per_V\n0.1\n", "must have a column x_UNIT, y_UNIT or frequency_UNIT"),
+        ("a.csv", "x_mm,u_z_magnitude_nm_per_V\n40,0.1+0.2j\n", "a complex number goes into two columns"),
+        (
+            "a.csv",
+            "x_mm,u_z_magnitude_nm_per_V\n40,-0.1\n",
+            "u_z_magnitude must be zero or positive, got -1e-10",
+        ),
+        ("a.csv", "x_mm,u_z_magnitude_nm\n40,0.1\n", "holds motions at an unknown voltage"),
+        ("a.csv", f"{X_HEAD}\n400,0.1,0.2\n", "x must lie on the stator, 0 to 0.06 m, got 0.4 to 0.4 m"),
+        (
+            "a.csv",
+            f"frequency_MHz,{X_HEAD}\n2.3,{ROW}\n",
+            "was taken at 2300000 Hz, and the scene drives 2200000 Hz",
+        ),
+        ("a.uff", "nothing of the kind", "must hold a dataset 58"),
+        (
+            "a.s1p",
+            "# MHz S RI R 50\n2.2 0.1 0.2\n",
+            "is a network analyser's: sawmotor study network draws it",
+        ),
+    ],
+)
+def test_files_that_do_not_fit_are_one_sentence_and_nothing_is_written(
+    name, text, said, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    Path(name).write_text(text)
+    scene = tmp_path / "small.toml"
+    from studies.scene.toml import document
+
+    scene.write_text(document(SMALL.to_table()))
+    before = set(tmp_path.iterdir())
+    assert main(["fit" if name == "b" else "run", str(scene), "--measured", name]) == 2
+    error = [line for line in capsys.readouterr().err.splitlines() if line.startswith("sawmotor:")]
+    assert len(error) == 1
+    assert said in error[0]
+    assert set(tmp_path.iterdir()) == before
+
+
+def test_a_touchstone_file_of_another_range_or_ports_is_refused(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("a.s1p").write_text("# MHz S RI R 50\n200 0.1 0.2\n201 0.1 0.2\n")
+    assert main(["study", "network", "twente-left", "--measured", "a.s1p"]) == 2
+    assert "must meet the passband" in capsys.readouterr().err
+    assert main(["study", "network", "twente", "--measured", "a.s1p"]) == 2
+    assert "must be a file of 2 ports" in capsys.readouterr().err
+    assert main(["fit", "twente-left", "--data", "a.s1p", "--free", "transducer.0.aperture=10 mm:30 mm"]) == 2
+    assert "must meet the passband" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == [tmp_path / "a.s1p"]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--format", "csv", "--noise", "1%"], "--noise needs --seed N"),
+        (["--format", "csv", "--seed", "1"], "--seed needs --noise"),
+        (["--format", "uff", "--scan", "z"], "--scan must be one of x, y, xy, frequency, got 'z'"),
+        (["--format", "uff", "--scan", "x", "--band", "2:2.1:3"], "--band is for --scan frequency"),
+        (["--format", "touchstone", "--z0", "-50"], "--z0 must be a positive resistance"),
+        (["--format", "csv", "--noise", "3", "--seed", "1"], "--noise must be at least 0 and below 1"),
+    ],
+)
+def test_wrong_exports_of_instruments_write_nothing(words, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", "twente", *words]) == 2
+    assert said in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,199 @@
+"""Scenes with [[piece]]: what a run gives, and every fault of a mesh in one sentence."""
+
+import numpy as np
+import pytest
+
+from studies import Scene, SceneError, run
+from studies.chain.resolve import resolved, whole_stator
+from tests.fem.drawings import rectangle, write_msh
+
+STATOR = {
+    "material": "PZT-4",
+    "length": "12 mm",
+    "thickness": "1.1 mm",
+    "width": "20 mm",
+    "ends": "absorbing",
+}
+ROW = {
+    "name": "t",
+    "center": "2.5 mm",
+    "finger_pairs": 2,
+    "period": "1 mm",
+    "metallisation": 0.5,
+    "aperture": "10 mm",
+}
+DRIVE = {"frequency": "2.17 MHz", "transducer": "t", "voltage": "10 V"}
+
+
+def scene(file, stator=None, **piece):
+    piece = {"file": str(file), "length_unit": "mm", "position": "6 mm"} | piece
+    return Scene.from_table(
+        "", {"stator": STATOR | (stator or {}), "transducer": [ROW], "piece": [piece], "drive": DRIVE}
+    )
+
+
+def refused(*args, **piece) -> str:
+    with pytest.raises(SceneError) as error:
+        resolved(scene(*args, **piece))
+    return str(error.value)
+
+
+@pytest.fixture(name="plain")
+def plain_mesh(tmp_path):
+    return rectangle(tmp_path / "plain.msh", 1.0, 1.1, size=0.5)
+
+
+def square(path, points=None, triangles=None, lines=None, solid="stator"):
+    """Two triangles between x = 0 and 1, z = -1.1 and 0, with some faults."""
+    points = points or [(0, -1.1), (1, -1.1), (1, 0), (0, 0)]
+    triangles = triangles or [(0, 1, 2), (0, 2, 3)]
+    lines = {"left": [(3, 0)], "right": [(1, 2)]} if lines is None else lines
+    return write_msh(path, points, {solid: triangles}, lines)
+
+
+def test_a_groove_runs_from_the_scene_to_the_surface(tmp_path):
+    """The surface is known on the groove too; the power that leaves and is lost is what came in."""
+    groove = rectangle(tmp_path / "groove.msh", 1.0, 1.1, size=0.5, groove=(0.4, 0.2, 0.15))
+    record = run(scene(groove), tolerance=1e-2)
+    plain = run(scene(groove).replace(piece=None), tolerance=1e-2)
+    assert record.error["relative"] < 1e-2
+    x, u_z = record.surface["x_m"], record.surface["u_z_m_per_V"]
+    on_groove = (x > 6.4e-3) & (x < 6.6e-3)
+    assert on_groove.sum() > 2
+    assert np.isfinite(abs(u_z)).all()
+    assert abs(u_z[on_groove]).max() > 0.1 * abs(u_z).max()
+    changed = record.electrical["admittance_S"] / plain.electrical["admittance_S"] - 1
+    assert abs(changed) > 1e-2
+    again = run(Scene.from_table("", record.scene.to_table()), tolerance=1e-2)
+    assert again.electrical["admittance_S"] == record.electrical["admittance_S"]
+
+
+def test_places_of_one_file(plain):
+    """Several places are several pieces; the unit of the file counts."""
+    stator = whole_stator(scene(plain, position=["5 mm", "7 mm", "9.5 mm"]))
+    assert [each.extent[0] for each in stator.pieces] == pytest.approx([5e-3, 7e-3, 9.5e-3])
+    assert stator.pieces[0].mesh.extent == pytest.approx((0, 1e-3))
+
+
+FAULTS = {
+    "leaning": (
+        {"points": [(0, -1.1), (1, -1.1), (1, 0), (0.03, 0)]},
+        "the line group left is not one vertical line: x runs from 0 to 0.03 mm",
+    ),
+    "flat": (
+        {"triangles": [(0, 1, 2), (0, 2, 3), (0, 3, 3)]},
+        r"1 triangle has no area, the first at \(0.00, -0.37\) mm",
+    ),
+    "group": (
+        {"lines": {"Left": [(3, 0)], "right": [(1, 2)]}},
+        'unknown line group "Left": left, right, bottom, grounded, clamped, surface or electrode:NAME',
+    ),
+    "no stator": ({"solid": "body"}, "has no surface group stator"),
+    "folded": (
+        {
+            "triangles": [(0, 1, 2), (0, 2, 3), (0, 2, 4)],
+            "points": [(0, -1.1), (1, -1.1), (1, 0), (0, 0), (0.2, -0.2)],
+        },
+        "elements overlap or are inverted",
+    ),
+    "twice": (
+        {"lines": {"left": [(3, 0)], "right": [(1, 2)], "clamped": [(0, 1)], "bottom": [(0, 1)]}},
+        r"the line at \(0.50, -1.10\) mm is in two groups, clamped and bottom",
+    ),
+    "parts": (
+        {
+            "points": [(0, -1.1), (1, -1.1), (1, 0), (0, 0), (0.2, 0.0), (0.4, 0.0), (0.3, 0.1)],
+            "triangles": [(0, 1, 2), (0, 2, 3), (4, 5, 6)],
+        },
+        "the mesh has 2 parts that share no nodes",
+    ),
+    "no interface": ({"lines": {}}, "has no line group left or right"),
+    "inside": (
+        {"lines": {"left": [(0, 2)], "right": [(1, 2)]}},
+        "the line group left is not one vertical line",
+    ),
+    "no edge": (
+        {"lines": {"left": [(3, 0)], "right": [(1, 2)], "clamped": [(1, 3)]}},
+        "the line group clamped has a line at .* that is no edge of an element",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_faulty_mesh_is_refused_in_a_sentence(tmp_path, name):
+    given, sentence = FAULTS[name]
+    path = square(tmp_path / "piece.msh", **given)
+    with pytest.raises(SceneError, match=sentence):
+        resolved(scene(path))
+
+
+def test_a_gap_in_the_interface(tmp_path):
+    path = square(
+        tmp_path / "p.msh",
+        points=[(0, -1.1), (1, -1.1), (1, 0), (0, 0), (0, -0.4), (0, -0.7), (0.2, -0.55)],
+        triangles=[(0, 1, 5), (5, 1, 6), (6, 1, 2), (6, 2, 4), (4, 2, 3)],
+        lines={"left": [(0, 5), (4, 3)], "right": [(1, 2)]},
+    )
+    assert "the group left has a gap from z = -0.7 to -0.4 mm; gmsh writes only surfaces" in refused(path)
+
+
+def test_heights_and_units(plain):
+    """A file in um taken for mm is 1000 times too large."""
+    words = refused(plain, length_unit="m")
+    assert (
+        "the group left is 1100 mm high, the stator is 1.1 mm thick: is the file's length unit mm?" in words
+    )
+    assert "the group left is 1.1 mm high, the stator is 2 mm thick" in refused(plain, {"thickness": "2 mm"})
+
+
+def test_places_and_overlaps(plain):
+    words = refused(plain, position="3 mm")
+    assert 'piece "plain" (3 to 4 mm) overlaps the transducer "t" (1.625 to 3.375 mm)' in words
+    words = refused(plain, position=["6 mm", "6.5 mm"])
+    assert 'piece "plain" (6 to 7 mm) overlaps the piece "plain" (6.5 to 7.5 mm)' in words
+    assert "must lie on the stator, 0 to 12 mm, it reaches from 11.5 to 12.5 mm" in refused(
+        plain, position="11.5 mm"
+    )
+    assert "must name different places" in refused(plain, position=["6 mm", "6 mm"])
+
+
+def test_materials_and_electrodes(tmp_path):
+    groups = ("left", "right", "bottom", "electrode:strip")
+    strip = rectangle(tmp_path / "s.msh", 1.0, 1.1, size=0.5, strip=(0.4, 0.2, 0.1), groups=groups)
+    assert 'the surface group "strip" is no solid of the scene: stator' in refused(strip)
+    assert 'names "alu", which is no surface group of the file: strip' in refused(
+        strip, materials={"strip": "aluminium", "alu": "aluminium"}
+    )
+    assert "piece.0.materials.strip" in refused(strip, materials={"strip": "aluminum foil"})
+    given = {"materials": {"strip": "aluminium"}}
+    assert 'names "a", which is no line group electrode:NAME of the file: strip' in refused(
+        strip, electrodes={"a": "floating"}, **given
+    )
+    assert "must connect \"strip\" to floating, grounded or a comb (t+, t-), got 'left+'" in refused(
+        strip, electrodes={"strip": "left+"}, **given
+    )
+    resolved(scene(strip, electrodes={"strip": "t+"}, **given))
+
+
+def test_files_that_are_no_mesh(tmp_path, plain):
+    assert "cannot be read: No such file" in refused(tmp_path / "none.msh")
+    (tmp_path / "text.msh").write_text("a groove")
+    assert "the file 'text.msh' is no mesh of gmsh, format 2.2 or 4.1" in refused(tmp_path / "text.msh")
+    text = plain.read_text()
+    (tmp_path / "deep.msh").write_text(text.replace(" 0.0 0\n", " 0.0 0.5\n"))
+    assert "the file's third coordinate is not constant: a section has two" in refused(tmp_path / "deep.msh")
+    lines = text.split("$Elements\n")
+    count, *rest = lines[1].split("\n")
+    cubic = f"{int(count)}\n" + "\n".join(rest).replace("1 1 2 1 1 1 2", "1 26 2 1 1 1 2 3 4", 1)
+    (tmp_path / "cubic.msh").write_text(lines[0] + "$Elements\n" + cubic)
+    assert "elements of order 3 are not read: gmsh -order 2" in refused(tmp_path / "cubic.msh")
+
+
+def test_what_a_piece_does_not_go_with(plain):
+    assert "stator.diffraction must be false or absent with a [[piece]]" in refused(
+        plain, {"diffraction": True}
+    )
+    assert "needs a stator of finite thickness" in refused(plain, {"thickness": "half-space"})
+    assert "stator.above must be none with a meshed piece" in refused(plain, {"above": "vacuum"})
+    end = {"ends": "absorbing", "bottom": "grounded"}
+    resolved(scene(plain, end))
