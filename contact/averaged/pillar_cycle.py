@@ -12,8 +12,11 @@ from contact.averaged import flat_cycle as columns
 from contact.averaged.flat_cycle import COLUMNS, flat_cycles
 from contact.averaged.march import ends, march
 from contact.averaged.pillars import PassingWave, Pillars
+from contact.averaged.tangent_march import tangent_march
 
 SAME_ROW = 1e-9  # of the slider's length: places that a file rounds differently
+STEP = 1e-7  # of finite differences, of the incident amplitude
+MAX_STEP = 0.5  # of the wave's amplitudes, over the incident one
 # The stiffness that the tangential force shows the wave is taken from |u_x| above this share of its scale
 TANGENTIAL_SHARE = 0.3
 
@@ -95,11 +98,8 @@ class PillarCycle:
             self.k_n * out[:, columns.FIRST_APPROACH] * crest, self.k_t * stretch * crest,
         )  # fmt: skip
 
-    def advance(self, forces: Forces, mixing=None) -> float:
-        """Move the wave's amplitudes to those that the forces leave, or as a `Mixing` of the last few steps says.
-
-        Returns the size of the step to the former, over the incident amplitude.
-        """
+    def advance(self, forces: Forces) -> float:
+        """Move the wave's amplitudes to those that the forces leave; return the change over the incident one."""
         if self.g == 0.0:
             return 0.0
         along, against, normal, tangential = self._row_forces(forces)
@@ -116,12 +116,41 @@ class PillarCycle:
         size = max(self.wave.amplitude, 1e-300)
         old, new = np.concatenate(before), np.concatenate([self.forward, self.backward])
         change = float(np.abs(new - old).max()) / size
-        if mixing is not None:
-            mixed = (
-                mixing.following(old.view(float) / size, (new - old).view(float) / size).view(complex) * size
-            )
-            self.forward, self.backward = mixed[: self.turn.size].copy(), mixed[self.turn.size :].copy()
         return change
+
+    def tangent(self, approach, w: float, side: float, forces: Forces):
+        """Return the derivatives of the rows' forces by their amplitudes, shape (m, 4, 4); see `tangent_march`."""
+        here, size = self._stacked(forces), max(self.wave.amplitude, 1e-300)
+        slope = np.empty((self.turn.size, 4, 4))
+        kept = self.forward, self.backward
+        for k, step in enumerate((STEP, 1j * STEP, STEP, 1j * STEP)):
+            moved = list(kept)
+            moved[k // 2] = kept[k // 2] + step * size
+            self.forward, self.backward = moved
+            slope[:, :, k] = (self._stacked(self.forces(approach, w, side)) - here) / (STEP * size)
+        self.forward, self.backward = kept
+        return slope
+
+    def newton(self, forces: Forces, slope) -> float:
+        """Move the wave's amplitudes by a step of Newton's method, at most half the incident one; return its size."""
+        size, n = max(self.wave.amplitude, 1e-300), self.turn.size
+        old = np.stack([self.forward, self.backward], axis=1)
+        new = np.ascontiguousarray(old).view(float).reshape(n, 4).copy()
+        turn = np.stack([self.turn.real, -self.turn.imag], axis=1)
+        tangent_march(
+            turn, self._stacked(forces), slope, self.g, self.incident.view(float).copy(), new, np.empty((n, 4, 3)),
+            np.empty((4, 7)), np.empty((2, 3)),
+        )  # fmt: skip
+        step = new.view(complex) - old
+        change = float(np.abs(step).max()) / size
+        step *= min(1.0, MAX_STEP / change) if change > 0.0 else 0.0
+        self.forward, self.backward = self.forward + step[:, 0], self.backward + step[:, 1]
+        return change
+
+    def _stacked(self, forces: Forces):
+        """Return the forces that drive both waves at each row, real and imaginary parts in turn, shape (m, 4)."""
+        along, against, *_ = self._row_forces(forces)
+        return np.stack([along, against], axis=1).view(float)
 
     def passed(self, forces: Forces):
         """Return U+ behind each row and U- before it, with the forces that belong to the amplitudes as they stand."""

@@ -14,14 +14,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from contact.averaged.mixing import Mixing
 from contact.averaged.pillar_cycle import Forces, PillarCycle
 from contact.convergence import ConvergenceError
 
 CLOSE = 1e-12  # of the scaled residuals, and of the wave's amplitudes
 INNER = 1e-3  # change of the wave's amplitudes over the residual, at which the unknowns are moved
 MAX_STEPS, MAX_SWEEPS = 80, 200
-SLOW, DEPTH = 0.5, 6  # ratio of successive changes above which so many sweeps are mixed
+SLOW = 0.5  # ratio of successive changes above which the forces' derivatives are computed (anew)
 # Change of the wave below which it need not shrink any more, and sweeps without a halving after which it does not: a
 # wave of many turns, 10^5 forces
 ROUNDING, STALE = 1e-10, 12
@@ -75,7 +74,7 @@ class Equilibrium:
         sign = abs(wave.forward) ** 2 - abs(wave.backward) ** 2
         self.unknowns[SPEED] = -0.6 * wave.orbit.imag * sign / max(wave.amplitude, 1e-300)
         self.residual = self.change = np.inf
-        self.forces = None
+        self.forces = self.slope = None
 
     def _own_height(self, height: float) -> float:
         """Return H of the untilted slider on the wave as it stands, from one that is too large."""
@@ -116,7 +115,8 @@ class Equilibrium:
         height = self.rows if self.soft else unknowns[HEIGHT]
         w = unknowns[SPEED]
         side = side if w == 0.0 else np.sign(w)
-        forces = cycle.forces(cycle.approaches(height, unknowns[PITCH], unknowns[ROLL]), w, side)
+        self.place, self.moving = cycle.approaches(height, unknowns[PITCH], unknowns[ROLL]), (w, side)
+        forces = cycle.forces(self.place, w, side)
         self.forces, P = forces, cycle.weight * forces.normal
         self.traction = float(np.sum(cycle.weight * forces.tangential))
         at_x = pillars.preload_at[0] - pillars.load_height * self.load / self.preload
@@ -134,17 +134,20 @@ class Equilibrium:
 
     def _settled(self, unknowns, side: float, active):
         """Return the residuals with the wave's amplitudes settled as far as the residual is worth."""
-        mixing, last, best, stale = None, np.inf, np.inf, 0
-        self.at_rounding = False
+        last, best, stale, self.at_rounding = np.inf, np.inf, 0, False
         for _ in range(MAX_SWEEPS):
             residual = self._evaluate(unknowns, side)[list(active)]
             self.residual = float(np.max(np.abs(residual), initial=0.0))
-            self.change = self.cycle.advance(self.forces, mixing)
+            if self.slope is None:
+                self.change = self.cycle.advance(self.forces)
+            else:
+                self.change = self.cycle.newton(self.forces, self.slope)
             if self.change <= max(0.1 * CLOSE, INNER * self.residual):
                 return residual
-            # contacts that come to slip answer against the change: sweeps alone swing to and fro
-            if mixing is None and SLOW * last < self.change > ROUNDING:
-                mixing = Mixing(DEPTH)
+            # short contacts answer a change of the amplitude many times over: sweeps alone swing to and fro
+            if ROUNDING < self.change and self.change > SLOW * last:
+                self._evaluate(unknowns, side)
+                self.slope = self.cycle.tangent(self.place, *self.moving, self.forces)
             best, stale = (self.change, 0) if self.change < 0.5 * best else (best, stale + 1)
             self.at_rounding = self.change < ROUNDING and stale >= STALE
             if self.at_rounding:
@@ -210,13 +213,14 @@ class Equilibrium:
                 ) from None
             step *= min(1.0, MAX_MOVE / float(np.max(np.abs(step))))
             kept = self.cycle.forward.copy(), self.cycle.backward.copy()
-            for shorter in range(6):
+            for shorter in range(8):
                 moved = y.copy()
                 moved[index] += step * self.scale[index]
                 after = self._settled(moved, side, active)
-                if float(np.max(np.abs(after))) < size or size < 1e-9:
+                touches = bool(self.forces.normal.any())  # above all pillars no height tells another
+                if touches and (float(np.max(np.abs(after))) < size or size < 1e-9):
                     break
-                if shorter < 5:
+                if shorter < 7:
                     step = 0.4 * step
                     self.cycle.forward, self.cycle.backward = kept[0].copy(), kept[1].copy()
             jacobian = jacobian + np.outer(after - residual - jacobian @ step, step) / (step @ step)

@@ -117,7 +117,8 @@ class PillarMotion:
     @property
     def _work(self):
         u_z, u_x = self._surface
-        return self.first_normal * u_z.conj() + self.first_tangential * u_x.conj()
+        work = self.first_normal * u_z.conj() + self.first_tangential * u_x.conj()
+        return self.pillars.weights * work
 
     @property
     def _surface(self):

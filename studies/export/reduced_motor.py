@@ -78,7 +78,8 @@ ACTIVE = 10  # drive whose wave counts
 PRELOAD = 11  # of the last step, N
 RIDE = 12  # approach at rest on the wave, m, and the bounce's angular frequency there, rad/s
 BOUNCE_RATE = 13
-HISTORY = 14
+PINNED = 14  # at the upper (1) or lower (-1) limit of a spring that slips; 0 where the contacts do not stick at all
+HISTORY = 15
 # places in the history of each drive
 LEVEL = 0  # present value of the drive, zero or positive
 COUNT = 1  # changes that are kept
@@ -86,7 +87,7 @@ SETTLED = 2  # sum of the changes that have settled
 CHANGES = 3  # pairs (time, change)
 ENTRIES = 48
 HISTORY_SIZE = 99  # CHANGES + 2 ENTRIES
-STATE_SIZE = 212  # HISTORY + 2 HISTORY_SIZE
+STATE_SIZE = 213  # HISTORY + 2 HISTORY_SIZE
 
 
 @compiled
@@ -406,7 +407,9 @@ def stick_step(p: Array, tables: Array, state: Array, h: float, s: float, force:
     x = min(max(state[DEFORMATION], low), high)
     if (largest <= least) or (x >= high and v < 0.0) or (x <= low and v > 0.0):
         state[STICKS] = 0.0
+        state[PINNED] = 1.0 if v < 0.0 else -1.0
         state[DEFORMATION] = x
+        state[FORCE] = spring_force(p, load, x)
         return d
     q = spring_force(p, load, x)
     half = v + 0.5 * d * (q - p[TANGENTIAL_DAMPING] * v + force) / p[MASS]
@@ -420,6 +423,7 @@ def stick_step(p: Array, tables: Array, state: Array, h: float, s: float, force:
         new = low
     if share < 1.0:  # slip begins within the step
         state[STICKS] = 0.0
+        state[PINNED] = 1.0 if half < 0.0 else -1.0
     q = spring_force(p, load, new)
     state[POSITION] = state[POSITION] + share * d * half
     state[VELOCITY] = half + (share - 0.5) * d * (q - p[TANGENTIAL_DAMPING] * half + force) / p[MASS]
@@ -436,8 +440,23 @@ def slip_step(p: Array, tables: Array, state: Array, h: float, s: float, force: 
     drive: int = int(state[ACTIVE])
     load = mean_load(p, tables, drive, h, s)
     v = state[VELOCITY]
+    low = stick_limit(p, tables, drive, h, s, load, 1)
+    high = stick_limit(p, tables, drive, h, s, load, 0)
+    if high - low <= 1e-6 * p[FRICTION] * load:
+        state[PINNED] = 0.0
+    elif (state[PINNED] >= 0.0 and v > 0.0) or (state[PINNED] <= 0.0 and v < 0.0) or v == 0.0:
+        # contacts that can stick slip at their limit only: their spring goes there first
+        state[STICKS] = 1.0
+        state[DEFORMATION] = spring_deformation(p, load, min(max(state[FORCE], low), high))
+        return d
+    else:  # as the load grows the limit may run away from the spring, which sticks then
+        limit = spring_deformation(p, load, high if v < 0.0 else low)
+        if (limit - state[DEFORMATION]) * state[PINNED] > abs(v) * d:
+            state[STICKS] = 1.0
+            return d
+        state[DEFORMATION] = limit
     if v == 0.0:  # the side of the jump to which the force leads
-        if stick_limit(p, tables, drive, h, s, load, 1) + force > 0.0:
+        if low + force > 0.0:
             v = 1e-300
         else:
             v = -1e-300
@@ -448,13 +467,11 @@ def slip_step(p: Array, tables: Array, state: Array, h: float, s: float, force: 
     new = v + d * (q - p[TANGENTIAL_DAMPING] * half + force) / p[MASS]
     share = 1.0
     if new * v < 0.0:
-        least = stick_limit(p, tables, drive, h, s, load, 1)
-        largest = stick_limit(p, tables, drive, h, s, load, 0)
-        if largest > least:  # the slider stops, and may stick
+        if high > low:  # the slider stops, and may stick
             share = v / (v - new)
             new = 0.0
             state[STICKS] = 1.0
-            q = least if v > 0.0 else largest
+            q = low if v > 0.0 else high
         else:  # the force is continuous: it crosses zero velocity
             half = 0.5 * (v + new)
     state[POSITION] = state[POSITION] + share * d * 0.5 * (v + new)

@@ -144,7 +144,7 @@ def test_ten_thousand_pillars_are_as_fast_as_independent_programs_say():
 
 def test_the_loaded_wave_leaves_as_independent_programs_say(monkeypatch):
     # Their wave runs forward only: -0.81081891 m/s, exit 19.688829 nm, +1.2997665 rad
-    from contact.averaged import pillar_cycle
+    from contact.averaged import pillar_cycle, pillar_equilibrium
 
     def forward_only(
         turn, along, _against, normal, tangential, orbit, g, incident, forward, _backward, _work
@@ -158,6 +158,7 @@ def test_the_loaded_wave_leaves_as_independent_programs_say(monkeypatch):
 
     two = pillar_motion(gaussian(100, steps=100), wave())
     monkeypatch.setattr(pillar_cycle, "march", forward_only)
+    monkeypatch.setattr(pillar_equilibrium, "SLOW", math.inf)  # no step of Newton's, which knows both ways
     found = pillar_motion(gaussian(200, steps=400), wave())
     assert found.velocity == pytest.approx(-0.81081891, rel=6e-6)
     assert 20.0 * abs(found.exit_over_entry) == pytest.approx(19.688829, abs=2e-5)
@@ -224,6 +225,10 @@ SCENES = {
     ),
     "soft backing": (grid(30, 30, heights=scatter(900, 5e-9, 6), backing="soft"), wave(strip_width=1.5e-3), 0.0),
     "another cut": (grid(30, 5, heights=scatter(150, 5e-9, 7)), wave(ratio=0.7 + 0.3j, strip_width=0.3e-3), 0.0),
+    "short contacts that answer many times over": (
+        grid(60, 20, heights=scatter(1200, 2e-9, 9), weights=30.0, preload=60.0, friction_coefficient=0.3),
+        wave(forward=40e-9, strip_width=4e-3), 0.0,
+    ),
     "damper": (grid(20, 5, tangential_damping=0.05), wave(strip_width=0.3e-3), 0.0),
     "a wave towards -x": (grid(20, 5), wave(forward=0.0, backward=20e-9, strip_width=0.3e-3), 0.02),
 }  # fmt: skip
@@ -235,15 +240,36 @@ def test_the_wave_pays_for_friction_and_thrust_and_no_more(name):
     found = pillar_motion(slider, passing, load=load, loading=True)
     assert abs(found.ledger_residual) < 1e-12
     assert 0.0 <= found.friction_power <= found.wave_power_in
-    assert found.normal_force.sum() == pytest.approx(slider.preload, rel=1e-11)
+    assert slider.weights @ found.normal_force == pytest.approx(slider.preload, rel=1e-11)
     assert found.traction == pytest.approx(
         found.load + slider.tangential_damping * found.velocity, abs=1e-11 * slider.preload
     )
     assert found.load == math.copysign(load, found.velocity)
-    assert np.sum(found.friction) == pytest.approx(found.friction_power)
+    assert slider.weights @ found.friction == pytest.approx(found.friction_power)
     assert found.relative_error < 1e-9
     work = found.wave_work
     assert work == pytest.approx(found.wave_power_in - found.wave_power_out, abs=1e-12 * found.wave_power_in)
+
+
+def test_newtons_step_is_exact_where_contacts_stick():
+    # Linear springs: one step from any amplitudes leads to those that the sweeps find
+    from contact.averaged.pillar_motion import _Slider
+
+    slider = _Slider(
+        grid(30, 1, friction_coefficient=50.0, preload=30 * 1.8e6 * 60e-9),
+        wave(backward=6e-9j, strip_width=2e-4),
+        True,
+    )
+    rest = slider.rest(1.0)
+    cycle, found = slider.cycle, (slider.cycle.forward.copy(), slider.cycle.backward.copy())
+    # within the range of stick of the same cycle
+    cycle.forward, cycle.backward = 0.9 * found[0], found[1] * (1.0 + 0.1j)
+    place = cycle.approaches(rest.height, 0.0, 0.0)
+    forces = cycle.forces(place, 0.0, 1.0)
+    slope = cycle.tangent(place, 0.0, 1.0, forces)
+    cycle.newton(cycle.forces(place, 0.0, 1.0), slope)
+    for now, then in zip((cycle.forward, cycle.backward), found, strict=True):
+        assert now == pytest.approx(then, abs=1e-8 * 20e-9)
 
 
 def test_the_tilted_slider_is_in_balance():

@@ -1,0 +1,310 @@
+"""Controllers of a position loop, as data: what a reading of the sensor makes of the drive.
+
+A controller is called once per period with a `Reading` and returns a `Command`: a level in the direction in which the
+slider shall be pushed (positive: towards +x) and how long it lasts.  ``two_phase``: full drive until friction alone
+stops the slider short of the target, then bursts whose length follows from the error, learnt from the steps before.
+``burst_length``: such bursts from the beginning.  ``dead_zone_pi``: a continuous drive, proportional and integral,
+beyond a dead zone in which the wave moves nothing (the compensation of Kurosawa's group, on the wave's amplitude).
+A user's own: ``FILE.py:FUNCTION``, a function of a `Reading` that returns a level, or a level and a duration in s.
+"""
+
+import importlib.util
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from studies.refusal import SceneError, nearest
+
+MAX_BURST = 0.05  # s, of one burst
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotorNumbers:
+    """What a controller knows of its motor.
+
+    Attributes
+    ----------
+    level : float
+        Largest of the drive, V or m.
+    dead_zone : float
+        Threshold level, below which the slider does not move.
+    acceleration : float
+        From rest at the largest level, m/s^2.
+    braking : float
+        Deceleration by friction without a wave, m/s^2.
+    delay : float
+        From the drive to the wave under the slider, s.
+    speed_per_level : float
+        Steady speed over the level beyond the dead zone, at the largest level.
+    """
+
+    level: float
+    dead_zone: float
+    acceleration: float
+    braking: float
+    delay: float
+    speed_per_level: float
+
+
+@dataclass(kw_only=True)
+class Reading:
+    """What a controller is told; ``memory`` is its own, kept from call to call.
+
+    Attributes
+    ----------
+    time : float
+        s.
+    position : float
+        As the sensor says it, late and rounded, m.
+    target : float
+        m.
+    period : float
+        Of the controller, s.
+    motor : MotorNumbers
+    memory : dict
+    """
+
+    time: float
+    position: float
+    target: float
+    period: float
+    motor: MotorNumbers
+    memory: dict = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """What the drive shall do: ``level`` towards +x (V or m, signed) for ``duration`` s, then nothing."""
+
+    level: float
+    duration: float
+    phase: str = ""  # coarse, burst, step or rest, for the record
+
+
+@dataclass(frozen=True, kw_only=True)
+class TwoPhase:
+    """Coarse drive, then bursts.
+
+    Attributes
+    ----------
+    coarse : float
+        Error above which the drive is continuous, m.
+    tolerance : float
+        Error that is left alone, m.
+    single : float
+        Error below which a burst counts as a single step, m.
+    readings : int
+        Averaged before each burst: the slider rings, and nothing but its own dampers ends that.
+    settle : float
+        s after a burst before they begin.
+    gain : float
+        Share of the error that a burst aims at.
+    """
+
+    coarse: float = 1e-6
+    tolerance: float = 5e-10
+    single: float = 2e-8
+    readings: int = 20
+    settle: float = 1e-3
+    gain: float = 0.9
+
+    def __call__(self, reading: Reading) -> Command:
+        """Return the command of a reading."""
+        memory, motor = reading.memory, reading.motor
+        if memory.setdefault("phase", "coarse") == "coarse":
+            command = self._coarse(reading, memory, motor)
+            if command is not None:
+                return command
+        return self._burst(reading, memory, motor)
+
+    def _coarse(self, reading: Reading, memory: dict, motor: MotorNumbers) -> Command | None:
+        """Drive until friction stops the slider in front of the target; None where that is over."""
+        error = reading.target - reading.position
+        old = memory.get("last")
+        memory["last"] = reading.position
+        speed = 0.0 if old is None else (reading.position - old) / reading.period
+        way = math.copysign(1.0, error)
+        if "start" not in memory and abs(error) <= self.coarse:
+            memory["phase"] = "burst"
+            return None
+        memory.setdefault("start", way)
+        if not memory.get("off"):
+            # what is travelled before the next decision shows, and until the wave is gone, then by friction
+            late = reading.period + motor.delay
+            ahead = abs(speed) + motor.acceleration * late
+            stop = ahead * late + ahead**2 / (2.0 * motor.braking)
+            if abs(error) > stop + 0.5 * self.coarse and way == memory["start"]:
+                return Command(level=way * motor.level, duration=reading.period, phase="coarse")
+            memory["off"] = reading.time
+        waited = reading.time - memory["off"]
+        if waited < abs(speed) / motor.braking + self.settle + motor.delay:
+            return Command(level=0.0, duration=reading.period, phase="coarse")
+        memory["phase"] = "burst"
+        return None
+
+    def _burst(self, reading: Reading, memory: dict, motor: MotorNumbers) -> Command:
+        """Average, then step by a burst whose length follows from the error."""
+        rest = Command(level=0.0, duration=reading.period, phase="rest")
+        if reading.time < memory.get("until", 0.0):
+            return rest
+        sums = memory.setdefault("sums", [])
+        sums.append(reading.position)
+        if len(sums) < self.readings:
+            return rest
+        place = sum(sums) / len(sums)
+        memory["sums"] = []
+        self._learn(place, memory, motor)
+        error = reading.target - place
+        memory["error"] = error
+        if abs(error) <= self.tolerance:
+            memory["settled"] = True
+            return rest
+        memory["settled"] = False
+        length = min(math.sqrt(self.gain * abs(error) / memory["gain"]) + memory["lost"], MAX_BURST)
+        memory |= {"from": place, "length": length, "way": math.copysign(1.0, error)}
+        memory["until"] = (
+            reading.time + self.settle + length + motor.delay + length * motor.acceleration / motor.braking
+        )
+        phase = "step" if abs(error) < self.single else "burst"
+        return Command(level=memory["way"] * motor.level, duration=length, phase=phase)
+
+    def _learn(self, place: float, memory: dict, motor: MotorNumbers) -> None:
+        """Take the last burst's step into the model: distance = gain (length - lost)^2."""
+        if "gain" not in memory:
+            a, b = motor.acceleration, motor.braking
+            memory["gain"] = 0.5 * a * (1.0 + a / b)
+            memory["lost"] = 0.0
+        if "from" not in memory:
+            return
+        moved = (place - memory.pop("from")) * memory["way"]
+        effective = max(memory["length"] - memory["lost"], 0.0)
+        ratio = moved / max(memory["gain"] * effective**2, 1e-15)
+        if moved > self.single:
+            memory["gain"] *= min(max(ratio, 0.5), 2.0) ** 0.5
+            return
+        # a few nm: the contacts' springs take and give as much, so that the length alone is corrected, and a little
+        change = 0.1 if ratio < 0.5 else -0.1 if ratio > 1.5 else 0.0
+        shortest = -0.5 * memory["length"]
+        memory["lost"] = max(memory["lost"] + change * memory["length"], shortest)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BurstLength(TwoPhase):
+    """Bursts from the beginning, as long as the error asks for."""
+
+    coarse: float = math.inf
+
+
+@dataclass(frozen=True, kw_only=True)
+class DeadZonePI:
+    """Continuous drive: level = dead zone + |u|, u = proportional e + integral of e, in the direction of u.
+
+    Attributes
+    ----------
+    proportional : float
+        Level per m; 0: the steady speed is 100/s times the error.
+    integral : float
+        Level per m and s; 0: 20/s of the proportional part.
+    tolerance : float
+        Error without a drive, m.
+    windup : float
+        Largest size of the integral's part, as a share of the largest level.
+    """
+
+    proportional: float = 0.0
+    integral: float = 0.0
+    tolerance: float = 1e-9
+    windup: float = 0.2
+
+    def __call__(self, reading: Reading) -> Command:
+        """Return the command of a reading."""
+        memory, motor = reading.memory, reading.motor
+        error = reading.target - reading.position
+        memory["error"], memory["settled"] = error, abs(error) <= self.tolerance
+        if memory["settled"]:
+            return Command(level=0.0, duration=reading.period, phase="rest")
+        proportional = self.proportional or 100.0 / motor.speed_per_level
+        bound = self.windup * motor.level
+        integral = self.integral or 20.0 * proportional
+        total = memory.get("integral", 0.0) + integral * error * reading.period
+        memory["integral"] = min(max(total, -bound), bound)
+        u = proportional * error + memory["integral"]
+        level = min(motor.dead_zone + abs(u), motor.level)
+        return Command(level=math.copysign(level, u), duration=reading.period, phase="continuous")
+
+
+CONTROLLERS = {"two_phase": TwoPhase, "burst_length": BurstLength, "dead_zone_pi": DeadZonePI}
+
+
+def controller(name: str, settings: dict[str, float]) -> Callable[[Reading], Command]:
+    """Return a controller by its name with some of its numbers, or a user's function ``FILE.py:FUNCTION``.
+
+    Raises
+    ------
+    SceneError
+        If there is no such controller, or it has no such number.
+    """
+    if ":" in name and name.partition(":")[0].endswith(".py"):
+        if settings:
+            raise SceneError("--loop", f"{next(iter(settings))} is no number of a controller of one's own")
+        return _own(name)
+    if name not in CONTROLLERS:
+        raise SceneError(
+            "--controller", f"{name!r} does not exist{nearest(name, [*CONTROLLERS, 'FILE.py:FUNCTION'])}"
+        )
+    known = CONTROLLERS[name]()
+    for key in settings:
+        if key not in known.__dataclass_fields__:
+            raise SceneError(
+                "--loop",
+                f"{key} is no number of the loop or of {name}{nearest(key, known.__dataclass_fields__)}",
+            )
+    if "readings" in settings:
+        settings = settings | {"readings": int(settings["readings"])}
+    return replace(known, **settings)
+
+
+def _own(name: str) -> Callable[[Reading], Command]:
+    """Return a user's function as a controller."""
+    file, _, function = name.rpartition(":")
+    path = Path(file)
+    if not path.is_file():
+        raise SceneError("--controller", f"{file!r} is no file")
+    spec = importlib.util.spec_from_file_location(f"sawmotor_controller_{path.stem}", path)
+    module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        text = " ".join(str(error).split())
+        raise SceneError("--controller", f"{file!r} cannot be run: {type(error).__name__}: {text}") from None
+    own = getattr(module, function, None)
+    if not callable(own):
+        known = [
+            each for each in vars(module) if callable(getattr(module, each)) and not each.startswith("_")
+        ]
+        raise SceneError("--controller", f"{file!r} has no function {function!r}{nearest(function, known)}")
+
+    def command(reading: Reading) -> Command:
+        try:
+            answer = own(reading)
+        except Exception as error:
+            text = " ".join(str(error).split())
+            raise SceneError(
+                "--controller", f"{name} failed at {reading.time:g} s: {type(error).__name__}: {text}"
+            ) from None
+        level, duration = answer if isinstance(answer, tuple) else (answer, reading.period)
+        numbers = (int, float)
+        if not (
+            isinstance(level, numbers)
+            and isinstance(duration, numbers)
+            and math.isfinite(level)
+            and duration >= 0.0
+        ):
+            raise SceneError(
+                "--controller",
+                f"{name} must return a finite level, or a level and a duration in s, got {answer!r}",
+            )
+        return Command(level=float(level), duration=min(float(duration), MAX_BURST), phase="own")
+
+    return command

@@ -1,0 +1,194 @@
+"""A motor in a position loop: sensor, controller and drive around any motor that moves on under constant inputs."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from studies.motor.controllers import Command, MotorNumbers, Reading
+
+BANDS = (1e-7, 1e-8, 2e-9)  # m, the errors whose times are asked for
+PARTS = 10  # samples of the true motion per period
+LATEST = 0.2  # share of the readings of a move over which the error at rest is taken
+
+
+class Moving(Protocol):
+    """A motor that can be moved on: `studies.export.averaged_motor.MotorState`, or the contact event by event."""
+
+    time: float
+    position: float
+    velocity: float
+    deformation: float
+
+    def advance(self, duration: float, level: float, *, force: float, preload: float | None) -> None:
+        """Move on by a duration in s."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Loop:
+    """What surrounds the motor.
+
+    Attributes
+    ----------
+    resolution : float
+        Step of the sensor's numbers, m; 0 for none.
+    noise : float
+        Standard deviation of a reading, m.
+    delay : float
+        Age of a reading, s; a whole number of periods is used.
+    period : float
+        Of the controller, s.
+    force : float
+        External force on the slider along +x from ``force_at`` on, N.
+    force_at : float
+        s.
+    preload : float or None
+        N; the scene's when None.
+    limit : float
+        s after which a move is given up.
+    hold : float
+        s for which the error must stay settled before a move counts as done.
+    seed : int
+        Of the noise.
+    """
+
+    resolution: float = 1e-9
+    noise: float = 3e-10
+    delay: float = 0.0
+    period: float = 1e-4
+    force: float = 0.0
+    force_at: float = 0.0
+    preload: float | None = None
+    limit: float = 1.0
+    hold: float = 5e-3
+    seed: int = 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Move:
+    """One move to a target; positions in m from where the motor was made, arrays over time.
+
+    Attributes
+    ----------
+    start, target : float
+        m.
+    time, position, velocity, level : ndarray, shape (k,)
+        s, m, m/s, and the drive (V or m) up to each instant.
+    within : dict
+        Time in s by band in m from which the error of the true position stays within the band; nan where never.
+    overshoot : float
+        Farthest beyond the target, m.
+    error_at_rest : float
+        Mean of the true position over the end of the move, less the target, m.
+    ring : float
+        Half of the true position's range there, m.
+    bursts : dict
+        Number by phase.
+    energy : float
+        Into the transducers, J.
+    cycles : float
+        Of the wave that was driven.
+    settled : bool
+        Whether the controller was satisfied in the end.
+    """
+
+    start: float
+    target: float
+    time: np.ndarray = field(repr=False)
+    position: np.ndarray = field(repr=False)
+    velocity: np.ndarray = field(repr=False)
+    level: np.ndarray = field(repr=False)
+    within: dict[float, float]
+    overshoot: float
+    error_at_rest: float
+    ring: float
+    bursts: dict[str, int]
+    energy: float
+    cycles: float
+    settled: bool
+
+
+def moved(
+    motor: Moving, target: float, control: Callable[[Reading], Command], numbers: MotorNumbers, loop: Loop, *,
+    powers: tuple[float, float] = (0.0, 0.0), direction: float = 1.0, frequency: float = 0.0,
+) -> Move:  # fmt: skip
+    """Return the move of a motor to a target under a controller; the motor is moved.
+
+    Parameters
+    ----------
+    powers : (float, float)
+        W per squared unit of the level, of the first and the second drive.
+    direction : float
+        Sign of the velocity under the first drive.
+    frequency : float
+        Of the wave, Hz: bursts are rounded to whole cycles.
+    """
+    random = np.random.default_rng(loop.seed)
+    late = round(loop.delay / loop.period)
+    begin, start, memory = motor.time, motor.position, {}
+    seen = [start] * (late + 1)
+    rows, bursts, energy, cycles, satisfied = [(0.0, start, motor.velocity, 0.0)], {}, 0.0, 0.0, 0.0
+    last = "rest"
+
+    def push(duration, level):
+        nonlocal energy, cycles
+        if duration <= 0.0:
+            return
+        steps = max(1, math.ceil(PARTS * duration / loop.period))
+        for _ in range(steps):
+            force = loop.force if motor.time >= loop.force_at else 0.0
+            motor.advance(duration / steps, level * direction, force=force, preload=loop.preload)
+            rows.append((motor.time - begin, motor.position, motor.velocity, level * direction))
+        energy += powers[int(level * direction < 0.0)] * level**2 * duration
+        cycles += frequency * duration * (level != 0.0)
+
+    while motor.time - begin < loop.limit:
+        seen.append(motor.position)
+        reading = seen[-1 - late] + loop.noise * random.standard_normal()
+        if loop.resolution > 0.0:
+            reading = loop.resolution * round(reading / loop.resolution)
+        command = control(Reading(
+            time=motor.time - begin, position=reading, target=target, period=loop.period, motor=numbers, memory=memory
+        ))  # fmt: skip
+        level = min(max(command.level, -numbers.level), numbers.level)
+        duration = command.duration if frequency == 0.0 else round(command.duration * frequency) / frequency
+        duration = duration if level != 0.0 else 0.0
+        driven = level != 0.0 and duration > 0.0
+        if driven and (command.phase in ("burst", "step") or last != command.phase):
+            bursts[command.phase] = bursts.get(command.phase, 0) + 1
+        last = command.phase if driven else "rest"
+        push(duration, level)
+        periods = max(
+            1, math.ceil(duration / loop.period - 1e-9)
+        )  # a burst is not asked about while it lasts
+        push(periods * loop.period - duration, 0.0)
+        seen += [motor.position] * (periods - 1)
+        satisfied = satisfied + loop.period if memory.get("settled") and not driven else 0.0
+        if satisfied >= loop.hold:
+            break
+    table = np.array(rows)
+    return _judged(table, start, target, bursts, energy, cycles, bool(memory.get("settled")))
+
+
+def _judged(table, start: float, target: float, bursts, energy: float, cycles: float, settled: bool) -> Move:
+    time, position = table[:, 0], table[:, 1]
+    error = np.abs(position - target)
+    within = {}
+    for band in BANDS:
+        outside = np.flatnonzero(error > band)
+        last = int(outside[-1]) + 1 if outside.size else 0
+        within[band] = float(time[last]) if last < len(time) else math.nan
+    way = math.copysign(1.0, target - start)
+    tail = position[time >= time[-1] * (1.0 - LATEST)] if len(time) > 1 else position
+    if settled:  # since the last burst
+        driven = np.flatnonzero(table[:, 3] != 0.0)
+        quiet = position[(driven[-1] + 1 if driven.size else 0) :]
+        tail = quiet[len(quiet) // 2 :]
+    return Move(
+        start=start, target=target, time=time, position=position, velocity=table[:, 2], level=table[:, 3],
+        within=within, overshoot=max(0.0, float(np.max((position - target) * way))),
+        error_at_rest=float(np.mean(tail)) - target, ring=0.5 * float(np.ptp(tail)), bursts=bursts, energy=energy,
+        cycles=cycles, settled=settled,
+    )  # fmt: skip
