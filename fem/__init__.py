@@ -52,6 +52,7 @@ _PUBLIC = {
     "solve.guided": "free_wave guided_modes",
     "solve.passband": "best_frequency best_period",
     "solve.p_matrix": "cascade_admittance p_matrix PMatrix",
+    "solve.reflector": "Reflector reflector",
     "beam.surface_beam": "beam_refusal BeamError surface_beam SurfaceBeam",
     "beam.crossed_beam": "crossed_beam CrossedBeam",
     "beam.rows": "rows_of",

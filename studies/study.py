@@ -32,6 +32,7 @@ _HOMES = """
     stator.frequency_response stator.dispersion motor.regime_map motor.load_line motor.stroke motor.step_planner
     motor.positioning
     motor.design_map inverse.sensitivity evidence.contact_error_vs_time stator.cell_parameters stator.p_matrix
+    stator.reflector
     stator.network evidence.fem_error_vs_time motor.gallery papers.published_motors papers.published_stators
     evidence.error_vs_time evidence.calibration evidence.stability evidence.left_out
 """

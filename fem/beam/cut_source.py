@@ -9,8 +9,8 @@ so that the modes to the right are -i v_p (l_p . e) exp(-i k_p x), those to the 
 L(k, k_y)^T = L(-k, -k_y), gives the response at -k_y from the same eigenpairs.
 
 Left out: what leaves a transducer at more than about 45 degrees, since the integral over k_y ends smoothly there;
-modes whose phase runs against their power; where the bottom absorbs, all but the surface wave, which is then followed
-from one k_y to the next.
+modes whose phase runs against their power; where the bottom absorbs in a matched layer, all but the surface wave, which
+is then followed from one k_y to the next.
 """
 
 from collections.abc import Iterator
@@ -23,10 +23,12 @@ import numpy as np
 from fem.beam.lateral import LateralRule, lateral_rule
 from fem.beam.line_source import KEPT, LOCAL, Branch, charge_scale
 from fem.convergence import ConvergenceError
+from fem.discretize.absorber import absorber_kind
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.eigenproblem import companion_modes, even_odd_modes
+from fem.geometry import Stator
 from fem.waveguide.port_fields import PortFields
 
 FADE = (
@@ -279,6 +281,14 @@ def _barycentric(places: np.ndarray, at: complex) -> np.ndarray:
     return weights / weights.sum()
 
 
+def follows_one_mode(stator: Stator) -> bool:
+    """True if the surface wave alone is followed: below it modes of oblique waves grow in the absorbing layer.
+
+    In a selective layer none grows (tests/fem/discretize/test_absorber.py): all modes together are the half-space.
+    """
+    return stator.absorbs_below and absorber_kind(stator.solid) != "selective"
+
+
 def cut_source(fields: PortFields) -> CutSource:
     """Source of a solved stator, from the solution's resolution without its edge layers."""
     modes = fields.modes
@@ -296,5 +306,5 @@ def cut_source(fields: PortFields) -> CutSource:
         section=section,
         frequency=modes.frequency,
         wavenumber=float(np.mean(modes.wavenumbers[surface].real) / modes.section.length_unit),
-        followed=followed if fields.stator.absorbs_below else (),
+        followed=followed if follows_one_mode(fields.stator) else (),
     )

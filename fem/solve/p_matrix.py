@@ -181,7 +181,7 @@ def _of_fields(fields: PortFields, every_mode: bool) -> PMatrix:
     chosen = modes.rayleigh
     if every_mode:
         chosen = np.flatnonzero(abs(k.imag) < PROPAGATING * abs(k.real))
-    right, left = _waves(modes, chosen, medium.stress_unit * row.aperture)
+    right, left = waves_of(modes, chosen, medium.stress_unit * row.aperture)
     m = len(chosen)
     incoming = np.zeros((2 * n, 2 * m), dtype=complex)
     incoming[:n, :m] = modes.right[:, chosen] @ right
@@ -227,7 +227,7 @@ def _of_fields(fields: PortFields, every_mode: bool) -> PMatrix:
     )
 
 
-def _waves(modes, chosen: np.ndarray, per_area: float) -> tuple[np.ndarray, np.ndarray]:
+def waves_of(modes, chosen: np.ndarray, per_area: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the waves of amplitude 1 as sums of modes to the right and to the left, (modes, waves) each."""
     omega = 2 * np.pi * modes.frequency
     shape, backward, flux, backward_flux = (

@@ -78,15 +78,12 @@ def point_of(motion) -> dict:
         "velocity_m_per_s": motion.velocity, "regime": regime, "approach_m": motion.approach,
         "tilt_rad": list(motion.tilt), "share_in_contact": motion.share_in_contact, "duty": motion.duty,
         "friction_power_W": motion.friction_power, "thrust_power_W": motion.thrust_power,
+        "exit_over_entry": motion.exit_over_entry, "reflected_over_entry": motion.reflected_over_entry,
     }  # fmt: skip
     if motion.wave.compliance > 0.0:
         found |= {
             "wave_power_in_W": motion.wave_power_in, "wave_power_out_W": motion.wave_power_out,
             "loading_number": motion.loading_number, "overtone_ratio": motion.overtone,
-        }  # fmt: skip
-    if motion.loading:
-        found |= {
-            "exit_over_entry": motion.exit_over_entry, "reflected_over_entry": motion.reflected_over_entry,
         }  # fmt: skip
     return found | {"ledger_relative_residual": abs(motion.ledger_residual)}
 

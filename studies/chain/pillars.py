@@ -76,9 +76,8 @@ def layout(slider: Slider) -> dict:
         x, y = (each.ravel() for each in np.meshgrid(*places, indexing="ij"))
         heights = np.zeros(x.size)
         if block.height_scatter > 0.0:
-            heights = np.random.default_rng(block.seed or SEED).normal(
-                scale=block.height_scatter, size=x.size
-            )
+            seed = SEED if block.seed is None else block.seed
+            heights = np.random.default_rng(seed).normal(scale=block.height_scatter, size=x.size)
         diameter, pitch = np.full(x.size, block.diameter), math.sqrt(along * across)
     if block.height is not None and np.abs(heights).max() > block.height:
         tallest = heights[np.abs(heights).argmax()]

@@ -1,8 +1,8 @@
 """Whether the motors that are published run as their papers say.
 
 Method: Kurosawa, Takahashi and Higuchi's ball on 128YX lithium niobate (1998), the contact alone at the amplitude that
-they give, and the whole chain from 180 V; the seed's motor; what Tjeung and others (2011) tell; Raj and
-Behera's silicon slider (2025).  A published value is a
+they give, and the whole chain from 180 V; the seed's motor; what Tjeung and others (2011) tell; Raj and Behera's
+silicon slider (2025); four devices whose silicon sliders load the wave (`published_sliders`).  A published value is a
 number, or the range in which a paper places it; what no paper states is not listed.  What a paper needs and does not
 state, or states as "about", is swept, every combination, and makes the band beside the measurement; the value inside
 the band is ours, and an agreement only says that nothing contradicts.  Expected: the speed at the published amplitude
@@ -15,14 +15,18 @@ import math
 import time
 from collections.abc import Callable
 
-from studies.papers.published import KUROSAWA, LEFT_ASIDE, RAJ, SEED, TJEUNG, corners
+from studies.papers import published_sliders as sliders
+from studies.papers.published import KUROSAWA, LEFT_ASIDE, RAJ, SEED, TJEUNG, Unknown, corners
 from studies.papers.published_kurosawa import contact_radius, needed_amplitude, per_volt, ratio, speed, thrust
 from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run", "tables"]
 
-MOTORS = ("Kurosawa 1998", "Feenstra and Breedveld", "Tjeung 2011", "Raj and Behera 2025")
-QUICK = {"motors": MOTORS[1:]}
+MOTORS = (
+    "Kurosawa 1998", "Feenstra and Breedveld", "Tjeung 2011", "Raj and Behera 2025", "Kurosawa and Asai, 10 MHz",
+    "KAKEN 22360101", "Shigematsu 2003", "KAKEN 15H03943",
+)  # fmt: skip
+QUICK = {"motors": (*MOTORS[1:4], *MOTORS[5:])}
 TOLERANCE = 1e-3
 WIDE = 5.0  # highest over lowest of a band from which on an agreement says little
 ON_CONTACT = ("friction", "preload", "amplitude", "frequency", "modulus", "law", "air")
@@ -45,6 +49,10 @@ def run(*, motors: tuple[str, ...] = MOTORS, progress: Callable[[str], None] | N
         MOTORS[1]: lambda: [_seed()],
         MOTORS[2]: _tjeung,
         MOTORS[3]: _raj,
+        MOTORS[4]: lambda: _kurosawa_asai(say),
+        MOTORS[5]: _rear,
+        MOTORS[6]: _shigematsu,
+        MOTORS[7]: _crest,
     }
     rows = [row for motor in motors for row in parts[motor]()]
     columns = {key: [row[key] for row in rows] for key in rows[0]}
@@ -238,6 +246,77 @@ def _raj() -> list[dict]:
     surface = 2 * math.pi * published["frequency_Hz"] * known["ratio"] * published["amplitude_m"]
     stated = published["velocity_at_least_m_per_s"], surface
     return [_row(motor, "speed, at least", stated, speed, known, swept, "m/s", 1.0)]
+
+
+def _kurosawa_asai(say) -> list[dict]:
+    """Return wave power, speed and stall of the 10 MHz motor at 40 nm peak."""
+    swept = {name: getattr(sliders, name.upper()) for name in ("friction", "scatter", "number", "preload")}
+    known = {name: each.taken for name, each in swept.items()} | {"amplitude": 40e-9}
+    say("Kurosawa and Asai: silicon sliders on 40 nm")
+    width = Unknown(name="beam", taken=9e-3, swept=(9e-3, 11e-3), unit="mm", scale=1e3)
+
+    def power(case):
+        return sliders.wave_power(case["beam"])
+
+    return [
+        _row(
+            MOTORS[4],
+            "wave power at 40 nm, above",
+            (100.0, 200.0),
+            power,
+            {"beam": 9e-3},
+            {"beam": width},
+            "W",
+            1.0,
+        ),
+        _row(MOTORS[4], "speed at 40 nm", 1.1, sliders.kurosawa_speed, known, swept, "m/s", 1.0),
+        _row(MOTORS[4], "stall at 40 nm", 3.5, sliders.kurosawa_stall, known, swept, "N", 1.0),
+    ]
+
+
+def _rear() -> list[dict]:
+    """Return what is left of the wave behind 10 mm of slider: too little, the report says, beside 5 mm."""
+    length = Unknown(name="length along the wave", taken=10e-3, swept=(5e-3, 10e-3), unit="mm", scale=1e3)
+    what = "amplitude left of 15 nm, below 1"  # the report: too small behind 10 mm, without a number
+
+    def left(case):
+        return sliders.rear_amplitude(case["length"])
+
+    return [_row(MOTORS[5], what, (0.01, 1.0), left, {"length": 10e-3}, {"length": length}, "", 1.0)]
+
+
+def _shigematsu() -> list[dict]:
+    """Return the step of a burst of 25 cycles: the slider's mass decides."""
+    mass = Unknown(name="mass", taken=5e-3, swept=(1e-3, 20e-3), unit="g", scale=1e3)
+    amplitude = Unknown(name="amplitude at 100 V", taken=10e-9, swept=(5e-9, 20e-9), unit="nm", scale=1e9)
+
+    def step(case):
+        return sliders.shigematsu_step(case["mass"], amplitude=case["amplitude"])
+
+    known, swept = {"mass": 5e-3, "amplitude": 10e-9}, {"mass": mass, "amplitude": amplitude}
+    return [_row(MOTORS[6], "step of 25 cycles at 30 N", 2e-9, step, known, swept, "nm", 1e9)]
+
+
+def _crest() -> list[dict]:
+    """Return the crest's own speed at 4.7 nm: the published 0.25 m/s is it, and no slider's."""
+    frequency = Unknown(name="frequency", taken=9.6e6, swept=(9.5e6, 9.7e6), unit="MHz", scale=1e-6)
+
+    def speed_of_crest(case):
+        return sliders.crest_speed(4.7e-9, case["frequency"])
+
+    known = {"frequency": frequency.taken}
+    return [
+        _row(
+            MOTORS[7],
+            "the crest's own speed at 4.7 nm",
+            (0.245, 0.255),
+            speed_of_crest,
+            known,
+            {"frequency": frequency},
+            "m/s",
+            1.0,
+        )
+    ]
 
 
 def _row(motor, quantity, published, what, known, swept, unit, scale) -> dict:

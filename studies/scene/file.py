@@ -65,13 +65,16 @@ class SceneFile:
 
 
 def _with_whole_paths(table: dict, scene: Path) -> dict:
-    """Return a scene's table with the files of its meshes and its law from the root on: it runs from anywhere."""
+    """Return a scene's table with the files of its meshes, law and pillars from the root on: it runs from anywhere."""
     pieces, slider = table.get("piece"), table.get("slider")
     if isinstance(pieces, list):
         table = table | {"piece": [_with_whole_path(each, scene, "file") for each in pieces]}
     law = slider.get("law") if isinstance(slider, dict) else None
     if isinstance(law, str) and law.endswith(".py"):
         table = table | {"slider": _with_whole_path(slider, scene, "law")}
+    if isinstance(slider, dict) and isinstance(slider.get("pillars"), dict):
+        own = {"pillars": _with_whole_path(slider["pillars"], scene, "file")}
+        table = table | {"slider": table["slider"] | own}
     return table
 
 

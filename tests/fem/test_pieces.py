@@ -1,11 +1,13 @@
 """Pieces of the stator given as meshes: what must not change, what must balance, and what other programs say."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import meshio
 import numpy as np
 import pytest
 
+from fem.circuit import Drive
 from fem.discretize.grading import Resolution
 from fem.geometry import Stator, Transducer
 from fem.materials import material
@@ -17,6 +19,7 @@ from fem.results.files import write_vtu
 from fem.results.power_balance import power_balance
 from fem.results.solution import solve_driven
 from fem.solve.harmonic import driven_wave
+from fem.solve.reflector import reflector
 from tests.fem.drawings import bevelled_end, rectangle
 from tests.fem.stators import comb, cut, plate, wave_of
 
@@ -216,3 +219,74 @@ def test_the_field_inside_a_mesh_joins_its_neighbours(tmp_path, groove):
     assert field.inside[~(field.x[:, None] > 4.54 * unit) & (field.z < 0)].all()
     write_vtu(field, tmp_path / "field.vtu")
     assert len(meshio.read(tmp_path / "field.vtu").cells[0]) < (len(field.x) - 1) * (len(field.z) - 1)
+
+
+def test_reflection_of_a_groove_and_of_a_row(tmp_path):
+    """Lossless: no power is made, S is symmetric; a plain stretch reflects nothing and turns the phase."""
+    stator = plate(cut("PZT-4", "Z", quality=np.inf, loss=0.0), length=9.0, thickness=0.8)
+    unit, given = stator.thickness / 0.8, {"frequency": 2.3e6, "tolerance": 1e-2}
+    groove = rectangle(tmp_path / "groove.msh", 0.9, 0.8, size=0.45, groove=(0.35, 0.2, 0.1))
+    plain = rectangle(tmp_path / "plain.msh", 0.7, 0.8, size=0.35)
+    grooved, empty = (_with_pieces(stator, path, (3.0,)).pieces[0] for path in (groove, plain))
+    nothing = reflector(replace(stator, pieces=(empty,)), **given)
+    one = reflector(replace(stator, pieces=(grooved,)), **given)
+    both = reflector(replace(stator, pieces=(replace(empty, position=1.9 * unit), grooved)), **given)
+    two = reflector(_with_pieces(stator, groove, (3.0, 4.7)), **given)
+    assert abs(nothing.reflection) < 1e-6
+    assert abs(nothing.transmission) == pytest.approx(1, abs=1e-6)
+    assert abs(one.reflection) > 0.03
+    turn = np.exp(-2j * np.pi * 1.1 * unit / one.wavelength)  # over the plain mesh and the gap behind it
+    assert both.reflection == pytest.approx(one.reflection * turn**2, abs=1e-6)
+    assert both.transmission == pytest.approx(one.transmission * turn, abs=1e-6)
+    for each in (one, both, two):
+        assert abs(each.scattering - each.scattering.T).max() < 1e-9
+        assert np.linalg.norm(each.scattering[:, 0]) <= 1 + 1e-9
+    assert two.pieces[0][1] == pytest.approx(one.scattering, abs=1e-12)
+    assert abs(two.reflection - one.reflection) > 0.01
+
+
+def test_a_plain_end_as_a_mesh_is_the_free_end(tmp_path):
+    """The stator's free end given as a mesh of plain stator: the same motion and admittance."""
+    stator = plate(cut("PZT-4", "Z", quality=200), length=9.0, ends="free")
+    unit = stator.thickness / 0.8
+    end = rectangle(tmp_path / "end.msh", 0.7, 0.8, size=0.35, groups=("left", "bottom"))
+    meshed = replace(stator, pieces=(MeshPiece(name="end", mesh=read_mesh(end, unit), position=8.3 * unit),))
+    plain, meshed = _solved(stator), _solved(meshed)
+    size = abs(_motion(plain)).max()
+    assert abs(_motion(meshed) - _motion(plain)).max() < 5e-6 * size
+    assert meshed.fields.admittances == pytest.approx(plain.fields.admittances, rel=1e-6)
+
+
+def test_fingers_as_a_mesh_are_the_built_in_ones(tmp_path):
+    """A pair of fingers in a mesh, wired to a transducer, against a built-in pair driven as that transducer is."""
+    stator = plate(cut("PZT-4", "Z", quality=200), length=9.0)
+    unit = stator.thickness / 0.8
+    path = rectangle(tmp_path / "pair.msh", 2.0, 0.8, size=0.25, groups=("left", "right", "bottom"))
+    mesh = read_mesh(path, unit)
+    top = np.flatnonzero(abs(mesh.points[:, 1]) < 1e-12)
+    top = top[np.argsort(mesh.points[top, 0])]
+    lines = {
+        f"electrode:{name}": np.array(
+            [
+                (a, b)
+                for a, b in pairwise(top)
+                if low < (mesh.points[a, 0] + mesh.points[b, 0]) / 2 / unit < low + 0.25
+            ]
+        )
+        for name, low in (("a", 0.75), ("b", 1.25))
+    }
+    mesh = replace(mesh, lines=mesh.lines | lines, digest="a pair of fingers")
+    piece = MeshPiece(name="pair", mesh=mesh, position=4.875 * unit, electrodes=(("a", "a+"), ("b", "a-")))
+    first = comb(stator, "a", 1.5)
+    second = comb(stator, "b", 6.0)
+    level = Resolution(order=7, edge_layers=2)
+    meshed = solve_driven(
+        replace(stator, pieces=(piece,)), (first,), frequency=2.3e6, drive="a", resolution=level
+    )
+    both = solve_driven(
+        stator, (first, second), frequency=2.3e6, drive=Drive(sources={"a": 1.0, "b": 1.0}), resolution=level
+    )
+    at = np.array([0.5, 3.7, 8.5]) * unit
+    one, other = (surface_of(each).motion(at) for each in (meshed, both))
+    assert abs(one - other).max() < 2e-4 * abs(other).max()
+    assert meshed.circuit.admittance == pytest.approx(both.fields.admittances.sum(), rel=2e-4)

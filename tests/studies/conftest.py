@@ -54,9 +54,9 @@ def studied(tmp_path_factory):
     def run(name: str) -> Studied:
         folder = tmp_path_factory.mktemp("studies") / name
         takes_scene = "scene" in signature(module(name).run).parameters
-        scene = (
-            "twente-contact" if name == "sensitivity" else str(SMALL)
-        )  # a stator for each of its numbers is slow
+        # a stator for each of the numbers of a sensitivity is slow; a reflector needs a piece
+        others = {"sensitivity": "twente-contact", "reflector": "reflector"}
+        scene = others.get(name, str(SMALL))
         words = ["study", name, *([scene] if takes_scene else []), "--quick", "--out", str(folder)]
         out, err = io.StringIO(), io.StringIO()
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):

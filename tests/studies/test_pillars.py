@@ -77,11 +77,11 @@ def test_a_scene_gives_what_the_contact_gives():
 
 def test_the_load_on_the_wave_is_computed_from_a_loading_number_of_one_in_twenty():
     light = run(scene(wave={"normal_amplitude": 20e-9}, preload=2e-3))
-    assert "exit_over_entry" not in light.points[0]
+    assert light.points[0]["exit_over_entry"] == 1.0
     assert light.points[0]["loading_number"] < 0.05
     sizes = {row["effect"]: row["size"] for row in light.model_error}
     assert sizes["load of the slider on the wave"] == pytest.approx(light.points[0]["loading_number"])
-    assert "exit_over_entry" in run(scene()).points[0]
+    assert run(scene()).points[0]["exit_over_entry"] != 1.0
     body, wave = by_hand()
     alone = contact.pillar_motion(body, wave, loading=False)
     assert run(scene(loading=False)).velocity[-1] == pytest.approx(alone.velocity, rel=1e-12)
@@ -137,6 +137,19 @@ def test_pillars_of_a_file_are_those_of_the_grid(tmp_path):
     none = dict.fromkeys(("pitch", "rows", "columns"))
     found = run(scene(pillars={**none, "file": file}))
     assert found.velocity[-1] == pytest.approx(run(scene()).velocity[-1], rel=1e-12)
+
+
+def test_a_file_lies_in_the_folder_of_its_scene(tmp_path, monkeypatch):
+    from studies.scene.toml import document
+
+    table = scene().to_table()
+    table["slider"]["pillars"] = {"diameter": 20e-6, "height": 2e-6, "file": "mine.csv"}
+    (tmp_path / "folder").mkdir()
+    written(tmp_path / "folder" / "mine.csv", "x_m,y_m,height_m\n0,0,0\n5e-5,0,1e-9\n")
+    (tmp_path / "folder" / "scene.toml").write_text(document(table), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    loaded = Scene.load("folder/scene.toml")
+    assert pillars.layout(loaded.slider)["heights"].tolist() == [0.0, 1e-9]
 
 
 @pytest.mark.parametrize(

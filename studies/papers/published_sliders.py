@@ -1,0 +1,113 @@
+"""Published motors with silicon sliders in the model of pillars on a wave that they load.
+
+No source gives the number of pillars, the scatter of their heights or the slider's mass: every combination of usual
+values is computed and makes the band. Sources as their authors name them: M. K. Kurosawa and K. Asai's 10 MHz motor;
+the reports of KAKEN 22360101 and 15H03943; T. Shigematsu, M. K. Kurosawa and K. Asai, IEEE Trans. UFFC 50 (2003) 376.
+"""
+
+import math
+
+import numpy as np
+
+import contact
+import fem
+from studies.papers.published import Unknown
+
+SURFACE, MATERIAL = "open", "LiNbO3 (Kovacs)"
+STIFFNESS = 1.8e6, 1.52e6  # N/m: silicon pillars of 20 um x 2 um on 128YX
+LENGTH = 4e-3  # m, along and across: of Kurosawa's slider
+CLASSES = 32  # of the normal distribution of the heights, equally likely
+ROWS = 50
+
+FRICTION = Unknown(name="friction coefficient", taken=0.18, swept=(0.1, 0.3))
+SCATTER = Unknown(name="scatter of the heights", taken=10e-9, swept=(5e-9, 30e-9), unit="nm", scale=1e9)
+NUMBER = Unknown(name="pillars", taken=1e4, swept=(2e3, 1e4))
+PRELOAD = Unknown(name="preload", taken=30.0, swept=(10.0, 100.0), unit="N")
+
+
+def wave(*, frequency: float, amplitude: float, width: float):
+    """Return the `contact.PassingWave` of 128YX in a strip."""
+    solid = fem.rotated(fem.material(MATERIAL), "128YX")
+    half_space = fem.rayleigh(solid, SURFACE)
+    return contact.PassingWave(
+        frequency=frequency, wavelength=half_space.velocity / frequency, ratio=half_space.surface_ratio,
+        forward=amplitude, compliance=fem.wave_compliance(solid, SURFACE), strip_width=width,
+    )  # fmt: skip
+
+
+def slider(*, friction: float, scatter: float, number: float, preload: float, length: float = LENGTH):
+    """Return `contact.Pillars` whose heights are a normal distribution in each row."""
+    from scipy.special import ndtri
+
+    heights = scatter * ndtri((np.arange(CLASSES) + 0.5) / CLASSES)
+    place = ((np.arange(ROWS) + 0.5) / ROWS - 0.5) * length
+    return contact.Pillars(
+        x=np.repeat(place, CLASSES), y=np.zeros(ROWS * CLASSES), heights=np.tile(heights, ROWS),
+        weights=number / (ROWS * CLASSES), normal_stiffness=STIFFNESS[0], tangential_stiffness=STIFFNESS[1],
+        friction_coefficient=friction, preload=preload,
+    )  # fmt: skip
+
+
+def wave_power(width: float) -> float:
+    """Power in W of a wave of 40 nm at 10 MHz in a beam of a width in m."""
+    passing = wave(frequency=10e6, amplitude=40e-9, width=width)
+    return passing.power(passing.forward)
+
+
+def kurosawa_speed(case: dict) -> float:
+    """Return the speed of the 10 MHz motor at a peak amplitude, m/s; 0 where the slider stays at rest."""
+    return abs(contact.pillar_motion(*_kurosawa(case)).velocity)
+
+
+def kurosawa_stall(case: dict) -> float:
+    """Return its stall, N; 0 where the slider stays at rest."""
+    try:
+        return contact.pillar_load_line(*_kurosawa(case), points=2).stall
+    except contact.ConvergenceError as error:
+        if error.status != "not applicable":
+            raise
+        return 0.0
+
+
+def _kurosawa(case: dict) -> tuple:
+    """Return pillars and wave of the 10 MHz motor."""
+    passing = wave(frequency=10e6, amplitude=case["amplitude"], width=LENGTH)
+    names = ("friction", "scatter", "number", "preload")
+    return slider(**{name: case[name] for name in names}), passing
+
+
+def rear_amplitude(length: float) -> float:
+    """Return what is left of 15 nm behind a slider of a length in m at 1.2 MPa, mu 0.3 and half its stall."""
+    width = LENGTH
+    preload = 1.2e6 * length * width
+    passing = wave(frequency=9.6e6, amplitude=15e-9, width=width)
+    number = length * width / (40e-6) ** 2
+    body = slider(friction=0.3, scatter=10e-9, number=number, preload=preload, length=length)
+    stall = contact.pillar_load_line(body, passing, points=2).stall
+    return abs(contact.pillar_motion(body, passing, load=0.5 * stall).exit_over_entry)
+
+
+def shigematsu_step(
+    mass: float, *, cycles: int = 25, amplitude: float = 20e-9, preload: float = 30.0
+) -> float:
+    """Return how far a burst of so many cycles moves a slider of a mass in kg, m.
+
+    The traction of a slider that has hardly moved is that at rest; friction mu F stops it afterwards.
+    """
+    body = slider(friction=0.18, scatter=10e-9, number=1e4, preload=preload)
+    passing = wave(frequency=9.6e6, amplitude=amplitude, width=LENGTH)
+    force = abs(contact.pillar_traction(body, passing)(0.0))
+    duration = cycles / passing.frequency
+    velocity = force / mass * duration
+    return 0.5 * velocity * duration + velocity**2 * mass / (2 * 0.18 * preload)
+
+
+def crest_speed(amplitude: float, frequency: float) -> float:
+    """Return the speed of the wave's crests along x, m/s."""
+    return (
+        2
+        * math.pi
+        * frequency
+        * abs(wave(frequency=frequency, amplitude=amplitude, width=1.0).ratio)
+        * amplitude
+    )

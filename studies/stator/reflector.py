@@ -1,0 +1,97 @@
+"""How much of the surface wave the meshed pieces of a scene send back, let pass and scatter, over frequency.
+
+Method: the pieces between uniform segments without end, joined to the section's guided modes (`fem.reflector`); the
+transducers are not looked at.  Expected: reciprocity to rounding; no more power in the surface waves than arrived.
+Run time: about 1 s for each frequency and file.
+"""
+
+import numpy as np
+
+import fem
+from studies.chain import resolve
+from studies.record.plots import lines
+from studies.refusal import RunError
+from studies.scene import Scene
+from studies.study import Panel, StudyRecord, judged, of_record, study
+
+QUICK = {"count": 3, "tolerance": 0.1}
+REACH = 0.05  # of the drive's frequency, either side
+
+
+@study
+def run(
+    scene: str | Scene = "reflector", *, count: int = 11, tolerance: float = 1e-3, progress=None
+) -> StudyRecord:
+    """Return reflection and transmission of the surface wave at the scene's pieces.
+
+    Parameters
+    ----------
+    count : int
+        Frequencies, from 5 % below the scene's to 5 % above it.
+    tolerance : float
+        Of the amplitudes, over 1.
+    """
+    chosen = resolve.resolved(Scene.load(scene) if not isinstance(scene, Scene) else scene)
+    if not chosen.piece:
+        chosen.refuse("piece", "is missing: this study asks what a meshed piece sends back")
+    stator, middle = resolve.whole_stator(chosen), chosen.frequency
+    at = middle * np.linspace(1 - REACH, 1 + REACH, count) if count > 1 else np.array([middle])
+    found = []
+    for f in at:
+        progress(f"reflection at {f / 1e6:.5g} MHz")
+        try:
+            found.append(fem.reflector(stator, frequency=float(f), tolerance=tolerance))
+        except fem.ConvergenceError as error:
+            raise RunError(f"at {f / 1e6:.6g} MHz {error}") from None
+    center = found[len(found) // 2]
+    panels, answer, matrices = [], [], [each.scattering for each in found if each.scattering is not None]
+    if matrices:
+        m = len(matrices[0]) // 2
+        data = {
+            "frequency_Hz": at,
+            "reflection": np.array([each.reflection for each in found]),
+            "transmission": np.array([each.transmission for each in found]),
+            "scattered_share": np.array([each.scattered for each in found]),
+        }
+        panels.append(Panel(name="row", title=f"{chosen.title}: all pieces together", data=data))
+        where = f"at {center.frequency / 1e6:.5g} MHz"
+        answer += [
+            ("reflection", f"{abs(center.reflection):.4f} {where}"),
+            ("transmission", f"{abs(center.transmission):.4f}"),
+            ("scattered or lost", f"{center.scattered:.3g} of the power"),
+        ]
+        for index, (name, _) in enumerate(center.pieces if len(stator.placement.between) > 1 else ()):
+            own = [each.pieces[index][1] for each in found]
+            data = {
+                "frequency_Hz": at,
+                "reflection": np.array([each[0, 0] for each in own]),
+                "transmission": np.array([each[m, 0] for each in own]),
+                "scattered_share": np.array([1 - np.sum(abs(each[:, 0]) ** 2) for each in own]),
+            }
+            panels.append(Panel(name=f"piece_{index}", title=f"{chosen.title}: {name} alone", data=data))
+            answer.append((f"{name} alone", f"reflection {abs(own[len(own) // 2][0, 0]):.4f}"))
+    for index, (name, reflection) in enumerate(center.ends):
+        sent = np.array([each.ends[index][1] for each in found])
+        data = {"frequency_Hz": at, "reflection": sent}
+        panels.append(Panel(name=f"end_{index}", title=f"{chosen.title}: {name}", data=data))
+        answer.append((name, f"reflection {abs(reflection):.4f}"))
+    findings = []
+    if matrices:
+        uneven = max(abs(each - each.T).max() for each in matrices)
+        powers = max(np.sum(abs(each) ** 2, axis=0).max() for each in matrices)
+        findings = [
+            judged("What passes from the left passes from the right.", "largest difference of S from its transpose",
+                   uneven, high=1e-9),
+            judged("The surface waves take away no more power than arrives.", "largest share", powers,
+                   high=1 + tolerance, expected="at most 1"),
+        ]  # fmt: skip
+    return tuple(panels), tuple(findings), answer
+
+
+@of_record
+def figure(record: Panel, ax):
+    """Draw sizes of reflection and transmission over frequency."""
+    rows = [("reflection", "o-", "slip", "reflection")]
+    if "transmission" in record.data:
+        rows.append(("transmission", "-", "line", "transmission"))
+    return lines(ax, record, "frequency_Hz", tuple(rows), "size of the amplitude (1)", factor=1.0)
