@@ -244,12 +244,12 @@ def default_refusal(stator, places) -> str:
 
     if fem.beam_refusal(stator):
         return fem.beam_refusal(stator)
-    turns = fem.isotropic_about_normal(stator.solid)
-    if any(y for _, y in places) or (stator.ends == "absorbing" and (turns or stator.absorbs_below)):
+    reflects, turns = stator.ends != "absorbing", fem.isotropic_about_normal(stator.solid)
+    if (turns and not reflects) or any(y for _, y in places):
         return ""
-    where = "between reflecting ends" if turns else "in a plate of this cut"
+    where, times = ("between reflecting ends", "2 to 4") if turns else ("in this cut", "1.4 to 2")
     return (
-        f"stator.diffraction is absent, and {where} the beam takes several times as long as the section; true "
+        f"stator.diffraction is absent, and {where} the beam takes {times} times as long as the section; true "
         "computes it"
     )
 

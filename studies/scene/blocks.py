@@ -88,9 +88,8 @@ class Stator(Block):
     bottom: free: no traction, D_n = 0; grounded: no traction, phi = 0; clamped: u = 0, D_n = 0; or no reflection.
     ends: absorbing: the section continues without end; free: no traction, D_n = 0; clamped: u = 0, D_n = 0.
     above: none: D_n = 0 on the bare surface; vacuum: the field above is solved for.
-    diffraction: true: the finite aperture spreads the beam; false: plane section. Absent: true under a slider
-        between absorbing ends (in cuts not isotropic about z: with an absorbing bottom), and wherever a ball lies
-        beside the axis, if it can be computed.
+    diffraction: true: the finite aperture spreads the beam; false: plane section. Absent: true under a slider in
+        solids isotropic about z with absorbing ends, and wherever a ball lies beside the axis, if it can be computed.
     sides: Side faces y = +-width/2 under diffraction. absorbing: none; mirror: they reflect everything.
     mechanical_quality: Mechanical quality factor Q in place of the material's own.
     dielectric_loss: Loss tangent in place of the material's own; 0: lossless.

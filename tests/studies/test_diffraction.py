@@ -235,12 +235,8 @@ def test_side_faces_that_reflect_make_the_beam_of_its_images(small):
         given.replace(stator={"sides": "mirror", "diffraction": False})
 
 
-def test_the_beam_is_the_default_between_absorbing_ends_where_a_run_can_bear_it():
-    """Between reflecting ends and in plates of other cuts the section stands for balls on the axis; it knows no y."""
+def test_balls_beside_the_axis_ask_for_the_beam_in_any_cut():
+    """The section does not know y: on 128YX it made the velocity of outer balls 2.4 times too large."""
     motor = Scene.load("lithium-niobate-128yx")
     assert not resolve.diffracts(motor)
-    assert resolve.diffracts(motor.replace(stator={"bottom": "absorbing"}))
-    assert not resolve.diffracts(motor.replace(stator={"bottom": "absorbing", "ends": "free"}))
-    walls = Scene.load("twente").replace(stator={"ends": "free"})
-    assert not resolve.diffracts(walls)
-    assert resolve.diffracts(walls.replace(slider={"contacts": (("0 mm", "-3.5 mm"), ("0 mm", "3.5 mm"))}))
+    assert resolve.diffracts(motor.replace(slider={"contacts": (("0 mm", "-3.5 mm"), ("0 mm", "3.5 mm"))}))
