@@ -15,13 +15,7 @@ from studies.chain.bridge import DrivenContact
 from studies.chain.points import followed_burst
 from studies.chain.predictor import Predictor
 from studies.chain.resolve import resolved
-from studies.chain.scan_prediction import (
-    along_places,
-    at_other_velocity,
-    network_prediction,
-    over_frequency,
-    placed,
-)
+from studies.chain.scan_prediction import at_other_velocity, network_prediction, placed, predicted_scan
 from studies.chain.solved_stator import PLACE_KEYS, Driven, of_stator
 from studies.chain.steady import steady_answers
 from studies.inverse.parameters import (
@@ -118,11 +112,8 @@ class MeasurementPredictor(Predictor):
             return np.concatenate([known.real.ravel(), known.imag.ravel()])
         scan = placed(scene, scan, "--data")
         if key not in self._fields:
-            if scan.kind == "frequency":
-                motion = over_frequency(scene, scan, tolerance=self.tolerance, progress=self.progress)
-            else:
-                places = tuple(zip(scan.x.tolist(), scan.y.tolist(), strict=True))
-                motion = along_places(self.motion(stator, places[:1]), scan)
+            # solved as the scans that the program writes are: what differs is the data alone
+            motion = predicted_scan(scene, scan, tolerance=self.tolerance, progress=self.progress)
             self._keep(key, measurement.scan, motion)
         motion = self._fields[key][1] * numbers.get(AMPLITUDE_FACTOR, 1.0)
         motion = at_other_velocity(scene, scan, motion, numbers.get(WAVE_VELOCITY_FACTOR, 1.0))
