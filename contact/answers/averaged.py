@@ -34,7 +34,7 @@ LEFT_OF_FIRST, LEFT_OF_RATIO = 0.12, 0.1
 STEP_GAIN = 3.0
 STICKS = (
     "not applicable",
-    "the averaged way does not apply: a contact sticks through whole cycles; use method stepped or exact",
+    "the averaged method does not apply: a contact sticks through whole cycles; use method stepped or exact",
 )
 NOT_FINITE = "not converged", "the averaged motion was not finite; use method exact"
 
@@ -66,8 +66,7 @@ def refuse_unless_applicable(slider: Slider, orbits: tuple[Orbit, ...], stiffest
     why = refusals(slider, orbits, stiffest)
     if why:
         raise ConvergenceError(
-            "not applicable",
-            f"the averaged way does not apply: {', '.join(why)}; use method stepped or exact",
+            "not applicable", f"the averaged method does not apply: {', '.join(why)}; use method exact"
         )
 
 

@@ -80,7 +80,7 @@ def blocked_thrust(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[f
     Raises
     ------
     ConvergenceError
-        Status "not applicable" where the averaged way does not apply.
+        Status "not applicable" where averaging does not apply.
     """
     _, problem, unit = _unloaded(slider, orbits)
     low, high = averaged.rest_tractions(problem)
@@ -107,7 +107,7 @@ def mean_traction(slider: Slider, orbits: Orbit | tuple[Orbit, ...], velocities:
     Raises
     ------
     ConvergenceError
-        Status "not applicable" where the averaged way does not apply.
+        Status "not applicable" where averaging does not apply.
     """
     side, problem, unit = _unloaded(slider, orbits)
     speeds = side * np.asarray(velocities, float) / problem.speed

@@ -21,8 +21,9 @@ from contact.answers.averaged import STIFFEST_STEADY, refusals
 from contact.answers.closed_forms import closed_form
 from contact.answers.ledger import Ledger, ledger
 from contact.answers.sweep import mean_motion
+from contact.choice import Answer
 from contact.convergence import ConvergenceError
-from contact.drive import relative_to_reference, towards_plus
+from contact.drive import reference_speed, relative_to_reference, towards_plus
 from contact.orbit import Orbit, as_orbits
 from contact.problem import scaled
 from contact.slider import Slider
@@ -51,16 +52,13 @@ class SteadyState:
     ----------
     slider, orbits
         What was asked.
-    velocity : float
-        Mean over a cycle, m/s; exactly 0 when held.
+    answer : Answer
+        Mean velocity over a cycle, m/s, exactly 0 when held; its error, with what is in doubt about the motion that a
+        start from rest reaches; status and reasons.
     regime : str
         "stick", "slip" or "intermittent".
-    relative_error : float
-        Estimated error of velocity over max(|v|, omega |u_x|/10), from two computed answers.
     height : float
         Mean approach h of the contacts, m; the slider's mean position is -h.
-    status, message : str
-        "ok", or what is to be known about the answer, and a sentence.
     method : str
         What was used: "exact" or "averaged".
     ledger : Ledger
@@ -77,17 +75,34 @@ class SteadyState:
 
     slider: Slider
     orbits: tuple[Orbit, ...]
-    velocity: float
+    answer: Answer
     regime: str
-    relative_error: float
     height: float
-    status: str
-    message: str
     method: str
     ledger: Ledger
     other_velocity: float | None = None
     statistics: dict
     seconds: float
+
+    @property
+    def velocity(self) -> float:
+        """Mean velocity over a cycle, m/s; exactly 0 when held."""
+        return self.answer.value
+
+    @property
+    def relative_error(self) -> float:
+        """Estimated error of the velocity over max(|v|, omega |u_x|/10)."""
+        return relative_to_reference(self.answer.error, self.answer.value, self.orbits)
+
+    @property
+    def status(self) -> str:
+        """What `Answer.status` says."""
+        return self.answer.status
+
+    @property
+    def message(self) -> str:
+        """A sentence: how the answer was found, and what is to be known about it."""
+        return self.answer.message
 
 
 def steady(
@@ -124,14 +139,14 @@ def steady(
     bounds.positive("tolerance", tolerance, "")
     bounds.choice("method", method, METHODS)
     found = _closed(slider, listed) or _searched(slider, listed, method)
-    error, status = found["relative_error"], "ok"
-    if error > tolerance:
-        status = "above tolerance"
-        found["message"] += f"; estimated error {error:.2g} exceeds {tolerance:.2g}"
-        if found["method"] == "averaged" and found["velocity"] == 0.0:
-            found["message"] += ", for so near the threshold the slider may move"
+    velocity, message, relative = (found.pop(key) for key in ("velocity", "message", "relative_error"))
+    reference = reference_speed(velocity, listed) or 1.0
+    near = found["method"] == "averaged" and velocity == 0.0
+    answer = Answer(value=velocity, error=relative * reference, reasons=(message,)).judged(
+        tolerance, reference, "so near the threshold the slider may move" if near else ""
+    )
     seconds = time.perf_counter() - begun
-    return SteadyState(slider=slider, orbits=listed, status=status, seconds=seconds, **found)
+    return SteadyState(slider=slider, orbits=listed, answer=answer, seconds=seconds, **found)
 
 
 def _closed(slider, orbits):

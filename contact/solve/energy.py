@@ -47,45 +47,58 @@ CROWDED = CROWDED + 0.5
 @compiled
 def account(problem, grid, state, nodes, segment):
     """Add the integrals over one segment to the sums."""
-    friction = problem.friction * problem.stiffness
-    slider, own, sums, last = nodes.slider, nodes.contact, state.sums, nodes.guard.size - 1
+    account_slider(problem, grid, state, nodes, segment)
+    for i in range(state.regime.size):
+        account_contact(problem, grid, state, nodes, segment, i)
+    if state.sums[SINCE] > 0.0:
+        state.sums[SINCE] += segment.length
+
+
+@compiled
+def account_slider(problem, grid, state, nodes, segment):
+    """Add the slider's own integrals over one segment."""
+    slider, sums, last = nodes.slider, state.sums, nodes.guard.size - 1
     for k in range(last + 1):
         weight = segment.length * grid.integrals[segment.map, 0, k, last]
         w, v = slider[CLIMB, k], slider[SPEED, k]
         sums[NORMAL_LOSS] += weight * problem.normal_damping * w * w
         sums[TANGENTIAL_LOSS] += weight * problem.tangential_damping * v * v
         sums[LOAD_WORK] += weight * problem.load * v
-        for i in range(state.regime.size):
-            regime, sign = state.regime[i], state.sign[i]
-            if regime == Regime.SEPARATED:
-                continue
-            point, tangential = point_at(nodes, i, k), own[Q, i, k]
-            z, _, z_rate, x_rate = point
-            normal = own[P, i, k] + own[BACK, i, k]
-            damper = problem.contact_damping * own[P, i, k] * z_rate
-            sums[TRACTION] += weight * tangential
-            sums[SUPPORT] += weight * normal
-            sums[WAVE_NORMAL] += weight * (normal + damper) * own[U_Z_RATE, i, k]
-            sums[WAVE_TANGENTIAL] += weight * tangential * own[U_X_RATE, i, k]
-            sums[CONTACT_LOSS] += weight * damper * z_rate
-            slip = slip_speed(sign, z_rate, x_rate, problem.law.limit_rate(problem, z))
-            if regime == Regime.SLIP and problem.law.rated:
-                sums[SLIP_LOSS] += weight * tangential * x_rate
-            elif regime == Regime.SLIP or regime == Regime.CREEP:
-                sums[SLIP_LOSS] += weight * tangential * sign * slip
-            elif regime == Regime.ANNULUS:
-                sums[SLIP_LOSS] += weight * friction * annulus_slip(z, own[FRONT, i, k]) * slip
-            if problem.law.kind == Tangential.ELASTIC and not (problem.law.rated and regime == Regime.SLIP):
-                sums[LEAK] -= weight * spring(problem, regime, sign, point)[1] * z_rate
-    if problem.law.rated:
-        for i in range(state.regime.size):
-            if state.regime[i] == Regime.SLIP:
-                work, leak = _spring_in_slip(problem, grid, state, nodes, segment, i)
-                sums[SLIP_LOSS] -= work
-                sums[LEAK] += leak
     sums[DISPLACEMENT] += slider[TRAVEL, last]
-    if sums[SINCE] > 0.0:
-        sums[SINCE] += segment.length
+
+
+@compiled
+def account_contact(problem, grid, state, nodes, segment, i):
+    """Add the integrals of one contact over one segment."""
+    own, sums, law, last = nodes.contact, state.sums, problem.law, nodes.guard.size - 1
+    regime, sign, friction = state.regime[i], state.sign[i], problem.friction * problem.stiffness
+    if regime == Regime.SEPARATED:
+        return
+    rated = regime == Regime.SLIP and law.rated
+    for k in range(last + 1):
+        weight = segment.length * grid.integrals[segment.map, 0, k, last]
+        point, tangential_force = point_at(nodes, i, k), own[Q, i, k]
+        z, _, z_rate, x_rate = point
+        normal = own[P, i, k] + own[BACK, i, k]
+        damper = problem.contact_damping * own[P, i, k] * z_rate
+        sums[TRACTION] += weight * tangential_force
+        sums[SUPPORT] += weight * normal
+        sums[WAVE_NORMAL] += weight * (normal + damper) * own[U_Z_RATE, i, k]
+        sums[WAVE_TANGENTIAL] += weight * tangential_force * own[U_X_RATE, i, k]
+        sums[CONTACT_LOSS] += weight * damper * z_rate
+        slip = slip_speed(sign, z_rate, x_rate, law.limit_rate(problem, z))
+        if rated:
+            sums[SLIP_LOSS] += weight * tangential_force * x_rate
+        elif regime == Regime.SLIP or regime == Regime.CREEP:
+            sums[SLIP_LOSS] += weight * tangential_force * sign * slip
+        elif regime == Regime.ANNULUS:
+            sums[SLIP_LOSS] += weight * friction * annulus_slip(z, own[FRONT, i, k]) * slip
+        if law.kind == Tangential.ELASTIC and not rated:
+            sums[LEAK] -= weight * spring(problem, regime, sign, point)[1] * z_rate
+    if rated:
+        work, leak = _spring_in_slip(problem, grid, state, nodes, segment, i)
+        sums[SLIP_LOSS] -= work
+        sums[LEAK] += leak
 
 
 @compiled

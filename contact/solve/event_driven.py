@@ -17,10 +17,11 @@ from contact.codes import Regime, Status
 from contact.interpolation import interpolate
 from contact.jit.compiled import compiled, native
 from contact.law.hysteretic import write_curve
+from contact.solve import many_contacts
 from contact.solve import segment as seg
 from contact.solve.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH
-from contact.solve.energy import DISPLACEMENT, account, mark
-from contact.solve.events import earliest, end_guard, transit
+from contact.solve.energy import DISPLACEMENT, SUMS, account, mark
+from contact.solve.events import cut, earliest, end_guard, is_sharp, transit
 from contact.solve.warm_start import Pattern, blank, keep, matching, recalled
 
 # places in the tally after the kinds of event: segments, halvings, sweeps, cycles
@@ -54,6 +55,7 @@ class Work(NamedTuple):
 
     nodes: seg.Nodes
     pattern: Pattern
+    span: many_contacts.Span
 
 
 @cache
@@ -62,6 +64,7 @@ def room(contacts: int, nodes: int, thread: int) -> Work:
     return Work(
         seg.Nodes(np.zeros((seg.ROWS, nodes)), np.zeros((seg.PLANES, contacts, nodes)), np.empty(nodes)),
         blank(contacts, nodes),
+        many_contacts.span(contacts, nodes, SUMS, TALLY, thread),
     )
 
 
@@ -128,8 +131,8 @@ def _cold_started(problem, grid, state, nodes, task, segment, memory):
     for _ in range(12):
         if who < 0:
             break
-        sharp = _is_sharp(which, state.regime[who])
-        segment = _cut(segment, place, who, which, sharp, entered)
+        sharp = is_sharp(which, state.regime[who])
+        segment = cut(segment, place, who, which, sharp, entered)
         segment = _landed(problem, grid, state, nodes, task, segment, memory)
         if segment.length == 0.0 or segment.contact < 0:
             break
@@ -138,30 +141,6 @@ def _cold_started(problem, grid, state, nodes, task, segment, memory):
         if (who == segment.contact and which == segment.guard) or place > 1.0 - 1e-6:
             break
     return True, segment
-
-
-@compiled
-def _is_sharp(which, regime):
-    """Return whether a guard's root is one at which the force has a square root."""
-    if which == 0:
-        return regime != Regime.SEPARATED
-    return (which == 1 and regime == Regime.STICK) or (which == 2 and regime == Regime.ANNULUS)
-
-
-@compiled
-def _cut(segment, place, who, which, sharp, entered):
-    """Return the segment cut at a root in sigma; with roots of the force at both ends it is cut in the middle."""
-    s = 0.5 * (min(place, 1.0) + 1.0)
-    if segment.map == ROOT_AT_START:
-        s = s * s
-    elif segment.map == ROOT_AT_END:
-        s = 1.0 - (1.0 - s) ** 2
-    length, map_ = segment.length * s, segment.map
-    if sharp and entered and length > 1e-9:
-        length, who = 0.5 * length, -1
-    elif sharp:
-        map_ = ROOT_AT_END
-    return seg.Segment(segment.phase, length, segment.longest, map_, who, which, 0)
 
 
 @compiled
@@ -385,7 +364,10 @@ def travel(problem, grid, state, work, task, memory):
     for k in range(task.number):
         before = state.sums[DISPLACEMENT]
         _begin_with(work.nodes, 0.0, 0.0)
-        why = advance(problem, grid, state, work, task, memory, k)
+        if memory is None and state.regime.size >= many_contacts.MANY:
+            why = many_contacts.advance_many(problem, grid, state, work, task)
+        else:
+            why = advance(problem, grid, state, work, task, memory, k)
         if why != Status.DONE:
             return why
         state.tally[CYCLES] += 1

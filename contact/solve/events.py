@@ -7,18 +7,20 @@ from contact.jit.compiled import compiled
 from contact.kinematics import Point, at_phase, slip_speed
 from contact.law.elastic import follow, guard, guard_rate, opening, spring
 from contact.law.hysteretic import memory_guard, recall
+from contact.solve.collocation import ROOT_AT_END, ROOT_AT_START
 from contact.solve.energy import SLIP_LOSS
 from contact.solve.roots import first_root
 from contact.solve.segment import (
     FRONT,
     NORMAL_ACCELERATION,
     TANGENTIAL_ACCELERATION,
+    Segment,
     guards,
     point_at,
 )  # fmt: skip
 
 # the last guard of each regime
-_LAST = (0, 2, 1, 2, 3, 2)
+LAST = (0, 2, 1, 2, 3, 2)
 
 
 def open_regimes(problem, phase, state):
@@ -38,7 +40,7 @@ def earliest(problem, grid, state, nodes, memory):
     for i in range(state.regime.size):
         regime = state.regime[i]
         for k in range(4):
-            if (k > 0 and regime == Regime.SEPARATED) or k > _LAST[regime]:
+            if (k > 0 and regime == Regime.SEPARATED) or k > LAST[regime]:
                 continue
             if k == 3 and first < 1.0 - 1e-6 and memory is not None:
                 if memory.kind[i, memory.count[i] - 1] == 0:
@@ -48,6 +50,30 @@ def earliest(problem, grid, state, nodes, memory):
             if place < first:
                 first, who, which = place, i, k
     return first, who, which
+
+
+@compiled
+def is_sharp(which, regime):
+    """Return whether a guard's root is one at which the force has a square root."""
+    if which == 0:
+        return regime != Regime.SEPARATED
+    return (which == 1 and regime == Regime.STICK) or (which == 2 and regime == Regime.ANNULUS)
+
+
+@compiled
+def cut(segment, place, who, which, sharp, entered):
+    """Return the segment cut at a root in sigma; with roots of the force at both ends it is cut in the middle."""
+    s = 0.5 * (min(place, 1.0) + 1.0)
+    if segment.map == ROOT_AT_START:
+        s = s * s
+    elif segment.map == ROOT_AT_END:
+        s = 1.0 - (1.0 - s) ** 2
+    length, map_ = segment.length * s, segment.map
+    if sharp and entered and length > 1e-9:
+        length, who = 0.5 * length, -1
+    elif sharp:
+        map_ = ROOT_AT_END
+    return Segment(segment.phase, length, segment.longest, map_, who, which, 0)
 
 
 @compiled
@@ -90,7 +116,7 @@ def transit(problem, state, nodes, segment, phase, memory):
                 value, rate = end_guard(problem, state, nodes, i, k, phase, memory)
                 met = abs(value) < 4e-16 and rate < 0.0
             if met:
-                kind = _enter_next(problem, state, nodes, i, k, memory)
+                kind = enter_next(problem, state, nodes, i, k, memory)
                 state.tally[kind] += 1
                 made = made or kind == Event.CONTACT
                 break
@@ -98,7 +124,7 @@ def transit(problem, state, nodes, segment, phase, memory):
 
 
 @compiled
-def _enter_next(problem, state, nodes, i, which, memory):
+def enter_next(problem, state, nodes, i, which, memory):
     """Take a contact to the far side of a guard; return the kind of event."""
     regime, sign, n = state.regime[i], state.sign[i], nodes.guard.size - 1
     end = point_at(nodes, i, n)

@@ -79,23 +79,27 @@ def resized(segment, length):
 def surface(problem, grid, nodes, segment):
     """Fill the surface's displacement (u_x relative to the start) and velocity at the nodes."""
     c0, s0 = np.cos(segment.phase), np.sin(segment.phase)
-    short = segment.length <= 0.8
-    own = nodes.contact
-    for i in range(own.shape[1]):
-        # in the frame of the start: u_z = a cos t + b sin t
-        a, b, d, e = at_phase(problem.paths, i, c0, s0)
-        height = problem.paths.height[i]
-        for j in range(own.shape[2]):
-            t = segment.length * grid.tau[segment.map, j]
-            if short:
-                s, v = short_sine(t)
-            else:
-                s, v = np.sin(t), 1.0 - np.cos(t)
-            c = 1.0 - v
-            own[U_Z, i, j] = a * c + b * s + height
-            own[U_X, i, j] = e * s - d * v
-            own[U_Z_RATE, i, j] = b * c - a * s
-            own[U_X_RATE, i, j] = e * c - d * s
+    for i in range(nodes.contact.shape[1]):
+        surface_of(problem, grid, nodes, segment, i, c0, s0, 0)
+
+
+@compiled
+def surface_of(problem, grid, nodes, segment, i, c0, s0, first):
+    """Fill what `surface` fills for one contact from node `first` on; c0, s0: cosine and sine of the start."""
+    # in the frame of the start: u_z = a cos t + b sin t
+    a, b, d, e = at_phase(problem.paths, i, c0, s0)
+    height, own, short = problem.paths.height[i], nodes.contact, segment.length <= 0.8
+    for j in range(first, own.shape[2]):
+        t = segment.length * grid.tau[segment.map, j]
+        if short:
+            s, v = short_sine(t)
+        else:
+            s, v = np.sin(t), 1.0 - np.cos(t)
+        c = 1.0 - v
+        own[U_Z, i, j] = a * c + b * s + height
+        own[U_X, i, j] = e * s - d * v
+        own[U_Z_RATE, i, j] = b * c - a * s
+        own[U_X_RATE, i, j] = e * c - d * s
 
 
 @compiled
@@ -110,13 +114,8 @@ def forces(problem, grid, state, nodes, segment, mobile, memory):
         slider[NORMAL_ACCELERATION, j] = -d_n * slider[CLIMB, j] - p if mobile else 0.0
         slider[TANGENTIAL_ACCELERATION, j] = -d_t * slider[SPEED, j] - q if mobile else 0.0
     for i in range(state.regime.size):
-        if state.regime[i] == Regime.SEPARATED:
-            for j in range(n):
-                own[Z, i, j] = own[U_Z, i, j] - slider[HEIGHT, j]
-                own[P, i, j] = own[Q, i, j] = own[X, i, j] = own[BACK, i, j] = 0.0
-            continue
-        _contact(problem, grid, state, nodes, i, memory)
-        if mobile:
+        contact_forces(problem, grid, state, nodes, i, memory)
+        if mobile and state.regime[i] != Regime.SEPARATED:
             chi = problem.contact_damping
             for j in range(n):
                 damped = own[P, i, j] * (1.0 + chi * (own[U_Z_RATE, i, j] - slider[CLIMB, j]))
@@ -125,11 +124,16 @@ def forces(problem, grid, state, nodes, segment, mobile, memory):
 
 
 @compiled
-def _contact(problem, grid, state, nodes, i, memory):
-    """Fill approach, deformation and forces of one contact that is not apart."""
+def contact_forces(problem, grid, state, nodes, i, memory):
+    """Fill approach, deformation and forces of one contact."""
     kappa, c, shape, law = problem.stiffness, problem.limit_slope, problem.shape, problem.law
     friction, regime, sign, own = problem.friction * kappa, state.regime[i], state.sign[i], nodes.contact
     n = grid.sigma.size
+    if regime == Regime.SEPARATED:
+        for j in range(n):
+            own[Z, i, j] = own[U_Z, i, j] - nodes.slider[HEIGHT, j]
+            own[P, i, j] = own[Q, i, j] = own[X, i, j] = own[BACK, i, j] = 0.0
+        return
     for j in range(n):
         z = own[U_Z, i, j] - nodes.slider[HEIGHT, j]
         slid = state.deformation[i] + own[U_X, i, j] - nodes.slider[TRAVEL, j]
@@ -260,14 +264,20 @@ def end_kinematics(problem, state, nodes):
     Picard's iteration leaves them as they were before its last sweep, up to 1e-12 away: enough for a contact that has
     just closed to begin the next segment with a negative approach.
     """
-    own, n = nodes.contact, nodes.guard.size - 1
     for i in range(state.regime.size):
-        z = own[U_Z, i, n] - nodes.slider[HEIGHT, n]
-        own[Z, i, n] = z
-        if state.regime[i] == Regime.SLIP:
-            own[X, i, n] = state.sign[i] * problem.law.limit(problem, z)
-        elif state.regime[i] != Regime.SEPARATED:
-            own[X, i, n] = state.deformation[i] + own[U_X, i, n] - nodes.slider[TRAVEL, n]
+        contact_end(problem, state, nodes, i)
+
+
+@compiled
+def contact_end(problem, state, nodes, i):
+    """Set approach and deformation of a contact at the end of the segment from the slider's motion there."""
+    own, n = nodes.contact, nodes.guard.size - 1
+    z = own[U_Z, i, n] - nodes.slider[HEIGHT, n]
+    own[Z, i, n] = z
+    if state.regime[i] == Regime.SLIP:
+        own[X, i, n] = state.sign[i] * problem.law.limit(problem, z)
+    elif state.regime[i] != Regime.SEPARATED:
+        own[X, i, n] = state.deformation[i] + own[U_X, i, n] - nodes.slider[TRAVEL, n]
 
 
 @compiled

@@ -15,13 +15,7 @@ from studies.chain.bridge import DrivenContact
 from studies.chain.points import followed_burst
 from studies.chain.predictor import Predictor
 from studies.chain.resolve import resolved
-from studies.chain.scan_prediction import (
-    along_places,
-    at_other_velocity,
-    network_prediction,
-    over_frequency,
-    placed,
-)
+from studies.chain.scan_prediction import at_other_velocity, network_prediction, placed, predicted_scan
 from studies.chain.solved_stator import PLACE_KEYS, Driven, of_stator
 from studies.chain.steady import steady_answers
 from studies.inverse.parameters import (
@@ -63,9 +57,9 @@ class MeasurementPredictor(Predictor):
 
     def contact(self, changes: dict, step: int = 0) -> Driven:
         """Return the contact with some keys changed; ``amplitude_factor`` among them multiplies its motion."""
-        found, factor = super().contact(changes, step), changes.get(AMPLITUDE_FACTOR, 1.0)
-        amplitudes = tuple(each * factor for each in found.amplitudes)
-        return replace(found, orbits=found.at(factor), amplitudes=amplitudes)
+        prediction, factor = super().contact(changes, step), changes.get(AMPLITUDE_FACTOR, 1.0)
+        amplitudes = tuple(each * factor for each in prediction.amplitudes)
+        return replace(prediction, orbits=prediction.at(factor), amplitudes=amplitudes)
 
     def value(self, key: str) -> float | None:
         """Return the scene's own value of a key; None where it has none."""
@@ -118,11 +112,8 @@ class MeasurementPredictor(Predictor):
             return np.concatenate([known.real.ravel(), known.imag.ravel()])
         scan = placed(scene, scan, "--data")
         if key not in self._fields:
-            if scan.kind == "frequency":
-                motion = over_frequency(scene, scan, tolerance=self.tolerance, progress=self.progress)
-            else:
-                places = tuple(zip(scan.x.tolist(), scan.y.tolist(), strict=True))
-                motion = along_places(self.motion(stator, places[:1]), scan)
+            # solved as the scans that the program writes are: what differs is the data alone
+            motion = predicted_scan(scene, scan, tolerance=self.tolerance, progress=self.progress)
             self._keep(key, measurement.scan, motion)
         motion = self._fields[key][1] * numbers.get(AMPLITUDE_FACTOR, 1.0)
         motion = at_other_velocity(scene, scan, motion, numbers.get(WAVE_VELOCITY_FACTOR, 1.0))
@@ -175,12 +166,12 @@ class MeasurementPredictor(Predictor):
         offset = float(numbers.get(TIME_OFFSET, 0.0))
         after = max(0.0, 1.01 * (measurement.time[-1] - offset) - duration)
         try:
-            found = followed_burst(contact, contact.at(level), speed, self.tolerance, after=after)
+            prediction = followed_burst(contact, contact.at(level), speed, self.tolerance, after=after)
         except library.ConvergenceError:
             return np.full(len(measurement.time), math.nan)
-        curve = found.velocity
+        curve = prediction.velocity
         if measurement.quantity == "position":
-            curve = travelled_distance(found.time, curve)
+            curve = travelled_distance(prediction.time, curve)
         if BANDWIDTH in numbers:
-            curve = low_pass(found.time, curve, float(numbers[BANDWIDTH]))
-        return np.interp(np.array(measurement.time) - offset, found.time, curve)
+            curve = low_pass(prediction.time, curve, float(numbers[BANDWIDTH]))
+        return np.interp(np.array(measurement.time) - offset, prediction.time, curve)

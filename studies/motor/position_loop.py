@@ -112,7 +112,7 @@ class Move:
 
 def moved(
     motor: Moving, target: float, control: Callable[[Reading], Command], numbers: MotorNumbers, loop: Loop, *,
-    powers: tuple[float, float] = (0.0, 0.0), direction: float = 1.0, frequency: float = 0.0,
+    powers: tuple[float, float] = (0.0, 0.0), direction: float = 1.0, frequency: float = 0.0, one_way: bool = False,
 ) -> Move:  # fmt: skip
     """Return the move of a motor to a target under a controller; the motor is moved.
 
@@ -122,6 +122,8 @@ def moved(
         W per squared unit of the level, of the first and the second drive.
     direction : float
         Sign of the velocity under the first drive.
+    one_way : bool
+        Whether there is no second drive.
     frequency : float
         Of the wave, Hz: bursts are rounded to whole cycles.
     """
@@ -153,6 +155,8 @@ def moved(
             time=motor.time - begin, position=reading, target=target, period=loop.period, motor=numbers, memory=memory
         ))  # fmt: skip
         level = min(max(command.level, -numbers.level), numbers.level)
+        if one_way and level * direction < 0.0:
+            level = 0.0  # nothing drives the slider back
         duration = command.duration if frequency == 0.0 else round(command.duration * frequency) / frequency
         duration = duration if level != 0.0 else 0.0
         driven = level != 0.0 and duration > 0.0

@@ -29,6 +29,7 @@ from studies.study import Panel, StudyRecord, driven_contact, judged, of_record,
 
 QUICK = {"cycles": (8, 25, 100)}
 CYCLES = (2, 4, 8, 12, 16, 25, 36, 50, 72, 100, 150, 200)
+USUAL = 1e-5  # m, the target of one that names none
 GOOD = 2e-9  # m, the error at rest that is asked for
 UNITS = {
     "resolution": "m", "noise": "m", "delay": "s", "period": "s", "force": "N", "force_at": "s", "preload": "N",
@@ -42,7 +43,7 @@ SCATTER_CYCLES = 100
 def run(
     scene: str | Scene = "twente-contact",
     *,
-    target: str | float = "10 um",
+    target: str | float | None = None,
     controller: str = "two_phase",
     loop: list[str] | None = None,
     cycles: tuple[int, ...] = CYCLES,
@@ -52,8 +53,8 @@ def run(
 
     Parameters
     ----------
-    target : str or float
-        Where to go, m from the start.
+    target : str or float, optional
+        Where to go, m from the start; 10 um the way of the first drive when absent.
     controller : str
         A name of `studies.motor.controllers.CONTROLLERS`, or ``FILE.py:FUNCTION``.
     loop : list of str
@@ -62,12 +63,17 @@ def run(
         Lengths of the bursts whose steps are shown.
     """
     surroundings, control = read_loop(loop or [], controller)
-    way = si_value("--target", toml_value(target) if isinstance(target, str) else target, "m")
-    if way == 0.0:
-        raise SceneError("--target", "must not be 0: that is where the slider stands")
-    refuse_beyond(scene, way)
+    way = None
+    if target is not None:
+        way = si_value("--target", toml_value(target) if isinstance(target, str) else target, "m")
+        if way == 0.0:
+            raise SceneError("--target", "must not be 0: that is where the slider stands")
+        refuse_beyond(scene, way)
     motor = averaged_motor(scene, progress=progress)
     numbers, direction = motor_numbers(motor)
+    if way is None:
+        way = USUAL * direction
+        refuse_beyond(scene, way)
     if len(motor.drives) == 1 and way * direction < 0.0:
         raise SceneError(
             "--target", f"must be {'negative' if way > 0 else 'positive'}: one transducer drives one way"
@@ -75,7 +81,12 @@ def run(
     progress("positioning: the way there and back")
     state = motor.start(preload=surroundings.preload)
     powers = (*(drive.power for drive in motor.drives), 0.0)
-    given = {"powers": powers[:2], "direction": direction, "frequency": motor.drives[0].orbits[0].frequency}
+    given = {
+        "powers": powers[:2],
+        "direction": direction,
+        "frequency": motor.drives[0].orbits[0].frequency,
+        "one_way": len(motor.drives) == 1,
+    }
     ways = {"there": moved(state, way, control(), numbers, surroundings, **given)}
     if len(motor.drives) == 2:
         again = replace(surroundings, seed=surroundings.seed + 1)

@@ -111,17 +111,18 @@ def test_steps_that_are_planned_have_errors_too():
 
 
 def test_stopping_takes_the_ring_down_and_the_braking():
-    f, body, wave = WAVE.frequency, slider(**(LIGHT | {"mass": 2e-4})), WAVE.scaled(2.0)
+    f, body, wave = WAVE.frequency, slider(**LIGHT), WAVE.scaled(2.0)
     ringing = 200 / f
     fading = Envelope(
         time=np.linspace(0, ringing, 50), amplitude=np.linspace(1.0, 0.0, 50), phase=np.zeros(50)
     )
     rising = Envelope(time=[0.0], amplitude=[1.0], phase=[0.0])
-    sudden = step(body, wave, cycles=3000, envelope=rising)
-    rung = step(body, wave, cycles=3000, envelope=rising, after=fading)
+    sudden = step(body, wave, cycles=400, envelope=rising)
+    rung = step(body, wave, cycles=400, envelope=rising, after=fading)
     assert sudden.velocity == pytest.approx(rung.velocity, rel=1e-12)
     friction = 0.15 * 2e-3
-    braking = abs(sudden.velocity) * 2e-4 / friction
-    assert sudden.stopping_time == pytest.approx(braking, rel=0.1)
+    braking = abs(sudden.velocity) * 2e-6 / friction
+    assert sudden.stopping_time == pytest.approx(braking, rel=0.3)
+    assert braking < 0.5 * ringing
     assert rung.stopping_time > ringing * 0.98
     assert rung.stopping == pytest.approx(rung.displacement - rung.during, rel=1e-12)

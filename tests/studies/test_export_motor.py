@@ -308,7 +308,7 @@ def test_inputs_that_cannot_be_are_refused():
             {"heights": ["0 nm", "1 nm"], "contacts": ["-1 mm", "1 mm"]},
             "slider.heights must be absent",
         ),
-        ("twente-contact", {"law": "hysteretic"}, "the averaged way does not apply"),
+        ("twente-contact", {"law": "hysteretic"}, "the averaged method does not apply"),
     ],
 )
 def test_scenes_without_an_averaged_motor_are_refused(name, change, words):

@@ -1,0 +1,120 @@
+"""Many contacts, whose segments span events, against few, whose segments end at every event: the same motion."""
+
+import numpy as np
+import pytest
+
+from contact import FallingFriction, Orbit, burst, contact_history, steady
+from contact.answers.methods import rest, rest_problem
+from contact.solve import many_contacts
+from tests.contact.motors import slider
+
+FEW = 8
+HEIGHTS = tuple(0.4e-9 * np.sin(3.0 * np.arange(FEW)))
+
+
+def waves(count):
+    """Return so many different orbits, again and again after `FEW`."""
+    which = np.arange(count) % FEW
+    sizes, phases = 5e-9 * (1.0 + 0.1 * np.sin(which)), 2.0 * np.pi * (0.618 * which % 1.0)
+    return tuple(
+        Orbit(frequency=2.2e6, normal=a * np.exp(1j * p), tangential=-0.7j * a * np.exp(1j * p * 1.02))
+        for a, p in zip(sizes, phases, strict=True)
+    )
+
+
+def motor(count, **changed):
+    """Return a slider whose totals are shared among so many contacts."""
+    share = count / FEW
+    totals = {"mass": 0.089e-3, "preload": 0.089e-3 * 9.81, "normal_damping": 0.5, "tangential_damping": 1e-4}
+    whole = {key: value * FEW * share for key, value in totals.items()}
+    load = {"load": changed.pop("load") * share} if "load" in changed else {}
+    return slider(**whole, **load, heights=HEIGHTS * int(share), **changed)
+
+
+CASES = pytest.mark.parametrize(
+    "changed",
+    [{}, {"load": 2e-4, "contact_damping": 2e-4}, {"shape": "punch", "radius": 5e-6}, {"reciprocal": True},
+     {"friction_coefficient": 0.3, "friction": FallingFriction(sliding=0.15, speed=0.05)}],
+    ids=["sphere", "loaded", "punch", "reciprocal", "falling"],
+)  # fmt: skip
+
+
+# Oracle: every contact twice, with twice of everything, is the same motion; below `MANY` the other solver makes it
+@CASES
+def test_a_burst_of_twice_the_contacts_is_the_same_motion(changed):
+    assert FEW < many_contacts.MANY <= 2 * FEW
+    runs = [
+        burst(
+            motor(n, **changed),
+            waves(n),
+            duration=12 / 2.2e6,
+            after=1e-6,
+            tolerance=1e-8,
+            samples=12,
+            method="exact",
+        )
+        for n in (FEW, 2 * FEW)
+    ]
+    few, many = runs
+    reference = 2.2e6 * 2.0 * np.pi * 3.5e-9 / 10.0
+    apart = np.abs(few.velocity - many.velocity)
+    assert np.max(apart[:13]) < 1e-12 * reference  # at the ends of cycles
+    assert np.max(apart) < 2e-9 * reference  # within a segment, on the surface at rest
+    assert np.max(np.abs(few.position - many.position)) < 1e-11 * 5e-9
+    assert np.abs(many.velocity_at_burst_end) > 1e-7
+    for one, two in zip(few.ledger, many.ledger, strict=True):
+        assert two == pytest.approx(2.0 * one, rel=1e-6, abs=1e-9 * many.ledger.wave)
+    assert many.ledger.relative_residual < 1e-8
+
+
+@CASES
+def test_the_steady_state_of_twice_the_contacts_is_the_same(changed):
+    few, many = (steady(motor(n, **changed), waves(n), tolerance=1e-6) for n in (FEW, 2 * FEW))
+    assert (few.method, many.method) == ("exact", "exact")
+    assert many.velocity == pytest.approx(few.velocity, rel=1e-9)
+    assert abs(few.velocity) > 1e-3
+    for kind in ("contact", "release", "stick_to_slip", "slip_to_stick"):
+        assert many.statistics[kind] == 2 * few.statistics[kind]
+    assert many.ledger.relative_residual < 1e-8
+
+
+def test_what_each_contact_does_is_the_same():
+    few, many = (
+        contact_history(motor(n), waves(n), stage="start", skip=2.3, cycles=1.4, points_per_cycle=40.0)
+        for n in (FEW, 2 * FEW)
+    )
+    for name in ("approach", "deformation", "normal_force", "tangential_force"):
+        one, two = getattr(few, name), getattr(many, name)
+        assert np.max(np.abs(two[:, :FEW] - one)) < 1e-9 * np.max(np.abs(one))
+        assert np.array_equal(two[:, FEW:], two[:, :FEW])
+    assert np.array_equal(many.regime[:, :FEW], few.regime)
+    assert np.max(np.abs(many.slider_velocity - few.slider_velocity)) < 1e-11
+    gaps = [each.statistics["smallest_gap"] for each in (few, many)]
+    # events of a contact and of its twin at one instant have no gap
+    assert gaps[1] == pytest.approx(gaps[0], rel=1e-3)
+
+
+# Symmetry: the Jacobian of many contacts, from a few differences, has the multipliers of the full one
+def test_the_multipliers_of_many_contacts_are_those_of_every_difference(monkeypatch):
+    from contact.solve import shooting
+    from contact.solve.equilibrium import balanced
+
+    balance = balanced(motor(2 * FEW), waves(2 * FEW))
+    found = []
+    for few in (shooting.FEW_CONTACTS, 1000):
+        monkeypatch.setattr(shooting, "FEW_CONTACTS", few)
+        near = shooting.periodic(balance, nodes=16, truncation=1e-12)
+        found.append(np.sort(np.abs(np.linalg.eigvals(near.jacobian)))[-3:])
+    assert found[0] == pytest.approx(found[1], abs=3e-7)
+    assert 0.99 < found[1][-1] < 1.0
+
+
+def test_the_work_grows_as_the_contacts():
+    # Sweeps over contacts: a segment spans the events of all
+    sweeps = []
+    for n in (16, 64):
+        problem = rest_problem(motor(n), waves(n))
+        motion = rest(motor(n), waves(n), problem, nodes=12, truncation=1e-10)
+        motion.turn(10)
+        sweeps.append(motion.events()["sweeps"])
+    assert sweeps[1] < 1.2 * sweeps[0]
