@@ -124,7 +124,8 @@ def mean_from_rest(slider: Slider, orbits: tuple[Orbit, ...], direction: float, 
     problem, begin = _started(slider, orbits, direction)
     _refuse_unless_affordable(problem, math.inf)
     motion = Motion(problem, grid=collocation(10), truncation=1e-7)
-    motion.place(*begin[:3], begin[3:])
+    height, climb, speed = begin[:3]
+    motion.place(height, climb, speed, begin[3:])
     rows = motion.turn(cycles, stride=1)
     return float(np.mean(rows[cycles // 2 :, ROW_MEAN_VELOCITY])) * problem.speed
 

@@ -21,12 +21,12 @@ ELECTRICAL = ("frequency_Hz", "conductance_S", "susceptance_S", "power_W")
 def amplitudes(driven: Driven) -> dict:
     """Return a point's amplitudes and, with a stator, what its driven transducer takes."""
     sizes = zip(AMPLITUDES, driven.amplitudes, strict=True)
-    found, solved = {name: size * driven.level for name, size in sizes}, driven.solved
+    outcomes, solved = {name: size * driven.level for name, size in sizes}, driven.solved
     if solved is None:
-        return found
+        return outcomes
     conductance, voltage = solved.admittance.real, abs(solved.electrode_voltage * driven.level)
     taken = solved.frequency, conductance, solved.admittance.imag, 0.5 * conductance * voltage**2
-    return found | dict(zip(ELECTRICAL, taken, strict=True))
+    return outcomes | dict(zip(ELECTRICAL, taken, strict=True))
 
 
 def also_asked(also, tolerance: float, driven: Driven, answer: dict) -> dict:

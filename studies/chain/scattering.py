@@ -58,14 +58,14 @@ def network(
     reference = reference_impedance(z0)
     at = band_frequencies(chosen, band)
     names, _, scattering = scattering_matrix(chosen, at, reference, tolerance, LOGGER.info)
-    found = library.Network(
+    result = library.Network(
         frequency=library.Frequency.from_f(at, unit="hz"),
         s=scattering,
         z0=reference,
         name=chosen.title or "network",
     )
-    found.port_names = names
-    return found
+    result.port_names = names
+    return result
 
 
 def scattering_matrix(scene: Scene, at: Any, reference: float, tolerance: float, progress: Any) -> Any:
@@ -90,8 +90,8 @@ def band_frequencies(scene: Scene, band: Any = None, count: int | None = None) -
         return passband.frequencies(scene, count, DEFAULT_COUNT)
     if not isinstance(band, str):
         return np.asarray(band, dtype=float)
-    found = read_range("--band", band, "Hz", bare=1e6)
-    if not (0 < found.low < found.high and 2 <= found.count <= MAX_FREQUENCIES):
+    result = read_range("--band", band, "Hz", bare=1e6)
+    if not (0 < result.low < result.high and 2 <= result.count <= MAX_FREQUENCIES):
         rule = f"must rise from START above 0 to STOP in 2 to {MAX_FREQUENCIES} values, got {band!r}"
         raise SceneError("--band", rule)
-    return np.array(found.values)
+    return np.array(result.values)

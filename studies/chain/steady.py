@@ -97,9 +97,9 @@ def averaged(asked: list[tuple], threads: int | None = None) -> list[tuple]:
             factors.append(factor)
         orbits, errors = zip(*waves, strict=True)
         given = {"which": which, "factors": factors, "wave_errors": errors, "threads": threads}
-        found = contact.steady_sweep(list(sliders), orbits, **given)
+        states = contact.steady_sweep(list(sliders), orbits, **given)
         names = ("velocity", "regime", "relative_error", "error_from_wave", "blocked_thrust")
-        rows = zip(*(getattr(found, name).tolist() for name in names), strict=True)
+        rows = zip(*(getattr(states, name).tolist() for name in names), strict=True)
         for at, row in zip(members, rows, strict=True):
             answers[at] = row
     return answers

@@ -15,29 +15,29 @@ def steady_tally(state) -> dict:
     if "contact" not in counted:
         return {}
     cycles = counted.get("averaged_cycles", 1)
-    found = {f"{name}_per_cycle": counted[name] / cycles for name in EVENTS}
+    tally = {f"{name}_per_cycle": counted[name] / cycles for name in EVENTS}
     if counted.get("period_cycles", 1) != 1:
-        found["period_cycles"] = counted["period_cycles"]  # 0: none was seen
+        tally["period_cycles"] = counted["period_cycles"]  # 0: none was seen
     if state.other_velocity is not None:
-        found["other_velocity_m_per_s"] = state.other_velocity
-    found |= _gap("", counted) | {"chatter": bool(counted["chatter"])}
+        tally["other_velocity_m_per_s"] = state.other_velocity
+    tally |= _gap("", counted) | {"chatter": bool(counted["chatter"])}
     if state.regime != "stick":  # there the wave does no work to compare with
-        found["ledger_relative_residual"] = state.ledger.relative_residual
-    return found
+        tally["ledger_relative_residual"] = state.ledger.relative_residual
+    return tally
 
 
 def burst_tally(trajectory) -> dict:
     """Return the tally of a `contact.Trajectory`."""
-    counted, found = trajectory.statistics, {"burst_method": trajectory.method}
+    counted, tally = trajectory.statistics, {"burst_method": trajectory.method}
     for prefix, name in (("", "burst"), ("after_", "after")):
         if f"{prefix}contact" not in counted:
             continue
-        found |= {f"{name}_{event}": counted[f"{prefix}{event}"] for event in EVENTS}
-        found |= _gap(f"{name}_", counted, prefix) | {f"{name}_chatter": bool(counted[f"{prefix}chatter"])}
+        tally |= {f"{name}_{event}": counted[f"{prefix}{event}"] for event in EVENTS}
+        tally |= _gap(f"{name}_", counted, prefix) | {f"{name}_chatter": bool(counted[f"{prefix}chatter"])}
     for name, book in (("burst", trajectory.ledger), ("after", trajectory.after_ledger)):
         if book is not None:
-            found[f"{name}_ledger_relative_residual"] = book.relative_residual
-    return found
+            tally[f"{name}_ledger_relative_residual"] = book.relative_residual
+    return tally
 
 
 def _gap(name, counted, prefix=""):

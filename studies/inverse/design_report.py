@@ -11,25 +11,25 @@ from studies.results.content import write_json
 from studies.scene.toml import document
 
 
-def write_design(found: Design, folder: Path) -> None:
+def write_design(design: Design, folder: Path) -> None:
     """Write design.json, optimum.toml and design.png into a directory."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_json(folder / "design.json", found.to_dict())
-    remark = f"largest {' and '.join(found.goals)} of {found.evaluations} evaluations"
-    (folder / "optimum.toml").write_text(document(found.table, remarks=(remark,)), encoding="utf-8")
+    write_json(folder / "design.json", design.to_dict())
+    remark = f"largest {' and '.join(design.goals)} of {design.evaluations} evaluations"
+    (folder / "optimum.toml").write_text(document(design.table, remarks=(remark,)), encoding="utf-8")
 
 
-def draw_design(found: Design, path: Path) -> None:
+def draw_design(design: Design, path: Path) -> None:
     """Draw the goal against the evaluations, or the front of two goals, into a PNG file."""
     columns = [
-        next(name for name in GOALS[goal][0] if found.optimum.get(name) is not None) for goal in found.goals
+        next(name for name in GOALS[goal][0] if design.optimum.get(name) is not None) for goal in design.goals
     ]
-    rows = [row for row in found.rows if all(row.get(name) is not None for name in columns)]
+    rows = [row for row in design.rows if all(row.get(name) is not None for name in columns)]
 
     single, axes = len(columns) == 1, [quantity(name) for name in columns]
-    best, label = [found.optimum], "best that keeps the constraints"
+    best, label = [design.optimum], "best that keeps the constraints"
     if not single:
-        best, label = found.front, "front: no evaluation beats these in both"
+        best, label = design.front, "front: no evaluation beats these in both"
 
     def drawn(ax):
         looks = ((rows, ".", "stick", "evaluations"), (best, "o-", "intermittent", label))
@@ -45,21 +45,26 @@ def draw_design(found: Design, path: Path) -> None:
     saved(path, drawn)
 
 
-def design_answer(found: Design, variables: list[Parameter]) -> str:
+def design_answer(design: Design, variables: list[Parameter]) -> str:
     """Return what a search prints."""
     rows = [["variable", "best", "5 % off leaves", "constraints"]]
     for each in variables:
-        robust = found.robustness[each.key]
+        robust = design.robustness[each.key]
         kept = "kept" if robust["keeps_constraints"] else "broken"
         rows.append(
-            [each.key, f"{found.optimum[each.key]:.5g}", f"{100 * robust['least_share_of_goal']:.4g} %", kept]
+            [
+                each.key,
+                f"{design.optimum[each.key]:.5g}",
+                f"{100 * robust['least_share_of_goal']:.4g} %",
+                kept,
+            ]
         )
     notes = [("at the best", [
-        f"{name} {value:.5g}" for name, value in found.optimum.items()
+        f"{name} {value:.5g}" for name, value in design.optimum.items()
         if isinstance(value, float) and "." not in name and name != "relative_error"
     ])]  # fmt: skip
-    if len(found.front) > 1:
-        goals = " and ".join(found.goals)
-        notes.append(("front", f"{len(found.front)} motors that none beats in {goals}"))
-    notes.append(("evaluations", f"{found.evaluations}"))
+    if len(design.front) > 1:
+        goals = " and ".join(design.goals)
+        notes.append(("front", f"{len(design.front)} motors that none beats in {goals}"))
+    notes.append(("evaluations", f"{design.evaluations}"))
     return "\n".join([*table(rows), "", *labelled(notes)])

@@ -57,9 +57,9 @@ class MeasurementPredictor(Predictor):
 
     def contact(self, changes: dict, step: int = 0) -> Driven:
         """Return the contact with some keys changed; ``amplitude_factor`` among them multiplies its motion."""
-        found, factor = super().contact(changes, step), changes.get(AMPLITUDE_FACTOR, 1.0)
-        amplitudes = tuple(each * factor for each in found.amplitudes)
-        return replace(found, orbits=found.at(factor), amplitudes=amplitudes)
+        prediction, factor = super().contact(changes, step), changes.get(AMPLITUDE_FACTOR, 1.0)
+        amplitudes = tuple(each * factor for each in prediction.amplitudes)
+        return replace(prediction, orbits=prediction.at(factor), amplitudes=amplitudes)
 
     def value(self, key: str) -> float | None:
         """Return the scene's own value of a key; None where it has none."""
@@ -166,12 +166,12 @@ class MeasurementPredictor(Predictor):
         offset = float(numbers.get(TIME_OFFSET, 0.0))
         after = max(0.0, 1.01 * (measurement.time[-1] - offset) - duration)
         try:
-            found = followed_burst(contact, contact.at(level), speed, self.tolerance, after=after)
+            prediction = followed_burst(contact, contact.at(level), speed, self.tolerance, after=after)
         except library.ConvergenceError:
             return np.full(len(measurement.time), math.nan)
-        curve = found.velocity
+        curve = prediction.velocity
         if measurement.quantity == "position":
-            curve = travelled_distance(found.time, curve)
+            curve = travelled_distance(prediction.time, curve)
         if BANDWIDTH in numbers:
-            curve = low_pass(found.time, curve, float(numbers[BANDWIDTH]))
-        return np.interp(np.array(measurement.time) - offset, found.time, curve)
+            curve = low_pass(prediction.time, curve, float(numbers[BANDWIDTH]))
+        return np.interp(np.array(measurement.time) - offset, prediction.time, curve)

@@ -51,24 +51,24 @@ class Fit:
         """
         lost = {key for each in self.directions for key in each.components}
         sizes = np.sqrt(np.diag(self.covariance))
-        found = {}
+        by_key = {}
         for k, each in enumerate(self.problem.parameters):
             value = self.values[each.key]
             error = float(sizes[k]) * (value if each.logarithmic else 1.0)
-            found[each.key] = replace(each, value=value, stderr=None if each.key in lost else error)
-        return found | {each.key: each for each in self.fixed}
+            by_key[each.key] = replace(each, value=value, stderr=None if each.key in lost else error)
+        return by_key | {each.key: each for each in self.fixed}
 
     @property
     def intervals(self) -> dict[str, tuple[float | None, float | None]]:
         """95 % intervals by key; None for an end that the data do not make."""
-        found = {}
+        by_key = {}
         for k, parameter in enumerate(self.problem.parameters):
             low, high = (
                 parameter.outer(end.x[k]) if end is not None and end.closed else None
                 for end in self.ends[parameter.key]
             )
-            found[parameter.key] = low, high
-        return found
+            by_key[parameter.key] = low, high
+        return by_key
 
     @property
     def probability(self) -> float | None:
@@ -126,12 +126,12 @@ class Fit:
         if slow:
             steps = np.linalg.cholesky(self.covariance).T
             moved = [np.clip(self.best + step, problem.low, problem.high) for step in steps]
-            shifts = [found[0] - best for found in problem.predictions(moved, (imagined,))]
+            shifts = [by_key[0] - best for by_key in problem.predictions(moved, (imagined,))]
             width = 1.96 * np.sqrt(np.nansum(np.square(shifts), axis=0))
             return at, best, best - width, best + width
         draws = np.random.default_rng(0).multivariate_normal(self.best, self.covariance, DRAWS)
         draws = np.clip(draws, problem.low, problem.high)
-        values = np.array([found[0] for found in problem.predictions(draws, (imagined,))])
+        values = np.array([by_key[0] for by_key in problem.predictions(draws, (imagined,))])
         low, high = np.nanpercentile(values, [2.5, 97.5], axis=0)
         return at, best, low, high
 

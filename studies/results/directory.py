@@ -133,7 +133,7 @@ def result_directory(path: str | Path, origin: Origin, *, chosen: bool = True) -
         if lock is not None:
             shutil.rmtree(target / WORK, ignore_errors=True)
             (target / LOCK).unlink(missing_ok=True)
-            lock.close()
+            lock.release()
         for folder in made:
             with suppress(OSError):
                 folder.rmdir()  # only if empty

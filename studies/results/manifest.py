@@ -26,20 +26,20 @@ class Origin:
 
     def described(self, folder: Path) -> dict:
         """Return the origin in terms of JSON, the source relative to the directory of the result."""
-        found = {"kind": self.kind, "name": self.name}
+        content = {"kind": self.kind, "name": self.name}
         if self.source is not None:
-            found["source"] = relative(self.source.resolve(), folder.resolve())
-        return found
+            content["source"] = relative(self.source.resolve(), folder.resolve())
+        return content
 
 
 def read_manifest(folder: Path) -> dict:
     """Return the manifest of a directory; empty where there is none."""
     try:
-        found = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+        content = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
-    sound = isinstance(found, dict) and isinstance(found.get("files"), dict)
-    return found if sound else {}
+    sound = isinstance(content, dict) and isinstance(content.get("files"), dict)
+    return content if sound else {}
 
 
 def write_manifest(folder: Path, manifest: dict) -> None:
@@ -65,8 +65,8 @@ def named(origin: dict) -> str:
 
 def files_below(folder: Path) -> list[str]:
     """Return the names of all files below a folder, relative to it."""
-    found = (each for each in folder.rglob("*") if each.is_symlink() or not each.is_dir())
-    return sorted(each.relative_to(folder).as_posix() for each in found)
+    files = (each for each in folder.rglob("*") if each.is_symlink() or not each.is_dir())
+    return sorted(each.relative_to(folder).as_posix() for each in files)
 
 
 def free_name(place: Path) -> Path:

@@ -22,7 +22,7 @@ def run_sweep(arguments: Namespace, table: dict, over: dict, tolerance: float, o
     if notice:
         print(f"sawmotor: {notice}", file=sys.stderr)
     with Progress() as progress:
-        found = sweep(
+        result = sweep(
             table,
             over if arguments.points is None else [Path(arguments.points), over],
             tolerance=tolerance,
@@ -31,34 +31,34 @@ def run_sweep(arguments: Namespace, table: dict, over: dict, tolerance: float, o
             workers=arguments.scheduler or arguments.workers,
             progress=progress.points,
         )
-    whole = summary(found)
+    whole = summary(result)
     if arguments.json:
         print_json(whole)
     else:
-        print(sweep_answer(found, whole))
-    if found.failed:
+        print(sweep_answer(result, whole))
+    if result.failed:
         first = whole["reasons"][0]
         print(
-            f"sawmotor: {found.failed} of {found.points} points have no answer within the tolerance; point "
+            f"sawmotor: {result.failed} of {result.points} points have no answer within the tolerance; point "
             f"{first['first_point']}: {first['status']}",
             file=sys.stderr,
         )
-    if not found.failed:
+    if not result.failed:
         return 0
-    answered = found.counts.get("ok", 0) + found.counts.get("above tolerance", 0)
+    answered = result.counts.get("ok", 0) + result.counts.get("above tolerance", 0)
     return EXIT_INEXACT if answered else EXIT_NO_ANSWER
 
 
-def summary(found: Sweep) -> dict:
+def summary(result: Sweep) -> dict:
     """Return what a sweep came to: counts, ranges of its outcomes, reasons of its failures, cost."""
-    columns = found.columns()
+    columns = result.columns()
     known = {name: [each for each in columns.get(name, ()) if each is not None] for name in SHOWN}
     errors, statuses = columns["relative_error"], columns["status"]
     failures = Counter(status for status in statuses if status != "ok").most_common(REASONS)
     return {
-        "store": str(found.path),
-        "points": found.points,
-        "counts": found.counts,
+        "store": str(result.path),
+        "points": result.points,
+        "counts": result.counts,
         "ranges": {name: [min(values), max(values)] for name, values in known.items() if values},
         "largest_relative_error": max(
             (error for error, status in zip(errors, statuses, strict=True) if status == "ok"), default=None
@@ -67,14 +67,14 @@ def summary(found: Sweep) -> dict:
             {"status": status, "points": count, "first_point": statuses.index(status)}
             for status, count in failures
         ],
-        "seconds": found.seconds,
-        "work_seconds": found.cost,
+        "seconds": result.seconds,
+        "work_seconds": result.cost,
     }
 
 
-def sweep_answer(found: Sweep, whole: dict) -> str:
+def sweep_answer(result: Sweep, whole: dict) -> str:
     """Return a sweep's answer as text."""
-    kinds = ", ".join(f"{number} {kind}" for kind, number in found.counts.items())
+    kinds = ", ".join(f"{number} {kind}" for kind, number in result.counts.items())
     ranges = [
         [each.heading, each.text(low), "to", each.text(high)]
         for each, (low, high) in ((quantity(name), ends) for name, ends in whole["ranges"].items())
@@ -86,10 +86,10 @@ def sweep_answer(found: Sweep, whole: dict) -> str:
     if whole["largest_relative_error"] is not None:
         notes.insert(0, ("relative error", f"{whole['largest_relative_error']:.1e} at most, where ok"))
     notes += [
-        ("seconds", f"{found.seconds:.2f}, {duration(found.cost)} of work"),
-        ("results", f"{found.path}"),
+        ("seconds", f"{result.seconds:.2f}, {duration(result.cost)} of work"),
+        ("results", f"{result.path}"),
     ]
-    points = labelled([("points", f"{found.points}: {kinds}")])
+    points = labelled([("points", f"{result.points}: {kinds}")])
     return "\n".join([*points, *(aligned(ranges) if ranges else []), *labelled(notes)])
 
 

@@ -18,6 +18,7 @@ from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import numpy as np
+from filelock import FileLock
 
 from studies.refusal import RunError, SceneError
 from studies.results import DirectoryInUseError, locked
@@ -66,7 +67,7 @@ class Store:
         """Close the file and give the lock back; what is in memory stays."""
         if self._lock is not None:
             self.connection.close()
-            self._lock.close()
+            self._lock.release()
 
     def done(self, count: int):
         """Return which of the first `count` points have a row that stands, an array of bool."""
@@ -134,8 +135,8 @@ class Store:
             ) from None
 
 
-def _lock(folder: Path) -> sqlite3.Connection:
-    """Return a connection that holds the folder's lock until it is closed or its process ends."""
+def _lock(folder: Path) -> FileLock:
+    """Return the lock of the folder, held until it is released or its process ends."""
     try:
         if folder.exists() and not folder.is_dir():
             raise SceneError("--out", f"{str(folder)!r} is a file; name another directory")

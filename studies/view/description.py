@@ -38,35 +38,35 @@ class Ball:
     crest: float  # |u_z| of the surface under it, m per V: it rides on the crests of the enlarged wave
 
 
-def electrodes(found: RunField) -> tuple[Electrode, ...]:
+def electrodes(run: RunField) -> tuple[Electrode, ...]:
     """Return the electrodes that have strips."""
     return tuple(
         Electrode(sign=sign, colour=KINDS[sign][0], label=KINDS[sign][1], strips=tuple(strips))
-        for sign, strips in found.fingers.items()
+        for sign, strips in run.fingers.items()
         if strips
     )
 
 
-def shown_fingers(found: RunField, start: float, stop: float) -> str:
+def shown_fingers(run: RunField, start: float, stop: float) -> str:
     """Return how many of the strips lie between two places (m), for a caption; empty without electrodes."""
-    strips = [strip for each in electrodes(found) for strip in each.strips]
+    strips = [strip for each in electrodes(run) for strip in each.strips]
     shown = sum(left < stop and right > start for left, right in strips)
     return f"{shown} of {len(strips)} fingers" if shown else ""
 
 
-def balls(found: RunField, *, spreads: bool = False) -> tuple[Ball, ...]:
+def balls(run: RunField, *, spreads: bool = False) -> tuple[Ball, ...]:
     """Return the balls of the slider, on the crests of the section or of the beam."""
     listed = []
-    for x, y in () if found.scene.slider is None else found.scene.slider.places:
-        place = x if spreads else found.in_section((x, y))
-        crest = abs(found.beam.motion(x, y)[2] if spreads else found.surface(place)[1])
-        listed.append(Ball(place=place, lateral=y, radius=found.radius, crest=crest))
+    for x, y in () if run.scene.slider is None else run.scene.slider.places:
+        place = x if spreads else run.in_section((x, y))
+        crest = abs(run.beam.motion(x, y)[2] if spreads else run.surface(place)[1])
+        listed.append(Ball(place=place, lateral=y, radius=run.radius, crest=crest))
     return tuple(listed)
 
 
-def crystal_axes(found: RunField) -> tuple[tuple[str, float, float], ...]:
+def crystal_axes(run: RunField) -> tuple[tuple[str, float, float], ...]:
     """Return name and x and z components of the crystal axes that lie in the section, at least in part."""
-    columns = rotation_matrix(found.scene.stator.orientation).T
+    columns = rotation_matrix(run.scene.stator.orientation).T
     return tuple(
         (name, float(x), float(z))
         for name, (x, _, z) in zip("XYZ", columns, strict=True)

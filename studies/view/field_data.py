@@ -22,7 +22,7 @@ TABLE, COMPLEX, INSTANT = 19.5, 9.0, 2.2
 
 
 def save(
-    found: RunField,
+    run: RunField,
     file: str | Path,
     *,
     span: tuple[float, float] | None,
@@ -41,9 +41,9 @@ def save(
     file = Path(file)
     energies = not surface
     if span is None:
-        field = found.with_energies if energies else found.field
+        field = run.with_energies if energies else run.field
     else:
-        field = found.compute(span=span, per_wavelength=LINES, energies=energies)
+        field = run.compute(span=span, per_wavelength=LINES, energies=energies)
     size = expected_size(field, file, instants)
     if size > LARGE and not surface:
         less = (
@@ -80,17 +80,17 @@ def surface_columns(field) -> dict[str, np.ndarray]:
 def columns(field) -> dict[str, np.ndarray]:
     """Return a field with densities as columns, a row for each node, line by line from the bottom up."""
     x, z = np.meshgrid(field.x, field.z, indexing="ij")
-    found = field.densities
+    run = field.densities
     table = {"x_m": x, "z_m": z}
     table |= {f"u_{axis}_m_per_V": field.displacement[..., k] for k, axis in enumerate("xyz")}
     table |= {
         "potential_V_per_V": field.potential,
-        "strain_energy_J_per_m3_per_V2": found.strain_energy,
-        "strain_energy_pulse_J_per_m3_per_V2": found.strain_energy_pulse,
+        "strain_energy_J_per_m3_per_V2": run.strain_energy,
+        "strain_energy_pulse_J_per_m3_per_V2": run.strain_energy_pulse,
     }
     for k, axis in enumerate("xz"):
-        table[f"power_flow_{axis}_W_per_m2_per_V2"] = found.power_flow[..., k]
-        table[f"power_flow_{axis}_pulse_W_per_m2_per_V2"] = found.power_flow_pulse[..., k]
+        table[f"power_flow_{axis}_W_per_m2_per_V2"] = run.power_flow[..., k]
+        table[f"power_flow_{axis}_pulse_W_per_m2_per_V2"] = run.power_flow_pulse[..., k]
     return {name: values.ravel() for name, values in table.items()}
 
 

@@ -53,24 +53,22 @@ GIVEN = ("wave_normal", "wave_tangential")
 
 def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
     """Draw the pictures of a gallery into a directory, and tell what is being done."""
-    found, record = gallery.found, gallery.record
+    run, record = gallery.found, gallery.record
     title = record.scene.title
-    places = (np.arange(ORBITS) + 0.5) / ORBITS * found.length
-    energies = found.with_energies
-    passing = (
-        energies.densities.power_flow[..., 0] @ depth_weights(energies.z, energies.order) * found.aperture
-    )
+    places = (np.arange(ORBITS) + 0.5) / ORBITS * run.length
+    energies = run.with_energies
+    passing = energies.densities.power_flow[..., 0] @ depth_weights(energies.z, energies.order) * run.aperture
     power = record.electrical["power_W_per_V2"]
     ledger, balance = ledger_rows(gallery.ledger)
     for picture, figure in (
-        ("orbits", orbits(places, *np.array([found.surface(x) for x in places]).T, title=title)),
-        ("amplitude", amplitude(record, wavelength=found.wavelength, focus=found.focus)),
-        ("depth", _depth(found)),
+        ("orbits", orbits(places, *np.array([run.surface(x) for x in places]).T, title=title)),
+        ("amplitude", amplitude(record, wavelength=run.wavelength, focus=run.focus)),
+        ("depth", _depth(run)),
         ("contact", strip(gallery.contact[0], title=gallery.contact[1])),
         ("start_stop", start_and_stop(gallery.bursts, acceleration=gallery.acceleration, title=title)),
         ("power", bars(power_rows(record.electrical), "mW per V^2", "power (mW per V^2 of the source, peak)",
                        f"{title}\npower of the driven transducer")),
-        ("power_flow", power_along(found.field.x, passing, covered=found.spans, given=power, title=title)),
+        ("power_flow", power_along(run.field.x, passing, covered=run.spans, given=power, title=title)),
         ("ledger", bars(ledger, "pJ", "energy in one cycle of the wave (pJ); blue: from the wave, orange: to where",
                         f"{title}: {gallery.voltage:g} V\nledger of one contact, {balance}")),
     ):  # fmt: skip
@@ -78,7 +76,7 @@ def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
         figure.savefig(folder / f"{picture}.png", dpi=DPI)
     for picture, quantity in (("wave", "u_z"), ("wave_power_flow", "power_flow")):
         progress(f"drawing {picture}")
-        drawn = Picture(found, views(found), size=STILL, **(GIVEN_FIELD | {"quantity": quantity}))
+        drawn = Picture(run, views(run), size=STILL, **(GIVEN_FIELD | {"quantity": quantity}))
         drawn.save(folder / f"{picture}.png")
     saved(folder / "velocity.png", lambda ax: velocity(record, ax))
     for module, panel in gallery.others:
@@ -249,11 +247,11 @@ def depth_weights(z: np.ndarray, order: int) -> np.ndarray:
     return weights
 
 
-def _depth(found):
+def _depth(run):
     """Profiles of the section's free wave and of the driven stator under the slider, on the half-space's."""
-    stator, scene, (name, place) = resolve.stator(found.scene.stator), found.scene, found.focus
+    stator, scene, (name, place) = resolve.stator(run.scene.stator), run.scene, run.focus
     free = fem.free_wave(stator, frequency=scene.frequency, tolerance=1e-6)
-    line = found.field.displacement[np.searchsorted(found.field.x, place - 1e-9)]
+    line = run.field.displacement[np.searchsorted(run.field.x, place - 1e-9)]
 
     def parts(u):
         return {"Re u_z": u[:, 2].real, "Im u_x": u[:, 0].imag}
@@ -261,25 +259,25 @@ def _depth(found):
     computed, at = {}, np.linspace(0, DEPTH, 200)
     for what, z, u in (
         ("free wave of the section", free.depth, free.profile),
-        (f"driven stator under the {name}, all modes", found.field.z, line),
+        (f"driven stator under the {name}, all modes", run.field.z, line),
     ):
-        chosen = z > -DEPTH * found.wavelength
-        computed[what] = -z[chosen] / found.wavelength, parts(u[chosen] / u[-1, 2])
+        chosen = z > -DEPTH * run.wavelength
+        computed[what] = -z[chosen] / run.wavelength, parts(u[chosen] / u[-1, 2])
     theory, title = fem.rayleigh(stator.solid, "open").profile(at)[0], "profile through the depth"
     return depth_profile(at, parts(theory), computed, title=f"{scene.title}\n{title}")
 
 
 def _films(gallery, folder: Path, progress) -> None:
-    found = gallery.found
+    run = gallery.found
     progress("wave and contact in slow motion")
-    moving = Picture(found, chosen_views(found, None), size=MOVIE, **GIVEN_FIELD)
+    moving = Picture(run, chosen_views(run, None), size=MOVIE, **GIVEN_FIELD)
     movie.save(
         lambda number: moving.image(2 * np.pi * number / FRAMES), FRAMES, folder / "wave.gif", rate=12.0,
         palette=palette(moving.shade.colour_map),
     )  # fmt: skip
     film_contact(*gallery.contact, 2 * FRAMES, folder / "contact.gif", rate=10.0, dpi=DPI)
     progress("drawing the solid")
-    Picture(found, size=SOLID, **GIVEN_FIELD).save(folder / "solid.png")
+    Picture(run, size=SOLID, **GIVEN_FIELD).save(folder / "solid.png")
 
 
 def _reduce(picture: Path) -> None:

@@ -57,15 +57,15 @@ class Picture:
     plotter : pyvista.Plotter
     """
 
-    def __init__(self, found: RunField, views=(), *, quantity, phase, factor, size, framed=True):
+    def __init__(self, run: RunField, views=(), *, quantity, phase, factor, size, framed=True):
         self.pyvista = needed("pyvista", "a picture or a window of the field")
         # without a display VTK says so on stderr before it finds another way
         self.pyvista.vtk_verbosity("off")
-        self.found, self.phase, self.size, self.framed, self.solid = found, phase, size, framed, not views
-        self.factor = magnification(found) if factor is None else factor
-        self.spreads = self.solid and found.beam is not None
-        self._length = found.scene.stator.length if self.spreads else found.length
-        self.frames = frames(found, views, size=size, framed=framed)
+        self.run, self.phase, self.size, self.framed, self.solid = run, phase, size, framed, not views
+        self.factor = magnification(run) if factor is None else factor
+        self.spreads = self.solid and run.beam is not None
+        self._length = run.scene.stator.length if self.spreads else run.length
+        self.frames = frames(run, views, size=size, framed=framed)
         # the first renderer holds words and rulers, in pixels; without frames it holds the field too
         shape = 1 + framed * len(self.frames), 1
         self.plotter = self.pyvista.Plotter(
@@ -92,19 +92,19 @@ class Picture:
         """Colour the field by a quantity."""
         self._moving, self.pieces = [], []
         if not self.spreads:
-            self.shade = shade(self.found, name)
+            self.shade = shade(self.run, name)
         for number, frame in enumerate(self.frames):
             self._go_to(number)
             if self.spreads:
-                waves = self._length / self.found.wavelength
+                waves = self._length / self.run.wavelength
                 self.shade, sheet, motion = beam_sheet(
-                    self.found, name, envelope=self.size[0] < MIN_PIXELS * waves
+                    self.run, name, envelope=self.size[0] < MIN_PIXELS * waves
                 )
                 self._lay(sheet)
             else:
                 drawn = self._piece(frame)
                 self.pieces.append(drawn)
-                for sheet in sheets(self.found, drawn, solid=self.solid):
+                for sheet in sheets(self.run, drawn, solid=self.solid):
                     self._lay(sheet)
                 motion = drawn.surface
             self._add_electrodes(motion)
@@ -148,9 +148,9 @@ class Picture:
 
     def _add_electrodes(self, motion: Callable) -> None:
         """Add the strips of the electrodes, which move as a function of (x, y) in m says."""
-        lift = 0.02 * self.found.wavelength if self.solid else 0.0
-        for electrode in description.electrodes(self.found):
-            corners = strips(self.found, electrode, spreads=self.spreads)
+        lift = 0.02 * self.run.wavelength if self.solid else 0.0
+        for electrode in description.electrodes(self.run):
+            corners = strips(self.run, electrode, spreads=self.spreads)
             rest = np.insert(corners, 2, lift, axis=-1)
             mesh = self.pyvista.PolyData.from_regular_faces(MM * rest, np.arange(len(corners)).reshape(-1, 4))
             self.plotter.add_mesh(
@@ -162,21 +162,21 @@ class Picture:
 
     def _piece(self, frame: Frame) -> Piece:
         """Return the points of the section that a view, or the solid, needs."""
-        found, span, bottom = self.found, (0.0, self.found.length), self.found.field.z[0]
-        spacing = found.wavelength / LINES
+        run, span, bottom = self.run, (0.0, self.run.length), self.run.field.z[0]
+        spacing = run.wavelength / LINES
         if frame.view is not None:
             start, stop = frame.view.start, frame.view.stop
             spare = 2 * (stop - start)
             if self.framed:
                 # moves into the view from beyond its edges, which cut it
-                spare = min(self.factor * float(abs(found.field.displacement).max()), spare)
+                spare = min(self.factor * float(abs(run.field.displacement).max()), spare)
                 bottom, spacing = frame.bottom - spare, frame.pixel
-            elif stop - start < 1.99 * found.wavelength:
+            elif stop - start < 1.99 * run.wavelength:
                 spacing = 5 * (stop - start) / 1000  # a short stretch is finer, and less is kept beside it
             else:
-                spare = found.length
-            span = max(start - spare, 0.0), min(stop + spare, found.length)
-        return piece(found, self.shade, span=span, bottom=bottom, spacing=spacing)
+                spare = run.length
+            span = max(start - spare, 0.0), min(stop + spare, run.length)
+        return piece(run, self.shade, span=span, bottom=bottom, spacing=spacing)
 
     def _lay(self, sheet: Sheet) -> None:
         """Add a sheet of points."""
@@ -192,8 +192,8 @@ class Picture:
 
     def _bare(self) -> None:
         """Draw the parts of the solid that carry no field: beside the aperture, or below the surface of a beam."""
-        found = self.found
-        half, width, depth = 0.5 * found.aperture, 0.5 * found.scene.stator.width, found.field.z[0]
+        run = self.run
+        half, width, depth = 0.5 * run.aperture, 0.5 * run.scene.stator.width, run.field.z[0]
         parts = [(-width, -half, 0.25), (half, width, 1.0)]  # the half in front is seen through
         if self.spreads:
             parts = [(-width, width, 1.0)]
@@ -209,8 +209,8 @@ class Picture:
             self.plotter.add_mesh(box, style="wireframe", color=EDGE, line_width=1)
         if not self.spreads:
             return
-        for each in resolve.transducers(found.scene):
-            outline = np.insert(each.corners[[0, 1, 2, 3, 0]], 2, 0.1 * found.wavelength, axis=-1)
+        for each in resolve.transducers(run.scene):
+            outline = np.insert(each.corners[[0, 1, 2, 3, 0]], 2, 0.1 * run.wavelength, axis=-1)
             self.plotter.add_mesh(self.pyvista.lines_from_points(MM * outline), color="black", line_width=2)
 
     def _look(self, frame: Frame) -> None:
@@ -229,7 +229,7 @@ class Picture:
         camera, height = self.plotter.camera, frame.top - frame.bottom
         x, z = MM * 0.5 * (frame.view.start + frame.view.stop), MM * 0.5 * (frame.top + frame.bottom)
         camera.up, camera.focal_point, camera.parallel_scale = (0, 0, 1), (x, 0, z), 0.5 * MM * height
-        camera.position = x, -10 * MM * self.found.length, z
+        camera.position = x, -10 * MM * self.run.length, z
         if self.framed and height > 140 * frame.pixel:
             self._add_crystal_axes(frame)
         self.plotter.reset_camera_clipping_range()
@@ -244,9 +244,9 @@ class Picture:
     def _add_crystal_axes(self, frame: Frame) -> None:
         """Draw the crystal axes in the lower left corner of a view."""
         start, pixel, colour = frame.view.start, frame.pixel, description.AXIS_COLOUR
-        corner = MM * np.array([start + 40 * pixel, -self.found.aperture, frame.bottom + 30 * pixel])
+        corner = MM * np.array([start + 40 * pixel, -self.run.aperture, frame.bottom + 30 * pixel])
         named = [
-            (name, MM * pixel * np.array([x, 0, z])) for name, x, z in description.crystal_axes(self.found)
+            (name, MM * pixel * np.array([x, 0, z])) for name, x, z in description.crystal_axes(self.run)
         ]
         for _, along in named:
             arrow = self.pyvista.Arrow(
@@ -286,22 +286,22 @@ class Picture:
 
     def _write(self) -> None:
         """Write captions and the names of the electrodes."""
-        found, (width, height), plotter = self.found, self.size, self.plotter
+        run, (width, height), plotter = self.run, self.size, self.plotter
         plotter.subplot(0, 0)
-        drive = f"{found.drive}, {found.enlarged(self.factor)}"
+        drive = f"{run.drive}, {run.enlarged(self.factor)}"
         if self.solid or not self.framed:
-            extents = self._length, found.scene.stator.width, -found.field.z[0]
+            extents = self._length, run.scene.stator.width, -run.field.z[0]
             extent = " x ".join(f"{each * MM:.4g}" for each in extents)
-            more = said(found).split("; ") if self.solid else ["x in mm; drag: move, wheel: zoom"]
-            lines = [f"{found.scene.title}: {extent} mm (x, y, z)", drive, *more]
+            more = said(run).split("; ") if self.solid else ["x in mm; drag: move, wheel: zoom"]
+            lines = [f"{run.scene.title}: {extent} mm (x, y, z)", drive, *more]
             letters = int(np.clip(0.98 * width / (0.6 * max(map(len, lines))), 6, 12))
             plotter.add_text("\n".join(lines), position="upper_left", font_size=letters, color="black")
         else:
             for frame in self.frames:
-                fingers = description.shown_fingers(found, frame.view.start, frame.view.stop)
+                fingers = description.shown_fingers(run, frame.view.start, frame.view.stop)
                 name = f"{frame.view.name}, {fingers}" if fingers else frame.view.name
                 if frame is self.frames[0]:
-                    name = f"{found.scene.title}: {name} ({found.field.frequency / 1e6:g} MHz, {drive})"
+                    name = f"{run.scene.title}: {name} ({run.field.frequency / 1e6:g} MHz, {drive})"
                 letters = min(LETTERS + 1, 1.9 * frame.box[2] / len(name)) / 2
                 plotter.add_text(name, position=(8, frame.box[3] + 8), font_size=letters)
         if self.framed:
@@ -309,7 +309,7 @@ class Picture:
             plotter.enable_parallel_projection()
             camera.focal_point, camera.position = (width / 2, height / 2, 0), (width / 2, height / 2, 1)
             camera.up, camera.parallel_scale = (0, 1, 0), height / 2
-        listed = [(each.label, each.colour) for each in description.electrodes(found)]
+        listed = [(each.label, each.colour) for each in description.electrodes(run)]
         if listed:
             legend, up = plotter.add_legend(listed, bcolor=None, face="rectangle"), 20 * len(listed)
             legend.SetPosition(1 - 122 / width, 1 - (22 + up) / height)
@@ -317,7 +317,7 @@ class Picture:
 
     def _stand(self) -> None:
         """Put the balls of the slider on the crests of the enlarged wave."""
-        for ball in description.balls(self.found, spreads=self.spreads):
+        for ball in description.balls(self.run, spreads=self.spreads):
             centre = ball.place * MM, ball.lateral * MM, (ball.radius + self.factor * ball.crest) * MM
             sphere = self.pyvista.Sphere(
                 radius=ball.radius * MM, center=centre, theta_resolution=90, phi_resolution=90
@@ -326,14 +326,14 @@ class Picture:
             self.plotter.add_mesh(sphere, color=description.BALL_COLOUR, **given)
 
 
-def said(found: RunField) -> str:
+def said(run: RunField) -> str:
     """Return where the drawn field is true."""
-    if found.free:
+    if run.free:
         return "a straight-crested free wave: the same for every y"
-    if found.beam is not None:
+    if run.beam is not None:
         return "field of the finite apertures (frames) on the surface; grey: not computed, --show field has the section"
     return (
-        f"field drawn only within the {found.aperture * MM:g} mm aperture, where the model holds for every y "
+        f"field drawn only within the {run.aperture * MM:g} mm aperture, where the model holds for every y "
         "(the beam does not spread in it); grey: not modelled"
     )
 

@@ -86,28 +86,25 @@ def quantity(name: str) -> Quantity:
     return QUANTITIES[name]
 
 
-def present(found) -> list[str]:
+def present(run) -> list[str]:
     """Return the names of the quantities that a run's field has."""
-    absent = {
-        "u_y": not np.any(found.field.displacement[..., 1]),
-        "potential": not np.any(found.field.potential),
-    }
+    absent = {"u_y": not np.any(run.field.displacement[..., 1]), "potential": not np.any(run.field.potential)}
     return [name for name in QUANTITIES if not absent.get(name, False)]
 
 
-def shade(found, name: str) -> Shade:
+def shade(run, name: str) -> Shade:
     """Return how a quantity colours the field of a run; refuse an unknown name, or a field that this solid has not."""
     chosen = quantity(name)
-    field = found.with_energies if chosen.turns == 2 else found.field
+    field = run.with_energies if chosen.turns == 2 else run.field
     mean, amplitude = chosen.parts(field)
-    outside = ~found.near_transducer(field.x)
+    outside = ~run.near_transducer(field.x)
     if not np.any(amplitude):
-        material = found.scene.stator.orientation
+        material = run.scene.stator.orientation
         raise SceneError(
             "--quantity", f"{name!r} is zero everywhere: uncoupled in this solid, orientation {material}"
         )
     size = abs(amplitude[outside]) + (abs(mean[outside]) if chosen.turns == 2 else 0.0)
-    return shade_of(chosen, size, free=found.free)
+    return shade_of(chosen, size, free=run.free)
 
 
 def shade_of(chosen: Quantity, size, *, free: bool) -> Shade:

@@ -26,10 +26,10 @@ CROSSED_LINES = 8  # per wavelength along both, where beams cross
 MOTIONS = ("u_x", "u_y", "u_z")
 
 
-def magnification(found: RunField) -> float:
+def magnification(run: RunField) -> float:
     """Return how many times the displacement is enlarged unless asked otherwise: one round digit."""
-    largest = float(abs(found.field.displacement).max())
-    return float(f"{AMPLITUDE * found.wavelength / largest:.0e}") if largest else 1.0
+    largest = float(abs(run.field.displacement).max())
+    return float(f"{AMPLITUDE * run.wavelength / largest:.0e}") if largest else 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,14 +59,14 @@ class Sheet(NamedTuple):
 
 
 def piece(
-    found: RunField, shading: Shade, *, span: tuple[float, float], bottom: float, spacing: float
+    run: RunField, shading: Shade, *, span: tuple[float, float], bottom: float, spacing: float
 ) -> Piece:
     """Return a piece of the field between two places and down to a depth; neighbours at least a spacing (m) apart."""
     energies, facet = shading.quantity.turns == 2, FACET * spacing
-    if facet < found.wavelength / LINES:
-        field = found.compute(span=span, per_wavelength=found.wavelength / facet, energies=energies)
+    if facet < run.wavelength / LINES:
+        field = run.compute(span=span, per_wavelength=run.wavelength / facet, energies=energies)
     else:
-        field = found.with_energies if energies else found.field
+        field = run.with_energies if energies else run.field
     lines = thinned(field.x, spacing, *span)
     bottom = max(bottom, field.z[0])
     nodes = np.append(bottom, field.z[field.z > bottom])
@@ -84,10 +84,10 @@ def piece(
     return Piece(x=field.x[lines], z=z, displacement=displacement, mean=mean, amplitude=amplitude)
 
 
-def sheets(found: RunField, drawn: Piece, *, solid: bool) -> list[Sheet]:
+def sheets(run: RunField, drawn: Piece, *, solid: bool) -> list[Sheet]:
     """Return the section, and of a solid the surface and the right end of the aperture's width."""
     moved = np.insert(drawn.displacement, 1, 0.0, axis=-1)
-    edges = np.array([-0.5, 0.5]) * found.aperture if solid else np.zeros(1)
+    edges = np.array([-0.5, 0.5]) * run.aperture if solid else np.zeros(1)
     whole, last = slice(None), slice(-1, None)
     parts = [("section", whole, whole, edges[:1])]
     if solid:
@@ -100,7 +100,7 @@ def sheets(found: RunField, drawn: Piece, *, solid: bool) -> list[Sheet]:
     return listed
 
 
-def beam_sheet(found: RunField, name: str, *, envelope: bool = False) -> tuple[Shade, Sheet, Callable]:
+def beam_sheet(run: RunField, name: str, *, envelope: bool = False) -> tuple[Shade, Sheet, Callable]:
     """Return the surface that the beam moves, coloured by a quantity, and its motion over (x, y) in m.
 
     ``envelope``: the colour is the amplitude, for a picture in which a wavelength is a few pixels.
@@ -108,11 +108,11 @@ def beam_sheet(found: RunField, name: str, *, envelope: bool = False) -> tuple[S
     if name not in MOTIONS:
         rule = f"must be one of {', '.join(MOTIONS)} on the surface of the beam, got {name!r}"
         raise SceneError("--quantity", f"{rule}: --show field has it in the section")
-    crossed, stator = found.scene.crossed, found.scene.stator
-    lines = (CROSSED_LINES if crossed else BEAM_LINES) / found.wavelength
+    crossed, stator = run.scene.crossed, run.scene.stator
+    lines = (CROSSED_LINES if crossed else BEAM_LINES) / run.wavelength
     x, half = np.linspace(0.0, stator.length, int(stator.length * lines) + 1), stator.width / 2
     y = np.linspace(-half, half, int(stator.width * lines) + 1 if crossed else ACROSS)
-    moved = np.moveaxis(found.beam.motion(x[:, None], y), 0, -1)
+    moved = np.moveaxis(run.beam.motion(x[:, None], y), 0, -1)
     size = moved[..., MOTIONS.index(name), None]
     chosen = QUANTITIES[name]
     if envelope:
@@ -124,14 +124,14 @@ def beam_sheet(found: RunField, name: str, *, envelope: bool = False) -> tuple[S
     return shading, sheet, RegularGridInterpolator((x, y), moved)
 
 
-def strips(found: RunField, electrode, *, spreads: bool) -> np.ndarray:
+def strips(run: RunField, electrode, *, spreads: bool) -> np.ndarray:
     """Return the corners (x, y) of an electrode's strips in m, shape (4 n, 2), as they are or in the section."""
     if spreads:
-        rows = resolve.transducers(found.scene)
+        rows = resolve.transducers(run.scene)
         corners = np.concatenate([each.on_surface(each.strips(electrode.sign)) for each in rows])
         return corners.reshape(-1, 2)
     x = np.array(electrode.strips)[:, [0, 1, 1, 0]].ravel()
-    return np.stack([x, np.resize(0.5 * found.aperture * np.array([-1, -1, 1, 1]), len(x))], axis=-1)
+    return np.stack([x, np.resize(0.5 * run.aperture * np.array([-1, -1, 1, 1]), len(x))], axis=-1)
 
 
 def thinned(places: np.ndarray, spacing: float, start: float, stop: float) -> np.ndarray:

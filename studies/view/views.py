@@ -41,62 +41,62 @@ class Frame(NamedTuple):
         return self.top - (self.box[3] - self.box[1]) * self.pixel
 
 
-def limits(found: RunField, span) -> tuple[float, float] | None:
+def limits(run: RunField, span) -> tuple[float, float] | None:
     """Return the stretch (m) that "whole", "slider", "wavelength" or two places mean; refuse one off the stator."""
     if span is None:
         return None
     if span == "whole":
-        return 0.0, found.length
+        return 0.0, run.length
     if isinstance(span, str):
-        focus, slider = found.focus[1], found.scene.slider
-        half = (0.5 if span == "wavelength" else CLOSE) * found.wavelength
+        focus, slider = run.focus[1], run.scene.slider
+        half = (0.5 if span == "wavelength" else CLOSE) * run.wavelength
         if span == "slider" and slider is not None:  # all its balls
-            farthest = max(abs(found.in_section(place) - focus) for place in slider.places)
-            half = max(half, farthest + 2 * found.radius)
-        return max(focus - half, 0.0), min(focus + half, found.length)
-    if not 0 <= span[0] < span[1] <= found.length * (1 + 1e-9):
-        rule = f"must lie on the stator, 0:{found.length * 1e3:g} mm"
+            farthest = max(abs(run.in_section(place) - focus) for place in slider.places)
+            half = max(half, farthest + 2 * run.radius)
+        return max(focus - half, 0.0), min(focus + half, run.length)
+    if not 0 <= span[0] < span[1] <= run.length * (1 + 1e-9):
+        rule = f"must lie on the stator, 0:{run.length * 1e3:g} mm"
         raise SceneError("--span", f"{rule}, got {span[0] * 1e3:g}:{span[1] * 1e3:g} mm")
-    least = NARROWEST * found.wavelength
+    least = NARROWEST * run.wavelength
     if span[1] - span[0] < least:
         rule = f"must be at least {least * 1e3:.3g} mm long, a twentieth of a wavelength"
         raise SceneError("--span", f"{rule}, got {(span[1] - span[0]) * 1e3:.3g} mm")
     return span
 
 
-def near(found: RunField) -> tuple[float, float]:
+def near(run: RunField) -> tuple[float, float]:
     """Return the two wavelengths (m) about what is to be looked at from near."""
-    return found.focus[1] - found.wavelength, found.focus[1] + found.wavelength
+    return run.focus[1] - run.wavelength, run.focus[1] + run.wavelength
 
 
-def views(found: RunField) -> tuple[View, ...]:
+def views(run: RunField) -> tuple[View, ...]:
     """Return what is shown unless something else is asked for: the whole, the driven transducer, the slider."""
-    if found.free:
-        return chosen_views(found, (0.0, found.length))
-    driven, reach = found.in_section(found.scene.driven_transducer.place), CLOSE * found.wavelength
-    start, stop = limits(found, "slider")
-    whole = View(name="the whole section", start=0.0, stop=found.length, weight=0.17)
-    name = f"driven transducer {found.scene.driven_transducer.name!r}"
+    if run.free:
+        return chosen_views(run, (0.0, run.length))
+    driven, reach = run.in_section(run.scene.driven_transducer.place), CLOSE * run.wavelength
+    start, stop = limits(run, "slider")
+    whole = View(name="the whole section", start=0.0, stop=run.length, weight=0.17)
+    name = f"driven transducer {run.scene.driven_transducer.name!r}"
     return (
         whole,
-        View(name=name, start=max(driven - reach, 0.0), stop=min(driven + reach, found.length), weight=0.4),
-        View(name=found.focus[0], start=start, stop=stop, weight=0.4),
+        View(name=name, start=max(driven - reach, 0.0), stop=min(driven + reach, run.length), weight=0.4),
+        View(name=run.focus[0], start=start, stop=stop, weight=0.4),
     )
 
 
-def chosen_views(found: RunField, span: tuple[float, float] | None) -> tuple[View, ...]:
+def chosen_views(run: RunField, span: tuple[float, float] | None) -> tuple[View, ...]:
     """Return the whole section and below it a stretch (m), what lies about the slider if None."""
-    start, stop = span or limits(found, "slider")
-    count = (stop - start) / found.wavelength
+    start, stop = span or limits(run, "slider")
+    count = (stop - start) / run.wavelength
     name = "1 wavelength" if abs(count - 1) < 5e-4 else f"{count:.3g} wavelengths"
-    if stop - start > 0.99 * found.length:
+    if stop - start > 0.99 * run.length:
         return (View(name=name, start=start, stop=stop, weight=1.0),)
-    whole = View(name="the whole section", start=0.0, stop=found.length, weight=0.3)
+    whole = View(name="the whole section", start=0.0, stop=run.length, weight=0.3)
     name = f"{name}, {start * MM:.4g} to {stop * MM:.4g} mm"
     return whole, View(name=name, start=start, stop=stop, weight=0.7)
 
 
-def frames(found: RunField, views, *, size: tuple[int, int], framed: bool) -> tuple[Frame, ...]:
+def frames(run: RunField, views, *, size: tuple[int, int], framed: bool) -> tuple[Frame, ...]:
     """Return where the views lie, from the top down; one takes no more than its share, or what it needs.
 
     Without views it is the frame of the solid; a view that is not ``framed`` fills the picture.
@@ -113,11 +113,11 @@ def frames(found: RunField, views, *, size: tuple[int, int], framed: bool) -> tu
     for view in views:
         pixel, share = (view.stop - view.start) / (right - LEFT), upper * view.weight / weights
         visible = pixel * max(share - above - below, 0.3 * share)
-        carries = any(view.start <= ball.place <= view.stop for ball in description.balls(found))
-        room = 0.15 * min(visible, 2 * found.wavelength)
-        top = min(2.1 * found.radius, BALL_SHARE * visible) if carries else room
+        carries = any(view.start <= ball.place <= view.stop for ball in description.balls(run))
+        room = 0.15 * min(visible, 2 * run.wavelength)
+        top = min(2.1 * run.radius, BALL_SHARE * visible) if carries else room
         high = upper - above
-        low = high - (top - max(float(found.field.z[0]), top - visible)) / pixel
+        low = high - (top - max(float(run.field.z[0]), top - visible)) / pixel
         listed.append(Frame((LEFT, low, right, high), view, pixel, top))
         upper, weights = low - below, weights - view.weight
     return tuple(listed)

@@ -28,12 +28,12 @@ CYCLE = 2.5  # s that one period of the wave takes
 
 
 def page(
-    found: RunField, *, quantity: str, phase: float, factor: float | None, span: tuple[float, float] | None
+    run: RunField, *, quantity: str, phase: float, factor: float | None, span: tuple[float, float] | None
 ) -> str:
     """Return the page; quantity, phase (rad), factor of the displacement and span (m) are those shown at first."""
-    field = found.with_energies
-    spacing = SPACING * found.wavelength
-    lines = thinned(field.x, spacing, 0.0, found.length)
+    field = run.with_energies
+    spacing = SPACING * run.wavelength
+    lines = thinned(field.x, spacing, 0.0, run.length)
     rows = thinned(field.z, spacing, field.z[0], 0.0)
     chosen = np.ix_(lines, rows)
     moved = field.displacement[chosen][..., [0, 2]]
@@ -42,50 +42,50 @@ def page(
     parts["moved"] = _short(np.stack([moved[..., k].real if part == 0 else moved[..., k].imag
                                       for k in (0, 1) for part in (0, 1)], axis=-1), largest)  # fmt: skip
     known = []
-    for name in present(found):
-        shading = shade(found, name)
+    for name in present(run):
+        shading = shade(run, name)
         mean, amplitude = (each[chosen] for each in shading.parts(field))
         values = np.stack([mean, amplitude.real, amplitude.imag, np.zeros_like(mean)], axis=-1)
         scale = float(abs(values).max()) or 1.0
         parts[name] = _short(values, scale)
         known.append(_described(name, shading, scale))
     packed, listed = _packed(parts)
-    places = _places(found, span)
+    places = _places(run, span)
     meta = {
-        "title": found.scene.title or "sawmotor",
-        "drive": f"{field.frequency / 1e6:g} MHz, {found.drive}",
-        "free": found.free,
+        "title": run.scene.title or "sawmotor",
+        "drive": f"{field.frequency / 1e6:g} MHz, {run.drive}",
+        "free": run.free,
         "nx": len(lines),
         "nz": len(rows),
         "arrays": listed,
         "moved_scale": largest,
-        "factor": magnification(found) if factor is None else factor,
+        "factor": magnification(run) if factor is None else factor,
         "phase": phase % (2 * np.pi),
         "cycle": CYCLE,
         "quantities": known,
         "quantity": quantity,
         "places": places,
         "place": len(places) - (2 if span is None else 1),
-        "balls": [ball.place for ball in description.balls(found)],
-        "crests": [ball.crest for ball in description.balls(found)],
+        "balls": [ball.place for ball in description.balls(run)],
+        "crests": [ball.crest for ball in description.balls(run)],
         "ball_colour": description.BALL_COLOUR,
-        "legend": [[each.label, each.colour] for each in description.electrodes(found)],
-        "radius": found.radius,
-        "fingers": _fingers(found),
-        "axes": [list(axis) for axis in description.crystal_axes(found)],
+        "legend": [[each.label, each.colour] for each in description.electrodes(run)],
+        "radius": run.radius,
+        "fingers": _fingers(run),
+        "axes": [list(axis) for axis in description.crystal_axes(run)],
         "axis_colour": description.AXIS_COLOUR,
     }
     text = json.dumps(meta, allow_nan=False).replace("</", "<\\/")
     template = (files("studies.view") / "wave_page.html").read_text(encoding="utf-8")
-    return template.replace("@META@", text).replace("@DATA@", packed).replace("@BEAM@", _beam(found))
+    return template.replace("@META@", text).replace("@DATA@", packed).replace("@BEAM@", _beam(run))
 
 
-def _beam(found: RunField) -> str:
+def _beam(run: RunField) -> str:
     """Return the picture of a beam from above, and what the moving field is beside it; nothing without one."""
-    if found.beam is None:
+    if run.beam is None:
         return ""
-    draw = partial(draw_surface_map, found.beam, found.scene)
-    uri = as_uri(draw, size=tuple(each / DPI for each in pixels(found.scene.stator)), kind="png")
+    draw = partial(draw_surface_map, run.beam, run.scene)
+    uri = as_uri(draw, size=tuple(each / DPI for each in pixels(run.scene.stator)), kind="png")
     return (
         "<p>The moving field is that of the plane section, which does not spread; over the whole surface the finite "
         f'apertures give:</p>\n<img alt="size of u_z over the surface" src="{uri}" style="max-width: 100%">'
@@ -120,26 +120,26 @@ def _packed(parts: dict) -> tuple[str, list]:
     return base64.b64encode(gzip.compress(raw, 6, mtime=0)).decode(), listed
 
 
-def _places(found: RunField, span) -> list[dict]:
+def _places(run: RunField, span) -> list[dict]:
     def about(name, place, wavelengths):
-        half = 0.5 * wavelengths * found.wavelength
-        return {"name": name, "from": max(place - half, 0.0), "to": min(place + half, found.length)}
+        half = 0.5 * wavelengths * run.wavelength
+        return {"name": name, "from": max(place - half, 0.0), "to": min(place + half, run.length)}
 
-    name, focus = found.focus
-    listed = [{"name": "whole", "from": 0.0, "to": found.length}]
+    name, focus = run.focus
+    listed = [{"name": "whole", "from": 0.0, "to": run.length}]
     listed += [
-        about(f"transducer {each.name}", found.in_section(each.place), 14) for each in found.scene.transducer
+        about(f"transducer {each.name}", run.in_section(each.place), 14) for each in run.scene.transducer
     ]
     listed += [about(name, focus, 14), about("one wavelength", focus, 1)]
     return listed + ([{"name": "chosen", "from": span[0], "to": span[1]}] if span is not None else [])
 
 
-def _fingers(found: RunField) -> list[dict]:
+def _fingers(run: RunField) -> list[dict]:
     listed = []
-    for electrode in description.electrodes(found):
+    for electrode in description.electrodes(run):
         for left, right in electrode.strips:
             points = [
-                [x, *(part for value in found.surface(x) for part in (value.real, value.imag))]
+                [x, *(part for value in run.surface(x) for part in (value.real, value.imag))]
                 for x in (left, 0.5 * (left + right), right)
             ]
             listed.append({"colour": electrode.colour, "points": points})

@@ -17,7 +17,7 @@ class Controls:
     """Play and pause, instant and colour of a `Picture`, by pyvista's own widgets."""
 
     def __init__(self, picture: Picture):
-        self.picture, self.names = picture, list(MOTIONS) if picture.spreads else present(picture.found)
+        self.picture, self.names = picture, list(MOTIONS) if picture.spreads else present(picture.run)
         self.playing, self._last, self._rested, self._ready = True, time.perf_counter(), 0.0, False
         plotter, given = picture.plotter, {"style": "modern", "color": "black"}
         self.play_button = plotter.add_checkbox_button_widget(
@@ -70,4 +70,4 @@ def open_window(picture: Picture) -> None:
     if not picture.solid:
         picture.plotter.enable_2d_style()
     picture.plotter.add_timer_event(max_steps=2**31 - 1, duration=TICK, callback=controls.tick)
-    picture.plotter.show(title=f"sawmotor: {picture.found.scene.title}")
+    picture.plotter.show(title=f"sawmotor: {picture.run.scene.title}")
