@@ -16,7 +16,25 @@ and the force is Q = mu K (3/2c) int sqrt(eta) dy = mu K M: a line adds +-(eta_2
     grow     no slip, |x'| <= c z'; the edge writes a curve
     slip     the line covers everything: gross slip, the chain is empty
 
-A front that comes back to the start of a piece wipes it out. Only curves are discretised, at their stretch's nodes.
+A front that comes back to the start of a piece wipes it out. Only curves are discretised, at their segment's nodes.
+
+Worked example, c = 0.1, lengths and forces scaled so that mu K = 1 (`tests/contact/test_memory_example.py`):
+
+1. Pressed to z = 1 at x = 0. The edge has written one curve, y = 0 on 0 <= eta <= 1: chain (0: curve from 0), M = 0.
+2. Sheared to x = 0.04. Slip comes in from the edge: the open line y = x - c (z - eta) = -0.06 + 0.1 eta lies over the
+   curve from eta_f = z - x/c = 0.6 on, where it meets y = 0. M = 1 - 0.6^1.5 = 0.5352, Cattaneo's and Mindlin's force.
+3. Sheared back to x = 0. The line freezes: chain (0: curve from 0), (+1: line from 0.6, u = -0.06, M there 0). Slip of
+   the other sign comes in, its open line is y = x + c (z - eta) = 0.1 - 0.1 eta. It meets -0.06 + 0.1 eta at
+   eta_f = 0.8 (half-way: a spring must be turned by twice its limit), so that
+
+       M = (0.8^1.5 - 0.6^1.5) - (1 - 0.8^1.5) = -0.0337:
+
+   at x = 0 the contact pushes back, which is the memory of step 2.
+4. Sheared on to x = -0.04. The front has come to eta_f = 0.6, the start of the frozen line, and wipes it out: chain
+   (0: curve from 0) as in step 2, and M = -0.5352. Nothing is left of step 2.
+
+In the code `W` of a piece is x + c z at its inner end and `U` is x - c z, so that a line of either sign is constant in
+one of them; y there is (U + W)/2 and eta is (W - U)/2c.
 """
 
 from typing import NamedTuple
@@ -29,8 +47,10 @@ from contact.jit.compiled import compiled, formula
 from contact.law.elastic import FAR_SIDE
 from contact.law.normal import load
 
-# corner: eta, u, w and the moment M at the inner end of a piece; curve: u, w, M and the rates of u, w in sigma
+# corner: eta, u, w and the moment M at the inner end of a piece
 ETA, U, W, MOMENT = 0, 1, 2, 3
+# rows of a curve, at its nodes: u, w, M and the rates of u, w in sigma
+ON_U, ON_W, ON_MOMENT, RATE_U, RATE_W = range(5)
 PIECES = 2048
 
 
@@ -78,17 +98,18 @@ def front(memory, i, s, z, x, c):
     if k < 0 or z <= 0.0:
         return 0.0, 0.0
     corner, kind, level = memory.corner[i, k], memory.kind[i, k], x - s * c * z
-    own, other = (U, W) if s > 0.0 else (W, U)
-    if kind != 0:
+    other = W if s > 0.0 else U
+    if kind != 0:  # a line of the other sign: its `other` is constant, so that both lines meet half-way
         eta = min(max(s * (corner[other] - level) / (2.0 * c), 0.0), z)
         return eta, corner[MOMENT] + kind * (load(eta, Shape.SPHERE) - load(corner[ETA], Shape.SPHERE))
     curve = memory.curve[i, k]
-    values, rates = curve[own - 1], curve[own + 2]
+    values, others = (curve[ON_U], curve[ON_W]) if s > 0.0 else (curve[ON_W], curve[ON_U])
+    rates = curve[RATE_U] if s > 0.0 else curve[RATE_W]
     if s * (values[0] - level) <= 0.0:
         return corner[ETA], corner[MOMENT]
     n = sigma.size
     if s * (values[n - 1] - level) >= 0.0:
-        return min((curve[1, n - 1] - curve[0, n - 1]) / (2.0 * c), z), curve[2, n - 1]
+        return min((curve[ON_W, n - 1] - curve[ON_U, n - 1]) / (2.0 * c), z), curve[ON_MOMENT, n - 1]
     a, b = -1.0, 1.0
     for j in range(1, n):  # monotone: bracketed by two nodes
         if s * (values[j] - level) <= 0.0:
@@ -108,8 +129,8 @@ def front(memory, i, s, z, x, c):
         if abs(step - place) < 1e-15 or b - a < 1e-15:
             break
         place = step
-    eta = s * (interpolate(place, sigma, bary, curve[other - 1]) - level) / (2.0 * c)
-    return min(max(eta, 0.0), z), interpolate(place, sigma, bary, curve[2])
+    eta = s * (interpolate(place, sigma, bary, others) - level) / (2.0 * c)
+    return min(max(eta, 0.0), z), interpolate(place, sigma, bary, curve[ON_MOMENT])
 
 
 @compiled
@@ -142,15 +163,16 @@ def write_curve(memory, i, z, x, level, c):
     n = z.size
     curve = memory.curve[i, k]
     for j in range(n):
-        curve[0, j], curve[1, j], curve[2, j] = x[j] - c * z[j], x[j] + c * z[j], level[j]
+        curve[ON_U, j], curve[ON_W, j], curve[ON_MOMENT, j] = x[j] - c * z[j], x[j] + c * z[j], level[j]
     for j in range(n):
-        curve[3, j] = curve[4, j] = 0.0
+        curve[RATE_U, j] = curve[RATE_W, j] = 0.0
         for m in range(n):
-            curve[3, j] += rates[j, m] * curve[0, m]
-            curve[4, j] += rates[j, m] * curve[1, m]
+            curve[RATE_U, j] += rates[j, m] * curve[ON_U, m]
+            curve[RATE_W, j] += rates[j, m] * curve[ON_W, m]
     corner = memory.corner[i, k]
     # a contact that has just closed may have an approach of minus a rounding error
-    corner[ETA], corner[U], corner[W], corner[MOMENT] = max(z[0], 0.0), curve[0, 0], curve[1, 0], level[0]
+    corner[ETA], corner[U], corner[W] = max(z[0], 0.0), curve[ON_U, 0], curve[ON_W, 0]
+    corner[MOMENT] = level[0]
     memory.kind[i, k] = 0
     memory.count[i] = k + 1
     memory.level[i] = level[n - 1]
@@ -292,7 +314,9 @@ def anchor(memory, i, eta, c):
         return 0.5 * (corner[U] + corner[W]) + kind * c * (eta - corner[ETA])
     place = place_on(memory.curve[i, k], eta, c, sigma, bary)
     values = memory.curve[i, k]
-    return 0.5 * (interpolate(place, sigma, bary, values[0]) + interpolate(place, sigma, bary, values[1]))
+    return 0.5 * (
+        interpolate(place, sigma, bary, values[ON_U]) + interpolate(place, sigma, bary, values[ON_W])
+    )
 
 
 @compiled
@@ -301,7 +325,10 @@ def place_on(curve, eta, c, sigma, bary):
     a, b = -1.0, 1.0
     for _ in range(60):
         m = 0.5 * (a + b)
-        if interpolate(m, sigma, bary, curve[1]) - interpolate(m, sigma, bary, curve[0]) < 2.0 * c * eta:
+        if (
+            interpolate(m, sigma, bary, curve[ON_W]) - interpolate(m, sigma, bary, curve[ON_U])
+            < 2.0 * c * eta
+        ):
             a = m
         else:
             b = m

@@ -8,7 +8,7 @@ guard between the nodes are searched in either case, so no contact is skipped. A
 coefficients exceed the tolerance, or on which Picard's iteration does not gain, is halved.
 """
 
-from functools import cache
+import threading
 from typing import NamedTuple
 
 import numpy as np
@@ -58,13 +58,25 @@ class Work(NamedTuple):
     span: many_contacts.Span
 
 
-@cache
-def room(contacts: int, nodes: int, thread: int) -> Work:
-    """Return the work arrays of a thread, which are the same every time."""
+_ROOMS = threading.local()  # a thread's arrays end with it
+MAX_ROOMS = 16  # of a thread
+
+
+def room(contacts: int, nodes: int) -> Work:
+    """Return this thread's work arrays, the same ones as the last time for these sizes."""
+    rooms = vars(_ROOMS)
+    if (contacts, nodes) not in rooms:
+        if len(rooms) >= MAX_ROOMS:
+            rooms.clear()
+        rooms[contacts, nodes] = _room(contacts, nodes)
+    return rooms[contacts, nodes]
+
+
+def _room(contacts, nodes):
     return Work(
         seg.Nodes(np.zeros((seg.ROWS, nodes)), np.zeros((seg.PLANES, contacts, nodes)), np.empty(nodes)),
         blank(contacts, nodes),
-        many_contacts.span(contacts, nodes, SUMS, TALLY, thread),
+        many_contacts.span(contacts, nodes, SUMS, TALLY),
     )
 
 

@@ -13,7 +13,6 @@ ends the position lacks what is orthogonal to all L_k, about (L/2)^2/k^2 of the 
 Work: O(n) for each segment, O(n log n) with the order of the events, which only their smallest gap wants.
 """
 
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -54,9 +53,8 @@ class Span(NamedTuple):
     count: np.ndarray  # (1,) int: how many
 
 
-@cache
-def span(contacts: int, nodes: int, sums: int, tally: int, thread: int) -> Span:
-    """Return the work arrays of a thread; without many contacts they are empty."""
+def span(contacts: int, nodes: int, sums: int, tally: int) -> Span:
+    """Return work arrays; without many contacts they are empty."""
     if contacts < MANY:
         contacts = nodes = sums = tally = 0
     return Span(

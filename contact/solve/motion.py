@@ -5,7 +5,6 @@ The only class here that changes: it guards the state of one slider on one wave,
 
 import copy
 import math
-import threading
 
 import numpy as np
 
@@ -92,7 +91,7 @@ class Motion:
         return samples
 
     def _travel(self, task):
-        work = event_driven.room(self.regime.size, self.grid.sigma.size, threading.get_ident())
+        work = event_driven.room(self.regime.size, self.grid.sigma.size)
         why = event_driven.travel(self.problem, self.grid, self.carried, work, task, self.memory)
         if why != Status.DONE:
             raise self._failure(why)

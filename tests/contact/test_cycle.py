@@ -87,3 +87,21 @@ def test_the_fast_motion_obeys_its_equation():
             second += damping * n * (b * np.cos(n * phase) - a * np.sin(n * phase))
             force += f_cos[k] * np.cos(n * phase) + f_sin[k] * np.sin(n * phase)
         assert second == pytest.approx(force, rel=1e-12)
+
+
+# A part of a cycle is no cycle: with more events than are followed the means are not numbers
+def test_a_cycle_with_more_events_than_are_followed_has_no_means(monkeypatch):
+    from contact.solve import cycle_mean
+
+    problem = balanced(slider(), (orbit(3e-9),)).problem
+    work, plain = cycle_room(1), getattr(cycle_mean.cycle, "function", cycle_mean.cycle)
+    names = ("_contact", "_passage")
+    for name in names:
+        monkeypatch.setattr(
+            cycle_mean, name, getattr(getattr(cycle_mean, name), "function", getattr(cycle_mean, name))
+        )
+    plain(problem, 1.0, 0.05, quadrature(16), work)
+    assert np.all(np.isfinite(work.means))
+    monkeypatch.setattr(cycle_mean, "MAX_EVENTS", 1)
+    plain(problem, 1.0, 0.05, quadrature(16), work)
+    assert np.all(np.isnan(work.means))
