@@ -32,6 +32,7 @@ _PUBLIC = {
     "discretize.spectral": "reference_matrices",
     "discretize.elements": "discretise",
     "condense.size": "stator_size",
+    "waveguide.force": "force_response ForceResponse",
     "waveguide.grating": "grating",
     "waveguide.cell_parameters": "cell_parameters CellParameters",
     "circuit": (

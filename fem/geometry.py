@@ -16,13 +16,16 @@ import numpy as np
 
 from fem.input_error import InputError
 from fem.materials import Solid
-from fem.mesh.layout import Placement, check_pieces, placement
+from fem.materials.christoffel import slowest_wavelength
+from fem.mesh.layout import Placement, check_pieces, is_step, placement
 from fem.mesh.piece import MeshPiece
+from fem.mesh.quads import corner_warnings
 
 Bottom = Literal["free", "grounded", "clamped", "absorbing"]
 Ends = Literal["absorbing", "free", "clamped"]
 Above = Literal["none", "vacuum"]
 SIGNS = "+-0o"
+SAME_END = 1e-4  # of the length: an end piece that ends nearer than this to the stator's end ends there
 CLEARANCE = 0.45  # of the bare surface between two transducers that one of them may take for its outer gap
 
 
@@ -72,6 +75,22 @@ class Stator:
     def placement(self) -> Placement:
         """Meshed pieces by their part in the row, and where the uniform stator begins and ends."""
         return placement(self.pieces, length=self.length, thickness=self.thickness)
+
+    def piece_warnings(self, frequency: float) -> tuple[str, ...]:
+        """Sentences about the meshed pieces that a user should know, at a frequency in Hz."""
+        found, placed = [], self.placement
+        for piece in self.pieces:
+            found += corner_warnings(piece, self.bottom, slowest_wavelength(self.solid, frequency))
+        for side, piece in enumerate(placed.ends):
+            if piece is None or is_step(piece, self.thickness):
+                continue
+            end, meant = piece.extent[side], (0.0, self.length)[side]
+            if abs(end - meant) > SAME_END * self.length:
+                found.append(
+                    f'the end piece "{piece.name}" ends at x = {end * 1e3:.6g} mm, the stator at {meant * 1e3:.6g} '
+                    "mm: the piece counts"
+                )
+        return tuple(dict.fromkeys(found))
 
     @property
     def bare_surface(self) -> str:

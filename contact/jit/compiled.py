@@ -109,16 +109,20 @@ class Kernel:
         finally:
             numba.config.CACHE_DIR = usual
 
-    @cached_property
+    @property
     def inner(self):
-        """Numba's own, for calls from other kernels: without wrappers for Python."""
-        return _numba().njit(
-            nogil=True,
-            error_model="numpy",
-            fastmath=self.freedom,
-            no_cpython_wrapper=True,
-            no_cfunc_wrapper=True,
-        )(self.function)
+        """Numba's own, for calls from other kernels: without wrappers for Python; one for all threads."""
+        known = vars(self).get("_inner")
+        if known is None:
+            made = _numba().njit(
+                nogil=True,
+                error_model="numpy",
+                fastmath=self.freedom,
+                no_cpython_wrapper=True,
+                no_cfunc_wrapper=True,
+            )(self.function)
+            known = vars(self).setdefault("_inner", made)  # of two threads at once, the first's
+        return known
 
 
 class Formula(Kernel):
@@ -185,9 +189,11 @@ class Native(Kernel):
                 ORDINARY[self.__name__] = f"{type(failed).__name__}: {failed}"
                 self._loaded[words] = None
                 for kernel in _KERNELS:  # what was half compiled for the machine code is compiled afresh
-                    vars(kernel).pop("inner", None)
+                    _DISCARDED.append(vars(kernel).pop("_inner", None))
 
 
+# Dispatchers given up: types of numba refer to them weakly, and a new one at the same address would be taken for one
+_DISCARDED = []
 # kernels that numba's ordinary compiler compiles, and why
 ORDINARY: dict[str, str] = {}
 

@@ -26,7 +26,7 @@ from fem.geometry import Stator
 from fem.materials.christoffel import slowest_wavelength
 from fem.materials.medium import Medium, medium, units
 from fem.mesh.piece import FLOATING, GROUNDED, MeshPiece
-from fem.mesh.quads import QuadMesh, quad_mesh
+from fem.mesh.quads import conditions_of, quad_mesh
 from fem.mesh.section_mesh import ELECTRODE, MeshError
 
 # Layers towards corners beyond those towards finger edges.  On a user's 70 triangles the admittance errs by 6e-5, 3e-6
@@ -83,7 +83,6 @@ class Assembly:
     # shape (skeleton unknowns, free unknowns + lines + ports): unknowns on edges and vertices from those that remain
     expansion: object = field(repr=False)
     floating_potential: bool
-    warnings: tuple[str, ...]
 
     @property
     def kept(self) -> int:
@@ -295,7 +294,7 @@ def assembled(
                 name: resolution.element_size * slowest_wavelength(solids[name], frequency)
                 for name in piece.mesh.solids
             },
-            conditions=_conditions(piece, stator),
+            conditions=conditions_of(piece, stator.bottom),
         ),
         resolution.order,
         unit,
@@ -312,7 +311,7 @@ def assembled(
         media[name] = medium(solids[name], own, scales=units(stator.solid))
     constraints = _Constraints(piece, stator, space, media, names)
     sides = tuple(side for side in ("left", "right") if side in sections)
-    expansion, warnings = constraints.expansion({side: sections[side] for side in sides}, frequency)
+    expansion = constraints.expansion({side: sections[side] for side in sides})
     return Assembly(
         piece=piece,
         space=space,
@@ -323,7 +322,6 @@ def assembled(
         ports=constraints.ports,
         expansion=expansion,
         floating_potential="phi" in names and not constraints.holds_potential,
-        warnings=warnings,
     )
 
 
@@ -332,14 +330,6 @@ def fields_of(stator: Stator) -> tuple[str, ...]:
     from fem.materials import fields
 
     return fields(stator.solid)
-
-
-def _conditions(piece: MeshPiece, stator: Stator) -> dict[str, str]:
-    """What holds on the lines of each group, in a word; the same word: the same condition."""
-    words = {"bottom": "" if stator.bottom == "free" else stator.bottom, "surface": ""}
-    for name in piece.mesh.lines:
-        words.setdefault(name, name)
-    return words
 
 
 class _Constraints:
@@ -395,13 +385,13 @@ class _Constraints:
         else:
             self.tied[vertices, phi] = index
 
-    def expansion(self, sections: dict[str, Section], frequency: float):
-        """All skeleton unknowns from the free ones, the lines' and the ports'; warnings."""
+    def expansion(self, sections: dict[str, Section]):
+        """All skeleton unknowns from the free ones, the lines' and the ports'."""
         from scipy.sparse import coo_matrix
 
         count = len(self.names)
         free = self.exists & ~self.zero & (self.tied < 0)
-        parts, warnings = [], []  # (rows, local columns, values, block)
+        parts = []  # (rows, local columns, values, block)
         for side, section in sections.items():
             edges = self.space.mesh.lines[side]
             for column, name in enumerate(self.names):
@@ -437,27 +427,4 @@ class _Constraints:
             (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),
             shape=(self.space.skeleton * count, total),
         ).tocsr()
-        warnings += _near_interface(self.piece, self.space.mesh, self.space.unit)
-        return matrix, tuple(warnings)
-
-
-NEAR_INTERFACE = (
-    1 / 8
-)  # wavelengths: 0.12 mm of 1 mm costs 1e-5 of the admittance, a third of a wavelength 6e-7
-
-
-def _near_interface(piece: MeshPiece, mesh: QuadMesh, unit: float) -> list[str]:
-    """Warn of singular corners near an interface, whose field the section's line cannot resolve."""
-    result = []
-    for side in ("left", "right"):
-        line = piece.mesh.interface(side)
-        if line is None or not len(mesh.singular):
-            continue
-        distance = float(abs(mesh.points[mesh.singular, 0] - line[0]).min())
-        if distance < NEAR_INTERFACE * unit:
-            result.append(
-                f'piece "{piece.name}": a corner stands {distance * 1e3:.3g} mm from the interface {side}, nearer '
-                f"than an eighth of a wavelength ({NEAR_INTERFACE * unit * 1e3:.3g} mm): its field is cut off there, "
-                "which costs 1e-5 or more; draw the piece wider"
-            )
-    return result
+        return matrix

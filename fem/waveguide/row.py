@@ -1,11 +1,9 @@
 """The meshed pieces of a row, condensed at one frequency: those between uniform segments, and the stator's ends.
 
-Pieces of equal mesh, materials and electrodes are condensed once.  What does not depend on the frequency is kept from
-call to call.
+Pieces of equal mesh, materials and electrodes are condensed once.
 """
 
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -28,7 +26,6 @@ class CondensedPieces:
     # start, stop: where the uniform stator begins and ends
     start: float
     stop: float
-    warnings: tuple[str, ...] = ()
 
 
 def no_pieces(stator: Stator, unit: float) -> CondensedPieces:
@@ -54,7 +51,6 @@ def condensed_pieces(stator: Stator, modes: GuidedModes, resolution: Resolution)
     both = ("left", section), ("right", section)
     between = tuple((piece.extent[0] / unit, condensed(piece, both)) for piece in placed.between)
     ends: list[End] = [stator.ends, stator.ends]
-    warnings = [text for _, piece in between for text in piece.assembly.warnings]
     for side, piece in enumerate(placed.ends):
         if piece is None:
             continue
@@ -65,13 +61,8 @@ def condensed_pieces(stator: Stator, modes: GuidedModes, resolution: Resolution)
             ends[side] = Wall(
                 matrix=end.matrix, recover=end.recover, floating_potential=end.floating_potential
             )
-            warnings += end.assembly.warnings
     return CondensedPieces(
-        between=between,
-        ends=tuple(ends),
-        start=placed.start / unit,
-        stop=placed.stop / unit,
-        warnings=tuple(dict.fromkeys(warnings)),
+        between=between, ends=tuple(ends), start=placed.start / unit, stop=placed.stop / unit
     )
 
 
@@ -109,13 +100,6 @@ def _step(piece: MeshPiece, side: int, stator: Stator, modes: GuidedModes, resol
 def _frame(stator: Stator) -> Stator:
     """What of a stator a piece's elements depend on."""
     return replace(stator, length=1.0, ends="absorbing", pieces=())
-
-
-@lru_cache(8)
-def _kept(
-    piece: MeshPiece, stator: Stator, sections: tuple, frequency: float, resolution: Resolution
-) -> Assembly:
-    return assembled(piece, stator, dict(sections), frequency=frequency, resolution=resolution)
 
 
 def _assembly(piece, stator, sections, frequency, resolution) -> Assembly:

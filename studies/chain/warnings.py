@@ -32,6 +32,8 @@ DECIDES = 0.1  # relative change of u_z or of the velocity from which an effect 
 def warnings_of(record: Record) -> tuple[str, ...]:
     """Return every warning about a run, in the order of the chain."""
     found = list(scene_warnings(record.scene))
+    if record.scene.piece:
+        found += resolve.whole_stator(record.scene).piece_warnings(record.scene.frequency)
     if record.scene.transducer:
         for each in (_drive, _off_resonance, _section, _left_out):
             found += each(record)

@@ -197,3 +197,16 @@ def test_what_a_piece_does_not_go_with(plain):
     assert "stator.above must be none with a meshed piece" in refused(plain, {"above": "vacuum"})
     end = {"ends": "absorbing", "bottom": "grounded"}
     resolved(scene(plain, end))
+
+
+def test_what_a_run_warns_of(tmp_path):
+    """A corner near the interface; an end piece that ends elsewhere than the stator."""
+    near = rectangle(tmp_path / "near.msh", 1.0, 1.1, size=0.5, groove=(0.05, 0.2, 0.15))
+    (said,) = whole_stator(scene(near)).piece_warnings(2.17e6)
+    assert said.startswith(
+        'piece "near": a corner stands 0.05 mm from the interface left, nearer than an eighth'
+    )
+    end = rectangle(tmp_path / "end.msh", 1.0, 1.1, size=0.5, groups=("left", "bottom"))
+    assert whole_stator(scene(end, position="11 mm")).piece_warnings(2.17e6) == ()
+    (said,) = whole_stator(scene(end, position="10 mm")).piece_warnings(2.17e6)
+    assert said == 'the end piece "end" ends at x = 11 mm, the stator at 12 mm: the piece counts'

@@ -1,0 +1,59 @@
+"""A line force on the bare surface of a uniform segment: what it sends to both sides.
+
+A force F per width along y (N/m) at one place of the surface makes the nodal flux jump, f_right - f_left = -F e, with e
+the surface's unknown of that component.  With the radiation impedances of both sides
+
+    (X_right + X_left) u = -F e,
+
+and the modes' amplitudes on either side follow from u.  The surface wave's part is the surface's compliance Gamma at
+its pole: U_z to the right is -i Gamma F_z for a normal force.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fem.condense.piece import Port
+from fem.waveguide.ends import with_gauge
+from fem.waveguide.modes import GuidedModes
+
+
+@dataclass(frozen=True, kw_only=True)
+class ForceResponse:
+    """Response of a uniform segment without end to a unit line force (1 N/m) on its surface."""
+
+    port: Port
+    modes: GuidedModes
+    line: np.ndarray = field(repr=False)  # unknowns of the line under the force, m per N/m, shape (n,)
+
+    def motion(self, distance: float) -> np.ndarray:
+        """u_x and u_z of the surface at a distance in m, to the right where positive, m per N/m: shape (2,)."""
+        modes, x = self.modes, distance / self.modes.section.length_unit
+        if x >= 0:
+            amplitudes, shapes, k = modes.right_amplitudes(self.line), modes.right, modes.wavenumbers
+        else:
+            amplitudes, shapes, k = modes.left_amplitudes(self.line), modes.left, modes.backwards
+        return modes.section.surface_rows @ (shapes @ (amplitudes * np.exp(-1j * k * x)))
+
+    @property
+    def surface_wave(self) -> np.ndarray:
+        """u_x and u_z of the surface wave sent to the right, at the force, m per N/m: shape (2,)."""
+        modes, chosen = self.modes, self.modes.rayleigh
+        amplitudes = modes.right_amplitudes(self.line)[chosen]
+        return modes.section.surface_rows @ (modes.right[:, chosen] @ amplitudes)
+
+
+def force_response(modes: GuidedModes, component: str) -> ForceResponse:
+    """Response to a line force along "x" or "z" (normal) on the surface of a segment with these modes."""
+    section = modes.section
+    load = section.surface_rows[("x", "z").index(component)] / section.solid.stress_unit
+    line = -np.linalg.solve(_with_held_mean(modes), load)
+    return ForceResponse(port=Port(kind="force", name=component), modes=modes, line=line)
+
+
+def _with_held_mean(modes: GuidedModes) -> np.ndarray:
+    """Sum of the radiation impedances; the constant potential, which carries no flux, is held at zero mean."""
+    system = modes.impedance_sum.astype(complex)
+    if not modes.section.floating_potential:
+        return system
+    return with_gauge(system, modes.section.constant_potential)
