@@ -62,3 +62,10 @@ def test_the_datasheet_s_numbers_hold_within_their_errors():
     assert rows["load held on the wave"].value >= thrust.value
     (line, *_) = load_line.run(scene(LIGHT), points=3).panels
     assert line.data["blocked_thrust_N"]["4 nm"] == pytest.approx(thrust.value, rel=1e-12)
+
+
+def test_a_load_line_says_that_a_point_misses_its_tolerance():
+    undamped = LIGHT | {"slider": {key: value for key, value in LIGHT["slider"].items() if key != "damping"}}
+    record = load_line.run(scene(undamped), points=3)
+    assert "goes on bouncing" in record.findings[0].remark
+    assert load_line.run(scene(LIGHT), points=3).findings[0].remark == ""
