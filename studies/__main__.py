@@ -105,7 +105,7 @@ def _defect(error: Exception) -> int:
 def _dispatch(words: list[str]) -> int:
     from studies.command.parser import parser
 
-    top = parser()
+    top = parser(words[0] if words else None)
     try:
         arguments = top.parse_args(words)
     except SystemExit as leaving:  # argparse, after printing --help

@@ -31,7 +31,20 @@ NAMES = [str(path.relative_to(ROOT)) for path in DOCUMENTS]
 BLOCK = re.compile(
     r"^(?P<remark><!--[^\n]*-->)?\n*^```(?P<language>[^\n`]*)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL
 )
-TOOLS = ("python3", "python", "pip", ".", "ruff", "lint-imports", "pytest", "dask", "git", "cd", "export")
+TOOLS = (
+    "python3",
+    "python",
+    "pip",
+    ".",
+    "ruff",
+    "lint-imports",
+    "mypy",
+    "pytest",
+    "dask",
+    "git",
+    "cd",
+    "export",
+)
 INLINE = re.compile(r"(?<!`)`(sawmotor [^`]+)`(?!`)")
 PLACEHOLDER = re.compile(r"[\[\]|<>]|\.\.\.|\b[A-Z]{3,}\b")
 LINK = re.compile(r"\]\((?!https?:|#|mailto:)([^)#\s]+)")

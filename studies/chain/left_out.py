@@ -39,6 +39,10 @@ def _free(scene: Scene) -> Iterator[tuple[bool, str]]:
     names = fem.fields(resolve.solid(scene.stator))
     yield True, "electrodes: the scene has no transducer"
     yield True, "elements along x: the wave is a mode of the section"
+    meshes = (
+        "meshed pieces: the free wave does not meet them; sawmotor study reflector says what they send back"
+    )
+    yield bool(scene.piece), meshes
     yield "uy" not in names, UNCOUPLED
     yield "phi" not in names, "electric potential: the solid is not piezoelectric in this orientation"
 

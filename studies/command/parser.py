@@ -32,8 +32,8 @@ class Version(argparse.Action):
         parser.exit()
 
 
-def parser() -> Call:
-    """Return the parser of the whole command."""
+def parser(asked: str | None = None) -> Call:
+    """Return the parser of the whole command; of a command that is ``asked`` for by name, its arguments alone."""
     top = Call(
         prog="sawmotor",
         description="Surface-acoustic-wave motors from drive voltage to slider velocity.",
@@ -43,6 +43,9 @@ def parser() -> Call:
     top.add_argument("--version", action=Version, nargs=0, help="print the version and leave")
     calls = top.add_subparsers(dest="call", metavar="COMMAND", parser_class=Call)
     for name in COMMANDS:
+        if asked in COMMANDS and name != asked:
+            calls.add_parser(name)
+            continue
         command = import_module(f"studies.command.{name}")
         description = f"{command.HELP[0].upper()}{command.HELP[1:]}."
         own = calls.add_parser(name, help=command.HELP, description=description, allow_abbrev=False)

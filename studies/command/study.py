@@ -60,7 +60,7 @@ def call(arguments: argparse.Namespace) -> int:
     out = arguments.out or Path("results") / f"{arguments.name}-study"
     if arguments.scene is not None:
         scene = origin_of("study", arguments.scene)
-        if arguments.name not in ("voltage_to_velocity", "gallery"):
+        if arguments.name not in ("voltage_to_velocity", "gallery", "positioning"):
             without_bands(read_table(arguments.scene))
         origin = Origin(kind="study", name=f"{arguments.name} of {scene.name}", source=scene.source)
         out = arguments.out or Path("results") / f"{arguments.name}-study-{scene.name}"

@@ -54,7 +54,7 @@ def random_cycles(count=60):
     return h, a, b, rng.uniform(0.05, 1.5, count), rng.uniform(0.2, 1.0, count) * rng.choice([-1, 1], count)
 
 
-def stop_operator(h, a, b, c, w, steps=8_000, turns=8):
+def stop_operator(h, a, b, c, w, steps=5_000, turns=6):
     """Return P_0, P_1, Q_0, Q_1, P_2, Q_2 (k = 1) and the friction work of contacts that follow small steps."""
     phase = 2.0 * np.pi * np.arange(steps + 1) / steps
     z = np.maximum(h + (a * np.exp(1j * phase[:, None])).real, 0.0)
@@ -86,13 +86,13 @@ def test_the_closed_cycle_is_that_of_a_stop_operator_in_small_steps():
     P0, P1, Q0, Q1, P2, Q2, work = stop_operator(h, a, b, c, w)
     assert found[:, columns.MEAN_APPROACH] == pytest.approx(P0, abs=1e-6)
     assert found[:, columns.FIRST_APPROACH] * crest == pytest.approx(P1, abs=1e-6)
-    assert found[:, columns.MEAN_STRETCH] == pytest.approx(Q0, abs=1e-3)
+    assert found[:, columns.MEAN_STRETCH] == pytest.approx(Q0, abs=2e-3)
     first = (found[:, columns.COS_STRETCH] - 1j * found[:, columns.SIN_STRETCH]) * crest
-    assert first == pytest.approx(Q1, abs=1e-3)
+    assert first == pytest.approx(Q1, abs=2e-3)
     assert found[:, columns.SECOND_APPROACH] * crest**2 == pytest.approx(P2, abs=1e-6)
     second = (found[:, columns.COS_SECOND] - 1j * found[:, columns.SIN_SECOND]) * crest**2
-    assert second == pytest.approx(Q2, abs=1e-3)
-    assert found[:, columns.FRICTION] == pytest.approx(work, abs=1e-3)
+    assert second == pytest.approx(Q2, abs=2e-3)
+    assert found[:, columns.FRICTION] == pytest.approx(work, abs=2e-3)
     assert 10 < np.sum(found[:, columns.SHARE] < 1.0) < 50
 
 
@@ -159,10 +159,10 @@ def test_the_loaded_wave_leaves_as_independent_programs_say(monkeypatch):
     two = pillar_motion(gaussian(100, steps=100), wave())
     monkeypatch.setattr(pillar_cycle, "march", forward_only)
     monkeypatch.setattr(pillar_equilibrium, "SLOW", math.inf)  # no step of Newton's, which knows both ways
-    found = pillar_motion(gaussian(200, steps=400), wave())
-    assert found.velocity == pytest.approx(-0.81081891, rel=6e-6)
+    found = pillar_motion(gaussian(100, steps=400), wave())
+    assert found.velocity == pytest.approx(-0.81081891, rel=4e-5)
     assert 20.0 * abs(found.exit_over_entry) == pytest.approx(19.688829, abs=2e-5)
-    assert np.angle(found.exit_over_entry) == pytest.approx(1.2997665, abs=3e-6)
+    assert np.angle(found.exit_over_entry) == pytest.approx(1.2997665, abs=6e-6)
     # what runs back changes the velocity by 0.5 to 0.8 per cent
     assert 0.005 < abs(two.velocity / found.velocity - 1.0) < 0.008
 

@@ -210,3 +210,11 @@ def test_what_a_run_warns_of(tmp_path):
     assert whole_stator(scene(end, position="11 mm")).piece_warnings(2.17e6) == ()
     (said,) = whole_stator(scene(end, position="10 mm")).piece_warnings(2.17e6)
     assert said == 'the end piece "end" ends at x = 11 mm, the stator at 12 mm: the piece counts'
+
+
+def test_a_free_wave_says_that_it_meets_no_piece(plain):
+    table = scene(plain).to_table()
+    free = Scene.from_table(
+        "", {key: table[key] for key in ("stator", "piece")} | {"drive": {"frequency": 2.17e6}}
+    )
+    assert any(line.startswith("meshed pieces: the free wave") for line in run(free, tolerance=1e-2).left_out)

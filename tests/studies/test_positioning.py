@@ -271,6 +271,18 @@ def test_a_controller_that_answers_nonsense_is_refused(tmp_path):
         controller(f"{file}:broken", {})(reading)
 
 
+def test_scatter_of_a_step_follows_from_the_tolerances():
+    # far from the steady speed a step goes with the friction force: 12.5 % of friction at 95 % are 6.4 % of a step
+    scene = Scene.load("twente-contact").replace(
+        wave={"normal_amplitude": "12 nm"}, uncertain={"slider.friction_coefficient": 0.01}
+    )
+    mean, deviation = positioning._scatter(scene, motor(), lambda text: None)
+    truth = contact.step(motor().slider, orbits(12e-9), cycles=positioning.SCATTER_CYCLES).displacement
+    assert mean == pytest.approx(truth, rel=0.1)
+    assert deviation == pytest.approx(0.01 / 1.96 / 0.08 * truth, rel=0.5)
+    assert positioning._scatter(Scene.load("twente-contact"), motor(), lambda text: None) is None
+
+
 def test_controllers_are_data():
     for name, kind in CONTROLLERS.items():
         assert controller(name, {"tolerance": 3e-9}) == replace(kind(), tolerance=3e-9)
