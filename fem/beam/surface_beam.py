@@ -49,6 +49,8 @@ UNLIKE = (
 COARSER_SHARE = 0.5
 # Of the section's amplitude at a wavelength from an end of the aperture, and the power of the distance with which it
 # falls: bulk waves sent obliquely, of u_x and u_z and of u_y (test_oblique_bulk.py)
+# FADED: where all modes take part, what leaves at more than about 45 degrees (cut_source.py), within 10 mm of fingers.
+FADED = (0.02, 1.25)
 OBLIQUE, OBLIQUE_LATERAL = (0.24, 1.25), (0.15, 0.75)
 RULE_GAIN = 1.5  # power of the coarse rule's error that bounds the fine one's; 1.8 measured, 2 in theory
 CHUNK = 2000  # points at a time whose distances to all fingers, or whose spectra, are tabulated
@@ -143,6 +145,8 @@ class SurfaceBeam:
         section, left_out = self._left_out(x, y, fine)
         if not oblique and self._follows_one_mode:
             left_out = 0.0
+        if oblique and not self._follows_one_mode and isinstance(self.source, CutSource):
+            left_out = left_out + section * self._oblique(x, y, *FADED)
         return fine, rule + (np.maximum(size, section) * self.wave.relative_error + left_out) / size
 
     def _left_out(self, x: np.ndarray, y: np.ndarray, motion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
