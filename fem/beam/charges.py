@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.discretize.spectral import gll_nodes
-from fem.results.evaluation import column_fields
+from fem.results.evaluation import left_edge
 from fem.results.solution import Solution
-from fem.waveguide.network import Sheet
 
 SAME_NODE = 1e-9  # length units: nodes of neighbouring columns that are nearer are one
+UNCHARGED = 0.2  # of the largest charge of a finger, below which a finger's profile is not its own
 MAX_PHASE, TERMS = 3.0, 28  # across half a finger, and of the Taylor series then: rounding
 
 
@@ -139,58 +139,85 @@ def electrode_charges(solution: Solution, index: int) -> ElectrodeCharges:
     ElectrodeCharges
     """
     if not solution.fields.sheets:
-        return ElectrodeCharges(
-            **dict(zip(("x", "charge", "finger"), _node_charges(solution, index), strict=True))
-        )
-    sheets = solution.fields.sheets[index]
-    found = [_sheet_charges(solution, index, each) for each in sheets]
-    (x, charge, finger), lengths = found[0], [each.length for each in sheets]
-    steps = tuple((length, each[1]) for length, each in zip(lengths[1:], found[1:], strict=True))
-    return ElectrodeCharges(x=x, charge=charge, finger=finger, steps=steps)
-
-
-def _sheet_charges(solution: Solution, index: int, sheet: Sheet) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Places and charges of a sheet's nodes, its added dipoles included, and the number of their fingers."""
-    sides = tuple(sheet.sides if at == index else each for at, each in enumerate(solution.fields.sides))
-    nodes = _node_charges(replace(solution, fields=replace(solution.fields, sides=sides)), index)
+        x, (charge,), finger = _node_charges(solution, index, solution.sides(index)[:, None])
+        return ElectrodeCharges(x=x, charge=charge, finger=finger)
+    sheets, volts = solution.fields.sheets[index], solution.circuit.voltages
+    signs = solution.fields.transducers[index].signs.replace("0", "")
+    # the charge of open strips on every sheet is known at the nodes only
+    resolved = len(sheets) if "o" in signs else 1
+    x, charges, finger = _node_charges(
+        solution, index, np.stack([each.sides @ volts for each in sheets[:resolved]], axis=-1)
+    )
     section = solution.fields.section
-    unit = -section.solid.stress_unit / section.solid.potential_unit * section.length_unit
-    added = unit * (sheet.dipoles @ solution.circuit.voltages)
-    if not len(added):
-        return nodes
-    return _with_dipoles(*nodes, solution.fields.transducers[index].signs.replace("0", ""), added)
+    unit = -section.solid.stress_unit / section.solid.potential_unit
+    number = _finger_numbers(finger, signs)
+    places = np.flatnonzero(number >= 0)
+    number = number[places]
+    shares, dipoles = _profiles(x[places], charges[0, places], number)
+    found = []
+    for at, each in enumerate(sheets):
+        charge = charges[at].copy() if at < resolved else np.zeros(len(x), dtype=complex)
+        moments = unit * section.length_unit * ((each.dipoles if at < resolved else each.moments) @ volts)
+        if at >= resolved:
+            totals = unit * (each.reactions @ volts)
+            charge[places] = shares * totals[number]
+            moments = moments - np.bincount(number, (charge[places] * dipoles[1]).real, len(totals))
+            moments = moments - 1j * np.bincount(number, (charge[places] * dipoles[1]).imag, len(totals))
+        charge[places] += dipoles[0] * moments[number]
+        found.append(charge)
+    steps = tuple((each.length, charge) for each, charge in zip(sheets[1:], found[1:], strict=True))
+    return ElectrodeCharges(x=x, charge=found[0], finger=finger, steps=steps)
 
 
-def _node_charges(solution: Solution, index: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Places of the nodes on metal in m, their charges in C/m and the numbers of their fingers."""
-    section = solution.fields.section
+def _finger_numbers(finger: np.ndarray, signs: str) -> np.ndarray:
+    """Number among the fingers "+" and "-" of each node's finger, -1 on an open strip."""
+    charged = np.array([sign in "+-" for sign in signs])
+    return np.where(charged, np.cumsum(charged) - 1, -1)[finger - finger[0]]
+
+
+def _profiles(x: np.ndarray, charge: np.ndarray, number: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Shares (nodes,) of the nodes of fingers in the fingers' charges, and of a unit dipole (1/m) beside the arm (m).
+
+    The shares are those of ``charge`` or, where that is small on the whole, of 1 / (pi (a^2 - x^2)^(1/2)), of which a
+    node takes what lies between the middles to its neighbours; of the dipole's, x times as much.
+    """
+    fingers = range(number.max(initial=-1) + 1)
+    totals = np.array([charge[number == each].sum() for each in fingers])
+    shares, dipoles = [np.empty(0)], [np.empty((2, 0))]
+    for each in fingers:
+        own = x[number == each]
+        half = (own[-1] - own[0]) / 2
+        s = (own - own[0]) / half - 1
+        strip = np.diff(np.arcsin(np.concatenate([[-1.0], (s[1:] + s[:-1]) / 2, [1.0]]))) / np.pi
+        even = not abs(totals[each]) > UNCHARGED * abs(totals).max()
+        shares.append(strip if even else charge[number == each] / totals[each])
+        dipoles.append(np.array([strip * s / (np.sum(strip * s**2) * half), s * half]))
+    return np.concatenate(shares), np.concatenate(dipoles, axis=1)
+
+
+def _node_charges(
+    solution: Solution, index: int, sides: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Places of the nodes on metal in m, their charges in C/m and the numbers of their fingers.
+
+    ``sides`` of the transducer, (2 n + potentials, sheets); charges (sheets, nodes).
+    """
+    section, begin = solution.fields.section, left_edge(solution, index)
     places, reactions, metal = [], [], []
-    for recovery, starts, sides in column_fields(solution, index):
+    for recovery, starts, own in solution.fields.network.scatterers[index].recover(sides).kinds:
         column = recovery.column
-        reaction = column.surface_reactions @ sides
-        places.append(
-            np.add.outer(gll_nodes(section.order) * column.width * section.length_unit, starts).ravel()
-        )
-        reactions.append(reaction.ravel())
-        metal.append(np.full(reaction.size, column.electrode is not None))
+        reaction = np.tensordot(column.surface_reactions, own, axes=1)  # (nodes, sheets, places)
+        at = np.add.outer(gll_nodes(section.order) * column.width, starts) * section.length_unit
+        places.append(begin + at.ravel())
+        reactions.append(np.moveaxis(reaction, 1, 0).reshape(sides.shape[1], -1))
+        metal.append(np.full(at.size, column.electrode is not None))
     in_row = np.argsort(np.concatenate(places), kind="stable")
-    place, reaction, on_metal = (np.concatenate(each)[in_row] for each in (places, reactions, metal))
+    reaction = np.concatenate(reactions, axis=1)[:, in_row]
+    place, on_metal = (np.concatenate(each)[in_row] for each in (places, metal))
     node = np.cumsum(np.diff(place, prepend=-np.inf) > SAME_NODE * section.length_unit) - 1
     first = np.searchsorted(node, np.arange(node[-1] + 1))
-    charge = np.add.reduceat(reaction, first)
+    charge = np.add.reduceat(reaction, first, axis=1)
     covered = np.logical_or.reduceat(on_metal, first)
     finger = np.cumsum(np.diff(covered.astype(int), prepend=0) == 1)
     unit = -section.solid.stress_unit / section.solid.potential_unit
-    return place[first][covered], unit * charge[covered], finger[covered]
-
-
-def _with_dipoles(x, charge, finger, signs: str, dipoles: np.ndarray):
-    """Charges with a pair of lumps more on every finger "+" or "-"."""
-    numbers = 1 + np.flatnonzero([sign in "+-" for sign in signs])
-    edges = np.array([x[finger == number][[0, -1]] for number in numbers])
-    half = np.diff(edges, axis=1) / 2 * np.sqrt(0.75)
-    x = np.concatenate([x, np.ravel(edges.mean(axis=1, keepdims=True) + half * [-1, 1])])
-    charge = np.concatenate([charge, np.ravel(dipoles[:, None] / (2 * half) * [-1, 1])])
-    finger = np.concatenate([finger, np.repeat(numbers, 2)])
-    in_row = np.argsort(x, kind="stable")
-    return x[in_row], charge[in_row], finger[in_row]
+    return place[first][covered], unit * charge[:, covered], finger[covered]

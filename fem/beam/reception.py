@@ -210,19 +210,24 @@ class _Response:
     lines: np.ndarray = field(repr=False)  # (2 n, 2 modes + fingers), of the section
     potentials: np.ndarray = field(repr=False)  # U, (sheets, fingers, columns)
     sent: np.ndarray = field(repr=False)  # (sheets 2 modes, columns): amplitudes to the right and to the left
-    dipoles: np.ndarray = field(repr=False)  # (sheets, fingers, columns), beyond the section's
+    # (sheets, fingers, columns): reactions on the fingers, their first moments, and those beyond the section's
+    reactions: np.ndarray = field(repr=False)
+    moments: np.ndarray = field(repr=False)
+    dipoles: np.ndarray = field(repr=False)
 
     def sheets(self, weights: np.ndarray) -> tuple[Sheet, ...]:
         """Fields of the sheets for the columns' ``weights``, (columns, ports)."""
         waves = weights[: len(self.sent)].reshape(len(self.lengths), -1, weights.shape[1])
-        potentials, dipoles = self.potentials @ weights, self.dipoles @ weights
+        potentials = self.potentials @ weights
         return tuple(
             Sheet(
                 length=float(length),
                 sides=np.concatenate(
                     [self.lines @ np.concatenate([waves[at], potentials[at]]), potentials[at]]
                 ),
-                dipoles=dipoles[at],
+                reactions=self.reactions[at] @ weights,
+                moments=self.moments[at] @ weights,
+                dipoles=self.dipoles[at] @ weights,
             )
             for at, length in enumerate(self.lengths)
         )
@@ -399,6 +404,11 @@ def _response(
     sent = leaving[:, 2 * m :] @ found
     for sheet in range(sheets):
         sent[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] += leaving[:, : 2 * m]
+    dipoles = (added @ on_fingers.reshape(size, columns)).reshape(found.shape)
+    by_waves = moments @ sides[:, : 2 * m]
+    first_moments = (moments @ sides[:, 2 * m :]) @ found + dipoles
+    for sheet in range(sheets):
+        first_moments[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] += by_waves
     return _Response(
         scatterer=scatterer,
         lengths=lengths,
@@ -406,5 +416,7 @@ def _response(
         lines=lines,
         potentials=found,
         sent=sent.reshape(sheets * 2 * m, columns),
-        dipoles=(added @ on_fingers.reshape(size, columns)).reshape(found.shape),
+        reactions=on_fingers,
+        moments=first_moments,
+        dipoles=dipoles,
     )

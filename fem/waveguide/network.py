@@ -260,5 +260,7 @@ class Sheet:
     sides: np.ndarray = field(
         repr=False
     )  # as of `PortSolution`, with the potentials that would make the charges
-    # shape (fingers, ports): first moments of the reactions on the charged fingers that the lines do not have
-    dipoles: np.ndarray = field(repr=False)
+    # shape (fingers, ports): reactions on the charged fingers, and their first moments about the middles
+    reactions: np.ndarray = field(repr=False)
+    moments: np.ndarray = field(repr=False)
+    dipoles: np.ndarray = field(repr=False)  # the part of the moments that the sides do not have

@@ -269,7 +269,16 @@ def connected(
         waves=solution.waves,
         own_apertures=solution.own_apertures,
         sheets=tuple(
-            tuple(replace(each, sides=each.sides @ volts, dipoles=each.dipoles @ volts) for each in own)
+            tuple(
+                replace(
+                    each,
+                    sides=each.sides @ volts,
+                    reactions=each.reactions @ volts,
+                    moments=each.moments @ volts,
+                    dipoles=each.dipoles @ volts,
+                )
+                for each in own
+            )
             for own in solution.sheets
         ),
     )

@@ -1,0 +1,71 @@
+"""Surface motion of a piezoelectric half-space by charges of finite length, without modes.
+
+Stroh's problem at every wave vector of the surface (Ting, *Anisotropic Elasticity*, 1996, chapter 5), summed over the
+plane of wave vectors.
+
+exp(+i omega t), body at z < 0, no field above (D_n = 0 beside the charges).  Both wave vector components are turned by
+one small angle of the complex plane, k (1 + i epsilon), which keeps all poles and branch points at a distance and
+leaves the choice of the waves that decay downwards as it is for a lossy body.  G(-k) = G(k)^T.
+"""
+
+import math
+
+import numpy as np
+
+VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
+
+
+class HalfSpaceField:
+    """Constants in SI, complex with loss: stiffness (6, 6), coupling e (3, 6), permittivity (3, 3), density."""
+
+    def __init__(self, *, stiffness, coupling, permittivity, density, frequency):
+        self.unit = abs(stiffness).max()
+        self.volt = np.sqrt(self.unit / abs(permittivity).max())
+        self.wavenumber = 2 * np.pi * frequency * np.sqrt(density / self.unit)
+        table = np.zeros(
+            (3, 3, 4, 4), dtype=complex
+        )  # of derivatives a, b: rows and columns u_x, u_y, u_z, phi
+        for a in range(3):
+            for b in range(3):
+                for i in range(3):
+                    for k in range(3):
+                        table[a, b, i, k] = stiffness[VOIGT[i, a], VOIGT[k, b]] / self.unit
+                    table[a, b, i, 3] = coupling[b, VOIGT[i, a]] * self.volt / self.unit
+                    table[a, b, 3, i] = coupling[a, VOIGT[i, b]] * self.volt / self.unit
+                table[a, b, 3, 3] = -permittivity[a, b] * self.volt**2 / self.unit
+        self.table = table
+
+    def response(self, kx, ky, turn):
+        """Motion and potential per force and charge on the surface, scaled alike, (n, 4, 4)."""
+        t, k = self.table, np.stack([kx, ky]) / self.wavenumber
+        plane = np.einsum("an,bn,abij->nij", k, k, t[:2, :2]) - np.diag([1.0, 1.0, 1.0, 0.0])
+        out, back = np.einsum("an,aij->nij", k, t[:2, 2]), np.einsum("an,aij->nij", k, t[2, :2])
+        inverse = np.linalg.inv(t[2, 2])
+        stroh = np.zeros((len(kx), 8, 8), dtype=complex)
+        stroh[:, :4, :4], stroh[:, :4, 4:] = -inverse @ back, inverse
+        stroh[:, 4:, :4], stroh[:, 4:, 4:] = out @ inverse @ back - plane, -out @ inverse
+        p, waves = np.linalg.eig(stroh)
+        down = np.argsort(-(p / turn).imag, axis=1)[:, None, :4]
+        waves = np.take_along_axis(waves, down, axis=2)
+        return waves[:, :4] @ np.linalg.inv(waves[:, 4:])
+
+    def motion(self, x, y, *, places, charges, aperture, surface_wavenumber):
+        """u_x, u_y, u_z in m at points, of lines of charge (C/m) at places x along |y| < aperture / 2, (3, points)."""
+        highest, reach = 1.75 * surface_wavenumber, float(np.hypot(x, y).max())
+        epsilon = 3.0 / (surface_wavenumber * reach)
+        turn, radial = 1 + 1j * epsilon, int(2.5 * highest / (epsilon * surface_wavenumber))
+        size = (np.arange(radial) + 0.5) * highest / radial
+        fade = [0.5 * math.erfc(5 * (2 * (k / surface_wavenumber - 1.2) / 0.55 - 1)) for k in size]
+        angles = int(2 * highest * reach + 200) // 2
+        total = np.zeros((3, len(x)), dtype=complex)
+        for angle in (np.arange(angles) + 0.5) * np.pi / angles - np.pi / 2:
+            kx, ky = size * np.cos(angle) * turn, size * np.sin(angle) * turn
+            both = self.response(kx, ky, turn)
+            weights = turn**2 * highest / radial * np.pi / angles / (4 * np.pi**2) * size * np.array(fade)
+            weights = weights * self.volt**2 / (1j * self.wavenumber * self.unit)
+            for sign, column in ((1, both[:, :3, 3]), (-1, both[:, 3, :3])):
+                sent = np.exp(1j * sign * np.outer(kx, places)) @ charges
+                sent = sent * aperture * np.sinc(ky * aperture / (2 * np.pi)) * weights
+                phases = np.exp(-1j * sign * (np.outer(x, kx) + np.outer(y, ky)))
+                total += (phases @ (column * sent[:, None])).T
+        return total / self.volt
