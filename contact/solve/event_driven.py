@@ -9,7 +9,7 @@ coefficients exceed the tolerance, or on which Picard's iteration does not gain,
 """
 
 import threading
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -64,7 +64,7 @@ MAX_ROOMS = 16  # of a thread
 
 def room(contacts: int, nodes: int) -> Work:
     """Return this thread's work arrays, the same ones as the last time for these sizes."""
-    rooms = vars(_ROOMS)
+    rooms: dict[Any, Work] = vars(_ROOMS)
     if (contacts, nodes) not in rooms:
         if len(rooms) >= MAX_ROOMS:
             rooms.clear()
