@@ -9,7 +9,6 @@ import os
 import signal
 import sys
 import threading
-import time
 
 # s that a process may take to end by itself after a signal, and more where it has workers
 PATIENCE, PATIENCE_WITH_WORKERS = 1.2, 30.0
@@ -17,21 +16,26 @@ PATIENCE, PATIENCE_WITH_WORKERS = 1.2, 30.0
 
 def main(words: list[str] | None = None) -> int:
     """Run the command in ``sys.argv``, or of these words, and return its exit code."""
+    returned = threading.Event()
     try:  # nothing is imported before: an interrupt meanwhile is a sentence too
         if words is None:
             signal.signal(signal.SIGTERM, _ended)  # as an interrupt: work files and locks are cleared away
-            _watch_signals()
+            _watch_signals(returned)
         return _guarded(sys.argv[1:] if words is None else words)
     except KeyboardInterrupt:
         return _said("interrupted, nothing was written", 130)
+    finally:
+        returned.set()
 
 
 def _ended(*_):
     raise KeyboardInterrupt
 
 
-def _watch_signals() -> None:
+def _watch_signals(returned: threading.Event) -> None:
     """End the process soon after SIGINT or SIGTERM, also where Python waits for compiled code and runs no handler.
+
+    A command that has ``returned`` in time ends nothing: the process may be another's, such as a notebook's.
 
     The interpreter writes every signal to a pipe at once; a thread reads it, as compiled loops let other threads run,
     and ends the process where it has not ended by itself. Files are replaced as a whole, so none is left half written.
@@ -45,10 +49,12 @@ def _watch_signals() -> None:
     def watch():
         while os.read(reading, 1)[0] not in (signal.SIGINT, signal.SIGTERM):
             pass
-        time.sleep(PATIENCE)
+        if returned.wait(PATIENCE):
+            return
         processes = sys.modules.get("multiprocessing")
-        if processes is not None and processes.active_children():  # they finish their point first
-            time.sleep(PATIENCE_WITH_WORKERS)
+        # workers finish their point first
+        if processes is not None and processes.active_children() and returned.wait(PATIENCE_WITH_WORKERS):
+            return
         os.write(2, b"sawmotor: interrupted, nothing was written\n")
         os._exit(130)
 
