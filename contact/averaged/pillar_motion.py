@@ -178,6 +178,16 @@ class PillarLoadLine:
         return np.array([each.relative_error for each in self.motions])
 
     @property
+    def status(self) -> str:
+        """Always "ok": a motion that is not found raises."""
+        return "ok"
+
+    @property
+    def message(self) -> str:
+        """How the velocities were found, as a `LoadLine` says it."""
+        return "averaged equilibria of the pillars"
+
+    @property
     def blocked_thrust(self) -> float:
         """The stall, as a `LoadLine` names it, N."""
         return self.stall

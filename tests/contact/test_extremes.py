@@ -79,7 +79,8 @@ def test_a_second_opinion_agrees_and_sees_a_wrong_answer(A):
     assert abs(other.velocity - found.velocity) / reference < 3e-5
     # a velocity that is a hundredth off is pointed back to the true one
     for factor in (0.99, 1.02):
-        doubted = second_opinion(replace(found, velocity=factor * found.velocity))
+        wrong = replace(found.answer, value=factor * found.velocity)
+        doubted = second_opinion(replace(found, answer=wrong))
         assert abs(doubted.velocity - found.velocity) < doubted.error
         assert doubted.velocity == pytest.approx(found.velocity, rel=3e-3)
 
