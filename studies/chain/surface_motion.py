@@ -173,7 +173,8 @@ def surface_motion(wave, block: Stator, places, *, slider: bool = True) -> Surfa
         here, there = found.at(places)[[0, 2]], wave.motion(np.array([x for x, _ in places]))
         changed = float((abs(here - there).max(axis=0) / abs(here).max(axis=0)).max())
         added = found.relative_error(places) - wave.relative_error
-        added += float(found.beam.oblique_error(*zip(*places, strict=True)).max())
+        x, y = np.array(places, dtype=float).T
+        added += float(found.beam.oblique_error(x, y).max())
         if added > changed:
             reason = f"the beam's own error, {added:.1e}, would exceed what it changes, {changed:.1e}"
             return SurfaceMotion(
