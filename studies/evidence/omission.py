@@ -223,13 +223,14 @@ OMISSIONS = (
         question="admittance and motion of a driven plate without loss",
         without=lambda: _solved(_motor(mechanical_quality=math.inf, dielectric_loss=0.0), 1),
         put_back=lambda: _solved(_motor(mechanical_quality=1e16, dielectric_loss=0.0), 1),
+        allowed=5e-11,  # rounding; the lossless section has poles near by, 1.5e-11 seen
     ),
     Omission(
         part="half of the guided-mode problem",
         question="admittance and motion of a driven plate of hard PZT",
         without=lambda: _solved(_motor(), 1),
         put_back=lambda: _solved(_with_stiffness(0, 4, TILT), 1),
-        allowed=3e-11,  # rounding of two scaled eigenproblems: 1.5e-11 seen
+        allowed=1e-11,
         why="the tilt that breaks the symmetry, 2e-12 of the stiffness, times the mechanical quality",
     ),
     Omission(
