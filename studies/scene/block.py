@@ -7,7 +7,6 @@ rule that reads it, and its meaning, which the reference of all keys and the JSO
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import MISSING, dataclass, fields
-from functools import cache
 from typing import ClassVar, NoReturn, Self, get_args
 
 from studies.refusal import SceneError, nearest, shown, suggestion
@@ -27,10 +26,14 @@ class Key:
     default: object  # its value when absent; None where absence means something of its own
 
 
-@cache
+_KEYS: dict[type, dict[str, Key]] = {}
+
+
 def keys_of(kind: type) -> dict[str, Key]:
     """Return the keys of a block's class by name."""
-    keys = {}
+    if kind in _KEYS:
+        return _KEYS[kind]
+    keys = _KEYS[kind] = {}
     for entry in fields(kind):
         rule, meaning = get_args(entry.type)[1:]
         default = None if entry.default is MISSING else entry.default
@@ -38,7 +41,6 @@ def keys_of(kind: type) -> dict[str, Key]:
     return keys
 
 
-@cache
 def checks_of(kind: "type[Block]") -> list[Callable[["Block"], Iterator[tuple[str, str]]]]:
     """Return the methods ``check_...``; each yields key and rule of what single keys allow but together contradict."""
     return [method for name, method in vars(kind).items() if name.startswith("check_")]

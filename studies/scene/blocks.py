@@ -206,6 +206,18 @@ class Transducer(Block):
         return as_pair(self.center)
 
     @property
+    def wavelength(self) -> float:
+        """Its period in m; an automatic one must have been resolved."""
+        if isinstance(self.period, str):
+            self.refuse("period", f"must be a number in m here, got {self.period!r}")
+        return self.period
+
+    @property
+    def half_length(self) -> float:
+        """Half the length of its row of fingers, m."""
+        return self.finger_pairs * self.wavelength / 2
+
+    @property
     def turned(self) -> bool:
         """Whether its waves run along another line than the stator's middle."""
         return self.angle % 360 != 0 or self.place[1] != 0

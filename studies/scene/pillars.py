@@ -120,10 +120,8 @@ class Pillars(Block):
         """Number of pillars of a grid along the wave and across."""
         if self.area is None:
             return self.rows, self.columns
-        return tuple(
-            int(length / pitch + 1e-9)
-            for length, pitch in zip(as_lengths(self.area), self.pitches, strict=True)
-        )
+        (along, across), (pitch, side_pitch) = as_lengths(self.area), self.pitches
+        return int(along / pitch + 1e-9), int(across / side_pitch + 1e-9)
 
 
 def as_lengths(value) -> tuple[float, float]:

@@ -43,15 +43,15 @@ class Scene(Block):
     ] = None
 
     @classmethod
-    def load(cls, source: str | Path) -> Self:
-        """Read a scene file, or a scene that ships, by its name.
+    def load(cls, source: "Scene | str | Path") -> "Scene":
+        """Read a scene file, or a scene that ships, by its name; a `Scene` is returned as it is.
 
         Raises
         ------
         SceneError
             If it cannot be read or breaks a rule; its ``problems`` are all the faults, each with its line.
         """
-        return cls.from_file(SceneFile.read(source))
+        return source if isinstance(source, Scene) else cls.from_file(SceneFile.read(source))
 
     def replace(self, **blocks: Any) -> Self:
         """Return the scene with some keys changed; what is not named stays.
@@ -126,9 +126,12 @@ class Scene(Block):
         return next(each for each in self.transducer if each.name == self.drive.transducer)
 
     @property
-    def frequency(self) -> float | str:
-        """Of the drive or the given wave, in Hz."""
-        return (self.wave or self.drive).frequency
+    def frequency(self) -> float:
+        """Of the drive or the given wave, in Hz; "center" must have been resolved."""
+        frequency = (self.wave or self.drive).frequency
+        if isinstance(frequency, str):
+            self.refuse("drive.frequency", f"must be a number in Hz here, got {frequency!r}")
+        return frequency
 
     @property
     def burst(self) -> float | None:
