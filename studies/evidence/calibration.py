@@ -12,7 +12,7 @@ on two cores for ``twente-contact``, twice that for ``twente``.
 import math
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
@@ -21,11 +21,10 @@ from multiprocessing import get_context
 
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord, judged, of_record
+from studies.study import Answered, Finding, Panel, judged, of_record, study
 
 __all__ = ["Checked", "compared", "drawn", "figure", "findings", "run"]
 
-SCENE = "twente"
 SEED, DRAWS = 2026, 100
 QUICK = {"seed": 5, "draws": 1, "workers": 1}
 TOLERANCES = (3e-2, 1e-2, 3e-3, 1e-3)
@@ -154,37 +153,30 @@ def _pairs(first, finer) -> list[tuple[float, float]]:
     return pairs
 
 
+@study("twente")
 def run(
-    scene: str | Scene = SCENE,
-    *,
-    seed: int = SEED,
-    draws: int = DRAWS,
-    workers: int = 2,
-    progress: Callable[[str], None] | None = None,
-) -> StudyRecord:
+    scene: Scene, *, progress: Callable[[str], None], seed: int = SEED, draws: int = DRAWS, workers: int = 2
+) -> Answered:
     """Return the calibration of a scene.
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene.
+    scene : Scene
+        Any that a run takes.
     seed : int
         Of the variations.
     draws : int
         How many that give a comparison.
     workers : int
         Processes; 1 for this one.
-    progress : callable, optional
+    progress : callable
         Called with what is being done.
     """
-    begun = time.perf_counter()
-    say = progress or (lambda text: None)
-    whole = scene if isinstance(scene, Scene) else Scene.load(scene)
     checked: list[Checked] = []
     refused: list[Checked] = []
     indices = count()
     with ExitStack() as stack:
-        each_of = map
+        each_of: Callable[..., Iterator[Checked]] = map
         if workers > 1:
             pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
             each_of = stack.enter_context(pool).map
@@ -192,15 +184,12 @@ def run(
             if len(refused) > MAX_REFUSED * draws:
                 raise RunError(f"variations of this scene cannot be compared: {refused[-1].refusal}")
             batch = [next(indices) for _ in range(draws - len(checked))]
-            for found in each_of(_variation, [whole] * len(batch), [seed] * len(batch), batch):
+            for found in each_of(_variation, [scene] * len(batch), [seed] * len(batch), batch):
                 (refused if found.refusal else checked).append(found)
-                say(f"calibration: {len(checked)} of {draws} variations, {len(refused)} without a comparison")
-    return StudyRecord(
-        name="calibration",
-        panels=(_panel(seed, checked, refused),),
-        findings=findings(seed, checked, refused),
-        seconds=time.perf_counter() - begun,
-    )
+                progress(
+                    f"calibration: {len(checked)} of {draws} variations, {len(refused)} without a comparison"
+                )
+    return (_panel(seed, checked, refused),), findings(seed, checked, refused)
 
 
 def _panel(seed: int, checked: list[Checked], refused: list[Checked]) -> Panel:

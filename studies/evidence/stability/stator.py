@@ -10,9 +10,13 @@ charges on strips of an infinite plate, by exact partial waves, are in `tests/va
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from studies.evidence.stability.case import Case, Outcome
 from studies.evidence.stability.verdict import judged
+
+if TYPE_CHECKING:
+    from fem.geometry import Stator, Transducer
 
 __all__ = ["Motor", "judge", "other_motor", "small_motor", "stator_cases"]
 
@@ -50,8 +54,8 @@ class Motor:
         Ohm.
     """
 
-    stator: object
-    transducers: tuple
+    stator: "Stator"
+    transducers: "tuple[Transducer, ...]"
     frequency: float = 2.2e6
     place: float = 6e-3
     source_impedance: complex = 0.0
