@@ -5,7 +5,7 @@ Method: the scene with its frequency, levels, sizes, loads and constants changed
 the first run states; the error of every point of the first against the second is divided by the first's estimate.  A
 variation counts as kept if that holds at its worst point.  Points at rest in both, whose error and estimate are
 nothing, do not count.  Expected: at least 95 of 100 kept, the median estimate within ten times the true error.
-Materials, cuts, ends and layouts drawn at random too: `tests/validation/test_calibration.py`.  Run time: about 5 min
+Materials, cuts, ends and layouts drawn at random too: `tests/studies/test_calibration.py`.  Run time: about 5 min
 on two cores for ``twente-contact``, twice that for ``twente``.
 """
 
