@@ -29,6 +29,7 @@ SMALLEST, LARGEST = (
 PROBES = 400  # random points at which the interpolation is compared with the exact mean
 MAX_STEP, FAST_STEP = 1e-5, 1e-6  # s
 RING_STEPS = 30.0  # per period; 80 rings to 6e-4 of their amplitude, 15: 3e-2 (test_export_motor.py)
+KICK_CYCLES = 10  # after which the start of a sudden wave is over
 DEAD_BOUNCE = 1e-3  # its share in the mean force is the square of it
 SETTLED = 2e-4  # of the steady amplitude: from there on the wave counts as settled
 RESPONSE_STEP = 2.5e-7  # s; half of the cycle at 2 MHz

@@ -316,7 +316,9 @@ def test_libcosim_runs_the_fmu_of_version_2(tmp_path):
 
 def test_ecos_runs_the_fmu_of_version_3(tmp_path):
     # the co-simulation engine Ecos (C++), with fmi4c as importer
-    for known in importlib.metadata.distributions(name="tbb"):  # a library that ecospy does not find by itself
+    for known in importlib.metadata.distributions(
+        name="tbb"
+    ):  # a library that ecospy does not find by itself
         for file in known.files:
             if file.name == "libtbb.so.12":
                 ctypes.CDLL(str(file.locate()), mode=ctypes.RTLD_GLOBAL)
