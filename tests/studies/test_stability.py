@@ -190,7 +190,7 @@ def test_the_answer_is_the_same_with_a_part_put_back(omission):
     assert first.values == pytest.approx(
         second.values, rel=0, abs=omission.allowed * abs(second.values).max()
     )
-    assert np.any(first.values != second.values)
+    assert first.unknowns != second.unknowns or np.any(first.values != second.values), "the two are one run"
 
 
 @pytest.mark.slow
