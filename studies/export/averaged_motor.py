@@ -22,10 +22,8 @@ from studies.study import driven_contact
 # of the exact mean, and the steady velocity of twente-contact within 5e-6 from 0.75 to 20 nm. With 361 rows 6e-4 at
 # 0.75 nm, next to the threshold; with 601 and 401 columns 3e-6, and a C file twice as long.
 ROWS, COLUMNS = 501, 301
-SMALLEST, LARGEST = (
-    1e-6,
-    1.0 - 1e-4,
-)  # sqrt(|nu|) next to the jump, and tau of the last row: beyond lies no load
+SMALLEST = 1e-6  # sqrt(|nu|) next to the jump
+LARGEST = 1.0 - 1e-4  # tau of the last row: beyond lies no load
 PROBES = 400  # random points at which the interpolation is compared with the exact mean
 MAX_STEP, FAST_STEP = 1e-5, 1e-6  # s
 RING_STEPS = 30.0  # per period; 80 rings to 6e-4 of their amplitude, 15: 3e-2 (test_export_motor.py)

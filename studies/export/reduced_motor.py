@@ -81,10 +81,10 @@ PRELOAD = 11  # of the last step, N
 RIDE = 12  # approach at rest on the wave, m, and the bounce's angular frequency there, rad/s
 BOUNCE_RATE = 13
 PINNED = 14  # at the upper (1) or lower (-1) limit of a spring that slips; 0 where the contacts do not stick at all
-DEPTH = 15  # what a wave at rest leaves unchanged, 0 where it is not known: approach that carries <P> without a wave, m,
-LOWEST = 16  # and the deformations at which slip begins, m
+DEPTH = 15  # approach that carries <P> without a wave, m; 0 where the three numbers are to be computed anew
+LOWEST = 16  # deformations at which slip begins, m
 HIGHEST = 17
-CELL = 18  # cell of the table g that was read last, from 1, and the cubic over it; 0 where it is not known
+CELL = 18  # cell of the table g that was read last, from 1 and with the sign of V, and its cubic; 0: none
 CUBIC = 19
 HISTORY = 23
 # places in the history of each drive

@@ -336,7 +336,7 @@ def test_ecos_runs_the_fmu_of_version_3(tmp_path):
                 simulation.set_real("motor::load_force", force)
                 simulation.step(round(duration / 1e-5))
                 out.append([simulation.get_real(f"motor::{name}") for name in ("velocity", "position")])
-    truth = truth_of_a_burst(1e-5) + [0.0, 1.0]
+    truth = truth_of_a_burst(1e-5) + np.array([0.0, 1.0])
     np.testing.assert_allclose(out, truth, rtol=1e-9, atol=1e-12)
 
 
