@@ -70,14 +70,14 @@ def power_balance(solution: Solution) -> PowerBalance:
             aperture * power(sides[:n], left, frequency),
             aperture * power(sides[n : 2 * n], right, frequency),
         )
-        reaction = scatterer.superelement.matrix[2 * n :] @ sides
+        reaction = scatterer.piece.matrix[2 * n :] @ sides
         taken = aperture * np.pi * frequency * np.imag(np.sum(reaction * np.conj(sides[2 * n :])))
         lost = aperture * recovered(solution, index).loss()
         worst = max(worst, abs(taken - (fluxes[1] - fluxes[0]) - lost))
         owner = fields.owners[index]
         names = [fields.transducers[owner].name] if owner is not None else []
         if owner is None:
-            names = [port.name[:-1] for port in scatterer.superelement.ports]
+            names = [port.name[:-1] for port in scatterer.piece.ports]
         beyond = 0.0
         name = names[0] if names else ""
         if fields.own_apertures:

@@ -1,6 +1,7 @@
 """A driven stator on one discretisation: the ports' fields and the circuit that weighs them."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -12,18 +13,23 @@ from fem.waveguide.port_fields import PortFields, solve_ports
 
 @dataclass(frozen=True, kw_only=True)
 class Solution:
-    """Fields per volt at each port, and the voltages of the ports: their product is the field."""
+    """Fields of the excitations, and the voltages of the ports that a circuit sets: their product is the field."""
 
     fields: PortFields
     circuit: Circuit
 
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """Of each excitation of the fields: the ports' voltages."""
+        return self.circuit.voltages
+
     def sides(self, index: int) -> np.ndarray:
         """Lines and electrode potentials of a transducer, scaled, shape (2 n + 2,)."""
-        return self.fields.sides[index] @ self.circuit.voltages
+        return self.fields.sides[index] @ self.weights
 
     def incoming(self, index: int) -> np.ndarray:
         """Part of a transducer's lines that comes in, scaled, shape (2 n,)."""
-        return self.fields.incoming[index] @ self.circuit.voltages
+        return self.fields.incoming[index] @ self.weights
 
 
 def solve_driven(
