@@ -7,7 +7,7 @@ import pytest
 import contact
 from studies import Scene, SceneError, Wave
 from studies.__main__ import main
-from studies.chain import bridge, run, predictor, runs
+from studies.chain import bridge, predictor, run, runs
 from studies.chain.bridge import DrivenContact
 from studies.chain.points import SliderAnswer
 from studies.chain.runs import _needed
