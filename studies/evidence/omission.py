@@ -8,6 +8,7 @@ the tables, so that its own effect stays below the rounding of the answer.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -148,7 +149,7 @@ def _interior(kept: bool) -> Answered:
     return Answered(values=values, unknowns=wave.unknowns + extra)
 
 
-SLIDER = {
+SLIDER: dict[str, Any] = {
     "radius": 1e-3,
     "mass": 0.089e-3,
     "preload": 0.089e-3 * 9.81,
@@ -180,7 +181,8 @@ def _steady(orbits, *, method: str = "exact", tolerance: float = 1e-9, **changes
 
 
 def _one_for_three() -> Answered:
-    return _steady(_orbits(), **{name: SLIDER[name] / 3 for name in SHARED})
+    shared: dict[str, Any] = {name: SLIDER[name] / 3 for name in SHARED}
+    return _steady(_orbits(), **shared)
 
 
 def _from_rest() -> Answered:
