@@ -78,7 +78,7 @@ def _rows(seed: Seed, amplitude: float, cycles: int, chosen: tuple, tolerances: 
     """Return one row per run: curve, setting, seconds, error over v, complaint."""
     import contact
     from contact.answers.methods import rest, rest_problem
-    from contact.solve.time_stepping import steps
+    from contact.stepping.time_stepping import steps
     from studies.evidence.peers import contact as peers
 
     slider, orbits = seed.slider, seed.orbits(amplitude)

@@ -10,7 +10,7 @@ import numpy as np
 
 from contact.answers.methods import rest, rest_problem, silence
 from contact.drive import towards_plus
-from contact.solve.energy import DISPLACEMENT
+from contact.events.energy import Sum
 from studies.export.averaged_motor import AveragedMotor
 
 NODES, TRUNCATION = 12, 1e-10
@@ -81,7 +81,7 @@ class ExactMotor:
         motion, side, problem = self._motion(drive, level)
         motion.begin()
         motion.turn(count)
-        self.position += side * float(motion.sums[DISPLACEMENT]) * problem.length
+        self.position += side * float(motion.sums[Sum.DISPLACEMENT]) * problem.length
         self._keep(motion, side, problem)
         self.time += count * 2.0 * np.pi / self.omega
         self.driven_cycles += count
@@ -90,6 +90,6 @@ class ExactMotor:
         motion, side, problem = self._motion(0, STILL / self.motor.drives[0].amplitude)
         quiet = silence(motion)
         quiet.move(0.0, duration * problem.omega, np.empty(0))
-        self.position += side * float(quiet.sums[DISPLACEMENT]) * problem.length
+        self.position += side * float(quiet.sums[Sum.DISPLACEMENT]) * problem.length
         self._keep(quiet, side, problem)
         self.time += duration

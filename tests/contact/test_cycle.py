@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from contact.kinematics import normal_amplitude, tangential_amplitude
-from contact.solve.cycle_mean import MADE, SLIPS, STUCK, cycle, cycle_room, respond
-from contact.solve.equilibrium import balanced, traction
-from contact.solve.riding import mean_push, quadrature, riding_height
+from contact.averaged.cycle_mean import MADE, SLIPS, STUCK, cycle, cycle_room, respond
+from contact.averaged.event_cycle import balanced, traction
+from contact.averaged.riding import mean_push, quadrature, riding_height
+from contact.body import normal_amplitude, tangential_amplitude
 from tests.contact.motors import orbit, slider
 
 
@@ -91,7 +91,7 @@ def test_the_fast_motion_obeys_its_equation():
 
 # A part of a cycle is no cycle: with more events than are followed the means are not numbers
 def test_a_cycle_with_more_events_than_are_followed_has_no_means(monkeypatch):
-    from contact.solve import cycle_mean
+    from contact.averaged import cycle_mean
 
     problem = balanced(slider(), (orbit(3e-9),)).problem
     work, plain = cycle_room(1), getattr(cycle_mean.cycle, "function", cycle_mean.cycle)

@@ -9,14 +9,14 @@ from hypothesis import strategies as st
 
 from contact import burst, contact_history, steady
 from contact.answers.ledger import ledger
+from contact.body import Point
 from contact.codes import Regime, Status
 from contact.convergence import ConvergenceError
-from contact.kinematics import Point
+from contact.events.collocation import collocation
+from contact.events.energy import chain_energy
+from contact.events.motion import Motion
 from contact.law import hysteretic
 from contact.problem import scaled
-from contact.solve.collocation import collocation
-from contact.solve.energy import chain_energy
-from contact.solve.motion import Motion
 from tests.contact.motors import FREQUENCY, orbit, slider
 from tests.oracles.contact_springs import velocity_from_rest
 

@@ -17,7 +17,7 @@ from contact import (
 from contact.answers import methods
 from contact.answers.load_line import AVERAGING_ERROR
 from contact.drive import towards_plus
-from contact.solve.energy import DISPLACEMENT
+from contact.events.energy import Sum
 from tests.contact.motors import orbit, slider
 
 LIGHT = {
@@ -97,7 +97,7 @@ def test_the_error_of_a_step_holds(cycles, shaped):
         during = 2.0 * np.pi * float(np.sum(rows[:, 2]))
     else:
         motion.turn(cycles)
-        during = float(motion.sums[DISPLACEMENT])
+        during = float(motion.sums[Sum.DISPLACEMENT])
     assert abs(side * during * problem.length - found.during) <= 2.0 * found.error + 1e-18
     assert found.answer.value == found.displacement
     assert found.error < (1e-2 if shaped else 1e-9) * abs(found.displacement)

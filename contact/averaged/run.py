@@ -14,12 +14,12 @@ import math
 
 import numpy as np
 
+from contact.averaged.riding import quadrature
+from contact.averaged.transient import Span, response
 from contact.codes import Status
 from contact.convergence import ConvergenceError
 from contact.orbit import Orbit
 from contact.slider import Slider
-from contact.solve.averaged_transient import Span, response
-from contact.solve.riding import quadrature
 
 # largest ratio of bounce to wave frequency, for v(t) and for the corrected steady state
 STIFFEST, STIFFEST_STEADY = 0.1, 0.3
