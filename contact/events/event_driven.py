@@ -70,13 +70,14 @@ def room(contacts: int, nodes: int) -> Work:
 
 
 class Course(NamedTuple):
-    """Where a run stands: phase, length to try, whether a contact has just closed, match in the cycle number `old`."""
+    """Where a run stands."""
 
     phase: float
-    length: float
-    entered: bool
-    match: int
+    length: float  # to try
+    entered: bool  # whether a contact has just closed
+    match: int  # of the next segment in the cycle number `old`, -1 without one
     old: int
+    taken: int  # samples
 
 
 @compiled
@@ -256,6 +257,30 @@ def _attempt(problem, grid, state, work, task, memory, course):
 
 
 @compiled
+def _next(problem, grid, state, work, task, memory, course):
+    """Lay out the next segment, of many contacts one that spans their events; return what became of it."""
+    if memory is None:
+        if state.regime.size >= many_contacts.MANY:
+            length, taken = course.length, course.taken
+            return many_contacts.attempt(problem, grid, state, work, task, course.phase, length, taken)
+    return _attempt(problem, grid, state, work, task, memory, course)
+
+
+@compiled
+def _accept(problem, grid, state, work, task, memory, course, segment):
+    """Account for a segment and move the state to its end; return (phase there, samples taken)."""
+    phase = task.stop if segment.last else course.phase + segment.length
+    if memory is None:
+        if state.regime.size >= many_contacts.MANY:
+            return phase, many_contacts.accept(problem, grid, state, work, task, segment, course.taken)
+    account(problem, grid, state, work.nodes, segment)
+    taken = _sampled(grid, state, work.nodes, task, segment, course.taken)
+    keep(work.pattern, 1 - course.old, segment, phase, state, work.nodes)
+    _move_to_end(problem, state, work.nodes, memory)
+    return phase, taken
+
+
+@compiled
 def advance(problem, grid, state, work, task, memory, cycle):
     """Move the state from start to stop; return the reason for ending.
 
@@ -264,7 +289,6 @@ def advance(problem, grid, state, work, task, memory, cycle):
     contacts, new, nodes, tally = state.regime.size, cycle % 2, work.nodes, state.tally
     phase, length, idle, taken, spent = task.start, problem.longest, 0, 0, 0
     first, warm, entered = 0, True, False  # entered: the segment starts where a contact was made
-    spans = memory is None and contacts >= many_contacts.MANY
     work.pattern.count[new] = 0
     while phase < task.stop:
         spent += 1
@@ -277,13 +301,10 @@ def advance(problem, grid, state, work, task, memory, cycle):
             state.slider[At.POSITION] + state.slider[At.NORMAL_VELOCITY] + state.slider[At.VELOCITY]
         ):
             return Status.NOT_FINITE
-        if memory is None and spans:
-            tried = many_contacts.attempt(problem, grid, state, work, task, phase, length, taken)
-        else:
-            match = matching(work.pattern, 1 - new, first, phase, state) if warm else -1
-            first = max(first, match + 1)
-            course = Course(phase, min(length, problem.longest), entered, match, 1 - new)
-            tried = _attempt(problem, grid, state, work, task, memory, course)
+        match = matching(work.pattern, 1 - new, first, phase, state) if warm else -1
+        first = max(first, match + 1)
+        course = Course(phase, min(length, problem.longest), entered, match, 1 - new, taken)
+        tried = _next(problem, grid, state, work, task, memory, course)
         segment, length = tried.segment, tried.length
         if tried.outcome == Outcome.NOT_CONVERGED or tried.outcome == Outcome.TOO_ROUGH:
             tally[Count.HALVINGS] += 1
@@ -293,15 +314,7 @@ def advance(problem, grid, state, work, task, memory, cycle):
             continue
         if tried.outcome == Outcome.ACCEPTED:
             tally[Count.SEGMENTS] += 1
-            if memory is None and spans:
-                taken = many_contacts.accept(problem, grid, state, work, task, segment, taken)
-            else:
-                account(problem, grid, state, nodes, segment)
-                taken = _sampled(grid, state, nodes, task, segment, taken)
-            phase = task.stop if segment.last else phase + segment.length
-            if not spans:
-                keep(work.pattern, new, segment, phase, state, nodes)
-                _move_to_end(problem, state, nodes, memory)
+            phase, taken = _accept(problem, grid, state, work, task, memory, course, segment)
             idle, entered, warm = 0, False, True
         else:
             idle += 1
