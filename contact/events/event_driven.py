@@ -259,10 +259,8 @@ def _attempt(problem, grid, state, work, task, memory, course):
 @compiled
 def _next(problem, grid, state, work, task, memory, course):
     """Lay out the next segment, of many contacts one that spans their events; return what became of it."""
-    if memory is None:
-        if state.regime.size >= many_contacts.MANY:
-            length, taken = course.length, course.taken
-            return many_contacts.attempt(problem, grid, state, work, task, course.phase, length, taken)
+    if memory is None and state.regime.size >= many_contacts.MANY:
+        return many_contacts.attempt(problem, grid, state, work, task, memory, course)
     return _attempt(problem, grid, state, work, task, memory, course)
 
 
@@ -270,9 +268,8 @@ def _next(problem, grid, state, work, task, memory, course):
 def _accept(problem, grid, state, work, task, memory, course, segment):
     """Account for a segment and move the state to its end; return (phase there, samples taken)."""
     phase = task.stop if segment.last else course.phase + segment.length
-    if memory is None:
-        if state.regime.size >= many_contacts.MANY:
-            return phase, many_contacts.accept(problem, grid, state, work, task, segment, course.taken)
+    if memory is None and state.regime.size >= many_contacts.MANY:
+        return phase, many_contacts.accept(problem, grid, state, work, task, segment, course.taken)
     account(problem, grid, state, work.nodes, segment)
     taken = _sampled(grid, state, work.nodes, task, segment, course.taken)
     keep(work.pattern, 1 - course.old, segment, phase, state, work.nodes)

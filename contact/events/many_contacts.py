@@ -25,6 +25,7 @@ from contact.events.energy import Sum, account_contact, account_slider, mark
 from contact.events.segment import At, Attempt, Plane, Row
 from contact.events.transitions import LAST, cut, end_guard, enter_next, is_sharp
 from contact.jit.compiled import compiled
+from contact.law.hysteretic import Memory
 from contact.roots import first_root
 
 # contacts from which on segments span their events: below, the other solver is as fast
@@ -65,27 +66,28 @@ def span(contacts: int, nodes: int, tally: int) -> Span:
     )  # fmt: skip
 
 
-class Recording(NamedTuple):
-    """Whether energies, events and samples are recorded, and how many samples lie before the segment."""
+class Following(NamedTuple):
+    """How the contacts are followed over a segment."""
 
-    on: bool
-    taken: int
+    recorded: bool  # whether energies, events and samples are kept
+    taken: int  # samples that lie before the segment
+    memory: Memory | None
 
 
 @compiled
-def attempt(problem, grid, state, work, task, phase, length, taken):
+def attempt(problem, grid, state, work, task, memory, course):
     """Lay out the next segment; return what became of it. Where it is accepted the contacts are at its end."""
     span = work.span
-    outer = seg.next_segment(phase, length, task.stop, SMOOTH)
+    outer = seg.next_segment(course.phase, course.length, task.stop, SMOOTH)
     _remember(state, span)
-    why, rough = _iterated(problem, grid, state, work, task, outer)
+    why, rough = _iterated(problem, grid, state, work, task, outer, memory)
     too_rough = rough > task.tolerance and outer.length > 1e-6 * problem.longest
     _recall(state, span)
     if why != Status.DONE or too_rough:
         outcome = Outcome.NOT_CONVERGED if why != Status.DONE else Outcome.TOO_ROUGH
         return Attempt(outcome, outer, 0.5 * outer.length, why)
     # once more, on the motion that was found, with everything that is to be recorded
-    why = _all_followed(problem, grid, state, work, task, outer, Recording(True, taken))
+    why = _all_followed(problem, grid, state, work, task, outer, Following(True, course.taken, memory))
     if why != Status.DONE:
         return Attempt(Outcome.NOT_CONVERGED, outer, 0.0, why)
     grow = 2.0 if rough == 0.0 else min(2.0, 0.9 * (task.tolerance / rough) ** 0.2)
@@ -122,14 +124,14 @@ def _recall(state, span):
 
 
 @compiled
-def _iterated(problem, grid, state, work, task, outer):
+def _iterated(problem, grid, state, work, task, outer, memory):
     """Iterate to the slider's motion on a segment; return (reason for ending, roughness of its accelerations)."""
     span, last = work.span, np.inf
     n = grid.sigma.size
     _guess(problem, state, span, outer, task.mobile)
     for _ in range(seg.MAX_SWEEPS):
         _recall(state, span)
-        why = _all_followed(problem, grid, state, work, task, outer, Recording(False, 0))
+        why = _all_followed(problem, grid, state, work, task, outer, Following(False, 0, memory))
         for k in range(state.sums.size):
             state.sums[k] = span.sums[k]
         for k in range(state.tally.size):
@@ -216,43 +218,43 @@ def _primitive(series, out, begin, half, n):
 
 
 @compiled
-def _all_followed(problem, grid, state, work, task, outer, recording):
+def _all_followed(problem, grid, state, work, task, outer, following):
     """Follow every contact over the segment and fill the moments of the forces; return the reason for ending."""
     span = work.span
     span.moments[:] = 0.0
     span.count[0] = 0
     for i in range(state.regime.size):
-        why = _followed(problem, grid, state, work, task, outer, i, recording)
+        why = _followed(problem, grid, state, work, task, outer, i, following)
         if why != Status.DONE:
             return why
     return Status.DONE
 
 
 @compiled
-def _followed(problem, grid, state, work, task, outer, i, recording):
+def _followed(problem, grid, state, work, task, outer, i, following):
     """Follow one contact from event to event over the segment; return the reason for ending."""
-    nodes, stop = work.nodes, outer.phase + outer.length
+    nodes, stop, memory = work.nodes, outer.phase + outer.length, following.memory
     phase, length, entered, idle = outer.phase, outer.length, False, 0
     for _ in range(MAX_PIECES):
         piece = seg.segment_at(phase, min(length, stop - phase), ROOT_AT_START if entered else SMOOTH, 0)
-        _laid(problem, grid, state, work, outer, piece, i)
-        place, which = _first_event(problem, grid, state, nodes, i)
+        _laid(problem, grid, state, work, outer, piece, i, memory)
+        place, which = _first_event(problem, grid, state, nodes, i, memory)
         if which >= 0:
             sharp = is_sharp(which, state.regime[i])
             piece = cut(piece, place, i, which, sharp, entered)
             if piece.contact >= 0:
-                piece = _landed(problem, grid, state, work, outer, piece, i)
+                piece = _landed(problem, grid, state, work, outer, piece, i, memory)
             if piece.length > 0.0:
-                _laid(problem, grid, state, work, outer, piece, i)
+                _laid(problem, grid, state, work, outer, piece, i, memory)
         if piece.length > 0.0:
             rough = seg.roughness(problem, grid, nodes, piece, i, seg.largest_push(nodes, i))
             if rough > task.tolerance and piece.length > 1e-6 * problem.longest:
                 length = 0.5 * piece.length
                 continue
             _project(grid, work.span, nodes, problem, piece, outer, i)
-            if recording.on:
+            if following.recorded:
                 account_contact(problem, grid, state, nodes, piece, i)
-                _sampled(grid, state, nodes, task, piece, i, recording.taken, outer.phase)
+                _sampled(grid, state, nodes, task, piece, i, following.taken, outer.phase)
             state.deformation[i] = nodes.contact[Plane.X, i, nodes.guard.size - 1]
             phase, idle, entered = phase + piece.length, 0, False
         else:
@@ -260,13 +262,13 @@ def _followed(problem, grid, state, work, task, outer, i, recording):
             if idle > MAX_IDLE:
                 return Status.TOO_MANY
         if piece.contact >= 0:
-            _, rate = end_guard(problem, state, nodes, i, piece.guard, phase, None)
+            _, rate = end_guard(problem, state, nodes, i, piece.guard, phase, memory)
             if not rate < 0.0:
                 state.tally[Event.GRAZE] += 1
-            kind = enter_next(problem, state, nodes, i, piece.guard, None)
+            kind = enter_next(problem, state, nodes, i, piece.guard, memory)
             state.tally[kind] += 1
             entered = entered or kind == Event.CONTACT
-            if recording.on and work.span.count[0] < work.span.phases.size:
+            if following.recorded and work.span.count[0] < work.span.phases.size:
                 work.span.phases[work.span.count[0]] = phase
                 work.span.count[0] += 1
         if phase >= stop - 1e-15:
@@ -276,11 +278,11 @@ def _followed(problem, grid, state, work, task, outer, i, recording):
 
 
 @compiled
-def _laid(problem, grid, state, work, outer, piece, i):
+def _laid(problem, grid, state, work, outer, piece, i, memory):
     """Fill the motion and the forces of a contact at the nodes of a piece."""
     _move(grid, work, outer, piece, 0)
     seg.surface_of(problem, grid, work.nodes, piece, i, np.cos(piece.phase), np.sin(piece.phase), 0)
-    seg.contact_forces(problem, grid, state, work.nodes, i, None)
+    seg.contact_forces(problem, grid, state, work.nodes, i, memory)
     seg.contact_end(problem, state, work.nodes, i)
 
 
@@ -311,11 +313,11 @@ def _move(grid, work, outer, piece, first):
 
 
 @compiled
-def _first_event(problem, grid, state, nodes, i):
+def _first_event(problem, grid, state, nodes, i, memory):
     """Return (sigma, guard) of the earliest root of a contact's guards on the piece; (2, -1) if there is none."""
     regime, first, which = state.regime[i], 2.0, -1
     for k in range(1 if regime == Regime.SEPARATED else LAST[regime] + 1):
-        seg.guards(problem, state, nodes, i, k, None)
+        seg.guards(problem, state, nodes, i, k, memory)
         place = first_root(grid.sigma, grid.bary, grid.rates, nodes.guard)
         if place < first:
             first, which = place, k
@@ -323,7 +325,7 @@ def _first_event(problem, grid, state, nodes, i):
 
 
 @compiled
-def _landed(problem, grid, state, work, outer, piece, i):
+def _landed(problem, grid, state, work, outer, piece, i, memory):
     """Return the piece ended where its guard vanishes, by Newton's method with the motion at its end alone."""
     n, nodes = grid.sigma.size - 1, work.nodes
     c0, s0 = np.cos(piece.phase), np.sin(piece.phase)
@@ -333,7 +335,7 @@ def _landed(problem, grid, state, work, outer, piece, i):
         _move(grid, work, outer, piece, n)
         seg.surface_of(problem, grid, nodes, piece, i, c0, s0, n)
         seg.contact_end(problem, state, nodes, i)
-        value, rate = end_guard(problem, state, nodes, i, piece.guard, piece.phase + piece.length, None)
+        value, rate = end_guard(problem, state, nodes, i, piece.guard, piece.phase + piece.length, memory)
         length = seg.next_length(piece, value, rate, trial)
         if length == piece.length:
             break
