@@ -74,7 +74,7 @@ def cycle_at(
 ) -> Balance:
     """Return the balance at an approach in m and a velocity in m/s that are known to be in equilibrium.
 
-    `load_sign` as in `answers.sweep.MeanMotion`; the orbits as for `balanced`.
+    `load_sign` as in `sweep.MeanMotion`; the orbits as for `balanced`.
     """
     problem = scaled(slider, orbits, direction=load_sign, start=trough(orbits))
     height, speed = height / problem.length, velocity / problem.speed

@@ -77,7 +77,7 @@ def contact_slider(slider: Slider):
     return contact.Slider(
         radius=slider.radius,
         mass=slider.mass / share,
-        preload=slider.preload / share,
+        preload=slider.preload_force / share,
         load=slider.load / share,
         friction_coefficient=slider.static_coefficient,
         effective_modulus=slider.effective_modulus,

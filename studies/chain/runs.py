@@ -77,7 +77,7 @@ def run(
         raise SceneError("tolerance", f"must be a number above 0 and below 1, got {tolerance!r}")
     begun = time.perf_counter()
     with fem.blas_on_one_thread():
-        record = _run(scene if isinstance(scene, Scene) else Scene.load(scene), tolerance, progress)
+        record = _run(Scene.load(scene), tolerance, progress)
     total = time.perf_counter() - begun
     parts = record.seconds | {"other": total - sum(record.seconds.values())}
     return replace(record, seconds={"total": total, **parts})

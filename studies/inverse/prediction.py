@@ -74,7 +74,8 @@ class MeasurementPredictor(Predictor):
 
     def predict(self, asked: list[tuple[Measurement, dict]]) -> list[np.ndarray]:
         """Return the values of measurements, each with its own numbers; NaN where there is no answer."""
-        answers, states = [], []
+        answers: list[np.ndarray | slice] = []
+        states: list[tuple[DrivenContact, float]] = []
         for measurement, numbers in asked:
             numbers = numbers | measurement.settings
             if measurement.quantity in FIELD:

@@ -11,8 +11,9 @@ everything that has no effect changes nothing.  Run time: 10 s; of twente with i
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from studies.chain.steady import averaged
 from studies.inverse.prediction import MeasurementPredictor
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord, judged, of_record, study
+from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"outcomes": ("velocity", "threshold")}
 # accuracy of each answer: rounding and, where it is solved to a tolerance, that
@@ -42,14 +43,10 @@ SILENT_STEP = 0.02  # by which the numbers without effect are changed together
 AGREEMENT = 1e-2  # of both ways, of the largest elasticity
 
 
-@study
+@study("twente-contact")
 def run(
-    scene: str | Scene = "twente-contact",
-    *,
-    outcomes: tuple[str, ...] = tuple(ACCURACY),
-    tolerance: float = 1e-2,
-    progress=None,
-) -> StudyRecord:
+    scene: Scene, *, outcomes: tuple[str, ...] = tuple(ACCURACY), tolerance: float = 1e-2, progress=None
+) -> Answered:
     """Return the elasticities of a motor.
 
     Parameters
@@ -67,7 +64,7 @@ def run(
         findings += _without_effect(predictor, name, rows, level)
         keys = [*numbers(predictor), *(["level"] if name not in LIMITS else [])] if rows else []
         sides = both_sides(predictor, name, level, tuple(keys))
-        order = sorted(rows, key=lambda key, rows=rows: -abs(rows[key][0]))
+        order = [key for key, _ in sorted(rows.items(), key=lambda item: -abs(item[1][0]))]
         panels.append(
             Panel(name=name.replace(" ", "_").replace("-", "_"), title=f"{title}: {name}", data={
                 "key": order, "elasticity": [rows[key][0] for key in order], "error": [rows[key][1] for key in order],
@@ -88,10 +85,10 @@ def numbers(predictor: MeasurementPredictor) -> list[str]:
     return [key for key in _positive(table) if not key.endswith(known)]
 
 
-def _positive(value, path: str = "") -> Iterator[str]:
+def _positive(value: Any, path: str = "") -> Iterator[str]:
     if isinstance(value, float) and value > 0.0:
         yield path
-    entries = value.items() if isinstance(value, dict) else ()
+    entries: Iterable = value.items() if isinstance(value, dict) else ()
     if isinstance(value, list) and value and isinstance(value[0], dict):
         entries = enumerate(value)
     for key, each in entries:

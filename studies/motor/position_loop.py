@@ -129,9 +129,11 @@ def moved(
     """
     random = np.random.default_rng(loop.seed)
     late = round(loop.delay / loop.period)
-    begin, start, memory = motor.time, motor.position, {}
+    begin, start = motor.time, motor.position
+    memory: dict = {}
     seen = [start] * (late + 1)
-    rows, bursts, energy, cycles, satisfied = [(0.0, start, motor.velocity, 0.0)], {}, 0.0, 0.0, 0.0
+    bursts: dict = {}
+    rows, energy, cycles, satisfied = [(0.0, start, motor.velocity, 0.0)], 0.0, 0.0, 0.0
     last = "rest"
 
     def push(duration, level):

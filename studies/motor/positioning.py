@@ -25,7 +25,7 @@ from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.override import parts_of, toml_value
 from studies.scene.quantity import si_value
-from studies.study import Panel, StudyRecord, driven_contact, judged, of_record, study
+from studies.study import Answered, Panel, driven_contact, judged, of_record, study
 
 QUICK = {"cycles": (8, 25, 100)}
 CYCLES = (2, 4, 8, 12, 16, 25, 36, 50, 72, 100, 150, 200)
@@ -39,16 +39,16 @@ DRAWS = 24  # motors of the tolerances' scatter
 SCATTER_CYCLES = 100
 
 
-@study
+@study("twente-contact")
 def run(
-    scene: str | Scene = "twente-contact",
+    scene: Scene,
     *,
     target: str | float | None = None,
     controller: str = "two_phase",
     loop: list[str] | None = None,
     cycles: tuple[int, ...] = CYCLES,
     progress=None,
-) -> StudyRecord:
+) -> Answered:
     """Return the moves to a target and back, and the steps of short bursts.
 
     Parameters

@@ -10,13 +10,13 @@ import pytest
 
 import contact
 from studies.__main__ import main
-from studies.evidence.exact_motor import ExactMotor
 from studies.export.averaged_motor import averaged_motor
 from studies.motor import positioning
 from studies.motor.controllers import CONTROLLERS, Command, MotorNumbers, Reading, controller
 from studies.motor.position_loop import Loop, moved
 from studies.refusal import SceneError
 from studies.scene import Scene
+from tests.studies.exact_motor import ExactMotor
 
 
 @cache
