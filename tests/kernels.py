@@ -2,7 +2,8 @@
 
 import sys
 
-from contact import blocked_thrust, burst, mean_motion
+from contact import burst, mean_motion
+from contact.answers.load_line import blocked_thrust
 from contact.averaged.cycle_mean import cycle, cycle_room
 from contact.averaged.event_cycle import balanced
 from contact.averaged.riding import quadrature

@@ -110,7 +110,7 @@ def test_the_stick_slip_valve_opens_and_closes_twice_a_cycle(over):
     assert [motion.tally[kind] for kind in kinds] == [2 * cycles, 2 * cycles, 2 * cycles, 0, 0]
     unit = s.mass * problem.speed**2
     lost = 4.0 * s.friction_coefficient * s.preload * over * x_max * cycles
-    assert motion.sums[energy.SLIP_LOSS] * unit == pytest.approx(lost, rel=1e-9 + 1e-14 / over)
+    assert motion.sums[energy.Sum.SLIP_LOSS] * unit == pytest.approx(lost, rel=1e-9 + 1e-14 / over)
 
 
 def test_the_stick_slip_valve_stays_shut_below_the_slip_limit():
@@ -124,7 +124,7 @@ def test_the_stick_slip_valve_stays_shut_below_the_slip_limit():
     motion.place(-s.rest_approach(1) / problem.length, 0.0, 0.0, wave[0].tangential.real / problem.length)
     motion.turn(300, mobile=False)
     assert motion.tally[Event.STICK_TO_SLIP] == 0
-    assert motion.sums[energy.SLIP_LOSS] == 0.0
+    assert motion.sums[energy.Sum.SLIP_LOSS] == 0.0
 
 
 def held(cycles):
@@ -142,6 +142,6 @@ def held(cycles):
 def test_held_just_below_the_threshold_nothing_ever_slips(cycles):
     motion = held(cycles)
     assert motion.tally[Event.STICK_TO_SLIP] == 0
-    assert motion.sums[energy.SLIP_LOSS] == 0.0
+    assert motion.sums[energy.Sum.SLIP_LOSS] == 0.0
     # slip displacement: what x does not account for; in stick x is the relative displacement itself
     assert motion.tally[Count.CYCLES] == cycles

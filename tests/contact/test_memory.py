@@ -13,7 +13,6 @@ from contact.body import Point
 from contact.codes import Regime, Status
 from contact.convergence import ConvergenceError
 from contact.events.collocation import collocation
-from contact.events.energy import chain_energy
 from contact.events.motion import Motion
 from contact.law import hysteretic
 from contact.problem import scaled
@@ -43,7 +42,7 @@ class Contact:
 
     def energy(self):
         unit = SimpleNamespace(limit_slope=C, friction=1.0, stiffness=1.0)
-        return chain_energy(unit, self.memory, 0, self.regime, self.sign, self.z, self.x)
+        return hysteretic.chain_energy(unit, self.memory, 0, self.regime, self.sign, self.z, self.x)
 
 
 class Springs:

@@ -15,7 +15,7 @@ from contact import (
     step,
 )
 from contact.answers import methods
-from contact.answers.load_line import AVERAGING_ERROR
+from contact.averaged.sweep_rows import STALL_ERROR
 from contact.drive import towards_plus
 from contact.events.energy import Sum
 from tests.contact.motors import orbit, slider
@@ -36,7 +36,7 @@ def test_a_light_motor_stalls_where_an_independent_integrator_says():
     assert (answer.status, answer.error < 1e-4 * answer.value) == ("ok", True)
     averaged, _ = blocked_thrust(slider(**LIGHT), WAVE)
     assert averaged == pytest.approx(62.81e-6, abs=0.005e-6)
-    assert 0.01 * averaged < answer.value - averaged < AVERAGING_ERROR * 0.09**2 * averaged
+    assert 0.01 * averaged < answer.value - averaged < STALL_ERROR * 0.09**2 * averaged
 
 
 @pytest.mark.parametrize(
@@ -60,7 +60,7 @@ def test_the_full_motion_goes_on_below_the_stall_and_not_above(changed, amplitud
 def test_a_stall_that_only_averaging_gives_has_its_error():
     heavy = stall(slider(), orbit(10e-9), tolerance=0.05)
     ratio = slider().normal_resonance(1) / 2.2e6
-    assert heavy.error == pytest.approx(AVERAGING_ERROR * ratio**2 * heavy.value, rel=1e-9)
+    assert heavy.error == pytest.approx(STALL_ERROR * ratio**2 * heavy.value, rel=1e-9)
     assert heavy.value == blocked_thrust(slider(), orbit(10e-9))[0]
     with pytest.raises(ConvergenceError, match="does not move the unloaded slider"):
         stall(slider(), orbit(0.5e-9), tolerance=1e-3)
