@@ -1,6 +1,6 @@
 r"""The averaged way: a slider that is heavy on the wave's time scale, many cycles at once.
 
-The bounce equation and the velocity equation (`solve.averaged`, `solve.averaged_transient`) take the event-exact mean
+The bounce equation and the velocity equation (`equilibrium`, `transient`) take the event-exact mean
 of the tangential force over a cycle. First order errs by O((f_n/f)^2); with the slider's fast motion fed back (second
 order) the steady state is the full periodic motion but for the harmonics left out, and v(t) is a hundred times closer.
 The first and the last cycle of a run are followed event by event: the start from rest is no cycle that repeats, and the
