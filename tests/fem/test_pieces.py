@@ -18,8 +18,7 @@ from fem.results.evaluation import surface_of
 from fem.results.field import wave_field
 from fem.results.files import write_vtu
 from fem.results.power_balance import power_balance
-from fem.results.solution import solve_driven
-from fem.solve.harmonic import driven_wave
+from fem.solve.harmonic import driven_wave, solve_driven
 from fem.solve.reflector import reflector
 from tests.fem.drawings import bevelled_end, rectangle
 from tests.fem.stators import comb, cut, plate, wave_of
