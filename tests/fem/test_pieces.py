@@ -254,7 +254,8 @@ def test_reflection_of_a_groove_and_of_a_row(tmp_path):
     for each in (one, both, two):
         assert abs(each.scattering - each.scattering.T).max() < 1e-9
         assert np.linalg.norm(each.scattering[:, 0]) <= 1 + 1e-9
-    assert two.pieces[0][1] == pytest.approx(one.scattering, abs=1e-12)
+    assert two.pieces[0][1].scattering == pytest.approx(one.scattering, abs=1e-12)
+    assert [number for _, number in two.places] == [0, 0]
     assert abs(two.reflection - one.reflection) > 0.01
 
 
