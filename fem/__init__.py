@@ -35,7 +35,7 @@ _PUBLIC = {
     "waveguide.force": "force_response ForceResponse LineForce",
     "waveguide.grating": "grating",
     "circuit": (
-        "best_match Drive Element matched_load motional_model MotionalModel read_touchstone "
+        "best_match Drive Element matched_load motional_model MotionalModel "
         "rectifier_resistance solve_circuit touchstone"
     ),
     "results.evaluation": "surface_of",
