@@ -320,5 +320,5 @@ def test_the_p_matrix_of_a_plain_mesh_is_a_distance(tmp_path):
     plain = cascade_admittance(parts, [3.0 * unit])
     with_piece = cascade_admittance([parts[0], piece, parts[1]], [1.6 * unit, 0.5 * unit])
     assert not with_piece[1].any()
-    assert with_piece[np.ix_([0, 2], [0, 2])] == pytest.approx(plain, abs=1e-5 * abs(plain).max())
-    assert abs(plain[0, 1]) > 0.1 * abs(plain[0, 0])
+    assert with_piece[np.ix_([0, 2], [0, 2])] == pytest.approx(plain, abs=1e-4 * abs(plain[0, 1]))
+    assert abs(plain[0, 1]) > 0.01 * abs(plain[0, 0])
