@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem.circuit import Drive
+from fem.condense.column import ELECTRODES
 from fem.condense.mesh import MeshedPiece
+from fem.condense.moments import finger_moment
 from fem.condense.piece import Blocks
-from fem.condense.recovery import finger_moment
 from fem.condense.reduced import PieceSample, RationalPiece, rational_piece
-from fem.condense.superelement import PORTS
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
@@ -189,11 +189,12 @@ def _interpolated(
     low, high = problem.limits
     frequencies = np.linspace(low, high, PIECE_CHECKS)
     modes = guided_modes(section, (low + high) / 2)
-    incoming = [_arriving(each.fields, key, basis) for each in nodes.solutions]
+    between = len(assembly.lines) == 2
+    incoming = [_arriving(each.fields, key, basis) for each in nodes.solutions if between]
 
     def sides(piece: RationalPiece, frequency: float) -> np.ndarray:
         at = piece.at(frequency)
-        if lines == 1:
+        if not between:
             wall = Wall(matrix=at.matrix, recover=at.recover, floating_potential=at.floating_potential)
             return wall.sent_back(modes, 0 if "right" in assembly.sides else 1, modes.propagating)
         own = Scatterer(piece=at, modes=modes, potentials=np.zeros((len(at.ports), 0)))
@@ -226,9 +227,9 @@ def _interpolated(
 def _arriving(fields: PortFields, key: tuple, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """What arrives at the places of a piece on reduced lines, and the potentials of its ports there, for all ports."""
     lines, ports = [], []
-    for index, owner in enumerate(fields.owners):
-        piece = fields.network.scatterers[index].piece
-        if owner is None and piece.assembly.key == key:
+    for index, scatterer in enumerate(fields.network.scatterers):
+        piece = scatterer.piece
+        if isinstance(piece, MeshedPiece) and piece.assembly.key == key:
             at, volt = Blocks(len(basis)), fields.section.solid.potential_unit
             arriving = volt * fields.incoming[index]
             lines.append(np.concatenate([basis.T @ arriving[at.left], basis.T @ arriving[at.right]]))
@@ -238,14 +239,22 @@ def _arriving(fields: PortFields, key: tuple, basis: np.ndarray) -> tuple[np.nda
 
 def _projected_halves(pairs: list[tuple], bases, width: float, both: bool) -> HalfCell:
     gap, finger = bases
-    n, r = gap.shape
-    rising_frame, falling_frame = (np.zeros((2 * n + PORTS, 2 * r + PORTS)) for _ in range(2))
-    for frame, (left, right) in ((rising_frame, (gap, finger)), (falling_frame, (finger, gap))):
-        frame[:n, :r], frame[n : 2 * n, r : 2 * r] = left, right
-        frame[2 * n :, 2 * r :] = np.eye(PORTS)
+    rising_frame, falling_frame = (
+        _block_diagonal(left, right, np.eye(len(ELECTRODES)))
+        for left, right in ((gap, finger), (finger, gap))
+    )
     rising, falling = (
         np.stack([np.vstack([frame.T @ half[:-1], half[-1:]]) @ frame for half in halves])
         for frame, halves in zip((rising_frame, falling_frame), zip(*pairs, strict=True), strict=True)
     )
     falling = falling if both else None
     return HalfCell(rising=rising, falling=falling, width=width)
+
+
+def _block_diagonal(*blocks: np.ndarray) -> np.ndarray:
+    out = np.zeros(np.sum([each.shape for each in blocks], axis=0))
+    row = column = 0
+    for each in blocks:
+        out[row : row + len(each), column : column + each.shape[1]] = each
+        row, column = row + len(each), column + each.shape[1]
+    return out
