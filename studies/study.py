@@ -40,6 +40,14 @@ _HOMES = """
 STUDIES = {name: package for package, name in (each.split(".") for each in _HOMES.split())}
 # former names of studies: each is a part of another now
 ALIASES = {"contact_error_vs_time": "error_vs_time", "fem_error_vs_time": "error_vs_time"}
+# s on its own default scene, or of all its scenes, on one processor
+SECONDS = {
+    "voltage_to_velocity": 3, "rayleigh": 20, "seed_figures": 15, "admittance": 15, "beam": 10, "frequency_response": 8,
+    "dispersion": 5, "regime_map": 1, "load_line": 2, "stroke": 30, "step_planner": 5, "positioning": 20,
+    "design_map": 5, "sensitivity": 60, "contact_error_vs_time": 30, "cell_parameters": 10, "p_matrix": 15,
+    "reflector": 30, "network": 15, "fem_error_vs_time": 60, "gallery": 60, "published_motors": 40,
+    "published_stators": 5, "error_vs_time": 120, "calibration": 300, "stability": 360, "left_out": 60,
+}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -184,6 +192,19 @@ def question(name: str) -> str:
     folder = Path(__file__).parent / STUDIES[name]
     (file,) = (each for each in (folder / f"{name}.py", folder / name / "__init__.py") if each.is_file())
     return file.read_text(encoding="utf-8").partition("\n")[0].strip('"')
+
+
+def expected_seconds(name: str, scene: str | None) -> float:
+    """Return how long a study takes, s: as long as on its default scene, times the ratio of the stators' work."""
+    default = signature(module(name).run).parameters.get("scene")
+    if scene is None or default is None:
+        return SECONDS[name]
+    from studies.report.explanation import plan
+
+    own, usual = (
+        plan(Scene.load(each), tolerance=1e-3)["expected"]["seconds"] for each in (scene, default.default)
+    )
+    return SECONDS[name] * own / usual
 
 
 def of_record(draw: Callable) -> Callable:

@@ -3,9 +3,10 @@
 linear: half the difference of the answers at the two ends of each tolerance, added in quadrature (GUM, JCGM 100:2008,
 eq. 10, with the secant in place of the derivative).  Where the middle does not lie between the ends (the answer bends:
 a resonance, the threshold), the band reaches from the middle to the outermost of the answers at the ends and half way
-to them, upwards and downwards, each added in quadrature, and the block says so.  sampled: percentiles over a Latin
-hypercube of all numbers at once (`scipy.stats.qmc`), each normally distributed and cut off where it would change its
-sign.  All are intervals of 95 %.
+to them, upwards and downwards, each added in quadrature, and the block says so.  sampled, also where the scene names no
+method, the answer bends and no number of the stator is uncertain: percentiles over a Latin hypercube of all numbers at
+once (`scipy.stats.qmc`), each normally distributed and cut off where it would change its sign.  All are intervals of
+95 %.
 """
 
 from collections.abc import Callable
@@ -15,6 +16,7 @@ import numpy as np
 from scipy.stats import norm, qmc, truncnorm
 
 from studies.chain.predictor import Predictor
+from studies.chain.solved_stator import of_stator
 from studies.record import Record
 from studies.scene.keys import LEVELS, tolerances
 from studies.scene.uncertain import DEFAULTS, Tolerance
@@ -30,20 +32,25 @@ BEND = 0.1
 
 def with_bands(record: Record, *, progress: Callable[[str], None] | None = None) -> Record:
     """Return the record of a scene with [uncertain] with its bands: two more values of each point, one more block."""
-    options = DEFAULTS | {key: value for key, value in record.scene.uncertain if key in DEFAULTS}
-    numbers = tolerances(record.scene)
+    asked = {key: value for key, value in record.scene.uncertain if key in DEFAULTS}
+    options, numbers = DEFAULTS | asked, tolerances(record.scene)
     predictor = Predictor.of_record(record, progress=progress)
     # changes of the answers at the upper and the lower end of each tolerance, (numbers, 2, answers)
     middle, *ends = _answers(predictor, record, [{}, *_moved(numbers, (1.0, -1.0))])
     changes = np.reshape(ends, (len(numbers), 2, len(middle))) - middle
     half = 0.5 * np.abs(changes[:, 0] - changes[:, 1])
-    centre = _centre(record)
+    centre, width = _centre(record), np.sqrt(np.sum(half**2, axis=0))
+    bends = 0.5 * np.abs(changes.sum(axis=1)) > BEND * width
+    if "method" not in asked and bends.any() and not any(of_stator(each.key) for each in numbers):
+        options = options | {"method": "sampled"}  # follows the bend, and costs no stator
     block: dict = {"method": options["method"], "level": LEVEL}
     block |= {"tolerances": {each.key: each.half_width for each in numbers}}
-    if options["method"] == "linear":
-        width = np.sqrt(np.sum(half**2, axis=0))
+    if options["method"] == "sampled":
+        samples = _answers(predictor, record, _sampled(numbers, options["samples"]))
+        low, high = np.percentile(samples, [50 * (1 - LEVEL), 50 * (1 + LEVEL)], axis=0)
+        block["samples"] = options["samples"]
+    else:
         low, high = centre - width, centre + width
-        bends = 0.5 * np.abs(changes.sum(axis=1)) > BEND * width
         bent = [each for each, row in zip(numbers, bends, strict=True) if row.any()]
         if bent:
             between = _answers(predictor, record, _moved(bent, (0.5, -0.5))) - middle
@@ -59,10 +66,6 @@ def with_bands(record: Record, *, progress: Callable[[str], None] | None = None)
                 for each, row in zip(numbers, bends, strict=True)
                 if row.any()
             }
-    else:
-        samples = _answers(predictor, record, _sampled(numbers, options["samples"]))
-        low, high = np.percentile(samples, [50 * (1 - LEVEL), 50 * (1 + LEVEL)], axis=0)
-        block["samples"] = options["samples"]
     top = int(np.argmax([point[record.level] for point in record.points]))
     if np.all(np.isfinite(half[:, top])):
         block["velocity_half_width_m_per_s"] = dict(

@@ -198,7 +198,9 @@ def sentences(record: "Record") -> tuple[str, ...]:
 def _limits(summary: dict):
     """Yield threshold and release."""
     for name in ("threshold", "release"):
-        if f"{name}_amplitude_m" in summary:
+        if name == "threshold" and summary.get("threshold_amplitude_m") == 0.0:
+            yield name, "none: the load exceeds friction and moves the slider without a wave"
+        elif f"{name}_amplitude_m" in summary:
             voltage = summary.get(f"{name}_voltage_V")
             at = "" if voltage is None else f"{voltage:.4g} V, "
             meaning = {"threshold": "starts to move", "release": "leaves the surface in every cycle"}[name]

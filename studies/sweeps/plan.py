@@ -91,6 +91,15 @@ class Design:
     def __len__(self):
         return math.prod(len(each) for each in self.axes)
 
+    @property
+    def stators(self) -> int:
+        """Number of stators to be solved, a band of frequencies as one for each geometry."""
+        question, count = self.question, 1
+        for each in self.axes:
+            banded = question.frequencies and each.keys == ("drive.frequency",)
+            count *= len(each) if set(each.keys) & set(question.stator_keys) and not banded else 1
+        return count
+
     def values(self, points) -> list[tuple]:
         """Return the values of the keys at points, given by an array of their numbers."""
         if not self.axes:
