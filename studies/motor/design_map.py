@@ -18,6 +18,7 @@ from matplotlib.ticker import MaxNLocator
 
 from studies.chain.resolve import resolved
 from studies.record.plots import finished, logarithmic, own
+from studies.record.quantities import quantity
 from studies.refusal import RunError, SceneError
 from studies.report.intermediate import prefixed, si
 from studies.scene import Scene
@@ -29,12 +30,12 @@ from studies.sweeps.axes import axis, level_key
 
 QUICK = {"counts": (3, 3)}
 SMALLEST = 100.0  # largest value of a map over the smallest that has a colour of its own
+# column of the sweep and quantity of each panel
 PANELS = {
-    "velocity": ("velocity_m_per_s", "slider velocity (mm/s)", 1e3),
-    "thrust": ("thrust_N", "blocked thrust (mN)", 1e3),
-    "contact_efficiency": ("contact_efficiency", "contact: efficiency at half the thrust (%)", 1e2),
-    "motor_efficiency": ("motor_efficiency", "motor: efficiency at half the thrust (1e-6)", 1e6),
-}
+    "velocity": ("velocity_m_per_s", "velocity_m_per_s"), "thrust": ("thrust_N", "thrust_N"),
+    "contact_efficiency": ("contact_efficiency", "contact_efficiency"),
+    "motor_efficiency": ("motor_efficiency", "panel.motor_efficiency"),
+}  # fmt: skip
 
 
 @study("twente-contact")
@@ -86,9 +87,12 @@ def run(
         title += f", {name} {si(max(chosen.levels), unit_of(rule_at(level)))}"
     panels = [
         Panel(
-            name=name, title=title, data=shared | {"value": _plain(grid[key]), "label": label, "scale": scale}
+            name=name,
+            title=title,
+            data=shared
+            | {"value": _plain(grid[key]), "label": quantity(drawn).axis, "scale": quantity(drawn).scale},
         )
-        for name, (key, label, scale) in PANELS.items()
+        for name, (key, drawn) in PANELS.items()
         if key in grid
     ]
     moving, passed = grid["velocity_m_per_s"] != 0.0, grid["threshold_factor"] < 1.0

@@ -14,6 +14,7 @@ import numpy as np
 import contact
 from studies.chain.pillar_points import PillarContact
 from studies.record.plots import curve, family, finished
+from studies.record.quantities import quantity
 from studies.scene import Scene
 from studies.study import Answered, Panel, driven_contact, judged, of_record, study
 
@@ -60,12 +61,13 @@ def run(scene: Scene, *, points: int = 17, progress=None) -> Answered:
     panels = [
         Panel(name=file, title=f"{chosen.title}: {title}", data={
             "load_N": {key: balls * line.load for key, line in lines.items()},
-            "value": {key: np.abs(getattr(line, value)) for key, line in lines.items()}, "axis": axis, "factor": factor,
+            "value": {key: np.abs(getattr(line, value)) for key, line in lines.items()}, 
+            "axis": quantity(key).axis, "factor": quantity(key).scale,
             "blocked_thrust_N": {key: balls * line.blocked_thrust for key, line in lines.items()},
         })
-        for file, title, value, axis, factor in (
-            ("load_line", "load line", "velocity", "slider velocity (mm/s)", 1e3),
-            ("efficiency", "efficiency of the contact", "efficiency", "mechanical efficiency (%)", 1e2),
+        for file, title, value, key in (
+            ("load_line", "load line", "velocity", "velocity_m_per_s"),
+            ("efficiency", "efficiency of the contact", "efficiency", "efficiency"),
         )
     ]  # fmt: skip
     return panels, findings
@@ -79,4 +81,4 @@ def figure(record: Panel, ax):
         values = np.asarray(data["value"][name]) * data["factor"]
         curve(ax, np.asarray(load) * 1e6, values, ".-", colour, name)
     ax.set_ylim(bottom=0)
-    return finished(ax, "load (\u00b5N)", data["axis"], record.title, columns=3)
+    return finished(ax, quantity("load_N").axis, data["axis"], record.title, columns=3)

@@ -132,4 +132,6 @@ def figure(record: Panel, ax):
     ax.set_xlim(A[0], A[-1])
     logarithmic(ax.xaxis)
     logarithmic(ax.yaxis)
-    return finished(ax, quantity("normal_amplitude_m").axis, "preload (mN)", record.title, grid=False)
+    return finished(
+        ax, quantity("normal_amplitude_m").axis, quantity("preload_N").axis, record.title, grid=False
+    )

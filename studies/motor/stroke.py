@@ -110,7 +110,7 @@ def figure(record: Panel, ax):
         ax.set_ylim(0, 1.05e9 * max(data[key].max() for key in ("largest_m_per_V", "section_m_per_V")))
         name = "finite aperture" if data["finite_aperture"] else "under the balls"
         rows = (("section_m_per_V", "--", "stick", "plane section"), ("amplitude_m_per_V", "-", "slip", name))
-        return lines(ax, record, "position_m", rows, "|u_z|, mean of the balls (nm per V)", factor=1e9)
+        return lines(ax, record, "position_m", rows, "normal_m_per_V")
     for name, velocity, colour in family(data["velocity_m_per_s"]):
         curve(ax, x, velocity * 1e3, "-", colour, f"{name}, steady")
         ends = (data[key][name] * 1e3 for key in ("slowest_m_per_s", "fastest_m_per_s"))
@@ -118,4 +118,4 @@ def figure(record: Panel, ax):
         curve(ax, data["path_m"][name] * 1e3, data["path_velocity_m_per_s"][name] * 1e3, "--", "line")
     ax.fill_between([], [], color=COLOURS["line"], label=label, **band)
     curve(ax, [], [], "--", "line", "starting at the scene's place")
-    return finished(ax, quantity("position_m").axis, "slider velocity (mm/s)", record.title)
+    return finished(ax, quantity("position_m").axis, quantity("velocity_m_per_s").axis, record.title)

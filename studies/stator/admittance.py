@@ -75,4 +75,4 @@ def figure(record: Panel, ax):
         ("susceptance_S", ".-", "intermittent", "Im Y"),
         ("capacitive_susceptance_S", "--", "intermittent", "static capacitance (estimate)"),
     )
-    return lines(ax, record, "frequency_Hz", rows, "admittance (mS)", factor=1e3, columns=2)
+    return lines(ax, record, "frequency_Hz", rows, "admittance_S", columns=2)

@@ -18,6 +18,7 @@ import fem
 from studies.chain import passband, resolve
 from studies.chain.surface_motion import solved_motion
 from studies.record.plots import curve, draw_scan, finished
+from studies.record.quantities import quantity
 from studies.refusal import RunError
 from studies.scene import Scene
 from studies.stator.scan_panel import said, scan_file, scan_panel
@@ -73,8 +74,8 @@ def run(
     panels = [
         panel("along", f"On the axis of {driven.name!r}", "from the transducer's centre (mm)", x - driven.center, axis,
               fine_x - driven.center, fine_x, np.zeros(FINE)),
-        panel("across", f"Across the beam, {distance * 1e3:.3g} mm from the transducer's centre", "y (mm)", y, across,
-              fine_y, np.full(FINE, place), fine_y),
+        panel("across", f"Across the beam, {distance * 1e3:.3g} mm from the transducer's centre", quantity("y_m").axis,
+              y, across, fine_y, np.full(FINE, place), fine_y),
     ]  # fmt: skip
     section, mean = abs(wave.motion(place)[1]), np.mean(across[2, abs(y) <= driven.aperture / 2])
     expected = float(slowness.spectrum(driven.aperture, np.array([distance]), np.zeros(1))[0])
@@ -124,4 +125,4 @@ def figure(record: Panel, ax):
     ):
         curve(ax, data["line_at"], data[f"{name}_m_per_V"] * 1e9, style, colour, label)
     curve(ax, data["at"], data["beam_m_per_V"] * 1e9, "o", "slip", "finite aperture", size=2.0)
-    return finished(ax, data["axis"], "|u_z| (nm per V)", record.title, columns=2)
+    return finished(ax, data["axis"], quantity("normal_m_per_V").axis, record.title, columns=2)

@@ -102,8 +102,8 @@ def figure(record: Panel, ax):
         shaded(ax, *edges, f"{name}: stop band", colour=colour)
         height, label = data[f"{name}_reflectivity"], f"{name}: |r| of a finger"
         decay.axhline(height, color=COLOURS[colour], linestyle=":", linewidth=1, label=label)
-    decay.set_ylabel("decay per finger (neper)")
+    decay.set_ylabel(quantity("finger_decay").axis)
     decay.set_ylim(0, 1.6 * max(data["shorted_reflectivity"], data["open_reflectivity"]))
-    finished(ax, quantity("frequency_Hz").axis, "phase per finger, below pi (rad)", record.title)
+    finished(ax, quantity("frequency_Hz").axis, quantity("finger_phase_rad").axis, record.title)
     legend_below(ax, [each for side in (ax, decay) for each in side.get_legend_handles_labels()[0]])
     return ax

@@ -118,7 +118,7 @@ def figure(record: Panel, ax):
     if "group_delay_s" in data:
         ax.axhline(data["way_s"] * 1e6, color="black", linewidth=1, label="way over velocity (theory)")
         late = (("group_delay_s", "o", "slip", "surface mode"),)
-        return lines(ax, record, "frequency_Hz", late, "group delay (us)", factor=1e6)
+        return lines(ax, record, "frequency_Hz", late, "group_delay_s")
     rows = (
         ("normal_m_per_V", "-", "stick", "all modes"),
         ("surface_mode_m_per_V", "o", "slip", "surface mode"),
@@ -132,9 +132,7 @@ def figure(record: Panel, ax):
         at, label = data["drive_frequency_Hz"] / 1e6, "finite aperture, at the drive's frequency"
         curve(ax, [at], [sizes[-1] * 1e9], "D", "intermittent", label, size=6.0)
     ax.set_ylim(0, 1.05e9 * max(sizes))
-    return lines(
-        ax, record, "frequency_Hz", rows, "normal amplitude per volt, peak (nm/V)", factor=1e9, columns=2
-    )
+    return lines(ax, record, "frequency_Hz", rows, "normal_m_per_V", columns=2)
 
 
 def _half_power(at, size) -> tuple[float, float]:

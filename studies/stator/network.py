@@ -147,7 +147,7 @@ def figure(record: Panel, ax):
             curve(ax, at, data["measured_group_delay_s"] * 1e6, "o", "stick", "measured", size=2.5)
         title = record.title + (f"\n{data['not_drawn']}" if "not_drawn" in data else "")
         record = Panel(name=record.name, title=title, data=data)
-        return lines(ax, record, "frequency_Hz", rows, "group delay (us)", factor=1e6)
+        return lines(ax, record, "frequency_Hz", rows, "group_delay_s")
     if "spice" in data:
         for key, part, style in (
             ("admittance_S", "field", "o"),
@@ -157,7 +157,7 @@ def figure(record: Panel, ax):
             at, values = data["frequency_Hz"] / 1e6, data[key] * 1e3
             curve(ax, at, values.real, style, "slip", f"Re, {part}", size=2.0)
             curve(ax, at, values.imag, style, "stick", f"Im, {part}", size=2.0)
-        return finished(ax, across, "admittance (mS)", record.title, columns=3)
+        return finished(ax, across, quantity("admittance_S").axis, record.title, columns=3)
     for prefix, style, at, remark in _sources(data):
         for i, j in zip(
             *np.tril_indices(len(data["ports"])), strict=True

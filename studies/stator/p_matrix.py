@@ -15,6 +15,7 @@ import fem
 from studies.chain import passband, resolve
 from studies.chain.spectrum import port_admittances
 from studies.record.plots import COLOURS, curve, lines
+from studies.record.quantities import quantity
 from studies.refusal import RunError
 from studies.scene import Scene
 from studies.study import Answered, Panel, judged, of_record, study
@@ -96,7 +97,7 @@ def figure(record: Panel, ax):
     data, at = record.data, record.data["frequency_Hz"] / 1e6
     if "cascade_S" in data:
         rows = (("stator_S", "o", "slip", "stator"), ("cascade_S", "-", "line", "cascade of P-matrices"))
-        return lines(ax, record, "frequency_Hz", rows, "size of the admittance (mS)", factor=1e3)
+        return lines(ax, record, "frequency_Hz", rows, "admittance_S")
     curve(ax, at, data["admittance_S"].real * 1e3, "o", "slip", "Re P33 (mS)")
     sent = data["excitation_squared_S"] * 1e3
     curve(ax, at, sent, "-", "slip", "|P13|\u00b2 + |P23|\u00b2 (mS): the surface wave's part")
@@ -110,6 +111,6 @@ def figure(record: Panel, ax):
             [], [], style, color=COLOURS["intermittent"], label=name
         )  # its line in the legend of both axes
     reflection.set_ylim(0, 1)
-    reflection.set_ylabel("reflection of the surface wave (1)", color=COLOURS["intermittent"])
+    reflection.set_ylabel(quantity("reflection").axis, color=COLOURS["intermittent"])
     ax.set_ylim(bottom=0)
-    return lines(ax, record, "frequency_Hz", (), "conductance (mS)", columns=2)
+    return lines(ax, record, "frequency_Hz", (), "conductance_S", columns=2)

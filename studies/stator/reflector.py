@@ -92,4 +92,4 @@ def figure(record: Panel, ax):
     rows = [("reflection", "o-", "slip", "reflection")]
     if "transmission" in record.data:
         rows.append(("transmission", "-", "line", "transmission"))
-    return lines(ax, record, "frequency_Hz", tuple(rows), "size of the amplitude (1)", factor=1.0)
+    return lines(ax, record, "frequency_Hz", tuple(rows), "reflection")
