@@ -67,7 +67,10 @@ def call(arguments: argparse.Namespace) -> int:
         out = arguments.out or Path("results") / f"{arguments.name}-study-{scene.name}"
     if not arguments.quick:
         say(announced(expected_seconds(arguments.name, arguments.scene)))
-    with result_directory(out, origin, chosen=arguments.out is not None) as result, Progress() as progress:
+    with (
+        result_directory(out, origin, named_by_user=arguments.out is not None) as result,
+        Progress() as progress,
+    ):
         done = run_study(
             arguments.name,
             arguments.scene,

@@ -32,18 +32,18 @@ def run(scene: Scene, *, points: int = 17, progress=None) -> Answered:
         Loads of each line.
     """
     driven = driven_contact(scene, pillars=True, progress=progress)
-    chosen, slider, lines = driven.scene, driven.slider, {}
+    resolved_scene, slider, lines = driven.scene, driven.slider, {}
     for level in driven.spread(1.05, LINES):
         progress(f"load line: {driven.named(level)}")
-        if chosen.slider.pillars is not None:
+        if resolved_scene.slider.pillars is not None:
             lines[driven.named(level)] = PillarContact.of(driven).load_line(level, points)
             continue
         line = contact.load_line(slider, driven.at(level), points=points, tolerance=1e-4)
         lines[driven.named(level)] = line
-    if chosen.slider.pillars is not None:
-        slider = replace(slider, preload=chosen.slider.preload)  # of all pillars
+    if resolved_scene.slider.pillars is not None:
+        slider = replace(slider, preload=resolved_scene.slider.preload)  # of all pillars
     # of the balls that are computed as one, the whole thrust
-    balls = chosen.slider.preload / slider.preload
+    balls = resolved_scene.slider.preload / slider.preload
     friction = slider.static_friction(len(driven.orbits))
     findings = (
         judged("Velocity falls with load, to zero at the blocked thrust.",
@@ -59,7 +59,7 @@ def run(scene: Scene, *, points: int = 17, progress=None) -> Answered:
                remark="of the power that the wave gives the contacts, not of the electrical power"),
     )  # fmt: skip
     panels = [
-        Panel(name=file, title=f"{chosen.title}: {title}", data={
+        Panel(name=file, title=f"{resolved_scene.title}: {title}", data={
             "load_N": {key: balls * line.load for key, line in lines.items()},
             "value": {key: np.abs(getattr(line, value)) for key, line in lines.items()}, 
             "axis": quantity(key).axis, "factor": quantity(key).scale,

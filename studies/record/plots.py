@@ -44,20 +44,20 @@ MARKS = {"stick": "s", "slip": "o", "intermittent": "^"}
 
 def pictures(record: "Record") -> dict[str, Callable]:
     """Return what draws the pictures of a run on an Axes, by the name of their file; the main result first."""
-    found = {"velocity": velocity} if record.scene.slider is not None else {}
+    drawings = {"velocity": velocity} if record.scene.slider is not None else {}
     if record.trajectories:
-        found["trajectory"] = trajectories
+        drawings["trajectory"] = trajectories
     if record.surface:
-        found["surface"] = surface if record.scene.transducer else profile
+        drawings["surface"] = surface if record.scene.transducer else profile
     if "scan" in record.measured or "trace" in record.measured:
-        found["measured"] = measured_picture
+        drawings["measured"] = measured_picture
     if record.pillars:
         from studies.record import pillar_plots
 
-        found |= {"slider_wave": pillar_plots.wave_along, "pressure": pillar_plots.pressure}
+        drawings |= {"slider_wave": pillar_plots.wave_along, "pressure": pillar_plots.pressure}
         if any(point.get("wave_power_in_W") for point in record.points):
-            found["power"] = pillar_plots.power
-    return {name: partial(draw, record) for name, draw in found.items()}
+            drawings["power"] = pillar_plots.power
+    return {name: partial(draw, record) for name, draw in drawings.items()}
 
 
 def measured_picture(record: "Record", ax):
@@ -251,10 +251,10 @@ def velocity(record: "Record", ax):
     """Draw steady velocity against voltage or amplitude, by regime, with threshold and release."""
     unit, scale = quantity(record.level).axis, quantity(record.level).scale
     for regime, mark in MARKS.items():
-        chosen = [point for point in record.points if point.get("regime") == regime]
-        if chosen:
-            at = [point[record.level] * scale for point in chosen]
-            speeds = [point["velocity_m_per_s"] * 1e3 for point in chosen]
+        points = [point for point in record.points if point.get("regime") == regime]
+        if points:
+            at = [point[record.level] * scale for point in points]
+            speeds = [point["velocity_m_per_s"] * 1e3 for point in points]
             ax.plot(at, speeds, mark, color=COLOURS[regime], label=regime)
     missed = [point for point in record.points if point.get("relative_error", 0.0) > record.tolerance]
     if missed:
@@ -272,8 +272,8 @@ def velocity(record: "Record", ax):
     for name, style in (("threshold", ":"), ("release", "--")):
         limit = record.summary.get(f"{name}_{record.level.removeprefix('normal_')}")
         if limit is not None and limit <= 1.2 * max(record.scene.levels):
-            given = {"linestyle": style, "linewidth": 1, "label": f"{name} (theory)"}
-            ax.axvline(limit * scale, color=COLOURS["line"], **given)
+            options = {"linestyle": style, "linewidth": 1, "label": f"{name} (theory)"}
+            ax.axvline(limit * scale, color=COLOURS["line"], **options)
     speeds = [point["velocity_m_per_s"] for point in record.points if "velocity_m_per_s" in point]
     if speeds and not any(speeds) and not record.measured:
         ax.set_ylim(-1.0, 1.0)
@@ -312,8 +312,8 @@ def _measured(record: "Record", ax, scale: float) -> None:
     curve(ax, [x * scale for x in at], [v * 1e3 for v in speeds], "-", "line", "predicted")
     bars = [point["error_m_per_s"] * 1e3 for point in points] if "error_m_per_s" in points[0] else None
     at, speeds = zip(*((p[record.level] * scale, p["velocity_m_per_s"] * 1e3) for p in points), strict=True)
-    given = {"markersize": 5, "markerfacecolor": "none", "capsize": 3, "label": "measured"}
-    ax.errorbar(at, speeds, yerr=bars, fmt="D", color=COLOURS["second"], **given)
+    style = {"markersize": 5, "markerfacecolor": "none", "capsize": 3, "label": "measured"}
+    ax.errorbar(at, speeds, yerr=bars, fmt="D", color=COLOURS["second"], **style)
 
 
 def trajectories(record: "Record", ax):

@@ -44,15 +44,15 @@ def answer(record: "Record") -> str:
         lines += [*table([[row[k] for k in shown] for row in (head, *points)]), ""]
     rows: list[tuple] = [*_wave(record), *_limits(record.summary), *_uncertainty(record.uncertainty)]
     rows += comparison(record.measured)
-    asked = f"asked for {record.tolerance:.1e}"
+    wanted = f"asked for {record.tolerance:.1e}"
     if record.at_rest:
         known = record.wave.get("relative_error")
         wave = "" if known is None else f"; the wave under the slider is known to {known:.1e}"
-        rows.append(("relative error", f"none: no point moves{wave}, {asked}"))
+        rows.append(("relative error", f"none: no point moves{wave}, {wanted}"))
     elif record.error:
         parts = ", ".join(f"{name} {size:.1e}" for name, size in record.error["parts"].items())
         model = f"; model {record.error['model']:.1e} of u_z or velocity" if "model" in record.error else ""
-        rows.append(("relative error", f"{record.error['relative']:.1e} ({parts}), {asked}{model}"))
+        rows.append(("relative error", f"{record.error['relative']:.1e} ({parts}), {wanted}{model}"))
     seconds = ", ".join(f"{name} {size:.2f}" for name, size in record.seconds.items() if name != "total")
     rows += [("model error", sentences(record)), ("seconds", f"{record.seconds['total']:.2f} ({seconds})")]
     if record.left_out:

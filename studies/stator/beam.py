@@ -45,15 +45,15 @@ def run(
     tolerance : float
         Relative, of the section's surface motion.
     """
-    chosen = whole = passband.driven_scene(scene)
+    row_scene = whole = passband.driven_scene(scene)
     scan = None if measured is None else scan_file(whole, measured, "place")
-    chosen, place = resolve.first_row(chosen, passband.place(chosen))
-    transducers, driven = resolve.transducers(chosen), resolve.driven(chosen)
-    section = replace(chosen, stator=replace(chosen.stator, diffraction=False))
+    row_scene, place = resolve.first_row(row_scene, passband.place(row_scene))
+    transducers, driven = resolve.transducers(row_scene), resolve.driven(row_scene)
+    section = replace(row_scene, stator=replace(row_scene.stator, diffraction=False))
     try:
         wave = solved_motion(section, [(place, 0.0)], tolerance=tolerance, progress=progress).wave
-        beam = fem.surface_beam(wave, mirror_width=chosen.stator.mirror_width)
-        x = _axis(chosen, transducers, driven, place, wave.phase_velocity / wave.frequency, count)
+        beam = fem.surface_beam(wave, mirror_width=row_scene.stator.mirror_width)
+        x = _axis(row_scene, transducers, driven, place, wave.phase_velocity / wave.frequency, count)
         y = np.linspace(-0.75, 0.75, count) * driven.aperture
         axis, across = beam.motion(x), beam.motion(place, y)
     except (fem.BeamError, fem.ConvergenceError) as error:
@@ -63,10 +63,10 @@ def run(
     known = np.polynomial.Polynomial.fit(x, np.log(abs(wave.rayleigh_motion(x)[1])), 1)
     slowness, distance = _slowness(beam, wave), abs(place - driven.center)
 
-    def panel(name, title, label, at, found, line_at, line, lateral) -> Panel:
+    def panel(name, title, label, at, motion, line_at, line, lateral) -> Panel:
         surface, away = np.exp(known(line)), line - driven.center
         return Panel(name=name, title=title, data={
-            "axis": label, "at": at * 1e3, "beam_m_per_V": abs(found[2]), "line_at": line_at * 1e3,
+            "axis": label, "at": at * 1e3, "beam_m_per_V": abs(motion[2]), "line_at": line_at * 1e3,
             "section_m_per_V": abs(wave.motion(line)[1]),
             "spectrum_m_per_V": surface * slowness.spectrum(driven.aperture, away, lateral),
         })  # fmt: skip

@@ -34,13 +34,13 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None
     tolerance : float
         Of the P-matrices and of the admittances.
     """
-    chosen = passband.driven_scene(scene)
-    block = resolve.stator(chosen.stator)
-    row = tuple(sorted(resolve.section_row(chosen), key=lambda each: each.center))
+    resolved = passband.driven_scene(scene)
+    block = resolve.stator(resolved.stator)
+    row = tuple(sorted(resolve.section_row(resolved), key=lambda each: each.center))
     if len({each.aperture for each in row}) > 1:
-        chosen.refuse("transducer", "must have equal apertures for this study: their waves are one beam")
+        resolved.refuse("transducer", "must have equal apertures for this study: their waves are one beam")
     ports = [k for k, each in enumerate(row) if {"+", "-"} <= set(each.signs)]
-    at, known, first, cascade = passband.frequencies(chosen, count), {}, [], []
+    at, known, first, cascade = passband.frequencies(resolved, count), {}, [], []
     for f in at:
         progress(f"P-matrices at {f / 1e6:.5g} MHz")
         kinds = [(f, each.signs, each.pitch, each.metallisation) for each in row]
@@ -59,7 +59,7 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None
         distances = [right - left for left, right in zip(ends[1::2], ends[2::2], strict=False)]
         cascade.append(fem.cascade_admittance(parts, distances)[np.ix_(ports, ports)])
         first.append(parts[ports[0]])
-    plane = replace(chosen, stator=replace(chosen.stator, diffraction=False, sides="absorbing"))
+    plane = replace(resolved, stator=replace(resolved.stator, diffraction=False, sides="absorbing"))
     last = len(ports) - 1
     whole = port_admittances(plane, at, tolerance, progress).matrix[:, last, 0]
     joined = np.array(cascade)[:, last, 0]
@@ -67,7 +67,7 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None
     sent = np.array([np.sum(abs(part.excitation) ** 2) for part in first])
     admittance = np.array([part.admittance for part in first])
     uneven = max(float(abs(p.detection + 2 * p.excitation).max() / abs(p.excitation).max()) for p in first)
-    name, reflects = "transfer admittance" if last else "admittance", chosen.stator.ends != "absorbing"
+    name, reflects = "transfer admittance" if last else "admittance", resolved.stator.ends != "absorbing"
     findings = (
         judged("A transducer receives as it sends: P31 = -2 P13.", "largest difference, relative", uneven, high=1e-9),
         judged("The surface wave takes no more than the source gives.",
@@ -79,12 +79,12 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None
                remark="the ends reflect, and the cascade has none" if reflects else ""),
     )  # fmt: skip
     panels = (
-        Panel(name="p_matrix", title=f"{chosen.title}: transducer {row[ports[0]].name!r} alone", data={
+        Panel(name="p_matrix", title=f"{resolved.title}: transducer {row[ports[0]].name!r} alone", data={
             "frequency_Hz": at, "reflection_shorted": np.array([abs(part.scattering[0, 0]) for part in first]),
             "reflection_open": np.array([abs(part.loaded(np.inf)[0, 0]) for part in first]),
             "excitation_squared_S": sent, "admittance_S": admittance,
         }),
-        Panel(name="cascade", title=f"{chosen.title}: {name}", data={
+        Panel(name="cascade", title=f"{resolved.title}: {name}", data={
             "frequency_Hz": at, "cascade_S": joined, "stator_S": whole,
         }),
     )  # fmt: skip

@@ -191,13 +191,13 @@ def _places(table: dict, columns: dict) -> tuple[tuple[float, float], ...]:
     if math.prod(map(len, moved.values())) > PLACES:
         return ()
     predictor = Predictor(table, tolerance=1.0)
-    found: dict[tuple[float, float], None] = {}
+    places: dict[tuple[float, float], None] = {}
     first = {key: column[0] for key, column in columns.items()}
     for row in product(*moved.values()):
         with suppress(SceneError):  # said at its point
             slider = predictor.scene(first | dict(zip(moved, row, strict=True))).slider
-            found |= dict.fromkeys(() if slider is None else (slider.center, *slider.places))
-    return tuple(found)
+            places |= dict.fromkeys(() if slider is None else (slider.center, *slider.places))
+    return tuple(places)
 
 
 def _digest(part) -> str:
