@@ -6,6 +6,7 @@ import pytest
 import contact
 from studies import Scene
 from studies import run as run_chain
+from studies.inverse import sensitivity
 from studies.inverse.prediction import MeasurementPredictor
 from studies.inverse.sensitivity import (
     _answers,
@@ -57,6 +58,24 @@ def test_velocity_against_richardson_extrapolation(predictor):
         table = [(log_velocity(key, h) - log_velocity(key, -h)) / (2 * h) for h in (2e-2, 1e-2, 5e-3)]
         expected = (64.0 * table[2] - 20.0 * table[1] + table[0]) / 45.0
         assert abs(found[key][0] - expected) < min(found[key][1] + 1e-7, 1e-5), key
+
+
+def test_richardson_s_error_is_that_of_the_last_extrapolation(predictor, monkeypatch):
+    """An outcome exp(f(ln s)), f = s + s^3 + s^5 + c s^7: the table of three steps leaves the seventh power alone."""
+    size = 1e9
+
+    def answered(outcome, asked):
+        s = np.log([level / 6.3e-9 for _, level in asked])
+        return np.exp(s + s**3 + s**5 + size * s**7).tolist()
+
+    monkeypatch.setattr(sensitivity, "_answers", answered)
+    monkeypatch.setattr(sensitivity, "numbers", lambda predictor: [])
+    ((value, error),) = elasticities(predictor, "velocity", 6.3e-9, lambda text: None).values()
+    step = 1e-11**0.2
+    # Closed form: steps h, h/2, h/4 leave c h^6 / 64 of c s^7, and the last extrapolation changes 84/64 of that
+    left = size * step**6 / 64
+    assert value - 1.0 == pytest.approx(left, rel=1e-3)
+    assert error == pytest.approx(84 / 64 * left + 8 * 1e-11 / step, rel=0.02)
 
 
 def test_the_start_up_time_goes_as_the_mass(predictor):
