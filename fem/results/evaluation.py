@@ -115,11 +115,8 @@ def end_line(solution: Solution, side: int) -> np.ndarray:
     """Unknowns of the line where the uniform stator meets an end that is a condensed piece."""
     modes = solution.fields.modes
     part = solution.fields.segments[-side][-side]
-    right, left, length = part.right @ solution.weights, part.left @ solution.weights, part.stop - part.start
-    if side:
-        right = right * np.exp(-1j * modes.wavenumbers * length)
-    else:
-        left = left * np.exp(1j * modes.backwards * length)
+    place = part.stop if side else part.start
+    right, left = (each(modes, place) @ solution.weights for each in (part.right_at, part.left_at))
     (left if side else right)[modes.wavenumbers == 0] = (
         0.0  # a matter of gauge: the potential refers to the transducer
     )

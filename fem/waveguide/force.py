@@ -22,7 +22,7 @@ from fem.waveguide.modes import GuidedModes
 
 @dataclass(frozen=True, kw_only=True)
 class LineForce:
-    """A line force along y on the bare surface of a stator, 1 N per metre of y (peak).
+    """A line force on the bare surface of a stator, the same all along y.
 
     Attributes
     ----------
@@ -31,11 +31,14 @@ class LineForce:
         m from the left end.
     component : "x" or "z"
         Along the surface, or normal to it (out of the body).
+    amplitude : complex
+        N per metre of y, peak.
     """
 
     name: str
     position: float
     component: Literal["x", "z"] = "z"
+    amplitude: complex = 1.0
 
     def __post_init__(self):
         if self.component not in ("x", "z"):

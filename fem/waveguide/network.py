@@ -22,6 +22,7 @@ import numpy as np
 from fem.condense.piece import Blocks, Piece, Port, RecoveredField
 from fem.condense.recovery import ColumnsField
 from fem.condense.superelement import Superelement
+from fem.input_error import InputError
 from fem.waveguide.ends import End, end_reflection, with_gauge
 from fem.waveguide.force import ForceResponse, force_response
 from fem.waveguide.modes import GuidedModes
@@ -97,18 +98,29 @@ class SegmentWaves:
     right: np.ndarray = field(repr=False)
     left: np.ndarray = field(repr=False)
 
+    def right_at(self, modes: GuidedModes, x: float) -> np.ndarray:
+        """Amplitudes going right at a place, (modes, excitations)."""
+        return np.exp(-1j * modes.wavenumbers * (x - self.start))[:, None] * self.right
+
+    def left_at(self, modes: GuidedModes, x: float) -> np.ndarray:
+        """Amplitudes going left at a place, (modes, excitations)."""
+        return np.exp(1j * modes.backwards * (self.stop - x))[:, None] * self.left
+
 
 @dataclass(frozen=True, kw_only=True)
 class _Segment:
-    """A uniform segment and the modes that are followed through it, counted in its middle.
+    """A uniform segment and the modes that are followed through it.
 
-    One that goes on without end counts them at the edge of its piece.
+    Amplitudes are counted half a segment before they arrive, which balances the equations, or, where a force stands
+    nearer than that, at the very place.
     """
 
     modes: GuidedModes
     start: float
     stop: float
-    half: float  # from where amplitudes are counted to where they arrive, length units
+    way: (
+        float  # of the modes from one end to the other, length units; 0 where the segment goes on without end
+    )
     kept: np.ndarray  # modes that are followed
     first: int  # number of their first wave in the row: those going right, then those going left
     forces: tuple[int, ...]  # ports of the network that are forces on it, from left to right
@@ -128,14 +140,14 @@ class _Segment:
         k = self.modes.wavenumbers if towards == "right" else -self.modes.backwards
         return np.exp(-1j * k * distance)
 
-    def way(self, towards: str) -> np.ndarray:
-        """Factors of the modes that are followed, from where they are counted to where they arrive."""
-        return self.passed(towards, self.half)[self.kept]
+    @property
+    def half(self) -> float:
+        """From where amplitudes are counted to where they arrive, length units."""
+        return 0.0 if self.forces else self.way / 2
 
     def arriving(self, towards: str) -> np.ndarray:
-        """Fields of the modes that are followed where they arrive, for unit amplitudes, (n, kept)."""
-        shapes = self.modes.right if towards == "right" else self.modes.left
-        return shapes[:, self.kept] * self.way(towards)
+        """Factors of the modes that are followed, from where they are counted to where they arrive."""
+        return self.passed(towards, self.half)[self.kept]
 
     def sent(self, towards: str, lines: np.ndarray) -> np.ndarray:
         """Amplitudes of the modes that are followed in fields (n, m) that leave a piece or an end.
@@ -146,7 +158,9 @@ class _Segment:
         modes, kept = self.modes, self.kept
         shapes, opposite = (modes.right, modes.left) if towards == "right" else (modes.left, modes.right)
         tests = opposite[:, kept].T @ modes.impedance_sum
-        return np.linalg.solve(tests @ shapes[:, kept], self.way(towards)[:, None] * (tests @ lines))
+        return np.linalg.solve(
+            tests @ shapes[:, kept], self.passed(towards, self.way - self.half)[kept, None] * (tests @ lines)
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -185,32 +199,48 @@ class Network:
             if port.kind == "force"
         }
 
+    def forces_on(self, segment: int) -> tuple[int, ...]:
+        """Numbers of the ports that are forces on a segment, from left to right."""
+        start, stop = self.segments[segment]
+        mine = [number for number in self.forces if start <= self.ports[number].place <= stop]
+        return tuple(sorted(mine, key=lambda number: self.ports[number].place))
+
     def _followed(self, waves: np.ndarray) -> list[_Segment]:
         """Segments with the modes that are followed; ``waves``: modes that arrive from outside at open ends."""
         places = {number: self.ports[number].place for number in self.forces}
+        free = [any(start <= place <= stop for start, stop in self.segments) for place in places.values()]
+        if not all(free):
+            port = self.ports[list(places)[free.index(False)]]
+            unit = self.modes.section.length_unit
+            raise InputError(
+                "force.position",
+                "must lie on the bare surface, beside the pieces and the transducers with their outer gaps",
+                port.place * unit,
+                "m",
+                owner=port.name,
+            )
         absorbs = [isinstance(end, str) and end == "absorbing" for end in self.ends]
         segments: list[_Segment] = []
         for index, (start, stop) in enumerate(self.segments):
-            # at a piece's edge a force belongs to the segment beside it
-            mine = [each for each in places if start <= places[each] <= stop]
+            mine = self.forces_on(index)
             length = min(
                 [stop - start, *(abs(places[each] - edge) for each in mine for edge in (start, stop))]
             )
-            kept, half = self.survivors(length), (stop - start) / 2
+            kept, way = self.survivors(length), stop - start
             endless = [absorbs[0] and index == 0, absorbs[1] and index == len(self.segments) - 1]
             if any(endless):
                 kept = np.append(waves, np.setdiff1d(kept, waves)) if mine and not all(endless) else waves
-                half = 0.0
+                way = 0.0
             before = segments[-1] if segments else None
             segments.append(
                 _Segment(
                     modes=self.modes,
                     start=start,
                     stop=stop,
-                    half=half,
+                    way=way,
                     kept=kept,
                     first=before.first + 2 * len(before.kept) if before else 0,
-                    forces=tuple(sorted(mine, key=lambda each: places[each])),
+                    forces=mine,
                 )
             )
         return segments
@@ -223,7 +253,7 @@ class Network:
         waves : ndarray of int
             Modes that arrive at the first line of the row, then at its last one; the ends are absorbing.
         """
-        ports, at = len(self.ports), Blocks(self.modes.section.size)
+        modes, ports, at = self.modes, len(self.ports), Blocks(self.modes.section.size)
         segments, excitations = self._followed(waves), len(self.ports) + 2 * len(waves)
         sent_back = [self._sent_back(side, segments[-side].kept) for side in (0, 1)]
         elements = [self._end(side, segments[-side], sent_back[side], excitations) for side in (0, 1)]
@@ -234,8 +264,8 @@ class Network:
             # columns: modes that arrive from the left, from the right, and the ports
             m, count = len(before.kept), len(before.kept) + len(after.kept)
             incoming = np.zeros((2 * at.size, count + len(mine)), dtype=complex)
-            incoming[at.left, :m] = before.arriving("right")
-            incoming[at.right, m:count] = after.arriving("left")
+            incoming[at.left, :m] = modes.right[:, before.kept] * before.arriving("right")
+            incoming[at.right, m:count] = modes.left[:, after.kept] * after.arriving("left")
             potentials = np.zeros((len(scatterer.potentials), count + len(mine)))
             potentials[:, count:] = scatterer.potentials
             lines = scatterer.sides(incoming, potentials)
@@ -264,7 +294,7 @@ class Network:
             arrived.append(incoming @ weights)
             reactions[mine] += scatterer.reactions(sides[-1])
         from_ends = [
-            sent @ (segments[-side].way(towards)[:, None] * solved.arriving[elements[side].arrives])
+            sent @ (segments[-side].arriving(towards)[:, None] * solved.arriving[elements[side].arrives])
             for side, (towards, sent) in enumerate(zip(("left", "right"), sent_back, strict=True))
         ]
         amplitudes = self.segment_waves(sides, arrived, segments, from_ends)
@@ -292,7 +322,7 @@ class Network:
         shapes = self.modes.right if side == 0 else self.modes.left
         scattering = np.zeros((len(segment.kept),) * 2, dtype=complex)
         if sent_back.any():
-            scattering = segment.sent(away, shapes @ sent_back) * segment.way(towards)
+            scattering = segment.sent(away, shapes @ sent_back) * segment.arriving(towards)
         return Element(
             scattering=scattering,
             excitation=np.zeros((len(segment.kept), excitations)),
@@ -308,8 +338,8 @@ class Network:
         for segment in segments:
             for number in segment.forces:
                 force, place = self.forces[number], self.ports[number].place
-                rightwards = segment.passed("right", segment.stop - segment.half - place) * force.right
-                leftwards = segment.passed("left", place - segment.start - segment.half) * force.left
+                rightwards = segment.passed("right", segment.stop - place) * force.right
+                leftwards = segment.passed("left", place - segment.start) * force.left
                 outside[segment.right, number] = rightwards[segment.kept]
                 outside[segment.left, number] = leftwards[segment.kept]
         for number, column in enumerate(range(len(self.ports), len(self.ports) + len(waves))):
@@ -357,8 +387,6 @@ class Network:
         edges = [segment.start, *places, segment.stop]
         parts = []
         for index, (start, stop) in enumerate(pairwise(edges)):
-            if places and stop == start:
-                continue
             going_right, going_left = right, left
             if places:
                 going_right = segment.passed("right", start - segment.start)[:, None] * right
@@ -374,11 +402,8 @@ class Network:
         """Displacement under a force along it for each excitation."""
         modes, port = self.modes, self.ports[number]
         part = next(part for own in amplitudes for part in own if part.start <= port.place <= part.stop)
-        right = np.exp(-1j * modes.wavenumbers * (port.place - part.start))[:, None] * part.right
-        left = np.exp(1j * modes.backwards * (part.stop - port.place))[:, None] * part.left
-        return modes.section.surface_rows["xz".index(port.component)] @ (
-            modes.right @ right + modes.left @ left
-        )
+        lines = modes.right @ part.right_at(modes, port.place) + modes.left @ part.left_at(modes, port.place)
+        return modes.section.surface_rows["xz".index(port.component)] @ lines
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -152,7 +152,7 @@ def solve_ports(
             "walked through in minutes: take fewer finger_pairs, or ask for a looser tolerance"
         )
     unit = slowest_wavelength(stator.solid, frequency)
-    scale = min(transducer.finger_width / 2 for transducer in transducers)
+    scale = min((transducer.finger_width / 2 for transducer in transducers), default=np.inf)
     section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
     superelements = transducer_superelements(
         Condensation(section, frequency), stator, transducers, resolution

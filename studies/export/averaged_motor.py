@@ -91,7 +91,7 @@ class AveragedMotor:
     """
 
     title: str
-    slider: object = field(repr=False)
+    slider: contact.Slider = field(repr=False)
     share: int
     drives: tuple[Drive, ...]
     unit: str
