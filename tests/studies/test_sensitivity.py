@@ -80,9 +80,9 @@ def test_richardson_s_error_is_that_of_the_last_extrapolation(predictor, monkeyp
 
 def test_the_start_up_time_goes_as_the_mass(predictor):
     """At a given preload the averaged motion runs on the time scale of m v / (mu P)."""
-    times = _answers(predictor, "start-up time", 6.3e-9, [{}, {"slider.mass": 2.0}])
+    times = _answers(predictor, "start-up time", 6.3e-9, [{"slider.mass": 0.04}, {"slider.mass": 0.08}])
     assert times[1] == pytest.approx(2.0 * times[0], rel=1e-3)
-    assert 5e-3 < times[0] < 0.13
+    assert 2e-4 < times[0] < 5e-3  # a light slider, to be quick
 
 
 @pytest.mark.slow
