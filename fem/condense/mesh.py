@@ -29,9 +29,12 @@ from fem.mesh.piece import FLOATING, GROUNDED, MeshPiece
 from fem.mesh.quads import conditions_of, quad_mesh
 from fem.mesh.section_mesh import ELECTRODE, MeshError
 
-# Layers towards corners beyond those towards finger edges.  On a user's 70 triangles the admittance errs by 6e-5, 3e-6
-# and 6e-7 at (order, layers) = (5, 2), (6, 3), (7, 4).
-MORE_LAYERS = 2
+# The section's elements are a wavelength long at the most.  In a mesh half of one and an order less do, with a layer
+# more than towards finger edges: a groove's motion then errs by 1.3e-3 and 1.6e-4 at the levels 1 and 2 (with the
+# section's order and two layers more 1.8e-3 and 2e-4), a plain stretch's by 8e-10 at level 3 (two orders less: 2e-8).
+ELEMENT_SHARE = 0.5
+ORDERS_LESS = 1
+MORE_LAYERS = 1
 MAX_UNKNOWNS = 2_000_000
 HELD = {"clamped": ("u",), "grounded": ("phi",), "free": ()}
 
@@ -285,17 +288,17 @@ def assembled(
             piece.mesh,
             layers=resolution.edge_layers + MORE_LAYERS,
             largest={
-                name: resolution.element_size * slowest_wavelength(solids[name], frequency)
+                name: ELEMENT_SHARE * resolution.element_size * slowest_wavelength(solids[name], frequency)
                 for name in piece.mesh.solids
             },
             conditions=conditions_of(piece, stator.bottom),
         ),
-        resolution.order,
+        resolution.order - ORDERS_LESS,
         unit,
     )
     if space.size * len(names) > MAX_UNKNOWNS:
         raise ConvergenceError(
-            f'the piece "{piece.name}" has {space.size * len(names):.2g} unknowns at order {resolution.order}, at most '
+            f'the piece "{piece.name}" has {space.size * len(names):.2g} unknowns at order {space.order}, at most '
             f"{MAX_UNKNOWNS:.0g} are solved for: draw its mesh coarser, the program refines corners itself and raises "
             "the order"
         )

@@ -17,9 +17,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fem.condense.join import widths
+from fem.condense.columns import FingerColumns
 from fem.condense.piece import Port
-from fem.condense.superelement import Superelement
 from fem.condense.transducer import Condensation, transducer_superelements
 from fem.convergence import ConvergenceError
 from fem.discretize.elements import discretise
@@ -90,13 +89,7 @@ class PortFields:
     @property
     def unknowns(self) -> int:
         """Unknowns of the discretised problem that was condensed."""
-        columns, meshed = 0, 0
-        for scatterer, owner in zip(self.network.scatterers, self.owners, strict=True):
-            if owner is None:
-                meshed += scatterer.piece.unknowns
-            else:
-                columns += sum(1 for _ in widths(scatterer.piece))
-        return columns * self.resolution.order * self.section.size + meshed
+        return sum(scatterer.piece.unknowns for scatterer in self.network.scatterers)
 
     def amplification(self, swing: float) -> tuple[float, float]:
         """Resonant amplification of small errors at this frequency, and the largest near it.
@@ -179,7 +172,7 @@ def solve_ports(
 def joined_fields(
     stator: Stator,
     transducers: tuple[Transducer, ...],
-    superelements: list[Superelement],
+    superelements: list[FingerColumns],
     *,
     modes: GuidedModes,
     resolution: Resolution,

@@ -22,8 +22,8 @@ from dataclasses import replace
 import numpy as np
 
 from fem import coupling, frequency_band, material, rayleigh, rotated
+from fem.condense.columns import condensed
 from fem.condense.join import repeated
-from fem.condense.superelement import condensed
 from fem.direct import direct_solution
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import LEVELS
