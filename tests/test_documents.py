@@ -261,8 +261,8 @@ def test_a_shipped_scene_is_checked_and_planned(name):
     assert main(["run", name, "--explain"]) == 0
 
 
-# README.md runs twente, test_warnings.py asks for its warnings, test_crossed.py runs crossing beams, test_piece_scene.py a
-# groove and test_pillars.py pillars
+# README.md runs twente, test_warnings.py asks for its warnings, test_crossed.py runs crossing beams,
+# test_piece_scene.py a groove and test_pillars.py pillars
 RUN_ELSEWHERE = ("twente", "twente-left", "crossed", "reflector", "silicon-slider")
 
 
