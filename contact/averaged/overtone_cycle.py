@@ -1,7 +1,7 @@
 """All pillars of a slider through one cycle on a wave whose overtones they radiate.
 
-The wave that drives is followed from row to row with its overtones (`overtone_march`); the one against it, overtones of
-what is reflected included, is that of the last forces, until neither changes.
+The wave that drives is followed from row to row with its overtones (`overtone_march`). Of the wave against it the
+fundamental alone is kept, that of the last forces, until neither changes: contacts do not see overtones that run back.
 """
 
 import numpy as np
@@ -13,47 +13,51 @@ from contact.averaged.overtone_march import Classes, Spectrum, overtone_march, s
 from contact.averaged.pillar_cycle import Forces, PillarCycle
 from contact.convergence import ConvergenceError
 
-SAMPLES = (
-    4  # of a cycle, for each harmonic: twice as many change the velocity by less than twice the harmonics do
-)
+SAMPLES, FEWEST = 4, 32  # of a cycle: for each harmonic, and at least
+MEMORY, MAX_STEP = 16, 0.3  # sweeps that are combined, and the largest step of one, of the incident amplitude
 
 
 class OvertoneCycle(PillarCycle):
-    """Pillars and the wave's amplitudes with `harmonics` of them, shape (m, N), the fundamental first."""
+    """Pillars and the wave's amplitudes: U_1 ... U_N of the driving one, shape (m, N), of the other U_1, (m, 1)."""
 
     def __init__(self, pillars, wave, loading: bool, harmonics: int):
         self.ahead = abs(wave.forward) >= abs(wave.backward)
+        self.way = (
+            slice(None) if self.ahead else slice(None, None, -1)
+        )  # the rows as the driving wave meets them
         self.order, self.harmonics = np.arange(harmonics) + 1, harmonics
-        self.room = samples(harmonics, max(SAMPLES * harmonics, 32))
+        self.room = samples(harmonics, max(SAMPLES * harmonics, FEWEST))
         super().__init__(pillars, wave, loading)
-        way = slice(None) if self.ahead else slice(None, None, -1)
         behind = np.append(self.first[1:], self.x.size)
         self.contacts = Classes(
-            np.ascontiguousarray(self.first[way]), np.ascontiguousarray(behind[way]), self.weight, self.k_n, self.k_t,
-            self.limit_slope,
+            np.ascontiguousarray(self.first[self.way]), np.ascontiguousarray(behind[self.way]), self.weight, self.k_n,
+            self.k_t, self.limit_slope,
         )  # fmt: skip
-        # of the wave that is followed, in the order in which it meets the rows
-        self.met = np.ascontiguousarray((self.turn if self.ahead else self.turn.conj())[way])
+        self.met = np.ascontiguousarray((self.turn if self.ahead else self.turn.conj())[self.way])
         self.met_orbit = self.orbit if self.ahead else self.orbit.conj()
 
     def begin(self, forward, backward):
         """Take the amplitudes at the rows from a search with any number of harmonics."""
         self.reset()
         for own, given in ((self.forward, forward), (self.backward, backward)):
-            given = given[:, None] if given.ndim == 1 else given
-            shared = min(self.harmonics, given.shape[1])
+            given = given.reshape(len(given), -1)
+            shared = min(own.shape[1], given.shape[1])
             own[:, :shared] = given[:, :shared]
 
     def reset(self):
         """Let the wave pass as if nothing touched it."""
         super().reset()
         m, n = self.turn.size, self.harmonics
-        self.spectrum = Spectrum(
-            np.zeros((m, n), complex), np.zeros((m, n), complex), np.zeros((m, 2, n), complex),
-            np.zeros((self.x.size, 2), complex),
-        )  # fmt: skip
+        driving, against, force = (
+            np.zeros((m, n), complex),
+            np.zeros((m, 1), complex),
+            np.zeros((m, 2, n), complex),
+        )
+        self.spectrum = Spectrum(driving, against, force, np.zeros((self.x.size, 2), complex))
+        driving, against = np.zeros((m, n), complex), np.zeros((m, 1), complex)
+        self.approach, self.swept = None, []
         fundamental = self.forward, self.backward
-        self.forward, self.backward = np.zeros((2, m, n), complex)
+        self.forward, self.backward = (driving, against) if self.ahead else (against, driving)
         self.forward[:, 0], self.backward[:, 0] = fundamental
 
     def amplitudes(self):
@@ -64,10 +68,11 @@ class OvertoneCycle(PillarCycle):
     def forces(self, approach, w: float, side: float) -> Forces:
         """Return the forces at mean approaches in m and a velocity over omega, the wave that drives followed."""
         self.evaluations += 1
-        spectrum, way = self.spectrum, slice(None) if self.ahead else slice(None, None, -1)
+        if not np.array_equal(approach, self.approach):
+            self.approach, self.swept = approach, []
+        spectrum, incident = self.spectrum, np.zeros(self.harmonics, complex)
         driving, other = (self.forward, self.backward) if self.ahead else (self.backward, self.forward)
-        spectrum.along[:], spectrum.against[:] = driving[way], other[way]
-        incident = np.zeros(self.harmonics, complex)
+        spectrum.along[:], spectrum.against[:] = driving[self.way], other[self.way]
         incident[0] = self.incident[0 if self.ahead else 1]
         out = np.empty((self.x.size, COLUMNS))
         failed = overtone_march(
@@ -75,9 +80,9 @@ class OvertoneCycle(PillarCycle):
             float(side), spectrum, self.room, out,
         )  # fmt: skip
         if failed:
-            rule = "the row changes the wave by more than its midpoint can follow"
-            raise ConvergenceError("not converged", f"{rule}: {failed} of {self.turn.size} rows")
-        driving[:] = spectrum.along[way]
+            rule = "rows change the wave by more than their midpoint can follow"
+            raise ConvergenceError("not converged", f"{failed} of {self.turn.size} {rule}")
+        driving[:] = spectrum.along[self.way]
         return Forces(
             out, self.k_n * out[:, columns.MEAN_APPROACH], self.k_t * out[:, columns.MEAN_STRETCH],
             self.k_n * spectrum.first[:, 0], self.k_t * spectrum.first[:, 1],
@@ -90,61 +95,61 @@ class OvertoneCycle(PillarCycle):
         normal stiffnesses, each for its share of the cycle. What is left converges by sweeps, ten times per sweep.
         """
         way = slice(None, None, -1) if self.ahead else slice(None)
-        other, orbit = (
-            (self.backward, self.wave.orbit) if self.ahead else (self.forward, self.wave.orbit.conjugate())
-        )
-        turn = ((self.turn.conj() if self.ahead else self.turn)[:, None] ** self.order)[way]
-        force = self._forces()[way]
-        spring = 0.5j * self.g * self.sums(forces.cycles[:, columns.SHARE] * self.k_n)[way][:, None]
-        # U behind a row, as it meets them, is that before it times (1 + spring)/(1 - spring) and a source; global frame
-        phase = np.cumprod((1.0 + spring) / (1.0 - spring), axis=0)
-        source = 1j * self.g * (force[:, 0] + orbit * force[:, 1]) - 2.0 * spring * other[way]
+        other, entry = (self.backward, 1) if self.ahead else (self.forward, 0)
+        other, turn = other[way, 0], (self.turn.conj() if self.ahead else self.turn)[way]
+        orbit = self.wave.orbit if self.ahead else self.wave.orbit.conjugate()
+        force = self._forces()[way, :, 0]
+        spring = 0.5j * self.g * self.sums(forces.cycles[:, columns.SHARE] * self.k_n)[way]
+        # U behind a row, as it meets them, is that before it times (1 + spring)/(1 - spring), and a source
+        phase = np.cumprod((1.0 + spring) / (1.0 - spring))
+        source = 1j * self.g * (force[:, 0] + orbit * force[:, 1]) - 2.0 * spring * other
         source *= turn.conj() / (1.0 - spring)
-        incident = np.zeros(self.harmonics, complex)
-        incident[0] = self.incident[1 if self.ahead else 0]
-        behind = phase * (incident + np.cumsum(source / phase, axis=0))
-        before = np.concatenate([incident[None], behind[:-1]])
-        step = 0.5 * (before + behind) * turn - other[way]
-        other[way] += step
-        return float(np.abs(step).max()) / max(self.wave.amplitude, 1e-300)
+        behind = phase * (self.incident[entry] + np.cumsum(source / phase))
+        before = np.concatenate([self.incident[entry : entry + 1], behind[:-1]])
+        step = 0.5 * (before + behind) * turn - other
+        change = float(np.abs(step).max()) / max(self.wave.amplitude, 1e-300)
+        # D. G. Anderson, J. ACM 12 (1965) 547: of the last sweeps the combination with the smallest step
+        self.swept = [*self.swept[1 - MEMORY :], (other.copy(), step)]
+        places, steps = (np.array(each).view(float) for each in zip(*self.swept, strict=True))
+        moved, left = np.diff(places, axis=0), np.diff(steps, axis=0)
+        if len(left):
+            share = np.linalg.lstsq(left.T, steps[-1], rcond=1e-10)[0]
+            step = step - (share @ (moved + left)).view(complex)
+        other += step * min(1.0, MAX_STEP * self.wave.amplitude / max(float(np.abs(step).max()), 1e-300))
+        return change
 
     def tangent(self, *_):
         """Return None: there is no step of Newton's, the sweeps go on."""
 
     def _forces(self):
         """Return sum P_n and sum Q_n of the rows from left to right, shape (m, 2, N)."""
-        return self.spectrum.force[:: 1 if self.ahead else -1]
-
-    def _jumps(self):
-        """Return what each row adds to U+ and to U-, shape (2, m, N)."""
-        force, orbit = self._forces(), self.wave.orbit
-        turn = self.turn[:, None] ** self.order
-        normal, tangential = force[:, 0], force[:, 1]
-        return 1j * self.g * np.array(
-            [(normal + orbit.conjugate() * tangential) / turn, (normal + orbit * tangential) * turn]
-        )  # fmt: skip
-
-    def _passed(self):
-        """Return U+ behind each row and U- before it, of all harmonics."""
-        incident = np.zeros((2, self.harmonics), complex)
-        incident[:, 0] = self.incident
-        forward, backward = self._jumps()
-        return np.array(
-            [incident[0] + np.cumsum(forward, axis=0), incident[1] + np.cumsum(backward[::-1], axis=0)[::-1]]
-        )  # fmt: skip
+        return self.spectrum.force[self.way]
 
     def passed(self, _forces: Forces):
-        """Return U+ behind each row and U- before it, shape (2, m, N)."""
-        return self._passed()
+        """Return U+ behind each row and U- before it, shape (2, m, N); the one against has no overtones."""
+        force, orbit, turn = self._forces(), self.wave.orbit, self.turn[:, None] ** self.order
+        jump = 1j * self.g * np.array(
+            [(force[:, 0] + orbit.conjugate() * force[:, 1]) / turn, (force[:, 0] + orbit * force[:, 1]) * turn]
+        )  # fmt: skip
+        jump[1 if self.ahead else 0, :, 1:] = 0.0
+        jump[0, 0, 0] += self.incident[0]
+        jump[1, -1, 0] += self.incident[1]
+        return np.array([np.cumsum(jump[0], axis=0), np.cumsum(jump[1, ::-1], axis=0)[::-1]])
 
     def radiated(self, g: float, approach, w: float, side: float) -> complex:
         """Return the last overtone at the exit that contacts on the amplitudes as they stand send along with them."""
         self.forces(approach, w, side)
         self.g = g
-        return complex(self._passed()[0, -1, -1] if self.ahead else self._passed()[1, 0, -1])
+        return complex(self.passed(None)[0, -1, -1] if self.ahead else self.passed(None)[1, 0, -1])
 
     def work(self, _forces: Forces):
         """Return the complex power over omega of the surface on each row and in each harmonic."""
-        force, orbit = self._forces(), self.wave.orbit
-        u_z, u_x = self.forward + self.backward, orbit * self.forward + orbit.conjugate() * self.backward
+        force, (u_z, u_x) = self._forces(), self.amplitudes()
+        driving, orbit = (
+            (self.forward, self.wave.orbit) if self.ahead else (self.backward, self.wave.orbit.conjugate())
+        )
+        u_z, u_x = (
+            np.concatenate([one[:, None], c * driving[:, 1:]], axis=1)
+            for one, c in ((u_z, 1.0), (u_x, orbit))
+        )
         return 0.5 * self.order * (force[:, 0] * u_z.conj() + force[:, 1] * u_x.conj())

@@ -39,7 +39,7 @@ class Spectrum(NamedTuple):
     """Amplitudes in m half-way through each row, in its frame, shape (m, N), and forces in N, shape (m, 2, N)."""
 
     along: np.ndarray  # of the wave that is followed
-    against: np.ndarray  # of the one from the other side, given
+    against: np.ndarray  # of the one from the other side, U_1 alone, shape (m, 1); given
     force: np.ndarray  # sum P_n and sum Q_n
     first: np.ndarray  # z_1 and x_1 of each class, m, shape (n, 2)
 
@@ -160,7 +160,7 @@ def _row(classes, j, approach, w, back, spectrum, room, out):
     "t t f1 f f t t f2",
     {"classes.first": "m", "classes.behind": "m", "classes.weight": "n", "classes.normal_stiffness": "n",
      "classes.tangential_stiffness": "n", "classes.limit_slope": "n", "waves.turn": "m", "waves.orbit": "1",
-     "waves.incident": "h", "approach": "n", "spectrum.along": "m h", "spectrum.against": "m h",
+     "waves.incident": "h", "approach": "n", "spectrum.along": "m h", "spectrum.against": "m 1",
      "spectrum.force": "m 2 h", "spectrum.first": "n 2", "room.table": "h 1+s", "room.scale": "h", "room.before": "h",
      "room.surface": "4 1+s", "room.mean": "4 s", "out": "n 7"},
 )  # fmt: skip
@@ -190,7 +190,8 @@ def overtone_march(classes, waves, approach, w, side, spectrum, room, out):
             for i in range(count + 1):
                 u_z = u_x = 0.0
                 for n in range(number):
-                    a, b, c = along[j, n], against[j, n], table[n, i]
+                    a, c = along[j, n], table[n, i]
+                    b = against[j, 0] if n == 0 else 0.0j
                     p = scale[n] * (a + b)
                     q = scale[n] * (orbit * a + orbit.conjugate() * b)
                     u_z += p.real * c.real - p.imag * c.imag

@@ -417,7 +417,13 @@ def pillar_motion(
         return _motion(pillars, wave, load, True, near, near.harmonics)
     motion, change = _motion(pillars, wave, load, True, near, 1), 0.0
     for number in NUMBERS:
-        last, motion = motion.velocity, _motion(pillars, wave, load, True, motion, number)
+        last = motion.velocity
+        try:
+            motion = _motion(pillars, wave, load, True, motion, number)
+        except ConvergenceError:
+            if number == NUMBERS[-1]:
+                raise
+            continue
         change = abs(motion.velocity - last) / motion.speed_scale / 3.0
         if change < OVERTONE_ERROR:
             break
