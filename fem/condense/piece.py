@@ -4,8 +4,8 @@ A piece relates the outward nodal flux on its lines and the reactions of its por
 
     [g_left, g_right, q] = A [u_left, u_right, v],      A complex symmetric,
 
-at one frequency and one k_y.  What is inside it - columns of elements under fingers (`fem.condense.superelement`), a
-mesh (`fem.condense.mesh`) - the row does not need to know.
+at one frequency and one k_y.  What is inside it - columns of elements under fingers (`fem.condense.columns`), a mesh
+(`fem.condense.mesh`) - the row does not need to know.
 """
 
 from dataclasses import dataclass
@@ -16,19 +16,53 @@ import numpy as np
 
 @dataclass(frozen=True, kw_only=True)
 class Port:
-    """What a piece can be driven by, or answers at, besides its lines.
+    """What a piece, or a row of pieces, can be driven by or answers at, besides its lines.
 
     Attributes
     ----------
-    kind : "voltage" or "force"
-        The potential of an electrode, whose reaction is minus its charge; or a line force on the surface, whose
-        reaction is the displacement there.
+    kind : "voltage", "mean" or "force"
+        Of a piece: the potential of an electrode ("voltage"), whose reaction is minus its charge.  Of a row: the
+        voltage between a transducer's electrodes; the mean of their potentials, which no source sets and which leaves
+        the transducer without net charge; or a line force on the surface (N/m), whose reaction is the displacement.
     name : str
-        Of the electrode: a transducer's name with "+" or "-".
+        Of a piece's electrode: a transducer's name with "+" or "-".  Of a row: the transducer or the force.
+    component : "x" or "z"
+        Of a force: along the surface, or normal to it.
+    place : float
+        Of a force, length units from the stator's left end.
     """
 
-    kind: Literal["voltage", "force"]
+    kind: Literal["voltage", "mean", "force"]
     name: str = ""
+    component: Literal["x", "z"] = "z"
+    place: float = 0.0
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Where the unknowns of a piece stand in its matrix and in its sides: both lines of ``size``, then the ports."""
+
+    size: int
+
+    @property
+    def left(self) -> slice:
+        """The left line."""
+        return slice(0, self.size)
+
+    @property
+    def right(self) -> slice:
+        """The right line."""
+        return slice(self.size, 2 * self.size)
+
+    @property
+    def lines(self) -> slice:
+        """Both lines."""
+        return slice(0, 2 * self.size)
+
+    @property
+    def ports(self) -> slice:
+        """The ports."""
+        return slice(2 * self.size, None)
 
 
 class RecoveredField(Protocol):
@@ -44,12 +78,29 @@ class RecoveredField(Protocol):
 class Piece(Protocol):
     """A condensed piece of the stator at one frequency; lengths in the section's unit."""
 
-    size: int  # unknowns n of a line
-    matrix: np.ndarray  # shape (2 n + ports,) * 2: left line, right line, ports; scaled
-    width: float
-    ports: tuple[Port, ...]
-    # true if a constant may be added to its potential: no port and nothing grounded holds it
-    floating_potential: bool
+    @property
+    def size(self) -> int:
+        """Unknowns n of a line."""
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """Over left line, right line and ports, scaled, shape (2 n + ports, 2 n + ports)."""
+
+    @property
+    def width(self) -> float:
+        """From line to line."""
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        """What it is driven by besides its lines."""
+
+    @property
+    def floating_potential(self) -> bool:
+        """Whether a constant may be added to its potential: no port and nothing grounded holds it."""
+
+    @property
+    def unknowns(self) -> int:
+        """Unknowns before the condensation."""
 
     def recover(self, sides: np.ndarray) -> RecoveredField:
         """Field inside for given lines and ports, shape (2 n + ports,)."""

@@ -10,8 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.condense.join import lines
-from fem.condense.superelement import PORTS, Superelement
+from fem.condense.columns import FingerColumns, lines
 from fem.condense.transducer import Condensation, FingerShape, fingers_in_row
 from fem.discretize.section import LineSpace, Section
 from fem.geometry import Transducer
@@ -96,9 +95,9 @@ def parity_groups(section: Section, apart: bool) -> list[np.ndarray]:
 
 
 def even_rows(
-    make: Condensation, transducers: tuple[Transducer, ...], cell: Callable[[FingerShape], Superelement]
-) -> list[Superelement]:
-    """Superelements of transducers with equal gaps, from the cell of a finger of electrode 0 of each shape."""
+    make: Condensation, transducers: tuple[Transducer, ...], cell: Callable[[FingerShape], FingerColumns]
+) -> list[FingerColumns]:
+    """FingerColumnss of transducers with equal gaps, from the cell of a finger of electrode 0 of each shape."""
 
     def no_bare_cell(*gaps):
         raise ValueError("a band of frequencies takes transducers without left-out fingers")
@@ -174,24 +173,22 @@ def snapshots(stator, transducers, section, frequency, halves, resolution, drive
     pieces = even_rows(make, transducers, lambda shape: make.joined(*halves[shape], 0))
     fields_of_ports = joined_fields(stator, transducers, pieces, modes=modes, resolution=resolution)
     network, volt = fields_of_ports.network, section.solid.potential_unit
-    n = section.size
     gaps, fingers = _end_fields(modes, stator.ends, kept), []
     nearest = np.diff(network.segments, axis=1).min()
     arriving = np.flatnonzero(abs(np.exp(-1j * modes.wavenumbers * nearest)) > ARRIVING * kept)
     gaps += [modes.right[:, arriving], modes.left[:, arriving]]
     for index, scatterer in enumerate(network.scatterers):
         quarter = halves[FingerShape.of(transducers[index], section.length_unit)][0].width
-        incoming = np.zeros((2 * n, 2 * len(arriving)), dtype=complex)
-        incoming[:n, : len(arriving)] = modes.right[:, arriving]
-        incoming[n:, len(arriving) :] = modes.left[:, arriving]
-        no_voltage = np.zeros((PORTS, incoming.shape[1]))
+        at = scatterer.at
+        incoming = np.zeros((at.ports.start, 2 * len(arriving)), dtype=complex)
+        incoming[at.left, : len(arriving)] = modes.right[:, arriving]
+        incoming[at.right, len(arriving) :] = modes.left[:, arriving]
+        no_voltage = np.zeros((len(scatterer.potentials), incoming.shape[1]))
         scattered = np.concatenate([scatterer.sides(incoming, no_voltage), no_voltage])
         together = np.hstack([scattered, volt * fields_of_ports.sides[index]])
-        for count, (_, _, sides) in enumerate(
-            lines(scatterer.superelement, together, finest=1.001 * quarter)
-        ):
-            (fingers if count % 2 else gaps).append(sides[:n])
-        gaps.append(together[n : 2 * n])
+        for count, (_, _, sides) in enumerate(lines(scatterer.piece, together, finest=1.001 * quarter)):
+            (fingers if count % 2 else gaps).append(sides[at.left])
+        gaps.append(together[at.right])
     finger_lines = np.hstack(fingers)
     finger_lines[section.surface_dofs["phi"]] = 0.0
     return np.hstack(gaps), finger_lines, driven_solution(fields_of_ports, drive)

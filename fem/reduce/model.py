@@ -10,14 +10,14 @@ inside a finger's cell or beside an end is asked for, those pieces are condensed
 the reduced lines are lifted to them.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
 
 from fem.circuit import Drive
-from fem.condense.recovery import ColumnsField
-from fem.condense.superelement import Superelement
+from fem.condense.columns import FingerColumns, LiftedHalf
+from fem.condense.piece import Blocks
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.grading import Resolution
 from fem.discretize.spectral import lagrange_weights
@@ -46,18 +46,17 @@ class FullPieces:
 
     def __init__(self, model: "ReducedModel", frequency: float):
         self.model, self.frequency = model, frequency
-        self._halves: dict[FingerShape, tuple[Superelement, Superelement]] = {}
+        self._halves: dict[FingerShape, tuple[FingerColumns, FingerColumns]] = {}
         self._ends: EndPieces | None = None
 
-    def half_cell(self, shape: FingerShape, side: int, sides: np.ndarray) -> tuple[Superelement, np.ndarray]:
+    def half_cell(self, shape: FingerShape, side: int, sides: np.ndarray) -> tuple[FingerColumns, np.ndarray]:
         """Return the rising (0) or falling (1) half of a finger's cell, and its sides from the reduced ones."""
         model, full = self.model, self.model.section.full
         if shape not in self._halves:
             self._halves[shape] = half_cells(Condensation(full, self.frequency), shape, model.resolution)
         gap, finger = model.section.basis, model.finger_basis
-        r = model.section.size
-        lines = (gap, finger) if side == 0 else (finger, gap)
-        lifted = np.concatenate([lines[0] @ sides[:r], lines[1] @ sides[r : 2 * r], sides[2 * r :]])
+        at, lines = Blocks(model.section.size), (gap, finger) if side == 0 else (finger, gap)
+        lifted = np.concatenate([lines[0] @ sides[at.left], lines[1] @ sides[at.right], sides[at.ports]])
         return self._halves[shape][side], lifted
 
     def end(self, side: int, line: np.ndarray):
@@ -65,8 +64,7 @@ class FullPieces:
         model, full = self.model, self.model.section.full
         if self._ends is None:
             self._ends = end_pieces(full, self.frequency, model.stator, model.resolution, width=WALL_WIDTH)
-        sides = self._ends.sides(side, model.section.lift(line))
-        return ColumnsField(self._ends.superelements[side], sides)
+        return self._ends.recover(side, model.section.lift(line))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,19 +115,21 @@ class ReducedModel:
         """Solve for a drive at a frequency of the band (Hz)."""
         return driven_solution(self.port_fields(frequency), drive)
 
-    def _cell(self, make, shape: FingerShape, weights: np.ndarray, full: FullPieces) -> Superelement:
+    def _cell(self, make, shape: FingerShape, weights: np.ndarray, full: FullPieces) -> FingerColumns:
         halves, section = self.half_cells[shape], self.section
 
-        def interpolated(stack: np.ndarray) -> Superelement:
+        def interpolated(stack: np.ndarray, side: int) -> FingerColumns:
             *matrix, moment = np.tensordot(weights, stack, axes=1)
-            return Superelement(size=section.size, matrix=np.array(matrix), width=halves.width, moment=moment)
+            inside = LiftedHalf(
+                side=side,
+                full=lambda side, sides: full.half_cell(shape, side, sides),
+                moment=moment,
+                unknowns=self.resolution.order * section.size,
+            )
+            return FingerColumns(
+                size=section.size, matrix=np.array(matrix), width=halves.width, inside=inside
+            )
 
-        def expanded(half: Superelement, side: int) -> Superelement:
-            return replace(half, expand=lambda sides: full.half_cell(shape, side, sides))
-
-        rising = interpolated(halves.rising)
-        if halves.falling is None:
-            falling = make.mirrored(rising)
-        else:
-            falling = interpolated(halves.falling)
-        return make.joined(expanded(rising, 0), expanded(falling, 1))
+        rising = interpolated(halves.rising, 0)
+        falling = make.mirrored(rising) if halves.falling is None else interpolated(halves.falling, 1)
+        return make.joined(rising, falling)

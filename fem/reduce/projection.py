@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem.circuit import Drive
-from fem.condense.recovery import finger_moment
-from fem.condense.superelement import PORTS
+from fem.condense.column import ELECTRODES
+from fem.condense.moments import finger_moment
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
@@ -149,14 +149,22 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
 
 def _projected_halves(pairs: list[tuple], bases, width: float, both: bool) -> HalfCell:
     gap, finger = bases
-    n, r = gap.shape
-    rising_frame, falling_frame = (np.zeros((2 * n + PORTS, 2 * r + PORTS)) for _ in range(2))
-    for frame, (left, right) in ((rising_frame, (gap, finger)), (falling_frame, (finger, gap))):
-        frame[:n, :r], frame[n : 2 * n, r : 2 * r] = left, right
-        frame[2 * n :, 2 * r :] = np.eye(PORTS)
+    rising_frame, falling_frame = (
+        _block_diagonal(left, right, np.eye(len(ELECTRODES)))
+        for left, right in ((gap, finger), (finger, gap))
+    )
     rising, falling = (
         np.stack([np.vstack([frame.T @ half[:-1], half[-1:]]) @ frame for half in halves])
         for frame, halves in zip((rising_frame, falling_frame), zip(*pairs, strict=True), strict=True)
     )
     falling = falling if both else None
     return HalfCell(rising=rising, falling=falling, width=width)
+
+
+def _block_diagonal(*blocks: np.ndarray) -> np.ndarray:
+    out = np.zeros(np.sum([each.shape for each in blocks], axis=0))
+    row = column = 0
+    for each in blocks:
+        out[row : row + len(each), column : column + each.shape[1]] = each
+        row, column = row + len(each), column + each.shape[1]
+    return out

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from fem.condense import join, transducer
+from fem.condense.column import Column
 from fem.condense.size import stator_size
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
 
@@ -46,8 +47,8 @@ def test_counts_are_what_a_solution_does(monkeypatch, stator, row, layers):
     assert {"joined": size.joins, "condensed": size.condensed} == done
     assert size.unknowns == wave_of(solved).unknowns
     assert size.line == len(solved.fields.modes.wavenumbers)
-    assert size.scatterers == len({id(each.superelement) for each in solved.fields.network.scatterers})
-    assert size.complex == np.iscomplexobj(solved.fields.network.scatterers[0].superelement.matrix)
+    assert size.scatterers == len({id(each.piece) for each in solved.fields.network.scatterers})
+    assert size.complex == np.iscomplexobj(solved.fields.network.scatterers[0].piece.matrix)
 
 
 def test_memory_of_the_blocks_is_that_of_their_arrays():
@@ -57,7 +58,7 @@ def test_memory_of_the_blocks_is_that_of_their_arrays():
         size = stator_size(plate(solid), row, frequency=FREQUENCY, resolution=solved.fields.resolution)
         assert size.complex == (solid is PZT)
         assert size.block_bytes == pytest.approx(
-            _bytes(solved.fields.network.scatterers[0].superelement), rel=0.3, abs=0
+            _bytes(solved.fields.network.scatterers[0].piece), rel=0.3, abs=0
         )
 
 
@@ -71,10 +72,9 @@ def _bytes(block):
             continue
         seen.add(id(one))
         total += one.matrix.nbytes
-        if one.parts:
-            left, right, back = one.parts
-            total += back.nbytes
-            waiting += [left, right]
-        elif one.column is not None:
+        if isinstance(one.inside, Column):
             total += one.column.faces_from.nbytes
+        else:
+            total += one.pair.middle.nbytes
+            waiting += [one.pair.left, one.pair.right]
     return total

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from fem.condense.columns import condensed
 from fem.condense.join import repeated
-from fem.condense.superelement import condensed
 from fem.waveguide.ends import end_reflection
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.network import NEGLIGIBLE, Scatterer
@@ -32,7 +32,7 @@ def test_bare_piece_scatters_nothing(guided):
     """
     depth, n = guided.section, guided.section.size
     block = repeated(condensed(depth, FREQUENCY, width=0.2, electrode=None), 3)
-    scatterer = Scatterer(superelement=block, modes=guided, potentials=np.array([[0.5], [-0.5]]))
+    scatterer = Scatterer(piece=block, modes=guided, potentials=np.array([[0.5], [-0.5]]))
     slow = np.flatnonzero((np.abs(guided.wavenumbers) < 9.0) & (guided.wavenumbers != 0))
     nothing = np.zeros((n, len(slow)))
     phase = np.exp(-1j * guided.wavenumbers[slow] * block.width)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from fem.condense.superelement import PORTS, condensed
+from fem.condense.column import ELECTRODES
+from fem.condense.columns import condensed
 from fem.waveguide.modes import guided_modes
 from tests.fem.stators import FREQUENCY, cut, lossless, plate, section
 
@@ -49,7 +50,7 @@ def test_constant_potential_is_a_gauge(depth, comb):
     """All potentials and the comb's raised by one volt: no flux and no charge, where nothing is grounded."""
     n = depth.size
     block = condensed(depth, FREQUENCY, width=WIDTH, electrode=comb)
-    raised = np.concatenate([depth.constant_potential, depth.constant_potential, np.zeros(PORTS)])
+    raised = np.concatenate([depth.constant_potential, depth.constant_potential, np.zeros(len(ELECTRODES))])
     if comb is not None:
         raised[[depth.surface_dofs["phi"], n + depth.surface_dofs["phi"]]] = 0.0
         raised[2 * n + comb] = 1.0
