@@ -60,7 +60,7 @@ class PillarMotion:
     harmonics : int
         Number of harmonics of the wave that were followed; 1: the fundamental alone.
     overtones : ndarray, shape (m, harmonics - 1), complex
-        U_2, U_3 ... of the wave that drives, behind each row as it meets them, m.
+        U_2, U_3 ... of the wave that drives, m, behind each row as it meets them, in the order of `row_x`.
     wave_work, apparent_power : float
         Power that the surface under the pillars gives them by the harmonics of their forces, W, and in VA.
     normal_force, friction : ndarray, shape (n,)
@@ -127,13 +127,18 @@ class PillarMotion:
         return max(abs(self.velocity), wave.omega * abs(wave.orbit) * wave.amplitude / 10.0, 1e-300)
 
     @property
+    def exit_overtones(self) -> np.ndarray:
+        """U_2, U_3 ... where the wave that drives leaves the slider, m, shape (harmonics - 1,)."""
+        return self.overtones[-1 if abs(self.wave.forward) >= abs(self.wave.backward) else 0]
+
+    @property
     def overtone(self) -> float:
         """|U_2| at the exit over the incident |U_1|; of a motion without overtones what its contacts would radiate."""
         wave = self.wave
         if wave.compliance == 0.0 or wave.amplitude == 0.0:
             return 0.0
         if self.harmonics > 1:
-            second = self.overtones[-1, 0]
+            second = self.exit_overtones[0]
         else:
             _, forward, backward, *moving = self.state
             cycle = OvertoneCycle(self.pillars, wave, False, 2)
@@ -326,7 +331,6 @@ class _Slider:
         ahead = abs(wave.forward) >= abs(wave.backward)
         entry, other = (wave.forward, wave.backward) if ahead else (wave.backward, wave.forward)
         gone, back = (passed[0, -1], passed[1, 0]) if ahead else (passed[1, 0], passed[0, -1])
-        along = passed[0] if ahead else passed[1, ::-1]
         entry = entry if entry != 0 else 1.0
         friction = cycle.k_t * wave.omega * forces.cycles[:, columns.FRICTION]
         share = forces.cycles[:, columns.SHARE]
@@ -343,7 +347,7 @@ class _Slider:
             wave_power_in=wave.power(wave.forward) + wave.power(wave.backward),
             wave_power_out=sum(n * (wave.power(a) + wave.power(b)) for n, a, b in zip(order, gone, back, strict=True)),
             loading_number=wave.loading_number(pillars.preload), loading=self.loading, harmonics=order.size,
-            overtones=along[:, 1:], wave_work=wave.omega * float(work.imag.sum()),
+            overtones=passed[0 if ahead else 1, :, 1:], wave_work=wave.omega * float(work.imag.sum()),
             apparent_power=wave.omega * float(np.abs(work).sum()),
             normal_force=forces.normal[classes],
             friction=friction[classes], first_normal=forces.first_normal[classes],

