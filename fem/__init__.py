@@ -36,7 +36,7 @@ _PUBLIC = {
     "waveguide.grating": "grating",
     "waveguide.cell_parameters": "cell_parameters CellParameters",
     "circuit": (
-        "best_match Drive Element matched_load motional_model MotionalModel read_touchstone "
+        "best_match Drive Element matched_load motional_model MotionalModel "
         "rectifier_resistance solve_circuit touchstone"
     ),
     "results.solution": "solve_driven",

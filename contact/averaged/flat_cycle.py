@@ -12,7 +12,7 @@ integral is closed. The events (compare Feenstra and Breedveld, eq. 3):
 
 Normal part: <P> = k A (sin p - p cos p)/pi and P_1 = k A (p - sin p cos p)/pi. The work lost to friction is that of the
 limit force on the slip, c z g_s, also a sum of closed integrals: it is not obtained from the energy balance, which
-therefore checks it. `solve.cycle_mean` takes the same cycle for any profile, by quadrature.
+therefore checks it. `cycle_mean` takes the same cycle for any profile, by quadrature.
 """
 
 import numpy as np

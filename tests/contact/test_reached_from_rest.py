@@ -8,8 +8,8 @@ import pytest
 from contact import Orbit, burst, steady
 from contact.answers import methods
 from contact.drive import reference_speed, towards_plus
-from contact.solve import settling
-from contact.solve.time_stepping import steps
+from contact.periodic import settling
+from contact.stepping.time_stepping import steps
 from tests.contact.motors import slider
 
 # transient chaos: near f_n/f = 0.34 a start from rest wanders for thousands of cycles
@@ -85,7 +85,7 @@ def test_a_hysteretic_motion_that_repeats_has_the_error_of_another_order():
     finer.turn(run.passed)
     finer.begin()
     finer.turn(run.period)
-    true = abs(finer.sums[settling.DISPLACEMENT] / (2 * np.pi * run.period) - run.speed)
+    true = abs(finer.sums[settling.Sum.DISPLACEMENT] / (2 * np.pi * run.period) - run.speed)
     assert true <= 2.0 * run.error
     assert run.error != pytest.approx(1e-9, rel=1e-3)
 

@@ -15,7 +15,7 @@ import studies.__main__ as command
 def kernel(words):
     import numpy as np
     from contact.answers.methods import rest, rest_problem
-    from contact.solve.time_stepping import steps
+    from contact.stepping.time_stepping import steps
     from tests.contact.motors import orbit, slider
 
     problem = rest_problem(slider(), (orbit(5e-9),))
