@@ -106,7 +106,7 @@ def test_overtones_are_computed_and_leave_the_model_error():
     plain = run(scene(wave=levels, pillars={"height_scatter": 5e-9, "seed": 3}))
     assert any('slider.loading = "harmonics" computes them' in each for each in plain.warnings)
     with pytest.raises(
-        SceneError, match='slider.loading must be true or false where slider.backing is "soft"'
+        SceneError, match=r'slider\.loading must be true or false where slider.backing is "soft"'
     ):
         scene(loading="harmonics", backing="soft")
 
