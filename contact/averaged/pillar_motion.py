@@ -419,7 +419,11 @@ def pillar_motion(
         raise InputError("loading", 'must not be "harmonics" with a soft backing', loading)
     if near is not None and near.harmonics > 1:
         return _motion(pillars, wave, load, True, near, near.harmonics)
-    motion, change = _motion(pillars, wave, load, True, near, 1), 0.0
+    try:
+        motion = _motion(pillars, wave, load, True, near, 1)
+    except InputError:  # a load that only the overtones carry, or nothing does
+        motion = _motion(pillars, wave, load, True, None, NUMBERS[0])
+    change = 0.0
     for number in NUMBERS:
         last = motion.velocity
         try:

@@ -104,7 +104,8 @@ def test_overtones_are_computed_and_leave_the_model_error():
     assert 0.0 < point["velocity_at_burst_end_m_per_s"] < motion.velocity
     assert not any("overtones" in row["effect"] for row in record.model_error)
     plain = run(scene(wave=levels, pillars={"height_scatter": 5e-9, "seed": 3}))
-    assert any('slider.loading = "harmonics" computes them' in each for each in plain.warnings)
+    (row,) = [row for row in plain.model_error if "overtones" in row["effect"]]
+    assert 'slider.loading = "harmonics" computes them' in row["source"]
     with pytest.raises(
         SceneError, match=r'slider\.loading must be true or false where slider.backing is "soft"'
     ):
