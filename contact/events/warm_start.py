@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.events.segment import Row
 from contact.jit.compiled import compiled
-from contact.solve.segment import NORMAL_ACCELERATION, TANGENTIAL_ACCELERATION
 
 # segments that are kept per cycle: of an impact many more are not worth it
 ROOM = 48
@@ -63,8 +63,8 @@ def matching(pattern, old, first, phase, state):
 def recalled(pattern, old, m, nodes):
     """Fill the accelerations at the nodes with those of the last cycle's segment."""
     for j in range(nodes.guard.size):
-        nodes.slider[NORMAL_ACCELERATION, j] = pattern.acceleration[old, m, 0, j]
-        nodes.slider[TANGENTIAL_ACCELERATION, j] = pattern.acceleration[old, m, 1, j]
+        nodes.slider[Row.NORMAL_ACCELERATION, j] = pattern.acceleration[old, m, 0, j]
+        nodes.slider[Row.TANGENTIAL_ACCELERATION, j] = pattern.acceleration[old, m, 1, j]
 
 
 @compiled
@@ -78,6 +78,6 @@ def keep(pattern, new, segment, end, state, nodes):
     for i in range(state.regime.size):
         pattern.regime[new, m, i], pattern.sign[new, m, i] = state.regime[i], state.sign[i]
     for j in range(nodes.guard.size):
-        pattern.acceleration[new, m, 0, j] = nodes.slider[NORMAL_ACCELERATION, j]
-        pattern.acceleration[new, m, 1, j] = nodes.slider[TANGENTIAL_ACCELERATION, j]
+        pattern.acceleration[new, m, 0, j] = nodes.slider[Row.NORMAL_ACCELERATION, j]
+        pattern.acceleration[new, m, 1, j] = nodes.slider[Row.TANGENTIAL_ACCELERATION, j]
     pattern.count[new] = m + 1

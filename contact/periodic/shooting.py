@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contact.averaged.event_cycle import Balance
 from contact.convergence import ConvergenceError
-from contact.solve.collocation import collocation
-from contact.solve.energy import DISPLACEMENT
-from contact.solve.equilibrium import Balance
-from contact.solve.motion import Motion
+from contact.events.collocation import collocation
+from contact.events.energy import Sum
+from contact.events.motion import Motion
 
 # no motion that is worth searching leaves this many length units
 BOUND = 1e6
@@ -77,7 +77,11 @@ def periodic(
             f"the cycle map's fixed point was not reached (last step {size:.2g}); follow a burst with method exact",
         )
     return Periodic(
-        speed=motion.sums[DISPLACEMENT] / turn + step[2], state=y, jacobian=jacobian, step=size, motion=motion
+        speed=motion.sums[Sum.DISPLACEMENT] / turn + step[2],
+        state=y,
+        jacobian=jacobian,
+        step=size,
+        motion=motion,
     )
 
 

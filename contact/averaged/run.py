@@ -1,6 +1,6 @@
 r"""The averaged way: a slider that is heavy on the wave's time scale, many cycles at once.
 
-The bounce equation and the velocity equation (`solve.averaged`, `solve.averaged_transient`) take the event-exact mean
+The bounce equation and the velocity equation (`equilibrium`, `transient`) take the event-exact mean
 of the tangential force over a cycle. First order errs by O((f_n/f)^2); with the slider's fast motion fed back (second
 order) the steady state is the full periodic motion but for the harmonics left out, and v(t) is a hundred times closer.
 The first and the last cycle of a run are followed event by event: the start from rest is no cycle that repeats, and the
@@ -14,12 +14,12 @@ import math
 
 import numpy as np
 
+from contact.averaged.riding import quadrature
+from contact.averaged.transient import Span, response
 from contact.codes import Status
 from contact.convergence import ConvergenceError
 from contact.orbit import Orbit
 from contact.slider import Slider
-from contact.solve.averaged_transient import Span, response
-from contact.solve.riding import quadrature
 
 # largest ratio of bounce to wave frequency, for v(t) and for the corrected steady state
 STIFFEST, STIFFEST_STEADY = 0.1, 0.3

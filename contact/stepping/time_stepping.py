@@ -11,34 +11,62 @@ An envelope scales the wave: e(t), complex, linear within each cycle, u = Re(e U
 Not for a stick band (creep), nor where the contact resonance is not well resolved by the step.
 """
 
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
 
+from contact.body import (
+    Coordinates,
+    Paths,
+    approach,
+    approach_rate,
+    at_phase,
+    body_force,
+    contact_force,
+    of_run,
+    slip_speed,
+    travel,
+)
 from contact.convergence import ConvergenceError
+from contact.events.segment import At, Column
 from contact.jit.compiled import compiled, native
-from contact.kinematics import Paths, at_phase, of_run, slip_speed
-from contact.law.normal import force, load
+from contact.law.normal import force as elastic_force
+from contact.law.normal import load
 from contact.law.protocol import Law
 from contact.problem import from_row
-from contact.solve import end_corrections as edges
-from contact.solve.segment import (
-    DEFORMATIONS,
-    NORMAL_VELOCITY,
-    POSITION,
-    ROW,
-    ROW_MEAN_VELOCITY,
-    ROW_POSITION,
-    ROW_VELOCITY,
-    VELOCITY,
-)
+from contact.stepping import end_corrections as edges
 
-# rows of `Work.slider`, one column per run: motion, contact forces, distance within the cycle, what a step is made of
-HEIGHT, CLIMB, SPEED, NORMAL, TANGENTIAL, TRAVELLED, STEP, DAMP_N, DAMP_T, ROWS = range(10)
-# planes of `Work.table`: surface displacement and velocity at the steps of a cycle
-U_Z, U_X, W_Z, W_X, PLANES = range(5)
-# rows of `Work.contact`: approach, deformation, sign of slip or 0
-Z, X, SLIP, CONTACT = range(4)
+
+class Row(IntEnum):
+    """Rows of `Work.slider`, one column per run: motion, contact forces, way within the cycle, what a step needs."""
+
+    POSITION = 0
+    NORMAL_VELOCITY = 1
+    VELOCITY = 2
+    NORMAL = 3
+    TANGENTIAL = 4
+    TRAVELLED = 5
+    STEP = 6
+    DAMP_N = 7
+    DAMP_T = 8
+
+
+class Plane(IntEnum):
+    """Planes of `Work.table`: surface displacement and velocity at the steps of a cycle."""
+
+    U_Z = 0
+    U_X = 1
+    W_Z = 2
+    W_X = 3
+
+
+class Own(IntEnum):
+    """Rows of `Work.contact`: approach, deformation, sign of slip or 0."""
+
+    Z = 0
+    X = 1
+    SLIP = 2
 
 
 class Runs(NamedTuple):
@@ -60,7 +88,7 @@ class Task(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Work: (runs, PLANES, steps + 1, n), (runs, CONTACT, n) and (ROWS, runs)."""
+    """Work: (runs, len(Plane), steps + 1, n), (runs, len(Own), n) and (len(Row), runs)."""
 
     table: np.ndarray
     contact: np.ndarray
@@ -92,10 +120,10 @@ def _tabulate(paths, per_cycle, before, after, table):
         e = before + (after - before) * (k / per_cycle)
         for i in range(paths.height.size):
             u_z, w_z, u_x, w_x = at_phase(paths, i, co, si)
-            table[U_Z, k, i] = paths.height[i] + e.real * u_z + e.imag * w_z
-            table[W_Z, k, i] = e.real * w_z - e.imag * u_z + turn.real * u_z + turn.imag * w_z
-            table[U_X, k, i] = e.real * u_x + e.imag * w_x
-            table[W_X, k, i] = e.real * w_x - e.imag * u_x + turn.real * u_x + turn.imag * w_x
+            table[Plane.U_Z, k, i] = e.real * u_z + e.imag * w_z
+            table[Plane.W_Z, k, i] = e.real * w_z - e.imag * u_z + turn.real * u_z + turn.imag * w_z
+            table[Plane.U_X, k, i] = e.real * u_x + e.imag * w_x
+            table[Plane.W_X, k, i] = e.real * w_x - e.imag * u_x + turn.real * u_x + turn.imag * w_x
 
 
 @compiled
@@ -217,53 +245,53 @@ def _passed(problem, passage, x, slip, sticks):
 @compiled
 def _step(problem, k, table, own, slider, m):
     """Move one run from step k of the cycle to the next; column m of `slider` is its motion, `own` its contacts."""
-    h, kappa = slider[STEP, m], problem.stiffness
-    height, climb, speed = slider[HEIGHT, m], slider[CLIMB, m], slider[SPEED, m]
-    push = slider[NORMAL, m] - problem.preload - problem.normal_damping * climb
-    pull = slider[TANGENTIAL, m] - problem.load - problem.tangential_damping * speed
-    climb_half, speed_half = climb + 0.5 * h * push, speed + 0.5 * h * pull
-    height += h * climb_half
-    travel = h * speed_half
+    h, kappa, paths, law = slider[Row.STEP, m], problem.stiffness, problem.paths, problem.law
+    rate = Coordinates(slider[Row.NORMAL_VELOCITY, m], slider[Row.VELOCITY, m])
+    force = body_force(problem, rate)
+    climb_half = rate.normal + 0.5 * h * (slider[Row.NORMAL, m] + force.normal)
+    speed_half = rate.along + 0.5 * h * (slider[Row.TANGENTIAL, m] + force.along)
+    q = Coordinates(slider[Row.POSITION, m] + h * climb_half, h * speed_half)
     # enough for rates at the step's end
-    climb_next, speed_next = 2.0 * climb_half - climb, 2.0 * speed_half - speed
+    rate_next = Coordinates(2.0 * climb_half - rate.normal, 2.0 * speed_half - rate.along)
     push, pull, push_excess, pull_excess = 0.0, 0.0, 0.0, 0.0
     for i in range(own.shape[1]):
-        z_old, z_new, x, slip = own[Z, i], table[U_Z, k + 1, i] - height, own[X, i], own[SLIP, i]
-        own[Z, i] = z_new
+        z_old, x, slip = own[Own.Z, i], own[Own.X, i], own[Own.SLIP, i]
+        z_new = approach(paths, i, table[Plane.U_Z, k + 1, i], q)
+        own[Own.Z, i] = z_new
         if z_old <= 0.0 and z_new <= 0.0:
             continue
-        along, z_rate = table[U_X, k + 1, i] - table[U_X, k, i] - travel, table[W_Z, k + 1, i] - climb_next
-        moved = x + along
-        limit = problem.law.limit(problem, z_new)
+        along = travel(table[Plane.U_X, k + 1, i] - table[Plane.U_X, k, i], q)
+        z_rate = approach_rate(table[Plane.W_Z, k + 1, i], rate_next)
+        moved, limit = x + along, law.limit(problem, z_new)
         sticks = z_old > 0.0 and slip == 0.0 and abs(moved) < limit
         if sticks and x * moved >= 0.0:
             x = moved
         else:
             passage = Passage(
-                h, z_old, z_new, table[W_Z, k, i] - climb, z_rate, table[W_X, k, i] - speed,
-                table[W_X, k + 1, i] - speed_next, along, problem.paths.height[i] - height,
-                (table[W_X, k + 1, i] - table[W_X, k, i]) / h,
+                h, z_old, z_new, approach_rate(table[Plane.W_Z, k, i], rate), z_rate,
+                travel(table[Plane.W_X, k, i], rate), travel(table[Plane.W_X, k + 1, i], rate_next), along,
+                approach(paths, i, 0.0, q),  # z'' = -u_z at z = 0
+                (table[Plane.W_X, k + 1, i] - table[Plane.W_X, k, i]) / h,
             )  # fmt: skip
             x, slip, normal, tangential = _passed(problem, passage, x, slip, sticks)
             push_excess += normal
             pull_excess += tangential
-        own[X, i], own[SLIP, i] = x, slip
+        own[Own.X, i], own[Own.SLIP, i] = x, slip
         if z_new > 0.0:
-            elastic = force(kappa, z_new, problem.shape)
-            push += elastic * (1.0 + problem.contact_damping * z_rate)
+            push += contact_force(problem, elastic_force(kappa, z_new, problem.shape), z_rate)
             if slip != 0.0:
-                x_rate = table[W_X, k + 1, i] - speed_next
-                w = slip_speed(slip, z_rate, x_rate, problem.law.limit_rate(problem, z_new))
-                pull += slip * kappa * problem.law.sliding(problem, z_new, max(w, 0.0))
+                x_rate = travel(table[Plane.W_X, k + 1, i], rate_next)
+                w = slip_speed(slip, z_rate, x_rate, law.limit_rate(problem, z_new))
+                pull += slip * kappa * law.sliding(problem, z_new, max(w, 0.0))
             else:
-                friction = kappa * problem.law.stuck(problem, z_new, min(abs(x), limit))
+                friction = kappa * law.stuck(problem, z_new, min(abs(x), limit))
                 pull += friction if x > 0.0 else -friction
     climb = climb_half + 0.5 * h * (push - problem.preload) - push_excess
     speed = speed_half + 0.5 * h * (pull - problem.load) - pull_excess
-    slider[HEIGHT, m], slider[CLIMB, m] = height, climb * slider[DAMP_N, m]
-    slider[SPEED, m] = speed * slider[DAMP_T, m]
-    slider[NORMAL, m], slider[TANGENTIAL, m] = push, pull
-    slider[TRAVELLED, m] += travel
+    slider[Row.POSITION, m], slider[Row.NORMAL_VELOCITY, m] = q.normal, climb * slider[Row.DAMP_N, m]
+    slider[Row.VELOCITY, m] = speed * slider[Row.DAMP_T, m]
+    slider[Row.NORMAL, m], slider[Row.TANGENTIAL, m] = push, pull
+    slider[Row.TRAVELLED, m] += q.along
 
 
 @native(
@@ -286,7 +314,7 @@ def _abreast(runs, states, task, work):
         most = max(most, per_cycle[m])
     for cycle in range(task.number):
         for m in range(per_cycle.size):
-            slider[TRAVELLED, m] = 0.0
+            slider[Row.TRAVELLED, m] = 0.0
             if shaped:
                 before, after = envelope[cycle], envelope[cycle + 1]
                 _tabulate(of_run(runs.paths, m), per_cycle[m], before, after, work.table[m])
@@ -297,17 +325,22 @@ def _abreast(runs, states, task, work):
                     problem = from_row(runs.numbers[m], of_run(runs.paths, m), runs.law)
                     _step(problem, k, work.table[m], work.contact[m], slider, m)
         for m in range(per_cycle.size):
-            if not np.isfinite(slider[HEIGHT, m] + slider[CLIMB, m] + slider[SPEED, m]):
+            if not np.isfinite(
+                slider[Row.POSITION, m] + slider[Row.NORMAL_VELOCITY, m] + slider[Row.VELOCITY, m]
+            ):
                 return False
             if task.stride > 0 and (cycle + 1) % task.stride == 0:
                 row = task.rows[m, (cycle + 1) // task.stride - 1]
-                row[ROW_VELOCITY], row[ROW_POSITION] = slider[SPEED, m], slider[HEIGHT, m]
-                row[ROW_MEAN_VELOCITY] = slider[TRAVELLED, m] / (2.0 * np.pi)
+                row[Column.VELOCITY], row[Column.POSITION] = slider[Row.VELOCITY, m], slider[Row.POSITION, m]
+                row[Column.MEAN_VELOCITY] = slider[Row.TRAVELLED, m] / (2.0 * np.pi)
     for m in range(per_cycle.size):
-        states[m, POSITION], states[m, NORMAL_VELOCITY] = slider[HEIGHT, m], slider[CLIMB, m]
-        states[m, VELOCITY] = slider[SPEED, m]
+        states[m, At.POSITION], states[m, At.NORMAL_VELOCITY] = (
+            slider[Row.POSITION, m],
+            slider[Row.NORMAL_VELOCITY, m],
+        )
+        states[m, At.VELOCITY] = slider[Row.VELOCITY, m]
         for i in range(work.contact.shape[2]):
-            states[m, DEFORMATIONS + i] = work.contact[m, X, i]
+            states[m, At.DEFORMATIONS + i] = work.contact[m, Own.X, i]
     return True
 
 
@@ -316,32 +349,35 @@ def _begin(problem, state, per_cycle, work, m):
     """Set the forces of the first instant and what stays the same."""
     slider, own, table = work.slider, work.contact[m], work.table[m]
     h = 2.0 * np.pi / per_cycle
-    slider[STEP, m] = h
-    slider[DAMP_N, m] = 1.0 / (1.0 + 0.5 * h * problem.normal_damping)
-    slider[DAMP_T, m] = 1.0 / (1.0 + 0.5 * h * problem.tangential_damping)
-    slider[HEIGHT, m], slider[CLIMB, m] = state[POSITION], state[NORMAL_VELOCITY]
-    slider[SPEED, m] = state[VELOCITY]
+    slider[Row.STEP, m] = h
+    slider[Row.DAMP_N, m] = 1.0 / (1.0 + 0.5 * h * problem.normal_damping)
+    slider[Row.DAMP_T, m] = 1.0 / (1.0 + 0.5 * h * problem.tangential_damping)
+    slider[Row.POSITION, m], slider[Row.NORMAL_VELOCITY, m] = state[At.POSITION], state[At.NORMAL_VELOCITY]
+    slider[Row.VELOCITY, m] = state[At.VELOCITY]
+    q = Coordinates(state[At.POSITION], 0.0)
+    rate = Coordinates(state[At.NORMAL_VELOCITY], state[At.VELOCITY])
     push, pull = 0.0, 0.0
     for i in range(own.shape[1]):
-        x, z, slip = state[DEFORMATIONS + i], table[U_Z, 0, i] - slider[HEIGHT, m], 0.0
+        x, slip = state[At.DEFORMATIONS + i], 0.0
+        z = approach(problem.paths, i, table[Plane.U_Z, 0, i], q)
         if z > 0.0:
-            elastic = problem.stiffness * load(z, problem.shape)
-            push += elastic * (1.0 + problem.contact_damping * (table[W_Z, 0, i] - slider[CLIMB, m]))
+            z_rate = approach_rate(table[Plane.W_Z, 0, i], rate)
+            push += contact_force(problem, problem.stiffness * load(z, problem.shape), z_rate)
             limit, friction = problem.law.limit(problem, z), 0.0
             if limit > 0.0:
                 friction = problem.law.stuck(problem, z, min(abs(x), limit))
             if abs(x) > limit * (1.0 - 1e-13):
                 slip = np.sign(x)
-                z_rate, x_rate = table[W_Z, 0, i] - slider[CLIMB, m], table[W_X, 0, i] - slider[SPEED, m]
+                x_rate = travel(table[Plane.W_X, 0, i], rate)
                 w = slip_speed(slip, z_rate, x_rate, problem.law.limit_rate(problem, z))
                 friction = problem.law.sliding(problem, z, max(w, 0.0))
             pull += np.sign(x) * problem.stiffness * friction
-        own[Z, i], own[X, i], own[SLIP, i] = z, x, slip
-    slider[NORMAL, m], slider[TANGENTIAL, m] = push, pull
+        own[Own.Z, i], own[Own.X, i], own[Own.SLIP, i] = z, x, slip
+    slider[Row.NORMAL, m], slider[Row.TANGENTIAL, m] = push, pull
 
 
 def abreast(problems, states, number, per_cycle, stride, envelope) -> np.ndarray:
-    """Move several runs of n contacts through whole cycles, side by side; return rows (runs, number // stride, ROW).
+    """Move several runs of n contacts through whole cycles, side by side; return rows (runs, number // stride, 3).
 
     `states` (k, 3 + n) hold z_s, z_s', v, x_1..x_n and are changed in place; `per_cycle` (k,) are the steps in each
     cycle; `envelope` (number + 1,) is the factor on the waves at the ends of the cycles, empty for none. A row every
@@ -350,11 +386,11 @@ def abreast(problems, states, number, per_cycle, stride, envelope) -> np.ndarray
     paths = Paths(*(np.array(rows) for rows in zip(*(each.paths for each in problems), strict=True)))
     count, n = paths.height.shape
     work = Work(
-        np.empty((count, PLANES, int(np.max(per_cycle)) + 1, n)),
-        np.empty((count, CONTACT, n)),
-        np.zeros((ROWS, count)),
+        np.empty((count, len(Plane), int(np.max(per_cycle)) + 1, n)),
+        np.empty((count, len(Own), n)),
+        np.zeros((len(Row), count)),
     )
-    task = Task(number, stride, np.empty((count, number // stride if stride else 0, ROW)), envelope)
+    task = Task(number, stride, np.empty((count, number // stride if stride else 0, len(Column))), envelope)
     runs = Runs(np.array([each.row for each in problems]), paths, per_cycle, problems[0].law)
     if not _abreast(runs, states, task, work):
         raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")

@@ -5,7 +5,8 @@ interpolant, the segment is laid out anew to end there, and its length is correc
 guard's true rate until the guard vanishes to rounding. Where the last cycle had the same segment, the length and the
 accelerations of that one are the first guess, and Newton's and Picard's iterations go on together. Extrema of every
 guard between the nodes are searched in either case, so no contact is skipped. A segment whose highest Chebyshev
-coefficients exceed the tolerance, or on which Picard's iteration does not gain, is halved.
+coefficients exceed the tolerance, or on which Picard's iteration does not gain, is halved. The segments of many
+contacts span their events (`many_contacts`).
 """
 
 import threading
@@ -13,24 +14,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from contact.codes import Regime, Status
-from contact.interpolation import interpolate
+from contact.codes import Count, Event, Outcome, Regime, Status
+from contact.events import many_contacts
+from contact.events import segment as seg
+from contact.events.collocation import ROOT_AT_START, SMOOTH
+from contact.events.energy import Sum, account, mark
+from contact.events.segment import At, Attempt, Column, Plane, Row
+from contact.events.transitions import cut, earliest, end_guard, is_sharp, transit
+from contact.events.warm_start import Pattern, blank, keep, matching, recalled
 from contact.jit.compiled import compiled, native
-from contact.law.hysteretic import write_curve
-from contact.solve import many_contacts
-from contact.solve import segment as seg
-from contact.solve.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH
-from contact.solve.energy import DISPLACEMENT, SUMS, account, mark
-from contact.solve.events import cut, earliest, end_guard, is_sharp, transit
-from contact.solve.warm_start import Pattern, blank, keep, matching, recalled
+from contact.law.hysteretic import is_full, write_curve
 
-# places in the tally after the kinds of event: segments, halvings, sweeps, cycles
-# and, after them, events at one instant beyond one per contact
-STRETCHES, HALVINGS, SWEEPS, CYCLES, CHATTER, TALLY = 6, 7, 8, 9, 10, 12
-# what became of an attempt at a segment
-ACCEPTED, TOO_ROUGH, NOT_CONVERGED, EVENT_AT_START = 0, 1, 2, 3
-# columns of `Task.samples`
-APPROACH, DEFORMATION, NORMAL_FORCE, TANGENTIAL_FORCE, REGIME, SLIDER_VELOCITY, SAMPLED = range(7)
+TALLY = len(Event) + len(Count)
 
 
 class Task(NamedTuple):
@@ -40,14 +35,12 @@ class Task(NamedTuple):
     stop: float
     number: int  # how many times; more than once over a whole cycle only
     mobile: int  # 0: the slider's velocity stays as it is whatever the forces (a body of infinite mass)
-    tolerance: (
-        float  # truncation allowed per segment, relative to the friction and preload impulse of a radian
-    )
+    tolerance: float  # truncation allowed per segment, over the friction and preload impulse of a radian
     limit: int  # largest number of segments each time
     at: np.ndarray  # (k,): where to record; rising, in (start, stop]. Recording alters nothing else
-    samples: np.ndarray  # (k, contacts, SAMPLED): z, x, P, Q, regime and v there
+    samples: np.ndarray  # (k, contacts, len(Sample)): z, x, P, Q, regime and v there
     stride: int  # a row every so many cycles; 0 records nothing
-    rows: np.ndarray  # (number // stride, ROW): v, z_s, mean v of the last cycle
+    rows: np.ndarray  # (number // stride, len(Column)): v, z_s, mean v of the last cycle
 
 
 class Work(NamedTuple):
@@ -68,26 +61,23 @@ def room(contacts: int, nodes: int) -> Work:
     if (contacts, nodes) not in rooms:
         if len(rooms) >= MAX_ROOMS:
             rooms.clear()
-        rooms[contacts, nodes] = _room(contacts, nodes)
+        rooms[contacts, nodes] = Work(
+            seg.Nodes(np.zeros((len(Row), nodes)), np.zeros((len(Plane), contacts, nodes)), np.empty(nodes)),
+            blank(contacts, nodes),
+            many_contacts.span(contacts, nodes, TALLY),
+        )
     return rooms[contacts, nodes]
 
 
-def _room(contacts, nodes):
-    return Work(
-        seg.Nodes(np.zeros((seg.ROWS, nodes)), np.zeros((seg.PLANES, contacts, nodes)), np.empty(nodes)),
-        blank(contacts, nodes),
-        many_contacts.span(contacts, nodes, SUMS, TALLY),
-    )
-
-
 class Course(NamedTuple):
-    """Where a run stands: phase, length to try, whether a contact has just closed, match in the cycle number `old`."""
+    """Where a run stands."""
 
     phase: float
-    length: float
-    entered: bool
-    match: int
+    length: float  # to try
+    entered: bool  # whether a contact has just closed
+    match: int  # of the next segment in the cycle number `old`, -1 without one
     old: int
+    taken: int  # samples
 
 
 @compiled
@@ -104,8 +94,8 @@ def _warm_started(problem, grid, state, nodes, task, segment, memory):
         seg.forces(problem, grid, state, nodes, segment, task.mobile, memory)
         change = 0.0
         if task.mobile:
-            change = seg.integrate(grid, state, nodes, segment) / (1.0 + abs(state.slider[seg.POSITION]))
-        state.tally[SWEEPS] += 1
+            change = seg.integrate(grid, state, nodes, segment) / (1.0 + abs(state.slider[At.POSITION]))
+        state.tally[Count.SWEEPS] += 1
         if not change < 1e100:
             return 0.0
         arrived = seg.has_converged(change, last)
@@ -136,7 +126,7 @@ def _cold_started(problem, grid, state, nodes, task, segment, memory):
     """Lay a segment out, and end it at the first root of a guard on it; return (converged, segment)."""
     entered = segment.map == ROOT_AT_START
     converged, sweeps = seg.lay_out(problem, grid, state, nodes, segment, task.mobile, memory)
-    state.tally[SWEEPS] += sweeps
+    state.tally[Count.SWEEPS] += sweeps
     if not converged:
         return False, segment
     place, who, which = earliest(problem, grid, state, nodes, memory)
@@ -157,65 +147,40 @@ def _cold_started(problem, grid, state, nodes, task, segment, memory):
 
 @compiled
 def _landed(problem, grid, state, nodes, task, segment, memory):
-    """Return the segment laid out to where its guard vanishes, its length by Newton's method."""
+    """Return the segment laid out to where its guard vanishes."""
     for trial in range(12):
         if segment.length < 1e-14:
             segment = seg.resized(segment, 0.0)
-        length = segment.length
         _, sweeps = seg.lay_out(problem, grid, state, nodes, segment, task.mobile, memory)
-        state.tally[SWEEPS] += sweeps
+        state.tally[Count.SWEEPS] += sweeps
         if segment.contact < 0:
             break
-        end = segment.phase + length
+        end = segment.phase + segment.length
         value, rate = end_guard(problem, state, nodes, segment.contact, segment.guard, end, memory)
-        if length == 0.0 or abs(value) < 1e-16 or not rate < 0.0:
+        length = seg.next_length(segment, value, rate, trial)
+        if length == segment.length:
             break
-        step = -value / rate
-        if abs(step) < 2e-16 or (trial > 6 and abs(step) < 1e-14):
-            break
-        length = min(max(length + step, 0.5 * length), min(1.1 * length + 1e-12, segment.longest))
         segment = seg.resized(segment, length)
     return segment
 
 
 @compiled
 def _roughness(problem, grid, nodes, segment):
-    """Return the largest of the two highest Chebyshev coefficients of the forces, times length over scale."""
-    own, tail = nodes.contact, grid.tail
-    push_scale, pull_scale = problem.preload + 1e-300, problem.friction * problem.preload + 1e-300
-    # an impact without preload has its own scale
-    most = 0.0
-    for i in range(own.shape[1]):
-        for k in range(own.shape[2]):
-            most = max(most, 1e-3 * own[seg.P, i, k])
-    if most > push_scale:
-        push_scale, pull_scale = most, most * pull_scale / push_scale
-    worst = 0.0
-    for r in range(2):
-        for i in range(own.shape[1]):
-            ep, eq = 0.0, 0.0
-            for k in range(own.shape[2]):
-                ep += tail[r, k] * own[seg.P, i, k]
-                eq += tail[r, k] * own[seg.Q, i, k]
-            worst = max(worst, segment.length * abs(ep) / push_scale, segment.length * abs(eq) / pull_scale)
+    """Return the largest roughness of a contact's forces on the segment."""
+    worst = most = 0.0
+    for i in range(nodes.contact.shape[1]):
+        most = max(most, seg.largest_push(nodes, i))
+    for i in range(nodes.contact.shape[1]):
+        worst = max(worst, seg.roughness(problem, grid, nodes, segment, i, most))
     return worst
 
 
 @compiled
-def _sample(grid, state, nodes, task, segment, taken):
-    """Interpolate the samples that fall on the segment; return how many are taken by now."""
+def _sampled(grid, state, nodes, task, segment, taken):
+    """Take the samples that fall on the segment; return how many are taken by now."""
     while taken < task.at.size and task.at[taken] <= segment.phase + segment.length:
-        t = min(max((task.at[taken] - segment.phase) / segment.length, 0.0), 1.0)
-        if segment.map == ROOT_AT_START:
-            t = np.sqrt(t)
-        elif segment.map == ROOT_AT_END:
-            t = 1.0 - np.sqrt(1.0 - t)
-        place, sample = 2.0 * t - 1.0, task.samples[taken]
         for i in range(state.regime.size):
-            for k in range(REGIME):
-                sample[i, k] = interpolate(place, grid.sigma, grid.bary, nodes.contact[seg.Z + k, i])
-            sample[i, REGIME] = state.regime[i]
-            sample[i, SLIDER_VELOCITY] = interpolate(place, grid.sigma, grid.bary, nodes.slider[seg.SPEED])
+            seg.sample(grid, state, nodes, segment, i, task.at[taken], task.samples[taken, i])
         taken += 1
     return taken
 
@@ -224,36 +189,24 @@ def _sample(grid, state, nodes, task, segment, taken):
 def _move_to_end(problem, state, nodes, memory):
     """Set the state to that at the end of a segment, which also has the first accelerations of the next."""
     end, slider, own = nodes.guard.size - 1, nodes.slider, nodes.contact
-    state.slider[seg.POSITION], state.slider[seg.NORMAL_VELOCITY] = (
-        slider[seg.HEIGHT, end],
-        slider[seg.CLIMB, end],
-    )
-    state.slider[seg.VELOCITY] = slider[seg.SPEED, end]
+    state.slider[At.POSITION] = slider[Row.POSITION, end]
+    state.slider[At.NORMAL_VELOCITY] = slider[Row.NORMAL_VELOCITY, end]
+    state.slider[At.VELOCITY] = slider[Row.VELOCITY, end]
     for i in range(state.regime.size):
-        state.deformation[i] = own[seg.X, i, end]
+        state.deformation[i] = own[Plane.X, i, end]
         if memory is not None:
             if state.regime[i] == Regime.GROW:
-                write_curve(memory, i, own[seg.Z, i], own[seg.X, i], own[seg.LEVEL, i], problem.limit_slope)
-    _begin_with(nodes, slider[seg.NORMAL_ACCELERATION, end], slider[seg.TANGENTIAL_ACCELERATION, end])
+                write_curve(
+                    memory, i, own[Plane.Z, i], own[Plane.X, i], own[Plane.LEVEL, i], problem.limit_slope
+                )
+    _begin_with(nodes, slider[Row.NORMAL_ACCELERATION, end], slider[Row.TANGENTIAL_ACCELERATION, end])
 
 
 @compiled
 def _begin_with(nodes, normal, tangential):
     """Set the accelerations from which the next segment is guessed."""
-    nodes.slider[seg.NORMAL_ACCELERATION, 0], nodes.slider[seg.TANGENTIAL_ACCELERATION, 0] = (
-        normal,
-        tangential,
-    )
-
-
-@compiled
-def _is_full(state, memory):
-    """Return whether some contact has no room to remember more."""
-    if memory is not None:
-        for i in range(state.regime.size):
-            if memory.count[i] > memory.kind.shape[1] - 4:
-                return True
-    return False
+    nodes.slider[Row.NORMAL_ACCELERATION, 0] = normal
+    nodes.slider[Row.TANGENTIAL_ACCELERATION, 0] = tangential
 
 
 @compiled
@@ -277,31 +230,51 @@ def _from_last_cycle(problem, grid, state, work, task, memory, course):
 
 @compiled
 def _attempt(problem, grid, state, work, task, memory, course):
-    """Lay out the next segment; return (what became of it, the segment, the length to try next)."""
+    """Lay out the next segment; return what became of it."""
     nodes, longest = work.nodes, problem.longest
-    normal, tangential = (
-        nodes.slider[seg.NORMAL_ACCELERATION, 0],
-        nodes.slider[seg.TANGENTIAL_ACCELERATION, 0],
-    )
+    normal = nodes.slider[Row.NORMAL_ACCELERATION, 0]
+    tangential = nodes.slider[Row.TANGENTIAL_ACCELERATION, 0]
     segment = _from_last_cycle(problem, grid, state, work, task, memory, course)
     if segment.length == 0.0:
         _begin_with(nodes, normal, tangential)
-        last = course.phase + course.length >= task.stop - 1e-12
-        length = task.stop - course.phase if last else course.length
-        segment = seg.segment_at(course.phase, length, ROOT_AT_START if course.entered else SMOOTH, int(last))
+        map_ = ROOT_AT_START if course.entered else SMOOTH
+        segment = seg.next_segment(course.phase, course.length, task.stop, map_)
         converged, segment = _cold_started(problem, grid, state, nodes, task, segment, memory)
         if not converged:
-            return NOT_CONVERGED, segment, 0.25 * segment.length
+            return Attempt(Outcome.NOT_CONVERGED, segment, 0.25 * segment.length, Status.STIFF)
     if segment.length == 0.0:
-        return EVENT_AT_START, segment, segment.longest
+        return Attempt(Outcome.EVENT_AT_START, segment, segment.longest, Status.DONE)
     rough, change = _roughness(problem, grid, nodes, segment), 1.0
     if course.match < 0 or rough > task.tolerance:
         order = nodes.guard.size - 1
         change = min(2.0, max(0.2, 0.9 * (task.tolerance / (rough + 1e-300)) ** (1.0 / order)))
     if rough > task.tolerance and segment.length > 1e-6 * longest:
         _begin_with(nodes, normal, tangential)
-        return TOO_ROUGH, segment, segment.length * min(change, 0.7)
-    return ACCEPTED, segment, max(segment.length * change, 0.3 * segment.longest)
+        return Attempt(Outcome.TOO_ROUGH, segment, segment.length * min(change, 0.7), Status.DONE)
+    return Attempt(
+        Outcome.ACCEPTED, segment, max(segment.length * change, 0.3 * segment.longest), Status.DONE
+    )
+
+
+@compiled
+def _next(problem, grid, state, work, task, memory, course):
+    """Lay out the next segment, of many contacts one that spans their events; return what became of it."""
+    if memory is None and state.regime.size >= many_contacts.MANY:
+        return many_contacts.attempt(problem, grid, state, work, task, memory, course)
+    return _attempt(problem, grid, state, work, task, memory, course)
+
+
+@compiled
+def _accept(problem, grid, state, work, task, memory, course, segment):
+    """Account for a segment and move the state to its end; return (phase there, samples taken)."""
+    phase = task.stop if segment.last else course.phase + segment.length
+    if memory is None and state.regime.size >= many_contacts.MANY:
+        return phase, many_contacts.accept(problem, grid, state, work, task, segment, course.taken)
+    account(problem, grid, state, work.nodes, segment)
+    taken = _sampled(grid, state, work.nodes, task, segment, course.taken)
+    keep(work.pattern, 1 - course.old, segment, phase, state, work.nodes)
+    _move_to_end(problem, state, work.nodes, memory)
+    return phase, taken
 
 
 @compiled
@@ -312,40 +285,37 @@ def advance(problem, grid, state, work, task, memory, cycle):
     """
     contacts, new, nodes, tally = state.regime.size, cycle % 2, work.nodes, state.tally
     phase, length, idle, taken, spent = task.start, problem.longest, 0, 0, 0
-    first, warm = 0, True
+    first, warm, entered = 0, True, False  # entered: the segment starts where a contact was made
     work.pattern.count[new] = 0
-    entered = False  # the segment starts where a contact was made
     while phase < task.stop:
         spent += 1
         if spent > task.limit:
             return Status.TOO_MANY
-        if _is_full(state, memory):
-            return Status.FULL
+        if memory is not None:
+            if is_full(memory):
+                return Status.FULL
         if not np.isfinite(
-            state.slider[seg.POSITION] + state.slider[seg.NORMAL_VELOCITY] + state.slider[seg.VELOCITY]
+            state.slider[At.POSITION] + state.slider[At.NORMAL_VELOCITY] + state.slider[At.VELOCITY]
         ):
             return Status.NOT_FINITE
         match = matching(work.pattern, 1 - new, first, phase, state) if warm else -1
         first = max(first, match + 1)
-        course = Course(phase, min(length, problem.longest), entered, match, 1 - new)
-        outcome, segment, length = _attempt(problem, grid, state, work, task, memory, course)
-        if outcome == NOT_CONVERGED or outcome == TOO_ROUGH:
-            tally[HALVINGS] += 1
-            if outcome == NOT_CONVERGED and length < 1e-9 * problem.longest:
-                return Status.STIFF
-            warm = warm and outcome == NOT_CONVERGED
+        course = Course(phase, min(length, problem.longest), entered, match, 1 - new, taken)
+        tried = _next(problem, grid, state, work, task, memory, course)
+        segment, length = tried.segment, tried.length
+        if tried.outcome == Outcome.NOT_CONVERGED or tried.outcome == Outcome.TOO_ROUGH:
+            tally[Count.HALVINGS] += 1
+            if tried.outcome == Outcome.NOT_CONVERGED and length < 1e-9 * problem.longest:
+                return tried.status
+            warm = warm and tried.outcome == Outcome.NOT_CONVERGED
             continue
-        if outcome == ACCEPTED:
-            tally[STRETCHES] += 1
-            account(problem, grid, state, nodes, segment)
-            taken = _sample(grid, state, nodes, task, segment, taken)
-            phase = task.stop if segment.last else phase + segment.length
-            keep(work.pattern, new, segment, phase, state, nodes)
-            _move_to_end(problem, state, nodes, memory)
+        if tried.outcome == Outcome.ACCEPTED:
+            tally[Count.SEGMENTS] += 1
+            phase, taken = _accept(problem, grid, state, work, task, memory, course, segment)
             idle, entered, warm = 0, False, True
         else:
             idle += 1
-            tally[CHATTER] += idle > contacts
+            tally[Count.CHATTER] += idle > contacts
             if idle > 20 * contacts + 20:
                 return Status.TOO_MANY
         if segment.contact >= 0:
@@ -370,24 +340,18 @@ def advance(problem, grid, state, work, task, memory, cycle):
 def travel(problem, grid, state, work, task, memory):
     """Move the state from one phase to another, or again and again over the same cycle; return the reason for ending.
 
-    `memory` is None for the elastic law, and then nothing of the hysteretic one is compiled.
+    `memory` is None for a law without one, and then nothing of the hysteretic law is compiled.
     """
     work.pattern.count[:], work.nodes.slider[:], work.nodes.contact[:] = 0, 0.0, 0.0
     for k in range(task.number):
-        before = state.sums[DISPLACEMENT]
+        before = state.sums[Sum.DISPLACEMENT]
         _begin_with(work.nodes, 0.0, 0.0)
-        if memory is None and state.regime.size >= many_contacts.MANY:
-            why = many_contacts.advance_many(problem, grid, state, work, task)
-        else:
-            why = advance(problem, grid, state, work, task, memory, k)
+        why = advance(problem, grid, state, work, task, memory, k)
         if why != Status.DONE:
             return why
-        state.tally[CYCLES] += 1
+        state.tally[Count.CYCLES] += 1
         if task.stride > 0 and (k + 1) % task.stride == 0:
             row = task.rows[(k + 1) // task.stride - 1]
-            row[seg.ROW_VELOCITY], row[seg.ROW_POSITION] = (
-                state.slider[seg.VELOCITY],
-                state.slider[seg.POSITION],
-            )
-            row[seg.ROW_MEAN_VELOCITY] = (state.sums[DISPLACEMENT] - before) / (2.0 * np.pi)
+            row[Column.VELOCITY], row[Column.POSITION] = state.slider[At.VELOCITY], state.slider[At.POSITION]
+            row[Column.MEAN_VELOCITY] = (state.sums[Sum.DISPLACEMENT] - before) / (2.0 * np.pi)
     return Status.DONE

@@ -8,13 +8,16 @@ import math
 
 import numpy as np
 
-from contact.codes import Event, Regime, Status, Tangential
+from contact.body import Coordinates, Point, approach, approach_rate, travel
+from contact.codes import Count, Event, Regime, Status
 from contact.convergence import ConvergenceError
-from contact.kinematics import Point
+from contact.events import event_driven, segment
+from contact.events.collocation import Collocation
+from contact.events.energy import Sum
+from contact.events.segment import At, Column, Sample
+from contact.events.transitions import open_regimes
 from contact.law import elastic, hysteretic, normal
 from contact.problem import Problem
-from contact.solve import energy, event_driven, events, segment
-from contact.solve.collocation import Collocation
 
 FAILURES = {
     Status.NOT_FINITE: "not finite: the motion overflowed; check mass, dampers and amplitude",
@@ -34,9 +37,9 @@ class Motion:
     def __init__(self, problem: Problem, *, grid: Collocation, truncation: float):
         contacts = problem.contacts
         self.problem, self.grid, self.truncation = problem, grid, truncation
-        tally, sums = np.zeros(event_driven.TALLY, np.int64), np.zeros(energy.SUMS)
+        tally, sums = np.zeros(event_driven.TALLY, np.int64), np.zeros(len(Sum))
         self._carry(np.zeros(3 + contacts), np.ones(contacts), np.zeros(contacts, np.int64), tally, sums)
-        remembers = problem.law.kind == Tangential.HYSTERETIC and problem.limit_slope > 0.0
+        remembers = problem.law.guard is hysteretic.guard
         self.begun = None  # energies at the start of what the sums cover, set by `begin`
         self.memory = hysteretic.blank(contacts, grid) if remembers else None
 
@@ -57,7 +60,7 @@ class Motion:
             return
         self.state[:3] = height, climb, speed
         self.state[3:] = deformations
-        events.open_regimes(self.problem, 0.0, self.carried)
+        open_regimes(self.problem, 0.0, self.carried)
 
     def copy(self) -> "Motion":
         """Return an independent motion in the same state."""
@@ -73,8 +76,8 @@ class Motion:
 
     def turn(self, number: int, *, mobile: bool = True, stride: int = 0) -> np.ndarray:
         """Move through `number` whole cycles; return rows (v, z_s, mean v) every `stride` cycles."""
-        rows = np.empty((number // stride if stride else 0, segment.ROW))
-        nothing = np.empty((0, self.regime.size, event_driven.SAMPLED))
+        rows = np.empty((number // stride if stride else 0, len(Column)))
+        nothing = np.empty((0, self.regime.size, len(Sample)))
         whole = 2.0 * np.pi
         self._travel(event_driven.Task(
             0.0, whole, number, mobile, self.truncation, self._limit(whole), nothing[:, 0, 0], nothing, stride, rows
@@ -83,11 +86,11 @@ class Motion:
 
     def move(self, start: float, stop: float, at: np.ndarray) -> np.ndarray:
         """Move from one phase to another; return (k, contacts, 6) samples z, x, P, Q, regime, v at the phases `at`."""
-        samples = np.zeros((at.size, self.regime.size, event_driven.SAMPLED))
-        cycles = self.tally[event_driven.CYCLES]
-        limit, rows = self._limit(stop - start), np.empty((0, segment.ROW))
+        samples = np.zeros((at.size, self.regime.size, len(Sample)))
+        cycles = self.tally[Count.CYCLES]
+        limit, rows = self._limit(stop - start), np.empty((0, len(Column)))
         self._travel(event_driven.Task(start, stop, 1, True, self.truncation, limit, at, samples, 0, rows))
-        self.tally[event_driven.CYCLES] = cycles
+        self.tally[Count.CYCLES] = cycles
         return samples
 
     def _travel(self, task):
@@ -109,7 +112,7 @@ class Motion:
         kinds = [event.name.lower() for event in list(Event)[:6]]
         names = *kinds, "stretches", "halvings", "sweeps", "cycles", "chatter", "wipe_out"
         counted = {name: int(number) for name, number in zip(names, self.tally, strict=True)}
-        crowding = float(self.sums[energy.CROWDING])
+        crowding = float(self.sums[Sum.CROWDING])
         gap = 1.0 / (crowding * self.problem.omega) if crowding > 0.0 else math.inf
         return counted | {"chatter": bool(counted["chatter"]), "smallest_gap": gap}
 
@@ -120,25 +123,34 @@ class Motion:
         """
         problem, state = self.problem, self.carried
         height, climb, speed = state.slider
-        approach = problem.paths.height + problem.paths.normal_cos - height
-        stored = problem.stiffness * np.sum(normal.energy(approach, problem.shape))
-        for i, (z, x) in enumerate(zip(approach, state.deformation, strict=True)):
+        rate, paths = Coordinates(climb, speed), problem.paths
+        approaches = self._approaches(height)
+        stored = problem.stiffness * np.sum(normal.energy(approaches, problem.shape))
+        for i, (z, x) in enumerate(zip(approaches, state.deformation, strict=True)):
             regime, sign = self.regime[i], self.sign[i]
             if self.memory is None:
-                rates = problem.paths.normal_sin[i] - climb, problem.paths.tangential_sin[i] - speed
-                stored += elastic.spring(problem, regime, sign, Point(z, x, *rates))[2]
+                z_rate, x_rate = (
+                    approach_rate(paths.normal_sin[i], rate),
+                    travel(paths.tangential_sin[i], rate),
+                )
+                stored += elastic.spring(problem, regime, sign, Point(z, x, z_rate, x_rate))[2]
             else:
-                stored += energy.chain_energy(problem, self.memory, i, regime, sign, z, x)
+                stored += hysteretic.chain_energy(problem, self.memory, i, regime, sign, z, x)
         return np.array([stored, problem.preload * height, 0.5 * (climb**2 + speed**2)])
+
+    def _approaches(self, height):
+        """Return the approach of every contact at phase 0, where the surface is as at the end of a cycle."""
+        every = np.arange(self.problem.contacts)
+        return approach(self.problem.paths, every, self.problem.paths.normal_cos, Coordinates(height, 0.0))
 
     def _displace(self, height, climb, speed, deformations):
         c, state = self.problem.limit_slope, self.carried
-        surface = self.problem.paths.height + self.problem.paths.normal_cos
+        before, after = self._approaches(state.slider[At.POSITION]), self._approaches(height)
         target = np.broadcast_to(np.asarray(deformations, float), self.regime.shape)
         for i in range(self.regime.size):
             # a memory is known at the end of a run, where the surface is as at phase 0
-            old = Point(surface[i] - state.slider[segment.POSITION], state.deformation[i], 0.0, 0.0)
-            new = Point(surface[i] - height, target[i], 0.0, 0.0)
+            old = Point(before[i], state.deformation[i], 0.0, 0.0)
+            new = Point(after[i], target[i], 0.0, 0.0)
             if old == new and self.regime[i] != Regime.SEPARATED:
                 continue
             self.regime[i], self.sign[i], state.deformation[i] = hysteretic.jump(

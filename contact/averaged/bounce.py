@@ -10,60 +10,71 @@ without normal damping h swings for ever between the approach at rest and its co
 """
 
 import math
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
-from contact.kinematics import tangential_amplitude
+from contact.averaged.cycle_mean import Cycle, Mean, cycle, cycle_room
+from contact.averaged.equilibrium import balanced_speed, force_left, way_out
+from contact.averaged.riding import Rule, quadrature
+from contact.codes import Status
+from contact.events.collocation import SMOOTH, collocation
 from contact.problem import Problem
-from contact.solve.collocation import SMOOTH, collocation
-from contact.solve.cycle_mean import NORMAL, TANGENTIAL, cycle, cycle_room
-from contact.solve.riding import quadrature
-from contact.solve.roots import bracketed
+from contact.roots import bracketed
 
 NODES = 32  # from one turning point to the other
 
 
-def speed_lost(problem: Problem, rest: float, level: float, near: float) -> float:
+class Heights(NamedTuple):
+    """Means over cycles at several heights, with weights."""
+
+    heights: np.ndarray
+    weights: np.ndarray
+    rule: Rule
+    work: Cycle
+    left: Callable
+
+
+def _left(problem, means, v):
+    mean = 0.0
+    for h, weight in zip(means.heights, means.weights, strict=True):
+        cycle(problem, float(h), v, means.rule, means.work)
+        mean += weight * float(means.work.means[Mean.TANGENTIAL])
+    return force_left(problem, mean, v)
+
+
+def speed_lost(problem: Problem, rest: float, level: float) -> float:
     """Return by how much a bounce that goes on for ever changes the mean velocity, scaled, or NaN.
 
-    `rest`: approach at rest, where the bounce begins; `level` and `near`: mean approach and velocity of the periodic
-    motion. The law is the elastic one.
+    `rest`: approach at rest, where the bounce begins; `level`: mean approach of the periodic motion. The law is the
+    elastic one.
     """
     if abs(level - rest) < 1e-9 * (abs(level) + abs(rest)):
         return 0.0  # the slider rides where it rests
-    rule, work = quadrature(12), cycle_room(1)
+    rule = quadrature(12)
+    work = cycle_room(1)
 
-    def means(height, speed):
-        cycle(problem, height, speed, rule, work)
-        return float(work.means[NORMAL]), float(work.means[TANGENTIAL])
+    def push(h):
+        cycle(problem, h, 0.0, rule, work)
+        return problem.preload - float(work.means[Mean.NORMAL])
 
-    found = _half_bounce(lambda h: problem.preload - means(h, 0.0)[0], rest, level)
+    found = _half_bounce(push, rest, level)
     if found is None:
         return math.nan
     heights, weights = found
-    still = _balanced_speed(problem, means, [level], [1.0], near)
-    return _balanced_speed(problem, means, heights, weights, near) - still
+    still = Heights(np.array([level]), np.ones(1), rule, work, _left)
+    return _speed(problem, Heights(heights, weights, rule, work, _left)) - _speed(problem, still)
 
 
-def _balanced_speed(problem, means, heights, weights, near):
+def _speed(problem, means):
     """Return the velocity at which the mean tangential force over some heights balances damper and load, or NaN."""
-
-    def excess(speed):
-        mean = sum(w * means(h, speed)[1] for h, w in zip(heights, weights, strict=True))
-        return mean - problem.tangential_damping * speed - problem.load
-
-    reach = 1.05 * float(np.max(tangential_amplitude(problem.paths, np.arange(problem.contacts))))
-    step = 0.05 * max(abs(near), 0.1 * reach)
-    low = high = near
-    for _ in range(40):
-        if excess(low) < 0.0:
-            low -= step
-        elif excess(high) > 0.0:
-            high += step
-        else:
-            return bracketed(excess, low, high, tolerance=1e-9 * reach)
-        step *= 2.0
-    return math.nan
+    least, largest = (_left(problem, means, v) + problem.load for v in (0.0, -1e-300))
+    way, load = way_out(least, largest, problem.load, problem.friction * problem.preload)
+    if way == 0.0:
+        return 0.0
+    found = balanced_speed(problem._replace(load=load), means, way, least if way > 0.0 else largest, 1e-9)
+    return found.velocity if found.status == Status.DONE else math.nan
 
 
 def _half_bounce(force, rest, level):

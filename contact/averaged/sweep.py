@@ -1,6 +1,6 @@
 r"""Averaged steady states of one slider or of many: velocities, their errors, and the effect of the wave's error.
 
-Each problem is scaled and solved by itself in one compiled loop (`solve.averaged_sweep`), with the second-order
+Each problem is scaled and solved by itself in one compiled loop (`sweep_rows`), with the second-order
 correction, so that its answer does not depend, to the last bit, on which problems are computed beside it, nor on the
 number of threads. A single steady state (`mean_motion`) and a map over amplitude and preload are sweeps.
 What averaging does not know or does not reach has the regime "unknown", and is left to `steady`.
@@ -18,18 +18,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact import bounds
-from contact.answers.averaged import HARMONICS, STIFFEST_STEADY, refusals, refuse_unless_applicable
-from contact.answers.closed_forms import closed_form
+from contact.averaged.closed_forms import closed_form
+from contact.averaged.equilibrium import Entry
+from contact.averaged.event_cycle import RUNAWAY
+from contact.averaged.run import HARMONICS, STIFFEST_STEADY, refusals, refuse_unless_applicable
+from contact.averaged.sweep_rows import Given, states
+from contact.body import Paths
 from contact.codes import Status, Steady
 from contact.convergence import ConvergenceError
 from contact.drive import towards_plus
-from contact.kinematics import Paths
 from contact.orbit import Orbit, as_orbits
 from contact.problem import numbers, paths_of
 from contact.slider import Slider
-from contact.solve import averaged
-from contact.solve import averaged_sweep as columns
-from contact.solve.equilibrium import RUNAWAY
 
 REGIMES = np.array([regime.name.lower() for regime in Steady])
 REFUSALS = {
@@ -62,7 +62,9 @@ class MeanMotion:
     error_from_wave : float or ndarray
         What the wave's error makes of it, over the same.
     blocked_thrust : float or ndarray
-        Load at which the slider stalls, N; 0 where the unloaded slider is held.
+        Load at which the slider stalls, N, of first order; 0 where the unloaded slider is held.
+    blocked_thrust_error : float or ndarray
+        Its error by averaging, N.
     load_sign : float or ndarray
         +1 where the load opposes motion in the direction in which the crests drive, -1 where the opposite.
     """
@@ -75,6 +77,7 @@ class MeanMotion:
     relative_error: np.ndarray
     error_from_wave: np.ndarray
     blocked_thrust: np.ndarray
+    blocked_thrust_error: np.ndarray
     load_sign: np.ndarray
 
 
@@ -125,30 +128,31 @@ def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion
     """
     listed = as_orbits(orbits)
     row = _rows([slider], [listed], [(0, 0)], [1.0], [0.0], 1)[0]
-    status = row[columns.STATUS]
+    status = row[Entry.STATUS]
     if math.isnan(status):
         closed_form(slider, listed)  # says so if it runs away
         refuse_unless_applicable(slider, listed, STIFFEST_STEADY)
-    if status != Status.DONE or row[columns.REGIME] == Steady.UNKNOWN:
+    if status != Status.DONE or row[Entry.REGIME] == Steady.UNKNOWN:
         unreached = "not converged", "the averaged motion was not reached; use method exact"
         raise ConvergenceError(*REFUSALS.get(status, unreached))
     return _answer(row)
 
 
 def _answer(rows):
-    """Return the answer that the columns of `averaged_sweep` hold."""
-    regime = np.nan_to_num(rows[..., columns.REGIME]).astype(int)
+    """Return the answer that the columns (`Entry`) hold."""
+    regime = np.nan_to_num(rows[..., Entry.REGIME]).astype(int)
     rows = np.where(regime[..., None] == Steady.UNKNOWN, math.nan, rows)
     return MeanMotion(
-        velocity=rows[..., averaged.VELOCITY], first_order=rows[..., averaged.FIRST_ORDER],
-        height=rows[..., averaged.HEIGHT], regime=REGIMES[regime], held=rows[..., averaged.HELD] == 1.0,
-        relative_error=rows[..., columns.ERROR], error_from_wave=rows[..., columns.FROM_WAVE],
-        blocked_thrust=rows[..., columns.THRUST], load_sign=rows[..., averaged.LOAD_SIGN],
+        velocity=rows[..., Entry.VELOCITY], first_order=rows[..., Entry.FIRST_ORDER],
+        height=rows[..., Entry.HEIGHT], regime=REGIMES[regime], held=rows[..., Entry.HELD] == 1.0,
+        relative_error=rows[..., Entry.ERROR], error_from_wave=rows[..., Entry.FROM_WAVE],
+        blocked_thrust=rows[..., Entry.THRUST], blocked_thrust_error=rows[..., Entry.THRUST_ERROR],
+        load_sign=rows[..., Entry.LOAD_SIGN],
     )  # fmt: skip
 
 
 def _rows(sliders, waves, which, factors, wave_errors, threads):
-    """Return the columns of `averaged_sweep` of every problem; NaN as status where averaging does not apply."""
+    """Return the columns (`Entry`) of every problem; NaN as status where averaging does not apply."""
     which, factors = np.asarray(which, np.int64).reshape(-1, 2), np.array(factors, float)
     number, contacts = len(which), len(waves[0])
     parameters = np.array([numbers(slider, contacts) for slider in sliders])
@@ -163,8 +167,8 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
     omegas = np.array([orbits[0].omega for orbits in waves])
     resonances = np.array([slider.normal_resonance(contacts) for slider in sliders])
     ratios = resonances[which[:, 0]] * 2.0 * math.pi / omegas[which[:, 1]]
-    out = np.full((number, columns.ANSWER), math.nan)
-    out[:, columns.REGIME] = Steady.UNKNOWN
+    out = np.full((number, len(Entry)), math.nan)
+    out[:, Entry.REGIME] = Steady.UNKNOWN
     apply, known = factors > 0.0, {}
     for k, pair in enumerate(map(tuple, which.tolist())):
         if pair not in known:
@@ -174,21 +178,11 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
             _fill_closed(sliders[pair[0]], driven[pair[1]], factors[k], out[k])
     todo = np.flatnonzero(apply)
     for law, of_laws, some in _by_law(sliders, which, todo):
-        given = columns.Given(
-            parameters,
-            of_laws,
-            law,
-            heights,
-            paths,
-            omegas,
-            np.asarray(wave_errors, float),
-            ratios,
-            which,
-            factors,
-        )
+        errors = np.asarray(wave_errors, float)
+        given = Given(parameters, of_laws, law, heights, paths, omegas, errors, ratios, which, factors)
         _spread(given, out, some, threads)
     side = np.array(sides)[which[:, 1]]
-    for column in (averaged.VELOCITY, averaged.FIRST_ORDER):
+    for column in (Entry.VELOCITY, Entry.FIRST_ORDER):
         out[:, column] = side * out[:, column] + 0.0  # no negative zero
     return out
 
@@ -213,21 +207,18 @@ def _fill_closed(slider, orbits, factor, row):
     if found is None:
         return
     row[:] = 0.0
-    row[averaged.LOAD_SIGN] = 1.0
-    row[averaged.VELOCITY] = row[averaged.FIRST_ORDER] = found["velocity"]
-    row[averaged.HEIGHT], row[averaged.HELD] = found["height"], found["regime"] == "stick"
-    row[columns.REGIME] = np.flatnonzero(found["regime"] == REGIMES)[0]
+    row[Entry.LOAD_SIGN] = 1.0
+    row[Entry.VELOCITY] = row[Entry.FIRST_ORDER] = found["velocity"]
+    row[Entry.HEIGHT], row[Entry.HELD] = found["height"], found["regime"] == "stick"
+    row[Entry.REGIME] = np.flatnonzero(found["regime"] == REGIMES)[0]
 
 
 def _spread(given, out, todo, threads):
     threads = min(threads or os.cpu_count() or 1, max(1, len(todo) // 8))
     if threads == 1:
-        columns.states(given, out, todo, HARMONICS, 0, 1)
+        states(given, out, todo, HARMONICS, 0, 1)
         return
     with ThreadPoolExecutor(threads) as pool:  # interleaved: neighbours cost alike
-        jobs = [
-            pool.submit(columns.states, given, out, todo, HARMONICS, first, threads)
-            for first in range(threads)
-        ]
+        jobs = [pool.submit(states, given, out, todo, HARMONICS, first, threads) for first in range(threads)]
         for job in jobs:
             job.result()

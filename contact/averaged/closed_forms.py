@@ -11,13 +11,13 @@ import math
 
 import numpy as np
 
+from contact.averaged.riding import riding_height
 from contact.convergence import ConvergenceError
 from contact.drive import drive_direction
 from contact.law.elastic import back_load
 from contact.law.normal import load
 from contact.orbit import Orbit
 from contact.slider import Slider
-from contact.solve.riding import riding_height
 
 # how much faster than the wave both resonances are for a slider that is carried, and its share of the friction limit
 FASTER, INSIDE = 20.0, 0.5

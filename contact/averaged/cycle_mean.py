@@ -14,23 +14,45 @@ The forces are integrated from event to event in theta, phi = phi_1 + (phi_2 - p
 square roots at contact, release and the end of stick smooth: Gauss-Legendre quadrature is spectral.
 """
 
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
 
+from contact.body import Coordinates, approach, circle, slip_speed
 from contact.codes import Slips
 from contact.jit.compiled import compiled, native, summed
-from contact.kinematics import slip_speed
 from contact.law.normal import load
-from contact.solve.riding import circle
 
 TURN = 2.0 * np.pi
-# places in the means: sum of P and of Q
-NORMAL, TANGENTIAL = 0, 1
 # events of a contact in a cycle; phases of a cycle at which a bent limit is looked at
 MAX_EVENTS, SCANNED = 40, 128
-# places in the counts: contacts made, slips begun, contacts that stick on with their memory
-MADE, SLIPS, STUCK = range(3)
+
+
+class Mean(IntEnum):
+    """Places in the means: sum of P and of Q."""
+
+    NORMAL = 0
+    TANGENTIAL = 1
+
+
+class Counted(IntEnum):
+    """Places in the counts: contacts made, slips begun, contacts that stick on with their memory."""
+
+    MADE = 0
+    SLIPS = 1
+    STUCK = 2
+
+
+class Each(IntEnum):
+    """Columns of the forces of each contact: means, and parts of P = ... + a cos phi + b sin phi and of Q."""
+
+    NORMAL = 0
+    TANGENTIAL = 1
+    NORMAL_COS = 2
+    NORMAL_SIN = 3
+    TANGENTIAL_COS = 4
+    TANGENTIAL_SIN = 5
 
 
 class Harmonics(NamedTuple):
@@ -59,7 +81,8 @@ class Cycle(NamedTuple):
     force: Harmonics  # Of P (1 + chi z') and of Q; empty where only the means are wanted
     nodes: Nodes  # As many as the quadrature has; empty likewise
     means: np.ndarray  # (2,) array: Of sum P and sum Q
-    counts: np.ndarray  # (3,) int array: See the names of this module
+    counts: np.ndarray  # (3,) int array: See `Counted`
+    each: np.ndarray  # (contacts, len(Each)) array: Of each contact; empty where they are not wanted
 
 
 class Path(NamedTuple):
@@ -77,16 +100,26 @@ class Anchor(NamedTuple):
     y: float
 
 
-def cycle_room(harmonics: int, nodes: int = 0) -> Cycle:
+class Passage(NamedTuple):
+    """What a contact goes through: from phase to phase, in slip of a sign or in stick (0) with a deformation."""
+
+    start: float
+    stop: float
+    slip: float
+    x: float
+
+
+def cycle_room(harmonics: int, nodes: int = 0, contacts: int = 0) -> Cycle:
     """Return the arrays of a cycle of so many harmonics, the slider without fast motion.
 
-    `nodes` of the quadrature, where the harmonics of the forces are wanted; else 0.
+    `nodes` of the quadrature, where the harmonics of the forces are wanted; `contacts`, where those of each; else 0.
     """
     fast, path, force = (
         Harmonics(*np.zeros((4, n))) for n in (harmonics, harmonics, harmonics * (nodes > 0))
     )
     room = Nodes(*np.zeros((2, harmonics, nodes)), *np.zeros((2, nodes)))
-    return Cycle(fast, path, force, room, np.zeros(2), np.zeros(3, np.int64))
+    each = np.zeros((contacts, len(Each)))
+    return Cycle(fast, path, force, room, np.zeros(2), np.zeros(len(Counted), np.int64), each)
 
 
 @compiled
@@ -159,8 +192,17 @@ def _edge(path, c, s, centre, half, size):
 
 
 @compiled
-def _next_slip(path, c, s, window, anchor, start, stop):
+def _stick_margin(problem, path, s, anchor, phi):
+    """Return D_s, how far the deformation is from the limit of slip towards s."""
+    z, _, y, _ = _place(path, phi)
+    return problem.law.limit(problem, z) - s * (anchor.x + y - anchor.y)
+
+
+@compiled
+def _next_slip(problem, path, s, window, anchor, start, stop):
     """Return the first phase in (start, stop) at which stick ends by slip towards s; stop if none."""
+    if problem.law.bent:
+        return _bent_slip(problem, path, s, anchor, start, stop)
     low, high, kind = window
     if kind == Slips.NEVER:
         return stop
@@ -171,10 +213,9 @@ def _next_slip(path, c, s, window, anchor, start, stop):
         low, high = low + shift, high + shift
     while low < stop:
         a, b = max(low, start), min(high, stop)
-        z, _, y, _ = _place(path, b)
         # below rounding: a spring that comes back to its limit after a whole cycle of stick has not slipped
-        if b > a and c * z - s * (anchor.x + y - anchor.y) < -1e-14:
-            return _crossing(path, c, -s, anchor, a, b, False)
+        if b > a and _stick_margin(problem, path, s, anchor, b) < -1e-14:
+            return _crossing(path, problem.law.limit_rate(problem, 0.0), -s, anchor, a, b, False)
         low, high = low + TURN, high + TURN
     return stop
 
@@ -205,8 +246,8 @@ def _piece(problem, path, rule, work, start, width, slip, offset):
         _follow(path, rule, work.nodes, start, width, offset)
         push, pull = _load(problem, path, rule, work.nodes, slip)
         _project(problem, path, rule, work, kappa * width)
-    work.means[NORMAL] += kappa * width * push
-    work.means[TANGENTIAL] += kappa * width * pull
+    work.means[Mean.NORMAL] += kappa * width * push
+    work.means[Mean.TANGENTIAL] += kappa * width * pull
 
 
 @summed
@@ -372,13 +413,6 @@ def _slip_edge(problem, path, s, a, b):
 
 
 @compiled
-def _stick_margin(problem, path, s, anchor, phi):
-    """Return D_s, how far the deformation is from the limit of slip towards s."""
-    z, _, y, _ = _place(path, phi)
-    return problem.law.limit(problem, z) - s * (anchor.x + y - anchor.y)
-
-
-@compiled
 def _bent_slip(problem, path, s, anchor, start, stop):
     """Return the first phase in (start, stop) at which stick ends by slip towards s, of a bent limit; stop if none."""
     left, falling = start, _slip_rate(problem, path, s, start) > 0.0
@@ -402,7 +436,7 @@ def _bent_slip(problem, path, s, anchor, start, stop):
 
 @compiled
 def _start(problem, path, windows, counts):
-    """Return (phase, end, slip, x) with which a contact's cycle begins: where it closes, or where slip ends."""
+    """Return the passage with which a contact's cycle begins: where it closes, or where slip ends."""
     law = problem.law
     crest = np.arctan2(path.wave.normal_sin[0], path.wave.normal_cos[0])
     reach = np.hypot(path.wave.normal_cos[0], path.wave.normal_sin[0])
@@ -412,13 +446,13 @@ def _start(problem, path, windows, counts):
         if law.bent:
             start = _slip_end(problem, path, back, windows[0], 0.0, TURN)
             if start == TURN and _slip_rate(problem, path, back, 0.0) > 0.0:
-                return 0.0, TURN, back, 0.0
+                return Passage(0.0, TURN, back, 0.0)
             start = start if start < TURN else 0.0
         else:
             _, start, kind = windows[0] if path.v < 0.0 else windows[1]
             if kind == Slips.ALWAYS:
-                return 0.0, TURN, back, 0.0
-        return start, start + TURN, 0.0, back * law.limit(problem, _place(path, start)[0])
+                return Passage(0.0, TURN, back, 0.0)
+        return Passage(start, start + TURN, 0.0, back * law.limit(problem, _place(path, start)[0]))
     half = np.arccos(-path.h / reach)
     start, stop = crest - half, crest + half
     for _ in range(8 if path.wave.normal_cos.size > 1 else 0):
@@ -427,40 +461,43 @@ def _start(problem, path, windows, counts):
         if rate <= 0.0 or rate_end >= 0.0:
             break
         start, stop = start - z / rate, stop - z_end / rate_end
-    counts[MADE] += 1
+    counts[Counted.MADE] += 1
     _, zr, _, yr = _place(path, start)
     sign = 1.0 if yr >= 0.0 else -1.0
-    return start, stop, (sign if slip_speed(sign, zr, yr, law.limit_rate(problem, 0.0)) > 0.0 else 0.0), 0.0
+    slips = slip_speed(sign, zr, yr, law.limit_rate(problem, 0.0)) > 0.0
+    return Passage(start, stop, sign if slips else 0.0, 0.0)
 
 
 @compiled
 def _contact(problem, path, rule, work):
     """Add the integrals of one contact over one cycle of the motion that repeats."""
-    c, counts = problem.limit_slope, work.counts
+    counts, c = work.counts, problem.law.limit_rate(problem, 0.0)
     reach = np.hypot(path.wave.normal_cos[0], path.wave.normal_sin[0])
     if path.h <= -reach:
         return
     windows = _window(path, c, 1.0), _window(path, c, -1.0)
-    start, stop, slip, x = _start(problem, path, windows, counts)
+    passage = _start(problem, path, windows, counts)
     if (
         problem.law.bent and path.h >= reach
     ):  # of several windows it is not known which one is the last to slip
-        slip, x, _ = _passage(problem, path, rule, work, windows, start, stop, slip, x, False)
-    slip, x, slips = _passage(problem, path, rule, work, windows, start, stop, slip, x, True)
-    counts[SLIPS] += slips
+        slip, x, _ = _passed(problem, path, rule, work, windows, passage, False)
+        passage = Passage(passage.start, passage.stop, slip, x)
+    _, _, slips = _passed(problem, path, rule, work, windows, passage, True)
+    counts[Counted.SLIPS] += slips
     # slip one way only, by less than a fraction of the spring's range: it takes many cycles to forget
     forgets = TURN * abs(path.v) >= 0.4 * problem.law.limit(problem, path.h)
     if path.h >= reach and (slips == 0 or (slips == 1 and not forgets)):
-        counts[STUCK] += 1
+        counts[Counted.STUCK] += 1
 
 
 @compiled
-def _passage(problem, path, rule, work, windows, start, stop, slip, x, counted):
-    """Follow one contact from start to stop; return (slip, x, slips begun). Its integrals are added where `counted`.
+def _passed(problem, path, rule, work, windows, passage, counted):
+    """Follow one contact through a passage; return (slip, x, slips begun). Its integrals are added where `counted`.
 
     Without an end after `MAX_EVENTS` the means are not finite: no answer is made of a part of a cycle.
     """
-    phi, slips = start, 1 if slip != 0.0 else 0
+    phi, stop, slip, x = passage
+    slips = 1 if slip != 0.0 else 0
     for _ in range(MAX_EVENTS):
         if slip != 0.0:
             end = _slip_end(problem, path, slip, windows[0] if slip > 0.0 else windows[1], phi, stop)
@@ -471,12 +508,8 @@ def _passage(problem, path, rule, work, windows, start, stop, slip, x, counted):
             x, slip, phi = slip * problem.law.limit(problem, max(_place(path, end)[0], 0.0)), 0.0, end
         else:
             anchor = Anchor(x, _place(path, phi)[2])
-            if problem.law.bent:
-                up = _bent_slip(problem, path, 1.0, anchor, phi, stop)
-                end = _bent_slip(problem, path, -1.0, anchor, phi, up)
-            else:
-                up = _next_slip(path, problem.limit_slope, 1.0, windows[0], anchor, phi, stop)
-                end = _next_slip(path, problem.limit_slope, -1.0, windows[1], anchor, phi, up)
+            up = _next_slip(problem, path, 1.0, windows[0], anchor, phi, stop)
+            end = _next_slip(problem, path, -1.0, windows[1], anchor, phi, up)
             if counted:
                 _stick(problem, path, rule, work, phi, end, anchor)
             x, phi = x + _place(path, end)[2] - anchor.y, end
@@ -484,8 +517,20 @@ def _passage(problem, path, rule, work, windows, start, stop, slip, x, counted):
                 return 0.0, x, slips
             slip = 1.0 if end == up else -1.0
             slips += 1
-    work.means[NORMAL] = work.means[TANGENTIAL] = np.nan
+    work.means[Mean.NORMAL] = work.means[Mean.TANGENTIAL] = np.nan
     return slip, x, slips
+
+
+@compiled
+def _add_each(work, row, sign):
+    """Add the sums as they stand to the forces of a contact."""
+    force = work.force
+    row[Each.NORMAL] += sign * work.means[Mean.NORMAL] / TURN
+    row[Each.TANGENTIAL] += sign * work.means[Mean.TANGENTIAL] / TURN
+    row[Each.NORMAL_COS] += sign * force.normal_cos[0] / np.pi
+    row[Each.NORMAL_SIN] += sign * force.normal_sin[0] / np.pi
+    row[Each.TANGENTIAL_COS] += sign * force.tangential_cos[0] / np.pi
+    row[Each.TANGENTIAL_SIN] += sign * force.tangential_sin[0] / np.pi
 
 
 @native(
@@ -493,7 +538,7 @@ def _passage(problem, path, rule, work, windows, start, stop, slip, x, counted):
     {
         "problem.paths.height": "n", "problem.paths.normal_cos": "n", "rule.place": "q", "rule.weight": "q",
         "work.fast.normal_cos": "k", "work.path.normal_cos": "k", "work.force.normal_cos": "0 | k", "work.means": "2",
-        "work.counts": "3", "work.nodes.cos": "k q | 1 0",
+        "work.counts": "3", "work.nodes.cos": "k q | 1 0", "work.each": "0 6 | n 6",
     },
 )  # fmt: skip
 def cycle(problem, h, v, rule, work):
@@ -502,6 +547,8 @@ def cycle(problem, h, v, rule, work):
     Of `work` the slider's fast motion is given. Returns 0.
     """
     fast, path, force, paths = work.fast, work.path, work.force, problem.paths
+    q = Coordinates(-h, 0.0)
+    work.each[:] = 0.0
     work.means[:] = 0.0
     work.counts[:] = 0
     for k in range(force.normal_cos.size):
@@ -514,9 +561,13 @@ def cycle(problem, h, v, rule, work):
         path.normal_sin[0] += paths.normal_sin[i]
         path.tangential_cos[0] += paths.tangential_cos[i]
         path.tangential_sin[0] += paths.tangential_sin[i]
-        _contact(problem, Path(h + paths.height[i], v, path), rule, work)
-    work.means[NORMAL] /= TURN
-    work.means[TANGENTIAL] /= TURN
+        if work.each.size > 0:
+            _add_each(work, work.each[i], -1.0)
+        _contact(problem, Path(approach(paths, i, 0.0, q), v, path), rule, work)
+        if work.each.size > 0:
+            _add_each(work, work.each[i], 1.0)
+    work.means[Mean.NORMAL] /= TURN
+    work.means[Mean.TANGENTIAL] /= TURN
     for k in range(force.normal_cos.size):
         force.normal_cos[k] /= np.pi
         force.normal_sin[k] /= np.pi

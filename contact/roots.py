@@ -11,8 +11,21 @@ SIAM Review 46 (2004) 501). A guard is positive until its first root; even roots
 are searched too.
 """
 
-from contact.interpolation import interpolate
 from contact.jit.compiled import compiled, formula
+
+
+@compiled
+def interpolate(s, sigma, bary, values):
+    """Return the interpolating polynomial at s (barycentric formula)."""
+    above, below = 0.0, 0.0
+    for k in range(sigma.size):
+        gap = s - sigma[k]
+        if gap == 0.0:
+            return values[k]
+        weight = bary[k] / gap
+        above += weight * values[k]
+        below += weight
+    return above / below
 
 
 def bracketed(function, a: float, b: float, *, tolerance: float = 0.0) -> float:

@@ -10,15 +10,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.averaged.cycle_mean import Counted, Mean, cycle, respond
+from contact.averaged.equilibrium import force_left, rest, room, settled
+from contact.averaged.riding import Rule, mean_push, riding
+from contact.body import Coordinates, body_force, contact_force, tangential_amplitude
 from contact.codes import Status
+from contact.events.segment import At
 from contact.jit.compiled import compiled, native
-from contact.kinematics import tangential_amplitude
-from contact.solve.averaged import rest, room, settled
-from contact.solve.cycle_mean import NORMAL, STUCK, TANGENTIAL, cycle, respond
-from contact.solve.end_corrections import cubic
-from contact.solve.riding import Rule, mean_push, riding
+from contact.stepping.end_corrections import cubic
 
-HEIGHT, CLIMB, SPEED = range(3)  # places in a state: (z_s, z_s', v), or (h, h', V) of the averaged motion
 _TABLE = np.array(
     [
         [0.0] * 6,
@@ -43,7 +43,8 @@ _DENSE = np.array(
 def _climb(problem, h, w, gain, rule):
     """Return h'' of the bounce; `gain` is the second-order correction of the mean force."""
     force, _ = mean_push(problem, h, rule)
-    return problem.preload - (force + gain) * (1.0 + problem.contact_damping * w) - problem.normal_damping * w
+    own = body_force(problem, Coordinates(-w, 0.0))
+    return -own.normal - contact_force(problem, force + gain, w)
 
 
 @compiled
@@ -87,34 +88,34 @@ class Span(NamedTuple):
 def bounce(problem, state, span, work):
     """Follow bounce and velocity until the bounce has died or the end; return (phase, samples taken, reason).
 
-    state (h, h', V) is changed in place.
+    state, here (h, h', V), is changed in place.
     """
     rule = span.rule
     stop, per_period, at, rows = span.stop, span.per_period, span.at, span.rows
     h_end = riding(problem, rule)
-    _, slope = mean_push(problem, max(h_end, state[HEIGHT]), rule)
+    _, slope = mean_push(problem, max(h_end, state[At.POSITION]), rule)
     rate = np.sqrt(slope)
     dt = 2.0 * np.pi / rate / per_period
-    h, w, v = state[HEIGHT], state[CLIMB], state[SPEED]
+    h, w, v = state[At.POSITION], state[At.NORMAL_VELOCITY], state[At.VELOCITY]
     phase, taken, gain, pull, largest, steps = 0.0, 0, 0.0, 0.0, 0.0, 0
     while phase < stop:
         d = min(dt, stop - phase)
         h0, w0, v0 = h, w, v
         middle, w = _swung(problem, h, w, gain, rule, 0.5 * d)
         h, w = _swung(problem, middle, w, gain, rule, 0.5 * d)
-        v_middle = v + 0.5 * d * (pull - problem.tangential_damping * v - problem.load)
+        v_middle = v + 0.5 * d * force_left(problem, pull, v)
         for _ in range(2 if steps == 0 else 1):
             if span.corrected:
                 cycle(problem, middle, v_middle, rule, work.second)
                 respond(problem, work.second)
                 cycle(problem, middle, v_middle, rule, work.second)
                 force, _ = mean_push(problem, middle, rule)
-                gain = work.second.means[NORMAL] - force
-                pull, stuck = work.second.means[TANGENTIAL], work.second.counts[STUCK]
+                gain = work.second.means[Mean.NORMAL] - force
+                pull, stuck = work.second.means[Mean.TANGENTIAL], work.second.counts[Counted.STUCK]
             else:
                 cycle(problem, middle, v_middle, rule, work.first)
-                pull, stuck = work.first.means[TANGENTIAL], work.first.counts[STUCK]
-            v_middle = v + 0.5 * d * (pull - problem.tangential_damping * v_middle - problem.load)
+                pull, stuck = work.first.means[Mean.TANGENTIAL], work.first.counts[Counted.STUCK]
+            v_middle = v + 0.5 * d * force_left(problem, pull, v_middle)
         if stuck > 0:
             return phase, taken, Status.STICKS
         v = (v * (1.0 - 0.5 * d * problem.tangential_damping) + d * (pull - problem.load)) / (
@@ -134,7 +135,7 @@ def bounce(problem, state, span, work):
             if largest < span.tolerance:
                 break
             largest = 0.0
-    state[HEIGHT], state[CLIMB], state[SPEED] = h, w, v
+    state[At.POSITION], state[At.NORMAL_VELOCITY], state[At.VELOCITY] = h, w, v
     return phase, taken, Status.DONE
 
 
@@ -144,14 +145,14 @@ def _rate(problem, h, v, rule, work, most):
     if most > 0:
         h, _ = settled(problem, rule, h, v, work, most)
     cycle(problem, h, v, rule, work)
-    return work.means[TANGENTIAL] - problem.tangential_damping * v - problem.load, h
+    return force_left(problem, work.means[Mean.TANGENTIAL], v), h
 
 
 @compiled
 def accelerate(problem, state, phase, taken, span, work, k):
     """Follow the velocity with the bounce dead; return the reason for ending. `k`: (7,) room."""
     stop, at, rows, tolerance = span.stop, span.at, span.rows, 0.1 * span.tolerance
-    h, v, rule, means = state[HEIGHT], state[SPEED], span.rule, work.second
+    h, v, rule, means = state[At.POSITION], state[At.VELOCITY], span.rule, work.second
     most = 3 if span.corrected else 0
     if span.corrected:
         _rate(problem, h, v, rule, means, 8)
@@ -176,7 +177,7 @@ def accelerate(problem, state, phase, taken, span, work, k):
         for i in range(7):
             error += d * _ERROR[i] * k[i]
         error = abs(error) / tolerance
-        if means.counts[STUCK] > 0:
+        if means.counts[Counted.STUCK] > 0:
             return Status.STICKS
         if error > 1.0 and rejected < 60:
             d *= max(0.2, 0.9 * error**-0.2)
@@ -198,36 +199,36 @@ def accelerate(problem, state, phase, taken, span, work, k):
         v = y
         k[0] = k[6]
         d *= min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
-    state[HEIGHT], state[CLIMB], state[SPEED] = h, 0.0, v
+    state[At.POSITION], state[At.NORMAL_VELOCITY], state[At.VELOCITY] = h, 0.0, v
     return Status.DONE
 
 
 @native("t f1 t t f1")
 def _response(problem, state, span, work, k):
     """Fill the answer of `response`; return the reason for ending."""
-    rule, second, speed = span.rule, work.second, state[SPEED]
+    rule, second, speed = span.rule, work.second, state[At.VELOCITY]
     rest(second.fast)
-    h, w, v = -state[HEIGHT], -state[CLIMB], speed
+    h, w, v = -state[At.POSITION], -state[At.NORMAL_VELOCITY], speed
     for _ in range(3):
         cycle(problem, h, v, rule, second)
-        if second.counts[STUCK] > 0:
+        if second.counts[Counted.STUCK] > 0:
             return Status.STICKS
         respond(problem, second)
         height, climb, wiggle = ripple(second.fast)
-        h, w, v = height - state[HEIGHT], climb - state[CLIMB], speed - wiggle
-    state[HEIGHT], state[CLIMB], state[SPEED] = h, w, v
+        h, w, v = height - state[At.POSITION], climb - state[At.NORMAL_VELOCITY], speed - wiggle
+    state[At.POSITION], state[At.NORMAL_VELOCITY], state[At.VELOCITY] = h, w, v
     phase, taken, why = bounce(problem, state, span, work)
     if why == Status.DONE and phase < span.stop:
         why = accelerate(problem, state, phase, taken, span, work, k)
     if not span.corrected:
         rest(second.fast)
-        cycle(problem, state[HEIGHT], state[SPEED], rule, second)
+        cycle(problem, state[At.POSITION], state[At.VELOCITY], rule, second)
         respond(problem, second)
     height, climb, wiggle = ripple(second.fast)
-    state[HEIGHT], state[CLIMB], state[SPEED] = (
-        height - state[HEIGHT],
-        climb - state[CLIMB],
-        state[SPEED] + wiggle,
+    state[At.POSITION], state[At.NORMAL_VELOCITY], state[At.VELOCITY] = (
+        height - state[At.POSITION],
+        climb - state[At.NORMAL_VELOCITY],
+        state[At.VELOCITY] + wiggle,
     )
     for m in range(span.at.size):
         span.rows[m, 0] += wiggle

@@ -1,10 +1,8 @@
 r"""The averaged equilibrium of any law, as a cycle that the event-driven solver can go on from.
 
-A slider that is heavy on the wave's time scale keeps height h and velocity v through a cycle. h follows from
-<sum P_i> = preload (`solve.riding`), v from <sum Q_i>(v) = R_t v + load. The elastic law's means are in closed
-form between events, and `averaged` has found h and v already (`cycle_at`); for the other laws the mean tangential force
-comes from a cycle of the event-driven solver (`balanced`). Bracket and rules are those of `averaged`; `answers.steady`
-says when a slider is held. Error O((f_n/f)^2) against the full motion.
+The elastic law's means are in closed form between events, and its height h and velocity v are known (`cycle_at`); for
+the other laws the mean tangential force comes from a cycle of the event-driven solver (`balanced`), the search for v is
+that of `equilibrium`. `answers.steady` says when a slider is held. Error O((f_n/f)^2) against the full motion.
 """
 
 import math
@@ -12,20 +10,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.codes import Tangential
+from contact.averaged.equilibrium import balanced_speed, force_left, way_out
+from contact.averaged.riding import riding_approach
+from contact.body import normal_amplitude
+from contact.codes import Status, Tangential
 from contact.convergence import ConvergenceError
-from contact.kinematics import normal_amplitude
+from contact.events.collocation import collocation
+from contact.events.energy import Sum
+from contact.events.motion import Motion
 from contact.orbit import Orbit
 from contact.problem import Problem, immobile, scaled
+from contact.roots import bracketed
 from contact.slider import Slider
-from contact.solve.averaged import full_slip_speed, way_out
-from contact.solve.collocation import collocation
-from contact.solve.energy import SUPPORT, TRACTION
-from contact.solve.motion import Motion
-from contact.solve.riding import riding_approach
-from contact.solve.roots import bracketed, narrowed, trial
 
 NODES, TRUNCATION = 14, 1e-11
+CLOSE = 1e-12  # last step of the search for the velocity, over its range
 RUNAWAY = (
     "friction cannot balance the load at any speed and no tangential damping bounds it; "
     "lower slider.load or give slider.damping.tangential"
@@ -63,7 +62,7 @@ def balanced(slider: Slider, orbits: tuple[Orbit, ...]) -> Balance:
         if height <= low:
             return -preload
         found = _at_height(problem, height)
-        surplus = float(found.motion.sums[SUPPORT]) / (2.0 * math.pi) - preload
+        surplus = float(found.motion.sums[Sum.SUPPORT]) / (2.0 * math.pi) - preload
         return surplus if abs(surplus) > 1e-12 * preload else 0.0
 
     bracketed(excess, low, high, tolerance=1e-14 * (1.0 + abs(high)))
@@ -75,7 +74,7 @@ def cycle_at(
 ) -> Balance:
     """Return the balance at an approach in m and a velocity in m/s that are known to be in equilibrium.
 
-    `load_sign` as in `answers.sweep.MeanMotion`; the orbits as for `balanced`.
+    `load_sign` as in `sweep.MeanMotion`; the orbits as for `balanced`.
     """
     problem = scaled(slider, orbits, direction=load_sign, start=trough(orbits))
     height, speed = height / problem.length, velocity / problem.speed
@@ -104,8 +103,11 @@ def _at_height(problem, height):
     problem = problem._replace(load=load)  # its sign is turned where the wave drives against its crests
     if way == 0.0:
         return _held(problem, height, rest)
-    speed, motion = _balance(problem, height, way, least if way > 0.0 else largest)
-    return Balance(problem=problem, height=height, speed=speed, held=False, motion=motion)
+    means = EventCycles(height)
+    found = balanced_speed(problem, means, way, least if way > 0.0 else largest, CLOSE)
+    if found.status == Status.RUNAWAY:
+        raise ConvergenceError("runaway", RUNAWAY)
+    return Balance(problem=problem, height=height, speed=found.velocity, held=False, motion=means.motion)
 
 
 def _held(problem, height, rest):
@@ -143,33 +145,18 @@ def traction(problem, height, speed, deformations):
         settled = turn > 1 or motion.memory is None
         if settled and np.max(np.abs(motion.state[3:] - before)) < 1e-13:
             break
-    return motion.sums[TRACTION] / (2.0 * math.pi), motion
+    return motion.sums[Sum.TRACTION] / (2.0 * math.pi), motion
 
 
-def _balance(problem, height, way, rest_traction):
-    """Return (v, motion) at <sum Q>(v) = d_t v + load; v has the sign `way`."""
-    damping, load, top = problem.tangential_damping, problem.load, full_slip_speed(problem)
+class EventCycles:
+    """Cycle means of the event-driven solver at one height, each from the deformations of the last one."""
 
-    def excess(v, deformation):
-        mean, motion = traction(problem, height, v, deformation)
-        return mean - damping * v - load, motion
+    def __init__(self, height: float):
+        self.height, self.motion = height, None
 
-    a, fa, b = 0.0, rest_traction - load, way * top
-    fb, motion = excess(b, 0.0)
-    if fb * way >= 0.0:  # full friction does not balance the load: the damper has to
-        if damping == 0.0:
-            raise ConvergenceError("runaway", RUNAWAY)
-        for _ in range(60):  # one step where friction does not fall with speed
-            b += 1.000001 * fb / damping
-            fb, motion = excess(b, 0.0)
-            if fb * way < 0.0:
-                break
-    v = b
-    for count in range(100):
-        width = abs(b - a)
-        v = trial(a, fa, b, fb, count)
-        f, motion = excess(v, motion.state[3:])
-        a, fa, b, fb = narrowed(a, fa, b, fb, v, f)
-        if f == 0.0 or abs(f) < 1e-12 * abs(rest_traction) or abs(b - a) < 1e-12 * top or width == 0.0:
-            break
-    return v, motion
+    @staticmethod
+    def left(problem: Problem, means: "EventCycles", v: float) -> float:
+        """Return the mean tangential force that is left to accelerate the slider at a velocity."""
+        deformations = 0.0 if means.motion is None else means.motion.state[3:]
+        mean, means.motion = traction(problem, means.height, v, deformations)
+        return force_left(problem, mean, v)

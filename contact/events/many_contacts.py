@@ -17,14 +17,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.codes import Event, Regime, Status
-from contact.interpolation import interpolate
+from contact.body import Coordinates, damping_force
+from contact.codes import Count, Event, Outcome, Regime, Status
+from contact.events import segment as seg
+from contact.events.collocation import ROOT_AT_START, SMOOTH
+from contact.events.energy import Sum, account_contact, account_slider, mark
+from contact.events.segment import At, Attempt, Plane, Row
+from contact.events.transitions import LAST, cut, end_guard, enter_next, is_sharp
 from contact.jit.compiled import compiled
-from contact.solve import segment as seg
-from contact.solve.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH
-from contact.solve.energy import SINCE, account_contact, account_slider, mark
-from contact.solve.events import LAST, cut, end_guard, enter_next, is_sharp
-from contact.solve.roots import first_root
+from contact.law.hysteretic import Memory
+from contact.roots import first_root
 
 # contacts from which on segments span their events: below, the other solver is as fast
 MANY = 12
@@ -38,9 +40,8 @@ class Span(NamedTuple):
     """Work arrays of a segment that spans events."""
 
     legendre: np.ndarray  # (N + 2, N): Legendre's polynomials at the nodes of a piece
-    series: (
-        np.ndarray
-    )  # (MOTION, N + 2): coefficients of the rows of `Nodes.slider`, travel from the segment's start
+    # (MOTION, N + 2): coefficients of the rows of `Nodes.slider`, travel from the segment's start
+    series: np.ndarray
     moments: np.ndarray  # (2, N): of the forces
     start: np.ndarray  # (1,): travel where the piece begins
     # As at the segment's start
@@ -53,8 +54,9 @@ class Span(NamedTuple):
     count: np.ndarray  # (1,) int: how many
 
 
-def span(contacts: int, nodes: int, sums: int, tally: int) -> Span:
+def span(contacts: int, nodes: int, tally: int) -> Span:
     """Return work arrays; without many contacts they are empty."""
+    sums = len(Sum)
     if contacts < MANY:
         contacts = nodes = sums = tally = 0
     return Span(
@@ -64,46 +66,41 @@ def span(contacts: int, nodes: int, sums: int, tally: int) -> Span:
     )  # fmt: skip
 
 
+class Following(NamedTuple):
+    """How the contacts are followed over a segment."""
+
+    recorded: bool  # whether energies, events and samples are kept
+    taken: int  # samples that lie before the segment
+    memory: Memory | None
+
+
 @compiled
-def advance_many(problem, grid, state, work, task):
-    """Move the state from start to stop; return the reason for ending."""
-    span, phase, length, spent, taken = work.span, task.start, problem.longest, 0, 0
-    while phase < task.stop:
-        spent += 1
-        if spent > task.limit:
-            return Status.TOO_MANY
-        if not np.isfinite(
-            state.slider[seg.POSITION] + state.slider[seg.NORMAL_VELOCITY] + state.slider[seg.VELOCITY]
-        ):
-            return Status.NOT_FINITE
-        last = phase + length >= task.stop - 1e-12
-        outer = seg.segment_at(phase, task.stop - phase if last else length, SMOOTH, int(last))
-        _remember(state, span)
-        why, rough = _iterated(problem, grid, state, work, task, outer)
-        if why != Status.DONE or (rough > task.tolerance and outer.length > 1e-6 * problem.longest):
-            if outer.length < 1e-9 * problem.longest:
-                return why
-            state.tally[HALVINGS] += 1
-            _recall(state, span)
-            length = 0.5 * outer.length
-            continue
-        _recall(state, span)
-        # once more, on the motion that was found, with everything that is to be recorded
-        why = _all_followed(problem, grid, state, work, task, outer, taken, True)
-        if why != Status.DONE:
-            return why
-        state.tally[SEGMENTS] += 1
-        _account_slider(problem, grid, state, work, outer)
-        while taken < task.at.size and task.at[taken] <= outer.phase + outer.length:
-            taken += 1
-        phase = task.stop if last else phase + outer.length
-        grow = 2.0 if rough == 0.0 else min(2.0, 0.9 * (task.tolerance / rough) ** 0.2)
-        length = min(problem.longest, outer.length * max(grow, 1.0))
-    return Status.DONE
+def attempt(problem, grid, state, work, task, memory, course):
+    """Lay out the next segment; return what became of it. Where it is accepted the contacts are at its end."""
+    span = work.span
+    outer = seg.next_segment(course.phase, course.length, task.stop, SMOOTH)
+    _remember(state, span)
+    why, rough = _iterated(problem, grid, state, work, task, outer, memory)
+    too_rough = rough > task.tolerance and outer.length > 1e-6 * problem.longest
+    _recall(state, span)
+    if why != Status.DONE or too_rough:
+        outcome = Outcome.NOT_CONVERGED if why != Status.DONE else Outcome.TOO_ROUGH
+        return Attempt(outcome, outer, 0.5 * outer.length, why)
+    # once more, on the motion that was found, with everything that is to be recorded
+    why = _all_followed(problem, grid, state, work, task, outer, Following(True, course.taken, memory))
+    if why != Status.DONE:
+        return Attempt(Outcome.NOT_CONVERGED, outer, 0.0, why)
+    grow = 2.0 if rough == 0.0 else min(2.0, 0.9 * (task.tolerance / rough) ** 0.2)
+    return Attempt(Outcome.ACCEPTED, outer, min(problem.longest, outer.length * max(grow, 1.0)), why)
 
 
-# places in the tally
-SEGMENTS, HALVINGS, SWEEPS = 6, 7, 8
+@compiled
+def accept(problem, grid, state, work, task, outer, taken):
+    """Move the slider to the end of a segment and account for it; return how many samples are taken by now."""
+    _account_slider(problem, grid, state, work, outer)
+    while taken < task.at.size and task.at[taken] <= outer.phase + outer.length:
+        taken += 1
+    return taken
 
 
 @compiled
@@ -127,32 +124,32 @@ def _recall(state, span):
 
 
 @compiled
-def _iterated(problem, grid, state, work, task, outer):
+def _iterated(problem, grid, state, work, task, outer, memory):
     """Iterate to the slider's motion on a segment; return (reason for ending, roughness of its accelerations)."""
     span, last = work.span, np.inf
     n = grid.sigma.size
     _guess(problem, state, span, outer, task.mobile)
     for _ in range(seg.MAX_SWEEPS):
         _recall(state, span)
-        why = _all_followed(problem, grid, state, work, task, outer, 0, False)
+        why = _all_followed(problem, grid, state, work, task, outer, Following(False, 0, memory))
         for k in range(state.sums.size):
             state.sums[k] = span.sums[k]
         for k in range(state.tally.size):
-            if k != SWEEPS and k != HALVINGS:
+            if k != Count.SWEEPS and k != Count.HALVINGS:
                 state.tally[k] = span.tally[k]
-        state.tally[SWEEPS] += 1
+        state.tally[Count.SWEEPS] += 1
         if why != Status.DONE:
             return why, 0.0
         if not task.mobile:
             return Status.DONE, 0.0
-        change = _updated(problem, state, span, outer, n) / (1.0 + abs(state.slider[seg.POSITION]))
+        change = _updated(problem, state, span, outer, n) / (1.0 + abs(state.slider[At.POSITION]))
         if not change < 1e100:
             break
         if seg.has_converged(change, last):
             normal, along = 0.0, 0.0
             for k in range(n - 2, n):
-                normal = max(normal, abs(span.series[seg.NORMAL_ACCELERATION, k]))
-                along = max(along, abs(span.series[seg.TANGENTIAL_ACCELERATION, k]))
+                normal = max(normal, abs(span.series[Row.NORMAL_ACCELERATION, k]))
+                along = max(along, abs(span.series[Row.TANGENTIAL_ACCELERATION, k]))
             # of a position between the ends; its impulse is as much again smaller, for it changes sign n times
             return Status.DONE, max(normal, along) * outer.length**3 / (4.0 * n**3)
         last = change
@@ -164,7 +161,7 @@ def _guess(problem, state, span, outer, mobile):
     """Set the motion of constant accelerations: those at the end of the last segment."""
     series, half = span.series, 0.5 * outer.length
     for axis in range(2):
-        row = seg.NORMAL_ACCELERATION + axis
+        row = Row.NORMAL_ACCELERATION + axis
         end = 0.0
         for k in range(series.shape[1]):
             end += series[row, k]
@@ -179,10 +176,10 @@ def _updated(problem, state, span, outer, n):
     series = span.series
     for k in range(n):
         weight = 0.5 * (2 * k + 1)
-        normal = weight * span.moments[0, k] - problem.normal_damping * series[seg.CLIMB, k]
-        along = weight * span.moments[1, k] - problem.tangential_damping * series[seg.SPEED, k]
-        series[seg.NORMAL_ACCELERATION, k] = normal - (problem.preload if k == 0 else 0.0)
-        series[seg.TANGENTIAL_ACCELERATION, k] = along - (problem.load if k == 0 else 0.0)
+        force = damping_force(problem, Coordinates(series[Row.NORMAL_VELOCITY, k], series[Row.VELOCITY, k]))
+        normal, along = weight * span.moments[0, k] + force.normal, weight * span.moments[1, k] + force.along
+        series[Row.NORMAL_ACCELERATION, k] = normal - (problem.preload if k == 0 else 0.0)
+        series[Row.TANGENTIAL_ACCELERATION, k] = along - (problem.load if k == 0 else 0.0)
     return _integrate(state, series, 0.5 * outer.length, n)
 
 
@@ -191,11 +188,11 @@ def _integrate(state, series, half, n):
     """Set velocities and positions from the accelerations' series; return the largest change of one, in sum."""
     change = 0.0
     for axis in range(2):
-        acceleration = series[seg.NORMAL_ACCELERATION + axis]
-        climb, height = (series[seg.CLIMB], series[seg.HEIGHT]) if axis == 0 else (
-            series[seg.SPEED], series[seg.TRAVEL])  # fmt: skip
-        velocity = state.slider[seg.NORMAL_VELOCITY] if axis == 0 else state.slider[seg.VELOCITY]
-        begin = state.slider[seg.POSITION] if axis == 0 else 0.0
+        acceleration = series[Row.NORMAL_ACCELERATION + axis]
+        climb, height = (series[Row.NORMAL_VELOCITY], series[Row.POSITION]) if axis == 0 else (
+            series[Row.VELOCITY], series[Row.TRAVEL])  # fmt: skip
+        velocity = state.slider[At.NORMAL_VELOCITY] if axis == 0 else state.slider[At.VELOCITY]
+        begin = state.slider[At.POSITION] if axis == 0 else 0.0
         change = max(change, _primitive(acceleration, climb, velocity, half, n))
         change = max(change, _primitive(climb, height, begin, half, n + 1))
     return change
@@ -221,57 +218,57 @@ def _primitive(series, out, begin, half, n):
 
 
 @compiled
-def _all_followed(problem, grid, state, work, task, outer, taken, recorded):
+def _all_followed(problem, grid, state, work, task, outer, following):
     """Follow every contact over the segment and fill the moments of the forces; return the reason for ending."""
     span = work.span
     span.moments[:] = 0.0
     span.count[0] = 0
     for i in range(state.regime.size):
-        why = _followed(problem, grid, state, work, task, outer, i, taken, recorded)
+        why = _followed(problem, grid, state, work, task, outer, i, following)
         if why != Status.DONE:
             return why
     return Status.DONE
 
 
 @compiled
-def _followed(problem, grid, state, work, task, outer, i, taken, recorded):
+def _followed(problem, grid, state, work, task, outer, i, following):
     """Follow one contact from event to event over the segment; return the reason for ending."""
-    nodes, stop = work.nodes, outer.phase + outer.length
+    nodes, stop, memory = work.nodes, outer.phase + outer.length, following.memory
     phase, length, entered, idle = outer.phase, outer.length, False, 0
     for _ in range(MAX_PIECES):
         piece = seg.segment_at(phase, min(length, stop - phase), ROOT_AT_START if entered else SMOOTH, 0)
-        _laid(problem, grid, state, work, outer, piece, i)
-        place, which = _first_event(problem, grid, state, nodes, i)
+        _laid(problem, grid, state, work, outer, piece, i, memory)
+        place, which = _first_event(problem, grid, state, nodes, i, memory)
         if which >= 0:
             sharp = is_sharp(which, state.regime[i])
             piece = cut(piece, place, i, which, sharp, entered)
             if piece.contact >= 0:
-                piece = _landed(problem, grid, state, work, outer, piece, i)
+                piece = _landed(problem, grid, state, work, outer, piece, i, memory)
             if piece.length > 0.0:
-                _laid(problem, grid, state, work, outer, piece, i)
+                _laid(problem, grid, state, work, outer, piece, i, memory)
         if piece.length > 0.0:
-            rough = _roughness(problem, grid, nodes, piece, i)
+            rough = seg.roughness(problem, grid, nodes, piece, i, seg.largest_push(nodes, i))
             if rough > task.tolerance and piece.length > 1e-6 * problem.longest:
                 length = 0.5 * piece.length
                 continue
             _project(grid, work.span, nodes, problem, piece, outer, i)
-            if recorded:
+            if following.recorded:
                 account_contact(problem, grid, state, nodes, piece, i)
-                _sampled(grid, state, nodes, task, piece, i, taken, outer.phase)
-            state.deformation[i] = nodes.contact[seg.X, i, nodes.guard.size - 1]
+                _sampled(grid, state, nodes, task, piece, i, following.taken, outer.phase)
+            state.deformation[i] = nodes.contact[Plane.X, i, nodes.guard.size - 1]
             phase, idle, entered = phase + piece.length, 0, False
         else:
             idle += 1
             if idle > MAX_IDLE:
                 return Status.TOO_MANY
         if piece.contact >= 0:
-            _, rate = end_guard(problem, state, nodes, i, piece.guard, phase, None)
+            _, rate = end_guard(problem, state, nodes, i, piece.guard, phase, memory)
             if not rate < 0.0:
                 state.tally[Event.GRAZE] += 1
-            kind = enter_next(problem, state, nodes, i, piece.guard, None)
+            kind = enter_next(problem, state, nodes, i, piece.guard, memory)
             state.tally[kind] += 1
             entered = entered or kind == Event.CONTACT
-            if recorded and work.span.count[0] < work.span.phases.size:
+            if following.recorded and work.span.count[0] < work.span.phases.size:
                 work.span.phases[work.span.count[0]] = phase
                 work.span.count[0] += 1
         if phase >= stop - 1e-15:
@@ -281,11 +278,11 @@ def _followed(problem, grid, state, work, task, outer, i, taken, recorded):
 
 
 @compiled
-def _laid(problem, grid, state, work, outer, piece, i):
+def _laid(problem, grid, state, work, outer, piece, i, memory):
     """Fill the motion and the forces of a contact at the nodes of a piece."""
     _move(grid, work, outer, piece, 0)
     seg.surface_of(problem, grid, work.nodes, piece, i, np.cos(piece.phase), np.sin(piece.phase), 0)
-    seg.contact_forces(problem, grid, state, work.nodes, i, None)
+    seg.contact_forces(problem, grid, state, work.nodes, i, memory)
     seg.contact_end(problem, state, work.nodes, i)
 
 
@@ -310,17 +307,17 @@ def _move(grid, work, outer, piece, first):
             for j in range(first, n):
                 slider[r, j] += c * legendre[k, j]
     if first == 0:
-        span.start[0] = slider[seg.TRAVEL, 0]
+        span.start[0] = slider[Row.TRAVEL, 0]
     for j in range(first, n):
-        slider[seg.TRAVEL, j] -= span.start[0]
+        slider[Row.TRAVEL, j] -= span.start[0]
 
 
 @compiled
-def _first_event(problem, grid, state, nodes, i):
+def _first_event(problem, grid, state, nodes, i, memory):
     """Return (sigma, guard) of the earliest root of a contact's guards on the piece; (2, -1) if there is none."""
     regime, first, which = state.regime[i], 2.0, -1
     for k in range(1 if regime == Regime.SEPARATED else LAST[regime] + 1):
-        seg.guards(problem, state, nodes, i, k, None)
+        seg.guards(problem, state, nodes, i, k, memory)
         place = first_root(grid.sigma, grid.bary, grid.rates, nodes.guard)
         if place < first:
             first, which = place, k
@@ -328,56 +325,33 @@ def _first_event(problem, grid, state, nodes, i):
 
 
 @compiled
-def _landed(problem, grid, state, work, outer, piece, i):
+def _landed(problem, grid, state, work, outer, piece, i, memory):
     """Return the piece ended where its guard vanishes, by Newton's method with the motion at its end alone."""
     n, nodes = grid.sigma.size - 1, work.nodes
     c0, s0 = np.cos(piece.phase), np.sin(piece.phase)
     for trial in range(12):
         if piece.length < 1e-14:
             piece = seg.resized(piece, 0.0)
-        length = piece.length
         _move(grid, work, outer, piece, n)
         seg.surface_of(problem, grid, nodes, piece, i, c0, s0, n)
         seg.contact_end(problem, state, nodes, i)
-        value, rate = end_guard(problem, state, nodes, i, piece.guard, piece.phase + length, None)
-        if length == 0.0 or abs(value) < 1e-16 or not rate < 0.0:
+        value, rate = end_guard(problem, state, nodes, i, piece.guard, piece.phase + piece.length, memory)
+        length = seg.next_length(piece, value, rate, trial)
+        if length == piece.length:
             break
-        step = -value / rate
-        if abs(step) < 2e-16 or (trial > 6 and abs(step) < 1e-14):
-            break
-        length = min(max(length + step, 0.5 * length), min(1.1 * length + 1e-12, piece.longest))
         piece = seg.resized(piece, length)
     return piece
 
 
 @compiled
-def _roughness(problem, grid, nodes, piece, i):
-    """Return the largest of the two highest Chebyshev coefficients of the forces, times length over scale."""
-    own, tail, most = nodes.contact, grid.tail, 0.0
-    for k in range(own.shape[2]):
-        most = max(most, 1e-3 * own[seg.P, i, k])
-    push = max(problem.preload, most) + 1e-300
-    pull = problem.friction * push + 1e-300
-    worst = 0.0
-    for r in range(2):
-        ep, eq = 0.0, 0.0
-        for k in range(own.shape[2]):
-            ep += tail[r, k] * own[seg.P, i, k]
-            eq += tail[r, k] * own[seg.Q, i, k]
-        worst = max(worst, piece.length * abs(ep) / push, piece.length * abs(eq) / pull)
-    return worst
-
-
-@compiled
 def _project(grid, span, nodes, problem, piece, outer, i):
     """Add the moments of a contact's forces on a piece, whose Legendre polynomials are laid out."""
-    own, n, chi = nodes.contact, nodes.guard.size, problem.contact_damping
+    own, n = nodes.contact, nodes.guard.size
     scale = 2.0 * piece.length / outer.length
     for j in range(n):
         weight = scale * grid.integrals[piece.map, 0, j, n - 1]
-        rate = own[seg.U_Z_RATE, i, j] - nodes.slider[seg.CLIMB, j]
-        normal = weight * (own[seg.P, i, j] * (1.0 + chi * rate) + own[seg.BACK, i, j])
-        along = weight * own[seg.Q, i, j]
+        normal = weight * seg.normal_force(problem, nodes, i, j)
+        along = weight * own[Plane.Q, i, j]
         for k in range(n):
             span.moments[0, k] += normal * span.legendre[k, j]
             span.moments[1, k] += along * span.legendre[k, j]
@@ -389,20 +363,20 @@ def _account_slider(problem, grid, state, work, outer):
     nodes, span, n = work.nodes, work.span, grid.sigma.size
     _move(grid, work, outer, outer, 0)
     account_slider(problem, grid, state, nodes, outer)
-    state.slider[seg.POSITION], state.slider[seg.NORMAL_VELOCITY] = (
-        nodes.slider[seg.HEIGHT, n - 1],
-        nodes.slider[seg.CLIMB, n - 1],
+    state.slider[At.POSITION], state.slider[At.NORMAL_VELOCITY] = (
+        nodes.slider[Row.POSITION, n - 1],
+        nodes.slider[Row.NORMAL_VELOCITY, n - 1],
     )
-    state.slider[seg.VELOCITY] = nodes.slider[seg.SPEED, n - 1]
+    state.slider[At.VELOCITY] = nodes.slider[Row.VELOCITY, n - 1]
     _sort(span.phases, span.count[0])
     before = outer.phase
     for k in range(span.count[0]):
-        if state.sums[SINCE] > 0.0:
-            state.sums[SINCE] += span.phases[k] - before
+        if state.sums[Sum.SINCE] > 0.0:
+            state.sums[Sum.SINCE] += span.phases[k] - before
         mark(state.sums)
         before = span.phases[k]
-    if state.sums[SINCE] > 0.0:
-        state.sums[SINCE] += outer.phase + outer.length - before
+    if state.sums[Sum.SINCE] > 0.0:
+        state.sums[Sum.SINCE] += outer.phase + outer.length - before
 
 
 @compiled
@@ -428,13 +402,4 @@ def _sampled(grid, state, nodes, task, piece, i, taken, begin):
             break
         if at <= piece.phase and piece.phase > begin:  # of the piece before
             continue
-        t = min(max((at - piece.phase) / piece.length, 0.0), 1.0)
-        if piece.map == ROOT_AT_START:
-            t = np.sqrt(t)
-        elif piece.map == ROOT_AT_END:
-            t = 1.0 - np.sqrt(1.0 - t)
-        sample = task.samples[number, i]
-        for k in range(4):
-            sample[k] = interpolate(2.0 * t - 1.0, grid.sigma, grid.bary, nodes.contact[seg.Z + k, i])
-        sample[4] = state.regime[i]
-        sample[5] = interpolate(2.0 * t - 1.0, grid.sigma, grid.bary, nodes.slider[seg.SPEED])
+        seg.sample(grid, state, nodes, piece, i, at, task.samples[number, i])

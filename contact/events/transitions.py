@@ -2,22 +2,15 @@ r"""Events at the end of a segment: which guard vanishes first, how fast, and wh
 
 import numpy as np
 
+from contact.body import Coordinates, Point, approach, approach_rate, at_phase, travel
 from contact.codes import Event, Regime
+from contact.events.collocation import ROOT_AT_END, ROOT_AT_START
+from contact.events.energy import Sum
+from contact.events.segment import Plane, Row, Segment, guards, point_at
 from contact.jit.compiled import compiled
-from contact.kinematics import Point, at_phase, slip_speed
-from contact.law.elastic import follow, guard, guard_rate, opening, spring
-from contact.law.hysteretic import memory_guard, recall
-from contact.solve.collocation import ROOT_AT_END, ROOT_AT_START
-from contact.solve.energy import SLIP_LOSS
-from contact.solve.roots import first_root
-from contact.solve.segment import (
-    FRONT,
-    NORMAL_ACCELERATION,
-    TANGENTIAL_ACCELERATION,
-    Segment,
-    guards,
-    point_at,
-)  # fmt: skip
+from contact.law.elastic import opening, spring
+from contact.law.hysteretic import on_curve
+from contact.roots import first_root
 
 # the last guard of each regime
 LAST = (0, 2, 1, 2, 3, 2)
@@ -26,10 +19,11 @@ LAST = (0, 2, 1, 2, 3, 2)
 def open_regimes(problem, phase, state):
     """Set regime and sign of every contact, and its deformation within the slip limit, from the state at a phase."""
     height, climb, speed = state.slider
+    q, rate = Coordinates(height, 0.0), Coordinates(climb, speed)
     for i in range(state.regime.size):
         u_z, u_z_rate, _, u_x_rate = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
-        z = u_z + problem.paths.height[i] - height
-        point = Point(z, state.deformation[i], u_z_rate - climb, u_x_rate - speed)
+        z = approach(problem.paths, i, u_z, q)
+        point = Point(z, state.deformation[i], approach_rate(u_z_rate, rate), travel(u_x_rate, rate))
         state.regime[i], state.sign[i], state.deformation[i] = opening(problem, point)
 
 
@@ -43,8 +37,8 @@ def earliest(problem, grid, state, nodes, memory):
             if (k > 0 and regime == Regime.SEPARATED) or k > LAST[regime]:
                 continue
             if k == 3 and first < 1.0 - 1e-6 and memory is not None:
-                if memory.kind[i, memory.count[i] - 1] == 0:
-                    continue  # the front on a curve is smooth only up to the first of the other events
+                if on_curve(memory, i):
+                    continue  # the front is smooth only up to the first of the other events
             guards(problem, state, nodes, i, k, memory)
             place = first_root(grid.sigma, grid.bary, grid.rates, nodes.guard)
             if place < first:
@@ -79,24 +73,15 @@ def cut(segment, place, who, which, sharp, entered):
 @compiled
 def end_guard(problem, state, nodes, i, which, phase, memory):
     """Return a guard at the end of the segment, which is at this phase, and its rate there."""
-    n, regime, sign = nodes.guard.size - 1, state.regime[i], state.sign[i]
-    c, point = problem.limit_slope, point_at(nodes, i, n)
+    n, regime, sign, law = nodes.guard.size - 1, state.regime[i], state.sign[i], problem.law
+    point = point_at(nodes, i, n)
     u_z, _, u_x, _ = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
-    z_second = -u_z - nodes.slider[NORMAL_ACCELERATION, n]
-    x_second = -u_x - nodes.slider[TANGENTIAL_ACCELERATION, n]
-    if memory is not None and regime >= Regime.ANNULUS:
-        value, rate = memory_guard(memory, i, regime, which, sign, point, nodes.contact[FRONT, i, n], c)
-        if which == 1:
-            rate = (
-                slip_speed(sign, z_second, x_second, c)
-                if regime == Regime.ANNULUS
-                else c * z_second - x_second
-            )
-        elif which == 2 and regime == Regime.GROW:
-            rate = c * z_second + x_second
-        return value, rate
-    value = guard(problem, regime, which, sign, point)
-    return value, guard_rate(problem, regime, which, sign, point, (z_second, x_second))
+    acceleration = Coordinates(
+        nodes.slider[Row.NORMAL_ACCELERATION, n], nodes.slider[Row.TANGENTIAL_ACCELERATION, n]
+    )
+    second = approach_rate(-u_z, acceleration), travel(-u_x, acceleration)
+    value = law.guard(problem, memory, i, regime, which, sign, point, nodes.contact[Plane.FRONT, i, n])
+    return value, law.guard_rate(problem, memory, i, regime, which, sign, point, second)
 
 
 @compiled
@@ -129,16 +114,12 @@ def enter_next(problem, state, nodes, i, which, memory):
     regime, sign, n = state.regime[i], state.sign[i], nodes.guard.size - 1
     end = point_at(nodes, i, n)
     point = Point(end.approach, state.deformation[i], end.approach_rate, end.deformation_rate)
-    before = spring(problem, regime, sign, point)[2] if problem.law.rated else 0.0
-    if memory is not None:
-        state.regime[i], state.sign[i], state.deformation[i], kind = recall(
-            memory, i, regime, which, sign, point, problem.limit_slope
-        )
-    else:
-        state.regime[i], state.sign[i], state.deformation[i], kind = follow(
-            problem, regime, which, sign, point
-        )
-        if problem.law.rated:  # where slip begins the force falls at once, and the spring's energy with it
-            point = Point(end.approach, state.deformation[i], end.approach_rate, end.deformation_rate)
-            state.sums[SLIP_LOSS] += before - spring(problem, state.regime[i], state.sign[i], point)[2]
+    law = problem.law
+    before = spring(problem, regime, sign, point)[2] if law.rated else 0.0
+    state.regime[i], state.sign[i], state.deformation[i], kind = law.follow(
+        problem, memory, i, regime, which, sign, point
+    )
+    if law.rated:  # where slip begins the force falls at once, and the spring's energy with it
+        point = Point(end.approach, state.deformation[i], end.approach_rate, end.deformation_rate)
+        state.sums[Sum.SLIP_LOSS] += before - spring(problem, state.regime[i], state.sign[i], point)[2]
     return kind

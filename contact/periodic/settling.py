@@ -18,20 +18,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.codes import Tangential
+from contact.averaged.event_cycle import Balance
+from contact.body import at_phase, tangential_amplitude
+from contact.codes import Count, Tangential
 from contact.convergence import ConvergenceError
-from contact.kinematics import at_phase, tangential_amplitude
+from contact.events.collocation import collocation
+from contact.events.energy import Sum
+from contact.events.motion import Motion
+from contact.events.segment import Column, Sample
 from contact.orbit import Orbit
+from contact.periodic.shooting import MULTIPLIER_ERROR, Periodic
 from contact.problem import largest_resonance, scaled
 from contact.slider import Slider
-from contact.solve.collocation import collocation
-from contact.solve.energy import DISPLACEMENT
-from contact.solve.equilibrium import Balance
-from contact.solve.event_driven import APPROACH, HALVINGS, STRETCHES
-from contact.solve.motion import Motion
-from contact.solve.segment import ROW_MEAN_VELOCITY, ROW_VELOCITY
-from contact.solve.shooting import MULTIPLIER_ERROR, Periodic
-from contact.solve.time_stepping import steps
+from contact.stepping.time_stepping import steps
 
 # cycles after which a motion may repeat, and how closely (of the units of the problem)
 PERIODS, REPEATS = 12, 1e-9
@@ -82,7 +81,9 @@ class LongRun:
     def height(self) -> float:
         """Minus the mean of z_s over some more cycles; u_z itself has none."""
         ahead, at = self.motion.copy(), 2.0 * math.pi * np.arange(1, 65) / 64
-        more = [ahead.move(0.0, 2.0 * math.pi, at)[:, 0, APPROACH].mean() for _ in range(self.period or 4)]
+        more = [
+            ahead.move(0.0, 2.0 * math.pi, at)[:, 0, Sample.APPROACH].mean() for _ in range(self.period or 4)
+        ]
         return float(np.mean(more) - self.motion.problem.paths.height[0])
 
 
@@ -127,7 +128,7 @@ def mean_from_rest(slider: Slider, orbits: tuple[Orbit, ...], direction: float, 
     height, climb, speed = begin[:3]
     motion.place(height, climb, speed, begin[3:])
     rows = motion.turn(cycles, stride=1)
-    return float(np.mean(rows[cycles // 2 :, ROW_MEAN_VELOCITY])) * problem.speed
+    return float(np.mean(rows[cycles // 2 :, Column.MEAN_VELOCITY])) * problem.speed
 
 
 def _same(speed, problem):
@@ -229,12 +230,12 @@ def _followed(problem, begin, rate, near=None):
         motion.begin()
         rows = np.vstack([rows, motion.turn(block, stride=1)])
         passed += block
-        spent += int(motion.tally[STRETCHES] + motion.tally[HALVINGS])
+        spent += int(motion.tally[Count.SEGMENTS] + motion.tally[Count.HALVINGS])
         quiet = quiet + block if motion.sticks else 0
         if quiet >= STUCK_CYCLES:
             return LongRun(
                 speed=0.0, error=0.0, period=0, sticks=True, cycles=block, passed=passed, motion=motion,
-                velocities=rows[:, ROW_VELOCITY],
+                velocities=rows[:, Column.VELOCITY],
             )  # fmt: skip
         if near is not None and _arrived(rows, near):
             return _arrival(motion, rows, passed, near)
@@ -242,7 +243,7 @@ def _followed(problem, begin, rate, near=None):
         if period:
             run = _repeating(motion, begin, period, gap, passed)
             close = near is not None and abs(run.speed - near.speed) <= near.same
-            return replace(run, arrived=close, velocities=rows[:, ROW_VELOCITY])
+            return replace(run, arrived=close, velocities=rows[:, Column.VELOCITY])
         if near is not None and passed > REGULAR and eventual is None:
             eventual = _eventual(problem, motion, near)
             if abs(eventual - near.speed) <= near.same:
@@ -250,7 +251,7 @@ def _followed(problem, begin, rate, near=None):
         if spent > 0.25 * budget or passed > MAX_CYCLES // 4:
             run = _mean(motion, max(BATCHES, passed), passed, rate)
             return replace(
-                run, velocities=rows[:, ROW_VELOCITY], eventual=math.nan if eventual is None else eventual
+                run, velocities=rows[:, Column.VELOCITY], eventual=math.nan if eventual is None else eventual
             )
         # as many cycles in a block as a twentieth of the budget takes
         block = int(min(max(1, 0.05 * budget * passed / spent), MAX_CYCLES // 20, 2 * block))
@@ -260,7 +261,7 @@ def _arrival(motion, rows, passed, near):
     """Return the run that has come to a known motion."""
     return LongRun(
         speed=near.speed, error=near.same, period=1, sticks=False, cycles=1, passed=passed, motion=motion,
-        arrived=True, velocities=rows[:, ROW_VELOCITY],
+        arrived=True, velocities=rows[:, Column.VELOCITY],
     )  # fmt: skip
 
 
@@ -279,7 +280,7 @@ def _eventual(problem, motion, near):
         return math.nan
     cycles = int(SURELY * near.decay_cycles)
     rows = steps(problem, motion.state.copy(), cycles, STEPS_PER_CYCLE)
-    return float(np.mean(rows[-max(1, cycles // 10) :, ROW_MEAN_VELOCITY]))
+    return float(np.mean(rows[-max(1, cycles // 10) :, Column.MEAN_VELOCITY]))
 
 
 def _relaxation(problem):
@@ -353,8 +354,8 @@ def _repeating(motion, begin, period, gap, passed):
         coarse.turn(passed)
         coarse.begin()
     coarse.turn(period)
-    error = abs(coarse.sums[DISPLACEMENT] - motion.sums[DISPLACEMENT]) / (2.0 * math.pi * period)
-    speed = float(motion.sums[DISPLACEMENT]) / (2.0 * math.pi * period)
+    error = abs(coarse.sums[Sum.DISPLACEMENT] - motion.sums[Sum.DISPLACEMENT]) / (2.0 * math.pi * period)
+    speed = float(motion.sums[Sum.DISPLACEMENT]) / (2.0 * math.pi * period)
     return LongRun(
         speed=speed,
         error=error + gap,

@@ -1,34 +1,64 @@
-r"""The slow motion of a slider that is heavy on the wave's time scale: kernels of the averaged way.
+r"""The averaged equilibrium of a slider that is heavy on the wave's time scale: one search over any cycle means.
 
-In the units of `problem`, with h the mean approach, V the mean velocity and <> the event-exact means of `cycle`:
+In the units of `problem`, with h the mean approach, V the mean velocity and <> the means over a cycle of the wave,
 
     h'' = p - <sum P>(h) (1 + chi h') - d_n h'      the bounce,
     V'  = <sum Q>(h, V) - d_t V - q                 the velocity.
 
-Both are first-order averaging, error O((f_n/f)^2). The correction of second order feeds the fast part of the
+At rest h follows from <sum P> = p (`riding`) and V from <sum Q>(V) = d_t V + q, which `balanced_speed` searches between
+rest and the velocity at which every contact slips all the time. Where the mean comes from is no matter to it: from
+cycles in closed form between exact events (`cycle_mean`, here), from cycles of the event-driven solver for laws that
+these do not know (`event_cycle`), or from several heights of a bounce (`bounce`). Each is a named tuple whose field
+`left(problem, means, v)` returns the mean force that is left to accelerate the slider.
+
+All this is first-order averaging, error O((f_n/f)^2). The correction of second order feeds the fast part of the
 slider's own motion, the answer to the harmonics of the forces, back into the cycle (`cycle_mean.respond`); at a steady
 height and velocity its fixed point is the full periodic motion but for the harmonics left out.
 """
 
 import threading
+from collections.abc import Callable
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
 
+from contact.averaged.cycle_mean import Counted, Cycle, Mean, cycle, cycle_room, respond
+from contact.averaged.riding import Rule, mean_push, quadrature, riding
+from contact.body import Coordinates, damping_force, normal_amplitude, tangential_amplitude
 from contact.codes import Status
 from contact.jit.compiled import compiled, formula, native
-from contact.kinematics import normal_amplitude, tangential_amplitude
 from contact.problem import changed
-from contact.solve.cycle_mean import MADE, NORMAL, SLIPS, STUCK, TANGENTIAL, Cycle, cycle, cycle_room, respond
-from contact.solve.riding import Rule, mean_push, quadrature, riding
-from contact.solve.roots import narrowed, trial
+from contact.roots import narrowed, trial
 
-# Columns of an equilibrium: mean velocity, that of first order, mean approach, held (1 or 0), sign of the load;
-# velocity of first order by the coarse rule, residual velocity, contacts made, slips begun, error of the velocity by
-# harmonics left out and by quadrature, mean tangential forces of a cycle at rest (least and largest)
-VELOCITY, FIRST_ORDER, HEIGHT, HELD, LOAD_SIGN = range(5)
-COARSE, RESIDUAL, MADE_PER_CYCLE, SLIPS_PER_CYCLE, TAIL, QUADRATURE = range(5, 11)
-LEAST_AT_REST, LARGEST_AT_REST, COLUMNS = range(11, 14)
+
+class Entry(IntEnum):
+    """Columns of an answer: of the equilibrium, and from REGIME on what `sweep_rows` adds.
+
+    Scaled, and SI units where `sweep_rows` returns them; errors are over max(|v|, omega |u_x|/10).
+    """
+
+    VELOCITY = 0  # mean
+    FIRST_ORDER = 1  # the velocity of first order
+    HEIGHT = 2  # mean approach
+    HELD = 3  # 1 or 0
+    LOAD_SIGN = 4
+    COARSE = 5  # velocity of first order by the coarse rule
+    RESIDUAL = 6  # of the velocity
+    MADE_PER_CYCLE = 7  # contacts
+    SLIPS_PER_CYCLE = 8  # slips begun
+    TAIL = 9  # error of the velocity by harmonics left out
+    QUADRATURE = 10  # and by quadrature
+    LEAST_AT_REST = 11  # mean tangential force of a cycle at rest
+    LARGEST_AT_REST = 12
+    REGIME = 13
+    ERROR = 14
+    FROM_WAVE = 15
+    THRUST = 16
+    THRUST_ERROR = 17
+    STATUS = 18
+
+
 # Nodes per smooth piece of a cycle: those of the search, and those of the answer. The difference between the two times
 # RULE_ERROR bounds the error of the finer (true: 1/70 with 16 and 24 nodes, an elliptic orbit of general phase).
 NODES, FINE_NODES, RULE_ERROR = 16, 24, 0.1
@@ -46,6 +76,15 @@ class Work(NamedTuple):
     # Of first order, without fast motion, and of second order
     first: Cycle
     second: Cycle
+
+
+class ClosedForm(NamedTuple):
+    """Cycle means between exact events, at one height."""
+
+    rule: Rule
+    height: float
+    work: Work
+    left: Callable
 
 
 _ROOMS = threading.local()  # by harmonics: a kernel finds the same arrays again, and has them packed
@@ -77,7 +116,7 @@ def settled(problem, rule, h, v, work, most):
     for _ in range(most):
         cycle(problem, h, v, rule, work)
         _, slope = mean_push(problem, h, rule)
-        step = (problem.preload - work.means[NORMAL]) / slope if slope > 0.0 else 0.0
+        step = (problem.preload - work.means[Mean.NORMAL]) / slope if slope > 0.0 else 0.0
         a, b, c, d = fast.normal_cos[0], fast.normal_sin[0], fast.tangential_cos[0], fast.tangential_sin[0]
         respond(problem, work)
         h += step
@@ -88,11 +127,22 @@ def settled(problem, rule, h, v, work, most):
     return h, change
 
 
+@formula
+def force_left(problem, mean, v):
+    """Return what a mean tangential force leaves to accelerate the slider at a velocity."""
+    return mean + damping_force(problem, Coordinates(0.0, v)).along - problem.load
+
+
 @compiled
 def excess(problem, rule, h, v, work):
     """Return the mean tangential force that is left to accelerate a slider at a velocity, of first order."""
     cycle(problem, h, v, rule, work.first)
-    return work.first.means[TANGENTIAL] - problem.tangential_damping * v - problem.load
+    return force_left(problem, work.first.means[Mean.TANGENTIAL], v)
+
+
+@compiled
+def _left(problem, means, v):
+    return excess(problem, means.rule, means.height, v, means.work)
 
 
 @formula
@@ -119,9 +169,52 @@ def way_out(least, largest, load, friction):
     return (-1.0 if largest - load < -rounding else 0.0), load
 
 
+class Speed(NamedTuple):
+    """Where `balanced_speed` has come to."""
+
+    status: int
+    velocity: float
+    force: float  # left at that velocity
+    slope: float  # of the force in the velocity
+    top: float  # range of the search
+
+
+@formula
+def balanced_speed(problem, means, way, at_rest, close):
+    """Return the velocity of sign `way` at which no force is left, as a `Speed`.
+
+    `at_rest` is the mean force at rest on that side; the search ends where a step is below `close` of its range.
+    """
+    friction = problem.friction * problem.preload
+    a, fa = 0.0, at_rest - problem.load
+    b = way * full_slip_speed(problem)
+    fb = means.left(problem, means, b)
+    if fb * way >= 0.0:  # full friction does not balance the load: the damper has to
+        if problem.tangential_damping == 0.0:
+            return Speed(Status.RUNAWAY, 0.0, 0.0, 0.0, 0.0)
+        for _ in range(60):  # one step where friction does not fall with speed
+            b += 1.000001 * fb / problem.tangential_damping
+            fb = means.left(problem, means, b)
+            if fb * way < 0.0:
+                break
+    v, top, v_old, f_old = b, abs(b), a, fa
+    slope = (fb - fa) / (b - a)
+    for count in range(100):
+        v = trial(a, fa, b, fb, count)
+        f = means.left(problem, means, v)
+        if v != v_old:
+            slope = (f - f_old) / (v - v_old)
+        moved = abs(v - v_old)
+        v_old, f_old = v, f
+        a, fa, b, fb = narrowed(a, fa, b, fb, v, f)
+        if f == 0.0 or abs(f) < 1e-13 * friction or moved < close * top:
+            break
+    return Speed(Status.DONE, v, f_old, slope, top)
+
+
 @compiled
 def balance_row(problem, harmonics, work, out):
-    """Fill an equilibrium, its columns by the names of this module; return the reason for ending.
+    """Fill an equilibrium, its columns by `Entry`; return the reason for ending.
 
     `harmonics` of the fast motion; 0: first order. The load is taken with the sign with which it opposes the unloaded
     motion.
@@ -129,19 +222,19 @@ def balance_row(problem, harmonics, work, out):
     for k in range(out.size):
         out[k] = 0.0
     h = riding(problem, work.rule)
-    out[HEIGHT] = h
+    out[Entry.HEIGHT] = h
     way, force = _at_rest(problem, h, work, out)
-    sticks = work.first.counts[STUCK] > 0
+    sticks = work.first.counts[Counted.STUCK] > 0
     problem = changed(problem, force, problem.paths)
-    out[LOAD_SIGN] = -1.0 if force < 0.0 else 1.0
+    out[Entry.LOAD_SIGN] = -1.0 if force < 0.0 else 1.0
     if way == 0.0:
-        out[HELD] = 1.0
+        out[Entry.HELD] = 1.0
         return Status.DONE
     status, top, slope = _first_order(problem, h, way, 1e-11 if harmonics == 0 else 1e-5, work, out)
     if status != Status.DONE or harmonics == 0 or not slope < 0.0:
         return status
     status = _second_order(problem, slope, top, work, out)
-    return Status.STICKS if sticks and abs(out[VELOCITY]) < 1e-6 * top else status
+    return Status.STICKS if sticks and abs(out[Entry.VELOCITY]) < 1e-6 * top else status
 
 
 @compiled
@@ -149,12 +242,12 @@ def _at_rest(problem, h, work, out):
     """Fill the least and the largest tangential force of a cycle at rest; return `way_out`."""
     counts, friction = work.first.counts, problem.friction * problem.preload
     least = largest = excess(problem, work.fine, h, 0.0, work) + problem.load
-    stuck = counts[STUCK]
-    out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = counts[MADE], counts[SLIPS]
+    stuck = counts[Counted.STUCK]
+    out[Entry.MADE_PER_CYCLE], out[Entry.SLIPS_PER_CYCLE] = counts[Counted.MADE], counts[Counted.SLIPS]
     if least - max(problem.load, 0.0) <= 1e-13 * friction:
         largest = excess(problem, work.fine, h, -1e-300, work) + problem.load
-    counts[STUCK] = stuck
-    out[LEAST_AT_REST], out[LARGEST_AT_REST] = least, largest
+    counts[Counted.STUCK] = stuck
+    out[Entry.LEAST_AT_REST], out[Entry.LARGEST_AT_REST] = least, largest
     return way_out(least, largest, problem.load, friction)
 
 
@@ -164,39 +257,22 @@ def _first_order(problem, h, way, close, work, out):
 
     The search ends where a step is below `close` of its range.
     """
-    rule, friction = work.rule, problem.friction * problem.preload
-    a, fa = 0.0, (out[LEAST_AT_REST] if way > 0.0 else out[LARGEST_AT_REST]) - problem.load
-    b = way * full_slip_speed(problem)
-    fb = excess(problem, rule, h, b, work)
-    if fb * way >= 0.0:  # full friction does not balance the load: the damper has to
-        if problem.tangential_damping == 0.0:
-            return Status.RUNAWAY, 0.0, 0.0
-        for _ in range(60):  # one step where friction does not fall with speed
-            b += 1.000001 * fb / problem.tangential_damping
-            fb = excess(problem, rule, h, b, work)
-            if fb * way < 0.0:
-                break
-    v, top, v_old, f_old = b, abs(b), a, fa
-    slope = (fb - fa) / (b - a)
-    for count in range(100):
-        v = trial(a, fa, b, fb, count)
-        f = excess(problem, rule, h, v, work)
-        if v != v_old:
-            slope = (f - f_old) / (v - v_old)
-        moved = abs(v - v_old)
-        v_old, f_old = v, f
-        a, fa, b, fb = narrowed(a, fa, b, fb, v, f)
-        if f == 0.0 or abs(f) < 1e-13 * friction or moved < close * top:
-            break
+    at_rest = out[Entry.LEAST_AT_REST] if way > 0.0 else out[Entry.LARGEST_AT_REST]
+    status, v, left, slope, top = balanced_speed(
+        problem, ClosedForm(work.rule, h, work, _left), way, at_rest, close
+    )
+    if status != Status.DONE:
+        return status, 0.0, 0.0
     # where the search stops early, Newton's step from there errs by the square of the last one
-    out[COARSE], out[RESIDUAL] = (v - f_old / slope if slope < 0.0 else v), abs(f_old / slope)
+    out[Entry.COARSE], out[Entry.RESIDUAL] = (v - left / slope if slope < 0.0 else v), abs(left / slope)
     f = excess(problem, work.fine, h, v, work)
-    out[QUADRATURE] = RULE_ERROR * abs((f - f_old) / slope)
+    out[Entry.QUADRATURE] = RULE_ERROR * abs((f - left) / slope)
     if slope < 0.0:
         v -= f / slope
-    out[VELOCITY], out[FIRST_ORDER] = v, v
-    out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = work.first.counts[MADE], work.first.counts[SLIPS]
-    return Status.DONE, top, slope
+    out[Entry.VELOCITY], out[Entry.FIRST_ORDER] = v, v
+    counts = work.first.counts
+    out[Entry.MADE_PER_CYCLE], out[Entry.SLIPS_PER_CYCLE] = counts[Counted.MADE], counts[Counted.SLIPS]
+    return status, top, slope
 
 
 @compiled
@@ -204,10 +280,11 @@ def _second_order(problem, slope, top, work, out):
     """Correct the equilibrium by the slider's fast motion; return the reason for ending."""
     second = work.second
     rest(second.fast)
-    h, v, v_old, f_old, change = out[HEIGHT], out[VELOCITY], out[VELOCITY], 0.0, np.inf
+    h, v, v_old, f_old = out[Entry.HEIGHT], out[Entry.VELOCITY], out[Entry.VELOCITY], 0.0
+    change = np.inf
     for count in range(40):
         h, change = settled(problem, work.fine, h, v, second, 1)
-        f = second.means[TANGENTIAL] - problem.tangential_damping * v - problem.load
+        f = force_left(problem, second.means[Mean.TANGENTIAL], v)
         if count > 1 and abs(v - v_old) > 1e-9 * top:
             new = (f - f_old) / (v - v_old)
             if 0.5 * slope > new > 2.0 * slope:
@@ -217,8 +294,9 @@ def _second_order(problem, slope, top, work, out):
         change = max(change, abs(f / slope))
         if change < 1e-12:
             break
-    out[VELOCITY], out[HEIGHT], out[RESIDUAL] = v, h, change
-    out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = second.counts[MADE], second.counts[SLIPS]
+    counts = second.counts
+    out[Entry.VELOCITY], out[Entry.HEIGHT], out[Entry.RESIDUAL] = v, h, change
+    out[Entry.MADE_PER_CYCLE], out[Entry.SLIPS_PER_CYCLE] = counts[Counted.MADE], counts[Counted.SLIPS]
     # The forces' harmonics fall as n^-5/2 (spheres) or n^-2 (punches, a contact's damper), the fast motion as
     # n^-2 times that, and the sum over what is left out enters the mean once more by such a harmonic. One harmonic may
     # vanish by chance: the largest of the last three counts.
@@ -226,7 +304,7 @@ def _second_order(problem, slope, top, work, out):
     for k in range(max(last - 2, 0), last + 1):
         along = np.hypot(force.tangential_cos[k], force.tangential_sin[k])
         tail = max(tail, along + problem.friction * np.hypot(force.normal_cos[k], force.normal_sin[k]))
-    out[TAIL] = TAIL_SHARE * tail / (last + 2.0) ** 2
+    out[Entry.TAIL] = TAIL_SHARE * tail / (last + 2.0) ** 2
     return Status.DONE if change < 1e-7 else Status.UNSETTLED
 
 
@@ -236,7 +314,7 @@ def _tractions(problem, speeds, work, out):
     h = riding(problem, work.fine)
     for k in range(speeds.size):
         cycle(problem, h, speeds[k], work.fine, work.first)
-        out[k] = work.first.means[TANGENTIAL]
+        out[k] = work.first.means[Mean.TANGENTIAL]
     return 0
 
 

@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.body import Coordinates, approach, circle, normal_amplitude
 from contact.jit.compiled import compiled, formula, native, summed
-from contact.kinematics import normal_amplitude
-from contact.law.normal import approach, load, slope
+from contact.law.normal import approach as approach_under
+from contact.law.normal import load, slope
 from contact.orbit import Orbit, as_orbits
 from contact.problem import Problem, scaled
 from contact.slider import Slider
@@ -33,33 +34,6 @@ def quadrature(nodes: int) -> Rule:
     point, weight = np.polynomial.legendre.leggauss(nodes)
     theta = 0.5 * np.pi * (point + 1.0)
     return Rule(0.5 * (1.0 - np.cos(theta)), 0.25 * np.pi * weight * np.sin(theta))
-
-
-@compiled
-def short_sine(t):
-    """Return sin t and 1 - cos t for |t| <= 0.8 by their series, to rounding."""
-    y = t * t
-    s, v = 1.0 - y * (1.0 / 272.0), 1.0 - y * (1.0 / 306.0)
-    s, v = 1.0 - y * (1.0 / 210.0) * s, 1.0 - y * (1.0 / 240.0) * v
-    s, v = 1.0 - y * (1.0 / 156.0) * s, 1.0 - y * (1.0 / 182.0) * v
-    s, v = 1.0 - y * (1.0 / 110.0) * s, 1.0 - y * (1.0 / 132.0) * v
-    s, v = 1.0 - y * (1.0 / 72.0) * s, 1.0 - y * (1.0 / 90.0) * v
-    s, v = 1.0 - y * (1.0 / 42.0) * s, 1.0 - y * (1.0 / 56.0) * v
-    s, v = 1.0 - y * (1.0 / 20.0) * s, 1.0 - y * (1.0 / 30.0) * v
-    s, v = 1.0 - y * (1.0 / 6.0) * s, 1.0 - y * (1.0 / 12.0) * v
-    return t * s, 0.5 * y * v
-
-
-@compiled
-def circle(phi):
-    """Return cos phi and sin phi to rounding, without a branch: several at once in the processor's lanes."""
-    turns = np.floor(phi * (2.0 / np.pi) + 0.5)
-    s, v = short_sine((phi - turns * 1.5707963267341256) - turns * 6.077100506506192e-11)
-    v = 1.0 - v
-    # quarter turns: (c, s), (-s, c), (-c, -s), (s, -c)
-    quarter = turns - 4.0 * np.floor(0.25 * turns)
-    c, s = (s, v) if quarter == 1.0 or quarter == 3.0 else (v, s)
-    return (-c if quarter == 1.0 or quarter == 2.0 else c), (-s if quarter >= 2.0 else s)
 
 
 @summed
@@ -94,7 +68,7 @@ def mean_push(problem, h, rule):
     total = steepness = force = rate = 0.0
     last_a = last_z = -1.0
     for i in range(paths.height.size):
-        a, z = normal_amplitude(paths, i), h + paths.height[i]
+        a, z = normal_amplitude(paths, i), approach(paths, i, 0.0, Coordinates(-h, 0.0))
         if a != last_a or z != last_z:
             force = rate = 0.0
             last_a, last_z = a, z
@@ -118,7 +92,7 @@ def riding(problem, rule):
         a = normal_amplitude(paths, i)
         reach, least, low = max(reach, a), min(least, paths.height[i]), min(low, -a - paths.height[i])
     # the mean load is at least that of the mean approach, and every contact is at least as high as the lowest
-    high = approach(target / (problem.stiffness * n), problem.shape) - least
+    high = approach_under(target / (problem.stiffness * n), problem.shape) - least
     h = high
     for _ in range(80):
         force, steepness = mean_push(problem, h, rule)
