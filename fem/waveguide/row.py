@@ -62,7 +62,7 @@ def condensed_pieces(stator: Stator, modes: GuidedModes, resolution: Resolution)
                 matrix=end.matrix, recover=end.recover, floating_potential=end.floating_potential
             )
     return CondensedPieces(
-        between=between, ends=tuple(ends), start=placed.start / unit, stop=placed.stop / unit
+        between=between, ends=(ends[0], ends[1]), start=placed.start / unit, stop=placed.stop / unit
     )
 
 
