@@ -297,6 +297,8 @@ def test_the_motor_runs_towards_its_transducer_and_takes_less_than_the_wave_brin
     assert point["status"] == "ok"
     assert any("neighbours" in row["effect"] for row in driven.model_error)
     assert not any("slider's reaction" in each for each in driven.left_out)
+    (row,) = [row for row in driven.model_error if row["effect"].startswith("first order")]
+    assert -0.1 < row["size"] < 0.0
 
 
 @pytest.mark.parametrize(
