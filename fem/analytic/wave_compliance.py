@@ -98,11 +98,17 @@ def spring_shift(
     springs = np.zeros(int(body.displaced.sum()))
     springs[[0, -1]] = tangential / stress, normal / stress
 
+    def sprung(scaled: float) -> np.ndarray:
+        return impedance.stiff(scaled) + np.diag(springs * scaled * unit / (2.0 * np.pi * frequency))
+
     def lowest(scaled: float) -> float:
-        wavenumber = 2.0 * np.pi * frequency / (scaled * unit)
-        return float(np.linalg.eigvalsh(impedance.stiff(scaled) + np.diag(springs) / wavenumber)[0])
+        return float(np.linalg.eigvalsh(sprung(scaled))[0])
 
     top = limit * (1.0 - _BELOW_LIMIT)
     if lowest(top) > 0.0:
         return None
-    return float(velocity / unit / _root(lowest, top) - 1.0)
+    root = _root(lowest, top)
+    moved = np.abs(np.linalg.eigh(sprung(root))[1][:, 0]) ** 2
+    if moved[0] + moved[-1] < 0.1:  # a shear-horizontal wave, which springs along x and z leave bound
+        return None
+    return float(velocity / unit / root - 1.0)
