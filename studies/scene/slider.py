@@ -85,9 +85,9 @@ class Friction(Block):
 
     def check_pairs(self) -> Any:
         for one, other in (("sliding", "speed"), ("high_pressure", "pressure")):
-            for given, missing in ((one, other), (other, one)):
-                if getattr(self, given) is not None and getattr(self, missing) is None:
-                    yield missing, f"is required and missing: {given} is given"
+            for present, missing in ((one, other), (other, one)):
+                if getattr(self, present) is not None and getattr(self, missing) is None:
+                    yield missing, f"is required and missing: {present} is given"
         if (
             self.sliding is None
             and self.high_pressure is None
@@ -248,9 +248,10 @@ class Slider(Block):
         "Of pillars. rigid: one plane; soft: every row along the wave bears the same pressure.",
     ] = "rigid"
     loading: Annotated[
-        bool | None,
-        FLAG,
-        "Whether pillars act back on the wave. Absent: where the loading number is above 0.05.",
+        bool | str | None,
+        FLAG | choice("harmonics"),
+        "Whether pillars act back on the wave. Absent: where the loading number is above 0.05. harmonics: also with "
+        "the overtones of the wave that they make.",
     ] = None
 
     def check_contacts(self) -> Any:
@@ -275,6 +276,8 @@ class Slider(Block):
             yield "method", f'must be "auto" or "averaged" with [slider.pillars], got "{self.method}"'
         if self.travel:
             yield "travel", "must be false or absent with [slider.pillars]"
+        if self.backing == "soft" and self.loading == "harmonics":
+            yield "loading", 'must be true or false where slider.backing is "soft"'
         if self.backing == "soft" and self.tilt != "held":
             yield (
                 "tilt",
@@ -286,13 +289,13 @@ class Slider(Block):
             yield "law", 'must be "elastic" with shape = "punch", which slips as a whole'
 
     def check_friction(self) -> Any:
-        given = [
+        special = [
             *(["a table of friction_coefficient"] if isinstance(self.friction_coefficient, Friction) else []),
             *(["a law of one's own"] if isinstance(self.law, LawText) else []),
         ]
-        if len(given) == 2:
+        if len(special) == 2:
             yield "friction_coefficient", "must be a number with a law of one's own"
-        if given and (self.law == "hysteretic" or self.reciprocal or self.stick_band > 0):
+        if special and (self.law == "hysteretic" or self.reciprocal or self.stick_band > 0):
             keys = {
                 "law": self.law == "hysteretic",
                 "reciprocal": self.reciprocal,
@@ -300,7 +303,7 @@ class Slider(Block):
             }
             key = next(name for name, wrong in keys.items() if wrong)
             allowed = {"law": '"elastic"', "reciprocal": "false", "stick_band": "0"}[key]
-            yield key, f"must be {allowed} with {given[0]}"
+            yield key, f"must be {allowed} with {special[0]}"
 
     def check_heights(self) -> Any:
         if self.heights is None:
