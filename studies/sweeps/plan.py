@@ -11,6 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 
@@ -91,6 +92,15 @@ class Design:
     def __len__(self):
         return math.prod(len(each) for each in self.axes)
 
+    @property
+    def stators(self) -> int:
+        """Number of stators to be solved, a band of frequencies as one for each geometry."""
+        question, count = self.question, 1
+        for each in self.axes:
+            banded = question.frequencies and each.keys == ("drive.frequency",)
+            count *= len(each) if set(each.keys) & set(question.stator_keys) and not banded else 1
+        return count
+
     def values(self, points) -> list[tuple]:
         """Return the values of the keys at points, given by an array of their numbers."""
         if not self.axes:
@@ -117,7 +127,7 @@ class Design:
 
     @property
     def identity(self) -> dict[str, str]:
-        """What makes two sweeps the same one: digests of scene, axes, tolerance and what is also asked."""
+        """What makes two sweeps the same one: digests of scene, its files, axes, tolerance and what is also asked."""
         parts = {
             "scene": self.question.table,
             "tolerance": self.question.tolerance,
@@ -125,6 +135,7 @@ class Design:
         }
         parts |= {f"axis {'+'.join(each.keys)}": each.columns for each in self.axes}
         parts |= {"order of axes": self.question.keys}
+        parts |= {f"file {path}": content for path, content in _files(self.question.table)}
         return {name: _digest(part) for name, part in parts.items()}
 
 
@@ -182,13 +193,22 @@ def _places(table: dict, columns: dict) -> tuple[tuple[float, float], ...]:
     if math.prod(map(len, moved.values())) > PLACES:
         return ()
     predictor = Predictor(table, tolerance=1.0)
-    found: dict[tuple[float, float], None] = {}
+    places: dict[tuple[float, float], None] = {}
     first = {key: column[0] for key, column in columns.items()}
     for row in product(*moved.values()):
         with suppress(SceneError):  # said at its point
             slider = predictor.scene(first | dict(zip(moved, row, strict=True))).slider
-            found |= dict.fromkeys(() if slider is None else (slider.center, *slider.places))
-    return tuple(found)
+            places |= dict.fromkeys(() if slider is None else (slider.center, *slider.places))
+    return tuple(places)
+
+
+def _files(part):
+    """Yield the files that a scene's table names, a mesh or a law, and digests of what they hold."""
+    if isinstance(part, dict | list):
+        for each in part.values() if isinstance(part, dict) else part:
+            yield from _files(each)
+    elif isinstance(part, str) and Path(part).suffix and Path(part).is_file():
+        yield part, hashlib.sha256(Path(part).read_bytes()).hexdigest()
 
 
 def _digest(part) -> str:
