@@ -14,7 +14,7 @@ from functools import cache
 
 import numpy as np
 
-from fem.convergence import ConvergenceError
+from fem.convergence import refuse_above
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import absorbs_slowly, refine
@@ -59,11 +59,8 @@ def _refined_modes(
         tolerance=tolerance,
     )
     (error,) = refined.errors
-    if error > tolerance:
-        raise ConvergenceError(
-            f"the guided modes' wavenumbers are known to {error:.1e} only, {tolerance:.1e} was asked for: "
-            f"ask for less{', or ' + refined.obstacle if refined.obstacle else ''}"
-        )
+    advice = f"ask for less{', or ' + refined.obstacle if refined.obstacle else ''}"
+    refuse_above(error, tolerance, "the guided modes' wavenumbers are", advice=advice)
     return refined.answer, at_order(orders[refined.level - 1]), error
 
 
@@ -109,7 +106,7 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
         If the highest order does not reach the tolerance.
     """
     modes, _, error = _refined_modes(stator, frequency, 0.0, tolerance, FREE_ORDERS, _velocities_apart)
-    section, wavenumber = modes.section, _surface_wavenumber(modes)
+    section, wavenumber = modes.section.full, _surface_wavenumber(modes)
     shape = _at_the_upper_face(modes.right[:, modes.rayleigh], section)
     profile = section.on_nodes(shape[:, None])[0] * section.field_units
     profile /= profile[-1, FIELD_COLUMN["uz"]]
@@ -197,7 +194,7 @@ def guided_modes(
         ORDERS,
         _propagating_apart if propagating else _surface_waves_apart,
     )
-    section, unit, lateral = modes.section, modes.section.length_unit, modes.lateral_wavenumber
+    section, unit, lateral = modes.section.full, modes.section.length_unit, modes.lateral_wavenumber
     certain = modes.propagating if propagating else modes.rayleigh
     chosen = _known(modes, coarse, max(tolerance, 10 * error), certain)
     shapes = section.on_nodes(modes.right[:, chosen]) * section.field_units
