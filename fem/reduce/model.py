@@ -10,7 +10,7 @@ inside a finger's cell or beside an end is asked for, those pieces are condensed
 the reduced lines are lifted to them.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -18,6 +18,7 @@ import numpy as np
 from fem.circuit import Drive
 from fem.condense.columns import FingerColumns, LiftedHalf
 from fem.condense.piece import Blocks
+from fem.condense.reduced import RationalPiece
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.grading import Resolution
 from fem.discretize.spectral import lagrange_weights
@@ -27,6 +28,7 @@ from fem.results.solution import Solution, driven_solution
 from fem.waveguide.ends import EndPieces, Wall, end_pieces
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.port_fields import PortFields, Solve, joined_fields
+from fem.waveguide.row import PieceRow
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,6 +83,9 @@ class ReducedModel:
     nodes: np.ndarray = field(repr=False)  # omega^2 of the interpolation's nodes, (rad/s)^2
     # projected end pieces at the nodes, shape (nodes, 2, r, r); None for absorbing ends
     walls: np.ndarray | None = field(repr=False)
+    row: PieceRow = field(repr=False)
+    pieces: dict[tuple, RationalPiece] = field(repr=False)  # the row's different meshes
+    piece_error: float  # of their interpolation, relative, of their lines
 
     def port_fields(self, frequency: float, solve: Solve | None = None) -> PortFields:
         """Solve for unit voltage at every port at a frequency of the band (Hz); a ValueError outside it.
@@ -94,20 +99,28 @@ class ReducedModel:
         full = FullPieces(self, frequency)
         make = Condensation(self.section, frequency)
         pieces = even_rows(make, self.transducers, lambda shape: self._cell(make, shape, weights, full))
-        walls = None
+        modes = guided_modes(self.section, frequency)
+        row = self.row.arranged({key: piece.at(frequency) for key, piece in self.pieces.items()}, modes)
         if self.walls is not None:
+            plain = [isinstance(end, str) for end in row.ends]
             matrices = np.tensordot(weights, self.walls, axes=1)
-            walls = tuple(
-                Wall(matrix=matrix, recover=partial(full.end, side)) for side, matrix in enumerate(matrices)
+            walls = [
+                Wall(matrix=matrix, recover=partial(full.end, side)) if plain[side] else row.ends[side]
+                for side, matrix in enumerate(matrices)
+            ]
+            row = replace(
+                row,
+                ends=tuple(walls),
+                start=row.start + WALL_WIDTH * plain[0],
+                stop=row.stop - WALL_WIDTH * plain[1],
             )
         return joined_fields(
             self.stator,
             self.transducers,
             pieces,
-            modes=guided_modes(self.section, frequency),
+            modes=modes,
             resolution=self.resolution,
-            ends=walls,
-            inset=0.0 if walls is None else WALL_WIDTH,
+            pieces=row,
             solve=solve,
         )
 

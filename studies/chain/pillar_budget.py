@@ -60,12 +60,9 @@ def pillar_rows(record: Record) -> Rows:
                 motion.loading_number,
                 "loading number 2 Gamma F/(w A), about the phase in rad",
             )
-        yield (
-            OVERTONES,
-            "velocity",
-            motion.overtone,
-            "|U_2/U_1| at the exit, by second harmonics of the forces",
-        )
+        if motion.harmonics == 1:
+            how = '|U_2/U_1| at the exit, first order; slider.loading = "harmonics" computes them'
+            yield OVERTONES, "velocity", motion.overtone, how
         yield from _scattering(motion)
     yield from _compliance(body, motion, slider, level)
     yield from _leak(record, motion)

@@ -186,8 +186,10 @@ def read_measured(path: str | Path, option: str = OPTION) -> Measurement:
         wanted += (
             "time_s with velocity_m_per_s or position_m, or x_m with u_z_real_m_per_V and u_z_imag_m_per_V"
         )
+        bracketed = any(sign in name for name in table.names for sign in "[( ")
+        hint = ": a head is a name and its unit, such as x_mm or u_z_real_pm" if bracketed else ""
         raise SceneError(
-            option, f"{str(path)!r} must have the columns {wanted}; got {', '.join(table.names)}"
+            option, f"{str(path)!r} must have the columns {wanted}; got {', '.join(table.names)}{hint}"
         )
     if quantity == "amplitude":
         deviations = table.deviation(("normal_amplitude_standard_deviation",), LENGTHS)

@@ -31,7 +31,8 @@ from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.evaluation import surface_of
 from fem.results.power_balance import power_balance
-from fem.results.solution import Solution, solve_driven
+from fem.results.solution import Solution
+from fem.solve.harmonic import solve_driven
 from fem.waveguide.ends import Wall
 from tests.validation.attempt import attempted
 from tests.validation.contenders import CURVES, missing

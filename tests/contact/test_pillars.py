@@ -55,7 +55,7 @@ def random_cycles(count=60):
 
 
 def stop_operator(h, a, b, c, w, steps=5_000, turns=6):
-    """Return P_0, P_1, Q_0, Q_1, P_2, Q_2 (k = 1) and the friction work of contacts that follow small steps."""
+    """Return P_0, P_1, Q_0, Q_1 (k = 1) and the friction work of contacts that follow small steps."""
     phase = 2.0 * np.pi * np.arange(steps + 1) / steps
     z = np.maximum(h + (a * np.exp(1j * phase[:, None])).real, 0.0)
     y = (b * np.exp(1j * phase[:, None])).real - w * phase[:, None]
@@ -74,8 +74,7 @@ def stop_operator(h, a, b, c, w, steps=5_000, turns=6):
     def mean(values):
         return np.trapezoid(values, phase, axis=0) / (2.0 * np.pi)
 
-    harmonic = [2.0 * mean(each * factor**n) for n in (1, 2) for each in (z, x)]
-    return mean(z), harmonic[0], mean(x), harmonic[1], harmonic[2], harmonic[3], work / (2.0 * np.pi)
+    return mean(z), 2.0 * mean(z * factor), mean(x), 2.0 * mean(x * factor), work / (2.0 * np.pi)
 
 
 def test_the_closed_cycle_is_that_of_a_stop_operator_in_small_steps():
@@ -83,15 +82,12 @@ def test_the_closed_cycle_is_that_of_a_stop_operator_in_small_steps():
     h, a, b, c, w = random_cycles()
     w[:5] *= 3.0  # some slip all the time
     found, crest = cycles(h, a, b, c, w), a / abs(a)
-    P0, P1, Q0, Q1, P2, Q2, work = stop_operator(h, a, b, c, w)
+    P0, P1, Q0, Q1, work = stop_operator(h, a, b, c, w)
     assert found[:, columns.MEAN_APPROACH] == pytest.approx(P0, abs=1e-6)
     assert found[:, columns.FIRST_APPROACH] * crest == pytest.approx(P1, abs=1e-6)
     assert found[:, columns.MEAN_STRETCH] == pytest.approx(Q0, abs=2e-3)
     first = (found[:, columns.COS_STRETCH] - 1j * found[:, columns.SIN_STRETCH]) * crest
     assert first == pytest.approx(Q1, abs=2e-3)
-    assert found[:, columns.SECOND_APPROACH] * crest**2 == pytest.approx(P2, abs=1e-6)
-    second = (found[:, columns.COS_SECOND] - 1j * found[:, columns.SIN_SECOND]) * crest**2
-    assert second == pytest.approx(Q2, abs=2e-3)
     assert found[:, columns.FRICTION] == pytest.approx(work, abs=2e-3)
     assert 10 < np.sum(found[:, columns.SHARE] < 1.0) < 50
 
@@ -146,15 +142,13 @@ def test_the_loaded_wave_leaves_as_independent_programs_say(monkeypatch):
     # Their wave runs forward only: -0.81081891 m/s, exit 19.688829 nm, +1.2997665 rad
     from contact.averaged import pillar_cycle, pillar_equilibrium
 
-    def forward_only(
-        turn, along, _against, normal, tangential, orbit, g, incident, forward, _backward, _work
-    ):
-        here = incident[0]
-        for j in range(turn.size):
-            own, before = normal[j] + abs(orbit[0]) ** 2 * tangential[j], here * turn[j]
-            rest = before + 0.5j * g * (along[j] - own * forward[j])
-            forward[j] = rest / (1.0 - 0.5j * g * own)
-            here = (2.0 * forward[j] - before) / turn[j]
+    def forward_only(waves, along, _against, followed, forward, _backward, _work):
+        here, half = waves.incident[0], 0.5j * waves.g
+        own = followed.normal + abs(waves.orbit[0]) ** 2 * followed.tangential
+        for j, turn in enumerate(waves.turn):
+            before = here * turn
+            forward[j] = (before + half * (along[j] - own[j] * forward[j])) / (1.0 - half * own[j])
+            here = (2.0 * forward[j] - before) / turn
 
     two = pillar_motion(gaussian(100, steps=100), wave())
     monkeypatch.setattr(pillar_cycle, "march", forward_only)

@@ -337,7 +337,7 @@ def test_a_trace_gives_back_friction_bandwidth_and_its_origin_of_time(sampling, 
     found = fit(scene, [trace], free, tolerance=1e-4)
     for key, (low, high) in found.intervals.items():
         assert low < truth[key] < high
-        assert high - low < 0.2 * truth[key]
+        assert high - low < 0.5 * truth[key]
 
 
 def test_touchstone_of_version_2_is_read_with_references_of_its_ports(tmp_path):

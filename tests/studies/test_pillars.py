@@ -87,6 +87,31 @@ def test_the_load_on_the_wave_is_computed_from_a_loading_number_of_one_in_twenty
     assert run(scene(loading=False)).velocity[-1] == pytest.approx(alone.velocity, rel=1e-12)
 
 
+def test_overtones_are_computed_and_leave_the_model_error():
+    levels = {"normal_amplitude": 20e-9, "burst": 2e-3}
+    record = run(scene(wave=levels, loading="harmonics", pillars={"height_scatter": 5e-9, "seed": 3}))
+    body, wave = by_hand(heights=np.random.default_rng(3).normal(scale=5e-9, size=60))
+    motion = contact.pillar_motion(body, wave, loading="harmonics")
+    point = record.points[0]
+    assert (point["velocity_m_per_s"], point["harmonics"]) == (
+        pytest.approx(motion.velocity, rel=1e-12),
+        motion.harmonics,
+    )
+    assert point["overtone_ratio"] == pytest.approx(motion.overtone, rel=1e-12)
+    assert motion.overtone > 0.05
+    assert point["relative_error"] > motion.truncation > 0.0
+    assert record.slider_wave["overtone_2_m"] == pytest.approx(motion.overtones[:, 0], rel=1e-9)
+    assert 0.0 < point["velocity_at_burst_end_m_per_s"] < motion.velocity
+    assert not any("overtones" in row["effect"] for row in record.model_error)
+    plain = run(scene(wave=levels, pillars={"height_scatter": 5e-9, "seed": 3}))
+    (row,) = [row for row in plain.model_error if "overtones" in row["effect"]]
+    assert 'slider.loading = "harmonics" computes them' in row["source"]
+    with pytest.raises(
+        SceneError, match=r'slider\.loading must be true or false where slider.backing is "soft"'
+    ):
+        scene(loading="harmonics", backing="soft")
+
+
 def test_a_load_on_the_wave_that_is_not_computed_and_decides_leaves_no_answer():
     heavy = {"preload": 18.0, "pillars": {"height_scatter": 5e-9, "seed": 3}}
     left_out = run(scene(loading=False, **heavy))

@@ -12,9 +12,8 @@ from fem.materials import material, rotated
 from fem.reduce.projection import BandProblem, project, solve_at_nodes
 from fem.results.evaluation import surface_of
 from fem.results.field import wave_field
-from fem.results.solution import solve_driven
 from fem.solve.band import _reduced, frequency_band
-from fem.solve.harmonic import motion_difference
+from fem.solve.harmonic import motion_difference, solve_driven
 from tests.fem.stators import FREQUENCY, comb, cut, plate, wave_of
 
 PLACES = np.array([0.011])
