@@ -20,7 +20,7 @@ _PUBLIC = {
     "mesh.section_mesh": "MeshError read_mesh SectionMesh",
     "mesh.piece": "MeshPiece",
     "geometry": "check_layout check_plan covers outer_gaps Stator Transducer",
-    "analytic.wave_compliance": "wave_compliance",
+    "analytic.wave_compliance": "spring_shift wave_compliance",
     "analytic.half_space": "automatic_period coupling HalfSpaceWave rayleigh surface_named",
     "analytic.slowness": "Slowness",
     "analytic.point_load": "point_load PointLoad",

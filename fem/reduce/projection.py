@@ -34,7 +34,7 @@ NODES = ((0.12, 4), (0.25, 5), (0.5, 7))
 LOOSE = 3e-4  # tolerance from which a node less serves: to 1e-4
 # A meshed piece may resonate in the band: frequencies at which its interpolation is compared with that of a node less,
 # and how many nodes it may have.
-PIECE_CHECKS, MAX_PIECE_NODES, PIECE_SHARE = 41, 9, 0.1
+PIECE_CHECKS, MAX_PIECE_NODES, PIECE_SHARE = 21, 9, 0.3
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,8 +12,8 @@ from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.piece import MeshPiece
 from fem.mesh.section_mesh import read_mesh
 from fem.results.evaluation import surface_of
-from fem.results.solution import solve_driven
 from fem.solve.band import frequency_band
+from fem.solve.harmonic import solve_driven
 from fem.waveguide.row import PieceRow
 from tests.fem.drawings import bevelled_end, rectangle
 from tests.fem.stators import comb, cut, plate

@@ -299,6 +299,22 @@ def test_the_motor_runs_towards_its_transducer_and_takes_less_than_the_wave_brin
     assert not any("slider's reaction" in each for each in driven.left_out)
 
 
+def test_the_size_of_first_order_in_the_load_is_that_of_the_exact_root(driven):
+    from dataclasses import replace
+
+    from studies.chain.bridge import DrivenContact
+    from studies.chain.pillar_budget import _leak
+    from studies.chain.pillar_points import PillarContact
+
+    motion = PillarContact.of(DrivenContact.of_run(driven)).motion(150.0)
+    length = float(np.ptp(motion.row_x))
+    light = replace(motion, loading_number=1e-3 * motion.wave.wavenumber * length)
+    (_, _, leak, _), (_, _, size, _) = _leak(driven, light)
+    assert leak == pytest.approx(1e-3 / 0.01252, rel=1e-3)  # 128YX, open
+    # -0.5 % at 2.7e-3, by the published roots, and in proportion
+    assert size == pytest.approx(-0.0058 * 1e-3 / 2.757e-3, rel=0.2)
+
+
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [

@@ -49,7 +49,7 @@ CASES = {  # period in m, kind of the layer
     ("quartz (Bechmann)", "ST-X"): (0.33e-3, "matched"),
     ("PZT-5A", "Z"): (0.2e-3, "matched"),
 }
-SLOW, DEFAULT = pytest.mark.slow, (("128YX", 1), ("Z", 2))
+SLOW, DEFAULT = pytest.mark.slow, (("128YX", 1), ("Z", 1))
 
 
 @pytest.mark.parametrize(
