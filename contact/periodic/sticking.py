@@ -11,7 +11,7 @@ or not; the tangential one up to that at which the first contact slips.
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -35,7 +35,9 @@ def normal_motion(problem: Problem, height: float, samples: int) -> NormalMotion
     """Return the periodic normal motion, from a mean approach near `height`; contacts are not parted for long."""
     phases, every = 2.0 * math.pi * np.arange(samples) / samples, np.arange(problem.contacts)[:, None]
     u_z, u_z_rate, _, _ = at_phase(problem.paths, every, np.cos(phases), np.sin(phases))
-    h, fast, fast_rate = height, np.zeros(samples), np.zeros(samples)
+    h = height
+    fast: Any = np.zeros(samples)
+    fast_rate: Any = np.zeros(samples)
     for _ in range(ROUNDS):
         z = approach(problem.paths, every, u_z, Coordinates(fast - h, 0.0))
         rate = approach_rate(u_z_rate, Coordinates(fast_rate, 0.0))
