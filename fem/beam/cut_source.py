@@ -109,7 +109,8 @@ class CutSource:
     def branches(self, reach: float, distance: float, _resolved: float, mirror_width) -> Iterator[Branch]:
         """Waves to both sides at the nodes of a rule that serves points up to ``reach``."""
         rounded = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # so that few rules are needed
-        fade = tuple(each * self.wavenumber for each in FADE)
+        low, high = FADE
+        fade = low * self.wavenumber, high * self.wavenumber
         coarser = 1.0 if self.section.floating_potential else COARSER  # u_x depends on |k_y| there
         rule = lateral_rule(self.wavenumber, rounded, fade, mirror_width, coarser=coarser)
         yield from self._lasting(rule, distance)
