@@ -65,8 +65,14 @@ def _refined_modes(
 
 
 def _surface_wavenumber(modes: GuidedModes) -> complex:
-    """Rad/m."""
-    return complex(np.mean(modes.wavenumbers[modes.rayleigh]) / modes.section.length_unit)
+    """Mean of the surface wave's modes, weighted by their share at the surface, rad/m.
+
+    Two like faces guide two modes of equal shares; of unlike ones (vacuum above alone) each guides its own wave, and
+    that of the lower face has hardly any share at the surface.
+    """
+    waves = modes.wavenumbers[modes.rayleigh]
+    share = modes.section.surface_share(modes.right[:, modes.rayleigh])
+    return complex(share @ waves / share.sum() / modes.section.length_unit)
 
 
 def _velocities_apart(fine: GuidedModes, coarse: GuidedModes) -> float:
@@ -84,7 +90,7 @@ def _propagating_apart(fine: GuidedModes, coarse: GuidedModes) -> float:
     """Largest difference of the propagating modes' k_x over the surface wave's wavenumber."""
     k = fine.wavenumbers[fine.propagating]
     nearest = abs(k[:, None] - coarse.wavenumbers).min(axis=1)
-    scale = np.hypot(np.mean(fine.wavenumbers[fine.rayleigh].real), fine.lateral_wavenumber)
+    scale = np.hypot(_surface_wavenumber(fine).real * fine.section.length_unit, fine.lateral_wavenumber)
     return float(nearest.max() / scale)
 
 
