@@ -32,7 +32,7 @@ _PUBLIC = {
     "discretize.spectral": "reference_matrices",
     "discretize.elements": "discretise",
     "condense.size": "stator_size",
-    "waveguide.force": "force_response ForceResponse",
+    "waveguide.force": "force_response ForceResponse LineForce",
     "waveguide.grating": "grating",
     "waveguide.cell_parameters": "cell_parameters CellParameters",
     "circuit": (
@@ -50,6 +50,7 @@ _PUBLIC = {
     "solve.port_admittance": "port_admittance PortAdmittance",
     "solve.band": "Band frequency_band",
     "solve.burst": "burst_response BurstEnvelope",
+    "solve.forced": "forced_wave",
     "solve.guided": "free_wave guided_modes",
     "solve.passband": "best_frequency best_period",
     "solve.p_matrix": "cascade_admittance p_matrix PMatrix",

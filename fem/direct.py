@@ -19,7 +19,7 @@ from fem.geometry import Stator, Transducer, check_layout, outer_gaps
 from fem.materials import fields
 from fem.materials.medium import Medium, medium, units
 from fem.waveguide.modes import guided_modes
-from fem.waveguide.port_fields import charge_admittances, electrode_potentials
+from fem.waveguide.port_fields import charge_admittances, electrode_potentials, transducer_ports
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,7 +101,7 @@ def _by_port(by_strip: _Strips, transducers: tuple[Transducer, ...], frequency: 
     total, columns, uncharged = len(by_strip.charges), [], []
     at = 0
     for transducer in transducers:
-        own = electrode_potentials(transducer, floating=True)
+        own = electrode_potentials(transducer, transducer_ports(transducer, floating=True))
         column = np.zeros((total, own.shape[1]))
         column[at : at + 2] = own
         columns.append(column)

@@ -6,12 +6,13 @@ time; ``run(...)`` returns a record; ``figure(record, ax)`` draws the record, or
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from functools import wraps
 from importlib import import_module
-from inspect import cleandoc, signature
+from inspect import Signature, cleandoc, signature
 from pathlib import Path
+from typing import Any
 
 import contact
 from studies.chain import run as run_chain
@@ -31,12 +32,14 @@ _HOMES = """
     motor.voltage_to_velocity evidence.rayleigh papers.seed_figures stator.admittance stator.beam
     stator.frequency_response stator.dispersion motor.regime_map motor.load_line motor.stroke motor.step_planner
     motor.positioning
-    motor.design_map inverse.sensitivity evidence.contact_error_vs_time stator.cell_parameters stator.p_matrix
+    motor.design_map inverse.sensitivity stator.cell_parameters stator.p_matrix
     stator.reflector
-    stator.network evidence.fem_error_vs_time motor.gallery papers.published_motors papers.published_stators
+    stator.network motor.gallery papers.published_motors papers.published_stators
     evidence.error_vs_time evidence.calibration evidence.stability evidence.left_out
 """
 STUDIES = {name: package for package, name in (each.split(".") for each in _HOMES.split())}
+# former names of studies: each is a part of another now
+ALIASES = {"contact_error_vs_time": "error_vs_time", "fem_error_vs_time": "error_vs_time"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,6 +133,13 @@ class StudyRecord:
         return "\n".join([*lines, "", f"seconds  {self.seconds:.1f}"])
 
 
+# what a study's ``run`` returns: panels, findings and, if there is one, the answer in words as label and text
+Answered = (
+    tuple[Iterable[Panel], Iterable[Finding]]
+    | tuple[Iterable[Panel], Iterable[Finding], Iterable[tuple[str, str]]]
+)
+
+
 def driven_contact(
     scene: str | Scene, *, tolerance: float = 1e-3, pillars: bool = False,
     progress: Callable[[str], None] | None = None,
@@ -144,7 +154,7 @@ def driven_contact(
     >>> driven_contact("twente-contact").named(1e-8)
     '10 nm'
     """
-    chosen = resolved(scene if isinstance(scene, Scene) else Scene.load(scene))
+    chosen = resolved(Scene.load(scene))
     if chosen.slider is None:
         chosen.refuse("slider", "is missing: this study needs a slider")
     if chosen.slider.pillars is not None and not pillars:
@@ -163,6 +173,7 @@ def driven_contact(
 
 def module(name: str):
     """Return the module of a study; refuse a name that no study has."""
+    name = ALIASES.get(name, name)
     if name not in STUDIES:
         raise SceneError("study", f"{name!r} does not exist{nearest(name, STUDIES)}")
     return import_module(f"studies.{STUDIES[name]}.{name}")
@@ -200,33 +211,36 @@ def of_record(draw: Callable) -> Callable:
     return figure
 
 
-def study(run: Callable) -> Callable:
-    """Make a study's ``run`` of a function that takes a `Scene` and ``progress`` and returns panels and findings.
+def study(default: str) -> Callable[[Callable[..., Answered]], Callable[..., StudyRecord]]:
+    """Return the decorator of a study's ``run``, which takes a `Scene` and ``progress`` and returns what was found.
 
-    A third value may be the answer in words, pairs of label and text; it is printed first.
-
-    The result takes a path, a shipped name or a scene, first the function's own default, and an optional ``progress``;
+    The decorated function takes a path, a shipped name or a scene, first the ``default``, and an optional ``progress``;
     it returns a `StudyRecord`, named as the module, with the time it took.  Its docstring says so.
     """
-    default = signature(run).parameters["scene"].default
 
-    @wraps(run)
-    def timed(
-        scene: str | Scene = default, *, progress: Callable[[str], None] | None = None, **given
-    ) -> StudyRecord:
-        begun = time.perf_counter()
-        chosen = scene if isinstance(scene, Scene) else Scene.load(scene)
-        try:
-            panels, findings, *answer = run(chosen, progress=progress or (lambda text: None), **given)
-        except contact.ConvergenceError as error:
-            raise RunError(" ".join(str(error).split())) from None
-        return StudyRecord(
-            name=run.__module__.rpartition(".")[2], panels=tuple(panels), findings=tuple(findings),
-            seconds=time.perf_counter() - begun, answer=tuple(answer[0]) if answer else (),
-        )  # fmt: skip
+    def decorated(run: Callable[..., Answered]) -> Callable[..., StudyRecord]:
+        @wraps(run)
+        def timed(
+            scene: str | Scene = default, *, progress: Callable[[str], None] | None = None, **options: Any
+        ) -> StudyRecord:
+            start_time = time.perf_counter()
+            loaded = Scene.load(scene)
+            try:
+                panels, findings, *answer = run(loaded, progress=progress or (lambda text: None), **options)
+            except contact.ConvergenceError as error:
+                raise RunError(" ".join(str(error).split())) from None
+            return StudyRecord(
+                name=run.__module__.rpartition(".")[2], panels=tuple(panels), findings=tuple(findings),
+                seconds=time.perf_counter() - start_time, answer=tuple(answer[0]) if answer else (),
+            )  # fmt: skip
 
-    timed.__doc__ = f"{cleandoc(run.__doc__)}\n\n{COMMON_ARGUMENTS}"
-    return timed
+        timed.__doc__ = f"{cleandoc(run.__doc__)}\n\n{COMMON_ARGUMENTS}"
+        first, *others = signature(run).parameters.values()
+        first = first.replace(default=default, annotation=str | Scene)
+        timed.__signature__ = Signature([first, *others], return_annotation=StudyRecord)  # type: ignore[attr-defined]
+        return timed
+
+    return decorated
 
 
 def run_study(

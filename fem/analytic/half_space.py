@@ -101,6 +101,7 @@ def surface_named(word: str) -> Surface:
     return surface
 
 
+@lru_cache(maxsize=256)  # one run asks for the same wave about ten times
 def rayleigh(solid: Solid, surface: str = "vacuum") -> HalfSpaceWave:
     """Return the Rayleigh wave of a half-space.
 

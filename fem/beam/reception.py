@@ -42,6 +42,7 @@ from fem.materials import isotropic_about_normal
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.network import Network, PortSolution, Scatterer, Sheet
 from fem.waveguide.port_fields import PortFields, Solve, connected
+from fem.waveguide.row_solver import Element, solve_row
 
 SHORTEST = 0.5  # aperture over wavelength: shorter fingers are no line sources
 MAX_WAVES = 3000  # that transducers send one another: two per sheet and mode
@@ -132,7 +133,14 @@ def with_apertures(fields: PortFields, mirror_width: float | None = None, finene
     if solve is None:
         return fields
     network, solution = solve(fields.network, fields.transducers)
-    return connected(fields.stator, fields.transducers, network, solution, resolution=fields.resolution)
+    return connected(
+        fields.stator,
+        fields.transducers,
+        network,
+        solution,
+        resolution=fields.resolution,
+        owners=fields.owners,
+    )
 
 
 def aperture_solver(
@@ -262,29 +270,32 @@ def _solved(
             done[key] = _response(plain, transducer.signs, kept, own, change)
         responses.append(done[key])
     network = replace(network, scatterers=tuple(each.scatterer for each in responses))
-    first = np.cumsum([0, *(len(each.sent) for each in responses)])
-    coupling = np.zeros_like(travel)
-    for each, start, stop in zip(responses, first, first[1:], strict=False):
-        coupling[start:stop] = each.sent[:, : stop - start] @ travel[start:stop]
-    counts = [each.scatterer.potentials.shape[1] for each in responses]
-    volts = np.split(np.eye(network.ports), np.cumsum(counts)[:-1])
-    by_ports = np.concatenate(
-        [each.sent[:, len(each.sent) :] @ own for each, own in zip(responses, volts, strict=True)]
-    )
-    arriving = travel @ np.linalg.solve(np.eye(len(coupling)) - coupling, by_ports)
+    ports, first = len(network.ports), np.cumsum([0, *(len(each.sent) for each in responses)])
+    volts = [np.eye(ports)[numbers] for numbers in network.numbers]
+    elements = [
+        Element(
+            scattering=each.sent[:, : stop - start],
+            excitation=each.sent[:, stop - start :] @ own,
+            leaves=np.arange(start, stop),
+            arrives=np.arange(start, stop),
+        )
+        for each, own, start, stop in zip(responses, volts, first, first[1:], strict=False)
+    ]
+    solved = solve_row(elements, travel)
     sides, incoming, charges, sheets = [], [], [], []
-    for each, own, waves in zip(responses, volts, np.split(arriving, first[1:-1]), strict=True):
-        weights = np.concatenate([waves, own])
+    for each, own, element in zip(responses, volts, elements, strict=True):
+        weights = np.concatenate([solved.arriving[element.arrives], own])
         sheets.append(each.sheets(weights))
         shares = each.lengths / each.lengths[0]
         sides.append(sum(share * sheet.sides for share, sheet in zip(shares, sheets[-1], strict=True)))
         incoming.append(each.incoming(weights))
-        charges.append(each.scatterer.charge(*np.split(sides[-1], [2 * section.size])))
+        charges.append(each.scatterer.reactions(sides[-1]))
     solution = PortSolution(
         sides=tuple(sides),
         incoming=tuple(incoming),
-        charges=np.concatenate(charges),
-        coupling=coupling,
+        segments=network.segment_waves(sides, incoming),
+        reactions=np.concatenate(charges),
+        coupling=solved.coupling,
         waves=np.concatenate([np.tile(kept, 2 * len(each)) for each in lengths]),
         sheets=tuple(sheets),
         own_apertures=True,
@@ -295,9 +306,9 @@ def _solved(
 def _by_fingers(scatterer: Scatterer, signs: str) -> tuple[Scatterer, np.ndarray]:
     """The scatterer with a potential for every finger; and the fingers' dipoles by its sides."""
     electrodes = ["+-".index(sign) for sign in signs if sign in "+-"]
-    superelement, dipoles = finger_ports(scatterer.superelement, signs)
+    superelement, dipoles = finger_ports(scatterer.piece, signs)
     own = scatterer.potentials[electrodes]
-    return Scatterer(superelement=superelement, modes=scatterer.modes, potentials=own), dipoles
+    return Scatterer(piece=superelement, modes=scatterer.modes, potentials=own), dipoles
 
 
 def _travel(
@@ -310,7 +321,7 @@ def _travel(
     """Amplitudes that arrive from those that are sent: of each transducer and sheet, to the right, then to the left."""
     modes, unit, m = network.modes, network.modes.section.length_unit, len(kept)
     edges = [
-        (place, place + each.superelement.width)
+        (place, place + each.piece.width)
         for place, each in zip(network.places, network.scatterers, strict=True)
     ]
     first = np.cumsum([0, *(2 * m * len(each) for each in lengths)])
@@ -346,7 +357,7 @@ def _response(
 ) -> _Response:
     """Response of a transducer from the section's."""
     scatterer, moments = _by_fingers(plain, signs)
-    modes, width = scatterer.modes, scatterer.superelement.width
+    modes, width = scatterer.modes, scatterer.piece.width
     n, m, sheets = modes.section.size, len(kept), len(lengths)
     fingers, ports = scatterer.potentials.shape
     arriving = np.zeros((2 * n, 2 * m + fingers), dtype=complex)
@@ -355,7 +366,7 @@ def _response(
     potentials = np.eye(fingers, 2 * m + fingers, 2 * m)
     lines = scatterer.sides(arriving, potentials)
     sides = np.concatenate([lines, potentials])
-    reactions = scatterer.superelement.matrix[2 * n :] @ sides
+    reactions = scatterer.piece.matrix[2 * n :] @ sides
     by_waves, by_fingers = reactions[:, : 2 * m], reactions[:, 2 * m :]
     # one potential on all fingers of a floating section makes no charge
     gauge = abs(np.diag(by_fingers)).sum() / max(fingers, 1) ** 2 if modes.section.floating_potential else 0.0

@@ -8,6 +8,7 @@ from fem.circuit.ports import (
     SourcePowers,
     as_drive,
     matched_load,
+    receiving_circuit,
     rectifier_resistance,
     solve_circuit,
 )
@@ -26,6 +27,7 @@ __all__ = [
     "matched_load",
     "motional_model",
     "read_touchstone",
+    "receiving_circuit",
     "rectifier_resistance",
     "solve_circuit",
     "touchstone",

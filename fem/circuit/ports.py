@@ -95,8 +95,8 @@ class Circuit:
     sources : tuple of int
         Ports with a source, those of amplitude 0 last; the first is that of ``admittance`` and ``voltage``.
     aperture : float
-        Of its transducer, m.
-    drive : Drive
+        Of its transducer, m; without a source the narrowest one, or 1 m.
+    drive : Drive or None
     network : SourcePowers
         What the sources give and lose on the way.
     """
@@ -106,7 +106,7 @@ class Circuit:
     currents: np.ndarray = field(repr=False)
     sources: tuple[int, ...]
     aperture: float
-    drive: Drive
+    drive: Drive | None
     network: SourcePowers
 
     @property
@@ -182,23 +182,11 @@ def solve_circuit(
             raise InputError(
                 "sources", f"must name transducers that have two electrodes, but {name!r} has not"
             )
-    size, omega = len(names), 2 * np.pi * frequency
-    across, along = _source_rows(drive, omega)
-    system, source = np.eye(size, dtype=complex), np.zeros(size, dtype=complex)
-    for row, name in enumerate(names):
-        termination = everyone[name].termination
-        if name in drive.sources:
-            system[row] = across * system[row] + along * admittances[row]
-            source[row] = drive.sources[name]
-        elif termination == "open":
-            system[row] = admittances[row] / abs(admittances[row, row])
-        elif termination != "short":
-            system[row] += termination * admittances[row]
-    voltages = np.linalg.solve(system, source)
+    voltages = _voltages(admittances, names, transducers, drive, frequency)
     currents = admittances @ voltages
     by_amplitude = sorted(drive.sources, key=lambda name: drive.sources[name] == 0)
     driven = [names.index(name) for name in by_amplitude]
-    into_ladders = carried(drive.match, omega, voltages[driven], currents[driven])
+    into_ladders = carried(drive.match, 2 * np.pi * frequency, voltages[driven], currents[driven])
     amplitudes = np.array([drive.sources[name] for name in by_amplitude])
     return Circuit(
         names=names,
@@ -209,6 +197,58 @@ def solve_circuit(
         drive=drive,
         network=_source_powers(drive, amplitudes, *into_ladders[1:]),
     )
+
+
+def receiving_circuit(
+    admittances: np.ndarray,
+    names: tuple[str, ...],
+    transducers: tuple[Transducer, ...],
+    received: np.ndarray,
+    frequency: float,
+    drive: str | Drive | None = None,
+) -> Circuit:
+    """Solve for the voltages of ports that receive a current and send none: I = Y V + I_received.
+
+    Parameters
+    ----------
+    admittances, names, transducers, frequency
+        As for `solve_circuit`.
+    received : ndarray, shape (ports,)
+        Current into each port while all are shorted, A.
+    drive : str or Drive, optional
+        Its sources are silent; their impedances and ladders terminate their transducers.
+    """
+    silent = None if drive is None else as_drive(drive)
+    voltages = _voltages(admittances, names, transducers, silent, frequency, received)
+    return Circuit(
+        names=names,
+        voltages=voltages,
+        currents=admittances @ voltages + received,
+        sources=(),
+        aperture=min((each.aperture for each in transducers), default=1.0),
+        drive=silent,
+        network=SourcePowers(available=0.0, given=0.0, in_sources=0.0, in_ladders=0.0),
+    )
+
+
+def _voltages(
+    admittances, names, transducers, drive: Drive | None, frequency: float, received=None
+) -> np.ndarray:
+    """Voltages with across V + along I = source at every port; without sources where a current is received."""
+    terminations = {each.name: each.termination for each in transducers}
+    across, along = np.ones(len(names), dtype=complex), np.zeros(len(names), dtype=complex)
+    source = np.zeros(len(names), dtype=complex)
+    for row, name in enumerate(names):
+        termination = terminations[name]
+        if drive is not None and name in drive.sources:
+            across[row], along[row] = _source_rows(drive, 2 * np.pi * frequency)
+            source[row] = drive.sources[name]
+        elif termination == "open":
+            across[row], along[row] = 0.0, 1 / abs(admittances[row, row])
+        elif termination != "short":
+            along[row] = termination
+    load = source if received is None else -along * received
+    return np.linalg.solve(np.diag(across) + along[:, None] * admittances, load)
 
 
 def matched_load(

@@ -9,8 +9,6 @@ integrated exactly over the union of both sets of breakpoints.  P^T A P keeps sy
 P is: only a comparison with the same stretch without a mesh sees a wrong one.
 """
 
-import itertools
-
 import numpy as np
 from numpy.polynomial import legendre
 
@@ -18,41 +16,42 @@ from fem.discretize.quads import QuadSpace
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.discretize.spectral import lagrange
 
+SAME_CUT = 1e-12  # length units: breakpoints nearer than this are one
+
 
 def line_projection(
-    space: QuadSpace, edges: np.ndarray, section: Section, field: str, free: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Functions of the mesh on an interface that are free, and P from the section's line to them, (functions, n).
+    space: QuadSpace, edges: np.ndarray, section: Section, held: dict[str, np.ndarray]
+) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """For each field: functions of the mesh on an interface that are free, and P from the section's line to them.
 
-    ``edges``: directed edges of the interface, (m, 2); ``free``: whether a function of the mesh is free for this field
-    (it is not where the field is held or tied), (skeleton,).
+    ``edges``: directed edges of the interface, (m, 2); ``held``: by field, whether a function of the mesh is held or
+    tied, (skeleton,).  P has the shape (functions, n).
     """
-    numbers = space.edge_numbers(edges)
-    own = np.unique(numbers)
-    own = own[free[own]]
-    place = np.full(space.skeleton, -1)
-    place[own] = np.arange(len(own))
-    mass, mixed = np.zeros((len(own), len(own))), np.zeros((len(own), section.size))
-    points, weights = legendre.leggauss(max(space.order, section.order) + 1)
-    points, weights = (points + 1) / 2, weights / 2
+    numbers, place = np.unique(space.edge_numbers(edges), return_inverse=True)
     heights = (space.mesh.points[:, 1] - space.mesh.points[np.unique(edges), 1].max()) / space.unit
-    body = section.breakpoints[section.bottom // section.order : section.surface // section.order + 1]
+    ends = heights[edges]
     first = section.bottom // section.order
-    for (start, stop), functions in zip(edges.tolist(), numbers, strict=True):
-        low, high = sorted((heights[start], heights[stop]))
-        inside = body[(body > low + 1e-12) & (body < high - 1e-12)]
-        cuts = np.concatenate([[low], inside, [high]])
-        here = place[functions] >= 0
-        for below, above in itertools.pairwise(cuts):
-            z, measure = below + (above - below) * points, (above - below) * weights
-            mesh_values = space.edge_values((z - heights[start]) / (heights[stop] - heights[start]))[:, here]
-            element = int(np.clip(np.searchsorted(body, (below + above) / 2) - 1, 0, len(body) - 2))
-            local = (z - body[element]) / (body[element + 1] - body[element])
-            line_values, _ = lagrange(section.order, local)
-            nodes = (first + element) * section.order + np.arange(section.order + 1)
-            dofs = section.dofs[nodes, FIELD_COLUMN[field]]
-            exists = dofs >= 0
-            rows = place[functions[here]]
-            mass[np.ix_(rows, rows)] += mesh_values.T @ (measure[:, None] * mesh_values)
-            mixed[np.ix_(rows, dofs[exists])] += mesh_values.T @ (measure[:, None] * line_values[:, exists])
-    return own, np.linalg.solve(mass, mixed)
+    body = section.breakpoints[first : section.surface // section.order + 1]
+    cuts = np.sort(np.concatenate([body, ends.ravel()]).clip(body[0], body[-1]))
+    cuts = cuts[np.append(True, np.diff(cuts) > SAME_CUT)]
+    points, weights = legendre.leggauss(max(space.order, section.order) + 1)
+    z = (cuts[:-1, None] + np.diff(cuts)[:, None] * (points + 1) / 2).ravel()
+    measure = (np.diff(cuts)[:, None] * weights / 2).ravel()
+    middle = np.repeat((cuts[:-1] + cuts[1:]) / 2, len(points))
+    edge = np.argmax((ends.min(axis=1) < middle[:, None]) & (middle[:, None] < ends.max(axis=1)), axis=1)
+    element = np.searchsorted(body, middle) - 1
+    of_mesh = np.zeros((len(z), len(numbers)))
+    values = space.edge_values((z - ends[edge, 0]) / (ends[edge, 1] - ends[edge, 0]))
+    np.put_along_axis(of_mesh, place.reshape(len(edges), -1)[edge], values, axis=1)
+    local = (z - body[element]) / (body[element + 1] - body[element])
+    nodes = (first + element)[:, None] * section.order + np.arange(section.order + 1)
+    of_line, _ = lagrange(section.order, local)
+    result = {}
+    for field, gone in held.items():
+        free = ~gone[numbers]
+        dofs = section.dofs[nodes, FIELD_COLUMN[field]]
+        line = np.zeros((len(z), section.size + 1))
+        np.put_along_axis(line, np.where(dofs >= 0, dofs, section.size), of_line, axis=1)
+        mesh = of_mesh[:, free].T * measure
+        result[field] = numbers[free], np.linalg.solve(mesh @ of_mesh[:, free], mesh @ line[:, :-1])
+    return result

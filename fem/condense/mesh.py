@@ -1,7 +1,7 @@
 """A piece of the stator from a mesh: assembled, condensed to its interfaces and electrodes, recovered.
 
-The inside of every element is eliminated in batches (static condensation), then the edges and vertices between them by
-a sparse Schur complement.  On an interface the mesh's unknowns are P times those of the section's line
+The inside of every element is eliminated in batches (static condensation), then the edges and vertices between them
+front by front (`fem.condense.fronts`).  On an interface the mesh's unknowns are P times those of the section's line
 (`fem.condense.interface`), so that the condensed matrix is P^T A P and stays complex symmetric.  An electrode is
 equipotential: the potential of its vertices is one unknown, which a connection makes a port, ground makes zero, and
 which is eliminated, without net charge, where the electrode floats.
@@ -15,12 +15,12 @@ from functools import cached_property
 
 import numpy as np
 
+from fem.condense.fronts import Dissection, Factor
 from fem.condense.interface import line_projection
 from fem.condense.piece import Port
-from fem.condense.sparse import schur_complement, sparse_solution
 from fem.convergence import ConvergenceError
 from fem.discretize.grading import Resolution
-from fem.discretize.quads import QuadSpace, medium_matrices
+from fem.discretize.quads import QuadSpace, medium_block, medium_tables
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.geometry import Stator
 from fem.materials.christoffel import slowest_wavelength
@@ -29,11 +29,13 @@ from fem.mesh.piece import FLOATING, GROUNDED, MeshPiece
 from fem.mesh.quads import conditions_of, quad_mesh
 from fem.mesh.section_mesh import ELECTRODE, MeshError
 
-# Layers towards corners beyond those towards finger edges.  On a user's 70 triangles the admittance errs by 6e-5, 3e-6
-# and 6e-7 at (order, layers) = (5, 2), (6, 3), (7, 4).
-MORE_LAYERS = 2
+# The section's elements are a wavelength long at the most.  In a mesh half of one and an order less do, with a layer
+# more than towards finger edges: a groove's motion then errs by 1.3e-3 and 1.6e-4 at the levels 1 and 2 (with the
+# section's order and two layers more 1.8e-3 and 2e-4), a plain stretch's by 8e-10 at level 3 (two orders less: 2e-8).
+ELEMENT_SHARE = 0.5
+ORDERS_LESS = 1
+MORE_LAYERS = 1
 MAX_UNKNOWNS = 2_000_000
-MAX_AMPLIFICATION = 1e9  # of the condensed matrix over that of the elements: seven digits are left
 HELD = {"clamped": ("u",), "grounded": ("phi",), "free": ()}
 
 
@@ -50,7 +52,8 @@ class MeshedPiece:
     ports: tuple[Port, ...]
     floating_potential: bool
     unknowns: int  # of the mesh
-    reduced: object = field(repr=False)  # sparse matrix over free unknowns, lines and ports
+    factor: Factor = field(repr=False)
+    insides: list[np.ndarray] = field(repr=False)  # of every part of `Assembly.parts`: inside from rim
     _last: dict = field(default_factory=dict, init=False, repr=False)
 
     def recover(self, sides: np.ndarray) -> "MeshField":
@@ -58,15 +61,14 @@ class MeshedPiece:
         sides = np.asarray(sides, dtype=complex)
         key = sides.tobytes()
         if key not in self._last:
-            free = self.reduced.shape[0] - len(sides)
-            inside = np.zeros(free, dtype=complex)
-            if free:
-                load = -(self.reduced[:free, free:] @ sides)
-                inside = sparse_solution(self.reduced[:free, :free], load[:, None])[:, 0]
-            values = self.assembly.expansion @ np.concatenate([inside, sides])
             self._last.clear()
-            self._last[key] = MeshField(assembly=self.assembly, frequency=self.frequency, skeleton=values)
+            self._last[key] = MeshField(piece=self, skeleton=self.skeleton(sides[:, None])[:, 0])
         return self._last[key]
+
+    def skeleton(self, sides: np.ndarray) -> np.ndarray:
+        """Unknowns on edges and vertices for lines and ports (len(matrix), m), and a last row of zeros."""
+        values = self.factor.unknowns(self.assembly.projection @ sides)
+        return np.concatenate([values, np.zeros((1, sides.shape[1]))])[self.assembly.numbers]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -80,85 +82,81 @@ class Assembly:
     sides: tuple[str, ...]  # "left", "right" or one of them
     lines: tuple[int, ...]  # unknowns of the section's line on each side
     ports: tuple[Port, ...]
-    # shape (skeleton unknowns, free unknowns + lines + ports): unknowns on edges and vertices from those that remain
-    expansion: object = field(repr=False)
+    # shape (skeleton functions * fields,): number of the unknown, -1 where it is held at zero
+    numbers: np.ndarray = field(repr=False)
+    # shape (interface functions + ports, lines + ports): the unknowns that are kept, from those of the lines
+    projection: np.ndarray = field(repr=False)
     floating_potential: bool
 
-    @property
-    def kept(self) -> int:
-        """Unknowns of lines and ports: the last columns of ``expansion``."""
-        return sum(self.lines) + len(self.ports)
-
-    def solids(self):
-        """Yield the solids' names, media and elements."""
+    @cached_property
+    def parts(self) -> list[tuple[Medium, np.ndarray, np.ndarray]]:
+        """Elements of one medium, few enough for memory: medium, elements, skeleton unknowns of their rims."""
+        result = []
         for name, own in self.media.items():
-            chosen = np.flatnonzero(self.space.mesh.solids == name)
-            if len(chosen):
-                yield name, own, chosen
+            columns = np.array([self.fields.index(each) for each in own.fields])
+            for elements in self.space.chunks(np.flatnonzero(self.space.mesh.solids == name)):
+                functions = self.space.numbers[elements][:, None, : self.space.rim]
+                numbers = functions * len(self.fields) + columns[:, None]
+                result.append((own, elements, numbers.reshape(len(elements), -1)))
+        return result
 
-    def unknowns(self, own: Medium, elements: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Skeleton unknowns on the rim of elements (m, rim * fields); local order of rim and inside."""
-        columns = np.array([self.fields.index(name) for name in own.fields])
-        numbers = self.space.numbers[elements][:, : self.space.rim]
-        return (numbers[:, :, None] * len(self.fields) + columns).reshape(len(elements), -1)
+    @cached_property
+    def dissection(self) -> Dissection:
+        """The order in which its unknowns are eliminated."""
+        mesh = self.space.mesh
+        order = np.concatenate([elements for _, elements, _ in self.parts])
+        unknowns = [row for _, _, numbers in self.parts for row in self.numbers[numbers]]
+        centers = mesh.points[mesh.quads[order, :4]].mean(axis=1)
+        return Dissection(
+            unknowns=unknowns, centers=centers, kept=int(self.numbers.max()) + 1 - len(self.projection)
+        )
 
     def condensed(self, frequency: float) -> MeshedPiece:
         """Condense the piece at a frequency in Hz."""
-        from scipy.sparse import coo_matrix
-
-        rows, columns, values = [], [], []
-        for _, own, chosen in self.solids():
-            rim = self.space.rim * len(own.fields)
-            for elements in self.space.chunks(chosen):
-                full = medium_matrices(self.space.scalar_matrices(elements), own, self._angular(frequency))
-                outer, _ = _eliminated(full, rim)
-                numbers = self.unknowns(own, elements)
-                rows.append(np.repeat(numbers, rim, axis=1).ravel())
-                columns.append(np.tile(numbers, (1, rim)).ravel())
-                values.append(outer.ravel())
-        count = self.expansion.shape[0]
-        entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-        skeleton = coo_matrix(entries, shape=(count, count)).tocsr()
-        reduced = (self.expansion.T @ skeleton @ self.expansion).tocsr()
-        matrix = schur_complement(reduced, self.kept)
-        scale = abs(skeleton.data).max()
-        if not abs(matrix).max() < MAX_AMPLIFICATION * scale:
+        rim, inner = slice(self.space.rim), slice(self.space.rim, None)
+        outer, insides = [], []
+        for own, elements, _ in self.parts:
+            tables = medium_tables(own, 2 * np.pi * frequency * self.space.unit)
+            scalars = self.space.scalar_matrices(elements)
+            coupling = medium_block(scalars, tables, inner, rim)
+            insides.append(-np.linalg.solve(medium_block(scalars, tables, inner, inner), coupling))
+            own_rim = medium_block(scalars, tables, rim, rim) + coupling.swapaxes(1, 2) @ insides[-1]
+            outer += list(own_rim)
+        try:
+            factor = self.dissection.factor(outer)
+        except ConvergenceError:
             raise ConvergenceError(
                 f'the piece "{self.piece.name}", clamped at its interfaces, resonates at this very frequency: change '
                 "the frequency by a part in a million, or give the solid a mechanical_quality"
-            )
+            ) from None
+        matrix = self.projection.T @ factor.matrix @ self.projection
         low, high = self.piece.extent
         return MeshedPiece(
             assembly=self,
             frequency=frequency,
             sides=self.sides,
             size=self.lines[0] if self.lines else 0,
-            matrix=matrix,
+            matrix=0.5 * (matrix + matrix.T),
             width=(high - low) / self.space.unit,
             ports=self.ports,
             floating_potential=self.floating_potential,
             unknowns=self.space.size * len(self.fields),
-            reduced=reduced,
+            factor=factor,
+            insides=insides,
         )
-
-    def _angular(self, frequency: float) -> float:
-        return 2 * np.pi * frequency * self.space.unit
-
-
-def _eliminated(full: np.ndarray, rim: int) -> tuple[np.ndarray, np.ndarray]:
-    """Condensed matrices of elements (m, rim, rim), and their insides from their rims, (m, inside, rim)."""
-    inside = -np.linalg.solve(full[:, rim:, rim:], full[:, rim:, :rim])
-    outer = full[:, :rim, :rim] + full[:, :rim, rim:] @ inside
-    return 0.5 * (outer + outer.swapaxes(1, 2)), inside
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MeshField:
     """Field of a meshed piece for given lines and ports."""
 
-    assembly: Assembly = field(repr=False)
-    frequency: float  # Hz
+    piece: MeshedPiece = field(repr=False)
     skeleton: np.ndarray = field(repr=False)  # scaled unknowns of edges and vertices, fields innermost
+
+    @property
+    def assembly(self) -> Assembly:
+        """What of the piece does not depend on the frequency."""
+        return self.piece.assembly
 
     @cached_property
     def _surface(self) -> "_TopEdges":
@@ -183,44 +181,43 @@ class MeshField:
         shift = np.array([self.assembly.piece.mesh.extent[0] / space.unit, 0.0])
         owner, places = space.locate(np.asarray(points) + shift)
         out = np.zeros((3, len(points), 4), dtype=complex)
-        for _, own, chosen in self.assembly.solids():
+        for own, elements, values in self.elements():
             columns = [FIELD_COLUMN[name] for name in own.fields]
-            for elements, _, values in self.elements(own, np.intersect1d(chosen, owner)):
-                for element, unknowns in zip(elements, values, strict=True):
-                    here = np.flatnonzero(owner == element)
-                    value, by_first, by_second = space.local_values(places[here])
-                    nodal = unknowns.reshape(-1, len(own.fields))
-                    slopes = space.slopes(element, places[here])
-                    reference = np.stack([by_first @ nodal, by_second @ nodal], axis=1)
-                    out[0][np.ix_(here, columns)] = value @ nodal
-                    for axis in (0, 1):
-                        out[1 + axis][np.ix_(here, columns)] = np.einsum(
-                            "mr,mrf->mf", slopes[:, :, axis], reference
-                        )
+            for element, nodal in zip(elements, values, strict=True):
+                here = np.flatnonzero(owner == element)
+                if not len(here):
+                    continue
+                value, by_first, by_second = space.local_values(places[here])
+                slopes = space.slopes(element, places[here])
+                reference = np.stack([by_first @ nodal, by_second @ nodal], axis=1)
+                out[0][np.ix_(here, columns)] = value @ nodal
+                for axis in (0, 1):
+                    out[1 + axis][np.ix_(here, columns)] = np.einsum(
+                        "mr,mrf->mf", slopes[:, :, axis], reference
+                    )
         return *out, owner >= 0
 
-    def elements(self, own: Medium, chosen: np.ndarray):
-        """Yield elements of one medium in parts: numbers, scalar matrices, all unknowns (m, functions * fields)."""
-        assembly = self.assembly
-        angular = 2 * np.pi * self.frequency * assembly.space.unit
-        rim = assembly.space.rim * len(own.fields)
-        for elements in assembly.space.chunks(chosen):
-            scalars = assembly.space.scalar_matrices(elements)
-            _, inside = _eliminated(medium_matrices(scalars, own, angular), rim)
-            outer = self.skeleton[assembly.unknowns(own, elements)]
-            values = np.concatenate([outer, (inside @ outer[:, :, None])[:, :, 0]], axis=1)
-            yield elements, scalars, values
+    def elements(self):
+        """Yield elements of one medium in parts: medium, numbers, all unknowns (m, functions, fields)."""
+        for (own, elements, numbers), inside in zip(self.assembly.parts, self.piece.insides, strict=True):
+            rim = self.skeleton[numbers]
+            both = [
+                each.reshape(len(elements), len(own.fields), -1)
+                for each in (rim, (inside @ rim[:, :, None])[:, :, 0])
+            ]
+            yield own, elements, np.concatenate(both, axis=2).swapaxes(1, 2)
 
     def loss(self) -> float:
         """Power lost inside, scaled, (omega / 2) sum u^H Im(A) u, from the imaginary moduli element by element."""
         total = 0.0
-        for _, own, chosen in self.assembly.solids():
+        for own, elements, values in self.elements():
             if not np.iscomplexobj(own.xx):
                 continue
-            for _, scalars, values in self.elements(own, chosen):
-                matrices = medium_matrices(scalars, own, 0.0, part="loss")
-                total += float(np.einsum("ei,eij,ej->", values.conj(), matrices, values).real)
-        return np.pi * self.frequency * total
+            tables = medium_tables(own, 0.0, part="loss")
+            scalars = self.assembly.space.scalar_matrices(elements)
+            forms = values.conj().swapaxes(1, 2)[:, None] @ (scalars @ values[:, None])
+            total += float(np.einsum("mpij,ijp->", forms, tables).real)
+        return np.pi * self.piece.frequency * total
 
 
 class _TopEdges:
@@ -291,17 +288,17 @@ def assembled(
             piece.mesh,
             layers=resolution.edge_layers + MORE_LAYERS,
             largest={
-                name: resolution.element_size * slowest_wavelength(solids[name], frequency)
+                name: ELEMENT_SHARE * resolution.element_size * slowest_wavelength(solids[name], frequency)
                 for name in piece.mesh.solids
             },
             conditions=conditions_of(piece, stator.bottom),
         ),
-        resolution.order,
+        resolution.order - ORDERS_LESS,
         unit,
     )
     if space.size * len(names) > MAX_UNKNOWNS:
         raise ConvergenceError(
-            f'the piece "{piece.name}" has {space.size * len(names):.2g} unknowns at order {resolution.order}, at most '
+            f'the piece "{piece.name}" has {space.size * len(names):.2g} unknowns at order {space.order}, at most '
             f"{MAX_UNKNOWNS:.0g} are solved for: draw its mesh coarser, the program refines corners itself and raises "
             "the order"
         )
@@ -311,7 +308,7 @@ def assembled(
         media[name] = medium(solids[name], own, scales=units(stator.solid))
     constraints = _Constraints(piece, stator, space, media, names)
     sides = tuple(side for side in ("left", "right") if side in sections)
-    expansion = constraints.expansion({side: sections[side] for side in sides})
+    numbers, projection = constraints.numbered({side: sections[side] for side in sides})
     return Assembly(
         piece=piece,
         space=space,
@@ -320,7 +317,8 @@ def assembled(
         sides=sides,
         lines=tuple(sections[side].size for side in sides),
         ports=constraints.ports,
-        expansion=expansion,
+        numbers=numbers,
+        projection=projection,
         floating_potential="phi" in names and not constraints.holds_potential,
     )
 
@@ -385,46 +383,43 @@ class _Constraints:
         else:
             self.tied[vertices, phi] = index
 
-    def expansion(self, sections: dict[str, Section]):
-        """All skeleton unknowns from the free ones, the lines' and the ports'."""
-        from scipy.sparse import coo_matrix
+    def numbered(self, sections: dict[str, Section]) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of the skeleton's unknowns, those of the interfaces and ports last; these from lines and ports.
 
+        As of `Assembly`.
+        """
         count = len(self.names)
-        free = self.exists & ~self.zero & (self.tied < 0)
-        parts = []  # (rows, local columns, values, block)
+        held = ~self.exists | self.zero | (self.tied >= 0)
+        number = np.where(held, -1, 0)
+        blocks = []  # functions * fields on an interface, projection from its line
         for side, section in sections.items():
             edges = self.space.mesh.lines[side]
-            for column, name in enumerate(self.names):
-                own, projection = line_projection(self.space, edges, section, name, free[:, column])
-                free[own, column] = False
-                rows, lines = np.nonzero(projection)
-                parts.append((own[rows] * count + column, lines, projection[rows, lines], side))
-        numbers = np.flatnonzero(free.ravel())
-        floating = [
-            index for index, name in enumerate(self.electrodes) if self.piece.connection(name) == FLOATING
-        ]
-        wired = [
-            index
-            for index, name in enumerate(self.electrodes)
-            if self.piece.connection(name) not in (FLOATING, GROUNDED)
-        ]
-        first: dict = {}
-        total = len(numbers) + len(floating)
-        for side, section in sections.items():
-            first[side] = total
-            total += section.size
-        of_electrode = {index: len(numbers) + k for k, index in enumerate(floating)}
-        of_electrode |= {index: total + k for k, index in enumerate(wired)}
-        total += len(wired)
-        tied = np.flatnonzero((self.tied >= 0).ravel())
-        rows = [numbers, tied] + [each[0] for each in parts]
-        columns = [
-            np.arange(len(numbers)),
-            np.array([of_electrode[index] for index in self.tied.ravel()[tied]], dtype=int),
-        ] + [first[side] + lines for _, lines, _, side in parts]
-        values = [np.ones(len(numbers)), np.ones(len(tied))] + [each[2] for each in parts]
-        matrix = coo_matrix(
-            (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),
-            shape=(self.space.skeleton * count, total),
-        ).tocsr()
-        return matrix
+            by_field = line_projection(
+                self.space, edges, section, {name: held[:, k] for k, name in enumerate(self.names)}
+            )
+            own = np.concatenate([by_field[name][0] * count + k for k, name in enumerate(self.names)])
+            blocks.append((own, np.concatenate([by_field[name][1] for name in self.names])))
+            number.flat[own] = -1
+        free = np.flatnonzero(number.ravel() == 0)
+        number.flat[free] = np.arange(len(free))
+        total = len(free)
+
+        def tie(wired: bool) -> None:
+            nonlocal total
+            for index, name in enumerate(self.electrodes):
+                connection = self.piece.connection(name)
+                if connection != GROUNDED and (connection != FLOATING) == wired:
+                    number[self.tied == index] = total
+                    total += 1
+
+        tie(wired=False)
+        for own, _ in blocks:
+            number.flat[own] = total + np.arange(len(own))
+            total += len(own)
+        tie(wired=True)
+        parts = [each for _, each in blocks] + [np.eye(len(self.ports))]
+        rows, columns = np.cumsum([[0, 0]] + [each.shape for each in parts], axis=0).T
+        projection = np.zeros((rows[-1], columns[-1]))
+        for k, each in enumerate(parts):
+            projection[rows[k] : rows[k + 1], columns[k] : columns[k + 1]] = each
+        return number.ravel(), projection

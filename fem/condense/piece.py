@@ -16,19 +16,53 @@ import numpy as np
 
 @dataclass(frozen=True, kw_only=True)
 class Port:
-    """What a piece can be driven by, or answers at, besides its lines.
+    """What a piece, or a row of pieces, can be driven by or answers at, besides its lines.
 
     Attributes
     ----------
-    kind : "voltage" or "force"
-        The potential of an electrode, whose reaction is minus its charge; or a line force on the surface, whose
-        reaction is the displacement there.
+    kind : "voltage", "mean" or "force"
+        Of a piece: the potential of an electrode ("voltage"), whose reaction is minus its charge.  Of a row: the
+        voltage between a transducer's electrodes; the mean of their potentials, which no source sets and which leaves
+        the transducer without net charge; or a line force on the surface (N/m), whose reaction is the displacement.
     name : str
-        Of the electrode: a transducer's name with "+" or "-".
+        Of a piece's electrode: a transducer's name with "+" or "-".  Of a row: the transducer or the force.
+    component : "x" or "z"
+        Of a force: along the surface, or normal to it.
+    place : float
+        Of a force, length units from the stator's left end.
     """
 
-    kind: Literal["voltage", "force"]
+    kind: Literal["voltage", "mean", "force"]
     name: str = ""
+    component: Literal["x", "z"] = "z"
+    place: float = 0.0
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Where the unknowns of a piece stand in its matrix and in its sides: both lines of ``size``, then the ports."""
+
+    size: int
+
+    @property
+    def left(self) -> slice:
+        """The left line."""
+        return slice(0, self.size)
+
+    @property
+    def right(self) -> slice:
+        """The right line."""
+        return slice(self.size, 2 * self.size)
+
+    @property
+    def lines(self) -> slice:
+        """Both lines."""
+        return slice(0, 2 * self.size)
+
+    @property
+    def ports(self) -> slice:
+        """The ports."""
+        return slice(2 * self.size, None)
 
 
 class RecoveredField(Protocol):

@@ -148,18 +148,23 @@ class QuadSpace:
 
         return Basis(self._mesh, self._element, elements=chosen, intorder=2 * self.order + 2)
 
-    def scalar_matrices(self, chosen: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Integrals of v_x u_x, v_x u_z, v_z u_z and v u of some elements, (m, functions, functions) each."""
+    def scalar_matrices(self, chosen: np.ndarray) -> np.ndarray:
+        """Integrals of v_x u_x, v_x u_z, v_z u_x, v_z u_z and v u of some elements, (m, 5, functions, functions)."""
         basis = self._basis(chosen)
         weights = basis.dx[:, None, :]
         value = np.stack([np.array(each[0]) for each in basis.basis], axis=1)
         across, up = (np.stack([each[0].grad[axis] for each in basis.basis], axis=1) for axis in (0, 1))
         weighted = weights * across
-        return (
-            weighted @ across.swapaxes(1, 2),
-            weighted @ up.swapaxes(1, 2),
-            (weights * up) @ up.swapaxes(1, 2),
-            (weights * value) @ value.swapaxes(1, 2),
+        mixed = weighted @ up.swapaxes(1, 2)
+        return np.stack(
+            [
+                weighted @ across.swapaxes(1, 2),
+                mixed,
+                mixed.swapaxes(1, 2),
+                (weights * up) @ up.swapaxes(1, 2),
+                (weights * value) @ value.swapaxes(1, 2),
+            ],
+            axis=1,
         )
 
 
@@ -184,27 +189,28 @@ def _inverse(kind: str, nodes: np.ndarray, points: np.ndarray) -> tuple[np.ndarr
     return places, np.abs(shape_functions(kind, places) @ nodes - points).max(axis=1)
 
 
-def medium_matrices(
-    scalars: tuple[np.ndarray, ...], medium: Medium, angular: float, *, part: str = "all"
-) -> np.ndarray:
-    """Matrices of elements of one medium from `QuadSpace.scalar_matrices`, fields innermost.
+def medium_tables(medium: Medium, angular: float, *, part: str = "all") -> np.ndarray:
+    """Factors of the five scalar matrices (`QuadSpace.scalar_matrices`) in a medium's, shape (fields, fields, 5).
 
-    ``angular``: omega times the length unit, m/s; ``part`` as in `fem.discretize.forms.element_matrix`.  Shape
-    (elements, functions * fields, functions * fields).
+    ``angular``: omega times the length unit, m/s; ``part`` as in `fem.discretize.forms.element_matrix`.
     """
-    tables = medium.xx, medium.xz, medium.zz, np.diag(medium.inertia)
-    if part == "loss":
-        tables = tuple(np.imag(table) for table in tables)
-    xx, xz, zz, mass = scalars
-    count, fields = len(medium.fields), xx.shape[1]
-    out = np.zeros((len(xx), fields, count, fields, count), dtype=np.result_type(*tables))
-    for row in range(count):
-        for column in range(count):
-            block = out[:, :, row, :, column]
-            block += tables[0][row, column] * xx
-            block += tables[1][row, column] * xz
-            block += tables[1][column, row] * xz.swapaxes(1, 2)
-            block += tables[2][row, column] * zz
-            if row == column and tables[3][row, column]:
-                block -= angular**2 * tables[3][row, column] * mass
-    return out.reshape(len(xx), fields * count, fields * count)
+    inertia = -(angular**2) * np.diag(medium.inertia)
+    tables = np.stack([medium.xx, medium.xz, medium.xz.T, medium.zz, inertia], axis=-1)
+    return np.imag(tables) if part == "loss" else tables
+
+
+def medium_block(scalars: np.ndarray, tables: np.ndarray, rows: slice, columns: slice) -> np.ndarray:
+    """Block of the matrices of elements of one medium; the functions of a field stand together.
+
+    Shape (elements, fields * rows, fields * columns).
+    """
+    fields = len(tables)
+    own = np.ascontiguousarray(scalars[:, :, rows, columns])
+    m, _, first, second = own.shape
+    own, flat = own.reshape(m, 5, -1), tables.reshape(-1, 5)
+    out = np.empty((m, fields, first, fields, second), dtype=tables.dtype)
+    parts = ((out.real, flat.real), (out.imag, flat.imag)) if np.iscomplexobj(tables) else ((out, flat),)
+    for target, factors in parts:
+        blocks = (factors @ own).reshape(m, fields, fields, first, second)
+        target[...] = blocks.swapaxes(2, 3)
+    return out.reshape(m, fields * first, fields * second)

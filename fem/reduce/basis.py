@@ -187,9 +187,7 @@ def snapshots(stator, transducers, section, frequency, halves, resolution, drive
         no_voltage = np.zeros((PORTS, incoming.shape[1]))
         scattered = np.concatenate([scatterer.sides(incoming, no_voltage), no_voltage])
         together = np.hstack([scattered, volt * fields_of_ports.sides[index]])
-        for count, (_, _, sides) in enumerate(
-            lines(scatterer.superelement, together, finest=1.001 * quarter)
-        ):
+        for count, (_, _, sides) in enumerate(lines(scatterer.piece, together, finest=1.001 * quarter)):
             (fingers if count % 2 else gaps).append(sides[:n])
         gaps.append(together[n : 2 * n])
     finger_lines = np.hstack(fingers)

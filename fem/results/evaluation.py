@@ -1,6 +1,7 @@
 """Evaluation of a solution: amplitudes of the modes in the segments, nodal values in the columns of elements."""
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 
@@ -8,6 +9,7 @@ from fem.condense.recovery import ColumnField
 from fem.results.solution import Solution
 from fem.results.surface import CondensedPiece, Surface, UniformSegment
 from fem.waveguide.ends import Wall
+from fem.waveguide.network import SegmentWaves
 
 ENDS = (-1, -2)  # "scatterer" numbers of the left and the right end where they are condensed pieces
 
@@ -32,7 +34,7 @@ def _pieces(solution: Solution, solve: Callable[[], Solution]) -> tuple:
     """Pieces of the surface from left to right, in m and m per volt."""
     fields = solution.fields
     network, length = fields.network, fields.stator.length
-    segments = [_segment(solution, index) for index in range(len(network.scatterers) + 1)]
+    segments = [[_segment(solution, part) for part in parts] for parts in fields.segments]
 
     def condensed(start: float, stop: float, index: int, **rest) -> CondensedPiece:
         unit = fields.section.length_unit
@@ -45,17 +47,14 @@ def _pieces(solution: Solution, solve: Callable[[], Solution]) -> tuple:
             **rest,
         )
 
-    pieces: list = []
-    for index, segment in enumerate(segments):
-        if index:
-            meshed = fields.owners[index - 1] is None
-            span = segments[index - 1].stop, segment.start
-            pieces.append(condensed(*span, index - 1, transducer=not meshed))
-        pieces.append(segment)
+    pieces: list = [*segments[0]]
+    for index, (before, after) in enumerate(pairwise(segments)):
+        transducer = fields.owners[index] is not None
+        pieces += [condensed(before[-1].stop, after[0].start, index, transducer=transducer), *after]
     for side, wall in enumerate(network.ends):
         if not isinstance(wall, Wall):
             continue
-        beside = segments[-side]
+        beside = segments[-side][-side]
         meshed = fields.stator.placement.ends[side] if fields.stator.pieces else None
         span = (0.0, beside.start) if side == 0 else (beside.stop, length)
         if meshed is not None:
@@ -97,16 +96,13 @@ def _beyond(solution: Solution, side: int, length: float) -> UniformSegment:
     )
 
 
-def _segment(solution: Solution, index: int) -> UniformSegment:
-    fields = solution.fields
-    modes, section, unit = fields.modes, fields.section, fields.section.length_unit
-    start, stop = fields.network.segments[index]
-    right, left = _amplitudes(solution, index)
+def _segment(solution: Solution, part: SegmentWaves) -> UniformSegment:
+    modes, section, unit = solution.fields.modes, solution.fields.section, solution.fields.section.length_unit
     return UniformSegment(
-        start=start * unit,
-        stop=stop * unit,
-        right=right,
-        left=left,
+        start=part.start * unit,
+        stop=part.stop * unit,
+        right=part.right @ solution.weights,
+        left=part.left @ solution.weights,
         wavenumbers=modes.wavenumbers / unit,
         backwards=modes.backwards / unit,
         right_shapes=section.surface_rows @ modes.right,
@@ -115,39 +111,12 @@ def _segment(solution: Solution, index: int) -> UniformSegment:
     )
 
 
-def _amplitudes(solution: Solution, index: int) -> tuple[np.ndarray, np.ndarray]:
-    """Amplitudes of a segment's modes: going right at its start, going left at its stop."""
-    modes, network, n = solution.fields.modes, solution.fields.network, solution.fields.section.size
-    length = np.diff(network.segments[index])[0]
-    last = len(network.scatterers)
-    right = left = np.zeros(n, dtype=complex)
-    if index > 0:
-        out = solution.sides(index - 1)[n : 2 * n] - solution.incoming(index - 1)[n:]
-        right = modes.right_amplitudes(out)
-    if index < last:
-        out = solution.sides(index)[:n] - solution.incoming(index)[:n]
-        left = modes.left_amplitudes(out)
-    if network.reflections[0] is not None and index == 0:
-        right = _reflected(network, 0, left * np.exp(1j * modes.backwards * length))
-    if network.reflections[1] is not None and index == last:
-        left = _reflected(network, 1, right * np.exp(-1j * modes.wavenumbers * length))
-    return right, left
-
-
-def _reflected(network, side, at_end):
-    arriving, sent = network.reflections[side]
-    return sent @ at_end[arriving]
-
-
 def end_line(solution: Solution, side: int) -> np.ndarray:
     """Unknowns of the line where the uniform stator meets an end that is a condensed piece."""
-    modes, network = solution.fields.modes, solution.fields.network
-    right, left = _amplitudes(solution, len(network.scatterers) if side else 0)
-    here, stop = network.segments[-side]
-    if side:
-        right, left = right * np.exp(-1j * modes.wavenumbers * (stop - here)), left.copy()
-    else:
-        right, left = right.copy(), left * np.exp(1j * modes.backwards * (stop - here))
+    modes = solution.fields.modes
+    part = solution.fields.segments[-side][-side]
+    place = part.stop if side else part.start
+    right, left = (each(modes, place) @ solution.weights for each in (part.right_at, part.left_at))
     (left if side else right)[modes.wavenumbers == 0] = (
         0.0  # a matter of gauge: the potential refers to the transducer
     )

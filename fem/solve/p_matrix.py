@@ -22,12 +22,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.convergence import ConvergenceError
+from fem.discretize.grading import Resolution
 from fem.discretize.refinement import refine_stator
 from fem.discretize.section import FIELD_COLUMN
 from fem.geometry import Stator, Transducer
 from fem.threads import one_blas_thread
-from fem.waveguide.modes import ONE_WAVE, PROPAGATING, power
-from fem.waveguide.port_fields import PortFields, solve_ports
+from fem.waveguide.modes import ONE_WAVE, GuidedModes, power
+from fem.waveguide.network import SegmentWaves
+from fem.waveguide.port_fields import solve_ports
+from fem.waveguide.row_solver import Element, solve_row
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,9 +125,8 @@ def p_matrix(
     alone = replace(stator, length=length, ends="absorbing", pieces=())
     row = replace(transducer, center=length / 2, termination="open")
 
-    def at_level(resolution) -> PMatrix:
-        fields = solve_ports(alone, (row,), frequency=frequency, resolution=resolution)
-        return _of_fields(fields, every_mode)
+    def at_level(resolution: Resolution) -> PMatrix:
+        return _on_level(alone, row, frequency, resolution, every_mode)
 
     refined = refine_stator(stator, at_level, differences=_difference, tolerance=tolerance)
     found = replace(refined.answer, relative_error=refined.errors[0])
@@ -152,83 +154,92 @@ def cascade_admittance(parts: Sequence[PMatrix], distances: Sequence[float]) -> 
         S.
     """
     modes = len(parts[0].wavenumbers)
-    size = 2 * modes * len(parts)
-    scattering, travel = (np.zeros((size, size), dtype=complex) for _ in range(2))
-    for at, part in enumerate(parts):
-        own = slice(2 * modes * at, 2 * modes * (at + 1))
-        scattering[own, own] = part.scattering
-    for at, distance in enumerate(distances):
-        rightwards = parts[at].travelled(distance)
-        right, left = 2 * modes * at + modes, 2 * modes * (at + 1)  # facing edges
-        travel[left : left + modes, right : right + modes] = rightwards
-        travel[right : right + modes, left : left + modes] = rightwards.T
-    excitation, detection = (
-        np.zeros((size, len(parts)), dtype=complex),
-        np.zeros((len(parts), size), dtype=complex),
-    )
-    for at, part in enumerate(parts):
-        own = slice(2 * modes * at, 2 * modes * (at + 1))
-        excitation[own, at], detection[at, own] = part.excitation, part.detection
-    arriving = np.linalg.solve(np.eye(size) - travel @ scattering, travel @ excitation)
-    return np.diag([part.admittance for part in parts]) + detection @ arriving
-
-
-def _of_fields(fields: PortFields, every_mode: bool) -> PMatrix:
-    """Return the P-matrix of a lone transducer's fields."""
-    modes, (scatterer,), (row,) = fields.modes, fields.network.scatterers, fields.transducers
-    n, medium, omega = fields.section.size, fields.section.solid, 2 * np.pi * fields.frequency
-    k = modes.wavenumbers
-    chosen = modes.rayleigh
-    if every_mode:
-        chosen = np.flatnonzero(abs(k.imag) < PROPAGATING * abs(k.real))
-    right, left = waves_of(modes, chosen, medium.stress_unit * row.aperture)
-    m = len(chosen)
-    incoming = np.zeros((2 * n, 2 * m), dtype=complex)
-    incoming[:n, :m] = modes.right[:, chosen] @ right
-    incoming[n:, m:] = modes.left[:, chosen] @ left
-    potentials, unit = scatterer.potentials, 1 / medium.potential_unit
-    nothing = np.zeros((2 * n, potentials.shape[1]), dtype=complex)
-    driven = scatterer.sides(nothing, potentials * unit)
-    passing = scatterer.sides(incoming, np.zeros((2, 2 * m)))
-    own = scatterer.charge(driven, potentials * unit)
-    caught = scatterer.charge(passing, np.zeros((2, 2 * m)))
-
-    def leaving(sides: np.ndarray, arrived: np.ndarray | float) -> np.ndarray:
-        out = sides - arrived
-        return np.concatenate(
-            [
-                np.linalg.solve(left, modes.left_amplitudes(out[:n])[chosen]),
-                np.linalg.solve(right, modes.right_amplitudes(out[n:])[chosen]),
-            ]
+    waves = [np.arange(2 * modes * at, 2 * modes * (at + 1)) for at in range(len(parts))]
+    travel = np.zeros((2 * modes * len(parts),) * 2, dtype=complex)
+    for part, distance, left, right in zip(parts, distances, waves, waves[1:], strict=False):
+        rightwards = part.travelled(distance)
+        travel[np.ix_(right[:modes], left[modes:])] = rightwards
+        travel[np.ix_(left[modes:], right[:modes])] = rightwards.T
+    unit = np.eye(len(parts))
+    elements = [
+        Element(
+            scattering=part.scattering, excitation=np.outer(part.excitation, volts), leaves=own, arrives=own
         )
+        for part, own, volts in zip(parts, waves, unit, strict=True)
+    ]
+    arriving = solve_row(elements, travel).arriving
+    detected = [part.detection @ arriving[own] for part, own in zip(parts, waves, strict=True)]
+    return np.diag([part.admittance for part in parts]) + np.array(detected)
 
-    scattering, excitation = leaving(passing, incoming), leaving(driven, 0.0)
-    to_current = -1j * omega * row.aperture * medium.stress_unit / medium.potential_unit
-    mean = potentials.sum(axis=0) != 0  # the common potential, which leaves no net charge
-    if mean.any():
-        scattering = scattering - excitation[:, mean] @ (caught[mean] / own[mean][:, mean])
-        weights = own[mean] / own[mean][:, mean]
-        excitation, free = excitation - excitation[:, mean] @ weights, own
-        own = own - free[:, mean] @ weights
-        caught = caught - free[:, mean] @ (caught[mean] / free[mean][:, mean])
-    volts = np.flatnonzero(~mean)
-    port = int(volts[0]) if len(volts) else None
+
+def _on_level(
+    stator: Stator, transducer: Transducer, frequency: float, resolution: Resolution, every_mode: bool
+) -> PMatrix:
+    """P-matrix on one discretisation of a lone transducer between absorbing ends."""
+
+    def chosen(modes: GuidedModes) -> np.ndarray:
+        return modes.propagating if every_mode else modes.rayleigh
+
+    fields = solve_ports(
+        stator,
+        (transducer,),
+        frequency=frequency,
+        resolution=resolution,
+        solve=lambda network, _: (network, network.solve(chosen(network.modes))),
+    )
+    per_area, unit = fields.section.solid.stress_unit * transducer.aperture, fields.section.length_unit
+    waves = waves_of(fields.modes, chosen(fields.modes), per_area)
+    m, port = len(waves.modes), bool(fields.names)
+    leaving = waves.leaving(fields.segments)
+    by_waves, by_volts = leaving[:, -2 * m :], leaving[:, : -2 * m]
     return PMatrix(
         frequency=fields.frequency,
-        wavenumbers=k[chosen] / fields.section.length_unit,
-        mixture=right,
-        surface_motion=abs(fields.section.surface_rows @ incoming[:n, :m])[1],
-        scattering=scattering,
-        excitation=np.zeros(2 * m) if port is None else excitation[:, port],
-        detection=np.zeros(2 * m) if port is None else to_current * caught[port],
-        admittance=0j if port is None else complex(to_current * own[port, port]),
-        length=scatterer.superelement.width * fields.section.length_unit,
+        wavenumbers=fields.modes.wavenumbers[waves.modes] / unit,
+        mixture=waves.right,
+        surface_motion=abs(fields.section.surface_rows @ fields.modes.right[:, waves.modes] @ waves.right)[1],
+        scattering=by_waves @ waves.arriving,
+        excitation=by_volts[:, 0] if port else np.zeros(2 * m),
+        detection=fields.received[0] @ waves.arriving if port else np.zeros(2 * m),
+        admittance=complex(fields.admittances[0, 0]) if port else 0j,
+        length=fields.network.scatterers[0].piece.width * unit,
         relative_error=np.nan,
     )
 
 
-def waves_of(modes, chosen: np.ndarray, per_area: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the waves of amplitude 1 as sums of modes to the right and to the left, (modes, waves) each."""
+@dataclass(frozen=True, kw_only=True)
+class ScaledWaves:
+    """Waves of amplitude 1 (|a|^2 / 2 their power) as sums of modes of a section.
+
+    Attributes
+    ----------
+    modes : ndarray of int
+        That the waves are made of.
+    right, left : ndarray, shape (modes, waves)
+        Going right and going left, in columns.
+    """
+
+    modes: np.ndarray
+    right: np.ndarray
+    left: np.ndarray
+
+    @property
+    def arriving(self) -> np.ndarray:
+        """Amplitudes of the modes that arrive from the left, then from the right, for unit waves."""
+        return _block_diagonal(self.right, self.left)
+
+    def leaving(self, segments: tuple[tuple[SegmentWaves, ...], ...]) -> np.ndarray:
+        """Waves that leave a row to the left, then to the right, by excitation."""
+        amplitudes = [segments[0][-1].left[self.modes], segments[-1][0].right[self.modes]]
+        return np.linalg.solve(_block_diagonal(self.left, self.right), np.concatenate(amplitudes))
+
+
+def _block_diagonal(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    nothing = np.zeros((len(first), second.shape[1]))
+    return np.block([[first, nothing], [nothing.T, second]])
+
+
+def waves_of(modes: GuidedModes, chosen: np.ndarray, per_area: float) -> ScaledWaves:
+    """Return the waves of amplitude 1 that some modes make."""
     omega = 2 * np.pi * modes.frequency
     shape, backward, flux, backward_flux = (
         each[:, chosen] for each in (modes.right, modes.left, modes.right_flux, modes.left_flux)
@@ -244,11 +255,11 @@ def waves_of(modes, chosen: np.ndarray, per_area: float) -> tuple[np.ndarray, np
         right[np.ix_(one, one)] = orthonormal @ turn
     moved = top @ right
     if len(one) > 1:
-        bottom = modes.section.on_nodes(shape)[:, 0, FIELD_COLUMN["uz"]]
+        bottom = modes.section.full.on_nodes(modes.section.lift(shape))[:, 0, FIELD_COLUMN["uz"]]
         moved[one[1:]] = (bottom @ right)[one[1:]]
     right = right * np.exp(-1j * np.angle(moved))
     products = 0.5j * omega * per_area * (backward.T @ flux - backward_flux.T @ shape) @ right
-    return right, np.linalg.inv(products).T
+    return ScaledWaves(modes=chosen, right=right, left=np.linalg.inv(products).T)
 
 
 def _difference(fine: PMatrix, coarse: PMatrix) -> tuple[float]:

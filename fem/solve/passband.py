@@ -108,10 +108,9 @@ def _best_frequency(stator: Stator, transducer: Transducer) -> float:
 
 def surface_power(fields: PortFields) -> float:
     """Power in W per V^2 (peak) and metre of aperture that a lone transducer sends out in the surface wave."""
-    modes, n = fields.modes, fields.section.size
-    (sides,), chosen = fields.sides, fields.modes.rayleigh
-    right = modes.right_amplitudes(sides[n : 2 * n])[chosen]
-    left = modes.left_amplitudes(sides[:n])[chosen]
+    modes, chosen = fields.modes, fields.modes.rayleigh
+    (before,), (after,) = fields.segments
+    right, left = after.right[chosen], before.left[chosen]
     outward = power(modes.right[:, chosen] @ right, modes.right_flux[:, chosen] @ right, fields.frequency)
     outward -= power(modes.left[:, chosen] @ left, modes.left_flux[:, chosen] @ left, fields.frequency)
     return float(outward[0]) * fields.section.solid.stress_unit

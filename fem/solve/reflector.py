@@ -6,10 +6,12 @@ surface wave; the rest goes into other modes of the section (bulk waves) or is l
 outer interfaces of the pieces.  In a row all modes that survive the shortest gap are followed from piece to piece.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from fem.condense.piece import Piece
 from fem.convergence import ConvergenceError
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
@@ -22,7 +24,7 @@ from fem.solve.p_matrix import waves_of
 from fem.threads import one_blas_thread
 from fem.waveguide.ends import Wall
 from fem.waveguide.modes import GuidedModes, guided_modes
-from fem.waveguide.network import NEGLIGIBLE, Scatterer
+from fem.waveguide.network import Network, Scatterer
 from fem.waveguide.row import CondensedPieces, condensed_pieces
 
 
@@ -111,87 +113,47 @@ def reflector(stator: Stator, *, frequency: float, tolerance: float) -> Reflecto
 
 
 def _of_row(stator: Stator, modes: GuidedModes, row: CondensedPieces) -> Reflector:
-    chosen = modes.rayleigh
-    right, left = waves_of(modes, chosen, modes.section.solid.stress_unit)
-    scatterers = [
-        Scatterer(superelement=piece, modes=modes, potentials=np.zeros((len(piece.ports), 0)))
-        for _, piece in row.between
-    ]
-    starts = np.array([place for place, _ in row.between])
-    stops = starts + [each.superelement.width for each in scatterers]
-    gaps = starts[1:] - stops[:-1]
-    kept = np.array(chosen)
-    if len(gaps):
-        alive = (abs(np.exp(-1j * modes.wavenumbers * gaps.min())) > NEGLIGIBLE) & (modes.wavenumbers != 0)
-        kept = np.append(chosen, np.setdiff1d(np.flatnonzero(alive), chosen))
-    alone: dict[int, np.ndarray] = {}
-    for each in scatterers:
-        if id(each.superelement) not in alone:
-            alone[id(each.superelement)] = _response(each, kept)
+    waves = waves_of(modes, modes.rayleigh, modes.section.solid.stress_unit)
 
-    def in_waves(response: np.ndarray) -> np.ndarray:
-        m, count = len(chosen), len(response) // 2
-        rows = np.r_[0:m, count : count + m]
-        turn_in = np.zeros((2 * m, 2 * m), dtype=complex)
-        turn_out = np.zeros_like(turn_in)
-        turn_in[:m, :m], turn_in[m:, m:] = right, left
-        turn_out[:m, :m], turn_out[m:, m:] = left, right
-        return np.linalg.solve(turn_out, response[np.ix_(rows, rows)] @ turn_in)
+    def scattering(pieces: Sequence[tuple[float, Piece]]) -> np.ndarray:
+        network = Network(
+            modes=modes,
+            scatterers=tuple(
+                Scatterer(piece=piece, modes=modes, potentials=np.zeros((len(piece.ports), 0)))
+                for _, piece in pieces
+            ),
+            places=tuple(place for place, _ in pieces),
+            start=pieces[0][0],
+            stop=pieces[-1][0] + pieces[-1][1].width,
+            ends=("absorbing", "absorbing"),
+            ports=(),
+            numbers=(np.empty(0, dtype=int),) * len(pieces),
+        )
+        return waves.leaving(network.solve(waves.modes).segments) @ waves.arriving
 
-    names: dict[int, str] = {}
-    for piece, each in zip(stator.placement.between, scatterers, strict=True):
-        names.setdefault(id(each.superelement), piece.name)
-    together = None
-    if scatterers:
-        together = in_waves(_joined(modes, kept, [alone[id(each.superelement)] for each in scatterers], gaps))
+    alone = {
+        id(condensed): (piece.name, (place, condensed))
+        for piece, (place, condensed) in reversed(
+            list(zip(stator.placement.between, row.between, strict=True))
+        )
+    }
     ends = []
     for side, (piece, wall) in enumerate(zip(stator.placement.ends, row.ends, strict=True)):
         if piece is None or not isinstance(wall, Wall):
             continue
-        sent = wall.sent_back(modes, side, chosen)[chosen]
-        turned = np.linalg.solve(right, sent @ left) if side == 0 else np.linalg.solve(left, sent @ right)
+        sent = wall.sent_back(modes, side, waves.modes)[waves.modes]
+        away, towards = (waves.right, waves.left) if side == 0 else (waves.left, waves.right)
         kind = "step" if is_step(piece, stator.thickness) else "end"
-        ends.append((f"{piece.name} ({kind})", complex(turned[0, 0])))
-    surface = modes.wavenumbers[chosen].real.mean() / modes.section.length_unit
+        ends.append((f"{piece.name} ({kind})", complex(np.linalg.solve(away, sent @ towards)[0, 0])))
+    surface = modes.wavenumbers[waves.modes].real.mean() / modes.section.length_unit
     return Reflector(
         frequency=modes.frequency,
         wavelength=float(2 * np.pi / surface),
-        scattering=together,
-        pieces=tuple((names[key], in_waves(response)) for key, response in alone.items()),
+        scattering=scattering(row.between) if row.between else None,
+        pieces=tuple((name, scattering([placed])) for name, placed in reversed(alone.values())),
         ends=tuple(ends),
         relative_error=np.nan,
     )
-
-
-def _response(scatterer: Scatterer, kept: np.ndarray) -> np.ndarray:
-    """Amplitudes that leave to the left, then to the right, for modes that arrive from the left, then the right."""
-    modes, n, m = scatterer.modes, scatterer.superelement.size, len(kept)
-    incoming = np.zeros((2 * n, 2 * m), dtype=complex)
-    incoming[:n, :m], incoming[n:, m:] = modes.right[:, kept], modes.left[:, kept]
-    out = scatterer.sides(incoming, np.zeros((len(scatterer.potentials), 2 * m))) - incoming
-    return np.concatenate([modes.left_amplitudes(out[:n])[kept], modes.right_amplitudes(out[n:])[kept]])
-
-
-def _joined(modes: GuidedModes, kept: np.ndarray, parts: list[np.ndarray], gaps: np.ndarray) -> np.ndarray:
-    """Response of a row from those of its parts, with gaps between them (length units): Redheffer's star product."""
-    m = len(kept)
-    whole = parts[0]
-    for part, gap in zip(parts[1:], gaps, strict=True):
-        onwards = np.exp(-1j * modes.wavenumbers[kept] * gap)[:, None]
-        back = np.exp(1j * modes.backwards[kept] * gap)[:, None]
-        # p leaves the left part to the right, q the right part to the left:
-        # p = whole_21 a + whole_22 (back q),  q = part_11 (onwards p) + part_12 b
-        system = np.eye(2 * m, dtype=complex)
-        system[:m, m:] = -whole[m:, m:] * back.T
-        system[m:, :m] = -part[:m, :m] * onwards.T
-        load = np.zeros((2 * m, 2 * m), dtype=complex)
-        load[:m, :m], load[m:, m:] = whole[m:, :m], part[:m, m:]
-        p, q = np.split(np.linalg.solve(system, load), 2)
-        new = np.concatenate([whole[:m, m:] @ (back * q), part[m:, :m] @ (onwards * p)])
-        new[:m, :m] += whole[:m, :m]
-        new[m:, m:] += part[m:, m:]
-        whole = new
-    return whole
 
 
 def _difference(fine: Reflector, coarse: Reflector) -> tuple[float]:

@@ -10,37 +10,74 @@ its pole: U_z to the right is -i Gamma F_z for a normal force.
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
-from fem.condense.piece import Port
+from fem.input_error import InputError
 from fem.waveguide.ends import with_gauge
 from fem.waveguide.modes import GuidedModes
+
+
+@dataclass(frozen=True, kw_only=True)
+class LineForce:
+    """A line force on the bare surface of a stator, the same all along y.
+
+    Attributes
+    ----------
+    name : str
+    position : float
+        m from the left end.
+    component : "x" or "z"
+        Along the surface, or normal to it (out of the body).
+    amplitude : complex
+        N per metre of y, peak.
+    """
+
+    name: str
+    position: float
+    component: Literal["x", "z"] = "z"
+    amplitude: complex = 1.0
+
+    def __post_init__(self):
+        if self.component not in ("x", "z"):
+            raise InputError("force.component", "must be x or z", self.component, owner=self.name)
 
 
 @dataclass(frozen=True, kw_only=True)
 class ForceResponse:
     """Response of a uniform segment without end to a unit line force (1 N/m) on its surface."""
 
-    port: Port
+    component: str  # "x" or "z"
     modes: GuidedModes
     line: np.ndarray = field(repr=False)  # unknowns of the line under the force, m per N/m, shape (n,)
+
+    @cached_property
+    def right(self) -> np.ndarray:
+        """Amplitudes of all modes that are sent to the right, at the force, shape (n,)."""
+        return self.modes.right_amplitudes(self.line)
+
+    @cached_property
+    def left(self) -> np.ndarray:
+        """Amplitudes of all modes that are sent to the left, at the force, shape (n,)."""
+        return self.modes.left_amplitudes(self.line)
 
     def motion(self, distance: float) -> np.ndarray:
         """u_x and u_z of the surface at a distance in m, to the right where positive, m per N/m: shape (2,)."""
         modes, x = self.modes, distance / self.modes.section.length_unit
-        if x >= 0:
-            amplitudes, shapes, k = modes.right_amplitudes(self.line), modes.right, modes.wavenumbers
-        else:
-            amplitudes, shapes, k = modes.left_amplitudes(self.line), modes.left, modes.backwards
+        amplitudes, shapes, k = (
+            (self.right, modes.right, modes.wavenumbers)
+            if x >= 0
+            else (self.left, modes.left, modes.backwards)
+        )
         return modes.section.surface_rows @ (shapes @ (amplitudes * np.exp(-1j * k * x)))
 
     @property
     def surface_wave(self) -> np.ndarray:
         """u_x and u_z of the surface wave sent to the right, at the force, m per N/m: shape (2,)."""
-        modes, chosen = self.modes, self.modes.rayleigh
-        amplitudes = modes.right_amplitudes(self.line)[chosen]
-        return modes.section.surface_rows @ (modes.right[:, chosen] @ amplitudes)
+        chosen = self.modes.rayleigh
+        return self.modes.section.surface_rows @ (self.modes.right[:, chosen] @ self.right[chosen])
 
 
 def force_response(modes: GuidedModes, component: str) -> ForceResponse:
@@ -48,12 +85,12 @@ def force_response(modes: GuidedModes, component: str) -> ForceResponse:
     section = modes.section
     load = section.surface_rows[("x", "z").index(component)] / section.solid.stress_unit
     line = -np.linalg.solve(_with_held_mean(modes), load)
-    return ForceResponse(port=Port(kind="force", name=component), modes=modes, line=line)
+    return ForceResponse(component=component, modes=modes, line=line)
 
 
 def _with_held_mean(modes: GuidedModes) -> np.ndarray:
     """Sum of the radiation impedances; the constant potential, which carries no flux, is held at zero mean."""
     system = modes.impedance_sum.astype(complex)
-    if not modes.section.floating_potential:
+    if not modes.section.floating_potential or modes.lateral_wavenumber:
         return system
     return with_gauge(system, modes.section.constant_potential)

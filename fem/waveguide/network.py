@@ -1,4 +1,4 @@
-"""Pieces in a waveguide: what each sends and scatters, and how segments and ends tie them together.
+"""Pieces in a waveguide: what each sends and scatters, and the row that segments and ends make of them.
 
 A piece - a transducer, or a mesh - sits between two uniform segments whose exact ends X_right and X_left are known
 (modes.py).  With p the part of the field that goes right and q the part that goes left, its lines obey
@@ -7,46 +7,59 @@ A piece - a transducer, or a mesh - sits between two uniform segments whose exac
 
 so one factorisation gives what it sends for each voltage and for each mode that arrives.  Along a segment of length
 l a mode changes by exp(-i k l): only those that survive to double precision couple the pieces, which makes length
-free of cost.  Free and clamped ends turn the modes that arrive into all modes of the section.
+free of cost.  Free and clamped ends turn the modes that arrive into all modes of the section.  A line force on the
+bare surface sends the modes of `fem.waveguide.force` both ways.  What all of them make together follows from
+`fem.waveguide.row_solver`.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
-from fem.condense.piece import Piece, RecoveredField
+from fem.condense.piece import Blocks, Piece, Port, RecoveredField
 from fem.condense.recovery import ColumnsField
 from fem.condense.superelement import Superelement
+from fem.input_error import InputError
 from fem.waveguide.ends import End, end_reflection, with_gauge
+from fem.waveguide.force import ForceResponse, force_response
 from fem.waveguide.modes import GuidedModes
+from fem.waveguide.row_solver import Element, solve_row
 
 NEGLIGIBLE = 1e-18  # a mode's amplitude after a segment, relative: far below rounding
+NO_WAVES = np.empty(0, dtype=int)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scatterer:
     """A condensed piece in the waveguide."""
 
-    superelement: Piece
+    piece: Piece
     modes: GuidedModes
-    # shape (2, ports), or a row for each finger: electrode potentials of each port: half and minus half for the
-    # voltage; one and one for the mean where the section is grounded (elsewhere the mean is a matter of gauge)
+    # shape (ports of the piece, ports of the network that they follow): for each of the network's ports the piece's
+    # potentials, +1/2 and -1/2 for a voltage, 1 and 1 for a mean
     potentials: np.ndarray
 
     def recover(self, sides: np.ndarray) -> RecoveredField:
         """Field inside for given lines and potentials of the electrodes."""
-        if isinstance(self.superelement, Superelement):
-            return ColumnsField(self.superelement, sides)
-        return self.superelement.recover(sides)
+        if isinstance(self.piece, Superelement):
+            return ColumnsField(self.piece, sides)
+        return self.piece.recover(sides)
+
+    @cached_property
+    def at(self) -> Blocks:
+        """Where lines and ports stand in the piece's matrix."""
+        return Blocks(self.piece.size)
 
     @cached_property
     def _between_ends(self):
-        n = self.superelement.size
-        system = self.superelement.matrix[: 2 * n, : 2 * n].astype(complex)
-        system[:n, :n] -= self.modes.left_impedance
-        system[n:, n:] -= self.modes.right_impedance
-        if self.superelement.floating_potential:
+        at = self.at
+        system = self.piece.matrix[at.lines, at.lines].astype(complex)
+        system[at.left, at.left] -= self.modes.left_impedance
+        system[at.right, at.right] -= self.modes.right_impedance
+        if self.piece.floating_potential:
             system = with_gauge(system, self.modes.section.constant_potential)
         return system
 
@@ -54,21 +67,100 @@ class Scatterer:
         """Both lines' unknowns, shape (2 n, m).
 
         ``incoming``: field going right at the left line, then field going left at the right line, (2 n, m);
-        ``potentials`` of the electrodes, scaled, (2, m).
+        ``potentials`` of the piece's ports, scaled, (ports, m).
         """
-        n = self.superelement.size
-        both = self.modes.impedance_sum
-        load = -self.superelement.matrix[: 2 * n, 2 * n :] @ potentials
+        at, both = self.at, self.modes.impedance_sum
+        load = -self.piece.matrix[at.lines, at.ports] @ potentials
         load = load.astype(complex)
-        load[:n] -= both @ incoming[:n]
-        load[n:] -= both @ incoming[n:]
+        load[at.left] -= both @ incoming[at.left]
+        load[at.right] -= both @ incoming[at.right]
         return np.linalg.solve(self._between_ends, load)
 
-    def charge(self, sides: np.ndarray, potentials: np.ndarray) -> np.ndarray:
-        """Reactions q of the ports, scaled (minus the charge), shape (ports, m)."""
-        n = self.superelement.size
-        electrodes = self.superelement.matrix[2 * n :]
-        return self.potentials.T @ (electrodes[:, : 2 * n] @ sides + electrodes[:, 2 * n :] @ potentials)
+    def reactions(self, sides: np.ndarray) -> np.ndarray:
+        """Reactions of the network's ports (minus the charge of a voltage), scaled, for lines and potentials (., m)."""
+        return self.potentials.T @ (self.piece.matrix[self.at.ports] @ sides)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SegmentWaves:
+    """Amplitudes of all modes in a uniform segment, or in the part of one between two forces.
+
+    Attributes
+    ----------
+    start, stop : float
+        Length units.
+    right, left : ndarray, shape (modes, excitations)
+        Going right, at the start; going left, at the stop.
+    """
+
+    start: float
+    stop: float
+    right: np.ndarray = field(repr=False)
+    left: np.ndarray = field(repr=False)
+
+    def right_at(self, modes: GuidedModes, x: float) -> np.ndarray:
+        """Amplitudes going right at a place, (modes, excitations)."""
+        return np.exp(-1j * modes.wavenumbers * (x - self.start))[:, None] * self.right
+
+    def left_at(self, modes: GuidedModes, x: float) -> np.ndarray:
+        """Amplitudes going left at a place, (modes, excitations)."""
+        return np.exp(1j * modes.backwards * (self.stop - x))[:, None] * self.left
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Segment:
+    """A uniform segment and the modes that are followed through it.
+
+    Amplitudes are counted half a segment before they arrive, which balances the equations, or, where a force stands
+    nearer than that, at the very place.
+    """
+
+    modes: GuidedModes
+    start: float
+    stop: float
+    way: (
+        float  # of the modes from one end to the other, length units; 0 where the segment goes on without end
+    )
+    kept: np.ndarray  # modes that are followed
+    first: int  # number of their first wave in the row: those going right, then those going left
+    forces: tuple[int, ...]  # ports of the network that are forces on it, from left to right
+
+    @property
+    def right(self) -> np.ndarray:
+        """Numbers in the row of the waves going right."""
+        return self.first + np.arange(len(self.kept))
+
+    @property
+    def left(self) -> np.ndarray:
+        """Numbers in the row of the waves going left."""
+        return self.right + len(self.kept)
+
+    def passed(self, towards: str, distance: float) -> np.ndarray:
+        """Factors of all modes over a distance in their direction."""
+        k = self.modes.wavenumbers if towards == "right" else -self.modes.backwards
+        return np.exp(-1j * k * distance)
+
+    @property
+    def half(self) -> float:
+        """From where amplitudes are counted to where they arrive, length units."""
+        return 0.0 if self.forces else self.way / 2
+
+    def arriving(self, towards: str) -> np.ndarray:
+        """Factors of the modes that are followed, from where they are counted to where they arrive."""
+        return self.passed(towards, self.half)[self.kept]
+
+    def sent(self, towards: str, lines: np.ndarray) -> np.ndarray:
+        """Amplitudes of the modes that are followed in fields (n, m) that leave a piece or an end.
+
+        By the modes' biorthogonality, v_i^T (X_right + X_left) v_j = 0 for i going left, j going right, k_i != -k_j:
+        the port matrix is then symmetric whatever the errors of the modes.
+        """
+        modes, kept = self.modes, self.kept
+        shapes, opposite = (modes.right, modes.left) if towards == "right" else (modes.left, modes.right)
+        tests = opposite[:, kept].T @ modes.impedance_sum
+        return np.linalg.solve(
+            tests @ shapes[:, kept], self.passed(towards, self.way - self.half)[kept, None] * (tests @ lines)
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,168 +174,252 @@ class Network:
     start: float
     stop: float
     ends: tuple[End, End]  # at start and at stop
-    # of each scatterer: the network's ports that its potentials follow; one after the other if not given
-    port_numbers: tuple[np.ndarray, ...] | None = None
+    ports: tuple[Port, ...]  # voltages and means of transducers, then forces
+    numbers: tuple[np.ndarray, ...]  # of each scatterer: the ports that its potentials follow
 
-    @property
-    def ports(self) -> int:
-        """Ports of the network."""
-        return 1 + max((int(each.max()) for each in self.numbers if len(each)), default=-1)
-
-    @property
-    def numbers(self) -> tuple[np.ndarray, ...]:
-        """Ports of the network that each scatterer's potentials follow."""
-        if self.port_numbers is not None:
-            return self.port_numbers
-        counts = [each.potentials.shape[1] for each in self.scatterers]
-        return tuple(np.split(np.arange(sum(counts)), np.cumsum(counts)[:-1]))
-
-    @property
+    @cached_property
     def segments(self) -> np.ndarray:
         """Ends of the uniform segments before, between and after the scatterers, shape (scatterers + 1, 2)."""
         edges = [self.start]
         for place, scatterer in zip(self.places, self.scatterers, strict=True):
-            edges += [place, place + scatterer.superelement.width]
+            edges += [place, place + scatterer.piece.width]
         return np.array([*edges, self.stop]).reshape(-1, 2)
 
     def survivors(self, length: float) -> np.ndarray:
-        """Modes that matter after a segment; the constant potential carries nothing and is left out."""
+        """Modes that matter after a length; the constant potential carries nothing and is left out."""
         alive = np.abs(np.exp(-1j * self.modes.wavenumbers * length)) > NEGLIGIBLE
         return np.flatnonzero(alive & (self.modes.wavenumbers != 0))
 
-    def solve(self) -> "PortSolution":
-        """Fields for one unit of potential at each port in turn, the other ports at zero.
-
-        Returns
-        -------
-        PortSolution
-        """
-        modes, n = self.modes, self.modes.section.size
-        lengths = np.diff(self.segments, axis=1)[:, 0]
-        kept = [self.survivors(length) for length in lengths]
-        closed = [end != "absorbing" for end in self.ends]
-        # unknowns: in the middle of every segment, amplitudes going right and going left
-        slots, total = [], 0
-        for segment, keep in enumerate(kept):
-            open_ends = [not closed[side] for side, end in ((0, 0), (1, len(kept) - 1)) if segment == end]
-            count = 0 if any(open_ends) else len(keep)
-            slots.append((slice(total, total + count), slice(total + count, total + 2 * count)))
-            total += 2 * count
-        system = np.eye(total, dtype=complex)
-        load = np.zeros((total, self.ports), dtype=complex)
-        answers = []
-        for index, (scatterer, mine) in enumerate(zip(self.scatterers, self.numbers, strict=True)):
-            before, after = kept[index], kept[index + 1]
-            from_left, to_left = slots[index]
-            to_right, from_right = slots[index + 1]
-            arrive_left = before[: from_left.stop - from_left.start]
-            arrive_right = after[: from_right.stop - from_right.start]
-            count = len(mine)
-            # columns: what arrives from the left, from the right, and the ports
-            left = slice(0, len(arrive_left))
-            right = slice(left.stop, left.stop + len(arrive_right))
-            own = slice(right.stop, right.stop + count)
-            way = self._half_way("right", arrive_left, lengths[index])
-            back = self._half_way("left", arrive_right, lengths[index + 1])
-            incoming = np.zeros((2 * n, own.stop), dtype=complex)
-            incoming[:n, left] = modes.right[:, arrive_left] * way
-            incoming[n:, right] = modes.left[:, arrive_right] * back
-            potentials = np.zeros((len(scatterer.potentials), own.stop))
-            potentials[:, own] = scatterer.potentials
-            sides = scatterer.sides(incoming, potentials)
-            out = sides - incoming
-            for slot, rows in (
-                (to_left, self._sent("left", arrive_left, lengths[index], out[:n])),
-                (to_right, self._sent("right", arrive_right, lengths[index + 1], out[n:])),
-            ):
-                system[slot, from_left] -= rows[:, left]
-                system[slot, from_right] -= rows[:, right]
-                load[slot.start : slot.stop, mine] += rows[:, own]
-            sources = [(left, from_left), (right, from_right)]
-            answers.append((sides, potentials, incoming, sources, own, mine))
-        self._reflect(system, slots, kept, lengths)
-        amplitudes = np.linalg.solve(system, load) if total else load
-        labels = [
-            keep for keep, slot in zip(kept, slots, strict=True) for one in slot if one.stop > one.start
-        ]
-        waves = np.concatenate(labels) if labels else np.empty(0, dtype=int)
-        return self._gathered(amplitudes, answers, np.eye(total) - system, waves)
-
     @cached_property
-    def reflections(self) -> tuple[tuple[np.ndarray, np.ndarray] | None, ...]:
-        """Of the left and the right end: the modes that arrive, and all modes sent back for each, (n, arriving).
+    def forces(self) -> dict[int, ForceResponse]:
+        """Of each port that is a force: what it does to a segment without end."""
+        return {
+            number: force_response(self.modes, port.component)
+            for number, port in enumerate(self.ports)
+            if port.kind == "force"
+        }
 
-        None for an absorbing end.
+    def forces_on(self, segment: int) -> tuple[int, ...]:
+        """Numbers of the ports that are forces on a segment, from left to right."""
+        start, stop = self.segments[segment]
+        mine = [number for number in self.forces if start <= self.ports[number].place <= stop]
+        return tuple(sorted(mine, key=lambda number: self.ports[number].place))
+
+    def _followed(self, waves: np.ndarray) -> list[_Segment]:
+        """Segments with the modes that are followed; ``waves``: modes that arrive from outside at open ends."""
+        places = {number: self.ports[number].place for number in self.forces}
+        free = [any(start <= place <= stop for start, stop in self.segments) for place in places.values()]
+        if not all(free):
+            port = self.ports[list(places)[free.index(False)]]
+            unit = self.modes.section.length_unit
+            raise InputError(
+                "force.position",
+                "must lie on the bare surface, beside the pieces and the transducers with their outer gaps",
+                port.place * unit,
+                "m",
+                owner=port.name,
+            )
+        absorbs = [isinstance(end, str) and end == "absorbing" for end in self.ends]
+        segments: list[_Segment] = []
+        for index, (start, stop) in enumerate(self.segments):
+            mine = self.forces_on(index)
+            length = min(
+                [stop - start, *(abs(places[each] - edge) for each in mine for edge in (start, stop))]
+            )
+            kept, way = self.survivors(length), stop - start
+            endless = [absorbs[0] and index == 0, absorbs[1] and index == len(self.segments) - 1]
+            if any(endless):
+                kept = np.append(waves, np.setdiff1d(kept, waves)) if mine and not all(endless) else waves
+                way = 0.0
+            before = segments[-1] if segments else None
+            segments.append(
+                _Segment(
+                    modes=self.modes,
+                    start=start,
+                    stop=stop,
+                    way=way,
+                    kept=kept,
+                    first=before.first + 2 * len(before.kept) if before else 0,
+                    forces=mine,
+                )
+            )
+        return segments
+
+    def solve(self, waves: np.ndarray = NO_WAVES) -> "PortSolution":
+        """Fields for a unit at each port in turn, the other ports at zero, and for each wave that arrives from outside.
+
+        Parameters
+        ----------
+        waves : ndarray of int
+            Modes that arrive at the first line of the row, then at its last one; the ends are absorbing.
         """
-        found = []
-        for segment, side in ((0, 0), (-1, 1)):
-            start, stop = self.segments[segment]
-            arriving, end = self.survivors(stop - start), self.ends[side]
-            sent = None if end == "absorbing" else end_reflection(self.modes, end, side, arriving)
-            found.append(None if sent is None else (arriving, sent))
-        return tuple(found)
-
-    def _reflect(self, system, slots, kept, lengths):
-        """Equations of the ends that reflect: amplitudes leaving an end from those that arrive there."""
-        for segment, side in ((0, 0), (len(kept) - 1, 1)):
-            if self.reflections[side] is None:
-                continue
-            going_right, going_left = slots[segment]
-            keep, sent = self.reflections[side]
-            length = lengths[segment]
-            if side == 0:
-                back = self._sent("right", keep, length, self.modes.right @ sent)
-                system[going_right, going_left] -= back * self._half_way("left", keep, length)
-            else:
-                back = self._sent("left", keep, length, self.modes.left @ sent)
-                system[going_left, going_right] -= back * self._half_way("right", keep, length)
-
-    def _half_way(self, towards: str, chosen: np.ndarray, length: float) -> np.ndarray:
-        """Factor of modes over half a segment."""
-        k = self.modes.wavenumbers if towards == "right" else -self.modes.backwards
-        return np.exp(-0.5j * k[chosen] * length)
-
-    def _sent(self, towards: str, chosen: np.ndarray, length: float, field: np.ndarray) -> np.ndarray:
-        """Amplitudes in mid-segment of chosen modes in a field that leaves a scatterer or an end.
-
-        By the modes' biorthogonality, v_i^T (X_right + X_left) v_j = 0 for i going left, j going right, k_i != -k_j:
-        the port matrix is then symmetric whatever the errors of the modes.
-        """
-        modes = self.modes
-        shapes, opposite = (modes.right, modes.left) if towards == "right" else (modes.left, modes.right)
-        tests = opposite[:, chosen].T @ modes.impedance_sum
-        half_way = self._half_way(towards, chosen, length)[:, None]
-        return np.linalg.solve(tests @ shapes[:, chosen], half_way * (tests @ field))
-
-    def _gathered(self, amplitudes, answers, coupling, waves) -> "PortSolution":
-        ports = self.ports
-        sides, incoming, charges = [], [], np.zeros((ports, ports), dtype=complex)
-        for scatterer, (lines, potentials, arriving, sources, own, mine) in zip(
-            self.scatterers, answers, strict=True
+        modes, ports, at = self.modes, len(self.ports), Blocks(self.modes.section.size)
+        segments, excitations = self._followed(waves), len(self.ports) + 2 * len(waves)
+        sent_back = [self._sent_back(side, segments[-side].kept) for side in (0, 1)]
+        elements = [self._end(side, segments[-side], sent_back[side], excitations) for side in (0, 1)]
+        answers = []
+        for scatterer, mine, before, after in zip(
+            self.scatterers, self.numbers, segments, segments[1:], strict=False
         ):
-            weights = np.zeros((lines.shape[1], ports), dtype=complex)
-            for columns, slot in sources:
-                weights[columns] = amplitudes[slot]
-            weights[np.arange(own.start, own.stop), mine] = 1.0
-            sides.append(np.concatenate([lines, potentials]) @ weights)
-            incoming.append(arriving @ weights)
-            charges[mine] += scatterer.charge(*np.split(sides[-1], [len(lines)]))
+            # columns: modes that arrive from the left, from the right, and the ports
+            m, count = len(before.kept), len(before.kept) + len(after.kept)
+            incoming = np.zeros((2 * at.size, count + len(mine)), dtype=complex)
+            incoming[at.left, :m] = modes.right[:, before.kept] * before.arriving("right")
+            incoming[at.right, m:count] = modes.left[:, after.kept] * after.arriving("left")
+            potentials = np.zeros((len(scatterer.potentials), count + len(mine)))
+            potentials[:, count:] = scatterer.potentials
+            lines = scatterer.sides(incoming, potentials)
+            out = lines - incoming
+            sent = np.concatenate([before.sent("left", out[at.left]), after.sent("right", out[at.right])])
+            excitation = np.zeros((count, excitations), dtype=complex)
+            excitation[:, mine] = sent[:, count:]
+            elements.append(
+                Element(
+                    scattering=sent[:, :count],
+                    excitation=excitation,
+                    leaves=np.append(before.left, after.right),
+                    arrives=np.append(before.right, after.left),
+                )
+            )
+            answers.append((np.concatenate([lines, potentials]), incoming))
+        solved = solve_row(elements, outside=self._outside(segments, waves, excitations))
+
+        sides, arrived = [], []
+        reactions = np.zeros((ports, excitations), dtype=complex)
+        for scatterer, mine, element, (answer, incoming) in zip(
+            self.scatterers, self.numbers, elements[2:], answers, strict=True
+        ):
+            weights = np.concatenate([solved.arriving[element.arrives], np.eye(ports, excitations)[mine]])
+            sides.append(answer @ weights)
+            arrived.append(incoming @ weights)
+            reactions[mine] += scatterer.reactions(sides[-1])
+        from_ends = [
+            sent @ (segments[-side].arriving(towards)[:, None] * solved.arriving[elements[side].arrives])
+            for side, (towards, sent) in enumerate(zip(("left", "right"), sent_back, strict=True))
+        ]
+        amplitudes = self.segment_waves(sides, arrived, segments, from_ends)
+        for number in self.forces:
+            reactions[number] = self._displacement(number, amplitudes)
         return PortSolution(
-            sides=tuple(sides), incoming=tuple(incoming), charges=charges, coupling=coupling, waves=waves
+            sides=tuple(sides),
+            incoming=tuple(arrived),
+            segments=amplitudes,
+            reactions=reactions,
+            coupling=solved.coupling,
+            waves=np.concatenate([np.tile(each.kept, 2) for each in segments]),
         )
+
+    def _sent_back(self, side: int, arriving: np.ndarray) -> np.ndarray:
+        """Amplitudes of all modes that an end sends back for each of some that arrive there, (n, arriving)."""
+        end = self.ends[side]
+        if not len(arriving) or (isinstance(end, str) and end == "absorbing"):
+            return np.zeros((self.modes.section.size, len(arriving)))
+        return end_reflection(self.modes, end, side, arriving)
+
+    def _end(self, side: int, segment: _Segment, sent_back: np.ndarray, excitations: int) -> Element:
+        """The left (0) or the right (1) end as an element of the row."""
+        towards, away = ("left", "right") if side == 0 else ("right", "left")
+        shapes = self.modes.right if side == 0 else self.modes.left
+        scattering = np.zeros((len(segment.kept),) * 2, dtype=complex)
+        if sent_back.any():
+            scattering = segment.sent(away, shapes @ sent_back) * segment.arriving(towards)
+        return Element(
+            scattering=scattering,
+            excitation=np.zeros((len(segment.kept), excitations)),
+            leaves=segment.right if side == 0 else segment.left,
+            arrives=segment.left if side == 0 else segment.right,
+        )
+
+    def _outside(self, segments: list[_Segment], waves: np.ndarray, excitations: int) -> np.ndarray | None:
+        """What arrives at pieces and ends from forces and from outside."""
+        if not (self.forces or len(waves)):
+            return None
+        outside = np.zeros((segments[-1].first + 2 * len(segments[-1].kept), excitations), dtype=complex)
+        for segment in segments:
+            for number in segment.forces:
+                force, place = self.forces[number], self.ports[number].place
+                rightwards = segment.passed("right", segment.stop - place) * force.right
+                leftwards = segment.passed("left", place - segment.start) * force.left
+                outside[segment.right, number] = rightwards[segment.kept]
+                outside[segment.left, number] = leftwards[segment.kept]
+        for number, column in enumerate(range(len(self.ports), len(self.ports) + len(waves))):
+            outside[segments[0].right[number], column] = 1.0
+            outside[segments[-1].left[number], column + len(waves)] = 1.0
+        return outside
+
+    def segment_waves(
+        self,
+        sides: list[np.ndarray],
+        incoming: list[np.ndarray],
+        segments: list[_Segment] | None = None,
+        from_ends: list[np.ndarray] | None = None,
+    ) -> tuple[tuple[SegmentWaves, ...], ...]:
+        """Amplitudes of all modes in every segment, those of waves from outside left out.
+
+        Parameters
+        ----------
+        sides, incoming
+            Of `PortSolution`.
+        segments : list, optional
+            With their forces.
+        from_ends : list of ndarray, shape (n, excitations), optional
+            Amplitudes of all modes that leave both ends; zero if they absorb.
+        """
+        modes, at = self.modes, Blocks(self.modes.section.size)
+        segments = segments or self._followed(NO_WAVES)
+        excitations = sides[0].shape[1] if sides else len(self.ports)
+        out = [own[at.lines] - arrived for own, arrived in zip(sides, incoming, strict=True)]
+        leaving = np.array(out, dtype=complex).reshape(len(out), 2 * at.size, excitations)
+
+        def apart(amplitudes: Callable[[np.ndarray], np.ndarray], lines: np.ndarray) -> list[np.ndarray]:
+            """Amplitudes of all pieces' fields (pieces, n, excitations), by one factorisation of the modes."""
+            both = amplitudes(np.moveaxis(lines, 0, 1).reshape(at.size, -1))
+            return list(np.moveaxis(both.reshape(at.size, len(lines), -1), 1, 0)) if len(lines) else []
+
+        left_end, right_end = from_ends or (np.zeros((at.size, excitations), dtype=complex),) * 2
+        right = [left_end, *apart(modes.right_amplitudes, leaving[:, at.right])]
+        left = [*apart(modes.left_amplitudes, leaving[:, at.left]), right_end]
+        return tuple(self._parts(*each) for each in zip(segments, right, left, strict=True))
+
+    def _parts(self, segment: _Segment, right: np.ndarray, left: np.ndarray) -> tuple[SegmentWaves, ...]:
+        """A segment, cut where forces stand; ``right``: amplitudes at its start, ``left``: at its stop."""
+        places = [self.ports[number].place for number in segment.forces]
+        edges = [segment.start, *places, segment.stop]
+        parts = []
+        for index, (start, stop) in enumerate(pairwise(edges)):
+            going_right, going_left = right, left
+            if places:
+                going_right = segment.passed("right", start - segment.start)[:, None] * right
+                going_left = segment.passed("left", segment.stop - stop)[:, None] * left
+            for place, number in zip(places[:index], segment.forces, strict=False):
+                going_right[:, number] += segment.passed("right", start - place) * self.forces[number].right
+            for place, number in zip(places[index:], segment.forces[index:], strict=True):
+                going_left[:, number] += segment.passed("left", place - stop) * self.forces[number].left
+            parts.append(SegmentWaves(start=start, stop=stop, right=going_right, left=going_left))
+        return tuple(parts)
+
+    def _displacement(self, number: int, amplitudes: tuple[tuple[SegmentWaves, ...], ...]) -> np.ndarray:
+        """Displacement under a force along it for each excitation."""
+        modes, port = self.modes, self.ports[number]
+        part = next(part for own in amplitudes for part in own if part.start <= port.place <= part.stop)
+        lines = modes.right @ part.right_at(modes, port.place) + modes.left @ part.left_at(modes, port.place)
+        return modes.section.surface_rows["xz".index(port.component)] @ lines
 
 
 @dataclass(frozen=True, kw_only=True)
 class PortSolution:
-    """Fields per unit of scaled potential at each port."""
+    """Fields per unit at each port: of scaled potential, or of force in N/m; then per wave from outside."""
 
-    # shape (2 n + electrodes, ports): of each scatterer: its lines and the potentials of its electrodes
+    # shape (2 n + ports of the piece, excitations): of each scatterer: its lines and the potentials of its electrodes
     sides: tuple[np.ndarray, ...] = field(repr=False)
-    # shape (2 n, ports): the part of the lines that comes in
+    # shape (2 n, excitations): the part of the lines that comes in
     incoming: tuple[np.ndarray, ...] = field(repr=False)
-    charges: np.ndarray  # shape (ports, ports): reactions q, scaled; symmetric
-    # shape (waves, waves): M of (1 - M) a = a_sent: amplitudes that leave scatterers and ends from those that
-    # left the ones beside them. The stator resonates where an eigenvalue of M is near 1.
+    segments: tuple[tuple[SegmentWaves, ...], ...] = field(
+        repr=False
+    )  # before, between and after the scatterers
+    # shape (ports, excitations): reactions: minus the charge, scaled, symmetric among potentials; displacements in m
+    reactions: np.ndarray
+    # shape (waves, waves): `fem.waveguide.row_solver.RowWaves.coupling`
     coupling: np.ndarray = field(repr=False)
     waves: np.ndarray = field(repr=False)  # shape (waves,): number of the mode of each of these amplitudes
     # of each scatterer: what its charges are along the fingers (fem.beam.reception); empty for a section's
@@ -257,9 +433,8 @@ class Sheet:
     """Charges of a transducer that are uniform over |y| < length / 2, per unit at each port."""
 
     length: float  # m
-    sides: np.ndarray = field(
-        repr=False
-    )  # as of `PortSolution`, with the potentials that would make the charges
+    # as of `PortSolution`, with the potentials that would make the charges
+    sides: np.ndarray = field(repr=False)
     # shape (fingers, ports): reactions on the charged fingers, and their first moments about the middles
     reactions: np.ndarray = field(repr=False)
     moments: np.ndarray = field(repr=False)

@@ -18,6 +18,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.condense.join import widths
+from fem.condense.piece import Port
 from fem.condense.superelement import Superelement
 from fem.condense.transducer import Condensation, transducer_superelements
 from fem.convergence import ConvergenceError
@@ -27,8 +28,9 @@ from fem.discretize.section import Section
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
 from fem.waveguide.ends import End
+from fem.waveguide.force import LineForce
 from fem.waveguide.modes import GuidedModes, guided_modes
-from fem.waveguide.network import Network, PortSolution, Scatterer, Sheet
+from fem.waveguide.network import Network, PortSolution, Scatterer, SegmentWaves, Sheet
 from fem.waveguide.row import CondensedPieces, condensed_pieces, no_pieces
 
 CUT_OFF = 1e-3  # rad per slowest wavelength: a mode's wavenumber below which its square, all that is known, is rounding
@@ -40,7 +42,10 @@ MAX_COLUMNS = 150_000  # finger-edge element columns of all transducers; about 1
 
 @dataclass(frozen=True, kw_only=True)
 class PortFields:
-    """Fields per volt at each port, the other ports at zero."""
+    """Fields of a row for each of its excitations, the other ones at zero.
+
+    The excitations are 1 V at each port, then 1 N/m of each force, then a wave of amplitude 1 from outside.
+    """
 
     stator: Stator
     transducers: tuple[Transducer, ...]  # from left to right
@@ -50,13 +55,19 @@ class PortFields:
     owners: tuple[int | None, ...]
     resolution: Resolution
     names: tuple[str, ...]  # transducers that are ports, from left to right
-    # shape (2 n + 2, ports): of each scatterer: left line, right line, potentials of the positive and
+    # shape (2 n + 2, excitations): of each scatterer: left line, right line, potentials of the positive and
     # negative electrode, or of every finger (fem.beam.reception), or of a piece's ports; scaled
     sides: tuple[np.ndarray, ...] = field(repr=False)
-    # shape (2 n, ports): the part of its lines that comes in
+    # shape (2 n, excitations): the part of its lines that comes in
     incoming: tuple[np.ndarray, ...] = field(repr=False)
+    # before, between and after the scatterers: amplitudes of all modes, (n, excitations)
+    segments: tuple[tuple[SegmentWaves, ...], ...] = field(repr=False)
     # shape (ports, ports): short-circuit admittance matrix in S, symmetric
     admittances: np.ndarray = field(repr=False)
+    # shape (ports, forces and waves from outside): currents into the positive electrodes of shorted ports
+    received: np.ndarray = field(repr=False)
+    # shape (forces, excitations): displacement in m under each force, along it
+    displacements: np.ndarray = field(repr=False)
     # coupling, waves: of `fem.waveguide.network.PortSolution`
     coupling: np.ndarray = field(repr=False)
     waves: np.ndarray = field(repr=False)
@@ -82,9 +93,9 @@ class PortFields:
         columns, meshed = 0, 0
         for scatterer, owner in zip(self.network.scatterers, self.owners, strict=True):
             if owner is None:
-                meshed += scatterer.superelement.unknowns
+                meshed += scatterer.piece.unknowns
             else:
-                columns += sum(1 for _ in widths(scatterer.superelement))
+                columns += sum(1 for _ in widths(scatterer.piece))
         return columns * self.resolution.order * self.section.size + meshed
 
     def amplification(self, swing: float) -> tuple[float, float]:
@@ -104,15 +115,18 @@ class PortFields:
         return tuple(float(1 / abs(1 - each).min()) for each in (factors, turned))
 
 
-def electrode_potentials(transducer: Transducer, floating: bool) -> np.ndarray:
-    """Potentials of the two electrodes for unit voltage and, unless the potential is floating, for unit mean.
+def transducer_ports(transducer: Transducer, floating: bool) -> tuple[Port, ...]:
+    """Ports of a transducer: the voltage of two electrodes and, unless the potential is floating, the mean of any."""
+    electrodes = {"+", "-"} & set(transducer.signs)
+    voltage = (Port(kind="voltage", name=transducer.name),) if len(electrodes) == 2 else ()
+    mean = (Port(kind="mean", name=transducer.name),) if electrodes and not floating else ()
+    return voltage + mean
 
-    Shape (2, k): the voltage first where there are two electrodes, then the mean where there are any.
-    """
+
+def electrode_potentials(transducer: Transducer, ports: tuple[Port, ...]) -> np.ndarray:
+    """Potentials of a transducer's two electrodes for a unit at each of its ports, shape (2, ports)."""
     there = [float(sign in transducer.signs) for sign in "+-"]
-    columns = [(0.5, -0.5)] if all(there) else []
-    if any(there) and not floating:
-        columns.append(tuple(there))
+    columns = [(0.5, -0.5) if port.kind == "voltage" else there for port in ports]
     return np.array(columns).reshape(-1, 2).T
 
 
@@ -123,10 +137,11 @@ def solve_ports(
     frequency: float,
     resolution: Resolution,
     solve: Solve | None = None,
+    forces: tuple[LineForce, ...] = (),
 ) -> PortFields:
     """Solve a stator on one discretisation for unit voltage at every port, at a frequency in Hz.
 
-    ``solve``: as of `joined_fields`.
+    ``solve``, ``forces``: as of `joined_fields`.
     A ConvergenceError says that there are too many fingers, or that a mode is at its cut-off.
     """
     transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
@@ -137,7 +152,7 @@ def solve_ports(
             "walked through in minutes: take fewer finger_pairs, or ask for a looser tolerance"
         )
     unit = slowest_wavelength(stator.solid, frequency)
-    scale = min(transducer.finger_width / 2 for transducer in transducers)
+    scale = min((transducer.finger_width / 2 for transducer in transducers), default=np.inf)
     section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
     superelements = transducer_superelements(
         Condensation(section, frequency), stator, transducers, resolution
@@ -150,7 +165,14 @@ def solve_ports(
         )
     pieces = condensed_pieces(stator, modes, resolution)
     return joined_fields(
-        stator, transducers, superelements, modes=modes, resolution=resolution, pieces=pieces, solve=solve
+        stator,
+        transducers,
+        superelements,
+        modes=modes,
+        resolution=resolution,
+        pieces=pieces,
+        solve=solve,
+        forces=forces,
     )
 
 
@@ -165,22 +187,29 @@ def joined_fields(
     inset: float = 0.0,
     pieces: CondensedPieces | None = None,
     solve: Solve | None = None,
+    forces: tuple[LineForce, ...] = (),
 ) -> PortFields:
     """Tie superelements, uniform segments and ends together.
 
     ``superelements``: one for each transducer from left to right, the same object for equal ones, from the outer gap's
     beginning to its end; ``ends``: in the place of the stator's, and by which length ``inset`` they begin before its
-    ends (length units); ``pieces``: the stator's meshed pieces; ``solve``: by default `Network.solve`.
+    ends (length units); ``pieces``: the stator's meshed pieces; ``solve``: by default `Network.solve`;
+    ``forces``: on the bare surface.
     """
     section = modes.section
-    unit = section.length_unit
-    potentials = [electrode_potentials(transducer, section.floating_potential) for transducer in transducers]
+    unit, gaps, pieces = (
+        section.length_unit,
+        outer_gaps(stator, transducers),
+        pieces or no_pieces(stator, section.length_unit),
+    )
+    own_ports = [transducer_ports(each, section.floating_potential) for each in transducers]
+    ports = tuple(port for own in own_ports for port in own)
+    potentials = [electrode_potentials(each, own) for each, own in zip(transducers, own_ports, strict=True)]
     scatterers = {
-        id(superelement): Scatterer(superelement=superelement, modes=modes, potentials=own)
+        id(superelement): Scatterer(piece=superelement, modes=modes, potentials=own)
         for superelement, own in zip(superelements, potentials, strict=True)
     }
-    gaps, pieces = outer_gaps(stator, transducers), pieces or no_pieces(stator, unit)
-    first = np.cumsum([0, *(own.shape[1] for own in potentials)])
+    first = np.cumsum([0, *map(len, own_ports)])
     row = [  # place, scatterer, its ports of the network, its transducer
         (
             (each.extent[0] - gap[0]) / unit,
@@ -190,10 +219,15 @@ def joined_fields(
         )
         for index, (each, gap, superelement) in enumerate(zip(transducers, gaps, superelements, strict=True))
     ]
-    names = [each.name for each in transducers]
+    by_electrode = {
+        f"{each.name}{sign}": np.eye(len(ports))[first[index] : first[index + 1]].T @ potentials[index][k]
+        for index, each in enumerate(transducers)
+        for k, sign in enumerate("+-")
+    }
     for place, piece in pieces.between:
-        own, numbers = _wired_potentials(piece, names, potentials, first)
-        row.append((place, Scatterer(superelement=piece, modes=modes, potentials=own), numbers, None))
+        table = np.array([by_electrode[port.name] for port in piece.ports]).reshape(-1, len(ports))
+        numbers = np.flatnonzero(table.any(axis=0))
+        row.append((place, Scatterer(piece=piece, modes=modes, potentials=table[:, numbers]), numbers, None))
     row.sort(key=lambda each: each[0])
     network = Network(
         modes=modes,
@@ -202,24 +236,16 @@ def joined_fields(
         start=pieces.start + inset,
         stop=pieces.stop - inset,
         ends=ends or pieces.ends,
-        port_numbers=tuple(numbers for _, _, numbers, _ in row),
+        ports=ports
+        + tuple(
+            Port(kind="force", name=each.name, component=each.component, place=each.position / unit)
+            for each in forces
+        ),
+        numbers=tuple(numbers for _, _, numbers, _ in row),
     )
     network, solution = (network, network.solve()) if solve is None else solve(network, transducers)
     owners = tuple(owner for _, _, _, owner in row)
     return connected(stator, transducers, network, solution, resolution=resolution, owners=owners)
-
-
-def _wired_potentials(piece, names: list[str], potentials: list[np.ndarray], first: np.ndarray):
-    """Potentials of a meshed piece's ports for each port of the network that one of them follows, and these ports."""
-    rows = []
-    for port in piece.ports:
-        transducer, sign = names.index(port.name[:-1]), "+-".index(port.name[-1])
-        row = np.zeros(first[-1])
-        row[first[transducer] : first[transducer + 1]] = potentials[transducer][sign]
-        rows.append(row)
-    table = np.array(rows).reshape(len(rows), first[-1])
-    numbers = np.flatnonzero(np.any(table != 0, axis=0))
-    return table[:, numbers], numbers
 
 
 def connected(
@@ -229,42 +255,58 @@ def connected(
     solution: PortSolution,
     *,
     resolution: Resolution,
-    owners: tuple[int | None, ...] | None = None,
+    owners: tuple[int | None, ...],
 ) -> PortFields:
     """Fields per volt at the ports from those per unit of potential: no transducer carries a net charge.
 
-    ``owners``: as of `PortFields`; by default every scatterer is a transducer.
+    ``owners``: as of `PortFields`.
     """
-    section, modes = network.modes.section, network.modes
-    medium = section.solid
-    rows = tuple(range(len(transducers))) if owners is None else owners
-    potentials = [
-        scatterer.potentials
-        for scatterer, row in zip(network.scatterers, rows, strict=True)
-        if row is not None
-    ]
-    counts = [own.shape[1] for own in potentials]
-    port_owners = np.repeat(np.arange(len(transducers)), counts)
-    apertures = np.array([transducer.aperture for transducer in transducers])[port_owners]
+    medium, modes = network.modes.section.solid, network.modes
+    ports = [port for port in network.ports if port.kind != "force"]
+    by_name = {each.name: each for each in transducers}
+    apertures = np.array([by_name[port.name].aperture for port in ports])
     widths = apertures[:, None] if solution.own_apertures else np.minimum.outer(apertures, apertures)
-    charge_unit = medium.stress_unit / medium.potential_unit**2
-    admittances = charge_admittances(solution.charges * charge_unit, widths, modes.frequency)
-    voltage = np.concatenate([(own < 0).any(axis=0) for own in potentials])  # +1/2 and -1/2; a mean has 1s
+    charge_unit = medium.stress_unit / medium.potential_unit
+    count, excitations = len(ports), solution.reactions.shape[1]
+    admittances = charge_admittances(
+        solution.reactions[:count, :count] * (charge_unit / medium.potential_unit), widths, modes.frequency
+    )
+    voltage = np.array([port.kind == "voltage" for port in ports], dtype=bool)
+    names = tuple(port.name for port in ports if port.kind == "voltage")
     uncharged = _uncharged(admittances, voltage)
     between = (admittances @ uncharged)[voltage]
-    _refuse_a_source(between, [transducers[owner].name for owner in port_owners[voltage]])
-    volts = uncharged / medium.potential_unit
+    _refuse_a_source(between, names)
+    # columns: volts, then forces and waves from outside
+    weights = np.zeros((excitations, len(names) + excitations - count), dtype=complex)
+    weights[:count, : len(names)] = uncharged / medium.potential_unit
+    weights[count:, len(names) :] = np.eye(excitations - count)
+    if count < excitations and not voltage.all():
+        means = solution.reactions[np.flatnonzero(~voltage)]
+        own = np.linalg.solve(means[:, :count][:, ~voltage], means[:, count:])
+        weights[np.flatnonzero(~voltage), len(names) :] = -own
+    received = solution.reactions[np.flatnonzero(voltage)] @ weights[:, len(names) :]
+    currents = charge_admittances(received * charge_unit, apertures[voltage, None], modes.frequency)
+
+    def weighted(each: np.ndarray) -> np.ndarray:
+        return each @ weights
+
     return PortFields(
         stator=stator,
         transducers=transducers,
         modes=modes,
         network=network,
-        owners=rows,
+        owners=owners,
         resolution=resolution,
-        names=tuple(transducers[owner].name for owner in port_owners[voltage]),
-        sides=tuple(lines @ volts for lines in solution.sides),
-        incoming=tuple(lines @ volts for lines in solution.incoming),
+        names=names,
+        sides=tuple(weighted(each) for each in solution.sides),
+        incoming=tuple(weighted(each) for each in solution.incoming),
+        segments=tuple(
+            tuple(replace(part, right=weighted(part.right), left=weighted(part.left)) for part in parts)
+            for parts in solution.segments
+        ),
         admittances=between,
+        received=currents,
+        displacements=weighted(solution.reactions[count:]),
         coupling=solution.coupling,
         waves=solution.waves,
         own_apertures=solution.own_apertures,
@@ -272,10 +314,10 @@ def connected(
             tuple(
                 replace(
                     each,
-                    sides=each.sides @ volts,
-                    reactions=each.reactions @ volts,
-                    moments=each.moments @ volts,
-                    dipoles=each.dipoles @ volts,
+                    sides=weighted(each.sides),
+                    reactions=weighted(each.reactions),
+                    moments=weighted(each.moments),
+                    dipoles=weighted(each.dipoles),
                 )
                 for each in own
             )
@@ -284,7 +326,7 @@ def connected(
     )
 
 
-def _refuse_a_source(admittances: np.ndarray, names: list[str]) -> None:
+def _refuse_a_source(admittances: np.ndarray, names: tuple[str, ...]) -> None:
     """Refuse an admittance matrix by which passive transducers would give out power, beyond what rounding does."""
     if not len(names):
         return

@@ -1,5 +1,7 @@
 """The blocks of run.json and the columns of surface.csv that tell a driven stator's motion."""
 
+from typing import Any
+
 import numpy as np
 
 from studies.chain.surface_motion import SurfaceMotion
@@ -14,7 +16,11 @@ def wave_block(scene: Scene, motion: SurfaceMotion, place: tuple[float, float], 
     wave, places = motion.wave, [place] if scene.slider is None else [place, *scene.slider.places]
     found = motion.at(places)
     tangential, lateral, normal = map(complex, found[:, 0])
-    block = {"frequency_Hz": wave.frequency, "normal_m_per_V": normal, "tangential_m_per_V": tangential}
+    block: dict[str, Any] = {
+        "frequency_Hz": wave.frequency,
+        "normal_m_per_V": normal,
+        "tangential_m_per_V": tangential,
+    }
     if motion.beam is not None:
         block["lateral_m_per_V"] = lateral
         block["largest_lateral_ratio"] = float((abs(found[1]) / abs(found[0])).max())

@@ -8,28 +8,22 @@ dampers (the Hunt-Crossley coefficient, per contact already, stays): a mere numb
 as one.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
 import contact
+from studies.chain.solved_stator import SolvedStator, places_of
 from studies.record import Record
 from studies.scene import Scene
 from studies.scene.slider import Friction, LawText, Slider, Wave
 
 if TYPE_CHECKING:
     from studies.chain.ring_up import RingUp
+    from studies.chain.surface_motion import SurfaceMotion
     from studies.chain.travel import WaveAlong
-
-
-def orbits_per_volt(motion, slider: Slider) -> tuple:
-    """Return the contact.Orbit under each ball for 1 V of the source (peak), one for a mere number of contacts.
-
-    ``motion``: a `studies.chain.surface_motion.SurfaceMotion`.
-    """
-    return _orbits(motion.wave.frequency, motion.at(slider.places))
 
 
 def _orbits(frequency: float, motion) -> tuple:
@@ -77,7 +71,7 @@ def contact_slider(slider: Slider):
     return contact.Slider(
         radius=slider.radius,
         mass=slider.mass / share,
-        preload=slider.preload / share,
+        preload=slider.preload_force / share,
         load=slider.load / share,
         friction_coefficient=slider.static_coefficient,
         effective_modulus=slider.effective_modulus,
@@ -123,6 +117,9 @@ class DrivenContact:
     passing: tuple | None = field(default=None, repr=False)
     along: "WaveAlong | None" = None  # how they change with the slider's place
     record: Record | None = field(default=None, repr=False)  # of the run that solved the stator
+    solved: SolvedStator | None = field(
+        default=None, repr=False
+    )  # what is kept of it; None with a given wave
 
     @classmethod
     def given(cls, scene: Scene, record: Record | None = None) -> Self:
@@ -131,29 +128,41 @@ class DrivenContact:
         return cls(scene=scene, orbits=given_orbits(scene.wave), amplitudes=amplitudes, record=record)
 
     @classmethod
-    def of_motion(cls, scene: Scene, motion, **given) -> Self:
-        """Return the contact on a `studies.chain.surface_motion.SurfaceMotion`; ``given``: more of the fields."""
-        tangential, _, normal = map(float, abs(motion.at([scene.slider.center])[:, 0]))
-        given.setdefault("stator_error", motion.relative_error(scene.slider.places))
-        orbits = orbits_per_volt(motion, scene.slider)
-        if scene.slider.pillars is not None:
+    def of_stator(cls, scene: Scene, solved: "SolvedStator", motion: "SurfaceMotion | None" = None) -> Self:
+        """Return the contact on a solved stator, or its surface motion where the scene has no slider.
+
+        ``motion``: of the surface, of which sliders on pillars need more than the orbits.
+        """
+        places, slider = places_of(scene), scene.slider
+        tangential, normal, _, _ = solved.at[places[0]]
+        passing = None
+        if slider is not None and slider.pillars is not None:
             from studies.chain.slider_wave import stator_wave
 
-            given.setdefault("passing", stator_wave(scene, motion))
-        return cls(scene=scene, orbits=orbits, amplitudes=(normal, tangential), **given)
+            passing = stator_wave(scene, motion)
+        return cls(
+            scene=scene, orbits=() if slider is None else solved.orbits(slider.places), solved=solved, passing=passing,
+            amplitudes=(abs(normal), abs(tangential)), stator_error=max(solved.at[place][2] for place in places),
+        )  # fmt: skip
 
     @classmethod
     def of_run(cls, record: Record) -> "DrivenContact":
         """Return the contact of a run that has a slider."""
         if record.scene.wave is not None:
             return cls.given(record.scene, record)
-        error = float(record.wave["relative_error"])
-        return cls.of_motion(record.scene, record.surface_motion, stator_error=error, record=record)
+        motion = record.surface_motion
+        driven = cls.of_stator(record.scene, SolvedStator.of(motion, places_of(record.scene)), motion)
+        return replace(driven, stator_error=float(record.wave["relative_error"]), record=record)
 
     @cached_property
     def slider(self):
         """The `contact.Slider`."""
         return contact_slider(self.scene.slider)
+
+    @property
+    def level(self) -> float:
+        """Of several voltages or given amplitudes of the scene the first."""
+        return self.scene.levels[0]
 
     @property
     def amplitude(self) -> float:

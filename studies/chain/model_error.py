@@ -213,10 +213,10 @@ def _electrode_mass(record: Record) -> Rows:
 
 def _contact(record: Record) -> Rows:
     slider = record.scene.slider
-    if slider is None or slider.pillars is not None or not slider.preload > 0:
+    if slider is None or slider.pillars is not None or not slider.preload_force > 0:
         return
     solid, count = resolve.solid(record.scene.stator), len(slider.offsets)
-    share, omega = slider.preload / count, 2 * math.pi * record.wave["frequency_Hz"]
+    share, omega = slider.preload_force / count, 2 * math.pi * record.wave["frequency_Hz"]
     body, places = bridge.contact_slider(slider), 1 if isinstance(slider.contacts, int) else count
     stiffness = (2 * math.pi * body.normal_resonance(places)) ** 2 * body.mass / places
     shear = float(solid.stiffness[4, 4])

@@ -1,15 +1,24 @@
 """What a point of a sweep is answered with beside its velocity: amplitudes, power, limits, thrust, efficiency."""
 
 from contextlib import suppress
+from typing import TYPE_CHECKING
 
+import numpy as np
+
+from studies.chain.bridge import DrivenContact
 from studies.chain.points import contact_load, half_thrust
-from studies.chain.solved_stator import Driven
+
+if TYPE_CHECKING:
+    import contact
+
+RISE = 1.0 - 0.36787944117144233  # of the final velocity, reached after the start-up time
 
 # by the word that asks for it: columns
 ALSO = {
     "limits": ("threshold_factor", "release_factor"),
     "thrust": ("thrust_N",),
     "pressure": ("contact_pressure_Pa", "stick_margin"),
+    "start-up": ("start_up_time_s",),
     "step": ("step_m",),
     "efficiency": ("contact_efficiency", "motor_efficiency"),
 }
@@ -18,7 +27,7 @@ AMPLITUDES = ("normal_amplitude_m", "tangential_amplitude_m")
 ELECTRICAL = ("frequency_Hz", "conductance_S", "susceptance_S", "power_W")
 
 
-def amplitudes(driven: Driven) -> dict:
+def amplitudes(driven: DrivenContact) -> dict:
     """Return a point's amplitudes and, with a stator, what its driven transducer takes."""
     sizes = zip(AMPLITUDES, driven.amplitudes, strict=True)
     outcomes, solved = {name: size * driven.level for name, size in sizes}, driven.solved
@@ -29,7 +38,7 @@ def amplitudes(driven: Driven) -> dict:
     return outcomes | dict(zip(ELECTRICAL, taken, strict=True))
 
 
-def also_asked(also, tolerance: float, driven: Driven, answer: dict) -> dict:
+def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict) -> dict:
     """Return the answer with what was asked for beside the velocity, words of ``ALSO``; totals of the slider."""
     if not also or "velocity_m_per_s" not in answer:
         return answer
@@ -46,13 +55,38 @@ def also_asked(also, tolerance: float, driven: Driven, answer: dict) -> dict:
         if "step" in also:
             answer["step_m"] = abs(contact.step(slider, orbits, cycles=1).displacement)
     with suppress(contact.ConvergenceError):
-        if {"thrust", "efficiency"} & set(also):
+        if {"thrust", "efficiency", "start-up"} & set(also):
             if thrust is None:
                 thrust = max(contact.blocked_thrust(slider, orbits)[0], 0.0)
             answer["thrust_N"] = thrust * share
+        if "start-up" in also:
+            time = start_up_time(slider, orbits, abs(answer["velocity_m_per_s"]), thrust, tolerance)
+            answer |= {} if time is None else {"start_up_time_s": time}
         if "efficiency" in also:
             out, answer["contact_efficiency"] = half_thrust(slider, orbits, thrust, tolerance)
             power = amplitudes(driven).get("power_W", 0.0)
             if power > 0.0:
                 answer["motor_efficiency"] = out * share / power
     return answer
+
+
+def start_up_time(
+    slider: "contact.Slider", orbits: tuple, final: float, thrust: float, tolerance: float
+) -> float | None:
+    """Return the time from rest to 63 % of the steady velocity ``final``, s; None where a burst does not reach it.
+
+    The burst is four times as long as the blocked ``thrust`` would take to that velocity.
+    """
+    from scipy.interpolate import CubicSpline
+
+    import contact
+
+    if not final * thrust > 0.0:
+        return None
+    duration = 4.0 * slider.mass * final / thrust
+    motion = contact.burst(
+        slider, orbits, duration=duration, after=0.0, tolerance=tolerance, samples=400, method="auto"
+    )
+    share = CubicSpline(motion.time, np.abs(motion.velocity) / final - RISE)
+    times = [root for root in share.roots(extrapolate=False) if root > 0.0]
+    return float(times[0]) if times else None

@@ -15,7 +15,7 @@ MOST = 2000  # frequencies that a study chooses
 
 def driven_scene(scene: str | Path | Scene) -> Scene:
     """Return a scene as resolved; refuse one without a transducer."""
-    loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
+    loaded = Scene.load(scene)
     if not loaded.transducer:
         loaded.refuse("transducer", "is missing: the study drives one")
     return resolve.resolved(loaded)

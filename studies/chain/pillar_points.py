@@ -190,7 +190,7 @@ def burst(body: PillarContact, level: float, steady, duration: float) -> PillarB
     driven, scene = body.driven, body.driven.scene
     slider = scene.slider
     envelope = None if driven.ringing is None else driven.ringing.envelope
-    friction = slider.friction_coefficient * slider.preload_force
+    friction = slider.static_coefficient * slider.preload_force
     load, way = steady.load, math.copysign(1.0, steady.velocity)
     traction = contact.pillar_traction(body.pillars, body.at(level), loading=body.loading, load=load)
 

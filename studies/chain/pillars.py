@@ -15,6 +15,7 @@ A given [wave], whose crests move towards +x, runs towards -x.
 import math
 from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -36,7 +37,7 @@ def resolved_pillars(slider: Slider) -> Slider:
     block = slider.pillars
     if block is None:
         return slider
-    own = {}
+    own: dict[str, Any] = {}
     if block.height_scatter > 0.0 and block.seed is None:
         own["seed"] = SEED
     if block.height is not None and None in (block.youngs_modulus, block.poisson_ratio):
@@ -211,7 +212,7 @@ def check_pillars(scene: Scene) -> None:
         raise SceneError("slider.position", f"{rule}, got some at y = {beside:g} m")
     for each in scene.transducer:
         x, y = each.place
-        reach = each.finger_pairs * each.period / 2
+        reach = each.half_length
         if (
             left < x + reach
             and right > x - reach

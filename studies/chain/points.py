@@ -121,10 +121,10 @@ def point_answer(driven: DrivenContact, level: float, tolerance: float, *, burst
                 status, message = trajectory.status, trajectory.message
     except contact.ConvergenceError as error:
         return {"status": " ".join(str(error).split())}, (0.0, 0.0), None
-    error = values["relative_error"] = from_stator + from_contact
-    if status == "above tolerance" and error <= tolerance:
+    total = values["relative_error"] = from_stator + from_contact
+    if status == "above tolerance" and total <= tolerance:
         status = "ok"  # the contact missed its share, the sum of both parts keeps the tolerance
-    elif error > tolerance and status == "ok":
+    elif total > tolerance and status == "ok":
         status, message = "above tolerance", f"stator {from_stator:.1e}, contact {from_contact:.1e}"
     values["status"] = status if status == "ok" else f"{status}: {message}"
     return values | tally, (from_stator, from_contact), trajectory

@@ -17,13 +17,12 @@ from typing import Any
 
 import fem
 from studies.chain import resolve
-from studies.chain.bridge import wave_along
+from studies.chain.bridge import DrivenContact, wave_along
 from studies.chain.free_wave import free_wave_record
 from studies.chain.outcomes import also_asked, amplitudes
-from studies.chain.points import slider_answer
+from studies.chain.points import SliderAnswer, slider_answer
 from studies.chain.ring_up import RingUp, ring_up
-from studies.chain.slider_wave import stator_wave
-from studies.chain.solved_stator import Driven, SolvedStator, at_one_volt, stator_alone
+from studies.chain.solved_stator import SolvedStator, at_one_volt, places_of, stator_alone
 from studies.chain.spectrum import response
 from studies.chain.steady import SHARE, averaged_answers, judged
 from studies.chain.surface_motion import SurfaceMotion, solved_motion, surface_motion
@@ -49,20 +48,21 @@ class Predictor:
     ``table``: the scene's TOML document; ``tolerance``: of the velocity; ``places``: (x, y) in m for which one solution
     of the stator serves; ``limits``: lowest and highest frequency in Hz where there are enough of them for a band;
     ``coarse`` takes the stator's coarsest discretisation; ``slider``: whether the scenes have one; ``steps``: how often
-    a better stator is tried.
+    a better stator is tried; ``as_run``: a stator that misses its goal is taken with its error, and progress is told in
+    detail.
     """
 
     def __init__(
         self, table: dict, *, tolerance: float, places: Sequence[tuple] = (), limits: Sequence[float] = (),
         coarse: bool = False, slider: bool = True,
-        steps: int = STEPS, progress: Callable[[str], None] | None = None,
+        steps: int = STEPS, as_run: bool = False, progress: Callable[[str], None] | None = None,
     ) -> None:  # fmt: skip
         rules = {name: key.rule for name, key in keys_of(Scene).items()}
         for key in table:
             if key not in rules:
                 raise SceneError(key, "is no key of a scene")
         self.table, self.tolerance, self.coarse, self.slider = table, tolerance, coarse, slider
-        self.steps = 1 if coarse else steps
+        self.steps, self.as_run = 1 if coarse else steps, as_run
         self.free = "wave" not in table and not table.get("transducer")
         self.places, self.limits, self.progress = tuple(places), limits, progress or LOGGER.info
         self.seconds = 0.0  # spent on stators
@@ -85,8 +85,9 @@ class Predictor:
         return found
 
     def answers(
-        self, many: Sequence[dict], also: Sequence[str] = (), *, threads: int | None = None
-    ) -> list[dict]:
+        self, many: Sequence[dict], also: Sequence[str] = (), *, tolerance: float | None = None,
+        averaged: bool = False, threads: int | None = None,
+    ) -> list[dict]:  # fmt: skip
         """Return what the motor does with each of several sets of changed keys.
 
         Parameters
@@ -95,6 +96,11 @@ class Predictor:
             Key of the scene to value; each leaves one voltage, power or amplitude.
         also : sequence of str
             Beside the velocity: of `studies.chain.outcomes.ALSO`.
+        tolerance : float, optional
+            Of the velocity and of what is also asked; the predictor's own without it, which the stator always keeps.
+        averaged : bool
+            Whether averaged steady states are taken as they are, whatever their error: a smooth function of the
+            numbers, for derivatives.
         threads : int, optional
             Of the compiled loop; all processors without it.
 
@@ -108,7 +114,8 @@ class Predictor:
         todo = list(range(len(many)))
         for step in range(self.steps):
             self.solve_together((many[at] for at in todo), step)
-            found = self._answers_of([many[at] for at in todo], also, step, threads)
+            some = [many[at] for at in todo]
+            found = self._answers_of(some, also, step, threads, tolerance or self.tolerance, averaged)
             for at, answer in zip(todo, found, strict=True):
                 # where a better stator has no answer, that of the one before stands
                 if "relative_error" in answer or not answers[at]:
@@ -134,7 +141,7 @@ class Predictor:
                 raise blocks[name].with_traceback(None)
         return Scene(**blocks)
 
-    def contact(self, changes: dict, step: int = 0) -> Driven:
+    def contact(self, changes: dict, step: int = 0) -> DrivenContact:
         """Return the contact with some keys changed, its stator solved at a step if it is not known.
 
         Raises
@@ -146,8 +153,7 @@ class Predictor:
         """
         scene, stator = self._resolved(changes)
         if stator is None:
-            return Driven.given(scene)
-        block = scene.slider
+            return DrivenContact.given(scene)
         places, shared = self._places(scene)
         try:
             solved = self._answer(stator, shared, step)
@@ -155,29 +161,42 @@ class Predictor:
             if shared == places:
                 raise
             solved = self._answer(stator, places, step)
-        tangential, normal, _, _ = solved.at[places[0]]
-        passing = None
-        if block is not None and block.pillars is not None:
-            passing = stator_wave(scene, self.motion(stator, places, step))
-        return Driven(
-            scene=scene, orbits=() if block is None else solved.orbits(block.places), solved=solved, passing=passing,
-            amplitudes=(abs(normal), abs(tangential)), stator_error=max(solved.at[place][2] for place in places),
-        )  # fmt: skip
+        pillars = scene.slider is not None and scene.slider.pillars is not None
+        motion = self.motion(stator, places, self._goal(stator, places, step)) if pillars else None
+        return DrivenContact.of_stator(scene, solved, motion)
 
-    def motion(self, stator: Scene, places: Any, step: int = 0) -> SurfaceMotion:
-        """Return the surface motion of a `stator_alone` at places (x, y) in m; only the latest is kept."""
-        asked = stator, places, step
+    def motion(self, stator: Scene, places: Any, goal: float) -> SurfaceMotion:
+        """Return the surface motion of a `stator_alone` at places (x, y) in m; only the latest is kept.
+
+        ``goal``: its relative error.  Where it is not reached there is none, but in a run, whose record says so.
+        """
+        question = stator, places, goal
         latest, motion = self._latest  # once: a worker may have several threads
-        if latest != asked:
+        if latest != question:
             self._count += 1
-            self.progress(f"stator {self._count}")
-            begun, solve = time.perf_counter(), fem.one_blas_thread(solved_motion)
+            if not self.as_run:
+                self.progress(f"stator {self._count}")
+            start_time, solve = time.perf_counter(), fem.one_blas_thread(solved_motion)
+            told = {"progress": self.progress, "missed": True} if self.as_run else {}
             try:
-                motion = solve(stator, places, tolerance=self._goal(stator, places, step), slider=self.slider)
+                motion = solve(stator, places, tolerance=goal, slider=self.slider, **told)
             finally:
-                self.seconds += time.perf_counter() - begun
-            self._latest = asked, motion
+                self.seconds += time.perf_counter() - start_time
+            self._latest = question, motion
         return motion
+
+    def slider_answer(self, driven: DrivenContact, motion: SurfaceMotion | None = None) -> SliderAnswer:
+        """Return what the slider does at every level of a contact's scene, each solved by itself.
+
+        ``motion``: of the surface, for bursts in which the slider travels.
+        """
+        travels = (
+            driven.scene.burst is not None and motion is not None and driven.scene.slider.travel is not False
+        )
+        along = wave_along(motion, driven.scene.slider) if travels else None
+        driven = replace(driven, ringing=self.ring_up(driven), along=along)
+        told = self.progress if self.as_run else _silent
+        return slider_answer(driven, tolerance=self.tolerance, progress=told)
 
     def take(self, record: Record) -> None:
         """Take the stator's answer from a run of the scene."""
@@ -186,7 +205,7 @@ class Predictor:
             places = self._places(scene)[0]
             self._answers[stator, places, 0] = SolvedStator.of(record.surface_motion, places)
 
-    def ring_up(self, driven: Driven) -> RingUp | None:
+    def ring_up(self, driven: DrivenContact) -> RingUp | None:
         """Return how the surface's motion grows and fades in a burst; None with a given wave and under a transducer."""
         center = driven.scene.slider.center
         if driven.scene.burst is None or driven.solved is None or driven.solved.at[center][-1]:
@@ -219,10 +238,12 @@ class Predictor:
                     self._answers[stator, places, step] = SolvedStator.of(motion, places)
             self.seconds += time.perf_counter() - begun
 
-    def _answers_of(self, many: list[dict], also: Any, step: int, threads: int | None) -> list[dict]:
+    def _answers_of(
+        self, many: list[dict], also: Any, step: int, threads: int | None, tolerance: float, averaged: bool
+    ) -> list[dict]:
         """Return the answers with the stator of a step; ``finer`` where a better one would help."""
         answers: list[dict] = [{} for _ in many]
-        ready: dict[int, Driven] = {}
+        ready: dict[int, DrivenContact] = {}
         for at, changes in enumerate(many):
             try:
                 if self.free:
@@ -239,30 +260,31 @@ class Predictor:
             at for at, each in ready.items() if each.scene.slider is not None and each.scene.burst is None
         ]
         rows = averaged_answers(
-            [(ready[at], ready[at].level) for at in steady], self.tolerance, threads=threads
+            [(ready[at], ready[at].level) for at in steady],
+            math.inf if averaged else tolerance,
+            threads=threads,
         )
         side_by_side = dict(zip(steady, rows, strict=True))
         for at, driven in ready.items():
             try:
                 answer = side_by_side.get(at) or self._alone(driven, step)
-                answers[at] = amplitudes(driven) | also_asked(also, self.tolerance, driven, answer)
+                answers[at] = amplitudes(driven) | also_asked(also, tolerance, driven, answer)
             except Exception as error:
                 answers[at] = {"status": reason(error)}
         return answers
 
-    def _alone(self, driven: Driven, step: int) -> dict:
+    def _alone(self, driven: DrivenContact, step: int) -> dict:
         """Return the answer of a contact solved by itself, as in a run."""
         scene, error = driven.scene, driven.stator_error
         if scene.slider is None:
             missed = error > self.tolerance
             status = f"above tolerance: the stator's error is {error:.1e}" if missed else "ok"
             return {"relative_error": error if driven.level else 0.0, "status": status}
-        along = None
+        motion = None
         if scene.burst is not None and driven.solved is not None and scene.slider.travel is not False:
-            motion = self.motion(stator_alone(scene), tuple(driven.solved.at), step)
-            along = wave_along(motion, scene.slider)
-        driven = replace(driven, ringing=self.ring_up(driven), along=along)
-        answer = slider_answer(driven, tolerance=self.tolerance, progress=_silent)
+            stator, places = stator_alone(scene), tuple(driven.solved.at)
+            motion = self.motion(stator, places, self._goal(stator, places, step))
+        answer = self.slider_answer(driven, motion)
         point, parts = dict(answer.points[0]), answer.parts[0]
         if "relative_error" not in point:
             return {"status": f"no answer: {point['status']}"}
@@ -301,27 +323,28 @@ class Predictor:
         return scene if same else replace(scene, **found), stator
 
     def _places(self, scene: Scene) -> tuple[tuple, tuple]:
-        """Return the places of a scene, its slider's centre the first, and those that one solution serves."""
+        """Return the places of a scene, and those that one solution of the stator serves."""
+        places = places_of(scene)
         if scene.slider is None:
-            middle = ((scene.stator.length / 2, 0.0),)
-            return middle, middle
-        places = (*dict.fromkeys((scene.slider.center, *scene.slider.places)),)
+            return places, places
         # without a ball beside the axis the section may stand for the wave
         beside, length = any(y for _, y in places), scene.stator.length
         shared = tuple((x, y) for x, y in self.places if 0.0 <= x <= length and (beside or not y))
         return places, shared if set(places) <= set(shared) else places
 
-    def _answer(self, *asked: Any) -> SolvedStator:
+    def _answer(self, stator: Scene, places: Any, step: int) -> SolvedStator:
         """Return what is kept of a stator solved as `motion` does, or raise why there is none."""
-        if asked not in self._answers:
+        question = stator, places, step
+        if question not in self._answers:
             try:
-                self._answers[asked] = SolvedStator.of(self.motion(*asked), asked[1], coarse=self.coarse)
+                motion = self.motion(stator, places, self._goal(*question))
+                self._answers[question] = SolvedStator.of(motion, places, coarse=self.coarse)
             except Exception as error:
-                self._answers[asked] = error
-        found = self._answers[asked]
-        if isinstance(found, Exception):
-            raise found.with_traceback(None)
-        return found
+                self._answers[question] = error
+        answer = self._answers[question]
+        if isinstance(answer, Exception):
+            raise answer.with_traceback(None)
+        return answer
 
     def _in_band(self, stator: Scene, places: Any) -> bool:
         """Return whether a stator is solved as one of a band: there are enough, and no finite aperture."""

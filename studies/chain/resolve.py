@@ -143,7 +143,7 @@ def _piece_solid(given, block: Stator, path: str):
 def transducers(scene: Scene) -> tuple:
     """Return the ``fem.Transducer`` objects of a scene whose periods are numbers."""
     with _refused("transducer"):
-        return tuple(_transducer(block, block.period) for block in scene.transducer)
+        return tuple(_transducer(block, block.wavelength) for block in scene.transducer)
 
 
 def section_row(scene: Scene) -> tuple:
@@ -326,9 +326,9 @@ def _with_source_numbers(scene: Scene) -> Scene:
         rule = f"must be absent on {block.solid.name}: it is not piezoelectric in this orientation"
         raise SceneError("transducer", rule)
     with _refused("drive.frequency"):
-        if scene.frequency == "center":
+        if scene.drive.frequency == "center":
             driven = scene.driven_transducer
-            frequency = fem.best_frequency(block, _alone(driven, driven.period))
+            frequency = fem.best_frequency(block, _alone(driven, driven.wavelength))
             return replace(scene, drive=replace(scene.drive, frequency=frequency))
 
     def with_period(each: Transducer) -> Transducer:

@@ -69,14 +69,14 @@ class RingUp:
 
 def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str], None]) -> RingUp:
     """Return the ring-up at a place (x, y) in m of a scene with transducers, a burst and a frequency in Hz."""
-    scene, place = resolve.first_row(scene, place)
+    scene, x = resolve.first_row(scene, place)
     driven = scene.driven_transducer
     half = min(LOBES / driven.finger_pairs, WIDEST) * scene.frequency
     prepared = response(
         scene,
         scene.frequency - half,
         scene.frequency + half,
-        places=(place,),
+        places=(x,),
         tolerance=TOLERANCE,
         progress=progress,
     )
@@ -84,7 +84,7 @@ def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str
     try:
         found = fem.burst_response(
             prepared,
-            place,
+            x,
             drive=resolve.drive(scene),
             frequency=scene.frequency,
             duration=scene.burst,

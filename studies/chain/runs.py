@@ -10,19 +10,20 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import fem
 from studies.chain import resolve
 from studies.chain.blocks import amplitude_blocks, node, surface_columns, wave_block
-from studies.chain.bridge import DrivenContact, wave_along
+from studies.chain.bridge import DrivenContact
 from studies.chain.electrical import electrical_block, with_available_power
 from studies.chain.free_wave import free_wave_record
 from studies.chain.left_out import left_out
 from studies.chain.model_error import with_model_error
-from studies.chain.points import SliderAnswer, slider_answer
-from studies.chain.ring_up import ring_up
-from studies.chain.surface_motion import SurfaceMotion, solved_motion
+from studies.chain.points import SliderAnswer
+from studies.chain.predictor import Predictor
+from studies.chain.ring_up import RingUp
+from studies.chain.solved_stator import SolvedStator, places_of, stator_alone
+from studies.chain.surface_motion import SurfaceMotion
 from studies.chain.warnings import warnings_of
 from studies.record import Record
 from studies.refusal import RunError, SceneError
@@ -77,7 +78,7 @@ def run(
         raise SceneError("tolerance", f"must be a number above 0 and below 1, got {tolerance!r}")
     begun = time.perf_counter()
     with fem.blas_on_one_thread():
-        record = _run(scene if isinstance(scene, Scene) else Scene.load(scene), tolerance, progress)
+        record = _run(Scene.load(scene), tolerance, progress)
     total = time.perf_counter() - begun
     parts = record.seconds | {"other": total - sum(record.seconds.values())}
     return replace(record, seconds={"total": total, **parts})
@@ -86,10 +87,12 @@ def run(
 def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None) -> Record:
     say = progress or LOGGER.info
     scene = resolve.resolved(scene)
+    has_slider = scene.slider is not None
+    predictor = Predictor(scene.to_table(), tolerance=tolerance, slider=has_slider, as_run=True, progress=say)
     if scene.wave is not None:
-        record = _given(scene, tolerance, say)
+        record = _given(scene, predictor)
     elif scene.transducer:
-        record = _driven(scene, tolerance, say)
+        record = _driven(scene, predictor)
     else:
         record = free_wave_record(scene, tolerance)
     if scene.uncertain is not None:
@@ -100,42 +103,32 @@ def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None)
     return replace(record, warnings=warnings_of(record))
 
 
-def _given(scene: Scene, tolerance: float, say: Any) -> Record:
+def _given(scene: Scene, predictor: Predictor) -> Record:
     """Return the record of a given wave: its orbit, then the contact."""
-    begun = time.perf_counter()
-    answer = slider_answer(DrivenContact.given(scene), tolerance=tolerance, progress=say)
+    start_time = time.perf_counter()
+    answer = predictor.slider_answer(DrivenContact.given(scene))
     return Record(
         scene=scene,
-        tolerance=tolerance,
+        tolerance=predictor.tolerance,
         wave={"frequency_Hz": scene.wave.frequency, "surface_ratio": scene.wave.tangential_ratio},
-        **answer.blocks(tolerance),
-        seconds={"contact": time.perf_counter() - begun},
+        **answer.blocks(predictor.tolerance),
+        seconds={"contact": time.perf_counter() - start_time},
         left_out=left_out(scene),
     )
 
 
-def _driven(scene: Scene, tolerance: float, say: Any) -> Record:
+def _driven(scene: Scene, predictor: Predictor) -> Record:
     """Return the record of a driven stator: the motion of its surface, then the contact under a slider."""
-    begun = time.perf_counter()
-    slider, ringing, seconds = scene.slider, None, {}
-    place = (scene.stator.length / 2, 0.0) if slider is None else slider.center
-    places = (place,) if slider is None else tuple(dict.fromkeys((place, *slider.places)))
-
-    def solved(goal: float) -> SurfaceMotion:
-        # one that misses its goal is recorded with its error, which says whether it is good enough
-        return solved_motion(scene, places, tolerance=goal, progress=say, missed=True)
-
-    if slider is None:
-        motion = solved(tolerance)
-        blocks = amplitude_blocks(scene, motion, place, tolerance)
+    start_time, tolerance = time.perf_counter(), predictor.tolerance
+    places, ringing, seconds = places_of(scene), None, {}
+    if scene.slider is None:
+        motion = predictor.motion(stator_alone(scene), places, tolerance)
+        blocks = amplitude_blocks(scene, motion, places[0], tolerance)
     else:
-        motion = solved(SHARE * tolerance)
-        if scene.burst is not None and not motion.covered(place):
-            ringing = ring_up(scene, place, progress=say)
-        motion, answer, seconds["contact"] = _with_contact(scene, motion, solved, tolerance, say, ringing)
+        motion, answer, ringing, seconds["contact"] = _with_contact(scene, predictor)
         blocks = answer.blocks(tolerance)
-    if slider is not None and (still := node(motion, places)):
-        blocks["shortfall"] = still
+        if still := node(motion, places):
+            blocks["shortfall"] = still
     if motion.beam is not None:
         scene = replace(scene, stator=replace(scene.stator, diffraction=True))
     electrical = electrical_block(scene, motion)
@@ -143,7 +136,7 @@ def _driven(scene: Scene, tolerance: float, say: Any) -> Record:
     record = Record(
         scene=scene,
         tolerance=tolerance,
-        wave=wave_block(scene, motion, place, ringing),
+        wave=wave_block(scene, motion, places[0], ringing),
         electrical=electrical,
         left_out=left_out(
             scene,
@@ -156,40 +149,42 @@ def _driven(scene: Scene, tolerance: float, say: Any) -> Record:
         surface_motion=motion,
         **blocks,
     )
-    return replace(record, seconds={"stator": time.perf_counter() - begun - sum(seconds.values())} | seconds)
+    return replace(
+        record, seconds={"stator": time.perf_counter() - start_time - sum(seconds.values())} | seconds
+    )
 
 
 def _with_contact(
-    scene: Scene, motion: SurfaceMotion, solved: Callable, tolerance: float, say: Any, ringing: Any
-) -> Any:
-    """Return motion, answer and the contact's seconds; the motion is solved again where its error is too large."""
-    slider, seconds = scene.slider, 0.0
-    places = tuple(dict.fromkeys((slider.center, *slider.places)))
+    scene: Scene, predictor: Predictor
+) -> tuple[SurfaceMotion, SliderAnswer, RingUp | None, float]:
+    """Return motion, answer, ring-up and the contact's seconds; a motion with too large an error is solved again."""
+    stator, places, seconds = stator_alone(scene), places_of(scene), 0.0
+    motion = predictor.motion(stator, places, SHARE * predictor.tolerance)
+    ringing = predictor.ring_up(DrivenContact.of_stator(scene, SolvedStator.of(motion, places), motion))
 
     def answered() -> SliderAnswer:
         nonlocal seconds
-        started = time.perf_counter()
-        along = None if scene.burst is None else wave_along(motion, slider)
-        driven = DrivenContact.of_motion(scene, motion, ringing=ringing, along=along)
-        answer = slider_answer(driven, tolerance=tolerance, progress=say)
-        seconds += time.perf_counter() - started
+        contact_start = time.perf_counter()
+        driven = DrivenContact.of_stator(scene, SolvedStator.of(motion, places), motion)
+        answer = predictor.slider_answer(driven, motion)
+        seconds += time.perf_counter() - contact_start
         return answer
 
     answer = answered()
     for _ in range(ROUNDS - 1):
         section, whole = motion.wave.relative_error, motion.relative_error(places)
         rings = 0.0 if ringing is None else ringing.error
-        goal = _needed(answer, section, tolerance, rings, beam_share=1 - section / whole)
+        goal = _needed(answer, section, predictor.tolerance, rings, beam_share=1 - section / whole)
         if goal is None:
             break
         try:
-            motion = solved(goal)
+            motion = predictor.motion(stator, places, goal)
         except RunError:
             break  # the answer that stands is recorded, with its error
         answer = answered()
         if motion.wave.relative_error >= section or motion.relative_error(places) > STALLED * whole:
             break
-    return motion, answer, seconds
+    return motion, answer, ringing, seconds
 
 
 def _needed(

@@ -26,7 +26,7 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
         return
     yield from _sizes(scene, slider)
     for each in scene.transducer:
-        half = each.finger_pairs * each.period / 2 if isinstance(each.period, float) else 0.0
+        half = each.half_length if isinstance(each.period, float) else 0.0
         if slider.position is None or each.turned:
             continue
         if abs(slider.center[0] - each.place[0]) < half:
@@ -86,7 +86,7 @@ def _area_radius(slider: Slider) -> float:
     """Return the radius of the area of contact at rest, m, each contact with an equal share (Hertz; a punch's own)."""
     if slider.shape == "punch" or slider.effective_modulus is None:
         return slider.radius if slider.shape == "punch" else 0.0
-    share = slider.preload / len(slider.offsets)
+    share = slider.preload_force / len(slider.offsets)
     return (0.75 * share * slider.radius / slider.effective_modulus) ** (1 / 3)
 
 

@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-from studies.chain.bridge import DrivenContact
 from studies.chain.surface_motion import SurfaceMotion
 from studies.scene import Scene
 from studies.scene.blocks import Drive
@@ -51,16 +50,14 @@ class SolvedStator:
         )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Driven(DrivenContact):
-    """The contact of a scene with changed values, or its surface motion where it has no slider."""
+def places_of(scene: Scene) -> tuple[tuple[float, float], ...]:
+    """Return the places (x, y) in m at which a scene asks for the motion: its slider's centre first, then the balls.
 
-    solved: SolvedStator | None = None  # None with a given wave
-
-    @property
-    def level(self) -> float:
-        """Of several voltages or given amplitudes of the scene the first."""
-        return self.scene.levels[0]
+    Without a slider the middle of the stator.
+    """
+    if scene.slider is None:
+        return ((scene.stator.length / 2, 0.0),)
+    return tuple(dict.fromkeys((scene.slider.center, *scene.slider.places)))
 
 
 def stator_alone(scene: Scene) -> Scene:

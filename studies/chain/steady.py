@@ -32,13 +32,11 @@ def steady_answers(
     answers = averaged_answers(asked, tolerance, threads=threads)
     for at, (driven, level) in enumerate(asked):
         if answers[at] is None:
-            point, parts, _ = point_answer(driven, level, tolerance, bursting=False)
-            known = "relative_error" in point
-            answers[at] = (
-                point | judged(tolerance, *parts, point["status"])
-                if known
-                else {"status": f"no answer: {point['status']}"}
-            )
+            point, (of_stator, of_contact), _ = point_answer(driven, level, tolerance, bursting=False)
+            if "relative_error" in point:
+                answers[at] = point | judged(tolerance, of_stator, of_contact, point["status"])
+            else:
+                answers[at] = {"status": f"no answer: {point['status']}"}
     return answers
 
 
@@ -90,7 +88,9 @@ def averaged(asked: list[tuple], threads: int | None = None) -> list[tuple]:
     answers: list[tuple] = [()] * len(asked)
     for count in {len(orbits) for _, orbits, _, _ in asked}:
         members = [at for at, each in enumerate(asked) if len(each[1]) == count]
-        sliders, waves, which, factors = {}, {}, [], []
+        sliders: dict = {}
+        waves: dict = {}
+        which, factors = [], []
         for slider, orbits, error, factor in (asked[at] for at in members):
             first = sliders.setdefault(slider, len(sliders))
             which.append((first, waves.setdefault((orbits, error), len(waves))))

@@ -39,8 +39,8 @@ def warnings_of(record: Record) -> tuple[str, ...]:
             found += each(record)
     if record.scene.slider is not None:
         driven = DrivenContact.of_run(record)
-        for each in (_contact, _points, _other_motion):
-            found += each(record, driven)
+        for of_contact in (_contact, _points, _other_motion):
+            found += of_contact(record, driven)
         if record.scene.slider.pillars is not None:
             from studies.chain.pillar_budget import pillar_warnings
 
@@ -59,7 +59,7 @@ def _drive(record: Record) -> Iterator[str]:
     """Yield warnings where fingers or air break down between the combs, or the wave's stress breaks the stator."""
     scene, driven, electrical = record.scene, record.scene.driven_transducer, record.electrical
     highest, limits = max(scene.levels), _strength(scene)
-    gap = (1 - driven.metallisation) * driven.period * driven.finger_pairs / driven.fingers
+    gap = (1 - driven.metallisation) * driven.wavelength * driven.finger_pairs / driven.fingers
     voltages = [each["voltage_per_volt"] for each in electrical.get("sources", {}).values()]
     volts = highest * max(map(abs, [electrical["comb_voltage_per_volt"], *voltages]))
     breakdown = breakdown_voltage(gap)
@@ -121,7 +121,7 @@ def _off_resonance(record: Record) -> Iterator[str]:
         yield (
             f"the drive is off the transducer's resonance: u_z would be {more} at {better:.4g} MHz "
             f'(estimate by coupled modes): set drive.frequency = "center" with '
-            f'period = "{driven.period * 1e3:.6g} mm", or period = "auto"'
+            f'period = "{driven.wavelength * 1e3:.6g} mm", or period = "auto"'
         )
 
 

@@ -57,14 +57,16 @@ def call(arguments: argparse.Namespace) -> int:
     """Run the chain of a scene; print its answer and leave its files."""
     from studies.chain import run as run_chain
     from studies.record.files import write_run
-    from studies.record.measured import compared, read_measured, refuse_incomparable
     from studies.record.text import answer
     from studies.report.drawing import Drawing
     from studies.report.explanation import explanation, long_wait, plan
 
     wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
-    measured = None if arguments.measured is None else read_measured(arguments.measured)
-    if measured is not None:
+    measured = None
+    if arguments.measured is not None:
+        from studies.record.measured import compared, read_measured, refuse_incomparable
+
+        measured = read_measured(arguments.measured)
         refuse_incomparable(scene, measured)
     if arguments.explain:
         planned = plan(scene, tolerance=wanted)

@@ -30,7 +30,7 @@ CENSUS = """
 import contextlib, io, json, sys, time
 from studies.scene import override
 from studies import scene
-from studies.evidence.peers.attempt import peak_memory
+from studies.evidence.own_process import peak_memory
 from studies.chain import run
 table = scene.read_table(sys.argv[1])
 words = sys.argv[2:]

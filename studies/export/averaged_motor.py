@@ -22,12 +22,12 @@ from studies.study import driven_contact
 # of the exact mean, and the steady velocity of twente-contact within 5e-6 from 0.75 to 20 nm. With 361 rows 6e-4 at
 # 0.75 nm, next to the threshold; with 601 and 401 columns 3e-6, and a C file twice as long.
 ROWS, COLUMNS = 501, 301
-SMALLEST, LARGEST = (
-    1e-6,
-    1.0 - 1e-4,
-)  # sqrt(|nu|) next to the jump, and tau of the last row: beyond lies no load
+SMALLEST = 1e-6  # sqrt(|nu|) next to the jump
+LARGEST = 1.0 - 1e-4  # tau of the last row: beyond lies no load
 PROBES = 400  # random points at which the interpolation is compared with the exact mean
 MAX_STEP, FAST_STEP = 1e-5, 1e-6  # s
+RING_STEPS = 30.0  # per period; 80 rings to 6e-4 of their amplitude, 15: 3e-2 (test_export_motor.py)
+KICK_CYCLES = 10  # after which the start of a sudden wave is over
 DEAD_BOUNCE = 1e-3  # its share in the mean force is the square of it
 SETTLED = 2e-4  # of the steady amplitude: from there on the wave counts as settled
 RESPONSE_STEP = 2.5e-7  # s; half of the cycle at 2 MHz
@@ -47,6 +47,7 @@ class Drive:
     settling: float = 0.0  # s to within 1 %
     power: float = 0.0  # into the transducer, W per V^2
     error: float = 0.0  # relative, of the orbits
+    mirrored: bool = False  # the mirror image of the drive before it, whose tables serve
 
     @property
     def amplitude(self) -> float:
@@ -90,7 +91,7 @@ class AveragedMotor:
     """
 
     title: str
-    slider: object = field(repr=False)
+    slider: contact.Slider = field(repr=False)
     share: int
     drives: tuple[Drive, ...]
     unit: str
@@ -215,8 +216,8 @@ def averaged_motor(
             _drive(driven_contact(other, tolerance=tolerance, progress=progress), progress, left_out)
         )
     if driven.scene.wave is not None:
-        mirrored = tuple(orbit.mirrored() for orbit in driven.orbits)
-        drives.append(replace(drives[0], name="wave from the other side", orbits=mirrored))
+        opposite = tuple(orbit.mirrored() for orbit in driven.orbits)
+        drives.append(replace(drives[0], name="wave from the other side", orbits=opposite, mirrored=True))
     if len(drives) == 2:
         left_out.append("where the waves of both drives overlap the larger one alone counts")
     left_out.append(
@@ -224,7 +225,7 @@ def averaged_motor(
     )
     progress("tables of mean forces")
     try:
-        tables = [_tables(slider, drive) for drive in drives]
+        tables = [None if drive.mirrored else _tables(slider, drive) for drive in drives]
         known = _steady(slider, drives[0], driven.levels)
     except contact.ConvergenceError as error:
         raise RunError(" ".join(str(error).split())) from None
@@ -239,8 +240,16 @@ def averaged_motor(
         velocity_error=0.0,
         left_out=tuple(dict.fromkeys(left_out)),
     )  # fmt: skip
+    if drives[0].response is None:
+        kick = _kick(motor, [level for level, *_ in known])
+        left_out.append(
+            f"a wave that starts at once kicks the slider by up to {kick:.1e} m/s, by its phase: not followed"
+        )
     return replace(
-        motor, interpolation_error=_interpolation_error(motor), velocity_error=_velocity_error(motor, known)
+        motor,
+        left_out=tuple(dict.fromkeys(left_out)),
+        interpolation_error=_interpolation_error(motor),
+        velocity_error=_velocity_error(motor, known),
     )
 
 
@@ -336,13 +345,19 @@ def _packed(slider, drives, tables) -> tuple[np.ndarray, np.ndarray]:
     p[model.SPAN_TAU], p[model.SPAN_NU], p[model.DRIVES] = ROWS, COLUMNS, len(drives)
     fastest = max(slider.normal_resonance(contacts), slider.tangential_resonance(contacts))
     p[model.MAX_STEP], p[model.FAST_STEP] = MAX_STEP, min(FAST_STEP, 1.0 / (100.0 * fastest))
+    p[model.RING_STEP] = min(MAX_STEP, 1.0 / (RING_STEPS * fastest))
     p[model.DEAD_BOUNCE] = DEAD_BOUNCE
     parts, length = [], 0
-    for number, (drive, (loads, forces)) in enumerate(zip(drives, tables, strict=True)):
+    for number, (drive, table) in enumerate(zip(drives, tables, strict=True)):
         own = model.FIRST_DRIVE + number * model.DRIVE_SIZE
         p[own + model.AMPLITUDE], p[own + model.SATURATION] = drive.amplitude, drive.saturation(slider)
         p[own + model.POWER], p[own + model.RESPONSE_STEP] = drive.power, drive.response_step
-        pieces = {model.LOADS: loads, model.FORCES: forces.ravel()}
+        p[own + model.FACING] = -1.0 if drive.mirrored else 1.0
+        if table is None:  # all places and numbers of the first but the sign
+            first = model.FIRST_DRIVE
+            p[own : own + model.FACING] = p[first : first + model.FACING]
+            continue
+        pieces = {model.LOADS: table[0], model.FORCES: table[1].ravel()}
         if drive.response is not None:
             p[own + model.RESPONSE_NODES] = len(drive.response)
             pieces[model.RESPONSE] = np.ascontiguousarray(drive.response).view(float)
@@ -371,6 +386,21 @@ def _steady(slider, drive: Drive, levels) -> list[tuple[float, float, float, flo
         if not mean.held:
             known.append((level, float(mean.velocity), float(mean.first_order), scale))
     return known
+
+
+def _kick(motor: AveragedMotor, levels) -> float:
+    """Return how far the motor is from the exact contact after the first cycles of a sudden wave, m/s."""
+    worst = 0.0
+    for level in {*levels[:1], *levels[-1:]}:
+        orbits = motor._at(level)
+        duration = KICK_CYCLES / orbits[0].frequency
+        truth = contact.burst(
+            motor.slider, orbits, duration=duration, after=0.0, tolerance=1e-6, samples=2, method="exact"
+        )
+        state = motor.start(force=motor.load)
+        state.advance(duration, level, force=motor.load)
+        worst = max(worst, abs(truth.velocity_at_burst_end - state.velocity))
+    return worst
 
 
 def _velocity_error(motor: AveragedMotor, known) -> float:

@@ -2,14 +2,14 @@
 
 Translated are annotated functions of a module (`float`, `int`, `Array`: pointer to double), its integer constants in
 capitals, and in their bodies assignments, if, while, return, arithmetic, comparisons, conditional expressions, indexed
-arrays, and calls of each other and of `sqrt`, `floor`, `abs`, `min`, `max`, `int`.  What is neither annotated nor an
+arrays, and calls of each other and of `sqrt`, `abs`, `min`, `max`, `int`.  What is neither annotated nor an
 index is a double.  Anything else is refused with its line: nothing is translated by guess.
 """
 
 import ast
 
 TYPES = {"float": "double", "int": "int", "Array": "double *"}
-CALLS = {"abs": "fabs", "min": "fmin", "max": "fmax", "int": "(int)", "sqrt": "sqrt", "floor": "floor"}
+CALLS = {"abs": "fabs", "min": "fmin", "max": "fmax", "int": "(int)", "sqrt": "sqrt"}
 OPERATORS = {
     ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=",
     ast.Eq: "==", ast.NotEq: "!=", ast.And: "&&", ast.Or: "||", ast.USub: "-", ast.Not: "!",

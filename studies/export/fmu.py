@@ -119,7 +119,15 @@ def _library(sources: dict[str, str], compiled) -> tuple[bytes | None, str]:
         for name, text in sources.items():
             (Path(folder) / name).write_text(text, encoding="utf-8")
         target = f"{MODEL}{known[2]}"
-        flags = ["-O2", "-std=c99", "-shared", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off"]
+        flags = [
+            "-O2",
+            "-std=c99",
+            "-shared",
+            "-fPIC",
+            "-fvisibility=hidden",
+            "-ffp-contract=off",
+            "-fno-math-errno",
+        ]
         done = subprocess.run(
             [*command, *flags, "-o", target, *compiled, "-lm"], cwd=folder, capture_output=True, text=True
         )

@@ -26,7 +26,7 @@ wave changes or the contact sticks; the approach by the classical Runge-Kutta me
 stop of the slip located within its step.  Tables are read by cubic interpolation over four neighbours.
 """
 
-from math import floor, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -50,8 +50,9 @@ SPAN_NU = 9  # number of nodes of each side of nu
 DRIVES = 10  # 1 or 2
 MAX_STEP = 11
 FAST_STEP = 12
-DEAD_BOUNCE = 13  # relative to the approach at rest: below it the approach follows the wave at once
-FIRST_DRIVE = 14
+RING_STEP = 13
+DEAD_BOUNCE = 14  # relative to the approach at rest: below it the approach follows the wave at once
+FIRST_DRIVE = 15
 # places in the parameters of each drive
 AMPLITUDE = 0  # largest |u_z| of the contacts per unit of the drive, m
 SATURATION = 1  # v_1, (m/s)/m
@@ -61,7 +62,8 @@ POWER = 4  # W per squared unit of the drive
 LOADS = 5  # where the table R begins
 FORCES = 6  # where the table g begins
 RESPONSE = 7  # where the step response begins, real and imaginary part
-DRIVE_SIZE = 8
+FACING = 8  # 1, or -1 where the table g is that of the mirrored wave
+DRIVE_SIZE = 9
 
 # Places in the state (a flat array of doubles)
 TIME = 0
@@ -79,7 +81,12 @@ PRELOAD = 11  # of the last step, N
 RIDE = 12  # approach at rest on the wave, m, and the bounce's angular frequency there, rad/s
 BOUNCE_RATE = 13
 PINNED = 14  # at the upper (1) or lower (-1) limit of a spring that slips; 0 where the contacts do not stick at all
-HISTORY = 15
+DEPTH = 15  # approach that carries <P> without a wave, m; 0 where the three numbers are to be computed anew
+LOWEST = 16  # deformations at which slip begins, m
+HIGHEST = 17
+CELL = 18  # cell of the table g that was read last, from 1 and with the sign of V, and its cubic; 0: none
+CUBIC = 19
+HISTORY = 23
 # places in the history of each drive
 LEVEL = 0  # present value of the drive, zero or positive
 COUNT = 1  # changes that are kept
@@ -87,7 +94,7 @@ SETTLED = 2  # sum of the changes that have settled
 CHANGES = 3  # pairs (time, change)
 ENTRIES = 48
 HISTORY_SIZE = 99  # CHANGES + 2 ENTRIES
-STATE_SIZE = 213  # HISTORY + 2 HISTORY_SIZE
+STATE_SIZE = 221  # HISTORY + 2 HISTORY_SIZE
 
 
 @compiled
@@ -99,9 +106,27 @@ def cubic(t: float, a: float, b: float, c: float, d: float) -> float:
 
 
 @compiled
+def bounded(x: float, low: float, high: float) -> float:
+    """Return x within its bounds; not a number stays so."""
+    if x < low:
+        return low
+    if x > high:
+        return high
+    return x
+
+
+@compiled
+def parts(duration: float, longest: float) -> int:
+    """Return into how many equal steps a duration is divided."""
+    if duration <= longest:
+        return 1
+    return int(duration / longest * (1.0 - 1e-12)) + 1
+
+
+@compiled
 def node(position: float, nodes: int) -> int:
-    """Return the second of the four nodes about a position that counts from 0."""
-    k: int = int(floor(position))  # noqa: RUF046 (C)
+    """Return the second of the four nodes about a position, which counts from 0 and is not negative."""
+    k: int = int(position)
     if k < 1:
         k = 1
     if k > nodes - 3:
@@ -144,7 +169,10 @@ def traction_share(p: Array, tables: Array, drive: int, tau: float, side: int, s
         return -1.0 if side == 1 else 1.0
     rows: int = int(p[SPAN_TAU])
     columns: int = int(p[SPAN_NU])
-    start: int = int(p[FIRST_DRIVE + drive * DRIVE_SIZE + FORCES]) + side * rows * columns
+    facing = p[FIRST_DRIVE + drive * DRIVE_SIZE + FACING]
+    start: int = int(p[FIRST_DRIVE + drive * DRIVE_SIZE + FORCES])
+    if (side == 1) == (facing > 0.0):  # the second half of the table is that of V > 0
+        start = start + rows * columns
     down = tau * (rows - 1)
     along = size * (columns - 1)
     j: int = node(down, rows)
@@ -158,7 +186,7 @@ def traction_share(p: Array, tables: Array, drive: int, tau: float, side: int, s
     c = cubic(t, tables[i - 1], tables[i], tables[i + 1], tables[i + 2])
     i = i + columns
     d = cubic(t, tables[i - 1], tables[i], tables[i + 1], tables[i + 2])
-    return min(max(cubic(down - j, a, b, c, d), -1.0), 1.0)
+    return facing * bounded(cubic(down - j, a, b, c, d), -1.0, 1.0)
 
 
 @compiled
@@ -186,6 +214,13 @@ def stick_limit(p: Array, tables: Array, drive: int, h: float, s: float, load: f
 
 
 @compiled
+def spring_share(u: float, exponent: float) -> float:
+    """Return Q over its limit of contacts that stick, deformed by u times the deformation at which they slip."""
+    share = 1.0 - power(max(1.0 - abs(u), 0.0), exponent)
+    return share if u > 0.0 else -share
+
+
+@compiled
 def spring_force(p: Array, load: float, x: float) -> float:
     """Return Q in N of contacts that stick, deformed by x in m, under a normal force in N."""
     if load <= 0.0:
@@ -193,9 +228,7 @@ def spring_force(p: Array, load: float, x: float) -> float:
     z = load / p[STIFFNESS]
     if p[EXPONENT] > 1.25:
         z = z ** (2.0 / 3.0)
-    left = max(1.0 - abs(x) / (p[LIMIT_SLOPE] * z), 0.0)
-    force = p[FRICTION] * load * (1.0 - power(left, p[EXPONENT]))
-    return force if x > 0.0 else -force
+    return p[FRICTION] * load * spring_share(x / (p[LIMIT_SLOPE] * z), p[EXPONENT])
 
 
 @compiled
@@ -347,7 +380,7 @@ def wave(p: Array, tables: Array, state: Array, drive: int, time: float) -> floa
         change = state[base + CHANGES + 2 * i + 1]
         k: int = nodes - 2
         if at < nodes - 1:
-            k = int(floor(at))  # noqa: RUF046 (C)
+            k = int(at)
         else:
             at = nodes - 1.0
         share = at - k
@@ -388,7 +421,7 @@ def begin(p: Array, tables: Array, state: Array, preload: float, force: float) -
     state[APPROACH] = riding(p, tables, 0, 0.0, preload)
     state[STICKS] = 1.0
     limit = p[FRICTION] * preload
-    held = min(max(-force, -limit), limit)
+    held = bounded(-force, -limit, limit)
     state[DEFORMATION] = spring_deformation(p, preload, held)
     state[FORCE] = held
     return 0.0
@@ -404,7 +437,7 @@ def stick_step(p: Array, tables: Array, state: Array, h: float, s: float, force:
     low = spring_deformation(p, load, least)
     high = spring_deformation(p, load, largest)
     v = state[VELOCITY]
-    x = min(max(state[DEFORMATION], low), high)
+    x = bounded(state[DEFORMATION], low, high)
     if (largest <= least) or (x >= high and v < 0.0) or (x <= low and v > 0.0):
         state[STICKS] = 0.0
         state[PINNED] = 1.0 if v < 0.0 else -1.0
@@ -447,7 +480,7 @@ def slip_step(p: Array, tables: Array, state: Array, h: float, s: float, force: 
     elif (state[PINNED] >= 0.0 and v > 0.0) or (state[PINNED] <= 0.0 and v < 0.0) or v == 0.0:
         # contacts that can stick slip at their limit only: their spring goes there first
         state[STICKS] = 1.0
-        state[DEFORMATION] = spring_deformation(p, load, min(max(state[FORCE], low), high))
+        state[DEFORMATION] = spring_deformation(p, load, bounded(state[FORCE], low, high))
         return d
     else:  # as the load grows the limit may run away from the spring, which sticks then
         limit = spring_deformation(p, load, high if v < 0.0 else low)
@@ -489,82 +522,155 @@ def deformation(p: Array, tables: Array, state: Array) -> float:
         return state[DEFORMATION]
     load = mean_load(p, tables, int(state[ACTIVE]), state[APPROACH], state[SURFACE])
     limit = p[FRICTION] * load
-    return spring_deformation(p, load, min(max(state[FORCE], -limit), limit))
+    return spring_deformation(p, load, bounded(state[FORCE], -limit, limit))
 
 
 @compiled
 def glide(p: Array, tables: Array, state: Array, force: float, preload: float, duration: float) -> float:
-    """Move a slipping slider on a wave that stands, its bounce dead; return the part of the duration that is left.
+    """Move a slipping slider on a wave at rest, its bounce dead; return the part of the duration that is left.
 
     The same midpoint rule as `slip_step`, with all that does not change computed once; it ends before the slider stops.
     """
-    h = state[APPROACH]
     s = state[SURFACE]
     v = state[VELOCITY]
-    if s <= 0.0 or h + s <= 0.0 or v == 0.0:
+    if state[APPROACH] + s <= 0.0 or v == 0.0:
         return duration
-    own: int = FIRST_DRIVE + int(state[ACTIVE]) * DRIVE_SIZE
-    rows: int = int(p[SPAN_TAU])
-    columns: int = int(p[SPAN_NU])
-    down = ratio(h, s) * (rows - 1)
-    j: int = node(down, rows)
-    side: int = 1 if v > 0.0 else 0
+    drive: int = int(state[ACTIVE])
     sign = 1.0 if v > 0.0 else -1.0
-    start: int = int(p[own + FORCES]) + (side * rows + j - 1) * columns
-    a = cubic(down - j, 1.0, 0.0, 0.0, 0.0)
-    b = cubic(down - j, 0.0, 1.0, 0.0, 0.0)
-    c = cubic(down - j, 0.0, 0.0, 1.0, 0.0)
-    d = cubic(down - j, 0.0, 0.0, 0.0, 1.0)
-    inverse = sign / (p[own + SATURATION] * s)
-    limit = p[FRICTION] * preload / p[MASS]
-    rate = p[TANGENTIAL_DAMPING] / p[MASS]
-    pull = force / p[MASS]
+    inverse = 0.0
+    if s > 0.0:
+        inverse = sign / (p[FIRST_DRIVE + drive * DRIVE_SIZE + SATURATION] * s)
+    lightness = 1.0 / p[MASS]
+    limit = p[FRICTION] * preload * lightness
+    rate = p[TANGENTIAL_DAMPING] * lightness
+    pull = force * lightness
     left = duration
     way = 0.0
-    steps: int = int(floor(duration / p[MAX_STEP] * (1.0 - 1e-12))) + 1  # noqa: RUF046 (C)
+    g = -sign
+    steps: int = parts(duration, p[MAX_STEP])
     step = duration / steps
     while steps > 0:
-        g = blended(tables, start, columns, a, b, c, d, v * inverse, side)
+        if s > 0.0:
+            g = kept_share(p, tables, state, drive, sign, v * inverse)
         half = v + 0.5 * step * (limit * g - rate * v + pull)
-        if half * sign <= 0.0:
+        new = half
+        if half * sign > 0.0:
+            if s > 0.0:
+                g = kept_share(p, tables, state, drive, sign, half * inverse)
+            new = v + step * (limit * g - rate * half + pull)
+        if new * sign <= 0.0:
             steps = -1
         else:
-            middle = blended(tables, start, columns, a, b, c, d, half * inverse, side)
-            new = v + step * (limit * middle - rate * half + pull)
-            if new * sign <= 0.0:
-                steps = -1
-            else:
-                way = way + 0.5 * step * (v + new)
-                v = new
-                state[FORCE] = p[FRICTION] * preload * middle
-                left = left - step
-                steps = steps - 1
+            way = way + 0.5 * step * (v + new)
+            v = new
+            state[FORCE] = p[FRICTION] * preload * g
+            left = left - step
+            steps = steps - 1
     state[VELOCITY] = v
     state[POSITION] = state[POSITION] + way
     return left if steps < 0 else 0.0
 
 
 @compiled
-def blended(
-    tables: Array, start: int, columns: int, a: float, b: float, c: float, d: float, nu: float, side: int
-) -> float:
-    """Return g at |nu| = `nu` from four rows, the first at `start`, with their weights."""
+def kept_share(p: Array, tables: Array, state: Array, drive: int, sign: float, nu: float) -> float:
+    """Return g at |nu| = `nu` on a wave at rest; the cubic over the cell is kept in the state."""
     if nu >= 1.0:
-        return -1.0 if side == 1 else 1.0
+        return -sign
+    rows: int = int(p[SPAN_TAU])
+    columns: int = int(p[SPAN_NU])
     along = sqrt(nu) * (columns - 1)
     k: int = node(along, columns)
-    i: int = start + k - 1
-    m: int = i + columns
-    n: int = m + columns
-    o: int = n + columns
-    g = cubic(
-        along - k,
-        a * tables[i] + b * tables[m] + c * tables[n] + d * tables[o],
-        a * tables[i + 1] + b * tables[m + 1] + c * tables[n + 1] + d * tables[o + 1],
-        a * tables[i + 2] + b * tables[m + 2] + c * tables[n + 2] + d * tables[o + 2],
-        a * tables[i + 3] + b * tables[m + 3] + c * tables[n + 3] + d * tables[o + 3],
-    )
-    return min(max(g, -1.0), 1.0)
+    t = along - k
+    cell = sign * k
+    if state[CELL] != cell:
+        state[CELL] = cell
+        down = ratio(state[APPROACH], state[SURFACE]) * (rows - 1)
+        j: int = node(down, rows)
+        facing = p[FIRST_DRIVE + drive * DRIVE_SIZE + FACING]
+        i: int = int(p[FIRST_DRIVE + drive * DRIVE_SIZE + FORCES]) + (j - 1) * columns + k - 1
+        if sign * facing > 0.0:
+            i = i + rows * columns
+        before = facing * row_blend(tables, i, columns, down - j)
+        here = facing * row_blend(tables, i + 1, columns, down - j)
+        after = facing * row_blend(tables, i + 2, columns, down - j)
+        beyond = facing * row_blend(tables, i + 3, columns, down - j)
+        # Newton's form of the cubic through the values at -1, 0, 1, 2
+        state[CUBIC] = before
+        state[CUBIC + 1] = here - before
+        state[CUBIC + 2] = 0.5 * (after - 2.0 * here + before)
+        state[CUBIC + 3] = SIXTH * (beyond - 3.0 * after + 3.0 * here - before)
+    g = state[CUBIC + 2] + (t - 1.0) * state[CUBIC + 3]
+    g = state[CUBIC] + (t + 1.0) * (state[CUBIC + 1] + t * g)
+    return bounded(g, -1.0, 1.0)
+
+
+@compiled
+def row_blend(tables: Array, i: int, columns: int, t: float) -> float:
+    """Return the cubic across four rows of a table, the first at `i`."""
+    j: int = i + 2 * columns
+    return cubic(t, tables[i], tables[i + columns], tables[j], tables[j + columns])
+
+
+@compiled
+def hold(p: Array, tables: Array, state: Array, force: float, preload: float, duration: float) -> float:
+    """Move a sticking slider on a wave at rest, its bounce dead; return the part of the duration that is left.
+
+    It ends before the contacts slip.  A step ends at zero deformation, where the second derivative of the force jumps.
+    """
+    if state[DEPTH] <= 0.0:
+        drive: int = int(state[ACTIVE])
+        h = state[APPROACH]
+        s = state[SURFACE]
+        state[DEPTH] = riding(p, tables, drive, 0.0, preload)
+        state[LOWEST] = spring_deformation(p, preload, stick_limit(p, tables, drive, h, s, preload, 1))
+        state[HIGHEST] = spring_deformation(p, preload, stick_limit(p, tables, drive, h, s, preload, 0))
+    limit = p[FRICTION] * preload
+    inverse = 1.0 / (p[LIMIT_SLOPE] * state[DEPTH])
+    x = state[DEFORMATION]
+    place = x
+    step = duration / parts(duration, p[RING_STEP])
+    left = duration
+    inside: int = 1 if x > state[LOWEST] and x < state[HIGHEST] else 0
+    while inside == 1 and left > 1e-12 * duration:
+        d = min(step, left)
+        v = state[VELOCITY]
+        ring(p, state, force, limit, inverse, d)
+        if state[DEFORMATION] * x < 0.0:
+            turns: int = 0
+            while turns < 3:  # Newton's method for the instant of zero deformation
+                d = d + state[DEFORMATION] / state[VELOCITY]
+                state[DEFORMATION] = x
+                state[VELOCITY] = v
+                ring(p, state, force, limit, inverse, d)
+                turns = turns + 1
+            state[DEFORMATION] = 0.0
+        if state[DEFORMATION] > state[LOWEST] and state[DEFORMATION] < state[HIGHEST]:
+            x = state[DEFORMATION]
+            left = left - d
+        else:
+            state[DEFORMATION] = x
+            state[VELOCITY] = v
+            inside = 0
+    state[POSITION] = state[POSITION] + place - x
+    state[FORCE] = limit * spring_share(x * inverse, p[EXPONENT])
+    return 0.0 if inside == 1 else left
+
+
+@compiled
+def ring(p: Array, state: Array, force: float, limit: float, inverse: float, d: float) -> float:
+    """Move deformation and velocity of sticking contacts by a step d in s (Nystrom's method of order 4); return 0."""
+    e = p[EXPONENT]
+    lightness = 1.0 / p[MASS]
+    fade = 0.5 * d * p[TANGENTIAL_DAMPING] * lightness
+    fade = 1.0 - fade * (1.0 - 0.5 * fade)  # of the dampers in half a step
+    x = state[DEFORMATION]
+    v = fade * state[VELOCITY]
+    first = lightness * (force + limit * spring_share(x * inverse, e))
+    middle = lightness * (force + limit * spring_share((x - 0.5 * d * (v + 0.25 * d * first)) * inverse, e))
+    last = lightness * (force + limit * spring_share((x - d * (v + 0.5 * d * middle)) * inverse, e))
+    state[DEFORMATION] = x - d * (v + d / 6.0 * (first + 2.0 * middle))
+    state[VELOCITY] = fade * (v + d / 6.0 * (first + 4.0 * middle + last))
+    return 0.0
 
 
 @compiled
@@ -605,21 +711,27 @@ def advance(
                     s = other
             state[ACTIVE] = drive
             state[SURFACE] = s
+            state[DEPTH] = 0.0
+            state[CELL] = 0.0
             ride(p, tables, state, drive, s, preload)
             settle(p, state, s)
         elif state[BOUNCES] > 0.5:
             settle(p, state, state[SURFACE])
         drive = int(state[ACTIVE])
-        if pending == 0.0 and state[BOUNCES] < 0.5 and state[STICKS] < 0.5:
-            done = duration - glide(p, tables, state, force, preload, duration - done)
+        if pending == 0.0 and state[BOUNCES] < 0.5:
+            if state[STICKS] < 0.5:
+                done = duration - glide(p, tables, state, force, preload, duration - done)
+            elif state[VELOCITY] == 0.0 and abs(state[FORCE] + force) <= 1e-12 * p[FRICTION] * preload:
+                done = duration  # at rest
+            else:
+                done = duration - hold(p, tables, state, force, preload, duration - done)
             state[TIME] = start + done
         if done < duration * (1.0 - 1e-12):
             d = p[MAX_STEP]
-            if pending > 0.0 or state[BOUNCES] > 0.5 or state[STICKS] > 0.5:
+            if pending > 0.0 or state[STICKS] > 0.5:
                 d = p[FAST_STEP]
-                if pending == 0.0 and state[BOUNCES] < 0.5 and state[VELOCITY] == 0.0:
-                    if abs(state[FORCE] + force) <= 1e-12 * p[FRICTION] * preload:
-                        d = duration  # at rest
+            elif state[BOUNCES] > 0.5:  # on a surface at rest contacts stick and slip in turn
+                d = p[RING_STEP] if state[SURFACE] > 0.0 else p[FAST_STEP]
             d = min(d, duration - done)
             s = state[SURFACE]
             if pending > 0.0:

@@ -59,7 +59,7 @@ def design_answer(design: Design, variables: list[Parameter]) -> str:
                 kept,
             ]
         )
-    notes = [("at the best", [
+    notes: list[tuple[str, str | list[str]]] = [("at the best", [
         f"{name} {value:.5g}" for name, value in design.optimum.items()
         if isinstance(value, float) and "." not in name and name != "relative_error"
     ])]  # fmt: skip

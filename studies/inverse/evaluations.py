@@ -52,11 +52,13 @@ class Evaluations:
     """
 
     def __init__(self, plan: SweepDesign, search: dict, options: Options, progress, *, coarse: bool = False):
-        self.question, self.progress, self.rows = replace(plan.question, coarse=coarse), progress, []
+        self.question, self.progress = replace(plan.question, coarse=coarse), progress
+        self.rows: list[dict] = []
         self.fixed = tuple(column[0] for axis in plan.axes if len(axis) == 1 for column in axis.columns)
         identity = plan.identity | {"search": json.dumps(search | {"coarse": coarse}, sort_keys=True)}
         # a sweep that grows: the points asked for so far
-        axis, self.known = Axis(self.question.keys, tuple([] for _ in self.question.keys)), {}
+        axis = Axis(self.question.keys, tuple([] for _ in self.question.keys))
+        self.known: dict[tuple, int] = {}
         self.asked = SweepDesign(question=self.question, axes=(axis,))
         folder = None if options.out is None else Path(options.out)
         self.store = Store(folder / "coarse" if coarse and folder else folder, self.asked, identity)

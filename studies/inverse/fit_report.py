@@ -36,8 +36,8 @@ def fit_answer(fit: Fit) -> str:
     for rival in fit.rivals:
         at = ", ".join(f"{key} = {value:.4g}" for key, value in rival.items())
         notes.append(("also possible", f"{at}: another minimum that these data do not rule out"))
-    for key, ends in fit.ends.items():
-        notes += [("open", f"{key} {way}: {end.because}") for way, end in zip(("below", "above"), ends, strict=True)
+    for key, both in fit.ends.items():
+        notes += [("open", f"{key} {way}: {end.because}") for way, end in zip(("below", "above"), both, strict=True)
                   if end is not None and not end.closed]  # fmt: skip
     for (i, one), (j, other) in combinations(enumerate(fit.values), 2):
         if abs(fit.correlation[i, j]) > 0.5:
@@ -108,7 +108,7 @@ def _draw(fit: Fit, measurement: Measurement, residuals, upper, lower) -> None:
     at, along = measurement.levels, quantity(measurement.level_key or "normal_amplitude_m")
     data = measurement.network or measurement.scan
     if data is not None:
-        by_frequency = measurement.network is not None or data.kind == "frequency"
+        by_frequency = measurement.scan is None or measurement.scan.kind == "frequency"
         at, along = measurement.coordinate, quantity("frequency_Hz" if by_frequency else "place_m")
     if measurement.time:
         at, along = measurement.time, quantity("time_s")

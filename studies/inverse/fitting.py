@@ -110,7 +110,7 @@ def prepared(
     progress: Callable[[str], None],
 ) -> tuple[Problem, tuple[Parameter, ...], bool]:
     """Return the problem of a fit, the parameters that are held, and whether the deviations are to be estimated."""
-    loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
+    loaded = Scene.load(scene)
     predictor = MeasurementPredictor(loaded, tolerance=tolerance, progress=progress)
     curves, asked = as_measurements(measurements), as_parameters(parameters)
     fixed = tuple(each for each in asked if not each.vary)

@@ -65,6 +65,7 @@ def read_constraint(text: str) -> Constraint:
     if match is None:
         raise SceneError("--subject", f"must be NAME <= VALUE or NAME >= VALUE, got {shown(text)}")
     name, sign, value = match.groups()
+    bound: float | str | tuple
     if name in BOUNDED:
         column, also = BOUNDED[name]
         unit = quantity(column).unit.removeprefix("1")

@@ -16,7 +16,7 @@ from studies.chain.points import followed_burst
 from studies.chain.predictor import Predictor
 from studies.chain.resolve import resolved
 from studies.chain.scan_prediction import at_other_velocity, network_prediction, placed, predicted_scan
-from studies.chain.solved_stator import PLACE_KEYS, Driven, of_stator
+from studies.chain.solved_stator import PLACE_KEYS, of_stator
 from studies.chain.steady import steady_answers
 from studies.inverse.parameters import (
     AMPLITUDE_FACTOR,
@@ -55,7 +55,7 @@ class MeasurementPredictor(Predictor):
         """Whether the surface motion is given."""
         return "wave" in self.table
 
-    def contact(self, changes: dict, step: int = 0) -> Driven:
+    def contact(self, changes: dict, step: int = 0) -> DrivenContact:
         """Return the contact with some keys changed; ``amplitude_factor`` among them multiplies its motion."""
         prediction, factor = super().contact(changes, step), changes.get(AMPLITUDE_FACTOR, 1.0)
         amplitudes = tuple(each * factor for each in prediction.amplitudes)
@@ -74,7 +74,8 @@ class MeasurementPredictor(Predictor):
 
     def predict(self, asked: list[tuple[Measurement, dict]]) -> list[np.ndarray]:
         """Return the values of measurements, each with its own numbers; NaN where there is no answer."""
-        answers, states = [], []
+        answers: list[np.ndarray | slice] = []
+        states: list[tuple[DrivenContact, float]] = []
         for measurement, numbers in asked:
             numbers = numbers | measurement.settings
             if measurement.quantity in FIELD:
@@ -131,7 +132,7 @@ class MeasurementPredictor(Predictor):
             self._fields.clear()
         self._fields[key] = data, values
 
-    def _factors(self, measurement: Measurement, numbers: dict, contact: Driven) -> np.ndarray:
+    def _factors(self, measurement: Measurement, numbers: dict, contact: DrivenContact) -> np.ndarray:
         """Return the factors on the contact's orbits at the levels of a measurement."""
         if not measurement.levels:
             return np.array([max(contact.scene.levels)])
@@ -152,7 +153,9 @@ class MeasurementPredictor(Predictor):
         answers = steady_answers(asked, self.tolerance)
         return np.array([answer.get("velocity_m_per_s", math.nan) for answer in answers])
 
-    def _burst(self, measurement: Measurement, contact: Driven, level: float, numbers: dict) -> np.ndarray:
+    def _burst(
+        self, measurement: Measurement, contact: DrivenContact, level: float, numbers: dict
+    ) -> np.ndarray:
         """Return v, or the position, at the instants of a burst, whose surface rings up and fades as in a run.
 
         What the instrument does to it - its bandwidth, its own origin of time - is done to the prediction.

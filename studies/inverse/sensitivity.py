@@ -11,28 +11,31 @@ everything that has no effect changes nothing.  Run time: 10 s; of twente with i
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
-from studies.chain.points import half_thrust
-from studies.chain.solved_stator import Driven
-from studies.chain.steady import averaged
 from studies.inverse.prediction import MeasurementPredictor
-from studies.refusal import SceneError
+from studies.refusal import RunError, SceneError
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord, judged, of_record, study
+from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"outcomes": ("velocity", "threshold")}
 # accuracy of each answer: rounding and, where it is solved to a tolerance, that
 ACCURACY = {"velocity": 1e-11, "threshold": 1e-13, "release": 1e-13, "thrust": 1e-11, "efficiency": 1e-8,
             "start-up time": 1e-6}  # fmt: skip
+# column of each answer, and the word that asks for it
+ANSWERS = {
+    "velocity": ("velocity_m_per_s", ()), "threshold": ("threshold_factor", ("limits",)),
+    "release": ("release_factor", ("limits",)), "thrust": ("thrust_N", ("thrust",)),
+    "efficiency": ("contact_efficiency", ("efficiency",)), "start-up time": ("start_up_time_s", ("start-up",)),
+}  # fmt: skip
 STATOR_ACCURACY = 1e-9  # of a stator's answers against each other on the same mesh
 STATOR_STEP, PHASE_STEP = 1e-3, 2e-4  # of the logarithms of its numbers
 PHASED = ("center", "position", "thickness", "frequency")  # many wavelengths: a change is one of phase
 NO_EFFECT = 1e-4  # elasticity below which a number is said to have none
-RISE = 1.0 - 0.36787944117144233  # of the final velocity, reached after the start-up time
 LIMITS = ("threshold", "release")
 COLUMNS = ("key", "elasticity", "error", "change_for_1_percent_more", "change_for_1_percent_less")
 NAMED = 4  # numbers in the answer's line
@@ -42,14 +45,10 @@ SILENT_STEP = 0.02  # by which the numbers without effect are changed together
 AGREEMENT = 1e-2  # of both ways, of the largest elasticity
 
 
-@study
+@study("twente-contact")
 def run(
-    scene: str | Scene = "twente-contact",
-    *,
-    outcomes: tuple[str, ...] = tuple(ACCURACY),
-    tolerance: float = 1e-2,
-    progress=None,
-) -> StudyRecord:
+    scene: Scene, *, outcomes: tuple[str, ...] = tuple(ACCURACY), tolerance: float = 1e-2, progress=None
+) -> Answered:
     """Return the elasticities of a motor.
 
     Parameters
@@ -67,7 +66,7 @@ def run(
         findings += _without_effect(predictor, name, rows, level)
         keys = [*numbers(predictor), *(["level"] if name not in LIMITS else [])] if rows else []
         sides = both_sides(predictor, name, level, tuple(keys))
-        order = sorted(rows, key=lambda key, rows=rows: -abs(rows[key][0]))
+        order = [key for key, _ in sorted(rows.items(), key=lambda item: -abs(item[1][0]))]
         panels.append(
             Panel(name=name.replace(" ", "_").replace("-", "_"), title=f"{title}: {name}", data={
                 "key": order, "elasticity": [rows[key][0] for key in order], "error": [rows[key][1] for key in order],
@@ -88,10 +87,10 @@ def numbers(predictor: MeasurementPredictor) -> list[str]:
     return [key for key in _positive(table) if not key.endswith(known)]
 
 
-def _positive(value, path: str = "") -> Iterator[str]:
+def _positive(value: Any, path: str = "") -> Iterator[str]:
     if isinstance(value, float) and value > 0.0:
         yield path
-    entries = value.items() if isinstance(value, dict) else ()
+    entries: Iterable = value.items() if isinstance(value, dict) else ()
     if isinstance(value, list) and value and isinstance(value[0], dict):
         entries = enumerate(value)
     for key, each in entries:
@@ -107,8 +106,8 @@ def elasticities(
     """
     if outcome not in ACCURACY:
         raise SceneError("outcomes", f"must be of {', '.join(ACCURACY)}, got {outcome!r}")
-    found, base = {}, predictor.contact({})
-    (centre,) = _answers(outcome, [(base, level)])
+    slopes: dict[str, tuple[float, float]] = {}
+    (centre,) = _answers(predictor, outcome, level, [{}])
     if not np.isfinite(centre) or centre == 0.0:
         return {}
     for key in [*numbers(predictor), *(["level"] if outcome not in LIMITS else [])]:
@@ -118,82 +117,47 @@ def elasticities(
         step = accuracy**0.2 if not moved else PHASE_STEP if key.endswith(PHASED) else STATOR_STEP
         widths = step / np.array([1.0, 2.0] if moved else [1.0, 2.0, 4.0])
         factors = np.exp(np.concatenate([widths, -widths])).tolist()
-        try:
-            if key == "level":
-                asked = [(base, level * factor) for factor in factors]
-            else:
-                own = predictor.value(key)
-                asked = [(predictor.contact({key: own * factor}), level) for factor in factors]
-        except SceneError:
-            continue  # at the edge of what a scene may say
-        values = np.array(_answers(outcome, asked)) / centre
-        if not np.all(values > 0.0):
+        values = _answers(predictor, outcome, level, [{key: factor} for factor in factors]) / centre
+        if not np.all(values > 0.0):  # at the edge of what a scene may say too
             continue
         up, down = np.split(np.log(values), 2)
         table = ((up - down) / (2.0 * widths)).tolist()
         for power in (4.0, 16.0)[: len(table) - 1]:  # Richardson extrapolation in the square of the step
             change = (table[-1] - table[-2]) / (power - 1.0)
             table = [(power * fine - coarse) / (power - 1.0) for coarse, fine in pairwise(table)]
-        found[key] = (float(table[0]), float(abs(change) + 8.0 * accuracy / step))
-    return found
+        slopes[key] = (float(table[0]), float(abs(change) + 8.0 * accuracy / step))
+    return slopes
 
 
 def both_sides(
     predictor: MeasurementPredictor, outcome: str, level: float, keys: tuple[str, ...]
 ) -> dict[str, tuple[float | None, float | None]]:
     """Return {key: relative change of the answer for 1 % more and 1 % less of the number}; None where it has none."""
-    base = predictor.contact({})
-    (centre,) = _answers(outcome, [(base, level)])
-    asked, known = [], []
-    for key in keys:
-        for factor in (1.0 + SIDE, 1.0 - SIDE):
-            try:
-                moved = base if key == "level" else predictor.contact({key: predictor.value(key) * factor})
-                asked.append((moved, level * factor if key == "level" else level))
-                known.append(True)
-            except SceneError:  # at the edge of what a scene may say
-                known.append(False)
-    values = iter(_answers(outcome, asked))
-    changes = [next(values) / centre - 1.0 if each else math.nan for each in known]
-    changes = [each if math.isfinite(each) else None for each in changes]
+    moves = [{key: factor} for key in keys for factor in (1.0 + SIDE, 1.0 - SIDE)]
+    centre, *values = _answers(predictor, outcome, level, [{}, *moves])
+    changes = [float(each / centre - 1.0) if math.isfinite(each) else None for each in values]
     return dict(zip(keys, zip(changes[0::2], changes[1::2], strict=True), strict=True))
 
 
-def _answers(outcome: str, asked: list[tuple[Driven, float]]) -> list[float]:
-    """Return an answer for each (contact, level)."""
-    import contact as library
+def _answers(
+    predictor: MeasurementPredictor, outcome: str, level: float, many: list[dict[str, float]]
+) -> np.ndarray:
+    """Return an answer for each set of factors by key, "level" among the keys; NaN where there is none.
 
-    if outcome in LIMITS:
-        factor = getattr(library, f"{outcome}_factor")
-        return [factor(contact.slider, contact.orbits) for contact, _ in asked]
-    rows = averaged([(each.slider, each.orbits, 0.0, level) for each, level in asked])
-    found = []
-    for (contact, level), (velocity, *_, thrust) in zip(asked, rows, strict=True):
-        slider, whole = contact.slider, thrust * contact.scene.slider.mass / contact.slider.mass
-        if outcome == "efficiency":
-            found.append(half_thrust(slider, contact.at(level), thrust, ACCURACY[outcome])[1])
-        elif outcome == "start-up time":
-            found.append(_start_up(slider, contact.at(level), abs(velocity), thrust))
-        else:
-            found.append(abs(velocity) if outcome == "velocity" else whole)
-    return found
-
-
-def _start_up(slider, orbits: tuple, final: float, thrust: float) -> float:
-    """Return the time from rest to 63 % of the steady velocity, s; NaN where a burst does not reach it."""
-    from scipy.interpolate import CubicSpline
-
-    import contact as library
-
-    if not final * thrust > 0.0:
-        return float("nan")
-    duration = 4.0 * slider.mass * final / thrust  # four times what the largest friction force would take
-    motion = library.burst(
-        slider, orbits, duration=duration, after=0.0, tolerance=1e-6, samples=400, method="auto"
-    )
-    share = CubicSpline(motion.time, np.abs(motion.velocity) / final - RISE)
-    times = [root for root in share.roots(extrapolate=False) if root > 0.0]
-    return float(times[0]) if times else float("nan")
+    A stator that cannot be solved raises RunError: a number must not be missing in silence.
+    """
+    column, also = ANSWERS[outcome]
+    level_key = "wave.normal_amplitude" if predictor.given_wave else "drive.voltage"
+    changes = [
+        {key: predictor.value(key) * factor for key, factor in factors.items() if key != "level"}
+        | {level_key: level * factors.get("level", 1.0)}
+        for factors in many
+    ]
+    rows = predictor.answers(changes, also, tolerance=ACCURACY[outcome], averaged=True)
+    for row in rows:
+        if row["status"].startswith("no answer"):
+            raise RunError(row["status"])
+    return np.abs([row.get(column, math.nan) for row in rows])
 
 
 def _without_effect(predictor: MeasurementPredictor, outcome: str, rows: dict, level: float) -> list[Finding]:
@@ -201,8 +165,7 @@ def _without_effect(predictor: MeasurementPredictor, outcome: str, rows: dict, l
     silent = [key for key, (value, _) in rows.items() if abs(value) < NO_EFFECT and key != "level"]
     if not silent:
         return []
-    base, grown = predictor.contact({}), {key: predictor.value(key) * (1.0 + SILENT_STEP) for key in silent}
-    before, after = _answers(outcome, [(base, level), (predictor.contact(grown), level)])
+    before, after = _answers(predictor, outcome, level, [{}, dict.fromkeys(silent, 1.0 + SILENT_STEP)])
     allowed = 1.5 * SILENT_STEP * NO_EFFECT * len(silent)
     change = abs(float(np.log(after / before)))
     return [

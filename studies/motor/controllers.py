@@ -100,14 +100,18 @@ class TwoPhase:
         s after a burst before they begin.
     gain : float
         Share of the error that a burst aims at.
+    fine : float
+        Level of single steps over the threshold level: a large wave that comes and goes lets the slider bounce, and a
+        few of its cycles move it by more than is left.
     """
 
     coarse: float = 1e-6
-    tolerance: float = 5e-10
+    tolerance: float = 1e-9
     single: float = 2e-8
     readings: int = 20
     settle: float = 1e-3
     gain: float = 0.9
+    fine: float = 5.0
 
     def __call__(self, reading: Reading) -> Command:
         """Return the command of a reading."""
@@ -161,32 +165,31 @@ class TwoPhase:
             memory["settled"] = True
             return rest
         memory["settled"] = False
-        length = min(math.sqrt(self.gain * abs(error) / memory["gain"]) + memory["lost"], MAX_BURST)
-        memory |= {"from": place, "length": length, "way": math.copysign(1.0, error)}
+        phase = "step" if abs(error) < self.single else "burst"
+        level = (
+            min(self.fine * motor.dead_zone, motor.level)
+            if phase == "step" and motor.dead_zone
+            else motor.level
+        )
+        gain = memory["gains"].get(phase, memory["gains"]["burst"])
+        length = min(math.sqrt(self.gain * abs(error) / gain), MAX_BURST)
+        memory |= {"from": place, "stepped": (phase, length, math.copysign(1.0, error))}
         memory["until"] = (
             reading.time + self.settle + length + motor.delay + length * motor.acceleration / motor.braking
         )
-        phase = "step" if abs(error) < self.single else "burst"
-        return Command(level=memory["way"] * motor.level, duration=length, phase=phase)
+        return Command(level=math.copysign(level, error), duration=length, phase=phase)
 
     def _learn(self, place: float, memory: dict, motor: MotorNumbers) -> None:
-        """Take the last burst's step into the model: distance = gain (length - lost)^2."""
-        if "gain" not in memory:
-            a, b = motor.acceleration, motor.braking
-            memory["gain"] = 0.5 * a * (1.0 + a / b)
-            memory["lost"] = 0.0
+        """Take the last burst's step into the model: distance = gain length^2, a gain for either phase."""
+        a, b = motor.acceleration, motor.braking
+        gains = memory.setdefault("gains", {"burst": 0.5 * a * (1.0 + a / b)})
         if "from" not in memory:
             return
-        moved = (place - memory.pop("from")) * memory["way"]
-        effective = max(memory["length"] - memory["lost"], 0.0)
-        ratio = moved / max(memory["gain"] * effective**2, 1e-15)
-        if moved > self.single:
-            memory["gain"] *= min(max(ratio, 0.5), 2.0) ** 0.5
-            return
-        # a few nm: the contacts' springs take and give as much, so that the length alone is corrected, and a little
-        change = 0.1 if ratio < 0.5 else -0.1 if ratio > 1.5 else 0.0
-        shortest = -0.5 * memory["length"]
-        memory["lost"] = max(memory["lost"] + change * memory["length"], shortest)
+        phase, length, way = memory["stepped"]
+        old = gains.get(phase, gains["burst"])
+        moved = (place - memory.pop("from")) * way
+        # the contacts' springs take or give part of a step of a few nm: it is believed by half
+        gains[phase] = old * min(max(moved / (old * length**2), 0.25), 4.0) ** 0.5
 
 
 @dataclass(frozen=True, kw_only=True)

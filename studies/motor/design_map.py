@@ -23,7 +23,7 @@ from studies.report.intermediate import prefixed, si
 from studies.scene import Scene
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import replaced, value_at
-from studies.study import Panel, StudyRecord, judged, of_record, study
+from studies.study import Answered, Panel, judged, of_record, study
 from studies.sweeps import sweep
 from studies.sweeps.axes import axis, level_key
 
@@ -37,14 +37,10 @@ PANELS = {
 }
 
 
-@study
+@study("twente-contact")
 def run(
-    scene: str | Scene = "twente-contact",
-    *,
-    over: dict | None = None,
-    counts: tuple[int, int] = (28, 22),
-    progress=None,
-) -> StudyRecord:
+    scene: Scene, *, over: dict | None = None, counts: tuple[int, int] = (28, 22), progress=None
+) -> Answered:
     """Return the maps, their lines and the scene's own point.
 
     Parameters
@@ -61,7 +57,7 @@ def run(
     level = level_key(table)
     axes = [axis(key, values) for key, values in (over or _usual(chosen, level, counts)).items()]
     _check(axes)
-    (x_key, x), (y_key, y) = ((*each.keys, *each.columns) for each in axes)
+    (x_key, y_key), (x, y) = (each.keys[0] for each in axes), (each.columns[0] for each in axes)
     own = {f"own_{side}": _own(table, key) for side, key in (("x", x_key), ("y", y_key))}
     moved = level in (x_key, y_key)
     if not moved:
@@ -97,10 +93,13 @@ def run(
     ]
     moving, passed = grid["velocity_m_per_s"] != 0.0, grid["threshold_factor"] < 1.0
     parted, released = np.reshape(columns["regime"], shape) == "intermittent", grid["release_factor"] < 1.0
-    own = {"preload": chosen.slider.preload, "friction_coefficient": chosen.slider.static_coefficient}
+    slider = chosen.slider
     preload, mu = (
         np.reshape(columns.get(f"slider.{key}", [value] * known.size), shape).astype(float)
-        for key, value in own.items()
+        for key, value in (
+            ("preload", slider.preload_force),
+            ("friction_coefficient", slider.static_coefficient),
+        )
     )
     findings = (
         *(judged(f"The closed form of the {name} parts the map.", "share of points on their side",
@@ -140,7 +139,7 @@ def figure(record: Panel, ax):
     points = [(a * x[1], b * y[1]) for a in data["own_x"] for b in data["own_y"]]
     inside = [(a, b) for a, b in points if x[0].min() <= a <= x[0].max() and y[0].min() <= b <= y[0].max()]
     if inside:
-        own(ax, *zip(*inside, strict=True), "the scene's own")
+        own(ax, [a for a, _ in inside], [b for _, b in inside], "the scene's own")
     for side, values in ((ax.xaxis, x[0]), (ax.yaxis, y[0])):
         if _even_in_logarithm(values):
             logarithmic(side)
@@ -155,7 +154,7 @@ def _levels(values) -> list[float]:
     low, high = float(values.min()), float(values.max())
     size = max(abs(low), abs(high))
     if low * high >= 0.0 and np.median(abs(values)) > 0.1 * size:
-        return MaxNLocator(12).tick_values(low, high).tolist()
+        return list(map(float, MaxNLocator(12).tick_values(low, high)))
     steps = np.outer(10.0 ** np.arange(-30.0, 30.0), (1, 2, 5)).ravel()
 
     def series(stop: float) -> list[float]:

@@ -72,7 +72,7 @@ def run(
     """
     begun = time.perf_counter()
     say = progress or (lambda text: None)
-    chosen = scene if isinstance(scene, Scene) else Scene.load(scene)
+    chosen = Scene.load(scene)
     if not chosen.transducer or chosen.slider is None:
         chosen.refuse("transducer", "and slider are needed: the gallery shows a whole motor")
     say("running the scene")

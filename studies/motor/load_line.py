@@ -15,14 +15,14 @@ import contact
 from studies.chain.pillar_points import PillarContact
 from studies.record.plots import curve, family, finished
 from studies.scene import Scene
-from studies.study import Panel, StudyRecord, driven_contact, judged, of_record, study
+from studies.study import Answered, Panel, driven_contact, judged, of_record, study
 
 QUICK = {"points": 3}
 LINES = 4
 
 
-@study
-def run(scene: str | Scene = "twente-contact", *, points: int = 17, progress=None) -> StudyRecord:
+@study("twente-contact")
+def run(scene: Scene, *, points: int = 17, progress=None) -> Answered:
     """Return load lines and efficiencies.
 
     Parameters

@@ -129,9 +129,11 @@ def moved(
     """
     random = np.random.default_rng(loop.seed)
     late = round(loop.delay / loop.period)
-    begin, start, memory = motor.time, motor.position, {}
+    begin, start = motor.time, motor.position
+    memory: dict = {}
     seen = [start] * (late + 1)
-    rows, bursts, energy, cycles, satisfied = [(0.0, start, motor.velocity, 0.0)], {}, 0.0, 0.0, 0.0
+    bursts: dict = {}
+    rows, energy, cycles, satisfied = [(0.0, start, motor.velocity, 0.0)], 0.0, 0.0, 0.0
     last = "rest"
 
     def push(duration, level):
@@ -174,6 +176,19 @@ def moved(
             break
     table = np.array(rows)
     return _judged(table, start, target, bursts, energy, cycles, bool(memory.get("settled")))
+
+
+def replayed(motor: Moving, moves: tuple[Move, ...], loop: Loop) -> list[np.ndarray]:
+    """Return the positions of another motor that is driven as in some moves, one after the other; it is moved."""
+    positions = []
+    for move in moves:
+        way = [motor.position]
+        for duration, level in zip(np.diff(move.time), move.level[1:], strict=True):
+            force = loop.force if motor.time >= loop.force_at else 0.0
+            motor.advance(float(duration), float(level), force=force, preload=loop.preload)
+            way.append(motor.position)
+        positions.append(np.array(way))
+    return positions
 
 
 def _judged(table, start: float, target: float, bursts, energy: float, cycles: float, settled: bool) -> Move:

@@ -21,22 +21,17 @@ from studies.chain.propagation import reference_speed
 from studies.record.plots import COLOURS, curve, finished, logarithmic, own
 from studies.record.quantities import quantity
 from studies.scene import Scene
-from studies.study import Panel, StudyRecord, driven_contact, judged, of_record, study
+from studies.study import Answered, Panel, driven_contact, judged, of_record, study
 
 QUICK = {"amplitudes": 8, "preloads": 5, "checked": 2}
 KINDS = ("stick", "slip", "intermittent", "hopping")
 HALF_WAVE = math.gamma(1.25) / (2.0 * math.sqrt(math.pi) * math.gamma(1.75))  # cycle mean of max(cos, 0)^1.5
 
 
-@study
+@study("twente-contact")
 def run(
-    scene: str | Scene = "twente-contact",
-    *,
-    amplitudes: int = 36,
-    preloads: int = 28,
-    checked: int = 12,
-    progress=None,
-) -> StudyRecord:
+    scene: Scene, *, amplitudes: int = 36, preloads: int = 28, checked: int = 12, progress=None
+) -> Answered:
     """Return the map, its lines and the operating points.
 
     Parameters

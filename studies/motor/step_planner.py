@@ -21,7 +21,7 @@ import contact
 from studies.chain.steps import Steps
 from studies.record.plots import COLOURS, curve, family, finished, logarithmic
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord, driven_contact, judged, of_record, study
+from studies.study import Answered, Finding, Panel, driven_contact, judged, of_record, study
 
 QUICK = {"cycles": (64, 512), "wanted": (2e-8,), "lines": 1}
 CYCLES = tuple(2**k for k in range(3, 13))
@@ -38,15 +38,15 @@ LIVELY, DECAYS = 5.0, 2.0
 HOLLOW = {"markersize": 5.0, "markerfacecolor": "white"}
 
 
-@study
+@study("twente-contact")
 def run(
-    scene: str | Scene = "twente-contact",
+    scene: Scene,
     *,
     cycles: tuple[int, ...] = CYCLES,
     wanted: tuple[float, ...] = WANTED,
     lines: int = 4,
     progress=None,
-) -> StudyRecord:
+) -> Answered:
     """Return steps over cycles, and cycles over steps.
 
     Parameters

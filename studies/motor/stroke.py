@@ -17,7 +17,7 @@ from studies.chain.travel import travelled
 from studies.record.plots import COLOURS, curve, family, finished, lines
 from studies.record.quantities import quantity
 from studies.scene import Scene
-from studies.study import Panel, StudyRecord, driven_contact, judged, of_record, study
+from studies.study import Answered, Panel, driven_contact, judged, of_record, study
 
 QUICK = {"count": 10, "duration": 2e-3}
 LINES = 3
@@ -25,10 +25,8 @@ WITHIN = 4  # points of half a wavelength about each place
 CLEAR = 0.5  # wavelengths from the fingers
 
 
-@study
-def run(
-    scene: str | Scene = "twente", *, count: int = 240, duration: float = 0.3, progress=None
-) -> StudyRecord:
+@study("twente")
+def run(scene: Scene, *, count: int = 240, duration: float = 0.3, progress=None) -> Answered:
     """Return amplitude and steady velocity against the slider's place, and the motion of a slider that travels.
 
     Parameters

@@ -28,7 +28,7 @@ def run(
     progress : callable, optional
         Told what is being done.
     """
-    loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
+    loaded = Scene.load(scene)
     if loaded.slider is None:
         loaded.refuse("slider", "is missing: without a slider there is no velocity")
     return run_chain(loaded, tolerance=tolerance, progress=progress)

@@ -31,14 +31,25 @@ class Unknown:
         return f"{self.name} {low:.4g} to {high:.4g}{' ' * bool(self.unit)}{self.unit}"
 
 
+@dataclass(frozen=True, kw_only=True)
+class Source:
+    """What one paper states, SI, and what it leaves open."""
+
+    published: dict[str, float]
+    unknowns: dict[str, Unknown]
+
+    def __getitem__(self, name: str) -> Unknown:
+        return self.unknowns[name]
+
+
 def corners(unknowns: dict[str, Unknown]):
     """Yield every combination of the swept values, by name."""
     for values in product(*(unknown.swept for unknown in unknowns.values())):
         yield dict(zip(unknowns, values, strict=True))
 
 
-KUROSAWA = {
-    "published": {
+KUROSAWA = Source(
+    published={
         "voltage_V": 180.0,
         "frequency_Hz": 10e6,
         "radius_m": 0.5e-3,
@@ -50,47 +61,51 @@ KUROSAWA = {
         "pressure_Pa": 390e6,
         "mass_kg": STEEL_DENSITY * 4.18879 * 0.5e-3**3,
     },
-    # of the contact
-    "friction": Unknown(name="friction", taken=0.15, swept=(0.1, 0.15, 0.3)),
-    "preload": Unknown(name="preload", taken=6.5e-3, swept=(6e-3, 7e-3), unit="mN", scale=1e3),
-    "amplitude": Unknown(name="amplitude", taken=10e-9, swept=(9e-9, 11e-9), unit="nm", scale=1e9),
-    "frequency": Unknown(name="frequency", taken=10e6, swept=(9.5e6, 10.5e6), unit="MHz", scale=1e-6),
-    "modulus": Unknown(name="E*", taken=101e9, swept=(95e9, 115e9), unit="GPa", scale=1e-9),
-    "law": Unknown(name="law", taken="elastic", swept=("elastic", "hysteretic")),
-    "air": Unknown(name="R_t", taken=0.0, swept=(0.0, 5e-6), unit="N s/m"),
-    # of the stator
-    "pairs": Unknown(name="finger pairs", taken=10, swept=(5, 10, 20)),
-    "material": Unknown(
-        name="constants", taken="LiNbO3 (Kovacs)", swept=("LiNbO3 (Kovacs)", "LiNbO3 (Warner)")
-    ),
-}
+    unknowns={
+        # of the contact
+        "friction": Unknown(name="friction", taken=0.15, swept=(0.1, 0.15, 0.3)),
+        "preload": Unknown(name="preload", taken=6.5e-3, swept=(6e-3, 7e-3), unit="mN", scale=1e3),
+        "amplitude": Unknown(name="amplitude", taken=10e-9, swept=(9e-9, 11e-9), unit="nm", scale=1e9),
+        "frequency": Unknown(name="frequency", taken=10e6, swept=(9.5e6, 10.5e6), unit="MHz", scale=1e-6),
+        "modulus": Unknown(name="E*", taken=101e9, swept=(95e9, 115e9), unit="GPa", scale=1e-9),
+        "law": Unknown(name="law", taken="elastic", swept=("elastic", "hysteretic")),
+        "air": Unknown(name="R_t", taken=0.0, swept=(0.0, 5e-6), unit="N s/m"),
+        # of the stator
+        "pairs": Unknown(name="finger pairs", taken=10, swept=(5, 10, 20)),
+        "material": Unknown(
+            name="constants", taken="LiNbO3 (Kovacs)", swept=("LiNbO3 (Kovacs)", "LiNbO3 (Warner)")
+        ),
+    },
+)
 TANGENTIAL_OVER_NORMAL = 0.21  # G*/E* of steel on lithium niobate
 NORMAL_DAMPING = 0.16  # N s/m: it lets the bounce of the start die out and hardly moves the steady speed
 
-SEED = {
-    "published": {"constant_contact_m": 3e-9, "intermittent_m": 10e-9},
-    "modulus": Unknown(name="E*", taken=64e9, swept=(60e9, 68e9), unit="GPa", scale=1e-9),
-}
+SEED = Source(
+    published={"constant_contact_m": 3e-9, "intermittent_m": 10e-9},
+    unknowns={"modulus": Unknown(name="E*", taken=64e9, swept=(60e9, 68e9), unit="GPa", scale=1e-9)},
+)
 
-TJEUNG = {
-    "published": {"preload_N": 41.1e-6, "radius_m": 0.5e-3, "torque_Nm": 5.37e-9, "turns_per_s": 1900 / 60},
-    "friction": KUROSAWA["friction"],
-}
+TJEUNG = Source(
+    published={"preload_N": 41.1e-6, "radius_m": 0.5e-3, "torque_Nm": 5.37e-9, "turns_per_s": 1900 / 60},
+    unknowns={"friction": KUROSAWA["friction"]},
+)
 
-RAJ = {
-    "published": {
+RAJ = Source(
+    published={
         "frequency_Hz": 13.5e6,
         "amplitude_m": 12e-9,
         "preload_N": 5e-3,
         "friction": 0.45,
         "velocity_at_least_m_per_s": 0.3,
     },
-    # the silicon slider's surface and mass are not stated here: one ball of a wide range of sizes stands for it
-    "radius": Unknown(name="radius", taken=1e-3, swept=(0.3e-3, 3e-3), unit="mm", scale=1e3),
-    "mass": Unknown(name="mass", taken=10e-6, swept=(5e-6, 20e-6), unit="mg", scale=1e6),
-    "modulus": Unknown(name="E*", taken=89e9, swept=(80e9, 100e9), unit="GPa", scale=1e-9),
-    "amplitude": Unknown(name="amplitude", taken=12e-9, swept=(11e-9, 13e-9), unit="nm", scale=1e9),
-}
+    unknowns={
+        # the silicon slider's surface and mass are not stated here: one ball of a wide range of sizes stands for it
+        "radius": Unknown(name="radius", taken=1e-3, swept=(0.3e-3, 3e-3), unit="mm", scale=1e3),
+        "mass": Unknown(name="mass", taken=10e-6, swept=(5e-6, 20e-6), unit="mg", scale=1e6),
+        "modulus": Unknown(name="E*", taken=89e9, swept=(80e9, 100e9), unit="GPa", scale=1e-9),
+        "amplitude": Unknown(name="amplitude", taken=12e-9, swept=(11e-9, 13e-9), unit="nm", scale=1e9),
+    },
+)
 
 LEFT_ASIDE = (
     (

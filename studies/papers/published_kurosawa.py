@@ -25,7 +25,7 @@ def ball(case: dict):
     """Return Kurosawa's ball and the orbit under it."""
     import contact
 
-    published = KUROSAWA["published"]
+    published = KUROSAWA.published
     slider = contact.Slider(
         radius=case.get("radius", published["radius_m"]),
         mass=case.get("mass", published["mass_kg"]),
@@ -66,13 +66,13 @@ def needed_amplitude(case: dict) -> float:
     """Normal amplitude at which the steady speed is the published one, m."""
     from scipy.optimize import brentq
 
-    wanted = KUROSAWA["published"]["velocity_m_per_s"]
+    wanted = KUROSAWA.published["velocity_m_per_s"]
     return brentq(lambda size: speed(case | {"amplitude": size}) - wanted, 3e-9, 1e-7, xtol=1e-11)
 
 
 def contact_radius(case: dict) -> float:
     """Return a = pi p0 R / 2 E*, Hertz (Johnson 1985, eq. 4.22 to 4.24)."""
-    published = KUROSAWA["published"]
+    published = KUROSAWA.published
     return math.pi * published["pressure_Pa"] * published["radius_m"] / (2 * case["modulus"])
 
 
@@ -81,7 +81,7 @@ def per_volt(*, pairs: int, material: str) -> float:
     import fem
 
     solid = fem.rotated(fem.material(material), "128YX")
-    frequency = KUROSAWA["published"]["frequency_Hz"]
+    frequency = KUROSAWA.published["frequency_Hz"]
     stator = fem.Stator(solid=solid, length=1.0, thickness=math.inf, ends="absorbing")
     row = fem.Transducer(
         name="driven", center=0.5, finger_pairs=pairs, period=1.0, metallisation=0.5, aperture=9e-3

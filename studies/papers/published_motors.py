@@ -123,7 +123,7 @@ def tables(record: StudyRecord) -> dict[str, str]:
 
 def _kurosawa(say) -> list[dict]:
     """Return the contact at the published amplitude, then the chain from the voltage."""
-    published, motor = KUROSAWA["published"], "Kurosawa 1998"
+    published, motor = KUROSAWA.published, "Kurosawa 1998"
     unknowns = {name: KUROSAWA[name] for name in ON_CONTACT}
     known = _known(unknowns)
     say("Kurosawa: the contact at the published amplitude")
@@ -159,12 +159,12 @@ def _kurosawa(say) -> list[dict]:
 def _known(unknowns: dict) -> dict:
     """Return the values taken for the contact."""
     values = {name: each.taken for name, each in unknowns.items()}
-    return {"ratio": ratio(KUROSAWA["material"].taken), **values}
+    return {"ratio": ratio(str(KUROSAWA["material"].taken)), **values}
 
 
 def _from_voltage(say) -> list[dict]:
     """Return the amplitude and the speed from the voltage."""
-    published, motor = KUROSAWA["published"], "Kurosawa 1998"
+    published, motor = KUROSAWA.published, "Kurosawa 1998"
     unknowns = {name: KUROSAWA[name] for name in ON_CONTACT}
     known = _known(unknowns)
     rows, amplitudes = [], {}
@@ -201,7 +201,7 @@ def _seed() -> dict:
     import contact
     from studies.papers.seed import Seed
 
-    seed, published = Seed(lambda text: None), SEED["published"]
+    seed, published = Seed(lambda text: None), SEED.published
 
     def release(case):
         return contact.release_amplitude(replace(seed.slider, effective_modulus=case["modulus"]), seed.shape)
@@ -215,7 +215,7 @@ def _seed() -> dict:
 
 def _tjeung() -> list[dict]:
     """Return the torque that friction allows at most beside the measured one."""
-    published = TJEUNG["published"]
+    published = TJEUNG.published
 
     def torque(case):
         return case["friction"] * published["preload_N"] * published["radius_m"]
@@ -232,8 +232,9 @@ def _tjeung() -> list[dict]:
 
 def _raj() -> list[dict]:
     """Return the speed of a ball on the published wave: at least the published one, at most the surface's."""
-    published, motor = RAJ["published"], MOTORS[3]
+    published, motor = RAJ.published, MOTORS[3]
     swept = {name: RAJ[name] for name in ("radius", "mass", "amplitude")}
+    tangential = ratio("LiNbO3 (Kovacs)")
     known = {name: each.taken for name, each in swept.items()} | {
         "modulus": RAJ["modulus"].taken,
         "frequency": published["frequency_Hz"],
@@ -241,9 +242,9 @@ def _raj() -> list[dict]:
         "friction": published["friction"],
         "law": "elastic",
         "air": 0.0,
-        "ratio": ratio("LiNbO3 (Kovacs)"),
+        "ratio": tangential,
     }
-    surface = 2 * math.pi * published["frequency_Hz"] * known["ratio"] * published["amplitude_m"]
+    surface = 2 * math.pi * published["frequency_Hz"] * tangential * published["amplitude_m"]
     stated = published["velocity_at_least_m_per_s"], surface
     return [_row(motor, "speed, at least", stated, speed, known, swept, "m/s", 1.0)]
 

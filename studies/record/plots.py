@@ -276,9 +276,8 @@ def velocity(record: "Record", ax):
             ax.plot(at, speeds, mark, color=COLOURS[regime], label=regime)
     missed = [point for point in record.points if point.get("relative_error", 0.0) > record.tolerance]
     if missed:
-        at, speeds = zip(
-            *((p[record.level] * scale, p["velocity_m_per_s"] * 1e3) for p in missed), strict=True
-        )
+        at = [point[record.level] * scale for point in missed]
+        speeds = [point["velocity_m_per_s"] * 1e3 for point in missed]
         ring = {"markersize": 11, "fillstyle": "none", "color": COLOURS["line"]}
         ax.plot(at, speeds, "o", label=f"error above {record.tolerance:g}", **ring)
     banded = sorted((p[record.level] * scale, p["velocity_low_m_per_s"] * 1e3, p["velocity_high_m_per_s"] * 1e3)
@@ -376,7 +375,7 @@ def surface(record: "Record", ax, *, curves: bool = False):
         _window(record, ax, x, sizes, wavelength)
     for each in scene.transducer:
         if each.angle % 180 == 0:  # in the section
-            half, center = each.finger_pairs * each.period / 2, each.place[0]
+            half, center = each.half_length, each.place[0]
             shaded(ax, (center - half) * scale, (center + half) * scale)
     if scene.slider is not None:
         top = 1 / WINDOW_ROOM if rippled else 1.0

@@ -39,9 +39,9 @@ def answer(record: "Record") -> str:
     """Return what a run prints on stdout."""
     lines = [record.scene.title or "no title", ""]
     if record.points:
-        head, rows = points_table(record)
+        head, points = points_table(record)
         shown = [k for k, name in enumerate(head) if name != "status"]
-        lines += [*table([[row[k] for k in shown] for row in (head, *rows)]), ""]
+        lines += [*table([[row[k] for k in shown] for row in (head, *points)]), ""]
     rows: list[tuple] = [*_wave(record), *_limits(record.summary), *_uncertainty(record.uncertainty)]
     rows += comparison(record.measured)
     asked = f"asked for {record.tolerance:.1e}"
@@ -70,9 +70,10 @@ def labelled(rows, width: int = 16) -> list[str]:
     >>> labelled([("velocity", "1 m/s"), ("left out", ["heat", "wear"])], 10)
     ['velocity  1 m/s', 'left out  heat', '          wear']
     """
-    rows = [(name, (lines,) if isinstance(lines, str) else lines) for name, lines in rows]
     return [
-        f"{name * (k == 0):<{width}}{line}".rstrip() for name, lines in rows for k, line in enumerate(lines)
+        f"{name * (k == 0):<{width}}{line}".rstrip()
+        for name, lines in rows
+        for k, line in enumerate((lines,) if isinstance(lines, str) else lines)
     ]
 
 

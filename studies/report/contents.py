@@ -22,10 +22,9 @@ def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
         if amplitude not in (None, 1):
             driven += f" by {abs(amplitude):g} at {math.degrees(cmath.phase(amplitude)):g} deg"
         kind = each.pattern or ("split fingers" if each.split else "plain")
-        pairs = f"{each.finger_pairs} pairs, {kind}, period {each.period * 1e3:.6g} mm"
+        pairs = f"{each.finger_pairs} pairs, {kind}, period {each.wavelength * 1e3:.6g} mm"
         yield "transducer", [f"{each.name}: {pairs}, {driven}"]
-    frequency = scene.frequency
-    yield "frequency", [frequency if isinstance(frequency, str) else f"{frequency / 1e6:g} MHz"]
+    yield "frequency", [f"{scene.frequency / 1e6:g} MHz"]
     if scene.levels:
         name, factor, unit = ("voltage", 1, "V") if scene.wave is None else ("amplitude", 1e9, "nm")
         low, high = (f"{level * factor:g}" for level in (min(scene.levels), max(scene.levels)))
@@ -34,7 +33,7 @@ def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
     if scene.slider is not None:
         slider = scene.slider
         moduli = f"E* {slider.effective_modulus / 1e9:.4g} GPa, G* {slider.tangential_modulus / 1e9:.4g} GPa"
-        weight = f"{slider.mass * 1e3:g} g, preload {slider.preload * 1e3:g} mN"
+        weight = f"{slider.mass * 1e3:g} g, preload {slider.preload_force * 1e3:g} mN"
         if slider.pillars is not None:
             from studies.chain.pillars import layout, stiffnesses
 

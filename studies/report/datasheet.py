@@ -100,7 +100,7 @@ def datasheet(
         If a number of the datasheet has no answer.
     """
     say = progress or LOGGER.info
-    scene = scene if isinstance(scene, Scene) else Scene.load(scene)
+    scene = Scene.load(scene)
     if scene.slider is None:
         scene.refuse("slider", "is missing: a datasheet is of a whole motor")
     block = "wave" if scene.wave is not None else "drive"

@@ -7,6 +7,7 @@ different places, and a burst that is followed event by event about 5e-5 s for e
 """
 
 import textwrap
+from typing import Any
 
 from studies.chain import resolve
 from studies.chain.left_out import left_out
@@ -54,7 +55,9 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
         If a run would refuse its size.
     """
     scene = resolve.resolved(scene)
-    parts, missing, operations, kept, seconds = [], {}, 0.0, 0.0, START
+    parts: list[dict] = []
+    missing: dict[str, Any] = {}
+    operations, kept, seconds = 0.0, 0.0, START
     if scene.transducer:
         from fem import ConvergenceError
 
@@ -63,7 +66,7 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
         except ConvergenceError as error:
             raise RunError(str(error)) from None
     elif scene.wave is None:
-        facts = (_where(scene), "guided modes of the bare section: an eigenproblem through the depth alone")
+        facts = [_where(scene), "guided modes of the bare section: an eigenproblem through the depth alone"]
         parts = [{"name": "free wave", "facts": facts}]
     if scene.slider is not None:
         from contact import kernels
@@ -159,10 +162,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
         operations += BEAM if isotropic_about_normal(stator.solid) else CUT_BEAM
     missing = {"beam": spreads, "reason": refusal}
     if slider is not None and scene.burst is not None:
-        covered = any(
-            abs(slider.center[0] - each.place[0]) <= each.finger_pairs * each.period / 2
-            for each in scene.transducer
-        )
+        covered = any(abs(slider.center[0] - each.place[0]) <= each.half_length for each in scene.transducer)
         if not covered:
             missing["ringing"] = RingUp(error=0.0)
             how = (

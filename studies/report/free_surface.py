@@ -100,12 +100,12 @@ def half_space_answer(answer: dict) -> str:
 def tables_text(crystal: dict) -> list[str]:
     """Return the tensors and axes as lines of text, Voigt order 11 22 33 23 13 12."""
     lines = []
-    for head, key, rows, columns, unit in (
+    for head, key, sides, columns, unit in (
         ("stiffness c (GPa), rotated", "stiffness_Pa", VOIGT, VOIGT, 1e-9),
         ("coupling e (C/m^2), rotated", "coupling_C_per_m2", "xyz", VOIGT, 1.0),
         ("permittivity (relative to vacuum, clamped), rotated", "permittivity_relative", "xyz", "xyz", 1.0),
     ):
-        lines += [head, *_table(crystal[key], rows, columns, unit), ""]
+        lines += [head, *_table(crystal[key], sides, columns, unit), ""]
     cut, names = crystal["axes_in_crystal"], {"x": "x, propagation", "y": "y", "z": "z, outward normal"}
     rows = [[name, *(f"{part + 0.0:.5f}" for part in _clean(cut[axis]))] for axis, name in names.items()]
     return [*lines, "axes of the cut along the crystal's", *table([["", "X", "Y", "Z"], *rows])]

@@ -67,7 +67,7 @@ def _error(size: float) -> str:
 def _drive(record: Record):
     yield "frequency", si(record.scene.frequency, "Hz", 9), GIVEN
     for each in record.scene.transducer:
-        yield f"period of transducer {each.name}", si(each.period, "m", 8), GIVEN
+        yield f"period of transducer {each.name}", si(each.wavelength, "m", 8), GIVEN
 
 
 def _stator(record: Record):

@@ -1,23 +1,18 @@
 """A block of a scene: a frozen dataclass whose fields are the keys of a TOML table.
 
-A field is declared ``mass: Annotated[float, Quantity("kg")]``: its type once read, and the rule that reads it.  Its
-meaning is a line ``mass: Mass of the whole slider.`` in the docstring of the block, from where the reference of all
-keys and the JSON Schema take it.
+A field is declared ``mass: Annotated[float, Quantity("kg"), "Mass of the whole slider."]``: its type once read, the
+rule that reads it, and its meaning, which the reference of all keys and the JSON Schema show.
 """
 
-import re
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import MISSING, dataclass, fields
-from functools import cache
-from typing import ClassVar, NoReturn, Self
+from typing import ClassVar, NoReturn, Self, get_args
 
 from studies.refusal import SceneError, nearest, shown, suggestion
 from studies.scene.rule import Rule, read_each
 from studies.scene.synonyms import meant
 from studies.scene.uncertain import stated_schema
-
-MEANING = re.compile(r"^    (\w+): (.*(?:\n        .*)*)", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -31,23 +26,21 @@ class Key:
     default: object  # its value when absent; None where absence means something of its own
 
 
-@cache
+_KEYS: dict[type, dict[str, Key]] = {}
+
+
 def keys_of(kind: type) -> dict[str, Key]:
     """Return the keys of a block's class by name."""
-    meanings = {name: " ".join(text.split()) for name, text in MEANING.findall(kind.__doc__ or "")}
-    return {
-        entry.name: Key(
-            name=entry.name,
-            rule=entry.type.__metadata__[0],
-            meaning=meanings.get(entry.name, ""),
-            required=entry.default is MISSING,
-            default=None if entry.default is MISSING else entry.default,
-        )
-        for entry in fields(kind)
-    }
+    if kind in _KEYS:
+        return _KEYS[kind]
+    keys = _KEYS[kind] = {}
+    for entry in fields(kind):
+        rule, meaning = get_args(entry.type)[1:]
+        default = None if entry.default is MISSING else entry.default
+        keys[entry.name] = Key(entry.name, rule, meaning, entry.default is MISSING, default)
+    return keys
 
 
-@cache
 def checks_of(kind: "type[Block]") -> list[Callable[["Block"], Iterator[tuple[str, str]]]]:
     """Return the methods ``check_...``; each yields key and rule of what single keys allow but together contradict."""
     return [method for name, method in vars(kind).items() if name.startswith("check_")]

@@ -23,44 +23,36 @@ SOURCES = Named('a table of transducers such as { left = 1, right = "0.5 at 90 d
 
 @dataclass(frozen=True, kw_only=True)
 class PiezoelectricSolid(Block):
-    """A table of constants in the crystal frame; Voigt order 11 22 33 23 13 12, engineering shear strain.
-
-    name: Name shown on results.
-    stiffness: Stiffness at constant electric field c^E, in Pa.
-    coupling: Piezoelectric stress constants e, in C/m^2.
-    permittivity: Permittivity at constant strain eps^S, relative to that of vacuum.
-    density: Density.
-    mechanical_quality: Mechanical quality factor Q: c (1 + i/Q). Absent: no mechanical loss.
-    dielectric_loss: Loss tangent: eps (1 - i tan delta). Absent: no dielectric loss.
-    """
+    """A table of constants in the crystal frame; Voigt order 11 22 33 23 13 12, engineering shear strain."""
 
     block: ClassVar[str] = "stator.material"
-    name: Annotated[str, TEXT] = "user's table"
-    stiffness: Annotated[tuple, matrix(6, 6)]
-    coupling: Annotated[tuple, matrix(3, 6)]
-    permittivity: Annotated[tuple, matrix(3, 3)]
-    density: Annotated[float, Quantity("kg/m^3")]
-    mechanical_quality: Annotated[float | None, Quantity()] = None
-    dielectric_loss: Annotated[float | None, Quantity(zero=True)] = None
+    name: Annotated[str, TEXT, "Name shown on results."] = "user's table"
+    stiffness: Annotated[tuple, matrix(6, 6), "Stiffness at constant electric field c^E, in Pa."]
+    coupling: Annotated[tuple, matrix(3, 6), "Piezoelectric stress constants e, in C/m^2."]
+    permittivity: Annotated[
+        tuple, matrix(3, 3), "Permittivity at constant strain eps^S, relative to that of vacuum."
+    ]
+    density: Annotated[float, Quantity("kg/m^3"), "Density."]
+    mechanical_quality: Annotated[
+        float | None, Quantity(), "Mechanical quality factor Q: c (1 + i/Q). Absent: no mechanical loss."
+    ] = None
+    dielectric_loss: Annotated[
+        float | None, Quantity(zero=True), "Loss tangent: eps (1 - i tan delta). Absent: no dielectric loss."
+    ] = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class IsotropicSolid(Block):
-    """An isotropic solid; no electric field is solved for.
-
-    name: Name shown on results.
-    youngs_modulus: Young's modulus.
-    poisson_ratio: Poisson's ratio, above -1.
-    density: Density.
-    mechanical_quality: Mechanical quality factor Q: c (1 + i/Q). Absent: no loss.
-    """
+    """An isotropic solid; no electric field is solved for."""
 
     block: ClassVar[str] = "stator.material"
-    name: Annotated[str, TEXT] = "user's isotropic solid"
-    youngs_modulus: Annotated[float, Quantity("Pa")]
-    poisson_ratio: Annotated[float, Quantity(negative=True, below=0.5)]
-    density: Annotated[float, Quantity("kg/m^3")]
-    mechanical_quality: Annotated[float | None, Quantity()] = None
+    name: Annotated[str, TEXT, "Name shown on results."] = "user's isotropic solid"
+    youngs_modulus: Annotated[float, Quantity("Pa"), "Young's modulus."]
+    poisson_ratio: Annotated[float, Quantity(negative=True, below=0.5), "Poisson's ratio, above -1."]
+    density: Annotated[float, Quantity("kg/m^3"), "Density."]
+    mechanical_quality: Annotated[
+        float | None, Quantity(), "Mechanical quality factor Q: c (1 + i/Q). Absent: no loss."
+    ] = None
 
     def check_stable(self) -> Any:
         if self.poisson_ratio <= -1:
@@ -77,39 +69,63 @@ LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "inch": 0.0
 
 @dataclass(frozen=True, kw_only=True)
 class Stator(Block):
-    """The block of material that carries the wave; a vertical section of it is modelled.
-
-    material: A name of the catalogue below, or a table of constants.
-    orientation: Z: poled along the normal; X: poled along x; a crystal cut; or Euler angles in degrees (z-x-z,
-        passive).
-    length: Along x, the direction of propagation.
-    thickness: Along z; half-space: exactly absorbing below.
-    width: Along y. Drawn, compared with the apertures, and the distance of the side faces.
-    bottom: free: no traction, D_n = 0; grounded: no traction, phi = 0; clamped: u = 0, D_n = 0; or no reflection.
-    ends: absorbing: the section continues without end; free: no traction, D_n = 0; clamped: u = 0, D_n = 0.
-    above: none: D_n = 0 on the bare surface; vacuum: the field above is solved for.
-    diffraction: true: the finite aperture spreads the beam; false: plane section. Absent: true under a slider in
-        solids isotropic about z with absorbing ends, and wherever a ball lies beside the axis, if it can be computed.
-    sides: Side faces y = +-width/2 under diffraction. absorbing: none; mirror: they reflect everything.
-    mechanical_quality: Mechanical quality factor Q in place of the material's own.
-    dielectric_loss: Loss tangent in place of the material's own; 0: lossless.
-    """
+    """The block of material that carries the wave; a vertical section of it is modelled."""
 
     block: ClassVar[str] = "stator"
     material: Annotated[
-        str | PiezoelectricSolid | IsotropicSolid, TEXT | Within(PiezoelectricSolid, IsotropicSolid)
+        str | PiezoelectricSolid | IsotropicSolid,
+        TEXT | Within(PiezoelectricSolid, IsotropicSolid),
+        "A name of the catalogue below, or a table of constants.",
     ]
-    orientation: Annotated[str | tuple, ORIENTATION] = "Z"
-    length: Annotated[float, Quantity("m")]
-    thickness: Annotated[float | str, Quantity("m") | choice("half-space")]
-    width: Annotated[float, Quantity("m")]
-    bottom: Annotated[str, choice("free", "grounded", "clamped", "absorbing")] = "free"
-    ends: Annotated[str, choice("absorbing", "free", "clamped")]
-    above: Annotated[str, choice("none", "vacuum")] = "none"
-    diffraction: Annotated[bool | None, FLAG] = None
-    sides: Annotated[str, choice("absorbing", "mirror")] = "absorbing"
-    mechanical_quality: Annotated[float | None, Quantity()] = None
-    dielectric_loss: Annotated[float | None, Quantity(zero=True)] = None
+    orientation: Annotated[
+        str | tuple,
+        ORIENTATION,
+        "Z: poled along the normal; X: poled along x; a crystal cut; or Euler angles in degrees (z-x-z, "
+        "passive).",
+    ] = "Z"
+    length: Annotated[float, Quantity("m"), "Along x, the direction of propagation."]
+    thickness: Annotated[
+        float | str, Quantity("m") | choice("half-space"), "Along z; half-space: exactly absorbing below."
+    ]
+    width: Annotated[
+        float,
+        Quantity("m"),
+        "Along y. Drawn, compared with the apertures, and the distance of the side faces.",
+    ]
+    bottom: Annotated[
+        str,
+        choice("free", "grounded", "clamped", "absorbing"),
+        "free: no traction, D_n = 0; grounded: no traction, phi = 0; clamped: u = 0, D_n = 0; or no "
+        "reflection.",
+    ] = "free"
+    ends: Annotated[
+        str,
+        choice("absorbing", "free", "clamped"),
+        "absorbing: the section continues without end; free: no traction, D_n = 0; clamped: u = 0, D_n = 0.",
+    ]
+    above: Annotated[
+        str,
+        choice("none", "vacuum"),
+        "none: D_n = 0 on the bare surface; vacuum: the field above is solved for.",
+    ] = "none"
+    diffraction: Annotated[
+        bool | None,
+        FLAG,
+        "true: the finite aperture spreads the beam; false: plane section. Absent: true under a slider in "
+        "solids isotropic about z with absorbing ends, and wherever a ball lies beside the axis, if it can "
+        "be computed.",
+    ] = None
+    sides: Annotated[
+        str,
+        choice("absorbing", "mirror"),
+        "Side faces y = +-width/2 under diffraction. absorbing: none; mirror: they reflect everything.",
+    ] = "absorbing"
+    mechanical_quality: Annotated[
+        float | None, Quantity(), "Mechanical quality factor Q in place of the material's own."
+    ] = None
+    dielectric_loss: Annotated[
+        float | None, Quantity(zero=True), "Loss tangent in place of the material's own; 0: lossless."
+    ] = None
 
     @property
     def mirror_width(self) -> float | None:
@@ -127,35 +143,49 @@ class Stator(Block):
 
 @dataclass(frozen=True, kw_only=True)
 class Transducer(Block):
-    """Two interleaved combs of fingers on the surface; the block is given once for each transducer.
-
-    name: Name by which the drive refers to it.
-    center: Middle of its fingers, from the stator's left end, or [x, y], y from the stator's middle line.
-    finger_pairs: Number of periods: 10 pairs are 20 fingers.
-    period: Length of two fingers and two gaps, one wavelength; auto: that of the strongest surface wave per volt
-        at drive.frequency, for these fingers alone; half-space: part metallised, without reflections.
-    metallisation: Width of a finger over the pitch (finger and gap), 0.001 to 0.999.
-    aperture: Overlap of the fingers along y, at most the stator's width; scales the admittance.
-    termination: When it is not the driven one. open: no net charge on either comb; short: both combs are one
-        conductor.
-    pattern: One sign per finger, from left to right: + and - the combs, 0 left out, o an open strip. Absent: + -
-        + - ...
-    split: true: four fingers per period, + + - -, instead of two.
-    angle: By which it is turned about the surface normal, from x towards y. Turned transducers, and those beside
-        the middle line, need a solid isotropic about z, absorbing ends and sides, and diffraction.
-    """
+    """Two interleaved combs of fingers on the surface; the block is given once for each transducer."""
 
     block: ClassVar[str] = "transducer"
-    name: Annotated[str, TEXT]
-    center: Annotated[float | tuple[float, float], place()]
-    finger_pairs: Annotated[int, Count(100_000)]
-    period: Annotated[float | str, Quantity("m") | choice("auto", "half-space")] = "auto"
-    metallisation: Annotated[float, Quantity(below=1.0)]
-    aperture: Annotated[float, Quantity("m")]
-    termination: Annotated[str | float | complex, impedance("open", "short")] = "open"
-    pattern: Annotated[str | None, signs("+-0o")] = None
-    split: Annotated[bool, FLAG] = False
-    angle: Annotated[float, Quantity("deg", negative=True)] = 0.0
+    name: Annotated[str, TEXT, "Name by which the drive refers to it."]
+    center: Annotated[
+        float | tuple[float, float],
+        place(),
+        "Middle of its fingers, from the stator's left end, or [x, y], y from the stator's middle line.",
+    ]
+    finger_pairs: Annotated[int, Count(100_000), "Number of periods: 10 pairs are 20 fingers."]
+    period: Annotated[
+        float | str,
+        Quantity("m") | choice("auto", "half-space"),
+        "Length of two fingers and two gaps, one wavelength; auto: that of the strongest surface wave per "
+        "volt at drive.frequency, for these fingers alone; half-space: part metallised, without reflections.",
+    ] = "auto"
+    metallisation: Annotated[
+        float, Quantity(below=1.0), "Width of a finger over the pitch (finger and gap), 0.001 to 0.999."
+    ]
+    aperture: Annotated[
+        float,
+        Quantity("m"),
+        "Overlap of the fingers along y, at most the stator's width; scales the admittance.",
+    ]
+    termination: Annotated[
+        str | float | complex,
+        impedance("open", "short"),
+        "When it is not the driven one. open: no net charge on either comb; short: both combs are one "
+        "conductor.",
+    ] = "open"
+    pattern: Annotated[
+        str | None,
+        signs("+-0o"),
+        "One sign per finger, from left to right: + and - the combs, 0 left out, o an open strip. Absent: + "
+        "- + - ...",
+    ] = None
+    split: Annotated[bool, FLAG, "true: four fingers per period, + + - -, instead of two."] = False
+    angle: Annotated[
+        float,
+        Quantity("deg", negative=True),
+        "By which it is turned about the surface normal, from x towards y. Turned transducers, and those "
+        "beside the middle line, need a solid isotropic about z, absorbing ends and sides, and diffraction.",
+    ] = 0.0
 
     def check_width(self) -> Any:
         if not MIN_WIDTH <= self.metallisation <= 1 - MIN_WIDTH:
@@ -176,6 +206,18 @@ class Transducer(Block):
         return as_pair(self.center)
 
     @property
+    def wavelength(self) -> float:
+        """Its period in m; an automatic one must have been resolved."""
+        if isinstance(self.period, str):
+            self.refuse("period", f"must be a number in m here, got {self.period!r}")
+        return self.period
+
+    @property
+    def half_length(self) -> float:
+        """Half the length of its row of fingers, m."""
+        return self.finger_pairs * self.wavelength / 2
+
+    @property
     def turned(self) -> bool:
         """Whether its waves run along another line than the stator's middle."""
         return self.angle % 360 != 0 or self.place[1] != 0
@@ -193,25 +235,33 @@ class Transducer(Block):
 
 @dataclass(frozen=True, kw_only=True)
 class Piece(Block):
-    """A part of the section given as a mesh: a groove, a strip, an end; the block is given once for each file.
-
-    name: Name in messages. Absent: that of the file.
-    file: gmsh file, format 2.2 or 4.1, in the plane (x, z), z = 0 the surface; from the scene's folder on.
-    length_unit: Unit of the file's coordinates, which has none.
-    position: Where the file's x = 0 lies, from the stator's left end; several: a list or a range.
-    materials: Solids of the surface groups other than "stator": a name of the catalogue or a table, in the stator's
-        orientation.
-    electrodes: What the line groups electrode:NAME are connected to: floating (also those not named here), grounded,
-        or a comb of a transducer such as "left+".
-    """
+    """A part of the section given as a mesh: a groove, a strip, an end; the block is given once for each file."""
 
     block: ClassVar[str] = "piece"
-    name: Annotated[str | None, TEXT] = None
-    file: Annotated[str, TEXT]
-    length_unit: Annotated[str, choice(*LENGTHS)]
-    position: Annotated[tuple[float, ...], Listed(Quantity("m", negative=True), ranged=True)]
-    materials: Annotated[tuple | None, SOLIDS] = None
-    electrodes: Annotated[tuple | None, CONNECTIONS] = None
+    name: Annotated[str | None, TEXT, "Name in messages. Absent: that of the file."] = None
+    file: Annotated[
+        str,
+        TEXT,
+        "gmsh file, format 2.2 or 4.1, in the plane (x, z), z = 0 the surface; from the scene's folder on.",
+    ]
+    length_unit: Annotated[str, choice(*LENGTHS), "Unit of the file's coordinates, which has none."]
+    position: Annotated[
+        tuple[float, ...],
+        Listed(Quantity("m", negative=True), ranged=True),
+        "Where the file's x = 0 lies, from the stator's left end; several: a list or a range.",
+    ]
+    materials: Annotated[
+        tuple | None,
+        SOLIDS,
+        'Solids of the surface groups other than "stator": a name of the catalogue or a table, in the '
+        "stator's orientation.",
+    ] = None
+    electrodes: Annotated[
+        tuple | None,
+        CONNECTIONS,
+        "What the line groups electrode:NAME are connected to: floating (also those not named here), "
+        'grounded, or a comb of a transducer such as "left+".',
+    ] = None
 
     @property
     def label(self) -> str:
@@ -221,25 +271,20 @@ class Piece(Block):
 
 @dataclass(frozen=True, kw_only=True)
 class Element(Block):
-    """One element of a ladder between the source and its transducer; the block is given once for each, in order.
-
-    series_L: Inductance in series.
-    series_C: Capacitance in series.
-    series_R: Resistance in series.
-    shunt_L: Inductance across the line.
-    shunt_C: Capacitance across the line.
-    shunt_R: Resistance across the line.
-    Q: Quality of an inductance or a capacitance at drive.frequency. Absent: lossless.
-    """
+    """One element of a ladder between the source and its transducer; the block is given once for each, in order."""
 
     block: ClassVar[str] = "drive.match"
-    series_L: Annotated[float | None, Quantity("H")] = None
-    series_C: Annotated[float | None, Quantity("F")] = None
-    series_R: Annotated[float | None, Quantity("ohm")] = None
-    shunt_L: Annotated[float | None, Quantity("H")] = None
-    shunt_C: Annotated[float | None, Quantity("F")] = None
-    shunt_R: Annotated[float | None, Quantity("ohm")] = None
-    Q: Annotated[float | None, Quantity()] = None
+    series_L: Annotated[float | None, Quantity("H"), "Inductance in series."] = None
+    series_C: Annotated[float | None, Quantity("F"), "Capacitance in series."] = None
+    series_R: Annotated[float | None, Quantity("ohm"), "Resistance in series."] = None
+    shunt_L: Annotated[float | None, Quantity("H"), "Inductance across the line."] = None
+    shunt_C: Annotated[float | None, Quantity("F"), "Capacitance across the line."] = None
+    shunt_R: Annotated[float | None, Quantity("ohm"), "Resistance across the line."] = None
+    Q: Annotated[
+        float | None,
+        Quantity(),
+        "Quality of an inductance or a capacitance at drive.frequency. Absent: lossless.",
+    ] = None
 
     def check_one(self) -> Any:
         given = [name for name in keys_of(Element) if name != "Q" and getattr(self, name) is not None]
@@ -260,23 +305,32 @@ class Element(Block):
 
 @dataclass(frozen=True, kw_only=True)
 class Recovery(Block):
-    """A receiving transducer whose load keeps the power, or feeds it back to the source in phase.
-
-    receiver: Name of the transducer that receives; the load is its termination.
-    load: Across its electrodes; matched: the conjugate of the impedance that they show, at drive.frequency.
-    rectifier: Instead of load: the resistance behind a full bridge with a capacitor, which is 8 / pi^2 of it.
-    efficiency: Power returned over power in the load, of rectifier and return path; above 1 with an amplifier in
-        it.
-    circulation: true: an ideal combiner adds the returned power to the source's, in phase; drive.voltage or power
-        is that of both together, so that the motion is the same and the source gives less.
-    """
+    """A receiving transducer whose load keeps the power, or feeds it back to the source in phase."""
 
     block: ClassVar[str] = "drive.recovery"
-    receiver: Annotated[str, TEXT]
-    load: Annotated[str | float | complex, impedance("matched")] = "matched"
-    rectifier: Annotated[float | None, Quantity("ohm")] = None
-    efficiency: Annotated[float, Quantity()] = 1.0
-    circulation: Annotated[bool, FLAG] = False
+    receiver: Annotated[str, TEXT, "Name of the transducer that receives; the load is its termination."]
+    load: Annotated[
+        str | float | complex,
+        impedance("matched"),
+        "Across its electrodes; matched: the conjugate of the impedance that they show, at drive.frequency.",
+    ] = "matched"
+    rectifier: Annotated[
+        float | None,
+        Quantity("ohm"),
+        "Instead of load: the resistance behind a full bridge with a capacitor, which is 8 / pi^2 of it.",
+    ] = None
+    efficiency: Annotated[
+        float,
+        Quantity(),
+        "Power returned over power in the load, of rectifier and return path; above 1 with an amplifier in "
+        "it.",
+    ] = 1.0
+    circulation: Annotated[
+        bool,
+        FLAG,
+        "true: an ideal combiner adds the returned power to the source's, in phase; drive.voltage or power "
+        "is that of both together, so that the motion is the same and the source gives less.",
+    ] = False
 
     def check_load(self) -> Any:
         if self.rectifier is not None and self.load not in ("matched", self.rectifier_load):
@@ -294,35 +348,54 @@ class Recovery(Block):
 
 @dataclass(frozen=True, kw_only=True)
 class Drive(Block):
-    """The source: its frequency and, with transducers, which one it drives at which peak voltages.
-
-    frequency: Frequency of the source; center: that of the strongest surface wave per volt, for the driven
-        fingers alone (needs a given period).
-    transducer: Name of the driven transducer; required when the scene has transducers, unless sources are given.
-    sources: Amplitude and phase of the source at each driven transducer, relative to the voltage; where given, it
-        counts instead of transducer.
-    voltage: Peak voltage of the source, one value or a list; it or power is required when the scene has
-        transducers.
-    power: Instead of voltage: what the sources can give to matched loads, V^2 / (8 R) each with source_impedance
-        R.
-    burst: Length of the driven interval. Absent: the steady state only.
-    source_impedance: Impedance between each source and its transducer.
-    match: Network between each source and its transducer: the lossless L-section of least stored energy that
-        delivers all available power at drive.frequency (auto), or elements from the source on, such as
-        [{ series_L = "2.6 uH", Q = 80 }, { shunt_C = "1 nF" }].
-    recovery: What becomes of the power that another transducer receives.
-    """
+    """The source: its frequency and, with transducers, which one it drives at which peak voltages."""
 
     block: ClassVar[str] = "drive"
-    frequency: Annotated[float | str, Quantity("Hz") | choice("center")]
-    transducer: Annotated[str | None, TEXT] = None
-    sources: Annotated[tuple[tuple[str, complex], ...] | None, SOURCES] = None
-    voltage: Annotated[tuple[float, ...] | None, Listed(Quantity("V", zero=True), ranged=True)] = None
-    power: Annotated[tuple[float, ...] | None, Listed(Quantity("W", zero=True), ranged=True)] = None
-    burst: Annotated[float | None, Quantity("s")] = None
-    source_impedance: Annotated[float | complex, impedance()] = 0.0
-    match: Annotated[str | tuple, choice("none", "auto") | Blocks(Element, least=1)] = "none"
-    recovery: Annotated[Recovery | None, Within(Recovery)] = None
+    frequency: Annotated[
+        float | str,
+        Quantity("Hz") | choice("center"),
+        "Frequency of the source; center: that of the strongest surface wave per volt, for the driven "
+        "fingers alone (needs a given period).",
+    ]
+    transducer: Annotated[
+        str | None,
+        TEXT,
+        "Name of the driven transducer; required when the scene has transducers, unless sources are given.",
+    ] = None
+    sources: Annotated[
+        tuple[tuple[str, complex], ...] | None,
+        SOURCES,
+        "Amplitude and phase of the source at each driven transducer, relative to the voltage; where given, "
+        "it counts instead of transducer.",
+    ] = None
+    voltage: Annotated[
+        tuple[float, ...] | None,
+        Listed(Quantity("V", zero=True), ranged=True),
+        "Peak voltage of the source, one value or a list; it or power is required when the scene has "
+        "transducers.",
+    ] = None
+    power: Annotated[
+        tuple[float, ...] | None,
+        Listed(Quantity("W", zero=True), ranged=True),
+        "Instead of voltage: what the sources can give to matched loads, V^2 / (8 R) each with "
+        "source_impedance R.",
+    ] = None
+    burst: Annotated[
+        float | None, Quantity("s"), "Length of the driven interval. Absent: the steady state only."
+    ] = None
+    source_impedance: Annotated[
+        float | complex, impedance(), "Impedance between each source and its transducer."
+    ] = 0.0
+    match: Annotated[
+        str | tuple,
+        choice("none", "auto") | Blocks(Element, least=1),
+        "Network between each source and its transducer: the lossless L-section of least stored energy that "
+        "delivers all available power at drive.frequency (auto), or elements from the source on, such as [{ "
+        'series_L = "2.6 uH", Q = 80 }, { shunt_C = "1 nF" }].',
+    ] = "none"
+    recovery: Annotated[
+        Recovery | None, Within(Recovery), "What becomes of the power that another transducer receives."
+    ] = None
 
     def check_power(self) -> Any:
         if self.power is None:

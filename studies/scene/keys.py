@@ -3,16 +3,17 @@
 from studies.refusal import SceneError, nearest, shown
 from studies.scene.block import Blocks, Within, keys_of
 from studies.scene.override import value_at
-from studies.scene.rule import Count
+from studies.scene.rule import Count, Rule
 from studies.scene.scene import Scene
 from studies.scene.uncertain import OPTIONS, Tolerance, half_width
 
 LEVELS = ("drive.voltage", "drive.power", "wave.normal_amplitude")
 
 
-def rule_at(key: str):
+def rule_at(key: str) -> Rule:
     """Return the rule of a scene's key, its lists of blocks numbered from 0; SceneError if there is none."""
-    rule, done, parts = Within(Scene), "", key.split(".")
+    rule: Rule = Within(Scene)
+    done, parts = "", key.split(".")
     while parts:
         holder = next(
             (each for each in getattr(rule, "rules", (rule,)) if isinstance(each, (Blocks, Within))), None
@@ -36,9 +37,9 @@ def rule_at(key: str):
     return rule
 
 
-def unit_of(rule) -> str | None:
+def unit_of(rule: Rule) -> str | None:
     """Return the SI unit of a rule's single number, None where it takes none."""
-    return rule.number and rule.number.unit
+    return rule.number.unit if rule.number else None
 
 
 def tolerances(scene: Scene) -> tuple[Tolerance, ...]:

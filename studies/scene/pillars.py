@@ -21,34 +21,30 @@ GRID = ("pitch", "rows", "columns", "area", "height_scatter", "seed")
 
 @dataclass(frozen=True, kw_only=True)
 class Pillars(Block):
-    """The flat-topped pillars of a slider, instead of its radius, contacts and heights.
-
-    diameter: Of each pillar.
-    height: Of each pillar, which makes it softer. Absent: rigid pillars.
-    pitch: Distance of neighbours, one value or [along the wave, across].
-    rows: Number along the wave; required with pitch unless area is given.
-    columns: Number across; likewise.
-    area: Instead of rows and columns: the face that the pillars fill, one value or [along, across].
-    height_scatter: Standard deviation of the heights, normally distributed.
-    seed: Of the random heights. Absent: one is chosen and stated.
-    file: Instead of pitch, rows, columns, area, scatter and seed: a CSV, from the scene's folder, with columns x_m,
-        y_m (from the slider's centre), height_m (how much further it stands out towards the stator) and, optional,
-        diameter_m.
-    width: Of the strip over which the pillars spread their load on the wave. Absent: their extent across and a pitch.
-    curvature: Of the slider's face; positive: its middle stands out.
-    interaction: true: neighbours stiffen each other, relative to the mean plane.
-    youngs_modulus: Of the pillars. Absent: that of slider.ball, or of silicon.
-    poisson_ratio: Of the pillars, likewise.
-    """
+    """The flat-topped pillars of a slider, instead of its radius, contacts and heights."""
 
     block: ClassVar[str] = "slider.pillars"
-    diameter: Annotated[float | None, Quantity("m")] = None
-    height: Annotated[float | None, Quantity("m")] = None
-    pitch: Annotated[float | tuple[float, float] | None, PAIR] = None
-    rows: Annotated[int | None, Count(MAX_PILLARS)] = None
-    columns: Annotated[int | None, Count(MAX_PILLARS)] = None
-    area: Annotated[float | tuple[float, float] | None, PAIR] = None
-    height_scatter: Annotated[float, Quantity("m", zero=True)] = 0.0
+    diameter: Annotated[float | None, Quantity("m"), "Of each pillar."] = None
+    height: Annotated[
+        float | None, Quantity("m"), "Of each pillar, which makes it softer. Absent: rigid pillars."
+    ] = None
+    pitch: Annotated[
+        float | tuple[float, float] | None,
+        PAIR,
+        "Distance of neighbours, one value or [along the wave, across].",
+    ] = None
+    rows: Annotated[
+        int | None, Count(MAX_PILLARS), "Number along the wave; required with pitch unless area is given."
+    ] = None
+    columns: Annotated[int | None, Count(MAX_PILLARS), "Number across; likewise."] = None
+    area: Annotated[
+        float | tuple[float, float] | None,
+        PAIR,
+        "Instead of rows and columns: the face that the pillars fill, one value or [along, across].",
+    ] = None
+    height_scatter: Annotated[
+        float, Quantity("m", zero=True), "Standard deviation of the heights, normally distributed."
+    ] = 0.0
     seed: Annotated[
         int | None,
         Plain(
@@ -56,13 +52,33 @@ class Pillars(Block):
             lambda value: type(value) is int and 0 <= value < 2**63,
             {"type": "integer", "minimum": 0},
         ),
+        "Of the random heights. Absent: one is chosen and stated.",
     ] = None
-    file: Annotated[str | None, TEXT] = None
-    width: Annotated[float | None, Quantity("m")] = None
-    curvature: Annotated[float, Quantity("1/m", negative=True)] = 0.0
-    interaction: Annotated[bool, FLAG] = False
-    youngs_modulus: Annotated[float | None, Quantity("Pa")] = None
-    poisson_ratio: Annotated[float | None, Quantity(negative=True, below=0.5)] = None
+    file: Annotated[
+        str | None,
+        TEXT,
+        "Instead of pitch, rows, columns, area, scatter and seed: a CSV, from the scene's folder, with "
+        "columns x_m, y_m (from the slider's centre), height_m (how much further it stands out towards the "
+        "stator) and, optional, diameter_m.",
+    ] = None
+    width: Annotated[
+        float | None,
+        Quantity("m"),
+        "Of the strip over which the pillars spread their load on the wave. Absent: their extent across and "
+        "a pitch.",
+    ] = None
+    curvature: Annotated[
+        float, Quantity("1/m", negative=True), "Of the slider's face; positive: its middle stands out."
+    ] = 0.0
+    interaction: Annotated[bool, FLAG, "true: neighbours stiffen each other, relative to the mean plane."] = (
+        False
+    )
+    youngs_modulus: Annotated[
+        float | None, Quantity("Pa"), "Of the pillars. Absent: that of slider.ball, or of silicon."
+    ] = None
+    poisson_ratio: Annotated[
+        float | None, Quantity(negative=True, below=0.5), "Of the pillars, likewise."
+    ] = None
 
     def check_layout(self):
         if self.file is not None:
@@ -104,10 +120,8 @@ class Pillars(Block):
         """Number of pillars of a grid along the wave and across."""
         if self.area is None:
             return self.rows, self.columns
-        return tuple(
-            int(length / pitch + 1e-9)
-            for length, pitch in zip(as_lengths(self.area), self.pitches, strict=True)
-        )
+        (along, across), (pitch, side_pitch) = as_lengths(self.area), self.pitches
+        return int(along / pitch + 1e-9), int(across / side_pitch + 1e-9)
 
 
 def as_lengths(value) -> tuple[float, float]:

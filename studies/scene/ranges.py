@@ -1,7 +1,7 @@
 """``START:STOP:N``, ``START:STOP:N:log``: many numbers in one text, in a scene file and on the command line."""
 
 import math
-from typing import NamedTuple
+from dataclasses import dataclass
 
 from studies.refusal import SceneError, shown
 from studies.scene.quantity import si_value
@@ -9,7 +9,8 @@ from studies.scene.quantity import si_value
 MAX_COUNT = 10_000_000
 
 
-class Range(NamedTuple):
+@dataclass(frozen=True)
+class Range:
     """Numbers between two ends, in SI units."""
 
     low: float

@@ -4,6 +4,7 @@
 """
 
 import json
+from collections.abc import Sequence
 
 from studies.scene import blocks, pillars, slider
 from studies.scene.block import Block, keys_of
@@ -81,7 +82,7 @@ def _materials() -> str:
     return text + _table(rows)
 
 
-def _table(rows: list[tuple[str, ...]]) -> str:
+def _table(rows: Sequence[tuple[str, ...]]) -> str:
     lines = [" | ".join(("", *(cell.replace("|", "\\|") for cell in row), "")).strip() for row in rows]
     lines.insert(1, "|" + "---|" * len(rows[0]))
     return "\n".join(lines)

@@ -18,39 +18,40 @@ from studies.scene.uncertain import Uncertain, parted
 
 @dataclass(frozen=True, kw_only=True)
 class Scene(Block):
-    """A stator with its transducers and drive, or a given wave, and perhaps a slider.
-
-    title: Shown on results.
-    stator: The block of material that carries the wave.
-    transducer: The transducers on its surface; none: the free wave of the section is the result.
-    piece: Parts of the stator's section given as meshes.
-    drive: The source; required with a stator.
-    wave: A given surface motion, instead of stator, transducers and drive.
-    slider: The slider; absent: the wave is the result.
-    uncertain: Tolerances (95 %) of the scene's numbers, from which follow bands of the velocity: linear (half the
-        difference between the ends of each, added in quadrature) or sampled (percentiles of a Latin hypercube).
-    """
+    """A stator with its transducers and drive, or a given wave, and perhaps a slider."""
 
     block: ClassVar[str] = ""
-    title: Annotated[str, TEXT] = ""
-    stator: Annotated[Stator | None, Within(Stator)] = None
-    transducer: Annotated[tuple[Transducer, ...], Blocks(Transducer)] = ()
-    piece: Annotated[tuple[Piece, ...], Blocks(Piece)] = ()
-    drive: Annotated[Drive | None, Within(Drive)] = None
-    wave: Annotated[Wave | None, Within(Wave)] = None
-    slider: Annotated[Slider | None, Within(Slider)] = None
-    uncertain: Annotated[tuple | None, Uncertain()] = None
+    title: Annotated[str, TEXT, "Shown on results."] = ""
+    stator: Annotated[Stator | None, Within(Stator), "The block of material that carries the wave."] = None
+    transducer: Annotated[
+        tuple[Transducer, ...],
+        Blocks(Transducer),
+        "The transducers on its surface; none: the free wave of the section is the result.",
+    ] = ()
+    piece: Annotated[tuple[Piece, ...], Blocks(Piece), "Parts of the stator's section given as meshes."] = ()
+    drive: Annotated[Drive | None, Within(Drive), "The source; required with a stator."] = None
+    wave: Annotated[
+        Wave | None, Within(Wave), "A given surface motion, instead of stator, transducers and drive."
+    ] = None
+    slider: Annotated[Slider | None, Within(Slider), "The slider; absent: the wave is the result."] = None
+    uncertain: Annotated[
+        tuple | None,
+        Uncertain(),
+        "Tolerances (95 %) of the scene's numbers, from which follow bands of the velocity: linear (half the"
+        " difference between the ends of each, added in quadrature) or sampled (percentiles of a Latin "
+        "hypercube).",
+    ] = None
 
     @classmethod
-    def load(cls, source: str | Path) -> Self:
-        """Read a scene file, or a scene that ships, by its name.
+    def load(cls, source: "Scene | str | Path") -> "Scene":
+        """Read a scene file, or a scene that ships, by its name; a `Scene` is returned as it is.
 
         Raises
         ------
         SceneError
             If it cannot be read or breaks a rule; its ``problems`` are all the faults, each with its line.
         """
-        return cls.from_file(SceneFile.read(source))
+        return source if isinstance(source, Scene) else cls.from_file(SceneFile.read(source))
 
     def replace(self, **blocks: Any) -> Self:
         """Return the scene with some keys changed; what is not named stays.
@@ -125,9 +126,12 @@ class Scene(Block):
         return next(each for each in self.transducer if each.name == self.drive.transducer)
 
     @property
-    def frequency(self) -> float | str:
-        """Of the drive or the given wave, in Hz."""
-        return (self.wave or self.drive).frequency
+    def frequency(self) -> float:
+        """Of the drive or the given wave, in Hz; "center" must have been resolved."""
+        frequency = (self.wave or self.drive).frequency
+        if isinstance(frequency, str):
+            self.refuse("drive.frequency", f"must be a number in Hz here, got {frequency!r}")
+        return frequency
 
     @property
     def burst(self) -> float | None:

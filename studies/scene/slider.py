@@ -15,58 +15,73 @@ ALONE = ("radius", "contacts", "heights")  # keys that pillars replace
 
 @dataclass(frozen=True, kw_only=True)
 class Wave(Block):
-    """A given surface motion: u_z and, a quarter period from it, u_x, which at the crest moves towards +x.
-
-    frequency: Frequency of the motion.
-    normal_amplitude: Peak of u_z, one value or a list.
-    tangential_ratio: |u_x| / |u_z|.
-    burst: Length of the driven interval. Absent: the steady state only.
-    wavelength: Of the wave, which then runs towards -x; for pillars at different places along it.
-    compliance: Gamma of the surface: G_zz = Gamma/(k - k_R); for pillars that load the wave.
-    """
+    """A given surface motion: u_z and, a quarter period from it, u_x, which at the crest moves towards +x."""
 
     block: ClassVar[str] = "wave"
-    frequency: Annotated[float, Quantity("Hz")]
-    normal_amplitude: Annotated[tuple[float, ...], Listed(Quantity("m", zero=True), ranged=True)]
-    tangential_ratio: Annotated[float, Quantity()]
-    burst: Annotated[float | None, Quantity("s")] = None
-    wavelength: Annotated[float | None, Quantity("m")] = None
-    compliance: Annotated[float | None, Quantity("1/Pa")] = None
+    frequency: Annotated[float, Quantity("Hz"), "Frequency of the motion."]
+    normal_amplitude: Annotated[
+        tuple[float, ...], Listed(Quantity("m", zero=True), ranged=True), "Peak of u_z, one value or a list."
+    ]
+    tangential_ratio: Annotated[float, Quantity(), "|u_x| / |u_z|."]
+    burst: Annotated[
+        float | None, Quantity("s"), "Length of the driven interval. Absent: the steady state only."
+    ] = None
+    wavelength: Annotated[
+        float | None,
+        Quantity("m"),
+        "Of the wave, which then runs towards -x; for pillars at different places along it.",
+    ] = None
+    compliance: Annotated[
+        float | None,
+        Quantity("1/Pa"),
+        "Gamma of the surface: G_zz = Gamma/(k - k_R); for pillars that load the wave.",
+    ] = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Damping(Block):
-    """Losses of the slider's motion; the viscous ones are totals of the slider.
-
-    contact: Hunt-Crossley coefficient chi: a force chi P dz/dt while in contact (R_n1 of Feenstra and Breedveld).
-    normal: Viscous, on the slider's normal velocity (R_n2 of the same).
-    tangential: Viscous, on the slider's velocity along x (R_t of the same).
-    """
+    """Losses of the slider's motion; the viscous ones are totals of the slider."""
 
     block: ClassVar[str] = "slider.damping"
-    contact: Annotated[float, Quantity("s/m", zero=True)] = 0.0
-    normal: Annotated[float, Quantity("N s/m", zero=True)] = 0.0
-    tangential: Annotated[float, Quantity("N s/m", zero=True)] = 0.0
+    contact: Annotated[
+        float,
+        Quantity("s/m", zero=True),
+        "Hunt-Crossley coefficient chi: a force chi P dz/dt while in contact (R_n1 of Feenstra and "
+        "Breedveld).",
+    ] = 0.0
+    normal: Annotated[
+        float, Quantity("N s/m", zero=True), "Viscous, on the slider's normal velocity (R_n2 of the same)."
+    ] = 0.0
+    tangential: Annotated[
+        float, Quantity("N s/m", zero=True), "Viscous, on the slider's velocity along x (R_t of the same)."
+    ] = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class Friction(Block):
-    """A friction coefficient that depends on slip speed, contact pressure, or both: a table instead of a number.
-
-    static: Coefficient at rest, and where the pressure is far below pressure.
-    sliding: Coefficient at slip speeds far above speed: static falls to it as exp(-w/speed).
-    speed: Of slip, over which the excess falls by a factor e; with sliding.
-    high_pressure: Static coefficient at mean pressures p far above pressure: static goes to it as 1/(1 + p/pressure),
-        sliding in proportion.
-    pressure: Mean pressure of a contact at which half of the difference is left; with high_pressure.
-    """
+    """A friction coefficient that depends on slip speed, contact pressure, or both: a table instead of a number."""
 
     block: ClassVar[str] = "slider.friction_coefficient"
-    static: Annotated[float, Quantity()]
-    sliding: Annotated[float | None, Quantity(zero=True)] = None
-    speed: Annotated[float | None, Quantity("m/s")] = None
-    high_pressure: Annotated[float | None, Quantity()] = None
-    pressure: Annotated[float | None, Quantity("Pa")] = None
+    static: Annotated[float, Quantity(), "Coefficient at rest, and where the pressure is far below pressure."]
+    sliding: Annotated[
+        float | None,
+        Quantity(zero=True),
+        "Coefficient at slip speeds far above speed: static falls to it as exp(-w/speed).",
+    ] = None
+    speed: Annotated[
+        float | None, Quantity("m/s"), "Of slip, over which the excess falls by a factor e; with sliding."
+    ] = None
+    high_pressure: Annotated[
+        float | None,
+        Quantity(),
+        "Static coefficient at mean pressures p far above pressure: static goes to it as 1/(1 + p/pressure),"
+        " sliding in proportion.",
+    ] = None
+    pressure: Annotated[
+        float | None,
+        Quantity("Pa"),
+        "Mean pressure of a contact at which half of the difference is left; with high_pressure.",
+    ] = None
 
     def check_pairs(self) -> Any:
         for one, other in (("sliding", "speed"), ("high_pressure", "pressure")):
@@ -87,17 +102,14 @@ class Friction(Block):
 
 @dataclass(frozen=True, kw_only=True)
 class LawText(Block):
-    """A tangential law of one's own, with its text, as a resolved scene keeps it.
-
-    name: Of the file that it came from.
-    source: Its text: Python that defines sliding(approach, normal_force, slip_speed, contact) in SI units.
-    """
+    """A tangential law of one's own, with its text, as a resolved scene keeps it."""
 
     block: ClassVar[str] = "slider.law"
-    name: Annotated[str, TEXT]
+    name: Annotated[str, TEXT, "Of the file that it came from."]
     source: Annotated[
         str,
         Plain("the text of a file", lambda value: isinstance(value, str) and value != "", {"type": "string"}),
+        "Its text: Python that defines sliding(approach, normal_force, slip_speed, contact) in SI units.",
     ]
 
     def __str__(self) -> Any:
@@ -126,70 +138,120 @@ class LawFile(Rule):
 
 @dataclass(frozen=True, kw_only=True)
 class Slider(Block):
-    """A rigid slider on balls or flat punches; mass, forces and viscous dampers are totals.
-
-    position: Of its centre, from the stator's left end, or [x, y], y from the middle of the apertures; required
-        with a stator, absent with a given wave.
-    shape: Of each contact. punch: a rigid flat cylindrical projection, P = 2 a E* z, which slips as a whole.
-    radius: Radius of each ball or punch; required without pillars.
-    mass: Mass of the whole slider.
-    contacts: Places of the balls from the slider's centre, as a list of x or [x, y]; or a number of balls that
-        all stand at its centre; required without pillars.
-    heights: How much further each contact stands out towards the stator, one per place in contacts; absent: all
-        alike.
-    preload: Total normal force, the weight included.
-    gravity: Used by preload = "weight".
-    load: Constant force against the direction in which the unloaded slider moves.
-    friction_coefficient: Coulomb's coefficient mu of ball and stator, or a table of how it depends on slip speed and
-        pressure, such as { static = 0.3, sliding = 0.15, speed = "0.05 m/s" }.
-    effective_modulus: E* of the pair, 1/E* = sum of (1 - nu^2)/E; required unless ball is given.
-    tangential_modulus: G* of the pair, 1/G* = sum of (2 - nu)/G; required unless ball is given.
-    ball: Instead of both moduli: the material of the balls, such as "steel"; not with a given wave.
-    law: Tangential law. elastic: eq. 2 of Feenstra and Breedveld; hysteretic: Mindlin-Deresiewicz, with memory; or a
-        file of Python with a law of one's own (contact/README.md).
-    reciprocal: true: the tangential spring acts back on the normal motion, which closes the energy balance.
-    stick_band: Slip slower than this counts as sticking (DV of Feenstra and Breedveld).
-    method: How the slider's motion is integrated.
-    travel: Whether the orbits change with the slider's place during a burst. Absent: true where it travels more
-        than a tenth of a wavelength.
-    damping: Losses of the slider's motion.
-    pillars: Flat pillars, thousands of them, instead of radius, contacts and heights.
-    tilt: Of a slider on pillars. held: not at all; pitch: about y; free: about both axes.
-    preload_at: Where the preload acts on a slider on pillars, [x, y] from its centre.
-    load_height: Height above the surface at which the load pulls a slider on pillars.
-    backing: Of pillars. rigid: one plane; soft: every row along the wave bears the same pressure.
-    loading: Whether pillars act back on the wave. Absent: where the loading number is above 0.05.
-    """
+    """A rigid slider on balls or flat punches; mass, forces and viscous dampers are totals."""
 
     block: ClassVar[str] = "slider"
-    position: Annotated[float | tuple[float, float] | None, place()] = None
-    shape: Annotated[str, choice("sphere", "punch")] = "sphere"
-    radius: Annotated[float | None, Quantity("m")] = None
-    mass: Annotated[float, Quantity("kg")]
+    position: Annotated[
+        float | tuple[float, float] | None,
+        place(),
+        "Of its centre, from the stator's left end, or [x, y], y from the middle of the apertures; required "
+        "with a stator, absent with a given wave.",
+    ] = None
+    shape: Annotated[
+        str,
+        choice("sphere", "punch"),
+        "Of each contact. punch: a rigid flat cylindrical projection, P = 2 a E* z, which slips as a whole.",
+    ] = "sphere"
+    radius: Annotated[
+        float | None, Quantity("m"), "Radius of each ball or punch; required without pillars."
+    ] = None
+    mass: Annotated[float, Quantity("kg"), "Mass of the whole slider."]
     contacts: Annotated[
         int | tuple[float | tuple[float, float], ...] | None,
         Count(10_000) | Listed(place(negative=True), distinct=True),
+        "Places of the balls from the slider's centre, as a list of x or [x, y]; or a number of balls that "
+        "all stand at its centre; required without pillars.",
     ] = None
-    heights: Annotated[tuple[float, ...] | None, Listed(Quantity("m", negative=True))] = None
-    preload: Annotated[float | str, Quantity("N", zero=True) | choice("weight")]
-    gravity: Annotated[float, Quantity("m/s^2", zero=True)] = 9.81
-    load: Annotated[float, Quantity("N", zero=True)] = 0.0
-    friction_coefficient: Annotated[float | Friction, Quantity(zero=True) | Within(Friction)]
-    effective_modulus: Annotated[float | None, Quantity("Pa")] = None
-    tangential_modulus: Annotated[float | None, Quantity("Pa")] = None
-    ball: Annotated[str | None, TEXT] = None
-    law: Annotated[str | LawText, choice("elastic", "hysteretic") | LawFile() | Within(LawText)] = "elastic"
-    reciprocal: Annotated[bool, FLAG] = False
-    stick_band: Annotated[float, Quantity("m/s", zero=True)] = 0.0
-    method: Annotated[str, choice("auto", "exact", "stepped", "averaged")] = "auto"
-    travel: Annotated[bool | None, FLAG] = None
-    damping: Annotated[Damping, Within(Damping)] = Damping()
-    pillars: Annotated[Pillars | None, Within(Pillars)] = None
-    tilt: Annotated[str, choice("held", "pitch", "free")] = "held"
-    preload_at: Annotated[tuple[float, float], PLACE] = (0.0, 0.0)
-    load_height: Annotated[float, Quantity("m", zero=True)] = 0.0
-    backing: Annotated[str, choice("rigid", "soft")] = "rigid"
-    loading: Annotated[bool | None, FLAG] = None
+    heights: Annotated[
+        tuple[float, ...] | None,
+        Listed(Quantity("m", negative=True)),
+        "How much further each contact stands out towards the stator, one per place in contacts; absent: all"
+        " alike.",
+    ] = None
+    preload: Annotated[
+        float | str, Quantity("N", zero=True) | choice("weight"), "Total normal force, the weight included."
+    ]
+    gravity: Annotated[float, Quantity("m/s^2", zero=True), 'Used by preload = "weight".'] = 9.81
+    load: Annotated[
+        float,
+        Quantity("N", zero=True),
+        "Constant force against the direction in which the unloaded slider moves.",
+    ] = 0.0
+    friction_coefficient: Annotated[
+        float | Friction,
+        Quantity(zero=True) | Within(Friction),
+        "Coulomb's coefficient mu of ball and stator, or a table of how it depends on slip speed and "
+        'pressure, such as { static = 0.3, sliding = 0.15, speed = "0.05 m/s" }.',
+    ]
+    effective_modulus: Annotated[
+        float | None,
+        Quantity("Pa"),
+        "E* of the pair, 1/E* = sum of (1 - nu^2)/E; required unless ball is given.",
+    ] = None
+    tangential_modulus: Annotated[
+        float | None,
+        Quantity("Pa"),
+        "G* of the pair, 1/G* = sum of (2 - nu)/G; required unless ball is given.",
+    ] = None
+    ball: Annotated[
+        str | None,
+        TEXT,
+        'Instead of both moduli: the material of the balls, such as "steel"; not with a given wave.',
+    ] = None
+    law: Annotated[
+        str | LawText,
+        choice("elastic", "hysteretic") | LawFile() | Within(LawText),
+        "Tangential law. elastic: eq. 2 of Feenstra and Breedveld; hysteretic: Mindlin-Deresiewicz, with "
+        "memory; or a file of Python with a law of one's own (contact/README.md).",
+    ] = "elastic"
+    reciprocal: Annotated[
+        bool,
+        FLAG,
+        "true: the tangential spring acts back on the normal motion, which closes the energy balance.",
+    ] = False
+    stick_band: Annotated[
+        float,
+        Quantity("m/s", zero=True),
+        "Slip slower than this counts as sticking (DV of Feenstra and Breedveld).",
+    ] = 0.0
+    method: Annotated[
+        str, choice("auto", "exact", "stepped", "averaged"), "How the slider's motion is integrated."
+    ] = "auto"
+    travel: Annotated[
+        bool | None,
+        FLAG,
+        "Whether the orbits change with the slider's place during a burst. Absent: true where it travels "
+        "more than a tenth of a wavelength.",
+    ] = None
+    damping: Annotated[Damping, Within(Damping), "Losses of the slider's motion."] = Damping()
+    pillars: Annotated[
+        Pillars | None,
+        Within(Pillars),
+        "Flat pillars, thousands of them, instead of radius, contacts and heights.",
+    ] = None
+    tilt: Annotated[
+        str,
+        choice("held", "pitch", "free"),
+        "Of a slider on pillars. held: not at all; pitch: about y; free: about both axes.",
+    ] = "held"
+    preload_at: Annotated[
+        tuple[float, float], PLACE, "Where the preload acts on a slider on pillars, [x, y] from its centre."
+    ] = (0.0, 0.0)
+    load_height: Annotated[
+        float,
+        Quantity("m", zero=True),
+        "Height above the surface at which the load pulls a slider on pillars.",
+    ] = 0.0
+    backing: Annotated[
+        str,
+        choice("rigid", "soft"),
+        "Of pillars. rigid: one plane; soft: every row along the wave bears the same pressure.",
+    ] = "rigid"
+    loading: Annotated[
+        bool | None,
+        FLAG,
+        "Whether pillars act back on the wave. Absent: where the loading number is above 0.05.",
+    ] = None
 
     def check_contacts(self) -> Any:
         if self.pillars is None:

@@ -14,15 +14,13 @@ from studies.chain import passband, resolve
 from studies.chain.spectrum import driving_point, port_admittances
 from studies.record.plots import lines
 from studies.scene import Scene
-from studies.study import Panel, StudyRecord, judged, of_record, study
+from studies.study import Answered, Panel, judged, of_record, study
 
 QUICK = {"count": 5, "tolerance": 0.1}
 
 
-@study
-def run(
-    scene: str | Scene = "twente", *, count: int | None = None, tolerance: float = 1e-2, progress=None
-) -> StudyRecord:
+@study("twente")
+def run(scene: Scene, *, count: int | None = None, tolerance: float = 1e-2, progress=None) -> Answered:
     """Return the admittance against frequency and its estimate.
 
     Parameters

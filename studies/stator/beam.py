@@ -21,7 +21,7 @@ from studies.record.plots import curve, draw_scan, finished
 from studies.refusal import RunError
 from studies.scene import Scene
 from studies.stator.scan_panel import said, scan_file, scan_panel
-from studies.study import Panel, StudyRecord, judged, of_record, study
+from studies.study import Answered, Panel, judged, of_record, study
 
 QUICK = {"count": 25}
 CLEAR = 0.6  # wavelengths from the fingers where the axis begins
@@ -29,15 +29,10 @@ FINE = 1500  # points of a theory's line
 STEEPEST, DIRECTIONS = 0.36, 16  # of the slowness curve: its end over the wavenumber, and its points
 
 
-@study
+@study("twente")
 def run(
-    scene: str | Scene = "twente",
-    *,
-    measured: str | None = None,
-    count: int = 400,
-    tolerance: float = 1e-3,
-    progress=None,
-) -> StudyRecord:
+    scene: Scene, *, measured: str | None = None, count: int = 400, tolerance: float = 1e-3, progress=None
+) -> Answered:
     """Return the amplitude on the axis and across the beam.
 
     Parameters
@@ -75,12 +70,12 @@ def run(
             "spectrum_m_per_V": surface * slowness.spectrum(driven.aperture, away, lateral),
         })  # fmt: skip
 
-    panels = (
+    panels = [
         panel("along", f"On the axis of {driven.name!r}", "from the transducer's centre (mm)", x - driven.center, axis,
               fine_x - driven.center, fine_x, np.zeros(FINE)),
         panel("across", f"Across the beam, {distance * 1e3:.3g} mm from the transducer's centre", "y (mm)", y, across,
               fine_y, np.full(FINE, place), fine_y),
-    )  # fmt: skip
+    ]  # fmt: skip
     section, mean = abs(wave.motion(place)[1]), np.mean(across[2, abs(y) <= driven.aperture / 2])
     expected = float(slowness.spectrum(driven.aperture, np.array([distance]), np.zeros(1))[0])
     angle = math.degrees(math.atan(slowness.steering))
@@ -96,7 +91,7 @@ def run(
                expected="below twice the tolerance of the section"),
     )  # fmt: skip
     if scan is not None:
-        panels += (scan_panel(whole, scan, tolerance=tolerance, progress=progress),)
+        panels.append(scan_panel(whole, scan, tolerance=tolerance, progress=progress))
     return panels, findings, said(panels)
 
 

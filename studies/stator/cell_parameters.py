@@ -16,16 +16,14 @@ from studies.record.plots import COLOURS, curve, finished, legend_below, shaded
 from studies.record.quantities import quantity
 from studies.refusal import RunError
 from studies.scene import Scene
-from studies.study import Panel, StudyRecord, judged, of_record, study
+from studies.study import Answered, Panel, judged, of_record, study
 
 QUICK = {"count": 8, "tolerance": 0.5}
 REACH = 2.0  # widths of the stop bands shown on either side
 
 
-@study
-def run(
-    scene: str | Scene = "twente-left", *, count: int = 61, tolerance: float = 1e-2, progress=None
-) -> StudyRecord:
+@study("twente-left")
+def run(scene: Scene, *, count: int = 61, tolerance: float = 1e-2, progress=None) -> Answered:
     """Return the cells' numbers and the gratings' Bloch waves.
 
     Parameters
@@ -38,7 +36,7 @@ def run(
     chosen = passband.driven_scene(scene)
     driven = chosen.driven_transducer
     solid, above, m = resolve.solid(chosen.stator), chosen.stator.above, driven.metallisation
-    period = driven.period / (2 if driven.split else 1)  # of two fingers and two gaps
+    period = driven.wavelength / (2 if driven.split else 1)  # of two fingers and two gaps
     progress(f"gratings of {solid.name}")
     try:
         found = fem.cell_parameters(solid, period=period, metallisation=m, above=above, tolerance=tolerance)

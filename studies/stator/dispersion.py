@@ -14,7 +14,7 @@ from studies.chain import resolve
 from studies.record.plots import curve, finished
 from studies.record.quantities import quantity
 from studies.scene import Scene
-from studies.study import Panel, StudyRecord, judged, of_record, study
+from studies.study import Answered, Panel, judged, of_record, study
 
 QUICK = {"count": 9}
 LOWEST, HIGHEST = 1 / 12, 1.2  # of the drive frequency
@@ -23,8 +23,8 @@ TOLERANCE = 1e-8  # of the modes' wavenumbers
 THICK = 4.0  # wavelengths: above it the faces' waves hardly split
 
 
-@study
-def run(scene: str | Scene = "rayleigh", *, count: int = 60, progress=None) -> StudyRecord:
+@study("rayleigh")
+def run(scene: Scene, *, count: int = 60, progress=None) -> Answered:
     """Return propagating wavenumbers against frequency.
 
     Parameters

@@ -18,20 +18,20 @@ from studies.chain.surface_motion import solved_motion
 from studies.record.plots import curve, draw_scan, lines, shaded
 from studies.scene import Scene
 from studies.stator.scan_panel import said, scan_file, scan_panel
-from studies.study import Finding, Panel, StudyRecord, judged, of_record, study
+from studies.study import Answered, Finding, Panel, judged, of_record, study
 
 QUICK = {"count": 9, "tolerance": 0.1}
 
 
-@study
+@study("twente-left")
 def run(
-    scene: str | Scene = "twente-left",
+    scene: Scene,
     *,
     measured: str | None = None,
     count: int | None = None,
     tolerance: float = 1e-2,
     progress=None,
-) -> StudyRecord:
+) -> Answered:
     """Return amplitude and group delay against frequency.
 
     Parameters
@@ -78,7 +78,7 @@ def run(
     aperture, spreading = _aperture(chosen, place, tolerance, progress)
     title = f"{chosen.title}: x = {place * 1e3:g} mm, plane section"
     error = max(each.relative_error for each in waves)
-    panels = (
+    panels = [
         Panel(name="amplitude", title=title, data={
             "frequency_Hz": at, "normal_m_per_V": normal, "surface_mode_m_per_V": surface, "estimate_m_per_V": theory,
             "half_power_Hz": band, "relative_error": error,
@@ -86,9 +86,9 @@ def run(
         Panel(name="group_delay", title=title, data={
             "frequency_Hz": at[inside], "group_delay_s": delay[inside], "way_s": late,
         }),
-    )  # fmt: skip
+    ]  # fmt: skip
     if scan is not None:
-        panels += (scan_panel(chosen, scan, tolerance=tolerance, progress=progress),)
+        panels.append(scan_panel(chosen, scan, tolerance=tolerance, progress=progress))
     return panels, findings + spreading, said(panels)
 
 
@@ -117,14 +117,15 @@ def figure(record: Panel, ax):
         return draw_scan(data, ax)
     if "group_delay_s" in data:
         ax.axhline(data["way_s"] * 1e6, color="black", linewidth=1, label="way over velocity (theory)")
-        rows = (("group_delay_s", "o", "slip", "surface mode"),)
-        return lines(ax, record, "frequency_Hz", rows, "group delay (us)", factor=1e6)
+        late = (("group_delay_s", "o", "slip", "surface mode"),)
+        return lines(ax, record, "frequency_Hz", late, "group delay (us)", factor=1e6)
     rows = (
         ("normal_m_per_V", "-", "stick", "all modes"),
         ("surface_mode_m_per_V", "o", "slip", "surface mode"),
         ("estimate_m_per_V", "-", "line", "no reflections, no bulk waves (estimate)"),
     )
-    shaded(ax, *data["half_power_Hz"] / 1e6, "half of the power")
+    low, high = data["half_power_Hz"] / 1e6
+    shaded(ax, low, high, "half of the power")
     sizes = [abs(data[key]).max() for key, *_ in rows]
     if "finite_aperture_m_per_V" in data:
         sizes.append(data["finite_aperture_m_per_V"])

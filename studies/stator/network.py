@@ -23,7 +23,7 @@ from studies.record.quantities import quantity
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.stator.network_deviation import deviations
-from studies.study import Panel, StudyRecord, judged, of_record, study
+from studies.study import Answered, Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 11, "tolerance": 0.3}
 BRANCHES = 5
@@ -32,9 +32,9 @@ PASSIVE, RECIPROCAL = 1e-12, 1e-11
 CIRCLES = (0, 0.2, 0.5, 1, 2, 5)  # of the Smith chart, over the reference
 
 
-@study
+@study("twente")
 def run(
-    scene: str | Scene = "twente",
+    scene: Scene,
     *,
     band: str | None = None,
     z0: str | float = 50.0,
@@ -42,7 +42,7 @@ def run(
     count: int | None = None,
     tolerance: float = 1e-3,
     progress=None,
-) -> StudyRecord:
+) -> Answered:
     """Return the S-parameters of a scene's transducers and their circuits.
 
     Parameters

@@ -17,15 +17,13 @@ from studies.chain.spectrum import port_admittances
 from studies.record.plots import COLOURS, curve, lines
 from studies.refusal import RunError
 from studies.scene import Scene
-from studies.study import Panel, StudyRecord, judged, of_record, study
+from studies.study import Answered, Panel, judged, of_record, study
 
 QUICK = {"count": 3, "tolerance": 0.2}
 
 
-@study
-def run(
-    scene: str | Scene = "twente", *, count: int = 25, tolerance: float = 3e-2, progress=None
-) -> StudyRecord:
+@study("twente")
+def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None) -> Answered:
     """Return P-matrices, their cascade and the whole stator.
 
     Parameters
@@ -62,11 +60,9 @@ def run(
         first.append(parts[ports[0]])
     plane = replace(chosen, stator=replace(chosen.stator, diffraction=False, sides="absorbing"))
     last = len(ports) - 1
-    whole, cascade = (
-        port_admittances(plane, at, tolerance, progress).matrix[:, last, 0],
-        np.array(cascade)[:, last, 0],
-    )
-    apart = abs(cascade - whole).max() / abs(whole).max()
+    whole = port_admittances(plane, at, tolerance, progress).matrix[:, last, 0]
+    joined = np.array(cascade)[:, last, 0]
+    apart = abs(joined - whole).max() / abs(whole).max()
     sent = np.array([np.sum(abs(part.excitation) ** 2) for part in first])
     admittance = np.array([part.admittance for part in first])
     uneven = max(float(abs(p.detection + 2 * p.excitation).max() / abs(p.excitation).max()) for p in first)
@@ -88,7 +84,7 @@ def run(
             "excitation_squared_S": sent, "admittance_S": admittance,
         }),
         Panel(name="cascade", title=f"{chosen.title}: {name}", data={
-            "frequency_Hz": at, "cascade_S": cascade, "stator_S": whole,
+            "frequency_Hz": at, "cascade_S": joined, "stator_S": whole,
         }),
     )  # fmt: skip
     return panels, findings

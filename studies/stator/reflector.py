@@ -12,16 +12,14 @@ from studies.chain import resolve
 from studies.record.plots import lines
 from studies.refusal import RunError
 from studies.scene import Scene
-from studies.study import Panel, StudyRecord, judged, of_record, study
+from studies.study import Answered, Panel, judged, of_record, study
 
 QUICK = {"count": 3, "tolerance": 0.1}
 REACH = 0.05  # of the drive's frequency, either side
 
 
-@study
-def run(
-    scene: str | Scene = "reflector", *, count: int = 11, tolerance: float = 1e-3, progress=None
-) -> StudyRecord:
+@study("reflector")
+def run(scene: Scene, *, count: int = 11, tolerance: float = 1e-3, progress=None) -> Answered:
     """Return reflection and transmission of the surface wave at the scene's pieces.
 
     Parameters
@@ -31,7 +29,7 @@ def run(
     tolerance : float
         Of the amplitudes, over 1.
     """
-    chosen = resolve.resolved(Scene.load(scene) if not isinstance(scene, Scene) else scene)
+    chosen = resolve.resolved(scene)
     if not chosen.piece:
         chosen.refuse("piece", "is missing: this study asks what a meshed piece sends back")
     stator, middle = resolve.whole_stator(chosen), chosen.frequency

@@ -6,7 +6,7 @@ its worker is halved and given out again, until a single point has taken ``LIVES
 
 from collections import deque
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, CancelledError, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from dataclasses import dataclass, replace
 
 from studies.refusal import RunError
@@ -87,7 +87,9 @@ class Driver:
 
     def _finished(self, batches: Iterator[_Batch]) -> Iterator[list[tuple]]:
         """Yield lists of (batch, answer) as they come; the answer is None where a single point is lost for good."""
-        running, again, workers, question = {}, deque(), self.workers, self.design.question
+        workers, question = self.workers, self.design.question
+        running: dict[Future, _Batch] = {}
+        again: deque[_Batch] = deque()
         while True:
             while len(running) < workers.slots:
                 batch = again.popleft() if again else next(batches, None)

@@ -181,7 +181,8 @@ def _places(table: dict, columns: dict) -> tuple[tuple[float, float], ...]:
     moved = {key: dict.fromkeys(columns[key]) for key in PLACE_KEYS if key in columns}
     if math.prod(map(len, moved.values())) > PLACES:
         return ()
-    found, predictor = {}, Predictor(table, tolerance=1.0)
+    predictor = Predictor(table, tolerance=1.0)
+    found: dict[tuple[float, float], None] = {}
     first = {key: column[0] for key, column in columns.items()}
     for row in product(*moved.values()):
         with suppress(SceneError):  # said at its point

@@ -16,6 +16,7 @@ import socket
 import sqlite3
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from filelock import FileLock
@@ -100,7 +101,7 @@ class Store:
     def _begin(self, design: Design, identity: dict[str, str]) -> None:
         """Compare the sweep with the one that the file holds, or write it down."""
         versions = {f"version of {name}": version for name, version in provenance().items()}
-        asked = {"identity": identity | versions}
+        asked: dict[str, Any] = {"identity": identity | versions}
         for (text,) in self.connection.execute("select value from sweep where name = 'identity'"):
             held = json.loads(text)
             names = [

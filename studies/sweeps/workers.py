@@ -20,9 +20,13 @@ from studies.refusal import RunError, SceneError, shown
 class Workers:
     """The calling process: a batch is done when it is submitted, on all processors where kernels share their work."""
 
-    size = 1  # workers
     threads: int | None = None  # of each, None for all processors
     lost: tuple = (BrokenExecutor,)  # what says that a worker vanished
+
+    @property
+    def size(self) -> int:
+        """Number of workers."""
+        return 1
 
     @property
     def slots(self) -> int:
@@ -31,7 +35,7 @@ class Workers:
 
     def submit(self, work, *arguments) -> Future:
         """Do the work now; an interrupt goes straight to the caller."""
-        future = Future()
+        future: Future = Future()
         try:
             future.set_result(work(*arguments))
         except Exception as error:
@@ -51,8 +55,13 @@ class Processes(Workers):
     threads = 1
 
     def __init__(self, size: int):
-        self.size = size
+        self._size = size
         self._start()
+
+    @property
+    def size(self) -> int:
+        """Number of processes."""
+        return self._size
 
     def submit(self, work, *arguments) -> Future:
         """Give a batch to the next process that is free."""
@@ -60,7 +69,7 @@ class Processes(Workers):
             with _interrupts_held():
                 return self._pool.submit(work, *arguments)  # may start a process
         except BrokenExecutor as error:
-            future = Future()
+            future: Future = Future()
             future.set_exception(error)
             return future
 

@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -92,7 +93,7 @@ def _field_writers(record: Record, wanted: Wanted, show: str, progress, note) ->
     if wanted.factor is not None and wanted.factor > most:
         rule = f"must be at most {most:.3g}, where the displacement is drawn as large as the stator is thick"
         raise SceneError("--scale", f"{rule}, got {wanted.factor:g}")
-    given = {"quantity": wanted.quantity, "phase": wanted.phase, "factor": wanted.factor}
+    given: dict[str, Any] = {"quantity": wanted.quantity, "phase": wanted.phase, "factor": wanted.factor}
 
     def still(file) -> None:
         stretches = views(found) if span is None else chosen_views(found, span)
@@ -133,10 +134,8 @@ def _beam_writers(record: Record, wanted: Wanted, progress) -> dict[str, Callabl
     except fem.BeamError as error:
         raise RunError(f"no beam to show: {error}") from None
 
-    size, draw = (
-        tuple(each / plots.DPI for each in wanted.size or pixels(scene.stator)),
-        partial(draw_surface_map, beam, scene),
-    )
+    width, height = wanted.size or pixels(scene.stator)
+    size, draw = (width / plots.DPI, height / plots.DPI), partial(draw_surface_map, beam, scene)
 
     def still(file) -> None:
         plots.saved(file, draw, size=size)

@@ -131,7 +131,7 @@ def _window(found, title: str) -> None:
     refuse_without_toolkit("a window of the contact", "--screenshot, --movie and --html FILE need none")
     figure = pyplot.figure(figsize=(9.0, 4.6), layout="constrained")
     motion = SlowMotion(found, title=title, figure=figure)
-    figure.animation = FuncAnimation(
+    _animation = FuncAnimation(  # the name keeps it while the window is open
         figure, motion.show, frames=range(0, INSTANTS, INSTANTS // FRAMES), interval=1000 / RATE
     )
     pyplot.show()
@@ -224,8 +224,11 @@ def traces(figure, table: dict) -> list:
         ax.tick_params(labelsize="small")
         ax.set_xlim(time[0], time[-1])
     axes[-1].set_xlabel(f"time (ns)\n{MEANING}", fontsize="x-small")
-    key = {"alpha": 0.6, "edgecolor": "#666666"}
-    handles = [Patch(facecolor=REGIMES[name], label=name, **key) for name in REGIMES if name in regime]
+    handles = [
+        Patch(facecolor=REGIMES[name], label=name, alpha=0.6, edgecolor="#666666")
+        for name in REGIMES
+        if name in regime
+    ]
     handles += axes[-1].get_legend_handles_labels()[0]
     axes[0].legend(handles=handles, frameon=False, fontsize="x-small", ncols=len(handles), loc="lower right",
                    bbox_to_anchor=(1.0, 1.12), borderaxespad=0.0)  # fmt: skip

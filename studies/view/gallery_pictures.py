@@ -104,7 +104,8 @@ def orbits(places, tangential, normal, *, title: str):
             ax.set_visible(False)
             continue
         motion, colour = pair[:, number, None], "slip" if turning[number] else "intermittent"
-        curve(ax, *(motion * np.exp(1j * TURN)).real, "-", colour)
+        across, up = (motion * np.exp(1j * TURN)).real
+        curve(ax, across, up, "-", colour)
         crest = -np.angle(motion[1])  # omega t of largest u_z; the arrow lies on the orbit about it
         tail, head = (motion * np.exp(1j * (crest + np.array([-0.35, 0.35])))).real.T
         arrow(ax, tail, head, COLOURS[colour], width=1.0)
@@ -275,7 +276,8 @@ def _films(gallery, folder: Path, progress) -> None:
         lambda number: moving.image(2 * np.pi * number / FRAMES), FRAMES, folder / "wave.gif", rate=12.0,
         palette=palette(moving.shade.colour_map),
     )  # fmt: skip
-    film_contact(*gallery.contact, 2 * FRAMES, folder / "contact.gif", rate=10.0, dpi=DPI)
+    history, title = gallery.contact
+    film_contact(history, title, 2 * FRAMES, folder / "contact.gif", rate=10.0, dpi=DPI)
     progress("drawing the solid")
     Picture(run, size=SOLID, **GIVEN_FIELD).save(folder / "solid.png")
 

@@ -76,7 +76,7 @@ class Wanted:
             raise SceneError("--show", f"must be one of {', '.join(OFFERED)}, got {arguments.show!r}")
         same = ("screenshot", "movie", "html", "data", "surface", "show", "quantity")
         number, positive = "a finite number ({})", "a finite number of at least 0 ({})"
-        asked = {
+        asked: dict[str, tuple[str, Callable, Callable, str]] = {
             "phase": ("--phase", float, np.isfinite, number.format("degrees")),
             "span": ("--span", _span, lambda span: len(span) == 2 or span in WORDS, SPAN),
             "scale": ("--scale", float, lambda value: 0 <= value < np.inf, positive.format("times")),

@@ -90,7 +90,8 @@ class Picture:
 
     def set_quantity(self, name: str) -> None:
         """Colour the field by a quantity."""
-        self._moving, self.pieces = [], []
+        self._moving: list = []
+        self.pieces: list = []
         if not self.spreads:
             self.shade = shade(self.run, name)
         for number, frame in enumerate(self.frames):
@@ -263,7 +264,8 @@ class Picture:
         """Put rulers below and beside a view."""
         left, low, _, high = frame.box
         ends = MM * np.array([[frame.view.start, frame.view.stop], [frame.bottom, frame.top]])
-        ticks = [_ticks(*ends[0], 8), _ticks(*ends[1], min((high - low) / 40, 5))[::-1]]
+        (start, stop), (bottom, top) = ends
+        ticks = [_ticks(start, stop, 8), _ticks(bottom, top, min((high - low) / 40, 5))[::-1]]
         if high - low > 80:
             middle = 26, (low + high) / 2 - 20
             self.plotter.add_text("z (mm)", position=middle, font_size=LETTERS / 2, orientation=90)
@@ -302,8 +304,8 @@ class Picture:
                 name = f"{frame.view.name}, {fingers}" if fingers else frame.view.name
                 if frame is self.frames[0]:
                     name = f"{run.scene.title}: {name} ({run.field.frequency / 1e6:g} MHz, {drive})"
-                letters = min(LETTERS + 1, 1.9 * frame.box[2] / len(name)) / 2
-                plotter.add_text(name, position=(8, frame.box[3] + 8), font_size=letters)
+                size = min(LETTERS + 1, 1.9 * frame.box[2] / len(name)) / 2
+                plotter.add_text(name, position=(8, frame.box[3] + 8), font_size=size)
         if self.framed:
             plotter.renderer.viewport, camera = (0, 0, 1, 1), plotter.camera
             plotter.enable_parallel_projection()
@@ -340,5 +342,5 @@ def said(run: RunField) -> str:
 
 def _ticks(low: float, high: float, count: float) -> np.ndarray:
     """Return round numbers between two, about as many as asked for."""
-    values = MaxNLocator(max(int(count), 2), steps=[1, 2, 5, 10]).tick_values(low, high)
+    values = np.asarray(MaxNLocator(max(int(count), 2), steps=[1, 2, 5, 10]).tick_values(low, high))
     return values[(values > low - 1e-9) & (values < high + 1e-9)].round(9)

@@ -110,7 +110,8 @@ class RunField:
     def surface(self, x: float) -> tuple[complex, complex]:
         """Return u_x and u_z of the surface at a place (m), linear between the lines."""
         top, at = self.field.displacement[:, -1], self.field.x
-        return tuple(complex(np.interp(x, at, top[:, axis])) for axis in (0, 2))
+        tangential, normal = (complex(np.interp(x, at, top[:, axis])) for axis in (0, 2))
+        return tangential, normal
 
     def near_transducer(self, x: np.ndarray) -> np.ndarray:
         """Whether places lie under a transducer or within a quarter wavelength of one."""
@@ -151,11 +152,11 @@ def run_field(run: str | Path | Record, *, progress: Callable[[str], None]) -> R
 
 def _driven(record: Record, progress) -> RunField:
     scene, motion = record.scene, motion_again(record, progress=progress)
-    wave, crossed = motion.wave, motion.beam
+    wave, crossed = motion.wave, motion.beam if isinstance(motion.beam, fem.CrossedBeam) else None
     rows = resolve.transducers(scene) if crossed is None else crossed.rows[0].transducers
     slider = scene.slider
-    places = [(scene.stator.length / 2, 0.0)] if slider is None else [slider.center, *slider.places]
-    places = tuple(dict.fromkeys(map(motion.in_section, places)))
+    below = [(scene.stator.length / 2, 0.0)] if slider is None else [slider.center, *slider.places]
+    places = tuple(dict.fromkeys(map(motion.in_section, below)))
 
     def compute(*, per_wavelength: float = LINES, **wanted):
         return fem.wave_field(wave, places=places, per_wavelength=per_wavelength, **wanted)

@@ -85,7 +85,8 @@ def _beam(run: RunField) -> str:
     if run.beam is None:
         return ""
     draw = partial(draw_surface_map, run.beam, run.scene)
-    uri = as_uri(draw, size=tuple(each / DPI for each in pixels(run.scene.stator)), kind="png")
+    width, height = pixels(run.scene.stator)
+    uri = as_uri(draw, size=(width / DPI, height / DPI), kind="png")
     return (
         "<p>The moving field is that of the plane section, which does not spread; over the whole surface the finite "
         f'apertures give:</p>\n<img alt="size of u_z over the surface" src="{uri}" style="max-width: 100%">'

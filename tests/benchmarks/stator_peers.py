@@ -2,7 +2,7 @@
 
     python tests/benchmarks/stator_peers.py [--ends free|absorbing] [--curves NAME ...] [--reference]
 
-The study `fem_error_vs_time` as a table.  Every contender runs alone in its process, one thread; times are CPU seconds
+Every contender runs alone in its process, one thread; times are CPU seconds
 of one more frequency after set-up.  Errors of admittance and u_z at x = 80 mm, complex, against a reference that no
 contender shares.
 """
@@ -13,9 +13,9 @@ import platform
 
 import numpy as np
 
-from studies.evidence.fem_error_vs_time import DIRECT, ENDS, problem, reference, seconds_at
-from studies.evidence.peers.attempt import attempted
-from studies.evidence.peers.contenders import CURVES, missing
+from tests.validation.attempt import attempted
+from tests.validation.contenders import CURVES, missing
+from tests.validation.stator_reference import DIRECT, ENDS, problem, reference, seconds_at
 
 FINEST = (
     {"order": 10, "edge_layers": 5, "element_size": 0.7, "condense": True},

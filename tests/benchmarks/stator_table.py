@@ -3,8 +3,8 @@
     python tests/benchmarks/stator_table.py [--quick]
 
 Both columns of a comparison come from this one run, the pairs one after the other; times are medians, one thread, CPU
-seconds (wall time where processes or threads are started).  The contenders against NGSolve are those of the study
-`fem_error_vs_time`; --quick leaves them out.  Run time: about 8 min, 1 min with --quick.
+seconds (wall time where processes or threads are started).  The contenders against NGSolve are those of
+`stator_peers.py`; --quick leaves them out.  Run time: about 8 min, 1 min with --quick.
 """
 
 import os
@@ -33,10 +33,9 @@ from fem.results.evaluation import surface_of
 from fem.results.power_balance import power_balance
 from fem.results.solution import Solution, solve_driven
 from fem.waveguide.ends import Wall
-from studies.evidence.fem_error_vs_time import LIMITS, problem, reference, seconds_at
-from studies.evidence.peers.attempt import attempted
-from studies.evidence.peers.contenders import CURVES, missing
-from studies.evidence.peers.periodic_wave import periodic_wave
+from tests.validation.attempt import attempted
+from tests.validation.contenders import CURVES, missing
+from tests.validation.stator_reference import LIMITS, problem, reference, seconds_at
 
 # Largest element (wavelengths) and layers of the direct mesh's stretches: at 0.05 they still err by 1.4e-10; more
 # layers at an absorbing end are more than scikit-fem can place points in.
@@ -44,14 +43,14 @@ STRETCHES = {"free": (0.03, 3), "absorbing": (0.025, 1)}
 SWEEP = """
 import numpy as np
 from fem import frequency_band
-from studies.evidence.fem_error_vs_time import problem
+from tests.validation.stator_reference import problem
 posed = problem("free")
 band = frequency_band(posed.stator, posed.transducers, lowest=2.1e6, highest=2.3e6, drive="left", tolerance=1e-3,
                       places=(posed.place,))
 band.waves(np.linspace(2.1e6, 2.3e6, 100), "left")
 """
 PEAK = """
-from studies.evidence.peers.attempt import peak_memory
+from studies.evidence.own_process import peak_memory
 print(peak_memory())
 """
 RUN = """
@@ -243,7 +242,7 @@ def physics() -> None:
 
 
 def waves() -> None:
-    """Half-space and periodic cell; a density that changes keeps every cache out."""
+    """Half-space; a density that changes keeps every cache out."""
     slowest = 0.0
     for name, orientation in SOLIDS:
         base = rotated(material(name), orientation)
@@ -256,15 +255,6 @@ def waves() -> None:
             times.append(time.process_time() - begun)
         slowest = max(slowest, float(np.median(times)))
     row("half-space v and K2, slowest of five cuts", 10.0, 1e3 * slowest, "ms")
-    solid = material("PZT-8")
-    exact = rayleigh(solid, "open").velocity
-
-    def cell():
-        return periodic_wave(solid, 1e-3, order=8, surface="open", columns=1, layers=5)
-
-    error = abs(cell().velocity / exact - 1)
-    row(f"periodic cell, assembly and solve (error {error:.1e})", 100.0, 1e3 * cpu(cell), "ms")
-    row("its velocity", 1e-10, error)
 
 
 def main(arguments: list[str] | None = None) -> None:

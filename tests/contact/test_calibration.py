@@ -8,7 +8,7 @@ import pytest
 from contact import ConvergenceError, burst
 from contact.answers.methods import STEPS, _divisor, rest_problem, stepped_refusals
 from contact.drive import reference_speed
-from studies.evidence.calibration_contact import TOLERANCES, ContactChecked, checked, drawn, kept, pessimism
+from tests.contact.calibration import TOLERANCES, ContactChecked, checked, drawn, kept, pessimism
 from tests.contact.motors import orbit, slider
 
 WAYS = ("burst, averaged", "burst, exact", "burst, stepped", "steady, averaged", "steady, exact")

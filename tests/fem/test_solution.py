@@ -97,8 +97,8 @@ def test_the_port_matrix_is_symmetric_whatever_the_modes_err_by():
     for name in ("right_impedance", "left_impedance"):
         modes.__dict__[name] = getattr(exact, name)
     scatterers = tuple(replace(each, modes=modes) for each in network.scatterers)
-    charges = replace(network, modes=modes, scatterers=scatterers).solve().charges
-    assert abs(charges[0, 1] / network.solve().charges[0, 1] - 1) > 1e-8
+    charges = replace(network, modes=modes, scatterers=scatterers).solve().reactions
+    assert abs(charges[0, 1] / network.solve().reactions[0, 1] - 1) > 1e-8
     assert charges[0, 1] == pytest.approx(charges[1, 0], rel=1e-11)
 
 
@@ -128,7 +128,7 @@ def test_two_runs_are_reciprocal(solid, rest):
     transfer, reverse = forward.circuit.currents[1], backward.circuit.currents[0]
     assert transfer == pytest.approx(reverse, rel=1e-11)
     for index, scatterer in enumerate(forward.fields.network.scatterers):
-        reactions = scatterer.superelement.matrix[-2:] @ forward.sides(index)
+        reactions = scatterer.piece.matrix[-2:] @ forward.sides(index)
         assert abs(reactions.sum()) < 1e-11 * abs(reactions).max()
 
 
@@ -233,7 +233,7 @@ def test_absorbing_ends_send_no_surface_wave_back(solid, rest):
     solved = solution(stator, (comb(stator, "a", 1.6, finger_pairs=2),))
     modes, n = solved.fields.modes, solved.fields.section.size
     line = solved.sides(0)[n : 2 * n]
-    block = solved.fields.network.scatterers[0].superelement
+    block = solved.fields.network.scatterers[0].piece
     flux = block.matrix[n : 2 * n] @ solved.sides(0)
     both = np.block([[modes.right, modes.left], [modes.right_flux, modes.left_flux]])
     travels = np.abs(modes.wavenumbers.imag) < 0.05 * np.abs(modes.wavenumbers.real)

@@ -11,18 +11,15 @@ real for real k, whatever the signs of p^2 and q^2.
 import numpy as np
 
 
-def _cosine(square, h):
-    """cos(sqrt(square) h) for either sign."""
+def _circular(square, h):
+    """cos(r h) and sin(r h)/r, r = sqrt(square), over exp(|r| h) where square is negative: nothing overflows."""
     root = np.sqrt(np.abs(square))
-    return np.where(square >= 0, np.cos(root * h), np.cosh(root * h))
-
-
-def _sine_over(square, h):
-    """sin(r h)/r with r = sqrt(square), for either sign."""
-    root = np.sqrt(np.abs(square))
-    safe = np.where(root * h < 1e-6, 1.0, root)
-    ratio = np.where(square >= 0, np.sin(safe * h), np.sinh(safe * h)) / safe
-    return np.where(root * h < 1e-6, h, ratio)
+    small = root * h < 1e-6
+    safe = np.where(small, 1.0, root)
+    fading = np.exp(-2 * root * h)
+    cosine = np.where(square >= 0, np.cos(root * h), (1 + fading) / 2)
+    sine = np.where(square >= 0, np.sin(safe * h), (1 - fading) / 2) / safe
+    return cosine, np.where(small, h, sine)
 
 
 def determinant(
@@ -32,14 +29,10 @@ def determinant(
     k = np.asarray(k, dtype=float)
     h = half_thickness
     p2, q2 = (omega / longitudinal) ** 2 - k**2, (omega / shear) ** 2 - k**2
+    (cos_p, sin_p), (cos_q, sin_q) = _circular(p2, h), _circular(q2, h)
     if symmetric:
-        value = (q2 - k**2) ** 2 * _cosine(p2, h) * _sine_over(q2, h)
-        value = value + 4 * k**2 * p2 * _sine_over(p2, h) * _cosine(q2, h)
-    else:
-        value = (q2 - k**2) ** 2 * _sine_over(p2, h) * _cosine(q2, h)
-        value = value + 4 * k**2 * q2 * _cosine(p2, h) * _sine_over(q2, h)
-    growth = np.sqrt(np.maximum(-p2, 0)) + np.sqrt(np.maximum(-q2, 0))
-    return value * np.exp(-growth * h)
+        return (q2 - k**2) ** 2 * cos_p * sin_q + 4 * k**2 * p2 * sin_p * cos_q
+    return (q2 - k**2) ** 2 * sin_p * cos_q + 4 * k**2 * q2 * cos_p * sin_q
 
 
 def wavenumbers(omega: float, *, longitudinal: float, shear: float, half_thickness: float, symmetric: bool):

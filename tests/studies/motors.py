@@ -5,8 +5,8 @@ from functools import cache
 
 from fem.geometry import Stator, Transducer
 from fem.materials import material
-from studies.evidence.fem_error_vs_time import reference
-from studies.evidence.peers.contenders import Problem
+from tests.validation.contenders import Problem
+from tests.validation.stator_reference import reference
 
 
 def small_problem(ends: str = "absorbing", thickness: float = 0.7e-3) -> Problem:

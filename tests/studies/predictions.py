@@ -8,7 +8,7 @@ import sys
 import time
 
 from studies.chain import run
-from studies.evidence.peers.attempt import peak_memory
+from studies.evidence.own_process import peak_memory
 from studies.scene import Scene, read_table
 from studies.scene.override import assigned
 

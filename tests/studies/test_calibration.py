@@ -1,26 +1,40 @@
-"""The calibration counts what it says it counts; random scenes are scenes, and the same ones each time."""
+"""The calibration counts what it says it counts; variations and random scenes are scenes, the same ones each time."""
 
 from types import SimpleNamespace
 
 import pytest
 
 from studies.chain import run
-from studies.evidence import calibration, random_scene
-from studies.evidence.calibration import Checked
-from studies.refusal import RunError
+from studies.evidence import calibration
+from studies.evidence.calibration import VARIED, Checked, compared, drawn
+from studies.refusal import RunError, SceneError
+from studies.scene import Scene
+from tests.validation import random_scene
 
 
-@pytest.fixture
-def unlevelled(monkeypatch):
-    monkeypatch.setattr(random_scene, "_levelled", lambda scene: scene)
+def test_a_number_always_gives_the_same_variation_within_the_factors():
+    scene = Scene.load("twente-contact")
+    one, tolerance = drawn(scene, 5, 0)
+    assert (one, tolerance) == drawn(scene, 5, 0)
+    assert one != drawn(scene, 5, 1)[0]
+    ratios = {
+        "wave.frequency": one.frequency / scene.frequency,
+        "slider.mass": one.slider.mass / scene.slider.mass,
+        "wave.normal_amplitude": one.levels[0] / scene.levels[0],
+    }
+    for path, ratio in ratios.items():
+        assert 1 / VARIED[path] <= ratio <= VARIED[path]
+        assert ratio != 1.0
+    assert one.levels[-1] / scene.levels[-1] == pytest.approx(ratios["wave.normal_amplitude"], rel=1e-12)
 
 
-def test_a_number_always_gives_the_same_scene(unlevelled):
-    drawn = [random_scene.drawn(5, index) for index in range(12)]
-    assert [random_scene.drawn(5, index) for index in range(12)] == drawn
-    assert random_scene.drawn(6, 0) != drawn[0]
-    assert {kind for _, kind, _ in drawn} == {"motor", "wave", "contact", "free"}
-    assert all((scene.slider is not None) == (kind in ("motor", "contact")) for scene, kind, _ in drawn)
+def test_a_number_always_gives_the_same_random_scene(monkeypatch):
+    monkeypatch.setattr(random_scene, "levelled", lambda scene: scene)
+    made = [random_scene.drawn(5, index) for index in range(12)]
+    assert [random_scene.drawn(5, index) for index in range(12)] == made
+    assert random_scene.drawn(6, 0) != made[0]
+    assert {kind for _, kind, _ in made} == {"motor", "wave", "contact", "free"}
+    assert all((scene.slider is not None) == (kind in ("motor", "contact")) for scene, kind, _ in made)
 
 
 def test_levels_lie_about_the_threshold():
@@ -32,19 +46,39 @@ def test_levels_lie_about_the_threshold():
     assert ratios == pytest.approx(random_scene.LEVELS, rel=1e-9, abs=0)
 
 
+@pytest.mark.slow
+def test_stated_errors_hold_in_random_scenes():
+    """Materials, cuts, ends and layouts too: 38 of 40 kept (95 of 100), refusals drawn again."""
+    ratios, index = [], 0
+    while len(ratios) < 40 and index < 80:
+        index += 1
+        try:
+            scene, _, tolerance = random_scene.drawn(2026, index)
+        except (RunError, SceneError):
+            continue
+        found = compared(scene, tolerance)
+        if not found.refusal:
+            ratios.append(found.ratio)
+    assert len(ratios) == 40
+    assert sum(ratio <= calibration.PROMISED for ratio in ratios) >= 38
+
+
 def checked(index, true, estimate):
-    return Checked(index=index, kind="motor", tolerance=1e-2, true=true, estimate=estimate)
+    return Checked(index=index, tolerance=1e-2, true=true, estimate=estimate)
 
 
-def test_the_promise_is_kept_by_scenes_within_twice_their_estimate():
+def test_a_share_of_95_in_100_within_twice_the_estimate_confirms():
     rows = [checked(n, 1.9e-3, 1e-3) for n in range(95)] + [checked(n, 2.1e-3, 1e-3) for n in range(5)]
-    promise, typical = calibration._findings(1, rows, [])
+
+    def found(rows):
+        return calibration.findings(1, rows, [])
+
+    promise, typical = found(rows)
     assert promise.confirmed
     assert promise.found == 95
     assert "2.1" in promise.remark
     assert typical.found == pytest.approx(1 / 1.9, rel=1e-12, abs=0)
-    promise, _ = calibration._findings(1, [*rows[1:], checked(0, 2.1e-3, 1e-3)], [])
-    assert not promise.confirmed
+    assert not found([*rows[1:], checked(0, 2.1e-3, 1e-3)])[0].confirmed
 
 
 def test_an_estimate_of_nothing_is_broken_by_any_error():
@@ -52,22 +86,32 @@ def test_an_estimate_of_nothing_is_broken_by_any_error():
     assert checked(0, 0.0, 0.0).ratio == 0.0
 
 
-def record(velocity, estimate):
+def answer(velocity, estimate):
     point = {"velocity_m_per_s": velocity, "tangential_amplitude_m": 1e-9, "relative_error": estimate}
-    return SimpleNamespace(points=(point,), wave={"frequency_Hz": 1e6})
+    return SimpleNamespace(
+        points=(point,), wave={"frequency_Hz": 1e6}, error={"relative": estimate}, shortfall=""
+    )
 
 
-def test_an_error_is_relative_to_the_larger_of_velocity_and_a_tenth_of_the_surface():
-    speed = 2 * 3.141592653589793 * 1e6 * 1e-9 / 10
-    ((true, estimate),) = calibration._pairs(record(1.1e-5, 0.2), record(1e-5, 0.0))
-    assert (true, estimate) == (pytest.approx(1e-6 / speed, rel=1e-9, abs=0), 0.2)
-    ((true, _),) = calibration._pairs(record(1.1, 0.2), record(1.0, 0.0))
-    assert true == pytest.approx(0.1, rel=1e-9, abs=0)
+@pytest.mark.parametrize(
+    ("velocity", "converged", "error"),
+    # the larger of the velocity and a tenth of the surface's, 2 pi 1e6 Hz 1e-9 m / 10, is what errors are relative to
+    [(1.1e-5, 1e-5, 1e-6 / 6.283185307e-4), (1.1, 1.0, 0.1)],
+)
+def test_an_error_is_relative_to_the_larger_of_velocity_and_a_tenth_of_the_surface(
+    monkeypatch, velocity, converged, error
+):
+    answers = iter((answer(velocity, 0.2), answer(converged, 0.01)))
+    monkeypatch.setattr("studies.chain.run", lambda scene, tolerance: next(answers))
+    found = compared(SimpleNamespace(wave=None), 1e-2)
+    assert found.refusal == ""
+    assert found.true == pytest.approx(error, rel=1e-9, abs=0)
+    assert found.estimate == 0.2
 
 
-def test_a_refusal_is_no_scene(monkeypatch):
-    def refused(seed, index):
+def test_a_refusal_is_no_comparison(monkeypatch):
+    def refused(scene, tolerance):
         raise RunError("never moves")
 
-    monkeypatch.setattr(random_scene, "drawn", refused)
-    assert calibration.calibrated(1, 2).refusal == "never moves"
+    monkeypatch.setattr("studies.chain.run", refused)
+    assert compared(SimpleNamespace(wave=None), 1e-2).refusal == "never moves"

@@ -14,6 +14,7 @@ import contact
 import fem
 from studies import Scene, sweep
 from studies.chain import bridge
+from studies.chain.solved_stator import SolvedStator
 from studies.chain.surface_motion import SurfaceMotion
 from studies.record.files import write_run
 
@@ -152,7 +153,7 @@ def test_three_balls_push_three_times_as_hard_as_one_with_a_third_of_everything(
 def test_the_orbit_under_the_ball_is_the_motion_of_the_wave(small_run):
     """Both components with their phases: a quarter of a period between them is the difference between + and -."""
     wave, slider = small_run.surface_wave, small_run.scene.slider
-    (orbit,) = bridge.orbits_per_volt(SurfaceMotion(wave=wave), slider)
+    (orbit,) = SolvedStator.of(SurfaceMotion(wave=wave), slider.places).orbits(slider.places)
     u_x, u_z = wave.motion(slider.position)
     assert orbit.tangential == pytest.approx(complex(u_x), rel=1e-12)
     assert orbit.normal == pytest.approx(complex(u_z), rel=1e-12)
@@ -167,7 +168,7 @@ def velocity_at_the_crest(orbit):
 
 def test_the_crest_of_a_rayleigh_wave_moves_against_it(small_run):
     """Retrograde (Rayleigh 1885): the wave runs to +x, its crest moves to -x and takes the slider with it."""
-    (orbit,) = bridge.orbits_per_volt(small_run.surface_motion, small_run.scene.slider)
+    (orbit,) = bridge.DrivenContact.of_run(small_run).orbits
     speed = 2 * math.pi * orbit.frequency * abs(orbit.tangential)
     assert velocity_at_the_crest(orbit) < -0.8 * speed
     assert all(point["velocity_m_per_s"] < 0 for point in small_run.points)

@@ -119,7 +119,7 @@ def test_a_step_is_what_a_burst_of_as_many_cycles_moves(motor, sheet):
 )
 def test_where_the_wave_s_growth_is_not_in_the_steps_they_say_so(sheet, changes, words):
     scene = replace(sheet.record.scene, slider=replace(sheet.record.scene.slider, **changes))
-    driven = DrivenContact.of_motion(scene, sheet.record.surface_motion, record=sheet.record)
+    driven = DrivenContact.of_run(replace(sheet.record, scene=scene))
     bursts = Steps.of(driven, progress=lambda text: None)
     assert bursts.reason == words
     assert "at full size from the first cycle" in bursts.sentence

@@ -50,7 +50,7 @@ def test_each_ball_has_the_orbit_of_its_own_place(spread):
     beam = fem.surface_beam(spread.surface_wave)
     x, y = np.array([8.7e-3, 8.8e-3, 9.3e-3]), np.array([5e-3, -2e-3, 1e-3])
     assert np.allclose(spread.scene.slider.places, np.stack([x, y], axis=1), rtol=1e-12)
-    orbits = bridge.orbits_per_volt(spread.surface_motion, spread.scene.slider)
+    orbits = bridge.DrivenContact.of_run(spread).orbits
     u_x, u_y, u_z = beam.motion(x, y)
     assert np.allclose([each.normal for each in orbits], u_z, rtol=1e-6)
     assert np.allclose([each.tangential for each in orbits], u_x, rtol=1e-6)
@@ -89,7 +89,7 @@ def test_every_door_has_the_same_orbit(spread, small):
     assert rows["normal_amplitude_m"][0] == pytest.approx(spread.normal_amplitude[-1], rel=1e-3)
     assert abs(rows["velocity_m_per_s"][1] / rows["velocity_m_per_s"][0] - 1) > 1e-3
     driven = driven_contact(given, tolerance=TOLERANCE)
-    orbits = bridge.orbits_per_volt(spread.surface_motion, spread.scene.slider)
+    orbits = bridge.DrivenContact.of_run(spread).orbits
     assert np.allclose([each.normal for each in driven.orbits], [each.normal for each in orbits], rtol=1e-3)
 
 

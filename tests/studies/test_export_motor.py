@@ -4,6 +4,7 @@ Truth: `contact.burst` (averaged and stepped), `contact.mean_traction` integrate
 """
 
 import ctypes
+import importlib.metadata
 import math
 import subprocess
 import zipfile
@@ -272,6 +273,90 @@ def test_fmpy_runs_the_fmu(version, tmp_path):
         names
     )
     assert not any(name.endswith(".py") for name in names)
+
+
+def schedule_of_a_burst():
+    """Times in s, levels in m and forces in N: ring-up, load step, stop."""
+    return ((0.05, AMPLITUDE, 0.0), (0.05, AMPLITUDE, -2e-5), (0.002, 0.0, -2e-5))
+
+
+def truth_of_a_burst(step):
+    """Velocity and position at the end of each part, moved on in an importer's steps."""
+    state, out = motor().start(), []
+    for duration, level, force in schedule_of_a_burst():
+        for _ in range(round(duration / step)):
+            state.advance(step, level, force=force)
+        out.append((state.velocity, state.position))
+    return np.array(out)
+
+
+def test_libcosim_runs_the_fmu_of_version_2(tmp_path):
+    # the Open Simulation Platform's libcosim, with FMI Library as importer: no code of fmpy
+    pytest.importorskip("libcosimpy")
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimManipulator import CosimManipulator
+    from libcosimpy.CosimObserver import CosimObserver
+    from libcosimpy.CosimSlave import CosimLocalSlave
+
+    path = tmp_path / "motor.fmu"
+    path.write_bytes(fmu(motor(), "2")[0])
+    execution = CosimExecution.from_step_size(step_size=10_000)  # ns
+    slave = execution.add_local_slave(CosimLocalSlave(fmu_path=str(path), instance_name="motor"))
+    setter, watcher = CosimManipulator.create_override(), CosimObserver.create_last_value()
+    execution.add_manipulator(setter)
+    execution.add_observer(watcher)
+    number = {each.name.decode(): each.reference for each in execution.slave_variables(slave)}
+    out = []
+    for duration, level, force in schedule_of_a_burst():
+        setter.slave_real_values(slave, [number["drive"], number["load_force"]], [level, force])
+        assert execution.step(round(duration / 1e-5))
+        out.append(watcher.last_real_values(slave, [number["velocity"], number["position"]]))
+    np.testing.assert_allclose(out, truth_of_a_burst(1e-5), rtol=1e-6, atol=1e-4 * steady(AMPLITUDE))
+
+
+def test_ecos_runs_the_fmu_of_version_3(tmp_path):
+    # the co-simulation engine Ecos (C++), with fmi4c as importer
+    for known in importlib.metadata.distributions(
+        name="tbb"
+    ):  # a library that ecospy does not find by itself
+        for file in known.files:
+            if file.name == "libtbb.so.12":
+                ctypes.CDLL(str(file.locate()), mode=ctypes.RTLD_GLOBAL)
+    ecospy = pytest.importorskip("ecospy", exc_type=(ImportError, OSError))
+    path = tmp_path / "motor.fmu"
+    path.write_bytes(fmu(motor(), "3")[0])
+    out = []
+    with ecospy.EcosSimulationStructure() as structure:
+        structure.add_model("motor", str(path))
+        structure.add_parameter_set("start", {"motor::drive": AMPLITUDE, "motor::position_start": 1.0})
+        with ecospy.EcosSimulation(structure=structure, step_size=1e-5) as simulation:
+            simulation.init(parameter_set="start")
+            for duration, level, force in schedule_of_a_burst():
+                simulation.set_real("motor::drive", level)
+                simulation.set_real("motor::load_force", force)
+                simulation.step(round(duration / 1e-5))
+                out.append([simulation.get_real(f"motor::{name}") for name in ("velocity", "position")])
+    truth = truth_of_a_burst(1e-5) + np.array([0.0, 1.0])
+    np.testing.assert_allclose(out, truth, rtol=1e-9, atol=1e-12)
+
+
+def test_a_ring_on_a_surface_at_rest_keeps_amplitude_and_phase():
+    # 80 rings about the load's deformation, against the slider's equation solved by scipy
+    slider = motor().slider
+    limit = slider.friction_coefficient * slider.preload
+    reach = slider.limit_slope * slider.rest_approach(1)
+    state = motor().start(force=-0.6 * limit)
+
+    def rate(_, y):
+        x, v = y
+        spring = limit * np.sign(x) * (1.0 - max(1.0 - abs(x) / reach, 0.0) ** 1.5)
+        return [-v, (spring - slider.tangential_damping * v - 0.1 * limit) / slider.mass]
+
+    truth = solve_ivp(rate, (0.0, 0.01), [state.deformation, 0.0], rtol=1e-9, atol=1e-18, max_step=1e-5)
+    state.advance(0.01, 0.0, force=-0.1 * limit)
+    largest = np.abs(truth.y[1]).max()
+    assert state.sticks
+    assert state.velocity == pytest.approx(truth.y[1, -1], abs=2e-3 * largest)
 
 
 def test_without_a_compiler_the_fmu_has_its_sources_and_says_so(monkeypatch):

@@ -10,11 +10,11 @@ import pytest
 
 import contact
 from studies.__main__ import main
-from studies.evidence.exact_motor import ExactMotor
 from studies.export.averaged_motor import averaged_motor
 from studies.motor import positioning
 from studies.motor.controllers import CONTROLLERS, Command, MotorNumbers, Reading, controller
-from studies.motor.position_loop import Loop, moved
+from studies.motor.followed_motor import FollowedMotor
+from studies.motor.position_loop import Loop, moved, replayed
 from studies.refusal import SceneError
 from studies.scene import Scene
 
@@ -42,12 +42,12 @@ def move(start, name="two_phase", target=1e-5, settings=None, **loop):
 
 
 @pytest.mark.parametrize("cycles", [25, 100, 1000])
-def test_exact_motor_makes_the_steps_of_contact(cycles):
-    exact = ExactMotor(motor())
-    exact.advance(cycles / 2.2e6, 12e-9)
-    exact.advance(5e-3, 0.0)
-    truth = contact.step(motor().slider, orbits(12e-9), cycles=cycles)
-    assert exact.position + exact.deformation == pytest.approx(truth.displacement, abs=2e-12)
+def test_followed_motor_makes_the_steps_of_contact(cycles):
+    followed = FollowedMotor(motor())
+    followed.advance(cycles / 2.2e6, 12e-9)
+    followed.advance(5e-3, 0.0)
+    truth = contact.step(motor().slider, orbits(12e-9), cycles=cycles).displacement
+    assert followed.position + followed.deformation == pytest.approx(truth, abs=2e-12, rel=1e-5)
 
 
 def test_averaged_motor_makes_steps_to_a_part_of_the_elastic_deformation():
@@ -72,7 +72,11 @@ def test_bursts_with_a_wave_that_grows_and_fades_are_those_of_fixed_steps():
     own = model.FIRST_DRIVE
     parameters[own + model.RESPONSE_NODES], parameters[own + model.RESPONSE_STEP] = len(factor), time[1]
     parameters[own + model.RESPONSE] = len(whole.tables)
-    shaped = replace(whole, parameters=parameters, tables=np.concatenate([whole.tables, factor.view(float)]))
+    first = replace(whole.drives[0], response=factor, response_step=float(time[1]))
+    shaped = replace(
+        whole, parameters=parameters, tables=np.concatenate([whole.tables, factor.view(float)]),
+        drives=(first, whole.drives[1]),
+    )  # fmt: skip
     for cycles in (60, 200, 1000):
         long = cycles / 2.2e6
         at = np.unique(np.concatenate([time, np.linspace(0.0, max(long, 3e-5), 200)]))
@@ -83,25 +87,34 @@ def test_bursts_with_a_wave_that_grows_and_fades_are_those_of_fixed_steps():
         truth = contact.step(
             whole.slider, orbits(12e-9), cycles=cycles, envelope=during, after=after
         ).displacement
-        state = shaped.start()
-        state.advance(long, 12e-9)
-        state.advance(0.02, 0.0)
-        assert state.position + state.deformation == pytest.approx(truth, abs=2e-10 + 2e-4 * abs(truth))
+        for state, allowed in ((shaped.start(), 2e-10 + 2e-4 * abs(truth)), (FollowedMotor(shaped), 5e-12)):
+            state.advance(long, 12e-9)
+            state.advance(0.02, 0.0)
+            assert state.position + state.deformation == pytest.approx(truth, abs=allowed, rel=1e-5)
 
 
-def test_the_averaged_loop_goes_the_way_of_the_exact_one():
-    averaged = move(motor().start(), noise=0.0, resolution=0.0)
-    exact = move(ExactMotor(motor()), noise=0.0, resolution=0.0)
-    # until the first burst: the continuous drive and the slide after it
-    until = (
-        averaged.time[np.flatnonzero(averaged.level != 0.0)[-1]] if not averaged.bursts.get("burst") else 9e-3
-    )
-    at = np.linspace(0.0, min(until, 9e-3), 500)
-    apart = np.interp(at, averaged.time, averaged.position) - np.interp(at, exact.time, exact.position)
-    assert np.abs(apart).max() < 5e-10
-    for found in (averaged, exact):
-        assert abs(found.error_at_rest) < 2e-9
-        assert found.settled
+def test_a_followed_motor_under_load_gives_way_as_cattaneo_says():
+    slider = motor().slider
+    limit = slider.friction_coefficient * slider.preload
+    state = FollowedMotor(motor(), force=-0.5 * limit)
+    reach = slider.limit_slope * slider.rest_approach(1)
+    assert state.deformation == pytest.approx(reach * (1.0 - 0.5 ** (2.0 / 3.0)), rel=1e-9)
+    state.advance(0.01, 0.0, force=-0.5 * limit)
+    assert abs(state.position) < 1e-15
+    state.advance(0.01, 0.0, force=0.0)
+    assert np.isclose(state.position + state.deformation, reach * (1.0 - 0.5 ** (2.0 / 3.0)), atol=1e-12)
+
+
+def test_the_averaged_motor_goes_the_way_of_the_followed_one():
+    state = FollowedMotor(motor())
+    true = move(state, noise=0.0, resolution=0.0)
+    assert true.settled
+    assert abs(true.error_at_rest) < 1e-9
+    (finer,) = replayed(FollowedMotor(motor(), steps=800), (true,), Loop())
+    assert np.abs(finer - true.position).max() < 1e-10
+    (averaged,) = replayed(motor().start(), (true,), Loop())
+    first_burst = np.flatnonzero(np.diff(true.level) != 0.0)[2]
+    assert np.abs(averaged - true.position)[:first_burst].max() < 5e-10
 
 
 def test_there_and_back_within_2_nm_with_a_sensor_of_1_nm():
@@ -287,9 +300,3 @@ def test_controllers_are_data():
     for name, kind in CONTROLLERS.items():
         assert controller(name, {"tolerance": 3e-9}) == replace(kind(), tolerance=3e-9)
     assert math.isinf(controller("burst_length", {}).coarse)
-
-
-def test_exact_motor_refuses_what_it_does_not_follow():
-    exact = ExactMotor(motor())
-    with pytest.raises(ValueError, match="no external force"):
-        exact.advance(1e-3, 0.0, force=1e-5)

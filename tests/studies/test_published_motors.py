@@ -74,7 +74,7 @@ def test_corners_are_all_combinations():
 
 def test_the_contact_radius_is_hertz():
     radius, modulus = 0.5e-3, TAKEN["modulus"]
-    pressure = KUROSAWA["published"]["pressure_Pa"]
+    pressure = KUROSAWA.published["pressure_Pa"]
     # Johnson (1985), eq. 4.24 solved for the load, then eq. 4.22
     load = pressure**3 * math.pi**3 * radius**2 / (6 * modulus**2)
     expected = (3 * load * radius / (4 * modulus)) ** (1 / 3)
@@ -82,7 +82,7 @@ def test_the_contact_radius_is_hertz():
 
 
 def test_the_balls_mass_is_that_of_a_millimetre_of_steel():
-    assert KUROSAWA["published"]["mass_kg"] == pytest.approx(7850 * math.pi / 6 * 1e-9, rel=1e-5, abs=0)
+    assert KUROSAWA.published["mass_kg"] == pytest.approx(7850 * math.pi / 6 * 1e-9, rel=1e-5, abs=0)
 
 
 def test_speed_and_thrust_keep_within_what_wave_and_friction_give():

@@ -7,15 +7,12 @@ import warnings
 import numpy as np
 import pytest
 
-from fem.analytic.half_space import rayleigh
-from fem.materials import isotropic
 from studies.evidence import left_out, stability
 from studies.evidence.omission import OMISSIONS
 from studies.evidence.stability import chain as stability_chain
 from studies.evidence.stability import free as stability_free
 from studies.evidence.stability import stator as stability_stator
 from studies.evidence.stability.case import Case, Outcome
-from studies.evidence.stability.lamb import bulk_velocities, plate_wavenumbers, rayleigh_velocity
 from studies.evidence.stability.verdict import NoWitness, judged
 from studies.refusal import RunError
 from studies.study import STUDIES
@@ -64,28 +61,10 @@ def test_a_verdict_follows_error_estimate_and_what_was_raised(posed, verdict):
     assert judged(posed, 1e-3).verdict == verdict
 
 
-@pytest.mark.parametrize("poisson", [-0.9, 0.1, 0.499])
-def test_closed_form_and_partial_waves_agree_on_rayleigh_s_wave(poisson):
-    solid = isotropic(name="x", youngs_modulus=71e9, poisson_ratio=poisson, density=2690.0)
-    known = rayleigh_velocity(*bulk_velocities(71e9, poisson, 2690.0))
-    assert rayleigh(solid, "open").velocity == pytest.approx(known, rel=1e-12, abs=0)
-
-
-@pytest.mark.parametrize("thickness", [5.0, 400.0])
-def test_a_thick_plate_s_lowest_modes_are_rayleigh_s_wave_twice(thickness):
-    longitudinal, shear = bulk_velocities(71e9, 0.3, 2690.0)
-    omega = 2 * np.pi * 1e6
-    plate = {"longitudinal": longitudinal, "shear": shear, "half_thickness": thickness * shear / 1e6 / 2}
-    pair = [plate_wavenumbers(omega, **plate, symmetric=each)[-1] for each in (True, False)]
-    known = omega / rayleigh_velocity(longitudinal, shear)
-    assert np.mean(pair) == pytest.approx(known, rel=1e-5 if thickness < 10 else 1e-12, abs=0)
-
-
 @pytest.mark.parametrize(
     ("room", "part", "varied", "value", "verdict"),
     [
-        (stability_free, "free wave", "Poisson's ratio, half-space", 0.4999999, "right"),
-        (stability_free, "free wave", "thickness", 0.2, "right"),
+        (stability_free, "free wave", "Poisson's ratio", 0.4999999, "right"),
         (stability_free, "free wave", "mechanical quality", 5.0, "right"),
         (stability_free, "free wave", "coupling", 10.0, "right"),
         (stability_free, "free wave", "frequency", 1e13, "right"),
@@ -99,7 +78,7 @@ def test_a_thick_plate_s_lowest_modes_are_rayleigh_s_wave_twice(thickness):
             marks=pytest.mark.slow,
         ),
         (stability_stator, "stator", "distance from a cut-off", 0.0, "refused"),
-        (stability_stator, "stator", "thickness", 100.0, "refused"),
+        (stability_stator, "stator", "thickness, thick", 100.0, "refused"),
     ],
 )
 def test_a_few_cases_come_out_as_they_should(room, part, varied, value, verdict):
@@ -190,7 +169,7 @@ def test_the_answer_is_the_same_with_a_part_put_back(omission):
     assert first.values == pytest.approx(
         second.values, rel=0, abs=omission.allowed * abs(second.values).max()
     )
-    assert np.any(first.values != second.values)
+    assert first.unknowns != second.unknowns or np.any(first.values != second.values), "the two are one run"
 
 
 @pytest.mark.slow

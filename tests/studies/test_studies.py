@@ -11,7 +11,17 @@ from studies.refusal import SceneError
 from studies.results import MANIFEST
 from studies.scene import Scene
 from studies.scene.toml import document
-from studies.study import STUDIES, Finding, Panel, StudyRecord, draw_study, module, question, run_study
+from studies.study import (
+    ALIASES,
+    STUDIES,
+    Finding,
+    Panel,
+    StudyRecord,
+    draw_study,
+    module,
+    question,
+    run_study,
+)
 
 
 def quiet(text):
@@ -112,25 +122,11 @@ def test_the_numbers_of_the_seed_figures_are_those_of_the_closed_forms(seed):
     assert release == pytest.approx(4.17258, rel=1e-5)  # design.md
 
 
-def test_the_cell_gives_the_half_space_on_both_surfaces(studied):
+def test_the_elements_give_the_wave_of_the_half_space(studied):
     findings = studied("rayleigh").record["findings"]
-    assert {finding["statement"].split("(")[1] for finding in findings} == {"open).", "metallised)."}
-    best = [finding for finding in findings if "nine digits" in finding["statement"]]
-    assert all(finding["found"] < 1e-9 for finding in best)
-    shapes = [each for each in findings if "profile" in each["statement"] or "ratio" in each["statement"]]
-    assert len(shapes) == 4
-    assert all(finding["found"] < 1e-6 for finding in shapes)
-
-
-def test_orders_are_measured_on_the_two_finest_meshes():
-    from studies.evidence import rayleigh as chosen
-
-    table = {"order": [2, 2, 2], "columns": [1, 2, 4], "relative_error": [1.0, 1e-3, 1e-3 / 16]}
-    (finding,) = chosen._orders(table, "open")
-    assert finding.found == pytest.approx(4.0, rel=1e-12)
-    assert finding.confirmed
-    table["relative_error"][-1] = 1e-3 / 8
-    assert not chosen._orders(table, "open")[0].confirmed
+    assert [finding["confirmed"] for finding in findings] == [True] * 4
+    (panel,) = (each for name, each in studied("rayleigh").record["panels"].items() if "convergence" in name)
+    assert panel["relative_error"][1] < 1e-12 < 1e-8 < panel["relative_error"][0]
 
 
 def test_a_study_of_a_scene_takes_one_and_leaves_its_run(tmp_path):
@@ -187,14 +183,26 @@ def test_the_stop_bands_are_drawn(cells):
     assert (cells.folder / "stop_bands.png").stat().st_size > 10_000
 
 
-def test_error_against_time_names_who_failed_in_silence(studied):
-    (panel,) = studied("contact_error_vs_time").record["panels"].values()
-    rows = {(row["curve"], row["setting"]): row for row in panel["rows"]}
-    assert rows["exact", "12 nodes, 1e-09"]["error"] < 1e-9
-    assert rows["stepped", "256 steps"]["error"] < 1e-5
-    assert rows["fixed steps with DV", "5000 steps"]["silent"]
-    # Oracle: an event solver held to a twentieth of a cycle is an independent computation of the same motion
-    assert rows["solve_ivp DOP853, held steps", "rtol 1e-09"]["error"] < 1e-4
+def test_error_against_time_has_three_parts_whose_errors_are_stated(studied):
+    record = studied("error_vs_time").record
+    assert list(record["panels"]) == [f"error_vs_time_{part}" for part in ("chain", "stator", "contact")]
+    contact = record["panels"]["error_vs_time_contact"]
+    rows = dict(zip(contact["curve"], contact["true_relative_error"], strict=True))
+    assert set(rows) == {
+        "burst, exact",
+        "burst, stepped",
+        "burst, averaged",
+        "steady, exact",
+        "steady, averaged",
+    }
+    assert max(rows.values()) < 1e-3
+    assert rows["burst, stepped"] > 1e-9  # not the same computation as the converged answer
+    assert [finding["confirmed"] for finding in record["findings"]] == [True] * 3
+
+
+@pytest.mark.parametrize("name", sorted(ALIASES))
+def test_a_study_answers_to_its_former_name(name):
+    assert module(name) is module(ALIASES[name])
 
 
 def test_what_the_contact_cannot_answer_is_no_defect_of_the_program(tmp_path, capsys):

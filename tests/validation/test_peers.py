@@ -1,21 +1,18 @@
-"""Contenders of the stator: each gives the small stator's answer; the study and its benchmarks say what they find."""
+"""Contenders of the stator: each gives the small stator's answer; the benchmarks print what they find."""
 
 import math
 import os
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 
-from studies.evidence import fem_error_vs_time
-from studies.evidence.fem_error_vs_time import seconds_at
-from studies.evidence.peers import attempt, contenders
-from studies.evidence.peers import ngsolve_stator as peer
-from studies.evidence.peers.attempt import Attempt, attempted
-from studies.evidence.peers.contenders import CURVES
 from studies.refusal import RunError
 from tests.studies.motors import small_problem, truth
+from tests.validation import attempt, contenders
+from tests.validation import ngsolve_stator as peer
+from tests.validation.attempt import Attempt, attempted
+from tests.validation.contenders import CURVES
+from tests.validation.stator_reference import seconds_at
 
 THIN = 0.35e-3  # m: a plate without backward waves, which matched layers would amplify
 
@@ -48,18 +45,6 @@ def test_time_at_an_error_lies_on_the_power_between_the_points():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("triangles", [False, True])
-def test_even_meshes_converge_slowly(triangles):
-    """The edge's r^-1/2 holds the admittance at first order: half the element, half the error or a little more."""
-    posed = small_problem(thickness=THIN)
-    coarse, fine = (
-        errors("Q2 quadrilaterals", posed, per_wavelength=n, triangles=triangles)[0] for n in (4, 8)
-    )
-    assert 0.3 < fine / coarse < 0.7
-    assert fine < 0.1
-
-
-@pytest.mark.slow
 def test_the_direct_contender_agrees():
     found = errors("high order, edge layers", small_problem(thickness=THIN), order=5, edge_layers=1)
     assert max(found) < 2e-2
@@ -86,20 +71,6 @@ def test_the_peer_solves_again_at_another_frequency():
     again, fresh = (each.solve(2.2e6, driven="left", place=posed.place) for each in (one, other))
     assert again[0] == pytest.approx(fresh[0], rel=1e-9)
     assert again[1] == pytest.approx(fresh[1], rel=1e-9)
-
-
-def test_without_the_peer_a_sentence_says_what_to_install(monkeypatch):
-    monkeypatch.setattr(peer, "find_spec", lambda name: None)
-    posed = small_problem()
-    with pytest.raises(RunError, match=r"pip install 'sawmotor\[peers\]'"):
-        peer.Peer(posed.stator, posed.transducers, wavelength=1e-3, mesh=peer.PeerMesh(order=2))
-
-
-def test_nothing_imports_the_peer_unasked():
-    modules = "studies.evidence.fem_error_vs_time, studies.evidence.peers.ngsolve_stator"
-    program = f"import sys, {modules}; print('ngsolve' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["False"]
 
 
 @pytest.mark.slow
@@ -134,7 +105,7 @@ def tiny(monkeypatch):
     }
     monkeypatch.setattr(contenders, "CURVES", curves)
     monkeypatch.setattr(attempt, "CURVES", curves)
-    for module in (fem_error_vs_time, *_benchmarks()):
+    for module in _benchmarks():
         for name, value in (
             ("CURVES", curves),
             ("ENDS", ("absorbing",)),
@@ -150,23 +121,6 @@ def _benchmarks():
     from tests.benchmarks import stator_peers, stator_table
 
     return stator_peers, stator_table
-
-
-@pytest.mark.slow
-def test_the_study_measures_draws_and_says_what_it_left_out(tiny):
-    from matplotlib.figure import Figure
-
-    said = []
-    record = fem_error_vs_time.run(
-        all_ends=("absorbing",), curves=("NGSolve", "structured"), progress=said.append
-    )
-    (panel,) = record.panels
-    assert panel.data["curve"] == ["structured", "structured"]
-    assert panel.data["admittance_relative_error"][1] < 2e-2 < panel.data["admittance_relative_error"][0]
-    assert "NGSolve: left out, no_such_package not installed" in said
-    ax = fem_error_vs_time.figure(panel, Figure().add_subplot())
-    assert "s)" in ax.get_xlabel()
-    assert len(ax.lines) == 2
 
 
 @pytest.mark.slow

@@ -7,11 +7,11 @@ import pytest
 from scipy.special import ellipk
 
 from fem import material, rayleigh
-from studies.evidence.peers import strip_charges
-from studies.evidence.peers.contenders import CURVES
-from studies.evidence.peers.plate_response import PlateResponse
-from studies.evidence.peers.strip_charges import StripCharges
+from tests.oracles.fem_plate_response import PlateResponse
 from tests.studies.motors import small_problem, truth
+from tests.validation import strip_charges
+from tests.validation.contenders import CURVES
+from tests.validation.strip_charges import StripCharges
 
 
 def plate(*, coupled: bool = True, lossy: bool = True, thickness: float = 0.7e-3) -> PlateResponse:

@@ -8,6 +8,7 @@ the sense of the contract, over max(|v|, omega |u_x| / 10).
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 from studies.evidence.stability.case import Case, Outcome
 from studies.evidence.stability.verdict import NoWitness, judged
@@ -16,7 +17,7 @@ __all__ = ["chain_cases", "judge"]
 
 PART = "chain"
 TOLERANCE, TIGHTER = 1e-3, (1e-5, 1e-4)
-SCENE = {
+SCENE: dict[str, Any] = {
     "title": "a small motor",
     "stator": {"material": "PZT-8", "length": 9e-3, "thickness": 0.7e-3, "width": 0.025, "ends": "absorbing"},
     "transducer": [

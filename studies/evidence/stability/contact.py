@@ -93,7 +93,7 @@ def corner(number: int) -> dict:
     import numpy as np
 
     draw = np.random.default_rng([20260, number])
-    values = {}
+    values: dict[str, float | str] = {}
     for name, (low, high) in RANGES.items():
         if draw.random() < 0.5:
             continue

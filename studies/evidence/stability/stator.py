@@ -1,18 +1,22 @@
 """Extreme cases of the driven stator: one quantity of a small motor taken to its ends, against witnesses.
 
 A plate of hard PZT of 9 x 0.7 mm with one transducer of two finger pairs at 2.2 MHz, lossy, absorbing ends, unless a
-case says otherwise.  Witnesses, by what a case allows: charges on strips of an infinite plate by exact partial waves
-(strip_charges.py: no mesh, nothing shared); one sparse matrix of the whole section (fem.direct); the same problem in
-another unit of length (nothing may change); circuit laws; and, where no other way exists, the finest level that the
-discretisation has.  The power balance of every answer is part of its verdict.
+case says otherwise.  Witnesses, by what a case allows: one sparse matrix of the whole section (fem.direct); the same
+problem in another unit of length (nothing may change); circuit laws; and, where that matrix would be too large, the
+next level of the discretisation.  The power balance of every answer is part of its verdict.  The same cases against
+charges on strips of an infinite plate, by exact partial waves, are in `tests/validation`.
 """
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from studies.evidence.stability.case import Case, Outcome
 from studies.evidence.stability.verdict import judged
+
+if TYPE_CHECKING:
+    from fem.geometry import Stator, Transducer
 
 __all__ = ["Motor", "judge", "other_motor", "small_motor", "stator_cases"]
 
@@ -50,8 +54,8 @@ class Motor:
         Ohm.
     """
 
-    stator: object
-    transducers: tuple
+    stator: "Stator"
+    transducers: "tuple[Transducer, ...]"
     frequency: float = 2.2e6
     place: float = 6e-3
     source_impedance: complex = 0.0
@@ -190,10 +194,10 @@ def _resonant(distance: float) -> Motor:
 
 # quantity: unit, values, motor, witness
 VARIED: dict[str, tuple[str, tuple, Callable[[float], Motor], str]] = {
-    "mechanical quality": ("", (5.0, 20.0, 1e4, 1e6), _one("mechanical_quality"), "strips"),
+    "mechanical quality": ("", (5.0, 20.0, 1e4, 1e6), _one("mechanical_quality"), "direct"),
     "mechanical quality, lossless": ("", (math.inf,), lambda _: _lossless(small_motor()), "finer"),
-    "dielectric loss": ("", (0.0, 0.1, 1.0), _one("dielectric_loss"), "strips"),
-    "metallisation": ("", (0.02, 0.1, 0.9), lambda value: small_motor().comb(metallisation=value), "strips"),
+    "dielectric loss": ("", (0.0, 0.1, 1.0), _one("dielectric_loss"), "direct"),
+    "metallisation": ("", (0.02, 0.1, 0.9), lambda value: small_motor().comb(metallisation=value), "direct"),
     "metallisation, narrow gaps": (
         "",
         (0.98,),
@@ -201,12 +205,14 @@ VARIED: dict[str, tuple[str, tuple, Callable[[float], Motor], str]] = {
         "finer",
     ),
     "thickness, thin": ("wavelengths", (0.05, 0.1, 0.2), _thick, "direct"),
-    "thickness": ("wavelengths", (0.35, 1.0, 2.0, 10.0, 20.0, 100.0), _thick, "strips"),
-    "length": ("wavelengths", (0.5, 1.0, 10.0, 100.0, 1000.0), _long, "strips"),
-    "finger pairs": ("", (1.0, 10.0, 50.0), _pairs, "strips"),
-    "finger pairs, many": ("", (200.0, 2000.0), _pairs, "finer"),
-    "permittivity": ("times", (1e-3, 1e-2, 1e2, 1e3), _times("permittivity"), "strips"),
-    "coupling": ("times", (1e-6, 1e-3, 2.0, 5.0), _times("coupling"), "strips"),
+    "thickness": ("wavelengths", (0.35, 1.0, 2.0), _thick, "direct"),
+    "thickness, thick": ("wavelengths", (10.0, 20.0, 100.0), _thick, "finer"),
+    "length": ("wavelengths", (0.5, 1.0, 10.0), _long, "direct"),
+    "length, long": ("wavelengths", (100.0, 1000.0), _long, "finer"),
+    "finger pairs": ("", (1.0, 10.0), _pairs, "direct"),
+    "finger pairs, many": ("", (50.0, 200.0, 2000.0), _pairs, "finer"),
+    "permittivity": ("times", (1e-3, 1e-2, 1e2, 1e3), _times("permittivity"), "direct"),
+    "coupling": ("times", (1e-6, 1e-3, 2.0, 5.0), _times("coupling"), "direct"),
     "stiffness": ("times", (1e-3, 1e-1, 1e1, 1e3), _stiff, "finer"),
     "frequency over centre": ("", (4.5e-4, 0.05, 0.5, 2.0, 5.0, 12.0), _at, "finer"),
     "size": ("times", (1e-6, 1e-3, 1e3, 1e6), lambda value: small_motor(stretch=value), "size"),

@@ -13,8 +13,6 @@ from studies.evidence.stability.verdict import NoWitness
 
 __all__ = ["compared"]
 
-TERMS = 10  # Chebyshev polynomials on a strip
-
 
 def compared(motor, witness: str, tolerance: float, balance: float) -> tuple[float, float, bool | str]:
     """Solve a motor and ask a witness.
@@ -23,7 +21,7 @@ def compared(motor, witness: str, tolerance: float, balance: float) -> tuple[flo
     ----------
     motor : studies.evidence.stability.stator.Motor
     witness : str
-        "strips", "direct", "size", "circuit" or "finer".
+        "direct", "size", "circuit" or "finer".
     tolerance : float
         Relative, of the motion.
     balance : float
@@ -56,33 +54,6 @@ def _difference(motion: np.ndarray, known: np.ndarray) -> float:
     known = np.asarray(known)
     turn = np.exp(1j * np.angle(np.sum(np.conj(known) * motion)))
     return float(abs(motion - turn * known).max() / abs(known).max())
-
-
-def _strips(motor, _) -> tuple[complex, np.ndarray]:
-    """Charges on the fingers of an infinite plate, by exact partial waves."""
-    from studies.evidence.peers.plate_response import PlateResponse
-    from studies.evidence.peers.strip_charges import StripCharges
-
-    solid = motor.stator.solid
-    plate = PlateResponse(
-        stiffness=solid.stiffness_lossy,
-        coupling=solid.coupling,
-        permittivity=solid.permittivity_lossy,
-        density=solid.density,
-        thickness=motor.stator.thickness,
-        frequency=motor.frequency,
-    )
-    (transducer,) = motor.transducers
-    strips = StripCharges(
-        plate=plate,
-        centers=transducer.fingers.mean(axis=1),
-        half_width=transducer.finger_width / 2,
-        terms=TERMS,
-    )
-    owner = np.array([int(sign == "-") for sign in transducer.signs])
-    charges, coefficients = strips.charges(owner, {0: 0.5, 1: -0.5})
-    admittance = 2j * np.pi * motor.frequency * transducer.aperture * charges[0]
-    return complex(admittance), strips.motion(coefficients, motor.place)
 
 
 def _direct(motor, _) -> tuple[complex, np.ndarray]:
@@ -121,7 +92,7 @@ def _finer(motor, answer) -> tuple[complex, np.ndarray]:
 
 
 def _size(motor, _) -> tuple[complex, np.ndarray]:
-    """The same motor at 2.2 MHz by strips: lengths over frequency, charge per aperture and strain stay the same."""
+    """The same motor at 2.2 MHz as one sparse matrix: charge per aperture and strain stay the same."""
     factor = 2.2e6 / motor.frequency
     (transducer,) = motor.transducers
     ordinary = replace(
@@ -140,13 +111,13 @@ def _size(motor, _) -> tuple[complex, np.ndarray]:
         frequency=2.2e6,
         place=motor.place / factor,
     )
-    return _strips(ordinary, _)
+    return _direct(ordinary, _)
 
 
 def _circuit(motor, _) -> tuple[complex, np.ndarray]:
-    """The same motor without source impedance, by strips, and a voltage divider."""
-    admittance, motion = _strips(motor, _)
+    """The same motor without source impedance, as one sparse matrix, and a voltage divider."""
+    admittance, motion = _direct(replace(motor, source_impedance=0.0), _)
     return admittance, motion / (1 + motor.source_impedance * admittance)
 
 
-WITNESSES = {"strips": _strips, "direct": _direct, "finer": _finer, "size": _size, "circuit": _circuit}
+WITNESSES = {"direct": _direct, "finer": _finer, "size": _size, "circuit": _circuit}

@@ -124,7 +124,7 @@ def solved():
 def test_fingers_on_their_electrodes_are_the_transducer(solved):
     """The potentials of the fingers of one electrode, made equal, give its superelement; left-out fingers have none."""
     (scatterer,), (transducer,) = solved.fields.network.scatterers, solved.fields.transducers
-    row, (n, ports) = scatterer.superelement, (2 * scatterer.superelement.size, 4)
+    row, (n, ports) = scatterer.piece, (2 * scatterer.piece.size, 4)
     fingers, dipoles = finger_ports(row, transducer.signs)
     assert len(fingers.matrix) == n + ports
     joined = np.zeros((n + ports, n + 2))

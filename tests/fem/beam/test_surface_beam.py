@@ -12,9 +12,9 @@ from fem.beam.reception import with_apertures
 from fem.beam.surface_beam import BeamError, aperture_beam, surface_beam
 from fem.results.solution import driven_solution
 from fem.waveguide.modes import power
-from studies.evidence.peers.plate_response import PlateResponse
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
 from tests.oracles.fem_plate_beam import plate_beam
+from tests.oracles.fem_plate_response import PlateResponse
 
 
 def beam_of(solid, *, length=30.0, thickness=1.3, order=7, layers=1, aperture=5e-3, **rest):

@@ -46,8 +46,8 @@ def test_counts_are_what_a_solution_does(monkeypatch, stator, row, layers):
     assert {"joined": size.joins, "condensed": size.condensed} == done
     assert size.unknowns == wave_of(solved).unknowns
     assert size.line == len(solved.fields.modes.wavenumbers)
-    assert size.scatterers == len({id(each.superelement) for each in solved.fields.network.scatterers})
-    assert size.complex == np.iscomplexobj(solved.fields.network.scatterers[0].superelement.matrix)
+    assert size.scatterers == len({id(each.piece) for each in solved.fields.network.scatterers})
+    assert size.complex == np.iscomplexobj(solved.fields.network.scatterers[0].piece.matrix)
 
 
 def test_memory_of_the_blocks_is_that_of_their_arrays():
@@ -57,7 +57,7 @@ def test_memory_of_the_blocks_is_that_of_their_arrays():
         size = stator_size(plate(solid), row, frequency=FREQUENCY, resolution=solved.fields.resolution)
         assert size.complex == (solid is PZT)
         assert size.block_bytes == pytest.approx(
-            _bytes(solved.fields.network.scatterers[0].superelement), rel=0.3, abs=0
+            _bytes(solved.fields.network.scatterers[0].piece), rel=0.3, abs=0
         )
 
 

@@ -10,7 +10,7 @@ from fem.geometry import Stator
 from fem.materials.christoffel import slowest_wavelength
 from fem.waveguide.force import force_response
 from fem.waveguide.modes import guided_modes
-from tests.fem.stators import lossless
+from tests.fem.stators import FREQUENCY, lossless, plate
 
 
 def modes_of(solid, frequency=5e6):
@@ -46,7 +46,7 @@ def test_forces_along_x_and_z_answer_each_other():
         assert normal.motion(distance)[0] == pytest.approx(along.motion(-distance)[1], rel=1e-8)
     ratio = abs(normal.surface_wave[0] / normal.surface_wave[1])
     assert abs(along.surface_wave[0]) == pytest.approx(ratio**2 * abs(normal.surface_wave[1]), rel=1e-8)
-    assert (normal.port.kind, along.port.name) == ("force", "x")
+    assert along.component == "x"
 
 
 def test_the_power_of_a_force_leaves_as_waves():
@@ -62,3 +62,31 @@ def test_the_power_of_a_force_leaves_as_waves():
         abs(response.surface_wave[1]) ** 2 * omega / (4 * wave_compliance(lossless("PZT-8", "Z"), "open"))
     )
     assert 0.3 * given < 2 * surface < given
+
+
+@pytest.mark.parametrize("share", [0.3, 0.8])
+def test_a_force_that_varies_along_y_sends_gamma_obliquely(share):
+    """exp(-i k_y y) on a solid isotropic about z: U_z = -i Gamma kappa / k_x exp(-i k_x x), as of a beam's spectrum."""
+    solid, frequency = lossless("PZT-8", "Z"), 5e6
+    stator = Stator(solid=solid, length=1.0, thickness=np.inf, ends="absorbing")
+    unit = slowest_wavelength(solid, frequency)
+    section = discretise(stator, LEVELS[3], wavelength=unit, surface_scale=np.inf, lateral=True)
+    plain = guided_modes(section, frequency)
+    kappa = plain.wavenumbers[plain.rayleigh[0]].real
+    modes = guided_modes(section, frequency, share * kappa)
+    sent = force_response(modes, "z").surface_wave[1]
+    expected = -1j * wave_compliance(solid, "open") / np.sqrt(1 - share**2)
+    assert sent == pytest.approx(expected, rel=1e-5)
+
+
+def test_the_jump_of_the_flux_is_the_force():
+    """(X_right + X_left) u = -F e in a plate without ground, whose constant potential is a mode at k_y = 0 alone."""
+    solid = lossless("PZT-8", "Z")
+    stator = plate(solid, ends="absorbing")
+    unit = slowest_wavelength(solid, FREQUENCY)
+    section = discretise(stator, LEVELS[0], wavelength=unit, surface_scale=np.inf, lateral=True)
+    for lateral_wavenumber in (0.0, 2.0):
+        response = force_response(guided_modes(section, FREQUENCY, lateral_wavenumber), "z")
+        jump = response.modes.impedance_sum @ response.line
+        load = section.surface_rows[1] / section.solid.stress_unit
+        assert abs(jump + load).max() < 1e-8 * abs(load).max()

@@ -279,7 +279,7 @@ def test_finest_level_keeps_the_fluxes_of_slow_modes():
     flux = modes.right_flux[:, slow]
     missed = abs(modes.right_impedance @ modes.right[:, slow] - flux).max(axis=0) / abs(flux).max(axis=0)
     assert slow.sum() > 12
-    assert missed.max() < 1e-4
+    assert missed.max() < 5e-4  # rounding decides: 1e-5 to 1.2e-4 on the machines seen
 
 
 def test_fluxes_that_rounding_decides_are_refused():

@@ -32,7 +32,7 @@ def test_bare_piece_scatters_nothing(guided):
     """
     depth, n = guided.section, guided.section.size
     block = repeated(condensed(depth, FREQUENCY, width=0.2, electrode=None), 3)
-    scatterer = Scatterer(superelement=block, modes=guided, potentials=np.array([[0.5], [-0.5]]))
+    scatterer = Scatterer(piece=block, modes=guided, potentials=np.array([[0.5], [-0.5]]))
     slow = np.flatnonzero((np.abs(guided.wavenumbers) < 9.0) & (guided.wavenumbers != 0))
     nothing = np.zeros((n, len(slow)))
     phase = np.exp(-1j * guided.wavenumbers[slow] * block.width)

@@ -6,26 +6,26 @@ import numpy as np
 import pytest
 
 from fem.geometry import Transducer
-from fem.waveguide.port_fields import charge_admittances, electrode_potentials
+from fem.waveguide.port_fields import charge_admittances, electrode_potentials, transducer_ports
 
 A = Transducer(name="a", center=0.1, finger_pairs=1, period=1e-3, metallisation=0.5, aperture=0.02)
 
 
+def potentials_of(transducer, floating):
+    return electrode_potentials(transducer, transducer_ports(transducer, floating))
+
+
 def test_electrodes():
     """Half a volt either way; the mean is another degree of freedom where the section is grounded."""
-    assert np.array_equal(electrode_potentials(A, True), [[0.5], [-0.5]])
-    assert np.array_equal(electrode_potentials(A, False), [[0.5, 1.0], [-0.5, 1.0]])
+    assert np.array_equal(potentials_of(A, True), [[0.5], [-0.5]])
+    assert np.array_equal(potentials_of(A, False), [[0.5, 1.0], [-0.5, 1.0]])
 
 
 def test_one_electrode_has_no_voltage():
     """A shorted reflector is one conductor, an open one none."""
     shorted, open_circuited = replace(A, pattern="++"), replace(A, pattern="oo")
-    assert (
-        electrode_potentials(shorted, True).shape
-        == electrode_potentials(open_circuited, False).shape
-        == (2, 0)
-    )
-    assert np.array_equal(electrode_potentials(shorted, False), [[1.0], [0.0]])
+    assert potentials_of(shorted, True).shape == potentials_of(open_circuited, False).shape == (2, 0)
+    assert np.array_equal(potentials_of(shorted, False), [[1.0], [0.0]])
 
 
 def test_charges_become_currents():

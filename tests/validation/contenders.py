@@ -1,4 +1,4 @@
-"""Ways to solve the driven stator: even meshes, high order, structure, a band of frequencies, the peer NGSolve.
+"""Ways to solve the driven stator: high order, structure, a band of frequencies, the peer NGSolve.
 
 Each is made ready for a problem and a resolution and then solves one frequency at a time; `attempt` measures it.
 """
@@ -34,23 +34,6 @@ class Problem:
     frequency: float
     wavelength: float
     place: float
-
-
-def _uniform(problem: Problem, *, per_wavelength: int, triangles: bool):
-    from studies.evidence.peers.uniform_mesh import uniform_solution
-
-    def once():
-        return uniform_solution(
-            problem.stator,
-            problem.transducers,
-            frequency=problem.frequency,
-            wavelength=problem.wavelength,
-            per_wavelength=per_wavelength,
-            triangles=triangles,
-            place=problem.place,
-        )
-
-    return once
 
 
 def _direct(problem: Problem, *, order: int, edge_layers: int):
@@ -116,7 +99,7 @@ def _band(problem: Problem, *, tolerance: float):
 
 
 def _peer(problem: Problem, **mesh):
-    from studies.evidence.peers.ngsolve_stator import Peer, PeerMesh
+    from tests.validation.ngsolve_stator import Peer, PeerMesh
 
     peer = Peer(problem.stator, problem.transducers, wavelength=problem.wavelength, mesh=PeerMesh(**mesh))
 
@@ -135,16 +118,6 @@ def _hp(order, edge_layers, element_size, **rest) -> dict:
 _FINE = {"absorber": 8.0, "stretch": 1 - 1j}
 # curve: what makes it ready, settings from coarse to fine, packages beyond the program's own
 CURVES = {
-    "P2 triangles": (
-        _uniform,
-        tuple({"per_wavelength": n, "triangles": True} for n in (2, 4, 6)),
-        ("pypardiso",),
-    ),
-    "Q2 quadrilaterals": (
-        _uniform,
-        tuple({"per_wavelength": n, "triangles": False} for n in (2, 4, 6)),
-        ("pypardiso",),
-    ),
     "high order, no edge layers": (
         _direct,
         tuple({"order": p, "edge_layers": 0} for p in (4, 5, 6)),

@@ -11,7 +11,7 @@ import numpy as np
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 
-__all__ = ["TOLERANCES", "drawn"]
+__all__ = ["LEVELS", "TOLERANCES", "drawn", "levelled"]
 
 CUTS = (
     ("PZT-8", "Z"),
@@ -53,7 +53,7 @@ def drawn(seed: int, index: int) -> tuple[Scene, str, float]:
     kind = next(name for name, upto in KINDS if share <= upto)
     tolerance = float(rng.choice(TOLERANCES))
     if kind == "contact":
-        return _levelled(Scene.from_table("", _given(rng))), kind, tolerance
+        return levelled(Scene.from_table("", _given(rng))), kind, tolerance
     table = _block(rng)
     place = table.pop("place")
     if kind == "free":
@@ -63,7 +63,7 @@ def drawn(seed: int, index: int) -> tuple[Scene, str, float]:
     if kind == "motor":
         table["slider"] = _slider(rng, table["drive"]["frequency"])
         table["slider"]["position"] = place
-        return _levelled(Scene.from_table("", table)), kind, tolerance
+        return levelled(Scene.from_table("", table)), kind, tolerance
     return Scene.from_table("", table), kind, tolerance
 
 
@@ -151,7 +151,7 @@ def _given(rng) -> dict:
     }
 
 
-def _levelled(scene: Scene) -> Scene:
+def levelled(scene: Scene) -> Scene:
     """Return the scene with levels about its threshold."""
     from studies.chain import run
 

@@ -5,21 +5,15 @@ thread pools in one process slow each other).  The time is that of the CPU: on a
 measures them.  ``seconds`` is what one more frequency costs after ``setup_seconds``.
 """
 
-import resource
-import sys
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
-from studies.evidence.peers.contenders import CURVES, Problem
-from studies.refusal import RunError
+from studies.evidence.own_process import alone, peak_memory
+from tests.validation.contenders import CURVES, Problem
 
-__all__ = ["Attempt", "alone", "attempted", "peak_memory"]
-
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+__all__ = ["Attempt", "attempted"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,44 +73,6 @@ def attempted(curve: str, problem: Problem, setting: dict, *, repeats: int = 1) 
         If its process was ended, as happens where memory is short.
     """
     return alone(f"{curve}, {_words(setting)}", _measured, curve, problem, setting, repeats)
-
-
-def alone(what: str, work: Callable, *arguments):
-    """Return what some work gives in a fresh process with one thread; the function must be importable.
-
-    Raises
-    ------
-    RunError
-        If the process was ended; ``what`` names it.
-    """
-    import os
-    from concurrent.futures import ProcessPoolExecutor
-    from concurrent.futures.process import BrokenProcessPool
-    from multiprocessing import get_context
-
-    before = {name: os.environ.get(name) for name in THREADS}
-    os.environ.update(dict.fromkeys(THREADS, "1"))
-    try:
-        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-            return pool.submit(work, *arguments).result()
-    except BrokenProcessPool:
-        raise RunError(f"{what}: its process was ended; it may want more memory") from None
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
-
-
-def peak_memory() -> int:
-    """Peak memory of this process in bytes; on Linux not what the process that it was forked from had."""
-    status = Path("/proc/self/status")
-    if status.exists():
-        (line,) = (line for line in status.read_text().splitlines() if line.startswith("VmHWM"))
-        return 1024 * int(line.split()[1])
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak if sys.platform == "darwin" else 1024 * peak
 
 
 def _words(setting: dict) -> str:

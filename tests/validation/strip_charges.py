@@ -23,7 +23,7 @@ from functools import cached_property
 
 import numpy as np
 
-from studies.evidence.peers.plate_response import PlateResponse
+from tests.oracles.fem_plate_response import PlateResponse
 
 __all__ = ["StripCharges"]
 

@@ -1,0 +1,111 @@
+"""Line forces on a stator's bare surface: the motion that they make along the whole stator, with its error.
+
+A force per metre along y acts on the surface at one place, along it or normal to it - the push of a slider's contact,
+or, by reciprocity, a vibrometer: the current into a shorted transducer per newton at a place is the velocity there per
+volt.  The response is that of the row with its transducers, pieces and ends; the transducers' voltages are those
+that the currents which they receive make across their terminations.
+"""
+
+import numpy as np
+
+from fem.circuit import Drive
+from fem.convergence import ConvergenceError
+from fem.discretize.grading import Resolution
+from fem.discretize.refinement import refine_stator
+from fem.geometry import Stator, Transducer, check_layout
+from fem.input_error import InputError
+from fem.results.evaluation import surface_of
+from fem.results.solution import Solution, forced_solution
+from fem.results.surface_wave import SurfaceWave, surface_wave
+from fem.solve.harmonic import motion_difference
+from fem.threads import one_blas_thread
+from fem.waveguide.force import LineForce
+from fem.waveguide.port_fields import solve_ports
+
+
+@one_blas_thread
+def forced_wave(
+    stator: Stator,
+    transducers: tuple[Transducer, ...],
+    forces: tuple[LineForce, ...],
+    *,
+    frequency: float,
+    tolerance: float,
+    drive: str | Drive | None = None,
+    places: tuple[float, ...],
+) -> SurfaceWave:
+    """Surface motion of a stator under line forces, in m; powers in W over the narrowest aperture, or per metre of y.
+
+    Parameters
+    ----------
+    stator : Stator
+    transducers : tuple of Transducer
+        Terminated; there may be none.
+    forces : tuple of LineForce
+        All act together, each with its amplitude.
+    frequency : float
+        Hz.
+    tolerance : float
+        Relative, of the surface motion at ``places``.
+    drive : str or Drive, optional
+        Its sources are silent; their impedances terminate their transducers.
+    places : tuple of float
+        m from the left end, away from the forces: under a line force the motion is infinite.
+
+    Raises
+    ------
+    InputError
+        For a force that does not stand on the bare surface.
+    ConvergenceError
+        If the finest discretisation does not reach the tolerance; what was reached comes with it.
+
+    Examples
+    --------
+    The surface wave far from a normal force is that of the half-space, |u_z| = Gamma F:
+
+    >>> from fem import LineForce, Stator, forced_wave, isotropic, wave_compliance
+    >>> glass = isotropic(name="glass", density=2500.0, youngs_modulus=70e9, poisson_ratio=0.25)
+    >>> block = Stator(solid=glass, length=60e-3, thickness=float("inf"), ends="absorbing")
+    >>> push = LineForce(name="tip", position=5e-3, component="z")
+    >>> wave = forced_wave(block, (), (push,), frequency=2e6, tolerance=1e-3, places=(50e-3,))
+    >>> ratio = abs(wave.motion(50e-3)[1]) / wave_compliance(glass, "open")
+    >>> bool(abs(ratio - 1) < 0.01)
+    True
+    """
+    check_layout(stator, transducers)
+    for name, value, unit in (("tolerance", tolerance, ""), ("frequency", frequency, "Hz")):
+        if not (np.isfinite(value) and value > 0):
+            raise InputError(name, "must be positive and finite", value, unit)
+    if not forces:
+        raise InputError("force", "is missing: at least one must act")
+    for each in forces:
+        if not 0 <= each.position <= stator.length:
+            raise InputError(
+                "force.position",
+                f"must lie on the stator, 0 to {stator.length:g} m",
+                each.position,
+                "m",
+                each.name,
+            )
+    at = np.array(places)
+    amplitudes = np.array([each.amplitude for each in forces])
+
+    def at_level(resolution: Resolution) -> tuple[Solution, np.ndarray]:
+        fields = solve_ports(stator, transducers, frequency=frequency, resolution=resolution, forces=forces)
+        solution = forced_solution(fields, amplitudes, drive)
+        return solution, surface_of(solution).motion(at)
+
+    refined = refine_stator(
+        stator,
+        at_level,
+        differences=lambda fine, coarse: (motion_difference(fine[1], coarse[1]),),
+        tolerance=tolerance,
+    )
+    wave = surface_wave(refined.answer[0], relative_error=refined.errors[0], admittance_error=np.nan)
+    if wave.relative_error > tolerance:
+        raise ConvergenceError(
+            f"the motion under the forces is known to {wave.relative_error:.1e} only, {tolerance:.1e} was asked for: "
+            "ask for less, or at places farther from the forces",
+            reached=wave,
+        )
+    return wave

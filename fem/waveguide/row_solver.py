@@ -1,0 +1,111 @@
+"""The one linear system of a row: waves that leave and arrive at its elements.
+
+An element e of a row - a condensed piece, an end of the stator, a sheet of charges, a P-matrix - answers the waves of
+amplitudes a_e that arrive at it, and its excitation v, by the waves b_e that leave it:
+
+    b_e = S_e a_e + T_e v.                                                                        (1)
+
+What leaves one element arrives at others, P b, beside waves a_0 from outside of the row:
+
+    a = P b + a_0.                                                                                (2)
+
+With S = diag(S_e) and all T_e in one column, (1) and (2) give
+
+    (1 - S P) b = T v + S a_0.                                                                    (3)
+
+The row resonates where an eigenvalue of the coupling M = S P is near 1.  For two elements (3) is the star product of
+their scattering matrices (R. Redheffer, J. Math. Phys. 41, 1962, 1, eq. 4).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass(frozen=True, kw_only=True)
+class Element:
+    """An element of a row: its scattering and the numbers of its waves.
+
+    Attributes
+    ----------
+    scattering : ndarray, shape (leaving, arriving)
+        S_e.
+    excitation : ndarray, shape (leaving, excitations)
+        T_e.
+    leaves, arrives : ndarray of int
+        Numbers, among all waves of the row, of those that leave it and of those that arrive at it.
+    """
+
+    scattering: np.ndarray = field(repr=False)
+    excitation: np.ndarray = field(repr=False)
+    leaves: np.ndarray = field(repr=False)
+    arrives: np.ndarray = field(repr=False)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RowWaves:
+    """Amplitudes of a row for each of its excitations.
+
+    Attributes
+    ----------
+    leaving, arriving : ndarray, shape (waves, excitations)
+        b and a.
+    coupling : ndarray, shape (waves, waves)
+        M = S P: what leaves the elements by what left the ones beside them.
+    """
+
+    leaving: np.ndarray = field(repr=False)
+    arriving: np.ndarray = field(repr=False)
+    coupling: np.ndarray = field(repr=False)
+
+
+def solve_row(
+    elements: Sequence[Element], travel: np.ndarray | None = None, outside: np.ndarray | None = None
+) -> RowWaves:
+    """Solve equation (3).
+
+    Parameters
+    ----------
+    elements : sequence of Element
+        Each wave leaves one of them, or comes from outside alone.
+    travel : ndarray, shape (waves, waves), optional
+        P; without it a wave arrives with the number and the amplitude with which it leaves.
+    outside : ndarray, shape (waves, excitations), optional
+        a_0.
+
+    Examples
+    --------
+    Two mirrors of reflections 0.5 and 0.8 face each other, with a factor 0.9 on the way; the first sends a wave of
+    amplitude 1.  The sum over all round trips is 1 / (1 - 0.5 0.8 0.9^2):
+
+    >>> import numpy as np
+    >>> one, other = (
+    ...     Element(
+    ...         scattering=np.array([[reflection]]),
+    ...         excitation=np.array([[sent]]),
+    ...         leaves=np.array([number]),
+    ...         arrives=np.array([number]),
+    ...     )
+    ...     for number, reflection, sent in ((0, 0.5, 1.0), (1, 0.8, 0.0))
+    ... )
+    >>> waves = solve_row([one, other], travel=0.9 * np.array([[0.0, 1.0], [1.0, 0.0]]))
+    >>> bool(np.isclose(waves.leaving[0, 0], 1 / (1 - 0.5 * 0.8 * 0.9**2)))
+    True
+    """
+    size = sum(len(each.leaves) for each in elements)
+    coupling = np.zeros((size, size), dtype=complex)
+    load = np.zeros((size, elements[0].excitation.shape[1]), dtype=complex)
+    for each in elements:
+        if travel is None:
+            coupling[np.ix_(each.leaves, each.arrives)] = each.scattering
+        else:
+            coupling[each.leaves] = each.scattering @ travel[each.arrives]
+        load[each.leaves] = each.excitation
+        if outside is not None:
+            load[each.leaves] += each.scattering @ outside[each.arrives]
+    leaving = np.linalg.solve(np.eye(size) - coupling, load) if size else load
+    arriving = leaving if travel is None else travel @ leaving
+    if outside is not None:
+        arriving = arriving + outside
+    return RowWaves(leaving=leaving, arriving=arriving, coupling=coupling)

@@ -1,0 +1,155 @@
+r"""A motor followed through every cycle of the wave in fixed steps: what the averaged motor is compared with.
+
+Model: the equations that `contact` solves, without averaging,
+
+    m z_s'' = sum P_i - preload - d_n z_s',   z_i = u_z,i - z_s,   P_i = K z_i^e (1 + chi z_i') where z_i > 0
+    m V'    = sum Q_i - d_t V + F,            x_i' = u_x,i' - V,    |x_i| <= c z_i,   Q_i of Cattaneo and Mindlin
+
+(signs as in `studies.export.reduced_motor`).  u_i = Re(sum_d e_d(t) U_i,d exp(i omega t)): each drive's envelope e_d is
+the step response of the surface under the slider, so that waves grow, fade and overlap as they do.  At time 0 the
+first drive's u_z of the first contact passes zero upwards.
+
+Integration: Verlet's method with the deformation cut to its limit, `STEPS` per cycle of the wave, `STILL_STEPS` per
+period of the contact's fastest ring where there is none.  No code of `contact`'s solvers takes part.  Error against
+`contact.step`: 1e-5 of a step and 5e-3 nm (tests/studies/test_positioning.py).
+"""
+
+import numpy as np
+
+from contact.jit.compiled import compiled
+from studies.export import reduced_motor as model
+from studies.export.averaged_motor import AveragedMotor
+
+STEPS = 800  # per cycle of the wave; 10 um of twente to 0.06 nm, 400: 0.25 nm
+STILL_STEPS = 1000  # per period of the ring; 1e-3 nm beside 4000
+NODES = 8  # of the envelopes per cycle, linear in between
+HEIGHT, CLIMB, SPEED, PLACE, STRAIN = range(5)  # z_s, z_s', V, position; then a deformation for each contact
+
+
+class FollowedMotor:
+    """State of a motor at rest, with the attributes of `studies.export.averaged_motor.MotorState`."""
+
+    def __init__(
+        self, motor: AveragedMotor, *, force: float = 0.0, preload: float | None = None, steps: int = STEPS
+    ):
+        drives, slider = motor.drives, motor.slider
+        self.motor, self.time, self.steps = motor, 0.0, steps
+        self.omega = drives[0].orbits[0].omega
+        start = np.exp(-1j * (0.5 * np.pi + np.angle(drives[0].orbits[0].normal)))
+        self.normal = start * np.array([[each.normal for each in drive.orbits] for drive in drives])
+        self.tangential = start * np.array([[each.tangential for each in drive.orbits] for drive in drives])
+        contacts = len(drives[0].orbits)
+        self.still_step = 1.0 / (
+            STILL_STEPS * max(slider.normal_resonance(contacts), slider.tangential_resonance(contacts))
+        )
+        self.changes: list[list[tuple[float, float]]] = [[] for _ in drives]  # (time, change of the level)
+        self.levels = [0.0] * len(drives)
+        begun = motor.start(force=force, preload=preload)
+        strain = np.full(contacts, begun.deformation)
+        self.state = np.concatenate([[-begun.numbers[model.APPROACH], 0.0, 0.0, 0.0], strain])
+
+    position = property(lambda self: float(self.state[PLACE]))
+    velocity = property(lambda self: float(self.state[SPEED]))
+    deformation = property(lambda self: float(np.mean(self.state[STRAIN:])))
+
+    def advance(
+        self, duration: float, level: float, *, force: float = 0.0, preload: float | None = None
+    ) -> None:
+        """Move on by a duration in s under constant inputs, as `MotorState.advance`."""
+        if duration <= 0.0:
+            return
+        motor, p = self.motor, self.motor.parameters
+        for drive, new in enumerate((level, -level)[: len(motor.drives)]):
+            change = max(new, 0.0) - self.levels[drive]
+            if change:
+                self.changes[drive].append((self.time, change))
+                self.levels[drive] = max(new, 0.0)
+        count = max(2, 1 + round(NODES * duration * self.omega / (2.0 * np.pi)))
+        at = self.time + np.linspace(0.0, duration, count)
+        envelopes = np.array([self._envelope(drive, at) for drive in range(len(motor.drives))])
+        waves = np.any(envelopes, axis=1)
+        longest = 2.0 * np.pi / (self.omega * self.steps) if np.any(waves) else self.still_step
+        given = motor.preload if preload is None else preload
+        follow(
+            p, self.state, self.normal[waves], self.tangential[waves], envelopes[waves], self.omega, self.time,
+            np.array([duration, longest, force / motor.share, given / motor.share]),
+        )  # fmt: skip
+        self.time += duration
+
+    def _envelope(self, drive: int, at: np.ndarray) -> np.ndarray:
+        """Return the factor on a drive's orbits at some times, no earlier than now."""
+        response, step = self.motor.drives[drive].response, self.motor.drives[drive].response_step
+        if response is None:
+            return np.full(at.size, self.levels[drive], complex)
+        total, kept = np.zeros(at.size, complex), []
+        settled = self.levels[drive] - sum(change for _, change in self.changes[drive])
+        nodes = step * np.arange(len(response))
+        for time, change in self.changes[drive]:
+            if at[0] - time >= nodes[-1]:
+                settled += change
+            else:
+                total += change * np.interp(at - time, nodes, response)
+                kept.append((time, change))
+        self.changes[drive] = kept
+        return total + (settled if kept else self.levels[drive])
+
+
+@compiled
+def follow(p, state, normal, tangential, envelopes, omega, time, given):
+    """Move a state on; `given`: duration and longest step in s, force along +x and preload in N."""
+    duration, longest, force, preload = given
+    steps = int(np.ceil(duration / longest * (1.0 - 1e-12)))
+    h = duration / steps
+    drives, contacts = normal.shape
+    nodes = envelopes.shape[1]
+    stiffness, exponent = p[model.STIFFNESS] / contacts, p[model.EXPONENT]
+    mass, friction, c = p[model.MASS], p[model.FRICTION], p[model.LIMIT_SLOPE]
+    before = np.zeros((4, contacts))  # approach, u_x and the rates of approach and deformation a step ago
+    push, pull = 0.0, 0.0
+    phase, turn = np.exp(1j * omega * time), np.exp(1j * omega * h)
+    for k in range(steps + 1):
+        at = k * (nodes - 1) / steps
+        node = min(int(at), nodes - 2)
+        if k > 0:
+            phase *= turn
+            state[CLIMB] += 0.5 * h * push
+            state[SPEED] += 0.5 * h * pull
+            state[HEIGHT] += h * state[CLIMB]
+            state[PLACE] += h * state[SPEED]
+        total, drag = 0.0, 0.0
+        for i in range(contacts):
+            u_z, u_x, rate_z, rate_x = 0.0, 0.0, -state[CLIMB], -state[SPEED]
+            for d in range(drives):
+                e = phase * (envelopes[d, node] + (at - node) * (envelopes[d, node + 1] - envelopes[d, node]))
+                z_part, x_part = e * normal[d, i], e * tangential[d, i]
+                u_z += z_part.real
+                u_x += x_part.real
+                rate_z -= omega * z_part.imag
+                rate_x -= omega * x_part.imag
+            z, z_old = u_z - state[HEIGHT], before[0, i]
+            x = state[STRAIN + i]
+            if k > 0:
+                moved = u_x - before[1, i] - h * state[SPEED]
+                if z_old <= 0.0:  # contact begins within the step
+                    x += moved * max(z, 0.0) / (z - z_old) if z > z_old else 0.0
+                elif abs(x) < c * z_old:
+                    x += moved
+                else:  # it slipped: where its speed of slip changes sign within the step, it sticks from there on
+                    side = 1.0 if x > 0.0 else -1.0
+                    first, last = side * before[3, i] - c * before[2, i], side * rate_x - c * rate_z
+                    x += moved
+                    if first > 0.0 > last:
+                        x -= side * 0.5 * h * first * first / (first - last)
+            x = min(max(x, -c * z), c * z) if z > 0.0 else 0.0
+            if z > 0.0:
+                load = stiffness * model.power(z, exponent)
+                total += load * (1.0 + p[model.CONTACT_DAMPING] * rate_z)
+                if x != 0.0:
+                    drag += friction * load * model.spring_share(x / (c * z), exponent)
+            state[STRAIN + i] = x
+            before[0, i], before[1, i], before[2, i], before[3, i] = z, u_x, rate_z, rate_x
+        push = (total - preload - p[model.NORMAL_DAMPING] * state[CLIMB]) / mass
+        pull = (drag + force - p[model.TANGENTIAL_DAMPING] * state[SPEED]) / mass
+        if k > 0:
+            state[CLIMB] += 0.5 * h * push
+            state[SPEED] += 0.5 * h * pull

@@ -1,0 +1,133 @@
+"""Line forces in a row: reciprocity with voltages, power, pieces that are not there, and the half-space's Gamma."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem.analytic.wave_compliance import wave_compliance
+from fem.discretize.grading import Resolution
+from fem.input_error import InputError
+from fem.mesh.piece import MeshPiece
+from fem.mesh.section_mesh import read_mesh
+from fem.results.evaluation import surface_of
+from fem.results.power_balance import power_balance
+from fem.results.solution import driven_solution, forced_solution
+from fem.solve.forced import forced_wave
+from fem.waveguide.force import LineForce, force_response
+from fem.waveguide.port_fields import solve_ports
+from tests.fem.drawings import rectangle
+from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate
+
+LEVEL = Resolution(order=6, edge_layers=1)
+
+
+def forces_at(stator, *places):
+    """Forces in turn along z and x; places in wavelengths."""
+    unit = stator.thickness / 0.8
+    return tuple(
+        LineForce(name=f"f{k}", position=place * unit, component="zx"[k % 2])
+        for k, place in enumerate(places)
+    )
+
+
+def fields_of(stator, forces, row=None):
+    row = row or (comb(stator, "a", 2.0, finger_pairs=2), comb(stator, "b", 6.5, termination=200.0 - 80.0j))
+    return solve_ports(stator, row, frequency=FREQUENCY, resolution=LEVEL, forces=forces)
+
+
+ROWS = (
+    (cut("PZT-8", "Z", quality=150.0), {"ends": "free", "bottom": "grounded"}),
+    (cut("PZT-8", "Z", quality=150.0), {"ends": "clamped"}),
+    (cut("PZT-8", "Z"), {}),
+    (cut("LiNbO3 (Kovacs)", "128YX", quality=400.0), {"bottom": "absorbing"}),
+)
+
+
+@pytest.mark.parametrize(("solid", "rest"), ROWS)
+def test_forces_and_voltages_answer_each_other(solid, rest):
+    """The velocity at a place per volt is the current per newton; forces are reciprocal too.
+
+    Both follow from different columns of the row: Y^T = Y for voltages, and Maxwell-Betti.
+    """
+    stator = plate(solid, length=9.0, **rest)
+    forces = forces_at(stator, 0.2, 0.7, 4.2, 4.3, 8.6)
+    fields = fields_of(stator, forces)
+    width, ports = 0.02, len(fields.names)
+    velocity = 2j * np.pi * FREQUENCY * fields.displacements[:, :ports] * width
+    assert abs(velocity - fields.received.T).max() < 1e-9 * abs(velocity).max()
+    among = fields.displacements[:, ports:]
+    assert abs(among - among.T).max() < 1e-9 * abs(among).max()
+    motion = surface_of(driven_solution(fields, "a")).motion(np.array([each.position for each in forces]))
+    weights = driven_solution(fields, "a").weights
+    moved = fields.displacements @ weights
+    expected = np.array([motion["xz".index(each.component), k] for k, each in enumerate(forces)])
+    assert abs(moved - expected).max() < 1e-10 * abs(expected).max()
+
+
+@pytest.mark.parametrize(("solid", "rest"), ROWS)
+def test_the_power_of_forces_balances(solid, rest):
+    stator = plate(solid, length=9.0, **rest)
+    fields = fields_of(stator, forces_at(stator, 0.3, 4.2, 8.6))
+    solved = forced_solution(fields, np.array([1.0, 0.4j, -0.7]), "a")
+    balance = power_balance(solved)
+    assert balance.loads == pytest.approx(0.5 * 200.0 * abs(solved.circuit.currents[1]) ** 2, rel=1e-9)
+    assert balance.residual < 1e-9
+    assert balance.input > 0
+    assert balance.input == pytest.approx(balance.solid + balance.loads + balance.radiated, rel=1e-9)
+
+
+def test_a_bare_stator_answers_as_a_segment_without_end():
+    """Absorbing ends and no pieces: the motion is that of the plain segment, on both sides of each of two forces."""
+    stator = plate(cut("PZT-8", "Z"), length=6.0)
+    forces = forces_at(stator, 2.0, 3.1)
+    fields = solve_ports(stator, (), frequency=FREQUENCY, resolution=LEVEL, forces=forces)
+    x = np.linspace(0.1, 5.9, 40) * stator.thickness / 0.8
+    for k, each in enumerate(forces):
+        found = surface_of(forced_solution(fields, np.eye(2)[k])).motion(x)
+        exact = np.array(
+            [force_response(fields.modes, each.component).motion(at - each.position) for at in x]
+        )
+        assert abs(found - exact.T).max() < 1e-11 * abs(exact).max()
+
+
+def test_a_plain_mesh_beside_a_force_changes_nothing(tmp_path):
+    """The force's near field passes a meshed plain stretch as it passes the segment."""
+    stator = plate(cut("PZT-4", "Z", quality=300.0), length=9.0)
+    unit = stator.thickness / 0.8
+    mesh = read_mesh(rectangle(tmp_path / "plain.msh", 0.7, 0.8, size=0.35), unit)
+    meshed = replace(stator, pieces=(MeshPiece(name="p", mesh=mesh, position=3.5 * unit),))
+    force = forces_at(stator, 3.3)
+    row = (comb(stator, "a", 7.0),)
+    x = np.array([0.2, 1.9, 3.2, 3.4, 4.5, 5.0, 8.7]) * unit
+    level = Resolution(order=8, edge_layers=2)
+    motions = []
+    for each in (stator, meshed):
+        fields = solve_ports(each, row, frequency=FREQUENCY, resolution=level, forces=force)
+        solved = forced_solution(fields, np.ones(1))
+        motions.append(surface_of(solved).motion(x))
+        assert power_balance(solved).residual < 1e-9
+    assert abs(motions[1] - motions[0]).max() < 1e-6 * abs(motions[0]).max()
+
+
+def test_the_surface_wave_between_reflecting_transducers_is_gamma():
+    """Behind absorbing ends, far away: |u_z| = Gamma F; with an open transducer beside the force it is not."""
+    solid = lossless("PZT-8", "Z")
+    stator = replace(plate(solid, length=30.0), thickness=np.inf)
+    unit = plate(solid).thickness / 0.8
+    force = LineForce(name="f", position=10.0 * unit, component="z")
+    given = {"frequency": FREQUENCY, "tolerance": 1e-3, "places": (25.0 * unit,)}
+    alone = forced_wave(stator, (), (force,), **given)
+    expected = wave_compliance(solid, "open")
+    assert abs(alone.rayleigh_motion(25.0 * unit)[1]) == pytest.approx(expected, rel=1e-4)
+    row = (comb(stator, "t", 5.0, finger_pairs=4, period=2.0, termination="open"),)
+    beside = forced_wave(stator, row, (replace(force, amplitude=2.0),), **given)
+    assert abs(abs(beside.rayleigh_motion(25.0 * unit)[1]) / expected / 2 - 1) > 1e-3
+
+
+def test_a_force_under_a_transducer_is_refused():
+    stator = plate(cut("PZT-8", "Z"), length=9.0)
+    with pytest.raises(InputError, match=r"force 'f0'.position must lie on the bare surface"):
+        fields_of(stator, forces_at(stator, 2.0))
+    with pytest.raises(InputError, match="component must be x or z"):
+        LineForce(name="f", position=0.0, component="y")
