@@ -44,14 +44,17 @@ TWIN_SHARE, TWIN_DISTANCE = (
 # A wave whose power goes to one side while its lateral phase goes to the other grows along the contour, by the tangent of
 # its power's angle: up to STEEPEST it is kept, besides a growth by the layer's error, over the surface wave's wavenumber
 STEEPEST, GROWTH = 1.0, 1e-3
-COARSER = 1.6  # spacing of the rule: 2e-5
+PARITY_SHARE = 0.03  # where x -> -x is a symmetry, and the modes cost a quarter
+COARSER = (1.6, 1.25)  # spacing of the rule, 2e-5, and from FINE_LEVEL on, 1e-6
+FINE_LEVEL = 2
 # Wave vectors of the reduced basis: directions over a half circle, sizes over the surface wave's, and their angle in
 # the complex plane, rad, which keeps them from the modes of a body without loss
 DIRECTIONS, SIZES, TILT = 7, (0.02, 1.2), 0.05
 ORDER, LAYER = 7, 2  # least resolution of the section
 DEPTH = 0.5  # wavelengths of the half-space above its absorbing layer; 2 change the motion by less than 1e-4
-SINGULAR = 1e-4  # least singular value, over the largest, of a field that is kept
-ACCURACY, TRIALS = 1e-3, 5  # of the basis, in the response at wave vectors between those that made it
+# Least singular value, over the largest, of a field that is kept, by the section's level; the response between the wave
+# vectors that made the basis must err by less than ten times as much
+SINGULAR, TRIALS = (1e-4, 1e-4, 2e-5, 4e-6, 8e-7, 1e-7), 5
 MOST = 0.8  # of the section's unknowns, from which on the basis is taken as it is
 
 
@@ -83,6 +86,8 @@ class CutSource:
         Hz.
     wavenumber : float
         Of the surface wave at k_y = 0, rad/m.
+    level : int
+        Of refinement, of the stator's section.
     surface_only : bool
         Whether the surface wave alone is wanted.
     static : float
@@ -93,9 +98,15 @@ class CutSource:
     reduced: "_Reduced" = field(repr=False)
     frequency: float
     wavenumber: float
+    level: int
     surface_only: bool = False
     static: float = 0.0
     _spectra: dict = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def error(self) -> float:
+        """Of the reduced basis, relative."""
+        return self.reduced.error
 
     @property
     def surface_mode(self) -> "CutSource":
@@ -114,7 +125,8 @@ class CutSource:
         """Waves to both sides at the nodes of a rule that serves points up to ``reach``."""
         rounded = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # so that few rules are needed
         fade = tuple(each * self.wavenumber for each in FADE)
-        coarser = 1.0 if self.section.floating_potential else COARSER  # u_x depends on |k_y| there
+        # u_x depends on |k_y| where the potential floats
+        coarser = 1.0 if self.section.floating_potential else COARSER[self.level >= FINE_LEVEL]
         rule = lateral_rule(self.wavenumber, rounded, fade, mirror_width, coarser=coarser)
         yield from self._lasting(rule, distance)
 
@@ -229,6 +241,7 @@ class _Reduced(NamedTuple):
     matrices: _Polynomials
     surface: np.ndarray  # (4, r): u_x, u_y, u_z and phi at the surface
     odd: np.ndarray | None  # (r,): parity of the columns under x -> -x, where that is a symmetry
+    error: float  # of the response at wave vectors between those that made the basis, relative
 
     def response(self, along: complex, lateral: complex) -> np.ndarray:
         """Fields at the surface of loads there, (4, 4)."""
@@ -251,7 +264,7 @@ class _Reduced(NamedTuple):
         return k, self.basis @ shapes, left, -np.imag(np.sum(flux * shapes.conj(), axis=0))
 
 
-def _reduced(section: Section, frequency: float, wavenumber: float) -> _Reduced:
+def _reduced(section: Section, frequency: float, wavenumber: float, singular: float) -> _Reduced:
     """The section on the fields of loads on its surface, at wave vectors of a disc.
 
     More take part until the response between them is that of the section.
@@ -260,12 +273,12 @@ def _reduced(section: Section, frequency: float, wavenumber: float) -> _Reduced:
     loads, odd = np.eye(section.size)[:, surface], section.lateral_odd
     groups = [np.ones(section.size, dtype=bool)] if odd is None else [odd, ~odd]
     scale = wavenumber * np.exp(1j * TILT)
+    if odd is not None:
+        singular *= PARITY_SHARE
 
     def vector(size: float, angle: float) -> tuple[complex, complex]:
         return size * scale * np.cos(angle) * section.length_unit, size * scale * np.sin(angle)
 
-    if section.floating_potential:
-        seen.append(section.constant_potential[:, None])
     trials = np.random.default_rng(0).uniform([SIZES[0], 0], [SIZES[1], np.pi], (TRIALS, 2))
     count = int(np.ceil(3 + np.ptp(section.breakpoints)))
     while True:
@@ -275,25 +288,31 @@ def _reduced(section: Section, frequency: float, wavenumber: float) -> _Reduced:
                 found = np.linalg.solve(whole.operator(*vector(size, angle)), loads)
                 found /= abs(found).max(axis=0)
                 seen += [found.real, found.imag]
-        fields = np.hstack(seen)
-        columns = [_singular_vectors(fields, group) for group in groups]
+        columns = [_singular_vectors(np.hstack(seen), group, section, singular) for group in groups]
         basis = np.hstack(columns)
         parity = None if odd is None else np.arange(basis.shape[1]) < columns[0].shape[1]
-        reduced = _Reduced(basis, whole.projected(basis), basis[surface], parity)
+        reduced = _Reduced(basis, whole.projected(basis), basis[surface], parity, np.inf)
         missed = 0.0
         for trial in trials:
             true = np.linalg.solve(whole.operator(*vector(*trial)), loads)[surface]
             off = abs(reduced.response(*vector(*trial)) - true).max(axis=0) / abs(true).max(axis=0)
             missed = max(missed, float(off.max()))
-        if missed < ACCURACY or basis.shape[1] > MOST * section.size:
-            return reduced
+        if missed < 10 * singular or basis.shape[1] > MOST * section.size:
+            return reduced._replace(error=missed)
         count *= 2
 
 
-def _singular_vectors(fields: np.ndarray, group: np.ndarray) -> np.ndarray:
-    """Orthonormal vectors that span the fields in columns as far as they count, in a group of their unknowns."""
-    vectors, values, _ = np.linalg.svd(np.linalg.qr(fields[group].T, mode="r").T, full_matrices=False)
-    kept = vectors[:, values > SINGULAR * values[0]]
+def _singular_vectors(fields: np.ndarray, group: np.ndarray, section: Section, singular: float) -> np.ndarray:
+    """Orthonormal vectors that span the fields in columns as far as they count, in a group of their unknowns.
+
+    A floating potential that is constant, which is a mode at k = 0, is one of them.
+    """
+    own, exact = fields[group], section.constant_potential[group, None] * section.floating_potential
+    exact = exact[:, np.any(exact, axis=0)]
+    exact = exact / np.linalg.norm(exact, axis=0)
+    own = own - exact @ (exact.T @ own)
+    vectors, values, _ = np.linalg.svd(np.linalg.qr(own.T, mode="r").T, full_matrices=False)
+    kept = np.hstack([exact, vectors[:, values > singular * values[0]]])
     out = np.zeros((len(fields), kept.shape[1]))
     out[group] = kept
     return out
@@ -315,7 +334,8 @@ def cut_source(fields: PortFields) -> CutSource:
     wavenumber = float(np.mean(modes.wavenumbers[modes.rayleigh].real) / modes.section.length_unit)
     return CutSource(
         section=section,
-        reduced=_reduced(section, modes.frequency, wavenumber),
+        reduced=_reduced(section, modes.frequency, wavenumber, SINGULAR[given.absorber]),
         frequency=modes.frequency,
         wavenumber=wavenumber,
+        level=given.absorber,
     )

@@ -83,6 +83,7 @@ class LineSource:
     potential: np.ndarray = field(repr=False)
     static: complex
     slope: complex
+    error: float = 0.0  # of the modes at other lateral wavenumbers
 
     @property
     def surface_mode(self) -> "LineSource":

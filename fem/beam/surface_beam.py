@@ -133,7 +133,8 @@ class SurfaceBeam:
         places, where = np.unique(np.broadcast_to(x, size.shape), return_inverse=True)
         of_places = (self.wave.motion(places), self._beyond_the_modes(places))
         section, left_out = (abs(each).max(axis=0)[where.reshape(size.shape)] for each in of_places)
-        return fine, rule + (np.maximum(size, section) * self.wave.relative_error + left_out) / size
+        relative = self.wave.relative_error + self.source.error
+        return fine, rule + (np.maximum(size, section) * relative + left_out) / size
 
     @property
     def length(self) -> float:
