@@ -34,6 +34,7 @@ FADE = (
     0.8,
     1.0,
 )  # of the surface wave's wavenumber: lateral wavenumbers between which the integral fades out
+NARROWER = 0.8  # times both: what that changes bounds what leaves still more obliquely
 NEARLY_ZERO = 1e-5  # of the same: k_y in the place of 0, which makes the constant potential a double root
 NEARLY_REAL = 0.3  # |Im k| / |Re k| below which a mode's power flux tells its direction
 NEAR = 0.02  # relative distance of k at which a mode's localisation counts half
@@ -41,10 +42,10 @@ TWIN_SHARE, TWIN_DISTANCE = (
     0.4,
     0.03,
 )  # localisation and k, relative, of a second mode of the surface wave in a plate
-# A wave whose power goes to one side while its lateral phase goes to the other grows along the contour, by the tangent of
-# its power's angle: up to STEEPEST it is kept, besides a growth by the layer's error, over the surface wave's wavenumber
+# A wave whose power goes to one side while its lateral phase goes to the other grows along the contour by the tangent
+# of its power's angle; it is kept up to STEEPEST, and a growth by the layer's error over the surface wave's wavenumber
 STEEPEST, GROWTH = 1.0, 1e-3
-PARITY_SHARE = 0.03  # where x -> -x is a symmetry, and the modes cost a quarter
+PARITY_SHARE = 0.1  # where x -> -x is a symmetry, and the modes cost a quarter
 COARSER = (1.6, 1.25)  # spacing of the rule, 2e-5, and from FINE_LEVEL on, 1e-6
 FINE_LEVEL = 2
 # Wave vectors of the reduced basis: directions over a half circle, sizes over the surface wave's, and their angle in
@@ -54,7 +55,7 @@ ORDER, LAYER = 7, 2  # least resolution of the section
 DEPTH = 0.5  # wavelengths of the half-space above its absorbing layer; 2 change the motion by less than 1e-4
 # Least singular value, over the largest, of a field that is kept, by the section's level; the response between the wave
 # vectors that made the basis must err by less than ten times as much
-SINGULAR, TRIALS = (1e-4, 1e-4, 2e-5, 4e-6, 8e-7, 1e-7), 5
+SINGULAR, TRIALS = (5e-5, 5e-5, 2e-5, 4e-6, 8e-7, 1e-7), 5
 MOST = 0.8  # of the section's unknowns, from which on the basis is taken as it is
 
 
@@ -127,7 +128,8 @@ class CutSource:
         fade = tuple(each * self.wavenumber for each in FADE)
         # u_x depends on |k_y| where the potential floats
         coarser = 1.0 if self.section.floating_potential else COARSER[self.level >= FINE_LEVEL]
-        rule = lateral_rule(self.wavenumber, rounded, fade, mirror_width, coarser=coarser)
+        narrow = tuple(NARROWER * each for each in fade)
+        rule = lateral_rule(self.wavenumber, rounded, fade, mirror_width, coarser=coarser, narrow=narrow)
         yield from self._lasting(rule, distance)
 
     def plane(self, _resolved: float) -> Iterator[Branch]:

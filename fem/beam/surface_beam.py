@@ -110,12 +110,13 @@ class SurfaceBeam:
         BeamError
             Outside the stator.
         """
-        return self._both_rules(x, y)[0]
+        return self._by_rules(x, y)[0]
 
     def relative_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
         """Estimate of the error over max(|u_x|, |u_z|) at each point: the integral's, the section's, the modes'.
 
-        The integral's follows from half as many nodes.  The section's error is relative to the section's amplitude,
+        The integral's follows from half as many nodes and, in cuts whose integral ends before all waves are evanescent
+        along x, from what an earlier end changes.  The section's error is relative to the section's amplitude,
         which interference may make larger than the beam's.  The modes' is what their sum at k_y = 0 leaves of the
         section's motion; nearer than a wavelength to the fingers the field contains it as far as the aperture goes.
         """
@@ -123,18 +124,19 @@ class SurfaceBeam:
 
     def motion_and_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0):
         """`motion` and `relative_error` at once."""
-        fine, coarse = self._both_rules(x, y)
+        fine, coarse, narrow = self._by_rules(x, y)
         size = abs(fine[[0, 2]]).max(axis=0)
         largest = float(size.max())
         rule = (abs(fine - coarse).max(axis=0) / largest) ** RULE_GAIN * largest / size
+        rule = rule + abs(fine - narrow).max(axis=0) / size
         if self.faces is not None:  # whose static part depends on |k_y|
             static = self._returned(*(each.ravel() for each in np.broadcast_arrays(x, y)), self.faces.static)
             rule = rule + abs(static[0, 0]).reshape(size.shape) / size
         places, where = np.unique(np.broadcast_to(x, size.shape), return_inverse=True)
         of_places = (self.wave.motion(places), self._beyond_the_modes(places))
         section, left_out = (abs(each).max(axis=0)[where.reshape(size.shape)] for each in of_places)
-        relative = self.wave.relative_error + self.source.error
-        return fine, rule + (np.maximum(size, section) * relative + left_out) / size
+        left_out = np.maximum(left_out, self.source.error * section)
+        return fine, rule + (np.maximum(size, section) * self.wave.relative_error + left_out) / size
 
     @property
     def length(self) -> float:
@@ -213,13 +215,14 @@ class SurfaceBeam:
     def _section_charges(self) -> tuple[ElectrodeCharges, ...]:
         return _charges_of(self.wave.solution)
 
-    def _both_rules(self, x, y) -> tuple[np.ndarray, np.ndarray]:
+    def _by_rules(self, x, y) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Motion by the rule, by half its nodes, and by one that ends at smaller lateral wavenumbers."""
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         shape, x, y = x.shape, x.ravel(), y.ravel()
         self._refuse(x, y)
         distance = self._distances(x)
         group = np.searchsorted(np.divide(GROUPS, GROUPS[0]) * self._resolved, distance)
-        total = np.empty((2, 3, len(x)), dtype=complex)
+        total = np.empty((3, 3, len(x)), dtype=complex)
         for number in set(group.tolist()):
             some = group == number
             total[..., some] = self._modal(x[some], y[some], float(distance[some].min()))
@@ -229,7 +232,7 @@ class SurfaceBeam:
             total += self._static(x, y)
         if self.faces is not None:
             total += self._returned(x, y, self.faces.wanted)
-        return tuple(total.reshape(2, 3, *shape))
+        return tuple(total.reshape(3, 3, *shape))
 
     def _refuse(self, x, y):
         if not np.all((x >= 0) & (x <= self.wave.length)):
@@ -239,10 +242,10 @@ class SurfaceBeam:
             raise BeamError(f"y must be finite and lie between the side faces, +-{limit:g} m")
 
     def _modal(self, x, y, distance: float) -> np.ndarray:
-        """Sum of the modes at points that are at least a distance from all charges, by both rules, (2, 3, points)."""
+        """Sum of the modes at points that are at least a distance from all charges, by all rules, (3, 3, points)."""
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
-        total = np.zeros((2, 3, len(x)), dtype=complex)
+        total = np.zeros((3, 3, len(x)), dtype=complex)
         for branch in self.source.branches(self._reach(y), distance, self._resolved, self.mirror_width):
             total += self._inverse(
                 branch,
@@ -254,7 +257,7 @@ class SurfaceBeam:
         return total
 
     def _returned(self, x, y, modes) -> np.ndarray:
-        """What the faces send back in some modes, by both rules, (2, 3, points)."""
+        """What the faces send back in some modes, by all rules, (3, 3, points)."""
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
         found = self.faces.returned(self._reach(y), _sources(self._sheets), self.mirror_width)
@@ -268,29 +271,34 @@ class SurfaceBeam:
         return float((abs(spans) + np.divide(self.apertures, 2)).max())
 
     def _inverse(self, waves, sent_by, lines, column, row) -> np.ndarray:
-        """Fields at points (``column`` of the places, ``row`` of the lines y) of waves, by both rules, (2, 3, points).
+        """Fields at points (``column`` of the places, ``row`` of the lines y) of waves, by all rules, (3, 3, points).
 
         ``sent_by``: spectra of u at the places, (places, 3, n), from those of the apertures, (transducers, n).
         """
         count, sent = len(column), None
         lateral, weights = waves.rule.nodes, waves.rule.weights / 2
+        narrow = None if np.all(waves.rule.share == 1.0) else weights * waves.rule.share
         lengths, centers = (
             np.array([getattr(each, name) for each in self._sheets]) for name in ("length", "center")
         )
         uniform = lengths[:, None] * np.sinc(np.outer(lengths, lateral / (2 * np.pi)))
-        total = np.zeros((2, 3, count), dtype=complex)
+        total = np.zeros((3, 3, count), dtype=complex)
         for sign, factors in waves.signs:
             if sent is None or centers.any():
                 sent = sent_by(uniform * np.exp(1j * sign * np.outer(centers, lateral)))
             phases = np.exp(-1j * sign * np.outer(lateral, lines))
-            for coarse, step in ((0, 1), (1, 1 if self.mirror_width is not None else 2)):
-                weighted = factors[:, None] * sent[..., ::step] * (step * weights[::step])
+            half = 1 if self.mirror_width is not None else 2
+            for rule, step, own in ((0, 1, weights), (1, half, half * weights), (2, 1, narrow)):
+                if own is None:
+                    total[rule] = total[0]
+                    continue
+                weighted = factors[:, None] * sent[..., ::step] * own[::step]
                 if len(sent) * len(lines) <= FULL_GRID * count:
-                    total[coarse] += (weighted @ phases[::step])[column, :, row].T
+                    total[rule] += (weighted @ phases[::step])[column, :, row].T
                 else:
                     for start in range(0, count, CHUNK):
                         some = slice(start, start + CHUNK)
-                        total[coarse][:, some] += np.einsum(
+                        total[rule][:, some] += np.einsum(
                             "pcn,np->cp", weighted[column[some]], phases[::step, row[some]]
                         )
         return total

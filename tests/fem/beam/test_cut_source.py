@@ -51,7 +51,10 @@ CUTS = {
 def test_response_of_the_reduced_basis(name):
     """Fields at the surface of loads there, at wave vectors of its own disc, against the whole section."""
     source = beam_in(lossless(*CUTS[name]), thickness=np.inf, length=14.0, pairs=1, order=5).source
-    whole, surface = _Polynomials.of(source.section, source.frequency, source.wavenumber), _surface(source.section)
+    whole, surface = (
+        _Polynomials.of(source.section, source.frequency, source.wavenumber),
+        _surface(source.section),
+    )
     loads = np.eye(source.section.size)[:, surface]
     for along, lateral in ((0.93, 0.2), (-0.4, 0.7), (0.1, 0.03)):
         k = source.wavenumber * np.array([along * source.section.length_unit, lateral]) * (1 + 0.07j)
