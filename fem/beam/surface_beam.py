@@ -44,7 +44,6 @@ GROUPS = (
 )  # wavelengths from the charges between which points share a rule; nothing nearer is resolved in y
 # of the difference to fewer steps along the fingers that is left; 0.2 to 0.4 seen (test_finger_ends.py)
 COARSER_SHARE = 0.5
-RULE_GAIN = 1.5  # power of the coarse rule's error that bounds the fine one's; 1.8 measured, 2 in theory
 CHUNK = 2000  # points at a time whose distances to all fingers, or whose spectra, are tabulated
 FULL_GRID = 4  # points of the grid of all x and y per point asked for, up to which the whole grid is computed
 SAME_STEP = 1e-15  # m: steps from node to node that differ by less share their phases
@@ -127,7 +126,7 @@ class SurfaceBeam:
         fine, coarse, narrow = self._by_rules(x, y)
         size = abs(fine[[0, 2]]).max(axis=0)
         largest = float(size.max())
-        rule = (abs(fine - coarse).max(axis=0) / largest) ** RULE_GAIN * largest / size
+        rule = (abs(fine - coarse).max(axis=0) / largest) ** self.source.rule_gain * largest / size
         rule = rule + abs(fine - narrow).max(axis=0) / size
         if self.faces is not None:  # whose static part depends on |k_y|
             static = self._returned(*(each.ravel() for each in np.broadcast_arrays(x, y)), self.faces.static)
