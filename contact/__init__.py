@@ -13,7 +13,7 @@ _PUBLIC = {
     "answers.load_line": "blocked_thrust load_line LoadLine mean_traction stall",
     "answers.steady": "steady SteadyState",
     "answers.steps": "cycles_for Step step",
-    "answers.sweep": "mean_motion MeanMotion steady_sweep",
+    "averaged.sweep": "mean_motion MeanMotion steady_sweep",
     "answers.thresholds": "release release_amplitude release_factor threshold threshold_amplitude threshold_factor",
     "answers.transient": "burst Trajectory",
     "answers.waveforms": "contact_history History",
@@ -28,7 +28,7 @@ _PUBLIC = {
     "law.user": "UserLaw",
     "orbit": "Orbit",
     "slider": "Slider",
-    "solve.riding": "mean_load riding_height",
+    "averaged.riding": "mean_load riding_height",
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names.split()}
 __all__ = sorted(_HOME)

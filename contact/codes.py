@@ -30,7 +30,7 @@ class Regime(IntEnum):
 
 
 class Event(IntEnum):
-    """Kind of an event, and its place in the tally; between GRAZE and WIPE_OUT stand the figures of the work."""
+    """Kind of an event, and its place in the tally of a run."""
 
     CONTACT = 0
     RELEASE = 1
@@ -39,6 +39,25 @@ class Event(IntEnum):
     REVERSAL = 4
     GRAZE = 5
     WIPE_OUT = 11  # a piece of memory
+
+
+class Count(IntEnum):
+    """Places of the work in the same tally."""
+
+    SEGMENTS = 6
+    HALVINGS = 7
+    SWEEPS = 8
+    CYCLES = 9
+    CHATTER = 10  # events at one instant beyond one per contact
+
+
+class Outcome(IntEnum):
+    """What became of an attempt at a segment."""
+
+    ACCEPTED = 0
+    TOO_ROUGH = 1
+    NOT_CONVERGED = 2
+    EVENT_AT_START = 3
 
 
 class Slips(IntEnum):

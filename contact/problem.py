@@ -5,26 +5,21 @@ m omega^2 ell. With approach zeta_i:
 
     z_s'' = sum kappa p(zeta_i) (1 + chi zeta_i') - d_n z_s' - p,    v' = sum Q_i - d_t v - q,
 
-with p(zeta) the load of `law.normal` and zeta_i of `kinematics`.
+with p(zeta) the load of `law.normal` and zeta_i of `body`.
 """
 
 import math
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
 
+from contact.body import Paths
 from contact.jit.compiled import compiled, formula
-from contact.kinematics import Paths
 from contact.law import normal
 from contact.law.protocol import Law
 from contact.orbit import Orbit
 from contact.slider import Slider
-
-# columns of `Problem.row`
-STIFFNESS, CONTACT_DAMPING, NORMAL_DAMPING, PRELOAD, TANGENTIAL_DAMPING, LOAD, FRICTION, LIMIT_SLOPE = range(
-    8
-)
-STICK_BAND, LONGEST, SHAPE, LENGTH, OMEGA = range(8, 13)
 
 
 class Problem(NamedTuple):
@@ -66,16 +61,18 @@ class Problem(NamedTuple):
     @property
     def row(self) -> np.ndarray:
         """The numbers that `from_row` takes, as an array."""
-        return np.array([*self[:11], self.length, self.omega], float)
+        return np.array([*self[:SHAPE], self.shape, self.length, self.omega], float)
+
+
+SHAPE = Problem._fields.index("shape")  # the first that is not a plain number
 
 
 @compiled
 def from_row(row, paths, law):
     """Return the problem with these numbers (`Problem.row`), paths and law."""
     return Problem(
-        row[STIFFNESS], row[CONTACT_DAMPING], row[NORMAL_DAMPING], row[PRELOAD], row[TANGENTIAL_DAMPING], row[LOAD],
-        row[FRICTION], row[LIMIT_SLOPE], row[STICK_BAND], row[LONGEST], int(row[SHAPE]), paths, row[LENGTH], row[OMEGA],
-        law,
+        row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], int(row[SHAPE]), paths,
+        row[SHAPE + 1], row[SHAPE + 2], law,
     )  # fmt: skip
 
 
@@ -89,14 +86,24 @@ def changed(problem, load, paths):
     )  # fmt: skip
 
 
-# columns of a slider's numbers, SI units: mass, K, c, preload, load, mu, chi, the viscous dampers, shape, and the
-# largest approach at rest
-OWN_MASS, OWN_STIFFNESS, OWN_SLOPE, OWN_PRELOAD, OWN_LOAD, OWN_FRICTION, OWN_CHI = range(7)
-OWN_NORMAL_DAMPING, OWN_TANGENTIAL_DAMPING, OWN_SHAPE, OWN_REST = range(7, 11)
+class Own(IntEnum):
+    """Places of a slider's numbers, SI units."""
+
+    MASS = 0
+    STIFFNESS = 1  # K
+    SLOPE = 2  # c
+    PRELOAD = 3
+    LOAD = 4
+    FRICTION = 5
+    CHI = 6
+    NORMAL_DAMPING = 7
+    TANGENTIAL_DAMPING = 8
+    SHAPE = 9
+    REST = 10  # the largest approach at rest
 
 
 def numbers(s: Slider, contacts: int) -> list[float]:
-    """Return what `in_units` takes of a slider, by the names of this module."""
+    """Return what `in_units` takes of a slider, in the order of `Own`."""
     return [
         s.mass, s.normal_stiffness, s.limit_slope, s.preload, s.load, s.static_coefficient, s.contact_damping,
         s.normal_damping, s.tangential_damping, s.contact_shape, float(s.rest_approaches(contacts).max()),
@@ -115,13 +122,13 @@ def paths_of(orbits: tuple[Orbit, ...], heights: np.ndarray, factor: complex = 1
 @formula
 def in_units(slider, length, omega, paths, law):
     """Return the problem of a slider (`numbers`) and its law on scaled paths, its longest segment left open."""
-    mass, shape = slider[OWN_MASS], int(slider[OWN_SHAPE])
+    mass, shape = slider[Own.MASS], int(slider[Own.SHAPE])
     unit = mass * omega**2 * length
     return Problem(
-        slider[OWN_STIFFNESS] * normal.load(length, shape) / unit, slider[OWN_CHI] * omega * length,
-        slider[OWN_NORMAL_DAMPING] / (mass * omega), slider[OWN_PRELOAD] / unit,
-        slider[OWN_TANGENTIAL_DAMPING] / (mass * omega), slider[OWN_LOAD] / unit,
-        slider[OWN_FRICTION], slider[OWN_SLOPE], 0.0, np.inf, shape, paths, length, omega, law,
+        slider[Own.STIFFNESS] * normal.load(length, shape) / unit, slider[Own.CHI] * omega * length,
+        slider[Own.NORMAL_DAMPING] / (mass * omega), slider[Own.PRELOAD] / unit,
+        slider[Own.TANGENTIAL_DAMPING] / (mass * omega), slider[Own.LOAD] / unit,
+        slider[Own.FRICTION], slider[Own.SLOPE], 0.0, np.inf, shape, paths, length, omega, law,
     )  # fmt: skip
 
 
@@ -132,7 +139,7 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
     u = Re(amplitude exp(i (phase + start))).
     """
     own, reach = numbers(slider, len(orbits)), max(max(abs(o.normal), abs(o.tangential)) for o in orbits)
-    length, omega = max(own[OWN_REST], reach, 1e-300), orbits[0].omega
+    length, omega = max(own[Own.REST], reach, 1e-300), orbits[0].omega
     paths = paths_of(orbits, slider.offsets(len(orbits)) / length, np.exp(1j * start) / length)
     problem = in_units(own, length, omega, paths, slider.tangential_law)
     return _with_longest(

@@ -13,7 +13,7 @@ import numpy as np
 from contact import bounds
 from contact.codes import Shape, Tangential
 from contact.input_error import InputError
-from contact.law import elastic, normal
+from contact.law import elastic, hysteretic, normal
 from contact.law.falling import FallingFriction
 from contact.law.protocol import Law
 from contact.law.user import Contact, UserLaw, tried, user_law
@@ -156,6 +156,8 @@ class Slider:
                 self.normal_stiffness / area,
             )
             return self.friction.law(self.friction_coefficient, ratio, pressure)
+        if self.law == "hysteretic" and self.limit_slope > 0.0:
+            return hysteretic.mindlin_deresiewicz()
         kind = Tangential.RECIPROCAL if self.reciprocal else Tangential.ELASTIC
         return elastic.coulomb(Tangential.HYSTERETIC if self.law == "hysteretic" else kind)
 

@@ -20,7 +20,7 @@ _PUBLIC = {
     "mesh.section_mesh": "MeshError read_mesh SectionMesh",
     "mesh.piece": "MeshPiece",
     "geometry": "check_layout check_plan covers outer_gaps Stator Transducer",
-    "analytic.wave_compliance": "wave_compliance",
+    "analytic.wave_compliance": "spring_shift wave_compliance",
     "analytic.half_space": "automatic_period coupling HalfSpaceWave rayleigh surface_named",
     "analytic.slowness": "Slowness",
     "analytic.point_load": "point_load PointLoad",
@@ -34,21 +34,20 @@ _PUBLIC = {
     "condense.size": "stator_size",
     "waveguide.force": "force_response ForceResponse LineForce",
     "waveguide.grating": "grating",
-    "waveguide.cell_parameters": "cell_parameters CellParameters",
     "circuit": (
-        "best_match Drive Element matched_load motional_model MotionalModel read_touchstone "
+        "best_match Drive Element matched_load motional_model MotionalModel "
         "rectifier_resistance solve_circuit touchstone"
     ),
-    "results.solution": "solve_driven",
     "results.evaluation": "surface_of",
     "results.surface_wave": "surface_wave SurfaceWave",
     "results.segment_modes": "FreeWave SegmentModes",
     "results.field": "free_field wave_field WaveField",
     "results.densities": "Densities",
     "results.files": "write_instant write_surface write_vtu",
-    "solve.harmonic": "driven_wave",
+    "solve.harmonic": "driven_wave solve_driven",
     "solve.port_admittance": "port_admittance PortAdmittance",
     "solve.band": "Band frequency_band",
+    "solve.cell_parameters": "cell_parameters CellParameters",
     "solve.burst": "burst_response BurstEnvelope",
     "solve.forced": "forced_wave",
     "solve.guided": "free_wave guided_modes",

@@ -2,10 +2,11 @@
 
 import sys
 
-from contact import blocked_thrust, burst, mean_motion
-from contact.solve.cycle_mean import cycle, cycle_room
-from contact.solve.equilibrium import balanced
-from contact.solve.riding import quadrature
+from contact import burst, mean_motion
+from contact.answers.load_line import blocked_thrust
+from contact.averaged.cycle_mean import cycle, cycle_room
+from contact.averaged.event_cycle import balanced
+from contact.averaged.riding import quadrature
 from tests.contact.motors import orbit, slider
 
 WAVE = orbit(5e-9)

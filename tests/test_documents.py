@@ -1,6 +1,7 @@
 """Every code block of every document runs, every command that a document names is one, every link leads somewhere.
 
-The blocks of a document are run in their order, in one temporary directory and one Python namespace.  Python blocks are
+The blocks of a document are run in their order, in one temporary directory and one Python namespace; those that take
+long (`SLOW_DOCUMENTS`, `LONG`) in the slow set, by default their commands are parsed.  Python blocks are
 executed; of shell blocks the ``sawmotor`` lines are run and other known tools are left to the reader; TOML blocks are
 read as scenes.  A line ``<!-- not run: REASON -->`` before a block exempts it, ``<!-- part of a scene -->`` a TOML
 block that is no whole scene.
@@ -45,6 +46,15 @@ TOOLS = (
     "cd",
     "export",
 )
+# tutorials whose steps tests/studies/test_lab.py, test_positioning.py and test_export_motor.py take on small motors
+SLOW_DOCUMENTS = ("studies/lab/README.md", "studies/motor/README.md")
+# commands whose study, field and measurement test_studies.py, test_view.py and test_measured.py have on small motors
+LONG = (
+    "sawmotor study reflector",
+    "sawmotor view results/my-motor",
+    "sawmotor run reflector",
+    "--measured measured.csv",
+)
 INLINE = re.compile(r"(?<!`)`(sawmotor [^`]+)`(?!`)")
 PLACEHOLDER = re.compile(r"[\[\]|<>]|\.\.\.|\b[A-Z]{3,}\b")
 LINK = re.compile(r"\]\((?!https?:|#|mailto:)([^)#\s]+)")
@@ -85,6 +95,11 @@ def is_shell(block: Fenced) -> bool:
     if block.language in ("sh", "bash", "shell", "console"):
         return True
     return not block.language and block.text.split()[:1] and block.text.split()[0] in ("sawmotor", *TOOLS)
+
+
+def is_sawmotor(each: list[list[str]]) -> bool:
+    """Return whether one of these commands is the program's."""
+    return any(words[0] == "sawmotor" for words in each)
 
 
 def run_command(words: list[str]) -> None:
@@ -141,8 +156,24 @@ def solved_once(monkeypatch):
     monkeypatch.setattr(fem, "driven_wave", answer, raising=False)
 
 
-@pytest.mark.parametrize("document", DOCUMENTS, ids=NAMES)
-def test_the_blocks_of_a_document_run(document, tmp_path, monkeypatch, solved_once, capsys):
+def has_long_commands(document: Path) -> bool:
+    """Return whether a document holds a block with one of the commands that take long."""
+    return any(each in block.text for block in blocks(document.read_text()) for each in LONG)
+
+
+CASES = [
+    pytest.param(document, False, id=name)
+    for document, name in zip(DOCUMENTS, NAMES, strict=True)
+    if name not in SLOW_DOCUMENTS
+] + [
+    pytest.param(document, True, id=f"whole {name}", marks=pytest.mark.slow)
+    for document, name in zip(DOCUMENTS, NAMES, strict=True)
+    if name in SLOW_DOCUMENTS or has_long_commands(document)
+]
+
+
+@pytest.mark.parametrize(("document", "whole"), CASES)
+def test_the_blocks_of_a_document_run(document, whole, tmp_path, monkeypatch, solved_once, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "Agg")
     space: dict = {"__name__": "document"}
@@ -161,10 +192,12 @@ def test_the_blocks_of_a_document_run(document, tmp_path, monkeypatch, solved_on
                 Scene.load(file)
         elif is_shell(block):
             ran = commands(block.text)
+            if not whole:
+                ran = [words for words in ran if not any(each in " ".join(words) for each in LONG)]
             for words in ran:
                 run_command(words)
-            if any(words[0] == "sawmotor" for words in ran):
-                printed = capsys.readouterr().out
+            if is_sawmotor(commands(block.text)):
+                printed = capsys.readouterr().out  # nothing where the command was not run
         elif not block.language and printed and "not printed" not in block.remark:
             wrong += [f"line {block.line}: {line}" for line in unprinted(block, printed)]
     capsys.readouterr()
@@ -178,6 +211,10 @@ def test_the_blocks_of_a_document_run(document, tmp_path, monkeypatch, solved_on
 @pytest.mark.parametrize("document", DOCUMENTS, ids=NAMES)
 def test_the_commands_that_a_document_names_exist(document):
     calls = parser()._subparsers._group_actions[0].choices
+    for block in filter(is_shell, blocks(document.read_text(encoding="utf-8"))):
+        for words in commands(block.text):
+            if words[0] == "sawmotor" and "not run" not in block.remark:
+                parser().parse_args(words[1:])
     for text in INLINE.findall(document.read_text(encoding="utf-8")):
         call = text.split()[1].strip("[],")
         if not PLACEHOLDER.search(text):
@@ -224,13 +261,14 @@ def test_a_shipped_scene_is_checked_and_planned(name):
     assert main(["run", name, "--explain"]) == 0
 
 
-# README.md runs twente, test_warnings.py asks for its warnings, test_crossed.py runs crossing beams
+# README.md runs twente, test_warnings.py asks for its warnings, test_crossed.py runs crossing beams,
+# test_piece_scene.py a groove and test_pillars.py pillars
+RUN_ELSEWHERE = ("twente", "twente-left", "crossed", "reflector", "silicon-slider")
+
+
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=[pytest.mark.slow] * (name in ("twente", "twente-left", "crossed")))
-        for name in shipped_scenes()
-    ],
+    [pytest.param(name, marks=[pytest.mark.slow] * (name in RUN_ELSEWHERE)) for name in shipped_scenes()],
 )
 def test_a_shipped_scene_is_run_without_a_warning(name, capsys):
     assert main(["run", name, "--json", "--tolerance", "3e-2"]) == 0

@@ -12,7 +12,7 @@ errs by O((f_n/f)^2), as the averaged velocity does.
 from collections.abc import Callable
 
 from contact.answers.load_line import mean_traction
-from contact.answers.sweep import mean_motion
+from contact.averaged.sweep import mean_motion
 from contact.convergence import ConvergenceError
 from contact.drive import drive_direction
 from contact.orbit import Orbit, as_orbits

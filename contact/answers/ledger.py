@@ -10,8 +10,8 @@ what the balance misses by truncation and rounding.
 
 from typing import NamedTuple
 
+from contact.events.energy import Sum
 from contact.slider import Slider
-from contact.solve.energy import LEAK, WAVE_NORMAL
 
 
 class Ledger(NamedTuple):
@@ -83,5 +83,5 @@ def together(*ledgers: Ledger) -> Ledger:
 def ledger(slider: Slider, motion, spans: int = 1) -> Ledger:
     """Return the ledger of what a `motion.Motion` has done since it began, shared among some spans."""
     unit = slider.mass * motion.problem.speed**2 / spans
-    done, gained = motion.sums[WAVE_NORMAL : LEAK + 1], motion.energy() - motion.begun
+    done, gained = motion.sums[Sum.WAVE_NORMAL : Sum.LEAK + 1], motion.energy() - motion.begun
     return Ledger(*(unit * done).tolist(), *(unit * gained).tolist())

@@ -13,19 +13,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact import bounds
-from contact.answers.averaged import STIFFEST_STEADY, refuse_unless_applicable
 from contact.answers.steady import steady
-from contact.answers.sweep import mean_motion
+from contact.averaged.equilibrium import rest_tractions, tractions
+from contact.averaged.run import STIFFEST_STEADY, refuse_unless_applicable
+from contact.averaged.sweep import mean_motion
+from contact.averaged.sweep_rows import STALL_ERROR
 from contact.choice import Answer
 from contact.convergence import ConvergenceError
 from contact.drive import towards_plus
 from contact.orbit import Orbit, as_orbits
 from contact.problem import scaled
 from contact.slider import Slider
-from contact.solve import averaged
 
-# relative error of the averaged stalling load over (f_n/f)^2; true: 1.8 (`tests/contact/test_thrust.py`)
-AVERAGING_ERROR = 3.0
 # relative error at which the search for the load at which the full motion stops ends
 STALL_TOLERANCE = 1e-5
 # share of the way to an extrapolated stall that the next load goes
@@ -83,7 +82,7 @@ def blocked_thrust(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[f
         Status "not applicable" where averaging does not apply.
     """
     _, problem, unit = _unloaded(slider, orbits)
-    low, high = averaged.rest_tractions(problem)
+    low, high = rest_tractions(problem)
     # driven forwards: stalls at the lower traction, holds up to the upper; driven against its crests: mirrored
     return (
         (float(low * unit), float(high * unit)) if high > -low else (float(-high * unit), float(-low * unit))
@@ -111,7 +110,7 @@ def mean_traction(slider: Slider, orbits: Orbit | tuple[Orbit, ...], velocities:
     """
     side, problem, unit = _unloaded(slider, orbits)
     speeds = side * np.asarray(velocities, float) / problem.speed
-    return side * averaged.tractions(problem, speeds) * unit
+    return side * tractions(problem, speeds) * unit
 
 
 def _unloaded(slider: Slider, orbits: Orbit | tuple[Orbit, ...]):
@@ -153,7 +152,7 @@ def stall(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: float
         )
     ratio = slider.normal_resonance(len(listed)) / listed[0].frequency
     averaged_answer = Answer(
-        value=guess, error=guess * min(AVERAGING_ERROR * ratio**2, 1.0), reasons=("mean traction at rest",)
+        value=guess, error=guess * min(STALL_ERROR * ratio**2, 1.0), reasons=("mean traction at rest",)
     )
     if averaged_answer.error <= tolerance * guess:
         return averaged_answer

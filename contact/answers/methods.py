@@ -12,20 +12,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.answers.averaged import averaged_run, refusals
+from contact.averaged.event_cycle import opposed
+from contact.averaged.run import averaged_run, refusals
+from contact.body import Paths
 from contact.choice import Choice, Method, Result, choose, refused
 from contact.convergence import ConvergenceError
 from contact.drive import reference_speed
-from contact.kinematics import Paths
+from contact.events.collocation import collocation
+from contact.events.motion import Motion
+from contact.events.segment import At, Column
 from contact.law.normal import load
 from contact.orbit import Orbit
 from contact.problem import Problem, largest_resonance, scaled, without_wave
 from contact.slider import Slider
-from contact.solve.collocation import collocation
-from contact.solve.equilibrium import opposed
-from contact.solve.motion import Motion
-from contact.solve.segment import ROW_VELOCITY, VELOCITY
-from contact.solve.time_stepping import steps
+from contact.stepping.time_stepping import steps
 
 # up to here "auto" follows every event, whatever the tolerance
 EXACT_CYCLES = 3000
@@ -191,7 +191,7 @@ def _every_event(burst, nodes, truncation, longest):
 
 def _compared(rows, state):
     """Return the velocities in the second half of a burst and at its end."""
-    return np.append(rows[len(rows) // 2 :, ROW_VELOCITY], state[VELOCITY])
+    return np.append(rows[len(rows) // 2 :, Column.VELOCITY], state[At.VELOCITY])
 
 
 def _exact_refusals(burst):
@@ -222,7 +222,7 @@ def _stepped(burst):
     def in_window(level):
         coarse, fine = (
             steps(window.burst.problem, _at_rest(window.burst).state.copy(), window.burst.cycles, STEPS[k][0],
-                  stride=window.burst.inner)[:, ROW_VELOCITY]
+                  stride=window.burst.inner)[:, Column.VELOCITY]
             for k in (level - 1, level)
         )  # fmt: skip
         return fine, float(np.max(np.abs(fine - coarse))) / gain(level)
@@ -270,10 +270,10 @@ def _averaged(burst):
 
     def in_window():
         _, rows, error, _ = follow(window.burst._replace(stride=window.burst.inner))
-        return rows[:, ROW_VELOCITY], error
+        return rows[:, Column.VELOCITY], error
 
     motion, rows, error, statistics = follow(burst)
-    velocity = float(motion.state[VELOCITY])
+    velocity = float(motion.state[At.VELOCITY])
     return Result(
         (motion, rows), window.error(error, velocity, in_window), burst.allowed(velocity), statistics
     )
@@ -309,7 +309,8 @@ class Window(NamedTuple):
             if _exact_refusals(short):
                 return cls(short, None, math.inf, whole)
             runs = [
-                _every_event(short, *ORDERS[k][:3])[2][:, ROW_VELOCITY] for k in ((1, 2) if whole else (2,))
+                _every_event(short, *ORDERS[k][:3])[2][:, Column.VELOCITY]
+                for k in ((1, 2) if whole else (2,))
             ]
         except ConvergenceError:
             return cls(short, None, math.inf, whole)

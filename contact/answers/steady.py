@@ -17,21 +17,21 @@ from typing import NamedTuple
 import numpy as np
 
 from contact import bounds
-from contact.answers.averaged import STIFFEST_STEADY, refusals
-from contact.answers.closed_forms import closed_form
 from contact.answers.ledger import Ledger, ledger
-from contact.answers.sweep import mean_motion
+from contact.averaged.bounce import speed_lost
+from contact.averaged.closed_forms import closed_form
+from contact.averaged.event_cycle import Balance, balanced, cycle_at
+from contact.averaged.run import STIFFEST_STEADY, refusals
+from contact.averaged.sweep import mean_motion
+from contact.averaged.sweep_rows import MAX_RATIO_HELD, MAX_THRESHOLD_ERROR, THRESHOLD_ERROR
 from contact.choice import Answer
 from contact.convergence import ConvergenceError
 from contact.drive import reference_speed, relative_to_reference, towards_plus
 from contact.orbit import Orbit, as_orbits
+from contact.periodic.settling import long_run, mean_from_rest, reached
+from contact.periodic.shooting import periodic
 from contact.problem import scaled
 from contact.slider import Slider
-from contact.solve.averaged_sweep import MAX_RATIO_HELD, MAX_THRESHOLD_ERROR, THRESHOLD_ERROR
-from contact.solve.bounce import speed_lost
-from contact.solve.equilibrium import Balance, balanced, cycle_at
-from contact.solve.settling import long_run, mean_from_rest, reached
-from contact.solve.shooting import periodic
 
 METHODS = ("auto", "exact", "averaged")
 # largest ratio of contact resonance to wave for which a periodic motion is searched, and cycles to settle before
@@ -248,7 +248,7 @@ def _bouncing(search, answer):
         elastic.rest_approach(len(search.orbits)) / problem.length,
         answer["height"] / problem.length,
     )
-    lost = speed_lost(problem, rest, level, search.side * answer["velocity"] / problem.speed) * problem.speed
+    lost = speed_lost(problem, rest, level) * problem.speed
     if not np.isfinite(lost):
         message = f"{answer['message']}; how fast the slider is while it bounces without normal damping was not found"
         return answer | {"relative_error": max(answer["relative_error"], 1.0), "message": message}

@@ -29,12 +29,12 @@ from contact.codes import Regime
 from contact.convergence import ConvergenceError
 from contact.drive import towards_plus
 from contact.envelope import Envelope
+from contact.events.energy import Sum
+from contact.events.segment import Column
 from contact.law.normal import slope
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
-from contact.solve.energy import DISPLACEMENT
-from contact.solve.segment import ROW_MEAN_VELOCITY
-from contact.solve.time_stepping import steps
+from contact.stepping.time_stepping import steps
 
 MAX_CYCLES = 3_000_000
 
@@ -217,7 +217,7 @@ def _drive(slider, motion, cycles, envelope, per_cycle):
     if envelope is None:
         if cycles <= EXACT_CYCLES or stepped_refusals(slider, problem, per_cycle):
             motion.turn(cycles)
-            return float(motion.sums[DISPLACEMENT]), False
+            return float(motion.sums[Sum.DISPLACEMENT]), False
         return _distance(steps(problem, motion.state, cycles, per_cycle)), True
     number = shaped_steps(slider, problem, per_cycle)
     shape = envelope.at(np.arange(cycles + 1) * (2.0 * math.pi / problem.omega))
@@ -226,7 +226,7 @@ def _drive(slider, motion, cycles, envelope, per_cycle):
 
 def _distance(rows) -> float:
     """Return the distance travelled over cycles of which every one has a row, scaled."""
-    return float(2.0 * math.pi * np.sum(rows[:, ROW_MEAN_VELOCITY]))
+    return float(2.0 * math.pi * np.sum(rows[:, Column.MEAN_VELOCITY]))
 
 
 def _stopped(slider, motion):
@@ -263,4 +263,4 @@ def _stopped(slider, motion):
                 "not converged", "the slider goes on slipping; give it normal or tangential damping"
             )
     # the contacts stick: position plus deformation stays, and the load's own deformation is what remains
-    return float(still.sums[DISPLACEMENT] + still.state[3:] @ share - spring), last, largest
+    return float(still.sums[Sum.DISPLACEMENT] + still.state[3:] @ share - spring), last, largest

@@ -29,14 +29,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from contact.averaged.event_cycle import balanced
+from contact.averaged.riding import mean_load, riding_height
 from contact.choice import Answer
 from contact.drive import towards_plus
 from contact.law.elastic import tangential_force
 from contact.orbit import Orbit, as_orbits
+from contact.roots import bracketed
 from contact.slider import Slider
-from contact.solve.equilibrium import balanced
-from contact.solve.riding import mean_load, riding_height
-from contact.solve.roots import bracketed
 
 ACCURACY = 1e-5
 # relative error of a factor over (f_n/f)^2; true: 0.5 to 1.4 (`tests/contact/test_threshold_answers.py`)

@@ -22,9 +22,9 @@ from contact.answers.methods import METHODS, Burst, rest_problem, ring_down, run
 from contact.choice import Answer
 from contact.drive import reference_speed, relative_to_reference, towards_plus
 from contact.envelope import Envelope
+from contact.events.segment import At, Column
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
-from contact.solve.segment import POSITION, ROW_POSITION, ROW_VELOCITY, VELOCITY
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -156,15 +156,17 @@ def burst(
     asked = Burst(slider, driven, problem, cycles, stride, tolerance, shape)
     result, method, reasons = run(method, asked)
     (motion, rows), statistics = result.run, result.statistics
-    end = side * float(motion.state[VELOCITY]) * problem.speed
+    end = side * float(motion.state[At.VELOCITY]) * problem.speed
     ends = stride * np.arange(1, len(rows) + 1)
     start = np.full(1, -slider.rest_approach(len(listed)) / problem.length)
     parts = [
         (np.zeros(1), np.zeros(1), start),
-        (ends / frequency, rows[:, ROW_VELOCITY], rows[:, ROW_POSITION]),
+        (ends / frequency, rows[:, Column.VELOCITY], rows[:, Column.POSITION]),
     ]
     if cycles % stride:
-        parts.append((np.full(1, cycles / frequency), motion.state[[VELOCITY]], motion.state[[POSITION]]))
+        parts.append(
+            (np.full(1, cycles / frequency), motion.state[[At.VELOCITY]], motion.state[[At.POSITION]])
+        )
     books = [ledger(slider, motion)] if motion.begun is not None else []
     slid, rang, still = _follow_on(slider, motion, after, fading, samples * (1.0 - share))
     parts += [(cycles / frequency + part[0], *part[1:]) for part in slid]
@@ -198,7 +200,7 @@ def _follow_on(slider, motion, after, envelope, samples):
         times, rows = ring_down(slider, motion, envelope, longest=after, samples=count)
         if times.size:
             rang = float(times[-1])
-            parts.append((times, rows[:, ROW_VELOCITY], rows[:, ROW_POSITION]))
+            parts.append((times, rows[:, Column.VELOCITY], rows[:, Column.POSITION]))
     if after <= rang:
         return parts, rang, None
     still, span, count = silence(motion), after - rang, max(2, round(samples))

@@ -11,15 +11,15 @@ import numpy as np
 
 from contact import bounds
 from contact.answers.methods import rest, rest_problem, silence
+from contact.averaged.event_cycle import balanced
+from contact.averaged.sweep_rows import MAX_RATIO_HELD
+from contact.body import at_phase
 from contact.convergence import ConvergenceError
 from contact.drive import towards_plus
-from contact.kinematics import at_phase
 from contact.orbit import Orbit, as_orbits
+from contact.periodic.settling import long_run, reached
+from contact.periodic.shooting import periodic
 from contact.slider import Slider
-from contact.solve.averaged_sweep import MAX_RATIO_HELD
-from contact.solve.equilibrium import balanced
-from contact.solve.settling import long_run, reached
-from contact.solve.shooting import periodic
 
 STAGES = ("start", "steady", "after")
 # in the order of the numbers in `elastic`; an annulus that slips is "partial", a growing contact sticks

@@ -12,7 +12,7 @@ integral is closed. The events (compare Feenstra and Breedveld, eq. 3):
 
 Normal part: <P> = k A (sin p - p cos p)/pi and P_1 = k A (p - sin p cos p)/pi. The work lost to friction is that of the
 limit force on the slip, c z g_s, also a sum of closed integrals: it is not obtained from the energy balance, which
-therefore checks it. `solve.cycle_mean` takes the same cycle for any profile, by quadrature.
+therefore checks it. `cycle_mean` takes the same cycle for any profile, by quadrature.
 """
 
 import numpy as np
@@ -24,10 +24,8 @@ TURN = 2.0 * np.pi
 #   MEAN_APPROACH: <z>, of the contact, so <P> = k_n <z>;  FIRST_APPROACH: z_1, P_1 = k_n z_1 a/|a|
 #   MEAN_STRETCH: <x>, <Q> = k_t <x>;  COS, SIN_STRETCH: x = ... + COS cos phi + SIN sin phi
 #   FRICTION: <c z |slip|>, the power is k_t omega times this;  SHARE: part of the cycle in contact, also d<z>/dh
-#   SECOND_...: z_2 (z = ... + z_2 cos 2 phi) and the two parts of x_2
 MEAN_APPROACH, FIRST_APPROACH, MEAN_STRETCH, COS_STRETCH, SIN_STRETCH, FRICTION, SHARE = range(7)
-SECOND_APPROACH, COS_SECOND, SIN_SECOND = 7, 8, 9
-COLUMNS = 10
+COLUMNS = 7
 NEVER, WINDOW, ALWAYS = 0, 1, 2
 ROOT = 1e-9  # rad; forces are continuous at an event, so the integrals err by the square of it
 
@@ -90,11 +88,6 @@ def _add(out, path, c, slip, x0, phi0, start, stop):
     cos, sin = s2 - s1, c1 - c2
     cos_cos = 0.5 * (width + s2 * c2 - s1 * c1)
     cos_sin, sin_sin = 0.5 * (s2 * s2 - s1 * s1), width - cos_cos
-    # second harmonic: cos 2 phi = 2 cos^2 - 1, sin 2 phi = 2 sin cos
-    cos_2, sin_2 = s2 * c2 - s1 * c1, s2 * s2 - s1 * s1
-    cos_3 = (3.0 * s2 - 4.0 * s2**3 - 3.0 * s1 + 4.0 * s1**3) / 3.0
-    sin_3 = (4.0 * c1**3 - 3.0 * c1 - 4.0 * c2**3 + 3.0 * c2) / 3.0
-    first = 0.5 * (cos + cos_3), 0.5 * (sin_3 - sin), 0.5 * (sin + sin_3), 0.5 * (cos - cos_3)
     if slip != 0.0:
         base, co, si, drift = slip * c * h, slip * c * A, 0.0, 0.0
         alpha, beta, gamma = -slip * w, slip * e, c * A - slip * d
@@ -105,28 +98,23 @@ def _add(out, path, c, slip, x0, phi0, start, stop):
     else:
         base = x0 - d * np.cos(phi0) - e * np.sin(phi0) - w * (start - phi0)
         co, si, drift = d, e, -w
-    # integrals of (phi - start) times 1, cos, sin, cos 2 phi, sin 2 phi
+    # integrals of (phi - start) times 1, cos, sin
     t = 0.5 * width * width
     t_cos, t_sin = width * s2 - sin, cos - width * c2
-    t_cos_2 = width * s2 * c2 - 0.5 * sin_2
-    t_sin_2 = 0.5 * cos_2 - 0.5 * width * (c2 * c2 - s2 * s2)
     out[MEAN_STRETCH] += base * width + co * cos + si * sin + drift * t
     out[COS_STRETCH] += base * cos + co * cos_cos + si * cos_sin + drift * t_cos
     out[SIN_STRETCH] += base * sin + co * cos_sin + si * sin_sin + drift * t_sin
-    out[COS_SECOND] += base * cos_2 + co * first[0] + si * first[1] + drift * t_cos_2
-    out[SIN_SECOND] += base * sin_2 + co * first[2] + si * first[3] + drift * t_sin_2
 
 
 @compiled
 def _normal(out, h, A):
     """Fill the normal part; return the half-width p of the contact's part of the cycle."""
     if h >= A:
-        out[MEAN_APPROACH], out[FIRST_APPROACH], out[SHARE], out[SECOND_APPROACH] = h, A, 1.0, 0.0
+        out[MEAN_APPROACH], out[FIRST_APPROACH], out[SHARE] = h, A, 1.0
         return np.pi
     p = 2.0 * np.arcsin(np.sqrt(0.5 * (h + A) / A))
     sin, cos = np.sin(p), np.cos(p)
     out[SHARE] = p / np.pi
-    out[SECOND_APPROACH] = 2.0 * A * sin**3 / (3.0 * np.pi)
     if p < 0.1:  # series: the closed form loses digits as p^-3 does
         q = p * p
         out[MEAN_APPROACH] = (
@@ -188,12 +176,12 @@ def flat_cycle(h, A, d, e, w, c, side, out):
             break
     out[MEAN_STRETCH] /= TURN
     out[FRICTION] /= TURN
-    for k in (COS_STRETCH, SIN_STRETCH, COS_SECOND, SIN_SECOND):
-        out[k] /= np.pi
+    out[COS_STRETCH] /= np.pi
+    out[SIN_STRETCH] /= np.pi
 
 
 @native(
-    "f1 c1 c1 f1 f f f2", {"height": "n", "normal": "n", "tangential": "n", "limit_slope": "n", "out": "n 10"}
+    "f1 c1 c1 f1 f f f2", {"height": "n", "normal": "n", "tangential": "n", "limit_slope": "n", "out": "n 7"}
 )
 def flat_cycles(height, normal, tangential, limit_slope, w, side, out):
     """Fill the columns of many contacts; returns 0.

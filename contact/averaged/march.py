@@ -10,44 +10,48 @@ g = Gamma/w, reciprocity gives
 its jump (implicit midpoint): the change of |U+|^2 + |U-|^2 is then the power that the contacts take, to rounding.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from contact.jit.compiled import native
 
 
+class Waves(NamedTuple):
+    """What comes in, and how the rows see it."""
+
+    turn: np.ndarray  # exp(-i k x) of the rows, from left to right, (n,)
+    orbit: np.ndarray  # C, (1,)
+    g: float  # Gamma/w, 1/(Pa m)
+    incident: np.ndarray  # U+ on the left and U- on the right, m, (2,)
+
+
+class Followed(NamedTuple):
+    """How the forces follow the amplitudes at each row: exact where contacts stick all the time."""
+
+    normal: np.ndarray  # sum P_1/u_z, N/m
+    tangential: np.ndarray  # sum Q_1/u_x
+
+
 @native(
-    "c1 c1 c1 c1 c1 c1 f c1 c1 c1 c2",
-    {"turn": "n", "forward_force": "n", "backward_force": "n", "normal_stiffness": "n", "tangential_stiffness": "n",
-     "orbit": "1", "incident": "2", "forward": "n", "backward": "n", "work": "n 4"},
+    "t c1 c1 t c1 c1 c2",
+    {"waves.turn": "n", "waves.orbit": "1", "waves.incident": "2", "forward_force": "n", "backward_force": "n",
+     "followed.normal": "n", "followed.tangential": "n", "forward": "n", "backward": "n", "work": "n 4"},
 )  # fmt: skip
-def march(
-    turn,
-    forward_force,
-    backward_force,
-    normal_stiffness,
-    tangential_stiffness,
-    orbit,
-    g,
-    incident,
-    forward,
-    backward,
-    work,
-):
+def march(waves, forward_force, backward_force, followed, forward, backward, work):
     """Replace the amplitudes half-way through each row by those that the forces leave; returns 0.
 
-    `turn`: exp(-i k x) of the rows, from left to right. `forward`, `backward`: U+ exp(-i k x) and U- exp(i k x) at the
-    rows, with which the forces sum (P_1 + C* Q_1) and sum (P_1 + C Q_1) were taken. The stiffnesses sum P_1/u_z and
-    sum Q_1/u_x say how the forces follow the amplitudes: exact where contacts stick all the time. `orbit`: C;
-    `incident`: U+ on the left and U- on the right.
+    `forward`, `backward`: U+ exp(-i k x) and U- exp(i k x) at the rows, with which the forces sum (P_1 + C* Q_1) and
+    sum (P_1 + C Q_1) were taken.
 
     With these stiffnesses the rows are a linear chain. What lies to the right of a row answers U- = rho U+ + tau, which
     is carried from the right end to the left; then the amplitudes follow from left to right.
     """
-    half, n, c = 0.5j * g, turn.size, orbit[0]
-    rho, tau = 0.0j, incident[1]
+    turn, half, n, c = waves.turn, 0.5j * waves.g, waves.turn.size, waves.orbit[0]
+    rho, tau = 0.0j, waves.incident[1]
     for m in range(n):
         j = n - 1 - m
-        normal, tangential = normal_stiffness[j], tangential_stiffness[j]
+        normal, tangential = followed.normal[j], followed.tangential[j]
         own = normal + (c.real * c.real + c.imag * c.imag) * tangential
         across, back = normal + c.conjugate() * c.conjugate() * tangential, normal + c * c * tangential
         right = half * (forward_force[j] - own * forward[j] - across * backward[j])
@@ -71,7 +75,7 @@ def march(
         out = 2.0 * minus - seen * (2.0 * plus - 1.0)
         out_rest = 2.0 * minus_rest - seen * 2.0 * plus_rest - rest
         rho, tau = out * turn[j] * turn[j], out_rest * turn[j]
-    here = incident[0]
+    here = waves.incident[0]
     for j in range(n):
         before = here * turn[j]
         forward[j] = work[j, 0] * before + work[j, 1]

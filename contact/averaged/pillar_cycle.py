@@ -10,7 +10,7 @@ import numpy as np
 
 from contact.averaged import flat_cycle as columns
 from contact.averaged.flat_cycle import COLUMNS, flat_cycles
-from contact.averaged.march import ends, march
+from contact.averaged.march import Followed, Waves, ends, march
 from contact.averaged.pillars import PassingWave, Pillars
 from contact.averaged.tangent_march import tangent_march
 
@@ -70,6 +70,10 @@ class PillarCycle:
         self.forward = self.wave.forward * self.turn
         self.backward = self.wave.backward * self.turn.conj()
 
+    def begin(self, forward, backward):
+        """Take the amplitudes at the rows from an earlier search."""
+        self.forward, self.backward = forward.copy(), backward.copy()
+
     def sums(self, values):
         """Return the sums over the pillars of each row of what the classes hold."""
         return np.add.reduceat(self.weight * values, self.first)
@@ -105,18 +109,15 @@ class PillarCycle:
         along, against, normal, tangential = self._row_forces(forces)
         u_z, u_x = self.amplitudes()
         reach = abs(self.forward) + abs(self.backward)
-        stiff = np.divide(normal, u_z, out=np.zeros_like(u_z), where=abs(u_z) > 1e-9 * reach)
         seen = abs(u_x) > TANGENTIAL_SHARE * abs(self.wave.orbit) * reach
-        shear = np.divide(tangential, u_x, out=np.zeros_like(u_x), where=seen)
-        before = self.forward.copy(), self.backward.copy()
-        march(
-            self.turn, along, against, stiff, shear, self.orbit, self.g, self.incident, self.forward, self.backward,
-            self._chain,
-        )  # fmt: skip
-        size = max(self.wave.amplitude, 1e-300)
-        old, new = np.concatenate(before), np.concatenate([self.forward, self.backward])
-        change = float(np.abs(new - old).max()) / size
-        return change
+        followed = Followed(
+            np.divide(normal, u_z, out=np.zeros_like(u_z), where=abs(u_z) > 1e-9 * reach),
+            np.divide(tangential, u_x, out=np.zeros_like(u_x), where=seen),
+        )
+        old = np.concatenate([self.forward, self.backward])
+        march(self._waves(), along, against, followed, self.forward, self.backward, self._chain)
+        change = np.abs(np.concatenate([self.forward, self.backward]) - old).max()
+        return float(change) / max(self.wave.amplitude, 1e-300)
 
     def tangent(self, approach, w: float, side: float, forces: Forces):
         """Return the derivatives of the rows' forces by their amplitudes, shape (m, 4, 4); see `tangent_march`."""
@@ -136,11 +137,8 @@ class PillarCycle:
         size, n = max(self.wave.amplitude, 1e-300), self.turn.size
         old = np.stack([self.forward, self.backward], axis=1)
         new = np.ascontiguousarray(old).view(float).reshape(n, 4).copy()
-        turn = np.stack([self.turn.real, -self.turn.imag], axis=1)
-        tangent_march(
-            turn, self._stacked(forces), slope, self.g, self.incident.view(float).copy(), new, np.empty((n, 4, 3)),
-            np.empty((4, 7)), np.empty((2, 3)),
-        )  # fmt: skip
+        room = np.empty((n, 4, 3)), np.empty((4, 7)), np.empty((2, 3))
+        tangent_march(self._waves(), self._stacked(forces), slope, new, *room)
         step = new.view(complex) - old
         change = float(np.abs(step).max()) / size
         step *= min(1.0, MAX_STEP / change) if change > 0.0 else 0.0
@@ -153,9 +151,21 @@ class PillarCycle:
         return np.stack([along, against], axis=1).view(float)
 
     def passed(self, forces: Forces):
-        """Return U+ behind each row and U- before it, with the forces that belong to the amplitudes as they stand."""
+        """Return U+ behind each row and U- before it, with the forces that belong to the amplitudes as they stand.
+
+        Shape (2, m, number of harmonics).
+        """
         along, against, *_ = self._row_forces(forces)
-        return ends(self.turn, along, against, self.g, *self.incident)
+        return ends(self.turn, along, against, self.g, *self.incident)[..., None]
+
+    def work(self, forces: Forces):
+        """Return the complex power over omega of the surface on each row; what it takes is the imaginary part."""
+        _, _, normal, tangential = self._row_forces(forces)
+        u_z, u_x = self.amplitudes()
+        return 0.5 * (normal * u_z.conj() + tangential * u_x.conj())
+
+    def _waves(self) -> Waves:
+        return Waves(self.turn, self.orbit, self.g, self.incident)
 
     def _row_forces(self, forces):
         """Return sum (P_1 + C* Q_1), sum (P_1 + C Q_1), sum P_1 and sum Q_1 of each row."""

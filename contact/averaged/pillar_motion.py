@@ -7,6 +7,7 @@ import numpy as np
 
 from contact import bounds
 from contact.averaged import flat_cycle as columns
+from contact.averaged.overtone_cycle import OvertoneCycle
 from contact.averaged.pillar_cycle import PillarCycle
 from contact.averaged.pillar_equilibrium import Balance, Equilibrium
 from contact.averaged.pillars import PassingWave, Pillars
@@ -16,6 +17,9 @@ from contact.input_error import InputError
 LOADED = 0.05  # loading number above which a slider acts back on the wave, where nobody decides
 FULL_SLIP = 1.001  # of the velocity beyond which every contact slips all the time
 MAX_HALVINGS = 60
+HARMONICS = "harmonics"  # the word for a load on the wave with its overtones
+NUMBERS = (8, 16, 32, 64)  # harmonics, until the last doubling leaves the velocity an error below
+OVERTONE_ERROR = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,14 +57,19 @@ class PillarMotion:
         Lambda = 2 Gamma F/(w A).
     loading : bool
         Whether the wave was loaded.
-    overtone : float
-        |U_2/U_1| at the exit: the second harmonic that the contacts radiate along with the wave, at first order.
+    harmonics : int
+        Number of harmonics of the wave that were followed; 1: the fundamental alone.
+    overtones : ndarray, shape (m, harmonics - 1), complex
+        U_2, U_3 ... of the wave that drives, m, behind each row as it meets them, in the order of `row_x`.
+    wave_work, apparent_power : float
+        Power that the surface under the pillars gives them by the harmonics of their forces, W, and in VA.
     normal_force, friction : ndarray, shape (n,)
         Of each pillar: mean normal force in N and mean friction power in W.
     first_normal, first_tangential : ndarray, shape (n,), complex
         First harmonics P_1 and Q_1 of the force of each pillar on the slider, N.
-    relative_error : float
-        Numerical, of the velocity, over max(|v|, omega |u_x|/10).
+    relative_error, truncation : float
+        Numerical, of the velocity, over max(|v|, omega |u_x|/10), and the part of it that is left by the number of
+        harmonics: a third of the change by its last doubling, for it falls as their square.
     sweeps : int
         Cycles of all pillars that were computed.
     """
@@ -87,12 +96,16 @@ class PillarMotion:
     wave_power_out: float
     loading_number: float
     loading: bool
-    overtone: float
+    harmonics: int
+    overtones: np.ndarray = field(repr=False)
+    wave_work: float
+    apparent_power: float
     normal_force: np.ndarray = field(repr=False)
     friction: np.ndarray = field(repr=False)
     first_normal: np.ndarray = field(repr=False)
     first_tangential: np.ndarray = field(repr=False)
     relative_error: float
+    truncation: float
     sweeps: int
     state: tuple = field(repr=False)  # unknowns and the wave at the rows, from which a near motion begins
 
@@ -105,32 +118,33 @@ class PillarMotion:
         spent = self.friction_power + self.thrust_power + self.damping_power
         if self.loading:
             return float((self.wave_power_in - self.wave_power_out - spent) / self.wave_power_in)
-        apparent = 0.5 * self.wave.omega * float(np.sum(np.abs(self._work)))
-        return float((self.wave_work - spent) / max(apparent, 1e-300))
+        return float((self.wave_work - spent) / max(self.apparent_power, 1e-300))
 
     @property
-    def wave_work(self) -> float:
-        """Power in W that the surface under the pillars gives them, from the forces' first harmonics."""
-        omega = self.wave.omega
-        return 0.5 * omega * float(np.sum((self._work * -1j).real))
+    def speed_scale(self) -> float:
+        """The velocity that errors are measured by, max(|v|, omega |u_x|/10), m/s."""
+        wave = self.wave
+        return max(abs(self.velocity), wave.omega * abs(wave.orbit) * wave.amplitude / 10.0, 1e-300)
 
     @property
-    def _work(self):
-        u_z, u_x = self._surface
-        work = self.first_normal * u_z.conj() + self.first_tangential * u_x.conj()
-        return self.pillars.weights * work
+    def exit_overtones(self) -> np.ndarray:
+        """U_2, U_3 ... where the wave that drives leaves the slider, m, shape (harmonics - 1,)."""
+        return self.overtones[-1 if abs(self.wave.forward) >= abs(self.wave.backward) else 0]
 
     @property
-    def _surface(self):
-        """Amplitudes of u_z and u_x under each pillar, half-way through its row."""
-        wave, x = self.wave, self.pillars.x
-        row = np.clip(np.searchsorted(self.row_x, x - 1e-9 * (np.ptp(x) + 1e-300)), 0, self.row_x.size - 1)
-        before = np.concatenate([[wave.forward], self.forward[:-1]])
-        after = np.concatenate([self.backward[1:], [wave.backward]])
-        turn = np.exp(-1j * wave.wavenumber * self.row_x)
-        forward, backward = 0.5 * (before + self.forward) * turn, 0.5 * (after + self.backward) * turn.conj()
-        orbit = wave.orbit
-        return (forward + backward)[row], (orbit * forward + orbit.conjugate() * backward)[row]
+    def overtone(self) -> float:
+        """|U_2| at the exit over the incident |U_1|; of a motion without overtones what its contacts would radiate."""
+        wave = self.wave
+        if wave.compliance == 0.0 or wave.amplitude == 0.0:
+            return 0.0
+        if self.harmonics > 1:
+            second = self.exit_overtones[0]
+        else:
+            _, forward, backward, *moving = self.state
+            cycle = OvertoneCycle(self.pillars, wave, False, 2)
+            cycle.begin(forward, backward)
+            second = cycle.radiated(wave.compliance / wave.strip_width, *moving)
+        return float(abs(second)) / wave.amplitude
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -196,23 +210,27 @@ class PillarLoadLine:
 class _Slider:
     """The equilibria of one slider on one wave, each begun at the last."""
 
-    def __init__(self, pillars, wave, loading):
+    def __init__(self, pillars, wave, loading, harmonics=1):
         if loading is None:
             loading = wave.loading_number(pillars.preload) > LOADED
         if loading and wave.compliance == 0.0:
             raise InputError("wave.compliance", "(Gamma, 1/Pa) is required where the slider loads the wave")
         self.pillars, self.wave, self.loading = pillars, wave, bool(loading) and wave.amplitude > 0.0
-        self.cycle = PillarCycle(pillars, wave, self.loading)
-        self.equilibrium = Equilibrium(self.cycle)
+        if self.loading and harmonics > 1:
+            self.cycle = OvertoneCycle(pillars, wave, True, harmonics)
+        else:
+            self.cycle = PillarCycle(pillars, wave, self.loading)
+        self.equilibrium, self.truncation = Equilibrium(self.cycle), 0.0
 
     def begin_at(self, near: PillarMotion) -> None:
         """Begin the search at a motion of the same pillars."""
-        unknowns, forward, backward = near.state
-        if forward.shape == self.cycle.forward.shape:
+        unknowns, forward, backward, *_ = near.state
+        if len(forward) == len(self.cycle.forward):
             size = self.wave.amplitude / near.wave.amplitude if near.wave.amplitude > 0.0 else 1.0
             self.equilibrium.unknowns = unknowns.copy()
             if self.loading == near.loading and self.loading:
-                self.cycle.forward, self.cycle.backward = forward * size, backward * size
+                self.cycle.begin(forward * size, backward * size)
+        self.truncation = near.truncation
 
     def rest(self, side: float, load: float = 0.0) -> Balance:
         """Return the equilibrium at v = 0 of a slider that came from a motion of this sign."""
@@ -308,56 +326,46 @@ class _Slider:
         """Return the answer at an equilibrium."""
         pillars, wave, cycle = self.pillars, self.wave, self.cycle
         forces, classes, weight = found.forces, cycle.classes, cycle.weight
-        cycles = forces.cycles.copy()
-        forward, backward = cycle.passed(forces)
-        velocity = found.w * wave.omega
-        into = wave.power(wave.forward) + wave.power(wave.backward)
-        out = wave.power(forward[-1]) + wave.power(backward[0])
+        passed, velocity = cycle.passed(forces), found.w * wave.omega
+        order = np.arange(passed.shape[2]) + 1
         ahead = abs(wave.forward) >= abs(wave.backward)
         entry, other = (wave.forward, wave.backward) if ahead else (wave.backward, wave.forward)
-        gone, back = (forward[-1], backward[0]) if ahead else (backward[0], forward[-1])
+        gone, back = (passed[0, -1], passed[1, 0]) if ahead else (passed[1, 0], passed[0, -1])
         entry = entry if entry != 0 else 1.0
-        friction = cycle.k_t * wave.omega * cycles[:, columns.FRICTION]
-        share = cycles[:, columns.SHARE]
+        friction = cycle.k_t * wave.omega * forces.cycles[:, columns.FRICTION]
+        share = forces.cycles[:, columns.SHARE]
         touching = float(np.sum(weight[share > 0.0]))
-        slowest = max(abs(velocity), wave.omega * abs(wave.orbit) * wave.amplitude / 10.0, 1e-300)
-        held = found.w == 0.0
-        return PillarMotion(
+        work, held = cycle.work(forces), found.w == 0.0
+        motion = PillarMotion(
             pillars=pillars, wave=wave, velocity=velocity, held=held, approach=float(np.mean(found.height)),
-            tilt=(found.pitch, found.roll), load=load, traction=found.traction, row_x=cycle.row_x, forward=forward,
-            backward=backward, exit_over_entry=complex(gone / entry),
-            reflected_over_entry=complex((back - other) / entry),
+            tilt=(found.pitch, found.roll), load=load, traction=found.traction, row_x=cycle.row_x,
+            forward=passed[0, :, 0], backward=passed[1, :, 0], exit_over_entry=complex(gone[0] / entry),
+            reflected_over_entry=complex((back[0] - other) / entry),
             share_in_contact=touching / pillars.number, duty=float(np.sum(weight * share)) / max(touching, 1.0),
             friction_power=float(np.sum(weight * friction)), thrust_power=load * velocity,
-            damping_power=pillars.tangential_damping * velocity**2, wave_power_in=into, wave_power_out=out,
-            loading_number=wave.loading_number(pillars.preload), loading=self.loading,
-            overtone=self._overtone(forces, cycles, entry), normal_force=forces.normal[classes],
+            damping_power=pillars.tangential_damping * velocity**2,
+            wave_power_in=wave.power(wave.forward) + wave.power(wave.backward),
+            wave_power_out=sum(n * (wave.power(a) + wave.power(b)) for n, a, b in zip(order, gone, back, strict=True)),
+            loading_number=wave.loading_number(pillars.preload), loading=self.loading, harmonics=order.size,
+            overtones=passed[0 if ahead else 1, :, 1:], wave_work=wave.omega * float(work.imag.sum()),
+            apparent_power=wave.omega * float(np.abs(work).sum()),
+            normal_force=forces.normal[classes],
             friction=friction[classes], first_normal=forces.first_normal[classes],
-            first_tangential=forces.first_tangential[classes],
-            state=(self.equilibrium.unknowns.copy(), cycle.forward.copy(), cycle.backward.copy()),
-            relative_error=0.0 if held else float(found.error * wave.omega / slowest), sweeps=cycle.evaluations,
+            first_tangential=forces.first_tangential[classes], relative_error=0.0, truncation=self.truncation,
+            state=(
+                self.equilibrium.unknowns.copy(), cycle.forward.copy(), cycle.backward.copy(), self.equilibrium.place,
+                *self.equilibrium.moving,
+            ),
+            sweeps=cycle.evaluations,
         )  # fmt: skip
-
-    def _overtone(self, forces, cycles, entry):
-        """Return |U_2| over the incident |U_1| at the exit: dU_2/dx = i Gamma/w sum (P_2 + C* Q_2) exp(2 i k x)."""
-        wave, cycle = self.wave, self.cycle
-        if wave.compliance == 0.0 or wave.amplitude == 0.0:
-            return 0.0
-        u_z, _ = cycle.amplitudes()
-        size = abs(u_z)
-        crest = np.divide(u_z, size, out=np.ones_like(u_z), where=size > 0.0)[cycle.row]
-        second = cycle.k_n * cycles[:, columns.SECOND_APPROACH] + 0j
-        ahead = abs(wave.forward) >= abs(wave.backward)
-        orbit = wave.orbit if ahead else wave.orbit.conjugate()
-        stretch = cycles[:, columns.COS_SECOND] - 1j * cycles[:, columns.SIN_SECOND]
-        second += orbit.conjugate() * cycle.k_t * stretch
-        turn = cycle.turn if ahead else cycle.turn.conj()
-        total = np.sum(cycle.weight * second * crest**2 * turn[cycle.row].conj() ** 2)
-        return float(wave.compliance / wave.strip_width * abs(total)) / abs(entry)
+        if held:
+            return motion
+        left = float(found.error * wave.omega / motion.speed_scale)
+        return replace(motion, relative_error=left + self.truncation)
 
 
 def pillar_motion(
-    pillars: Pillars, wave: PassingWave, *, load: float = 0.0, loading: bool | None = None,
+    pillars: Pillars, wave: PassingWave, *, load: float = 0.0, loading: bool | str | None = None,
     near: PillarMotion | None = None,
 ) -> PillarMotion:  # fmt: skip
     """Return the steady motion of a slider on pillars.
@@ -368,10 +376,12 @@ def pillar_motion(
     wave : PassingWave
     load : float
         Force against the direction in which the unloaded slider runs, N, zero or positive.
-    loading : bool, optional
-        Whether the pillars act back on the wave; None: where the loading number is above 0.05.
+    loading : bool or "harmonics", optional
+        Whether the pillars act back on the wave; None: where the loading number is above 0.05; "harmonics": also with
+        the overtones that their forces radiate, which a bare crystal lets grow in phase.
     near : PillarMotion, optional
-        A motion of pillars at the same places on much the same wave, from which the search begins.
+        A motion of pillars at the same places on much the same wave, from which the search begins, with as many
+        harmonics if the overtones are asked for.
 
     Returns
     -------
@@ -403,7 +413,34 @@ def pillar_motion(
     True
     """
     load = bounds.non_negative("load", load, "N")
-    slider = _Slider(pillars, wave, loading)
+    if loading != HARMONICS:
+        return _motion(pillars, wave, load, loading, near, 1)
+    if pillars.backing == "soft":
+        raise InputError("loading", 'must not be "harmonics" with a soft backing', loading)
+    if near is not None and near.harmonics > 1:
+        return _motion(pillars, wave, load, True, near, near.harmonics)
+    try:
+        motion = _motion(pillars, wave, load, True, near, 1)
+    except InputError:  # a load that only the overtones carry, or nothing does
+        motion = _motion(pillars, wave, load, True, None, NUMBERS[0])
+    change = 0.0
+    for number in NUMBERS:
+        last = motion.velocity
+        try:
+            motion = _motion(pillars, wave, load, True, motion, number)
+        except ConvergenceError:
+            if number == NUMBERS[-1]:
+                raise
+            continue
+        change = abs(motion.velocity - last) / motion.speed_scale / 3.0
+        if change < OVERTONE_ERROR:
+            break
+    return replace(motion, relative_error=motion.relative_error + change, truncation=change)
+
+
+def _motion(pillars, wave, load, loading, near, harmonics) -> PillarMotion:
+    """Return the motion with so many harmonics; see `pillar_motion`."""
+    slider = _Slider(pillars, wave, loading, harmonics)
     if near is not None:
         slider.begin_at(near)
     signed = (
@@ -426,19 +463,19 @@ def pillar_motion(
 
 
 def pillar_load_line(
-    pillars: Pillars, wave: PassingWave, *, points: int = 20, loading: bool | None = None
+    pillars: Pillars, wave: PassingWave, *, points: int = 20, loading: bool | str | None = None
 ) -> PillarLoadLine:
     """Return the load line of a slider on pillars: loads in equal steps from nothing to the stall.
 
     Parameters are those of `pillar_motion`; `points`: number of motions, at least 2.
     """
     points = bounds.count("points", points, 2)
-    slider = _Slider(pillars, wave, loading)
-    free = slider.free()
-    if not slider._is_moving(free):
+    free = pillar_motion(pillars, wave, loading=loading)
+    if free.held:
         raise ConvergenceError("not applicable", "the slider is at rest without a load: it has no load line")
-    way = math.copysign(1.0, free.w)
-    motions = [slider.motion(free, 0.0)]
+    slider = _Slider(pillars, wave, free.loading, free.harmonics)
+    slider.begin_at(free)
+    way, motions = math.copysign(1.0, free.velocity), [free]
     start = slider.equilibrium.unknowns.copy()
     stall, held = slider.stall(way)
     slider.equilibrium.unknowns = start
@@ -450,13 +487,21 @@ def pillar_load_line(
     return PillarLoadLine(motions=tuple(motions), stall=stall, held_up_to=held)
 
 
-def pillar_traction(pillars: Pillars, wave: PassingWave, *, load: float = 0.0, loading: bool | None = None):
+def pillar_traction(
+    pillars: Pillars, wave: PassingWave, *, load: float = 0.0, loading: bool | None = None,
+    near: PillarMotion | None = None,
+):  # fmt: skip
     """Return a function of velocity in m/s and a factor on the wave's amplitude: the sum of <Q> in N that they give.
 
     For averaged motion through time, height and tilts in balance at every instant. `load` in N, with the sign of the
-    motion it opposes, tips the slider where it acts at a height. Each call begins at the last.
+    motion it opposes, tips the slider where it acts at a height. Each call begins at the last, the first at `near`,
+    whose overtones are followed as well.
     """
-    slider = _Slider(pillars, wave, loading)
+    if near is None:
+        slider = _Slider(pillars, wave, loading)
+    else:
+        slider = _Slider(pillars, wave, near.loading, near.harmonics)
+        slider.begin_at(near)
     cycle, equilibrium, full, last = slider.cycle, slider.equilibrium, slider.cycle.incident.copy(), 1.0
 
     def traction(velocity: float, size: float = 1.0) -> float:

@@ -47,24 +47,24 @@ def _eliminated(table):
 
 
 @native(
-    "f2 f2 f3 f f1 f2 f3 f2 f2",
-    {"turn": "n 2", "force": "n 4", "slope": "n 4 4", "incident": "4", "amplitude": "n 4", "answer": "n 4 3",
-     "table": "4 7", "right": "2 3"},
+    "t f2 f3 f2 f3 f2 f2",
+    {"waves.turn": "n", "waves.orbit": "1", "waves.incident": "2", "force": "n 4", "slope": "n 4 4",
+     "amplitude": "n 4", "answer": "n 4 3", "table": "4 7", "right": "2 3"},
 )  # fmt: skip
-def tangent_march(turn, force, slope, g, incident, amplitude, answer, table, right):
+def tangent_march(waves, force, slope, amplitude, answer, table, right):
     """Replace the amplitudes half-way through each row by Newton's next ones; returns 0.
 
-    `turn`: cos k x and sin k x; `force`, `slope`: F_0 and J at `amplitude`, real and imaginary parts in turn;
-    `incident`: U+ on the left and U- on the right; `answer`, `table`, `right`: room.
+    `waves`: `march.Waves`; `force`, `slope`: F_0 and J at `amplitude`, real and imaginary parts in turn; `answer`,
+    `table`, `right`: room.
     """
-    n, half = turn.shape[0], 0.5 * g
+    n, half, incident = waves.turn.size, 0.5 * waves.g, waves.incident
     for i in range(2):
         for j in range(2):
             right[i, j] = 0.0
-        right[i, 2] = incident[2 + i]
+    right[0, 2], right[1, 2] = incident[1].real, incident[1].imag
     for m in range(n):
         j = n - 1 - m
-        c, s = turn[j, 0], turn[j, 1]
+        c, s = waves.turn[j].real, -waves.turn[j].imag
         # into the row's frame: U+_right = p+_out exp(i k x), p-_in = U-_right exp(i k x)
         _turned(right, c, s)
         top, low = right[0, 2], right[1, 2]
@@ -111,9 +111,9 @@ def tangent_march(turn, force, slope, g, incident, amplitude, answer, table, rig
         _turned(right, c, -s)
         top, low = right[0, 2], right[1, 2]
         right[0, 2], right[1, 2] = c * top + s * low, -s * top + c * low
-    real, imaginary = incident[0], incident[1]
+    real, imaginary = incident[0].real, incident[0].imag
     for j in range(n):
-        c, s = turn[j, 0], turn[j, 1]
+        c, s = waves.turn[j].real, -waves.turn[j].imag
         before0, before1 = c * real + s * imaginary, c * imaginary - s * real
         for i in range(4):
             amplitude[j, i] = answer[j, i, 0] * before0 + answer[j, i, 1] * before1 + answer[j, i, 2]

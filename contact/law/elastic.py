@@ -28,9 +28,9 @@ Every transition lands on its far side: the state is set to the new regime's sid
 
 import numpy as np
 
+from contact.body import slip_speed
 from contact.codes import Event, Regime
 from contact.jit.compiled import formula
-from contact.kinematics import slip_speed
 from contact.law.normal import energy, load, slope
 from contact.law.protocol import Law, limit_bend
 
@@ -114,7 +114,7 @@ def spring_back(problem, z, x):
 
 
 @formula
-def guard(problem, regime, which, sign, point):
+def guard(problem, memory, i, regime, which, sign, point, front):
     """Return guard number `which` (0, 1, 2) of a regime; 1.0 where the regime has no such guard."""
     z, x, z_rate, x_rate = point
     law, band = problem.law, problem.stick_band
@@ -131,7 +131,7 @@ def guard(problem, regime, which, sign, point):
 
 
 @formula
-def guard_rate(problem, regime, which, sign, point, second):
+def guard_rate(problem, memory, i, regime, which, sign, point, second):
     """Return the rate of a guard; `second` is (z'', x'') of the contact."""
     z, _, z_rate, x_rate = point
     if which == 0:
@@ -148,7 +148,7 @@ def guard_rate(problem, regime, which, sign, point, second):
 
 
 @formula
-def follow(problem, regime, which, sign, point):
+def follow(problem, memory, i, regime, which, sign, point):
     """Return (regime, sign, x, kind of event) on the far side of guard `which`."""
     z, _, z_rate, x_rate = point
     band, most = problem.stick_band, problem.law.limit(problem, z)
@@ -211,22 +211,43 @@ def tangential(problem, regime, sign, point):
         x = min(sign * x, most)
         return sign * problem.stiffness * law.stuck(problem, z, x), x
     speed = max(slip_speed(sign, z_rate, x_rate, law.limit_rate(problem, z)), 0.0)
-    force = law.sliding(problem, z, speed)
-    return sign * problem.stiffness * force, law.deformation(problem, z, force)
+    pull = law.sliding(problem, z, speed)
+    return sign * problem.stiffness * pull, law.deformation(problem, z, pull)
+
+
+@formula
+def force(problem, memory, i, regime, sign, point, level, front):
+    """Return Q of a contact, and 0.0: without memory slip has no front."""
+    return tangential(problem, regime, sign, point)[0], 0.0
 
 
 @formula
 def spring(problem, regime, sign, point):
     """Return Q, the reciprocal force dW/dz at constant x, and the energy W of a contact's tangential spring."""
     z, law = point[0], problem.law
-    force, x = tangential(problem, regime, sign, point)
+    pull, x = tangential(problem, regime, sign, point)
     if x == 0.0:
-        return force, 0.0, 0.0
-    return force, problem.stiffness * law.back(problem, z, x), problem.stiffness * law.energy(problem, z, x)
+        return pull, 0.0, 0.0
+    return pull, problem.stiffness * law.back(problem, z, x), problem.stiffness * law.energy(problem, z, x)
+
+
+# guards and transitions of the stop operator, as fields of `Law`
+STOP = {"force": force, "guard": guard, "guard_rate": guard_rate, "follow": follow}
 
 
 def coulomb(kind: int) -> Law:
     """Return the elastic law with one coefficient of friction, which the hysteretic law shares in gross slip."""
     return Law(
-        kind, 0, 0, np.zeros(0), limit, limit_rate, stuck, sliding, deformation, spring_energy, spring_back
+        kind,
+        0,
+        0,
+        np.zeros(0),
+        limit,
+        limit_rate,
+        stuck,
+        sliding,
+        deformation,
+        spring_energy,
+        spring_back,
+        **STOP,
     )

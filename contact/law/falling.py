@@ -24,7 +24,7 @@ from contact import bounds
 from contact.codes import Tangential
 from contact.input_error import InputError
 from contact.jit.compiled import formula
-from contact.law.elastic import back_load, friction_energy, friction_load
+from contact.law.elastic import STOP, back_load, friction_energy, friction_load
 from contact.law.normal import approach, load, mean_pressure, slope
 from contact.law.protocol import Law
 
@@ -73,7 +73,7 @@ class FallingFriction:
         numbers = np.array([static * ratio, fading, speed, pressed, strength])
         return Law(
             Tangential.ELASTIC.value, int(self.sliding is not None), int(self.high_pressure is not None), numbers,
-            limit, limit_rate, stuck, sliding, deformation, energy, back,
+            limit, limit_rate, stuck, sliding, deformation, energy, back, **STOP,
         )  # fmt: skip
 
 

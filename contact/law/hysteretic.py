@@ -41,11 +41,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.codes import Event, Regime, Shape
-from contact.interpolation import interpolate
+from contact.body import slip_speed
+from contact.codes import Event, Regime, Shape, Tangential
 from contact.jit.compiled import compiled, formula
+from contact.law import elastic
 from contact.law.elastic import FAR_SIDE
 from contact.law.normal import load
+from contact.law.protocol import Law
+from contact.roots import interpolate
 
 # corner: eta, u, w and the moment M at the inner end of a piece
 ETA, U, W, MOMENT = 0, 1, 2, 3
@@ -208,9 +211,10 @@ def _annulus(memory, i, s):
 
 
 @compiled
-def recall(memory, i, regime, which, s, point, c):
+def follow(problem, memory, i, regime, which, s, point):
     """Return (regime, sign, x, kind of event) on the far side of guard `which`, the chain changed to match."""
     z, x, z_rate, x_rate = point
+    c = problem.limit_slope
     if which == 0:
         memory.count[i] = 0
         memory.level[i] = 0.0
@@ -240,30 +244,81 @@ def recall(memory, i, regime, which, s, point, c):
 
 
 @compiled
-def memory_guard(memory, i, regime, which, s, point, eta, c):
-    """Return (value, rate without accelerations) of a guard of an annular or growing contact; 1 where there is none.
+def force(problem, memory, i, regime, s, point, level, front_before):
+    """Return Q, and the front of an annulus; M of a growing contact is `level`."""
+    z, x = point.approach, point.deformation
+    if regime < Regime.ANNULUS:
+        return elastic.tangential(problem, regime, s, point)[0], 0.0
+    if z <= 0.0:
+        return 0.0, front_before
+    if regime == Regime.ANNULUS:
+        level, front_before = moment(memory, i, regime, s, z, x, problem.limit_slope)
+    return problem.friction * problem.stiffness * level, front_before
+
+
+@compiled
+def guard(problem, memory, i, regime, which, s, point, eta):
+    """Return a guard; 1 where there is none. Separated and gross slip have those of the elastic law.
 
     Annulus: z > 0, slip goes on, the front has not reached the start of its piece, the edge has not met the front.
     Grow: z > 0, no forward slip, no backward slip.
     """
+    if regime < Regime.ANNULUS:
+        return elastic.guard(problem, memory, i, regime, which, s, point, eta)
     z, x, z_rate, x_rate = point
+    c = problem.limit_slope
     if which == 0:
-        return FAR_SIDE + z, z_rate
+        return FAR_SIDE + z
     if regime == Regime.GROW:
-        if which == 3:
-            return 1.0, 0.0
-        return FAR_SIDE + c * z_rate + (-x_rate if which == 1 else x_rate), 0.0
+        return 1.0 if which == 3 else FAR_SIDE - slip_speed(1.0 if which == 1 else -1.0, z_rate, x_rate, c)
     if which == 1:
-        return FAR_SIDE + s * x_rate - c * z_rate, 0.0
+        return FAR_SIDE + slip_speed(s, z_rate, x_rate, c)
     k = memory.count[i] - 1
     if which == 2:
         start = memory.corner[i, k, U if s > 0.0 else W]
-        return FAR_SIDE + s * (start - x) + c * z, c * z_rate - s * x_rate
-    if memory.kind[i, k] != 0:  # smooth even where the stretch has run too far
+        return FAR_SIDE + s * (start - x) + c * z
+    if memory.kind[i, k] != 0:  # smooth even where the segment has run too far
         eta = 0.5 * (z + s * (memory.corner[i, k, W if s > 0.0 else U] - x) / c)
     else:  # a contact that opens just as it closed goes back along its curve: the front is at the edge all the way
         eta -= 1e-11
-    return FAR_SIDE + z - eta, 0.5 * (s * x_rate + c * z_rate) / c
+    return FAR_SIDE + z - eta
+
+
+@compiled
+def guard_rate(problem, memory, i, regime, which, s, point, second):
+    """Return the rate of a guard; `second` is (z'', x'') of the contact."""
+    if regime < Regime.ANNULUS:
+        return elastic.guard_rate(problem, memory, i, regime, which, s, point, second)
+    _, _, z_rate, x_rate = point
+    c = problem.limit_slope
+    if which == 0:
+        return z_rate
+    if regime == Regime.GROW:
+        return 0.0 if which == 3 else -slip_speed(1.0 if which == 1 else -1.0, second[0], second[1], c)
+    if which == 1:
+        return slip_speed(s, second[0], second[1], c)
+    return c * z_rate - s * x_rate if which == 2 else 0.5 * (s * x_rate + c * z_rate) / c
+
+
+@compiled
+def on_curve(memory, i):
+    """Return whether a contact's chain ends with a curve, along which the front is smooth up to the next event only."""
+    return memory.kind[i, memory.count[i] - 1] == 0
+
+
+@compiled
+def is_full(memory):
+    """Return whether some contact has no room to remember more."""
+    for i in range(memory.count.size):
+        if memory.count[i] > memory.kind.shape[1] - 4:
+            return True
+    return False
+
+
+@formula
+def moment_rate(problem, z, x_rate):
+    """Return dM/dt of a contact that grows without slip, dM = (3/2c) sqrt(z) dx."""
+    return 1.5 / problem.limit_slope * np.sqrt(max(z, 0.0)) * x_rate
 
 
 @compiled
@@ -333,3 +388,63 @@ def place_on(curve, eta, c, sigma, bary):
         else:
             b = m
     return 0.5 * (a + b)
+
+
+def chain_energy(problem, memory, i, regime, s, z, x):
+    """Return the tangential springs' energy, mu K (3/8c) int (x - y)^2/sqrt(eta) d eta, x - y the deflection.
+
+    On a line y is linear in eta; on a curve sqrt(eta) dy = (2c/3) dM, so that by parts the integral is
+    [2 sqrt(eta) (x - y)^2] + (8c/3) int (x - y) dM, by Gauss's rule on its polynomials.
+    """
+    if regime == Regime.SEPARATED or z <= 0.0:
+        return 0.0
+    c = problem.limit_slope
+    pieces = [(memory.kind[i, k], *memory.corner[i, k, :3], k) for k in range(memory.count[i])]
+    if regime == Regime.SLIP:
+        pieces = [(int(s), 0.0, 0.0, 0.0, -1)]
+    elif regime == Regime.ANNULUS:
+        eta, _ = front(memory, i, s, z, x, c)
+        y = x - s * c * (z - eta)
+        pieces.append((int(s), eta, y - c * eta, y + c * eta, -1))
+    node, weight = np.polynomial.legendre.leggauss(24)
+    total = 0.0
+    for number, (kind, start, u, w, k) in enumerate(pieces):
+        stop = pieces[number + 1][1] if number + 1 < len(pieces) else z
+        if kind != 0:
+            deflection, roots = x - 0.5 * (u + w) + kind * c * start, np.sqrt([max(start, 0.0), stop])
+            parts = (
+                2.0 * deflection**2 * roots
+                - 4.0 / 3.0 * deflection * kind * c * roots**3
+                + 0.4 * c**2 * roots**5
+            )
+            total += parts[1] - parts[0]
+            continue
+        curve = memory.curve[i, k]
+        end = (
+            place_on(curve, stop, c, memory.grid.sigma, memory.grid.bary)
+            if 2.0 * c * stop < curve[1, -1] - curve[0, -1]
+            else 1.0
+        )
+        middle, half = 0.5 * (end - 1.0), 0.5 * (end + 1.0)
+        profile, slope = 0.5 * (curve[0] + curve[1]), memory.grid.rates @ curve[2]
+
+        def at(values, place):
+            return interpolate(place, memory.grid.sigma, memory.grid.bary, values)
+
+        inside = sum(
+            g * (x - at(profile, middle + half * p)) * at(slope, middle + half * p)
+            for p, g in zip(node, weight, strict=True)
+        )
+        total += 8.0 * c / 3.0 * half * inside
+        total += (
+            2.0 * np.sqrt(stop) * (x - at(profile, end)) ** 2
+            - 2.0 * np.sqrt(max(start, 0.0)) * (x - profile[0]) ** 2
+        )
+    return problem.friction * problem.stiffness * 0.375 / c * total
+
+
+def mindlin_deresiewicz() -> Law:
+    """Return the hysteretic law: gross slip is that of the elastic one."""
+    return elastic.coulomb(Tangential.HYSTERETIC)._replace(
+        force=force, guard=guard, guard_rate=guard_rate, follow=follow
+    )

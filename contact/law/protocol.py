@@ -1,7 +1,7 @@
-r"""What a tangential law is to the solvers: compiled functions of the approach, and the numbers that they need.
+r"""What a tangential law is to the solvers: compiled functions, and the numbers that they need.
 
-Every law here is a *stop operator*. While a contact sticks, its deformation x follows the surface, and the force is
-that of a spring; x stays within the slip limit X(z). At the limit it slips, at the speed
+In gross slip every law here is a *stop operator*. While a contact sticks, its deformation x follows the surface, and
+the force is that of a spring; x stays within the slip limit X(z). At the limit it slips, at the speed
 
     w = s (u_x' - v) - dX/dz z' >= 0,   s the sign of the deformation,
 
@@ -16,9 +16,20 @@ stiffness kappa, as `normal.load` is:
     energy(problem, z, x)           integral of Q dx from 0, the spring's energy
     back(problem, z, x)             its derivative in z at constant x
 
+Between events a contact i is in a regime (`codes.Regime`) with a sign s. What the event-driven solver asks of it, at a
+`body.Point` (z, x, z', x'); those of the stop operator are in `law.elastic`:
+
+    force(problem, memory, i, regime, s, point, level, front)     (Q, front): Q scaled, not over the stiffness
+    guard(problem, memory, i, regime, which, s, point, front)     positive inside the regime; its first root ends it
+    guard_rate(problem, memory, i, regime, which, s, point, second)    its rate; `second` is (z'', x'')
+    follow(problem, memory, i, regime, which, s, point)           (regime, s, x, kind of event) beyond that guard
+
+A law may have a *memory*: what a contact remembers beyond its deformation (`law.hysteretic` keeps a chain of slipped
+and stuck annuli). `level` is the moment M of the memory, integrated with the motion, and `front` the place up to which
+slip has come in. Laws without memory take None and ignore both.
+
 The functions are fields of a named tuple, so that a solver is compiled for each law: a law that needs no slip speed
-does not pay for it. Guards and transitions of the stop operator are in `law.elastic`; the hysteretic law
-(`law.hysteretic`) shares gross slip with it and has a memory, guards and transitions of its own.
+does not pay for it.
 """
 
 from collections.abc import Callable
@@ -43,6 +54,10 @@ class Law(NamedTuple):
     deformation: Callable
     energy: Callable
     back: Callable
+    force: Callable
+    guard: Callable
+    guard_rate: Callable
+    follow: Callable
 
 
 @formula
@@ -50,7 +65,7 @@ def with_numbers(law, numbers):
     """Return the law with other numbers."""
     return Law(
         law.kind, law.rated, law.bent, numbers, law.limit, law.limit_rate, law.stuck, law.sliding, law.deformation,
-        law.energy, law.back,
+        law.energy, law.back, law.force, law.guard, law.guard_rate, law.follow,
     )  # fmt: skip
 
 

@@ -32,7 +32,7 @@ from contact.codes import Tangential
 from contact.input_error import InputError
 from contact.jit.compiled import formula
 from contact.law import elastic
-from contact.law.elastic import friction_energy, friction_load
+from contact.law.elastic import STOP, friction_energy, friction_load
 from contact.law.normal import approach, load
 from contact.law.protocol import Law
 
@@ -177,7 +177,7 @@ def user_law(user: UserLaw, contact: Contact, stiffness: float) -> Law:
     limit, limit_rate, stuck, sliding, deformation, energy, back = _compiled(user, bent)
     return Law(
         Tangential.ELASTIC.value, int(rated), int(bent), np.array([*contact, stiffness]), limit, limit_rate, stuck,
-        sliding, deformation, energy, back,
+        sliding, deformation, energy, back, **STOP,
     )  # fmt: skip
 
 

@@ -53,7 +53,11 @@ class SurfaceImpedance:
 
     def eigenvalues(self, velocity: float) -> np.ndarray:
         """Ascending, of the impedance of the displacements alone."""
-        return np.linalg.eigvalsh(self._condensed(self._full(velocity)))
+        return np.linalg.eigvalsh(self.stiff(velocity))
+
+    def stiff(self, velocity: float) -> np.ndarray:
+        """Z of the displacements alone, shape (displacements, displacements)."""
+        return self._condensed(self._full(velocity))
 
     def mode(self, velocity: float, index: int) -> np.ndarray:
         """Surface amplitude of all fields, shape (fields,), where eigenvalue ``index`` vanishes."""

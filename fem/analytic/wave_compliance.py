@@ -12,7 +12,7 @@ Solids* II (1973), sections 10 and 12.
 
 import numpy as np
 
-from fem.analytic.half_space import _bulk, rayleigh, surface_named
+from fem.analytic.half_space import _BELOW_LIMIT, _bulk, _root, rayleigh, surface_named
 from fem.analytic.stroh import SurfaceImpedance
 from fem.materials import Solid
 
@@ -57,3 +57,58 @@ def wave_compliance(solid: Solid, surface: str = "vacuum") -> float:
     share = abs(amplitude[-1]) ** 2 / float(np.sum(np.abs(amplitude) ** 2))
     softest = np.diag(body.zz)[body.displaced].min()
     return float(-share / (slope * velocity) / (softest * body.stress_unit))
+
+
+def spring_shift(
+    solid: Solid, normal: float, tangential: float, frequency: float, surface: str = "vacuum"
+) -> float | None:
+    """Return (k - k_R)/k_R of a Rayleigh wave below springs to a plane at rest, exactly.
+
+    The surface bears the tractions -K_n u_z and -K_t u_x, so that det(k Z(omega/k) + diag(K_t, 0, K_n)) = 0; for an
+    isotropic solid and K_t = 0 that is mu R(k) = K k_T^2 q_L (Boechler et al., PRL 111, 036103 (2013)). To first order
+    the shift is -Gamma (K_n + r^2 K_t)/k.
+
+    Parameters
+    ----------
+    solid : Solid
+        As of `wave_compliance`.
+    normal, tangential : float
+        K_n and K_t, Pa/m.
+    frequency : float
+        Hz.
+    surface : str
+        As of `rayleigh`.
+
+    Returns
+    -------
+    float or None
+        None: the wave would be faster than bulk waves, and leaks into them.
+
+    Examples
+    --------
+    >>> import fem
+    >>> cut = fem.rotated(fem.material("LiNbO3 (Kovacs)"), "128YX")
+    >>> print(f"{fem.spring_shift(cut, 1e13, 0.844e13, 9.61e6):.4e}")
+    -2.7419e-03
+    """
+    velocity = rayleigh(solid, surface).velocity
+    _, body, limit = _bulk(solid)
+    impedance, unit = SurfaceImpedance(body, surface_named(surface)), float(np.sqrt(1.0 / body.inertia[0]))
+    stress = np.diag(body.zz)[body.displaced].min() * body.stress_unit
+    springs = np.zeros(int(body.displaced.sum()))
+    springs[[0, -1]] = tangential / stress, normal / stress
+
+    def sprung(scaled: float) -> np.ndarray:
+        return impedance.stiff(scaled) + np.diag(springs * scaled * unit / (2.0 * np.pi * frequency))
+
+    def lowest(scaled: float) -> float:
+        return float(np.linalg.eigvalsh(sprung(scaled))[0])
+
+    top = limit * (1.0 - _BELOW_LIMIT)
+    if lowest(top) > 0.0:
+        return None
+    root = _root(lowest, top)
+    moved = np.abs(np.linalg.eigh(sprung(root))[1][:, 0]) ** 2
+    if moved[0] + moved[-1] < 0.1:  # a shear-horizontal wave, which springs along x and z leave bound
+        return None
+    return float(velocity / unit / root - 1.0)

@@ -138,15 +138,16 @@ def electrode_charges(solution: Solution, index: int) -> ElectrodeCharges:
     -------
     ElectrodeCharges
     """
+    piece = solution.fields.owners.index(index)
     if not solution.fields.sheets:
-        x, (charge,), finger = _node_charges(solution, index, solution.sides(index)[:, None])
+        x, (charge,), finger = _node_charges(solution, piece, solution.sides(piece)[:, None])
         return ElectrodeCharges(x=x, charge=charge, finger=finger)
     sheets, volts = solution.fields.sheets[index], solution.circuit.voltages
     signs = solution.fields.transducers[index].signs.replace("0", "")
     # the charge of open strips on every sheet is known at the nodes only
     resolved = len(sheets) if "o" in signs else 1
     x, charges, finger = _node_charges(
-        solution, index, np.stack([each.sides @ volts for each in sheets[:resolved]], axis=-1)
+        solution, piece, np.stack([each.sides @ volts for each in sheets[:resolved]], axis=-1)
     )
     section = solution.fields.section
     unit = -section.solid.stress_unit / section.solid.potential_unit
@@ -198,7 +199,7 @@ def _profiles(x: np.ndarray, charge: np.ndarray, number: np.ndarray) -> tuple[np
 def _node_charges(
     solution: Solution, index: int, sides: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Places of the nodes on metal in m, their charges in C/m and the numbers of their fingers.
+    """Places of a piece's nodes on metal in m, their charges in C/m and the numbers of their fingers.
 
     ``sides`` of the transducer, (2 n + potentials, sheets); charges (sheets, nodes).
     """

@@ -130,7 +130,7 @@ def with_apertures(fields: PortFields, mirror_width: float | None = None, finene
         they are.
     """
     solve = aperture_solver(fields.stator, mirror_width, fineness)
-    if solve is None:
+    if solve is None or None in fields.owners:
         return fields
     network, solution = solve(fields.network, fields.transducers)
     return connected(

@@ -12,7 +12,7 @@ from fem.circuit.ports import (
     rectifier_resistance,
     solve_circuit,
 )
-from fem.circuit.touchstone import read_touchstone, touchstone
+from fem.circuit.touchstone import touchstone
 
 __all__ = [
     "Circuit",
@@ -26,7 +26,6 @@ __all__ = [
     "carried",
     "matched_load",
     "motional_model",
-    "read_touchstone",
     "receiving_circuit",
     "rectifier_resistance",
     "solve_circuit",

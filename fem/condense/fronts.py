@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.condense.superelement import eliminated
+from fem.condense.column import eliminated
 
 LEAF = 4  # elements of the smallest parts
 

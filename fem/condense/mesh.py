@@ -70,6 +70,27 @@ class MeshedPiece:
         values = self.factor.unknowns(self.assembly.projection @ sides)
         return np.concatenate([values, np.zeros((1, sides.shape[1]))])[self.assembly.numbers]
 
+    def elements(self, skeleton: np.ndarray):
+        """Yield elements of one medium in parts: medium, numbers, unknowns (m, functions, fields, columns)."""
+        for (own, elements, numbers), inside in zip(self.assembly.parts, self.insides, strict=True):
+            rim = skeleton[numbers]
+            both = [
+                each.reshape(len(elements), len(own.fields), -1, skeleton.shape[1])
+                for each in (rim, inside @ rim)
+            ]
+            yield own, elements, np.concatenate(both, axis=2).swapaxes(1, 2)
+
+    def inertia(self, sides: np.ndarray) -> np.ndarray:
+        """X^T M X of the fields X for lines and ports (len(matrix), m), with A = K - omega^2 M; s^2/rad^2, (m, m)."""
+        total = np.zeros((sides.shape[1],) * 2, dtype=self.matrix.dtype)
+        for own, elements, values in self.elements(self.skeleton(sides)):
+            mass = self.assembly.space.scalar_matrices(elements)[:, 4]
+            for column in np.flatnonzero(own.inertia):
+                nodal = values[:, :, column]
+                moved = (own.inertia[column] * mass) @ nodal
+                total += nodal.reshape(-1, len(total)).T @ moved.reshape(-1, len(total))
+        return 0.5 * self.assembly.space.unit**2 * (total + total.T)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Assembly:
@@ -87,6 +108,11 @@ class Assembly:
     # shape (interface functions + ports, lines + ports): the unknowns that are kept, from those of the lines
     projection: np.ndarray = field(repr=False)
     floating_potential: bool
+
+    @property
+    def key(self) -> tuple:
+        """Equal for pieces that one assembly serves."""
+        return self.piece.contents
 
     @cached_property
     def parts(self) -> list[tuple[Medium, np.ndarray, np.ndarray]]:
@@ -181,9 +207,9 @@ class MeshField:
         shift = np.array([self.assembly.piece.mesh.extent[0] / space.unit, 0.0])
         owner, places = space.locate(np.asarray(points) + shift)
         out = np.zeros((3, len(points), 4), dtype=complex)
-        for own, elements, values in self.elements():
+        for own, elements, values in self.piece.elements(self.skeleton[:, None]):
             columns = [FIELD_COLUMN[name] for name in own.fields]
-            for element, nodal in zip(elements, values, strict=True):
+            for element, nodal in zip(elements, values[..., 0], strict=True):
                 here = np.flatnonzero(owner == element)
                 if not len(here):
                     continue
@@ -197,23 +223,13 @@ class MeshField:
                     )
         return *out, owner >= 0
 
-    def elements(self):
-        """Yield elements of one medium in parts: medium, numbers, all unknowns (m, functions, fields)."""
-        for (own, elements, numbers), inside in zip(self.assembly.parts, self.piece.insides, strict=True):
-            rim = self.skeleton[numbers]
-            both = [
-                each.reshape(len(elements), len(own.fields), -1)
-                for each in (rim, (inside @ rim[:, :, None])[:, :, 0])
-            ]
-            yield own, elements, np.concatenate(both, axis=2).swapaxes(1, 2)
-
     def loss(self) -> float:
         """Power lost inside, scaled, (omega / 2) sum u^H Im(A) u, from the imaginary moduli element by element."""
         total = 0.0
-        for own, elements, values in self.elements():
+        for own, elements, unknowns in self.piece.elements(self.skeleton[:, None]):
             if not np.iscomplexobj(own.xx):
                 continue
-            tables = medium_tables(own, 0.0, part="loss")
+            values, tables = unknowns[..., 0], medium_tables(own, 0.0, part="loss")
             scalars = self.assembly.space.scalar_matrices(elements)
             forms = values.conj().swapaxes(1, 2)[:, None] @ (scalars @ values[:, None])
             total += float(np.einsum("mpij,ijp->", forms, tables).real)

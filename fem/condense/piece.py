@@ -4,8 +4,8 @@ A piece relates the outward nodal flux on its lines and the reactions of its por
 
     [g_left, g_right, q] = A [u_left, u_right, v],      A complex symmetric,
 
-at one frequency and one k_y.  What is inside it - columns of elements under fingers (`fem.condense.superelement`), a
-mesh (`fem.condense.mesh`) - the row does not need to know.
+at one frequency and one k_y.  What is inside it - columns of elements under fingers (`fem.condense.columns`), a mesh
+(`fem.condense.mesh`) - the row does not need to know.
 """
 
 from dataclasses import dataclass
@@ -78,12 +78,29 @@ class RecoveredField(Protocol):
 class Piece(Protocol):
     """A condensed piece of the stator at one frequency; lengths in the section's unit."""
 
-    size: int  # unknowns n of a line
-    matrix: np.ndarray  # shape (2 n + ports,) * 2: left line, right line, ports; scaled
-    width: float
-    ports: tuple[Port, ...]
-    # true if a constant may be added to its potential: no port and nothing grounded holds it
-    floating_potential: bool
+    @property
+    def size(self) -> int:
+        """Unknowns n of a line."""
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """Over left line, right line and ports, scaled, shape (2 n + ports, 2 n + ports)."""
+
+    @property
+    def width(self) -> float:
+        """From line to line."""
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        """What it is driven by besides its lines."""
+
+    @property
+    def floating_potential(self) -> bool:
+        """Whether a constant may be added to its potential: no port and nothing grounded holds it."""
+
+    @property
+    def unknowns(self) -> int:
+        """Unknowns before the condensation."""
 
     def recover(self, sides: np.ndarray) -> RecoveredField:
         """Field inside for given lines and ports, shape (2 n + ports,)."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.condense.superelement import PORTS
+from fem.condense.column import ELECTRODES
 from fem.condense.transducer import Condensation, transducer_superelements
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
@@ -50,7 +50,7 @@ class StatorSize:
     @property
     def block_bytes(self) -> int:
         """Memory of the superelements that one solution keeps, for the way back to every line."""
-        sides = 2 * self.line + PORTS
+        sides = 2 * self.line + len(ELECTRODES)
         joins = (self.joins + self.mirrored) * (sides + self.line) * sides
         columns = self.condensed * (sides + self.faces) * sides
         return (joins + columns) * (16 if self.complex else 8)

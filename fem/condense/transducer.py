@@ -1,4 +1,4 @@
-"""Superelement of a transducer: from the columns of a finger's cell to a whole row of fingers.
+"""FingerColumns of a transducer: from the columns of a finger's cell to a whole row of fingers.
 
 A cell is half a gap, a finger and half a gap, condensed in two halves of which one is the mirror image of the other
 where x -> -x is a symmetry; equal runs of cells are joined once.  The walk from columns to transducers is written once,
@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fem.condense.columns import FingerColumns, condensed
 from fem.condense.join import exchanged, joined, mirrored, open_circuited, repeated, with_fingers, with_ports
-from fem.condense.recovery import finger_dipole, rows_of_parts
-from fem.condense.superelement import Superelement, condensed
+from fem.condense.moments import finger_dipole, rows_of_parts
 from fem.discretize.grading import Resolution, edge_layers, graded
 from fem.discretize.section import Section
 from fem.geometry import Stator, Transducer, outer_gaps
@@ -25,16 +25,18 @@ class Condensation:
     section: Section
     frequency: float
 
-    def column(self, width: float, electrode: int | None) -> Superelement:
+    def column(self, width: float, electrode: int | None) -> FingerColumns:
         """Condense one column of elements."""
         return condensed(self.section, self.frequency, width=width, electrode=electrode)
 
-    def joined(self, left: Superelement, right: Superelement, electrode: int | None = None) -> Superelement:
+    def joined(
+        self, left: FingerColumns, right: FingerColumns, electrode: int | None = None
+    ) -> FingerColumns:
         """Join two neighbours; ``electrode`` if a finger lies on the line they share."""
         phi = None if electrode is None else self.section.surface_dofs["phi"]
         return joined(left, right, phi=phi, electrode=electrode)
 
-    def mirrored(self, superelement: Superelement) -> Superelement:
+    def mirrored(self, superelement: FingerColumns) -> FingerColumns:
         """Reflect in x -> -x."""
         solid = self.section.solid
         return mirrored(superelement, self.section.odd, bool(solid.parity[solid.fields.index("phi")]))
@@ -65,17 +67,17 @@ class FingerShape:
 
 def half_cells(
     make: Condensation, shape: FingerShape, resolution: Resolution
-) -> tuple[Superelement, Superelement]:
+) -> tuple[FingerColumns, FingerColumns]:
     """Condense the two halves of a finger's cell: gap to mid-finger, and mid-finger to gap, electrode 0."""
-    done: dict[tuple, Superelement] = {}
+    done: dict[tuple, FingerColumns] = {}
 
-    def piece(width: float, electrode: int | None) -> Superelement:
+    def piece(width: float, electrode: int | None) -> FingerColumns:
         key = (round(width, 12), electrode)
         if key not in done:
             done[key] = make.column(width, electrode)
         return done[key]
 
-    def row(widths: np.ndarray, electrode: int | None) -> Superelement:
+    def row(widths: np.ndarray, electrode: int | None) -> FingerColumns:
         whole = piece(widths[0], electrode)
         for width in widths[1:]:
             whole = make.joined(whole, piece(width, electrode), electrode)
@@ -92,7 +94,7 @@ def half_cells(
     return rising, make.joined(row(metal, 0), row(right[::-1], None), 0)
 
 
-def finger_cell(make: Condensation, shape: FingerShape, resolution: Resolution) -> Superelement:
+def finger_cell(make: Condensation, shape: FingerShape, resolution: Resolution) -> FingerColumns:
     """Condense half a gap, a finger of electrode 0 and half a gap."""
     return make.joined(*half_cells(make, shape, resolution), 0)
 
@@ -101,17 +103,17 @@ def fingers_in_row(
     make: Condensation,
     signs: str,
     gaps: Callable[[int], tuple[float, float]],
-    cell: Callable[[float, float], Superelement],
-    bare: Callable[[float, float], Superelement],
-) -> Superelement:
+    cell: Callable[[float, float], FingerColumns],
+    bare: Callable[[float, float], FingerColumns],
+) -> FingerColumns:
     """Join the cells of a row of fingers, of signs "+", "-", "0" (left out) or "o" (open); equal runs are joined once.
 
     ``gaps``: number of a finger -> bare surface left and right of it; ``cell``, ``bare``: both gaps -> superelement of
     a finger of electrode 0, or of bare surface of the same width.
     """
-    singles: dict[tuple, Superelement] = {}
+    singles: dict[tuple, FingerColumns] = {}
 
-    def single(sign: str, left: float, right: float) -> Superelement:
+    def single(sign: str, left: float, right: float) -> FingerColumns:
         if (sign, left, right) not in singles:
             kinds = {
                 "+": cell,
@@ -123,9 +125,9 @@ def fingers_in_row(
         return singles[sign, left, right]
 
     fingers = [(sign, *gaps(place)) for place, sign in enumerate(signs)]
-    runs: dict[tuple, Superelement] = {}
+    runs: dict[tuple, FingerColumns] = {}
 
-    def run(start: int, stop: int) -> Superelement:
+    def run(start: int, stop: int) -> FingerColumns:
         key = tuple(fingers[start:stop])
         if key not in runs:
             if stop - start == 1:
@@ -143,45 +145,44 @@ def _left_half(count: int) -> int:
     return 2 ** ((count - 1).bit_length() - 1)
 
 
-def finger_ports(row: Superelement, signs: str) -> tuple[Superelement, np.ndarray]:
-    """Superelement of a row of fingers with one potential for each finger "+" or "-", from left to right.
+def finger_ports(row: FingerColumns, signs: str) -> tuple[FingerColumns, np.ndarray]:
+    """FingerColumns of a row of fingers with one potential for each finger "+" or "-", from left to right.
 
     Also the first moments of these fingers' reactions about their middles as functions of its sides, length units,
     shape (fingers, 2 n + fingers).
     """
-    done: dict[tuple[int, int], tuple[Superelement, np.ndarray]] = {}
+    done: dict[tuple[int, int], tuple[FingerColumns, np.ndarray]] = {}
 
-    def of(piece: Superelement, own: str) -> tuple[Superelement, np.ndarray]:
+    def of(piece: FingerColumns, own: str) -> tuple[FingerColumns, np.ndarray]:
         key = id(piece), len(own)
         if key not in done:
             done[key] = _single(piece, own) if len(own) == 1 else both(piece, own)
         return done[key]
 
-    def both(piece: Superelement, own: str) -> tuple[Superelement, np.ndarray]:
+    def both(piece: FingerColumns, own: str) -> tuple[FingerColumns, np.ndarray]:
         half = _left_half(len(own))
-        (left, below), (right, above) = of(piece.parts[0], own[:half]), of(piece.parts[1], own[half:])
-        first, count = len(below), len(below) + len(above)
-        whole = with_fingers(piece, left, right)
-        n = piece.size
-        moments = np.zeros((2, count, 2 * n + count), dtype=complex)
-        moments[0, :first, : 2 * n + first] = below
-        moments[1, first:, np.r_[0 : 2 * n, 2 * n + first : 2 * n + count]] = above.T
-        return whole, rows_of_parts(*moments, whole.parts[2])
+        (left, below), (right, above) = (of(piece.pair.left, own[:half]), of(piece.pair.right, own[half:]))
+        whole, at, first = with_fingers(piece, left, right), piece.at, len(below)
+        ours, theirs = np.zeros((2, len(whole.ports), len(whole.matrix)), dtype=complex)
+        ours[:first, at.lines], theirs[first:, at.lines] = below[:, at.lines], above[:, at.lines]
+        ours[:first, at.ports][:, :first] = below[:, at.ports]
+        theirs[first:, at.ports][:, first:] = above[:, at.ports]
+        return whole, rows_of_parts(ours, theirs, whole.pair.middle)
 
     return of(row, signs)
 
 
-def _single(piece: Superelement, sign: str) -> tuple[Superelement, np.ndarray]:
+def _single(piece: FingerColumns, sign: str) -> tuple[FingerColumns, np.ndarray]:
     if sign not in "+-":
-        return with_ports(piece, []), np.zeros((0, 2 * piece.size))
+        return with_ports(piece, []), np.zeros((0, piece.at.ports.start))
     return with_ports(piece, ["+-".index(sign)]), finger_dipole(piece)[None]
 
 
 def transducer_superelements(
     make: Condensation, stator: Stator, transducers: tuple[Transducer, ...], resolution: Resolution
-) -> list[Superelement]:
-    """Superelements of transducers from left to right, between their outer gaps; equal ones are the same object."""
-    made: dict[tuple, Superelement] = {}
+) -> list[FingerColumns]:
+    """Pieces of transducers from left to right, between their outer gaps; equal ones are the same object."""
+    made: dict[tuple, FingerColumns] = {}
     pieces = []
     for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
         key = (transducer.signs, transducer.pitch, transducer.metallisation, gaps)
@@ -193,18 +194,18 @@ def transducer_superelements(
 
 def _transducer_superelement(
     make: Condensation, transducer: Transducer, gaps, resolution: Resolution
-) -> Superelement:
+) -> FingerColumns:
     unit = make.section.length_unit
     inner = FingerShape.of(transducer, unit)
     half_gap = inner.half_gaps[0]
-    made: dict[tuple, Superelement] = {}
+    made: dict[tuple, FingerColumns] = {}
 
-    def cell(left: float, right: float) -> Superelement:
+    def cell(left: float, right: float) -> FingerColumns:
         if (left, right) not in made:
             made[left, right] = finger_cell(make, replace(inner, half_gaps=(left, right)), resolution)
         return made[left, right]
 
-    def bare(left: float, right: float) -> Superelement:
+    def bare(left: float, right: float) -> FingerColumns:
         widths = graded(left + transducer.finger_width / unit + right, 0, largest=resolution.element_size)
         return repeated(make.column(widths[0], None), len(widths), make.joined)
 

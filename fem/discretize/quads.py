@@ -13,6 +13,7 @@ from fem.mesh.quads import QuadMesh
 from fem.mesh.shapes import shape_functions
 
 CHUNK_BYTES = 2e8  # of the basis functions that are kept at a time
+KEPT_BYTES = 3e8  # of the scalar matrices of a whole mesh, up to which they are kept for other frequencies
 LOCATED = 1e-8  # of an element's size: points nearer than this to it lie in it
 NEWTON_STEPS = 8
 
@@ -35,8 +36,8 @@ class QuadSpace:
         self.mesh, self.order, self.unit = mesh, order, unit
         kind = MeshQuad if mesh.quads.shape[1] == 4 else MeshQuad2
         self._mesh = kind(np.ascontiguousarray(mesh.points.T / unit), np.ascontiguousarray(mesh.quads.T))
-        self._element = ElementQuadP(order)
-        self._dofs = Dofs(self._mesh, self._element)
+        self._dofs = Dofs(self._mesh, ElementQuadP(order))
+        self._scalars: dict[bytes, np.ndarray] = {}
 
     @property
     def elements(self) -> int:
@@ -144,19 +145,23 @@ class QuadSpace:
             yield chosen[start : start + count]
 
     def _basis(self, chosen: np.ndarray):
-        from skfem import Basis
+        from skfem import Basis, ElementQuadP
 
-        return Basis(self._mesh, self._element, elements=chosen, intorder=2 * self.order + 2)
+        # an element of its own: it keeps the values of its last places, which another thread would change
+        return Basis(self._mesh, ElementQuadP(self.order), elements=chosen, intorder=2 * self.order + 2)
 
     def scalar_matrices(self, chosen: np.ndarray) -> np.ndarray:
         """Integrals of v_x u_x, v_x u_z, v_z u_x, v_z u_z and v u of some elements, (m, 5, functions, functions)."""
+        key = chosen.tobytes()
+        if key in self._scalars:
+            return self._scalars[key]
         basis = self._basis(chosen)
         weights = basis.dx[:, None, :]
         value = np.stack([np.array(each[0]) for each in basis.basis], axis=1)
         across, up = (np.stack([each[0].grad[axis] for each in basis.basis], axis=1) for axis in (0, 1))
         weighted = weights * across
         mixed = weighted @ up.swapaxes(1, 2)
-        return np.stack(
+        scalars = np.stack(
             [
                 weighted @ across.swapaxes(1, 2),
                 mixed,
@@ -166,6 +171,9 @@ class QuadSpace:
             ],
             axis=1,
         )
+        if 40 * self.elements * self.functions**2 < KEPT_BYTES:
+            self._scalars[key] = scalars
+        return scalars
 
 
 def _jacobian(kind: str, nodes: np.ndarray, places: np.ndarray) -> np.ndarray:

@@ -34,6 +34,11 @@ class MeshPiece:
     electrodes: tuple[tuple[str, str], ...] = ()
 
     @property
+    def contents(self) -> tuple:
+        """What it is, wherever it stands: equal for pieces that are condensed once."""
+        return self.mesh, self.solids, self.electrodes
+
+    @property
     def extent(self) -> tuple[float, float]:
         """Smallest and largest x on the stator, m."""
         low, high = self.mesh.extent

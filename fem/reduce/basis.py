@@ -10,14 +10,13 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.condense.join import lines
-from fem.condense.superelement import PORTS, Superelement
+from fem.condense.columns import FingerColumns, lines
 from fem.condense.transducer import Condensation, FingerShape, fingers_in_row
 from fem.discretize.section import LineSpace, Section
 from fem.geometry import Transducer
 from fem.results.solution import driven_solution
-from fem.waveguide.ends import end_reflection
-from fem.waveguide.modes import GuidedModes, guided_modes
+from fem.waveguide.ends import Wall, end_reflection
+from fem.waveguide.modes import GuidedModes
 from fem.waveguide.port_fields import joined_fields
 
 # Wavelengths of a free or clamped end that are condensed: too narrow for a resonance in the band
@@ -96,9 +95,9 @@ def parity_groups(section: Section, apart: bool) -> list[np.ndarray]:
 
 
 def even_rows(
-    make: Condensation, transducers: tuple[Transducer, ...], cell: Callable[[FingerShape], Superelement]
-) -> list[Superelement]:
-    """Superelements of transducers with equal gaps, from the cell of a finger of electrode 0 of each shape."""
+    make: Condensation, transducers: tuple[Transducer, ...], cell: Callable[[FingerShape], FingerColumns]
+) -> list[FingerColumns]:
+    """FingerColumnss of transducers with equal gaps, from the cell of a finger of electrode 0 of each shape."""
 
     def no_bare_cell(*gaps):
         raise ValueError("a band of frequencies takes transducers without left-out fingers")
@@ -152,44 +151,57 @@ def holding(basis: np.ndarray, vector: np.ndarray) -> np.ndarray:
     return basis + np.outer(unit - basis @ inside, inside)
 
 
-def _end_fields(modes: GuidedModes, ends: str, kept: float) -> list[np.ndarray]:
-    """Fields near a wall for every mode that may arrive there, at some distances from it."""
-    if ends == "absorbing":
-        return []
+def _end_fields(modes: GuidedModes, ends: tuple, kept: float) -> list[np.ndarray]:
+    """Fields near both ends for every mode that may arrive there: at a mesh, at some distances from a plain end."""
     arriving = np.flatnonzero(
         (abs(np.exp(-1j * modes.wavenumbers)) > min(ARRIVING_AT_WALL * kept, 0.5)) & (modes.wavenumbers != 0)
     )
     found = []
-    for side, go, wavenumbers in ((1, modes.left, -modes.backwards), (0, modes.right, modes.wavenumbers)):
-        sent = end_reflection(modes, ends, side, arriving)
-        for distance in WALL_WIDTH * np.array(WALL_DISTANCES):
+    onwards = (modes.right, modes.wavenumbers), (modes.left, -modes.backwards)
+    for side, (go, wavenumbers) in enumerate(onwards):
+        if ends[side] == "absorbing":
+            continue
+        sent = end_reflection(modes, ends[side], side, arriving)
+        distances = (0.0,) if isinstance(ends[side], Wall) else WALL_DISTANCES
+        for distance in WALL_WIDTH * np.array(distances):
             found.append(go @ (np.exp(-1j * wavenumbers * distance)[:, None] * sent))
     return found
 
 
-def snapshots(stator, transducers, section, frequency, halves, resolution, drive, kept):
+def snapshots(stator, transducers, modes, halves, row, condensed, drive, kept):
     """Fields on the lines in mid-gap and in mid-finger, of every port and every mode that may arrive; the solution."""
-    modes = guided_modes(section, frequency)
-    make = Condensation(section, frequency)
+    section = modes.section
+    make = Condensation(section, modes.frequency)
     pieces = even_rows(make, transducers, lambda shape: make.joined(*halves[shape], 0))
-    fields_of_ports = joined_fields(stator, transducers, pieces, modes=modes, resolution=resolution)
+    fields_of_ports = joined_fields(
+        stator,
+        transducers,
+        pieces,
+        modes=modes,
+        resolution=row.resolution,
+        pieces=row.arranged(condensed, modes),
+    )
     network, volt = fields_of_ports.network, section.solid.potential_unit
-    n = section.size
-    gaps, fingers = _end_fields(modes, stator.ends, kept), []
+    gaps, fingers = _end_fields(modes, network.ends, kept), []
     nearest = np.diff(network.segments, axis=1).min()
     arriving = np.flatnonzero(abs(np.exp(-1j * modes.wavenumbers * nearest)) > ARRIVING * kept)
     gaps += [modes.right[:, arriving], modes.left[:, arriving]]
     for index, scatterer in enumerate(network.scatterers):
-        quarter = halves[FingerShape.of(transducers[index], section.length_unit)][0].width
-        incoming = np.zeros((2 * n, 2 * len(arriving)), dtype=complex)
-        incoming[:n, : len(arriving)] = modes.right[:, arriving]
-        incoming[n:, len(arriving) :] = modes.left[:, arriving]
-        no_voltage = np.zeros((PORTS, incoming.shape[1]))
+        at = scatterer.at
+        incoming = np.zeros((at.ports.start, 2 * len(arriving)), dtype=complex)
+        incoming[at.left, : len(arriving)] = modes.right[:, arriving]
+        incoming[at.right, len(arriving) :] = modes.left[:, arriving]
+        no_voltage = np.zeros((len(scatterer.potentials), incoming.shape[1]))
         scattered = np.concatenate([scatterer.sides(incoming, no_voltage), no_voltage])
         together = np.hstack([scattered, volt * fields_of_ports.sides[index]])
+        owner = fields_of_ports.owners[index]
+        if owner is None:
+            gaps += [together[at.left], together[at.right]]
+            continue
+        quarter = halves[FingerShape.of(transducers[owner], section.length_unit)][0].width
         for count, (_, _, sides) in enumerate(lines(scatterer.piece, together, finest=1.001 * quarter)):
-            (fingers if count % 2 else gaps).append(sides[:n])
-        gaps.append(together[n : 2 * n])
+            (fingers if count % 2 else gaps).append(sides[at.left])
+        gaps.append(together[at.right])
     finger_lines = np.hstack(fingers)
     finger_lines[section.surface_dofs["phi"]] = 0.0
     return np.hstack(gaps), finger_lines, driven_solution(fields_of_ports, drive)

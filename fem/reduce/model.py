@@ -16,8 +16,9 @@ from functools import partial
 import numpy as np
 
 from fem.circuit import Drive
-from fem.condense.recovery import ColumnsField
-from fem.condense.superelement import Superelement
+from fem.condense.columns import FingerColumns, LiftedHalf
+from fem.condense.piece import Blocks
+from fem.condense.reduced import RationalPiece
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.grading import Resolution
 from fem.discretize.spectral import lagrange_weights
@@ -27,6 +28,7 @@ from fem.results.solution import Solution, driven_solution
 from fem.waveguide.ends import EndPieces, Wall, end_pieces
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.port_fields import PortFields, Solve, joined_fields
+from fem.waveguide.row import PieceRow
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,18 +48,17 @@ class FullPieces:
 
     def __init__(self, model: "ReducedModel", frequency: float):
         self.model, self.frequency = model, frequency
-        self._halves: dict[FingerShape, tuple[Superelement, Superelement]] = {}
+        self._halves: dict[FingerShape, tuple[FingerColumns, FingerColumns]] = {}
         self._ends: EndPieces | None = None
 
-    def half_cell(self, shape: FingerShape, side: int, sides: np.ndarray) -> tuple[Superelement, np.ndarray]:
+    def half_cell(self, shape: FingerShape, side: int, sides: np.ndarray) -> tuple[FingerColumns, np.ndarray]:
         """Return the rising (0) or falling (1) half of a finger's cell, and its sides from the reduced ones."""
         model, full = self.model, self.model.section.full
         if shape not in self._halves:
             self._halves[shape] = half_cells(Condensation(full, self.frequency), shape, model.resolution)
         gap, finger = model.section.basis, model.finger_basis
-        r = model.section.size
-        lines = (gap, finger) if side == 0 else (finger, gap)
-        lifted = np.concatenate([lines[0] @ sides[:r], lines[1] @ sides[r : 2 * r], sides[2 * r :]])
+        at, lines = Blocks(model.section.size), (gap, finger) if side == 0 else (finger, gap)
+        lifted = np.concatenate([lines[0] @ sides[at.left], lines[1] @ sides[at.right], sides[at.ports]])
         return self._halves[shape][side], lifted
 
     def end(self, side: int, line: np.ndarray):
@@ -65,8 +66,7 @@ class FullPieces:
         model, full = self.model, self.model.section.full
         if self._ends is None:
             self._ends = end_pieces(full, self.frequency, model.stator, model.resolution, width=WALL_WIDTH)
-        sides = self._ends.sides(side, model.section.lift(line))
-        return ColumnsField(self._ends.superelements[side], sides)
+        return self._ends.recover(side, model.section.lift(line))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,6 +83,9 @@ class ReducedModel:
     nodes: np.ndarray = field(repr=False)  # omega^2 of the interpolation's nodes, (rad/s)^2
     # projected end pieces at the nodes, shape (nodes, 2, r, r); None for absorbing ends
     walls: np.ndarray | None = field(repr=False)
+    row: PieceRow = field(repr=False)
+    pieces: dict[tuple, RationalPiece] = field(repr=False)  # the row's different meshes
+    piece_error: float  # of their interpolation, relative, of their lines
 
     def port_fields(self, frequency: float, solve: Solve | None = None) -> PortFields:
         """Solve for unit voltage at every port at a frequency of the band (Hz); a ValueError outside it.
@@ -96,20 +99,28 @@ class ReducedModel:
         full = FullPieces(self, frequency)
         make = Condensation(self.section, frequency)
         pieces = even_rows(make, self.transducers, lambda shape: self._cell(make, shape, weights, full))
-        walls = None
+        modes = guided_modes(self.section, frequency)
+        row = self.row.arranged({key: piece.at(frequency) for key, piece in self.pieces.items()}, modes)
         if self.walls is not None:
+            plain = [isinstance(end, str) for end in row.ends]
             matrices = np.tensordot(weights, self.walls, axes=1)
-            walls = tuple(
-                Wall(matrix=matrix, recover=partial(full.end, side)) for side, matrix in enumerate(matrices)
+            walls = [
+                Wall(matrix=matrix, recover=partial(full.end, side)) if plain[side] else row.ends[side]
+                for side, matrix in enumerate(matrices)
+            ]
+            row = replace(
+                row,
+                ends=tuple(walls),
+                start=row.start + WALL_WIDTH * plain[0],
+                stop=row.stop - WALL_WIDTH * plain[1],
             )
         return joined_fields(
             self.stator,
             self.transducers,
             pieces,
-            modes=guided_modes(self.section, frequency),
+            modes=modes,
             resolution=self.resolution,
-            ends=walls,
-            inset=0.0 if walls is None else WALL_WIDTH,
+            pieces=row,
             solve=solve,
         )
 
@@ -117,19 +128,21 @@ class ReducedModel:
         """Solve for a drive at a frequency of the band (Hz)."""
         return driven_solution(self.port_fields(frequency), drive)
 
-    def _cell(self, make, shape: FingerShape, weights: np.ndarray, full: FullPieces) -> Superelement:
+    def _cell(self, make, shape: FingerShape, weights: np.ndarray, full: FullPieces) -> FingerColumns:
         halves, section = self.half_cells[shape], self.section
 
-        def interpolated(stack: np.ndarray) -> Superelement:
+        def interpolated(stack: np.ndarray, side: int) -> FingerColumns:
             *matrix, moment = np.tensordot(weights, stack, axes=1)
-            return Superelement(size=section.size, matrix=np.array(matrix), width=halves.width, moment=moment)
+            inside = LiftedHalf(
+                side=side,
+                full=lambda side, sides: full.half_cell(shape, side, sides),
+                moment=moment,
+                unknowns=self.resolution.order * section.size,
+            )
+            return FingerColumns(
+                size=section.size, matrix=np.array(matrix), width=halves.width, inside=inside
+            )
 
-        def expanded(half: Superelement, side: int) -> Superelement:
-            return replace(half, expand=lambda sides: full.half_cell(shape, side, sides))
-
-        rising = interpolated(halves.rising)
-        if halves.falling is None:
-            falling = make.mirrored(rising)
-        else:
-            falling = interpolated(halves.falling)
-        return make.joined(expanded(rising, 0), expanded(falling, 1))
+        rising = interpolated(halves.rising, 0)
+        falling = make.mirrored(rising) if halves.falling is None else interpolated(halves.falling, 1)
+        return make.joined(rising, falling)

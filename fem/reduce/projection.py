@@ -5,8 +5,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem.circuit import Drive
-from fem.condense.recovery import finger_moment
-from fem.condense.superelement import PORTS
+from fem.condense.column import ELECTRODES
+from fem.condense.mesh import MeshedPiece
+from fem.condense.moments import finger_moment
+from fem.condense.piece import Blocks
+from fem.condense.reduced import PieceSample, RationalPiece, rational_piece
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
@@ -18,13 +21,20 @@ from fem.reduce.basis import WALL_WIDTH, ReducedSection, bases_of, holding, pari
 from fem.reduce.model import HalfCell, ReducedModel
 from fem.results.solution import Solution
 from fem.threads import side_by_side
-from fem.waveguide.ends import end_pieces
+from fem.waveguide.ends import Wall, end_pieces
+from fem.waveguide.modes import guided_modes
+from fem.waveguide.network import Scatterer
+from fem.waveguide.port_fields import PortFields
+from fem.waveguide.row import PieceRow
 
 # Share of the tolerance that a mode must keep over a segment to count among those that arrive
 ARRIVING = 1e-2
 # Relative width of the band up to which so many nodes serve: to 1e-6.
 NODES = ((0.12, 4), (0.25, 5), (0.5, 7))
 LOOSE = 3e-4  # tolerance from which a node less serves: to 1e-4
+# A meshed piece may resonate in the band: frequencies at which its interpolation is compared with that of a node less,
+# and how many nodes it may have.
+PIECE_CHECKS, MAX_PIECE_NODES, PIECE_SHARE = 21, 9, 0.3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +81,10 @@ class NodeSolutions:
     walls: list = field(repr=False)  # at every node, or empty
     fields: tuple = field(repr=False)  # seen on the lines in mid-gap and in mid-finger
     solutions: list[Solution] = field(repr=False)  # at some of the nodes
+    row: PieceRow = field(repr=False)
+    pieces: dict[tuple, list[MeshedPiece]] = field(
+        repr=False
+    )  # different meshed pieces at all nodes and more
 
 
 def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolutions:
@@ -83,9 +97,11 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
     feeding = {0, len(squares) // 2, len(squares) - 1}
     shapes = dict.fromkeys(FingerShape.of(each, unit) for each in transducers)
     arriving = ARRIVING * problem.tolerance
+    row = PieceRow(stator, section, resolution, problem.limits[1])
 
     def at_node(index: int):
         frequency = float(np.sqrt(squares[index]) / (2 * np.pi))
+        condensed = row.condensed(frequency)
         make = Condensation(section, frequency)
         halves = {shape: half_cells(make, shape, resolution) for shape in shapes}
         walls = seen = solution = None
@@ -93,8 +109,9 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
             ends = end_pieces(section, frequency, stator, resolution, width=WALL_WIDTH)
             walls = np.stack([ends.matrix(side) for side in (0, 1)])
         if index in feeding:
+            modes = guided_modes(section, frequency)
             *seen, solution = snapshots(
-                stator, transducers, section, frequency, halves, resolution, problem.drive, arriving
+                stator, transducers, modes, halves, row, condensed, problem.drive, arriving
             )
         matrices = {
             shape: tuple(
@@ -102,18 +119,20 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
             )
             for shape, pair in halves.items()
         }
-        return matrices, walls, seen, solution
+        return matrices, walls, seen, solution, condensed
 
     nodes = side_by_side(at_node, range(len(squares)))
-    seen = [each for _, _, each, _ in nodes if each is not None]
+    seen = [each for _, _, each, _, _ in nodes if each is not None]
     gaps = np.hstack([gap for gap, _ in seen] + [section.constant_potential[:, None]])
     return NodeSolutions(
         section=section,
         resolution=resolution,
-        half_cells={shape: [matrices[shape] for matrices, _, _, _ in nodes] for shape in shapes},
-        walls=[walls for _, walls, _, _ in nodes if walls is not None],
+        half_cells={shape: [matrices[shape] for matrices, *_ in nodes] for shape in shapes},
+        walls=[walls for _, walls, *_ in nodes if walls is not None],
         fields=(gaps, np.hstack([finger for _, finger in seen])),
-        solutions=[solution for _, _, _, solution in nodes if solution is not None],
+        solutions=[solution for *_, solution, _ in nodes if solution is not None],
+        row=row,
+        pieces={key: [condensed[key] for *_, condensed in nodes] for key in row.assemblies},
     )
 
 
@@ -129,12 +148,14 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
     if section.odd is not None:
         odd = np.array([section.odd[np.argmax(abs(column))] for column in bases[0].T])
     walls = [bases[0].T @ pair @ bases[0] for pair in nodes.walls]
+    reduced = ReducedSection(full=section, basis=bases[0], odd=odd)
+    rational = {key: _interpolated(problem, nodes, key, reduced) for key in nodes.pieces}
     return ReducedModel(
         stator=problem.stator,
         transducers=problem.transducers,
         limits=problem.limits,
         resolution=nodes.resolution,
-        section=ReducedSection(full=section, basis=bases[0], odd=odd),
+        section=reduced,
         finger_basis=bases[1],
         half_cells={
             shape: _projected_halves(
@@ -144,19 +165,96 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
         },
         nodes=problem.nodes,
         walls=np.stack(walls) if walls else None,
+        row=nodes.row,
+        pieces={key: piece for key, (piece, _) in rational.items()},
+        piece_error=max((error for _, error in rational.values()), default=0.0),
     )
+
+
+def _interpolated(
+    problem: BandProblem, nodes: NodeSolutions, key: tuple, section: ReducedSection
+) -> tuple[RationalPiece, float]:
+    """A meshed piece over the band, and the relative change of its lines where one of its nodes is left out.
+
+    Nodes are added where that change is largest, until it is below the reduction's share of the tolerance.
+    """
+    pieces, basis = nodes.pieces[key], section.basis
+    assembly = pieces[0].assembly
+    n, r, lines = len(basis), basis.shape[1], len(assembly.lines)
+    frame = np.zeros((lines * n + len(assembly.ports), lines * r + len(assembly.ports)))
+    for line in range(lines):
+        frame[line * n : (line + 1) * n, line * r : (line + 1) * r] = basis
+    frame[lines * n :, lines * r :] = np.eye(len(assembly.ports))
+    samples = [PieceSample.of(each, frame) for each in pieces]
+    low, high = problem.limits
+    frequencies = np.linspace(low, high, PIECE_CHECKS)
+    modes = guided_modes(section, (low + high) / 2)
+    between = len(assembly.lines) == 2
+    incoming = [_arriving(each.fields, key, basis) for each in nodes.solutions if between]
+
+    def sides(piece: RationalPiece, frequency: float) -> np.ndarray:
+        at = piece.at(frequency)
+        if not between:
+            wall = Wall(matrix=at.matrix, recover=at.recover, floating_potential=at.floating_potential)
+            return wall.sent_back(modes, 0 if "right" in assembly.sides else 1, modes.propagating)
+        own = Scatterer(piece=at, modes=modes, potentials=np.zeros((len(at.ports), 0)))
+        return np.hstack([own.sides(*each) for each in incoming])
+
+    while True:
+        samples.sort(key=lambda each: each.frequency)
+        whole = rational_piece(pieces[0], frame, r, samples)
+        # without the first, and without the last node but one
+        fewer = [
+            rational_piece(pieces[0], frame, r, [*samples[:gone], *samples[gone + 1 :]])
+            for gone in {0, len(samples) - 2}
+        ]
+        apart = []
+        for frequency in frequencies:
+            exact = sides(whole, frequency)
+            size = np.linalg.norm(exact, axis=0)
+            ways = [np.linalg.norm(sides(each, frequency) - exact, axis=0) / size for each in fewer]
+            apart.append(np.min(np.max(ways, axis=1)))
+        error = float(max(apart))
+        if error <= PIECE_SHARE * problem.tolerance or len(samples) >= MAX_PIECE_NODES:
+            return whole, error
+        worst = float(frequencies[int(np.argmax(apart))])
+        known = {each.frequency: each for each in pieces}
+        if worst not in known:
+            pieces.append(assembly.condensed(worst))
+        samples.append(PieceSample.of(pieces[-1], frame))
+
+
+def _arriving(fields: PortFields, key: tuple, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What arrives at the places of a piece on reduced lines, and the potentials of its ports there, for all ports."""
+    lines, ports = [], []
+    for index, scatterer in enumerate(fields.network.scatterers):
+        piece = scatterer.piece
+        if isinstance(piece, MeshedPiece) and piece.assembly.key == key:
+            at, volt = Blocks(len(basis)), fields.section.solid.potential_unit
+            arriving = volt * fields.incoming[index]
+            lines.append(np.concatenate([basis.T @ arriving[at.left], basis.T @ arriving[at.right]]))
+            ports.append(volt * fields.sides[index][at.ports])
+    return np.hstack(lines), np.hstack(ports)
 
 
 def _projected_halves(pairs: list[tuple], bases, width: float, both: bool) -> HalfCell:
     gap, finger = bases
-    n, r = gap.shape
-    rising_frame, falling_frame = (np.zeros((2 * n + PORTS, 2 * r + PORTS)) for _ in range(2))
-    for frame, (left, right) in ((rising_frame, (gap, finger)), (falling_frame, (finger, gap))):
-        frame[:n, :r], frame[n : 2 * n, r : 2 * r] = left, right
-        frame[2 * n :, 2 * r :] = np.eye(PORTS)
+    rising_frame, falling_frame = (
+        _block_diagonal(left, right, np.eye(len(ELECTRODES)))
+        for left, right in ((gap, finger), (finger, gap))
+    )
     rising, falling = (
         np.stack([np.vstack([frame.T @ half[:-1], half[-1:]]) @ frame for half in halves])
         for frame, halves in zip((rising_frame, falling_frame), zip(*pairs, strict=True), strict=True)
     )
     falling = falling if both else None
     return HalfCell(rising=rising, falling=falling, width=width)
+
+
+def _block_diagonal(*blocks: np.ndarray) -> np.ndarray:
+    out = np.zeros(np.sum([each.shape for each in blocks], axis=0))
+    row = column = 0
+    for each in blocks:
+        out[row : row + len(each), column : column + each.shape[1]] = each
+        row, column = row + len(each), column + each.shape[1]
+    return out

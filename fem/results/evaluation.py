@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from fem.condense.recovery import ColumnField
+from fem.condense.column import ColumnField
 from fem.results.solution import Solution
 from fem.results.surface import CondensedPiece, Surface, UniformSegment
 from fem.waveguide.ends import Wall
@@ -73,8 +73,7 @@ def _in_metres(field, origin: float, unit: float) -> Callable[[np.ndarray], np.n
 
 def _beyond(solution: Solution, side: int, length: float) -> UniformSegment:
     """The stator of another thickness behind a step: what leaves there."""
-    wall, unit = solution.fields.network.ends[side], solution.fields.section.length_unit
-    outside = wall.beyond
+    outside, unit = wall_of(solution, side).beyond, solution.fields.section.length_unit
     modes, line = outside.modes, outside.far_line @ end_line(solution, side)
     right, left = (np.zeros(len(line), dtype=complex) for _ in range(2))
     if side:
@@ -123,12 +122,20 @@ def end_line(solution: Solution, side: int) -> np.ndarray:
     return modes.right @ right + modes.left @ left
 
 
+def wall_of(solution: Solution, side: int) -> Wall:
+    """The left (0) or right (1) end, which is a condensed piece; a TypeError for another."""
+    wall = solution.fields.network.ends[side]
+    if not isinstance(wall, Wall):
+        raise TypeError("the end is no condensed piece")
+    return wall
+
+
 def recovered(solution: Solution, index: int):
     """Field inside a scatterer or an end (`ENDS`): `fem.condense.piece.RecoveredField`."""
     network = solution.fields.network
     if index in ENDS:
         side = ENDS.index(index)
-        return network.ends[side].recover(end_line(solution, side))
+        return wall_of(solution, side).recover(end_line(solution, side))
     return network.scatterers[index].recover(solution.sides(index))
 
 

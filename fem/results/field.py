@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fem.condense.columns import ColumnsField
 from fem.discretize.spectral import gll_nodes, lagrange
 from fem.results.densities import Densities, densities, shared, upward_slope
 from fem.results.evaluation import ENDS, columns_in_row, recovered
@@ -162,24 +163,16 @@ def _in_piece(
     solution: Solution, piece: CondensedPiece, depth: np.ndarray, step: float, *, slopes: bool
 ) -> _Part:
     """Fields of a condensed piece: on the lines of its columns, or on even lines through its mesh."""
-    if not _meshed(solution, piece.index):
+    inside = recovered(solution, piece.index)
+    if isinstance(inside, ColumnsField):
         return _Part(*_in_columns(solution, piece.index, slopes=slopes))
     unit = solution.fields.section.length_unit
     x = _lines(piece.start, piece.stop, step, ())
     points = np.stack(np.meshgrid(x - piece.start, depth, indexing="ij"), axis=-1).reshape(-1, 2) / unit
-    values, along, upward, inside = recovered(solution, piece.index).at(points)
+    values, along, upward, inside = inside.at(points)
     shape = (len(x), len(depth))
     values, along, upward = (each.reshape(*shape, 4) for each in (values, along / unit, upward / unit))
     return _Part(x, values, along if slopes else None, upward if slopes else None, inside.reshape(shape))
-
-
-def _meshed(solution: Solution, index: int) -> bool:
-    """Whether a scatterer or an end is a mesh."""
-    if index in ENDS:
-        return bool(solution.fields.stator.pieces) and bool(
-            solution.fields.stator.placement.ends[ENDS.index(index)]
-        )
-    return solution.fields.owners[index] is None
 
 
 def free_field(

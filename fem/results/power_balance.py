@@ -14,7 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from fem.results.evaluation import end_line, recovered
+from fem.results.evaluation import end_line, recovered, wall_of
 from fem.results.solution import Solution
 from fem.waveguide.ends import Wall
 from fem.waveguide.modes import power
@@ -169,7 +169,7 @@ def _at_force(solution: Solution, number: int, before: SegmentWaves, after: Segm
 
 def _behind(solution: Solution, side: int) -> float:
     """Power that leaves behind a step of thickness, away from the stator, scaled."""
-    outside = solution.fields.network.ends[side].beyond
+    outside = wall_of(solution, side).beyond
     line = outside.far_line @ end_line(solution, side)
     impedance = outside.modes.right_impedance if side else -outside.modes.left_impedance
     flow = float(power(line, impedance @ line, outside.modes.frequency))

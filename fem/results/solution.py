@@ -6,9 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from fem.circuit import Circuit, Drive, receiving_circuit, solve_circuit
-from fem.discretize.grading import Resolution
-from fem.geometry import Stator, Transducer
-from fem.waveguide.port_fields import PortFields, solve_ports
+from fem.waveguide.port_fields import PortFields
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,20 +30,6 @@ class Solution:
     def incoming(self, index: int) -> np.ndarray:
         """Part of a transducer's lines that comes in, scaled, shape (2 n,)."""
         return self.fields.incoming[index] @ self.weights
-
-
-def solve_driven(
-    stator: Stator,
-    transducers: tuple[Transducer, ...],
-    *,
-    frequency: float,
-    drive: str | Drive,
-    resolution: Resolution,
-) -> Solution:
-    """Solve a driven stator on one discretisation, at a frequency in Hz."""
-    return driven_solution(
-        solve_ports(stator, transducers, frequency=frequency, resolution=resolution), drive
-    )
 
 
 def driven_solution(fields: PortFields, drive: str | Drive) -> Solution:

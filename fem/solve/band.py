@@ -15,6 +15,7 @@ from fem.convergence import ConvergenceError
 from fem.discretize.refinement import LEVELS, first_level
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.input_error import InputError
+from fem.mesh.layout import is_step
 from fem.reduce.model import ReducedModel
 from fem.reduce.projection import BandProblem, NodeSolutions, project, solve_at_nodes
 from fem.results.evaluation import surface_of
@@ -155,7 +156,8 @@ def frequency_band(
         tolerance=tolerance,
         places=np.array(places or (stator.length / 2,)),
     )
-    if stator.pieces:
+    placed = stator.placement
+    if any(each is not None and is_step(each, stator.thickness) for each in placed.ends):
         return _solved_anew(problem)
     share = (1 - REDUCTION_SHARE) * tolerance  # of the discretisation
     asked = tolerance
@@ -174,7 +176,7 @@ def frequency_band(
 
 
 def _solved_anew(problem: BandProblem) -> Band:
-    """A band of a stator with meshed pieces: each frequency is solved on its own."""
+    """A band of a stator with a step of thickness: each frequency is solved on its own."""
     (low, high), drive = problem.limits, problem.drive
     waves = [
         driven_wave(
@@ -230,10 +232,12 @@ def _attempt(problem: BandProblem, asked: float) -> tuple[Band, float]:
     growth = max(1.0, worst / checks[0].here / ESTIMATE_EXCESS)
     of_levels = growth * wave.relative_error
     model, of_motion, of_admittance = _reduced(problem, nodes, checks, worst, problem.tolerance - of_levels)
+    # in the worst case, waves that return from the pieces
+    of_pieces = max(1.0, worst / checks[0].here) * model.piece_error
     band = Band(
         model=model,
-        relative_error=of_levels + of_motion,
-        admittance_error=growth * wave.admittance_error + of_admittance,
+        relative_error=of_levels + of_motion + of_pieces,
+        admittance_error=growth * wave.admittance_error + of_admittance + of_pieces,
     )
     return band, of_levels
 

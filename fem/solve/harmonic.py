@@ -18,9 +18,10 @@ from fem.input_error import InputError
 from fem.materials import fields
 from fem.results.evaluation import surface_of
 from fem.results.power_balance import power_balance
-from fem.results.solution import Solution, solve_driven
+from fem.results.solution import Solution, driven_solution
 from fem.results.surface_wave import SurfaceWave, surface_wave
 from fem.threads import one_blas_thread
+from fem.waveguide.port_fields import solve_ports
 
 
 @one_blas_thread
@@ -84,6 +85,20 @@ def driven_wave(
             reached=wave,
         )
     return wave
+
+
+def solve_driven(
+    stator: Stator,
+    transducers: tuple[Transducer, ...],
+    *,
+    frequency: float,
+    drive: str | Drive,
+    resolution: Resolution,
+) -> Solution:
+    """Solve a driven stator on one discretisation, at a frequency in Hz."""
+    return driven_solution(
+        solve_ports(stator, transducers, frequency=frequency, resolution=resolution), drive
+    )
 
 
 def check_driven(

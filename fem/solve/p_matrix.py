@@ -1,4 +1,4 @@
-"""P-matrix of a transducer from its field: waves that arrive and leave, voltage and current.
+"""P-matrix of a transducer or of meshed pieces from their field: waves that arrive and leave, voltage and current.
 
 The transducer stands alone between uniform segments that continue without end.  For waves of amplitude a that arrive at
 the outer edges of its outer gaps and a voltage V, the waves b that leave and the current I into it are
@@ -35,7 +35,7 @@ from fem.waveguide.row_solver import Element, solve_row
 
 @dataclass(frozen=True, kw_only=True)
 class PMatrix:
-    """P-matrix of a transducer at one frequency.
+    """P-matrix of a transducer, or of meshed pieces, at one frequency.
 
     Attributes
     ----------
@@ -139,7 +139,7 @@ def p_matrix(
 
 
 def cascade_admittance(parts: Sequence[PMatrix], distances: Sequence[float]) -> np.ndarray:
-    """Admittance matrix of transducers in a row, coupled by the modes of their P-matrices alone.
+    """Admittance matrix of transducers and pieces in a row, coupled by the modes of their P-matrices alone.
 
     Parameters
     ----------
@@ -187,21 +187,44 @@ def _on_level(
         resolution=resolution,
         solve=lambda network, _: (network, network.solve(chosen(network.modes))),
     )
-    per_area, unit = fields.section.solid.stress_unit * transducer.aperture, fields.section.length_unit
-    waves = waves_of(fields.modes, chosen(fields.modes), per_area)
-    m, port = len(waves.modes), bool(fields.names)
-    leaving = waves.leaving(fields.segments)
-    by_waves, by_volts = leaving[:, -2 * m :], leaving[:, : -2 * m]
-    return PMatrix(
-        frequency=fields.frequency,
-        wavenumbers=fields.modes.wavenumbers[waves.modes] / unit,
-        mixture=waves.right,
-        surface_motion=abs(fields.section.surface_rows @ fields.modes.right[:, waves.modes] @ waves.right)[1],
-        scattering=by_waves @ waves.arriving,
-        excitation=by_volts[:, 0] if port else np.zeros(2 * m),
-        detection=fields.received[0] @ waves.arriving if port else np.zeros(2 * m),
+    waves = waves_of(
+        fields.modes, chosen(fields.modes), fields.section.solid.stress_unit * transducer.aperture
+    )
+    port = bool(fields.names)
+    return of_segments(
+        fields.segments,
+        waves,
+        length=fields.network.scatterers[0].piece.width,
+        received=fields.received[0] if port else None,
         admittance=complex(fields.admittances[0, 0]) if port else 0j,
-        length=fields.network.scatterers[0].piece.width * unit,
+    )
+
+
+def of_segments(
+    segments: tuple[tuple[SegmentWaves, ...], ...],
+    waves: "ScaledWaves",
+    *,
+    length: float,
+    received: np.ndarray | None = None,
+    admittance: complex = 0j,
+) -> PMatrix:
+    """P-matrix of a row between endless segments, by the amplitudes in them for a voltage and for arriving modes.
+
+    ``length`` in length units; ``received``: current per arriving mode, A, of a row with a port; ``admittance`` in S.
+    """
+    modes, m = waves.section_modes, len(waves.modes)
+    leaving = waves.leaving(segments)
+    excitation = np.zeros(2 * m) if received is None else leaving[:, 0]
+    return PMatrix(
+        frequency=modes.frequency,
+        wavenumbers=modes.wavenumbers[waves.modes] / modes.section.length_unit,
+        mixture=waves.right,
+        surface_motion=abs(modes.section.surface_rows @ modes.right[:, waves.modes] @ waves.right)[1],
+        scattering=leaving[:, -2 * m :] @ waves.arriving,
+        excitation=excitation,
+        detection=np.zeros(2 * m) if received is None else received @ waves.arriving,
+        admittance=admittance,
+        length=length * modes.section.length_unit,
         relative_error=np.nan,
     )
 
@@ -212,12 +235,14 @@ class ScaledWaves:
 
     Attributes
     ----------
+    section_modes : GuidedModes
     modes : ndarray of int
-        That the waves are made of.
+        Those that the waves are made of.
     right, left : ndarray, shape (modes, waves)
         Going right and going left, in columns.
     """
 
+    section_modes: GuidedModes
     modes: np.ndarray
     right: np.ndarray
     left: np.ndarray
@@ -259,7 +284,7 @@ def waves_of(modes: GuidedModes, chosen: np.ndarray, per_area: float) -> ScaledW
         moved[one[1:]] = (bottom @ right)[one[1:]]
     right = right * np.exp(-1j * np.angle(moved))
     products = 0.5j * omega * per_area * (backward.T @ flux - backward_flux.T @ shape) @ right
-    return ScaledWaves(modes=chosen, right=right, left=np.linalg.inv(products).T)
+    return ScaledWaves(section_modes=modes, modes=chosen, right=right, left=np.linalg.inv(products).T)
 
 
 def _difference(fine: PMatrix, coarse: PMatrix) -> tuple[float]:

@@ -20,7 +20,7 @@ from fem.geometry import Stator
 from fem.input_error import InputError
 from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.layout import is_step
-from fem.solve.p_matrix import waves_of
+from fem.solve.p_matrix import PMatrix, of_segments, waves_of
 from fem.threads import one_blas_thread
 from fem.waveguide.ends import Wall
 from fem.waveguide.modes import GuidedModes, guided_modes
@@ -38,12 +38,14 @@ class Reflector:
         Hz.
     wavelength : float
         Of the surface wave, m.
-    scattering : ndarray, shape (2 waves, 2 waves), or None
-        Of all pieces between uniform segments together: surface waves at the left interface of the first, then at the
-        right one of the last; in a plate of two like faces there are two waves, the first that of the surface.  None
-        without such pieces.
-    pieces : tuple of (str, ndarray)
-        The same for each different piece alone, with its name.
+    row : PMatrix or None
+        Of all pieces between uniform segments together, from the left interface of the first to the right one of the
+        last, their electrodes short-circuited; in a plate of two like faces there are two waves, the first that of the
+        surface.  None without such pieces.
+    pieces : tuple of (str, PMatrix)
+        Of each different piece alone, with its name.
+    places : tuple of (float, int)
+        Of all pieces from left to right: left interface in m, and number among ``pieces``.
     ends : tuple of (str, complex)
         Reflection of the surface wave at the ends that are meshes.
     relative_error : float
@@ -52,10 +54,16 @@ class Reflector:
 
     frequency: float
     wavelength: float
-    scattering: np.ndarray | None = field(repr=False)
-    pieces: tuple[tuple[str, np.ndarray], ...] = field(repr=False)
+    row: PMatrix | None = field(repr=False)
+    pieces: tuple[tuple[str, PMatrix], ...] = field(repr=False)
+    places: tuple[tuple[float, int], ...]
     ends: tuple[tuple[str, complex], ...]
     relative_error: float
+
+    @property
+    def scattering(self) -> np.ndarray | None:
+        """Of the whole row, (2 waves, 2 waves): surface waves at its left edge, then at its right one."""
+        return None if self.row is None else self.row.scattering
 
     @property
     def reflection(self) -> complex:
@@ -115,7 +123,7 @@ def reflector(stator: Stator, *, frequency: float, tolerance: float) -> Reflecto
 def _of_row(stator: Stator, modes: GuidedModes, row: CondensedPieces) -> Reflector:
     waves = waves_of(modes, modes.rayleigh, modes.section.solid.stress_unit)
 
-    def scattering(pieces: Sequence[tuple[float, Piece]]) -> np.ndarray:
+    def p_matrix_of(pieces: Sequence[tuple[float, Piece]]) -> PMatrix:
         network = Network(
             modes=modes,
             scatterers=tuple(
@@ -129,14 +137,15 @@ def _of_row(stator: Stator, modes: GuidedModes, row: CondensedPieces) -> Reflect
             ports=(),
             numbers=(np.empty(0, dtype=int),) * len(pieces),
         )
-        return waves.leaving(network.solve(waves.modes).segments) @ waves.arriving
+        segments = network.solve(waves.modes).segments
+        return of_segments(segments, waves, length=network.stop - network.start)
 
-    alone = {
-        id(condensed): (piece.name, (place, condensed))
-        for piece, (place, condensed) in reversed(
-            list(zip(stator.placement.between, row.between, strict=True))
-        )
-    }
+    alone: dict[int, tuple[str, PMatrix]] = {}
+    places = []
+    for piece, (place, condensed) in zip(stator.placement.between, row.between, strict=True):
+        if id(condensed) not in alone:
+            alone[id(condensed)] = piece.name, p_matrix_of([(place, condensed)])
+        places.append((place * modes.section.length_unit, list(alone).index(id(condensed))))
     ends = []
     for side, (piece, wall) in enumerate(zip(stator.placement.ends, row.ends, strict=True)):
         if piece is None or not isinstance(wall, Wall):
@@ -149,8 +158,9 @@ def _of_row(stator: Stator, modes: GuidedModes, row: CondensedPieces) -> Reflect
     return Reflector(
         frequency=modes.frequency,
         wavelength=float(2 * np.pi / surface),
-        scattering=scattering(row.between) if row.between else None,
-        pieces=tuple((name, scattering([placed])) for name, placed in reversed(alone.values())),
+        row=p_matrix_of(row.between) if row.between else None,
+        pieces=tuple(alone.values()),
+        places=tuple(places),
         ends=tuple(ends),
         relative_error=np.nan,
     )
@@ -158,7 +168,7 @@ def _of_row(stator: Stator, modes: GuidedModes, row: CondensedPieces) -> Reflect
 
 def _difference(fine: Reflector, coarse: Reflector) -> tuple[float]:
     apart = [abs(one[1] - other[1]) for one, other in zip(fine.ends, coarse.ends, strict=True)]
-    if fine.scattering is not None:
+    if fine.scattering is not None and coarse.scattering is not None:
         if fine.scattering.shape != coarse.scattering.shape:
             return (1.0,)
         apart.append(abs(fine.scattering - coarse.scattering).max())

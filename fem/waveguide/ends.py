@@ -10,8 +10,9 @@ from functools import reduce
 
 import numpy as np
 
+from fem.condense.columns import FingerColumns, condensed
 from fem.condense.join import joined
-from fem.condense.superelement import Superelement, condensed
+from fem.condense.piece import Blocks, RecoveredField
 from fem.discretize.grading import CORNER_RATIO, Resolution, graded
 from fem.discretize.section import Section
 from fem.geometry import Stator
@@ -91,16 +92,15 @@ class EndPieces:
     """Columns of elements beside the free or clamped ends."""
 
     section: Section
-    superelements: tuple[Superelement, Superelement] = field(repr=False)  # of the left and the right end
+    superelements: tuple[FingerColumns, FingerColumns] = field(repr=False)  # of the left and the right end
     clamped: bool
 
     def _lines(self, side: int) -> tuple[np.ndarray, np.ndarray]:
         """Unknowns of the outer line that are not held, and those of the inner line, in the superelement's order."""
-        n = self.section.size
-        free = np.arange(n)
-        if self.clamped:
-            free = np.setdiff1d(free, self.section.mechanical)
-        return (free, n + np.arange(n)) if side == 0 else (n + free, np.arange(n))
+        at, numbers = Blocks(self.section.size), np.arange(2 * self.section.size)
+        left, right = numbers[at.left], numbers[at.right]
+        outer, inner = (left, right) if side == 0 else (right, left)
+        return np.delete(outer, self.section.mechanical) if self.clamped else outer, inner
 
     def _outer(self, side: int) -> np.ndarray:
         """Unknowns of the outer line as a function of those of the inner line."""
@@ -112,13 +112,13 @@ class EndPieces:
         piece, (outer, inner) = self.superelements[side].matrix, self._lines(side)
         return piece[np.ix_(inner, inner)] + piece[np.ix_(inner, outer)] @ self._outer(side)
 
-    def sides(self, side: int, line: np.ndarray) -> np.ndarray:
-        """Both lines and two empty electrodes for given unknowns of the inner line, shape (2 n + 2,)."""
+    def recover(self, side: int, line: np.ndarray) -> RecoveredField:
+        """Field in the columns for given unknowns of the inner line."""
         outer, inner = self._lines(side)
         out = np.zeros(len(self.superelements[side].matrix), dtype=complex)
         out[inner] = line
         out[outer] = self._outer(side) @ line
-        return out
+        return self.superelements[side].recover(out)
 
 
 def end_pieces(
@@ -133,8 +133,9 @@ def end_pieces(
     columns = {each: condensed(section, frequency, width=each, electrode=None) for each in widths}
     return EndPieces(
         section=section,
-        superelements=tuple(
-            reduce(joined, [columns[each] for each in order]) for order in (widths[::-1], widths)
+        superelements=(
+            reduce(joined, [columns[each] for each in widths[::-1]]),
+            reduce(joined, [columns[each] for each in widths]),
         ),
         clamped=stator.ends == "clamped",
     )

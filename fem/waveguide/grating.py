@@ -24,7 +24,7 @@ from functools import cached_property
 import numpy as np
 
 from fem.analytic.half_space import automatic_period
-from fem.condense.superelement import Superelement
+from fem.condense.columns import FingerColumns
 from fem.condense.transducer import Condensation, FingerShape, finger_cell, half_cells
 from fem.convergence import ConvergenceError
 from fem.discretize.elements import discretise
@@ -95,7 +95,7 @@ class Grating:
         ]
         return squares, *(np.stack([pair[side].matrix for pair in pairs]) for side in (0, 1))
 
-    def cell(self, frequency: float, *, open_fingers: bool) -> Superelement:
+    def cell(self, frequency: float, *, open_fingers: bool) -> FingerColumns:
         """Condensed cell at a frequency in Hz."""
         make = Condensation(self.section, frequency)
         if abs(frequency / self.middle - 1) > REACH:
@@ -104,7 +104,7 @@ class Grating:
             squares, *halves = self._halves
             weights = lagrange_weights(squares, (2 * np.pi * frequency) ** 2)
             rising, falling = (
-                Superelement(size=self.section.size, matrix=np.tensordot(weights, half, axes=1), width=1.0)
+                FingerColumns(size=self.section.size, matrix=np.tensordot(weights, half, axes=1), width=1.0)
                 for half in halves
             )
             whole = make.joined(rising, falling, 0)
@@ -113,9 +113,8 @@ class Grating:
     def edge_matrix(self, omega_squared: float, *, open_fingers: bool) -> np.ndarray:
         """B of lambda = -1, shape (n, n)."""
         cell = self.cell(float(np.sqrt(omega_squared)) / (2 * np.pi), open_fingers=open_fingers)
-        n = cell.size
-        across = cell.matrix[:n, n : 2 * n]
-        return cell.matrix[:n, :n] + cell.matrix[n : 2 * n, n : 2 * n] - across - across.T
+        both, across = _coupling(cell)
+        return both - across - across.T
 
     def factors(self, frequency: float, *, open_fingers: bool) -> tuple[np.ndarray, np.ndarray]:
         """The lambda nearest to -1 at a frequency in Hz, shape (WAVES,), and their fields in mid-gap, (n, WAVES).
@@ -127,9 +126,7 @@ class Grating:
         from scipy.sparse.linalg import LinearOperator, eigs
 
         cell = self.cell(frequency, open_fingers=open_fingers)
-        n = cell.size
-        across = cell.matrix[:n, n : 2 * n]
-        both = cell.matrix[:n, :n] + cell.matrix[n : 2 * n, n : 2 * n]
+        n, (both, across) = cell.size, _coupling(cell)
         factor = lu_factor(across.T + SHIFT * both + SHIFT**2 * across, check_finite=False)
 
         def inverted(x: np.ndarray) -> np.ndarray:
@@ -199,13 +196,19 @@ class Grating:
         """Of a finger pair far below its resonances, F per metre of aperture, fingers at +V/2 and -V/2 in turn."""
         frequency = STATIC * self.middle
         cell = self.cell(frequency, open_fingers=False)
-        n = cell.size
+        at, finger = cell.at, cell.at.ports.start
         matrix = self.edge_matrix((2 * np.pi * frequency) ** 2, open_fingers=False)
-        load = cell.matrix[:n, 2 * n] - cell.matrix[n : 2 * n, 2 * n]
+        load = cell.matrix[at.left, finger] - cell.matrix[at.right, finger]
         lines = -np.linalg.solve(matrix, load)
-        reaction = cell.matrix[2 * n, 2 * n] + load @ lines
+        reaction = cell.matrix[finger, finger] + load @ lines
         medium = self.section.solid
         return float(-0.5 * reaction.real * medium.stress_unit / medium.potential_unit**2)
+
+
+def _coupling(cell: FingerColumns) -> tuple[np.ndarray, np.ndarray]:
+    """A_ll + A_rr and A_lr of a cell."""
+    at, matrix = cell.at, cell.matrix
+    return matrix[at.left, at.left] + matrix[at.right, at.right], matrix[at.left, at.right]
 
 
 def grating(

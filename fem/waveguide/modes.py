@@ -35,6 +35,7 @@ NEAR_HALF_SPACE = 0.02
 NEARLY_REAL = 3e-3
 # Relative distance of k within which two modes are one surface wave: whatever their shapes, and if both are localised.
 ONE_WAVE, TWIN_MODES = 1e-3, 3e-2
+TWIN_SHARE = 0.4  # of the more localised one's localisation: what the other one must have at least
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -123,18 +124,38 @@ class GuidedModes:
             raise ConvergenceError(
                 f"no mode of this section propagates at {self.frequency:g} Hz: it is too thin or too lossy"
             )
-        localised = self.section.surface_share(self.right[:, moving])
+        expected = None
         if self.section.surface_speed is not None:
             expected = 2 * np.pi * self.frequency * self.section.length_unit / self.section.surface_speed
-            total = self.wavenumbers[moving]
-            if self.lateral_wavenumber:
-                total = np.sqrt(total**2 + self.lateral_wavenumber**2)
-            localised /= 1.0 + (abs(total / expected - 1.0) / NEAR_HALF_SPACE) ** 2
-        best = int(np.argmax(localised))
-        apart = abs(self.wavenumbers[moving] / self.wavenumbers[moving[best]] - 1)
-        split = (apart < TWIN_MODES) & (localised > 0.4 * localised[best])
-        chosen = np.flatnonzero((apart < ONE_WAVE) | split)
-        return moving[chosen[np.argsort(-localised[chosen])]]
+        share = self.section.surface_share(self.right[:, moving])
+        return moving[surface_modes(self.wavenumbers[moving], share, expected, self.lateral_wavenumber)]
+
+
+def surface_modes(
+    wavenumbers: np.ndarray, share: np.ndarray, expected: float | None, lateral_wavenumber: float = 0.0
+) -> np.ndarray:
+    """Numbers of the surface wave's modes among some that propagate one way, the most localised first.
+
+    Parameters
+    ----------
+    wavenumbers : ndarray, shape (modes,)
+        k_x.
+    share : ndarray, shape (modes,)
+        Squared motion at the surface over its integral through the depth.
+    expected : float or None
+        sqrt(k_x^2 + k_y^2) of the surface wave, if it is known about: of the half-space, or of the k_y before.
+    lateral_wavenumber : float
+        k_y.
+    """
+    localised = share
+    if expected is not None:
+        total = np.sqrt(wavenumbers**2 + lateral_wavenumber**2) if lateral_wavenumber else wavenumbers
+        localised = share / (1.0 + (abs(total / expected - 1.0) / NEAR_HALF_SPACE) ** 2)
+    best = int(np.argmax(localised))
+    apart = abs(wavenumbers / wavenumbers[best] - 1)
+    split = (apart < TWIN_MODES) & (localised > TWIN_SHARE * localised[best])
+    chosen = np.flatnonzero((apart < ONE_WAVE) | split)
+    return chosen[np.argsort(-localised[chosen])]
 
 
 def power(displacement: np.ndarray, flux: np.ndarray, frequency: float) -> np.ndarray:

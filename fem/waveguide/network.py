@@ -20,8 +20,6 @@ from itertools import pairwise
 import numpy as np
 
 from fem.condense.piece import Blocks, Piece, Port, RecoveredField
-from fem.condense.recovery import ColumnsField
-from fem.condense.superelement import Superelement
 from fem.input_error import InputError
 from fem.waveguide.ends import End, end_reflection, with_gauge
 from fem.waveguide.force import ForceResponse, force_response
@@ -44,8 +42,6 @@ class Scatterer:
 
     def recover(self, sides: np.ndarray) -> RecoveredField:
         """Field inside for given lines and potentials of the electrodes."""
-        if isinstance(self.piece, Superelement):
-            return ColumnsField(self.piece, sides)
         return self.piece.recover(sides)
 
     @cached_property

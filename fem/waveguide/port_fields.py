@@ -17,9 +17,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fem.condense.join import widths
+from fem.condense.columns import FingerColumns
 from fem.condense.piece import Port
-from fem.condense.superelement import Superelement
 from fem.condense.transducer import Condensation, transducer_superelements
 from fem.convergence import ConvergenceError
 from fem.discretize.elements import discretise
@@ -27,7 +26,6 @@ from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
-from fem.waveguide.ends import End
 from fem.waveguide.force import LineForce
 from fem.waveguide.modes import GuidedModes, guided_modes
 from fem.waveguide.network import Network, PortSolution, Scatterer, SegmentWaves, Sheet
@@ -90,13 +88,7 @@ class PortFields:
     @property
     def unknowns(self) -> int:
         """Unknowns of the discretised problem that was condensed."""
-        columns, meshed = 0, 0
-        for scatterer, owner in zip(self.network.scatterers, self.owners, strict=True):
-            if owner is None:
-                meshed += scatterer.piece.unknowns
-            else:
-                columns += sum(1 for _ in widths(scatterer.piece))
-        return columns * self.resolution.order * self.section.size + meshed
+        return sum(scatterer.piece.unknowns for scatterer in self.network.scatterers)
 
     def amplification(self, swing: float) -> tuple[float, float]:
         """Resonant amplification of small errors at this frequency, and the largest near it.
@@ -179,12 +171,10 @@ def solve_ports(
 def joined_fields(
     stator: Stator,
     transducers: tuple[Transducer, ...],
-    superelements: list[Superelement],
+    superelements: list[FingerColumns],
     *,
     modes: GuidedModes,
     resolution: Resolution,
-    ends: tuple[End, End] | None = None,
-    inset: float = 0.0,
     pieces: CondensedPieces | None = None,
     solve: Solve | None = None,
     forces: tuple[LineForce, ...] = (),
@@ -192,9 +182,8 @@ def joined_fields(
     """Tie superelements, uniform segments and ends together.
 
     ``superelements``: one for each transducer from left to right, the same object for equal ones, from the outer gap's
-    beginning to its end; ``ends``: in the place of the stator's, and by which length ``inset`` they begin before its
-    ends (length units); ``pieces``: the stator's meshed pieces; ``solve``: by default `Network.solve`;
-    ``forces``: on the bare surface.
+    beginning to its end; ``pieces``: the stator's meshed pieces and its ends, by default none and the plain ones;
+    ``solve``: by default `Network.solve`; ``forces``: on the bare surface.
     """
     section = modes.section
     unit, gaps, pieces = (
@@ -233,9 +222,9 @@ def joined_fields(
         modes=modes,
         scatterers=tuple(scatterer for _, scatterer, _, _ in row),
         places=tuple(place for place, _, _, _ in row),
-        start=pieces.start + inset,
-        stop=pieces.stop - inset,
-        ends=ends or pieces.ends,
+        start=pieces.start,
+        stop=pieces.stop,
+        ends=pieces.ends,
         ports=ports
         + tuple(
             Port(kind="force", name=each.name, component=each.component, place=each.position / unit)

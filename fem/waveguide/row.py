@@ -1,6 +1,6 @@
-"""The meshed pieces of a row, condensed at one frequency: those between uniform segments, and the stator's ends.
+"""The meshed pieces of a row: those between uniform segments, and the stator's ends.
 
-Pieces of equal mesh, materials and electrodes are condensed once.
+Pieces of equal mesh, materials and electrodes are assembled and condensed once.
 """
 
 from dataclasses import dataclass, field, replace
@@ -8,8 +8,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.condense.mesh import Assembly, MeshedPiece, assembled
+from fem.condense.piece import Piece
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
+from fem.discretize.section import Section
 from fem.geometry import Stator
 from fem.mesh.layout import is_step
 from fem.mesh.piece import MeshPiece
@@ -21,7 +23,7 @@ from fem.waveguide.modes import GuidedModes, guided_modes
 class CondensedPieces:
     """Meshed pieces at one frequency; lengths in the section's unit."""
 
-    between: tuple[tuple[float, MeshedPiece], ...] = field(repr=False)  # place of the left line, piece
+    between: tuple[tuple[float, Piece], ...] = field(repr=False)  # place of the left line, piece
     ends: tuple[End, End] = field(repr=False)
     # start, stop: where the uniform stator begins and ends
     start: float
@@ -33,37 +35,59 @@ def no_pieces(stator: Stator, unit: float) -> CondensedPieces:
     return CondensedPieces(between=(), ends=(stator.ends,) * 2, start=0.0, stop=stator.length / unit)
 
 
+class PieceRow:
+    """The meshed pieces of a stator on one section, assembled for all frequencies up to one (Hz)."""
+
+    def __init__(self, stator: Stator, section: Section, resolution: Resolution, frequency: float):
+        self.stator, self.section, self.resolution = stator, section, resolution
+        self.assemblies: dict[tuple, Assembly] = {}
+        if not stator.pieces:
+            return
+        both, placed = (("left", section), ("right", section)), stator.placement
+        ends = [(piece, (both[1 - side],)) for side, piece in enumerate(placed.ends)]
+        for piece, sections in [*((piece, both) for piece in placed.between), *ends]:
+            if (
+                piece is not None
+                and not is_step(piece, stator.thickness)
+                and piece.contents not in self.assemblies
+            ):
+                self.assemblies[piece.contents] = _assembly(
+                    piece, _frame(stator), sections, frequency, resolution
+                )
+
+    def condensed(self, frequency: float) -> dict[tuple, MeshedPiece]:
+        """Every different piece at a frequency in Hz; those at a step of thickness are not among them."""
+        return {key: assembly.condensed(frequency) for key, assembly in self.assemblies.items()}
+
+    def arranged(self, condensed: dict, modes: GuidedModes) -> CondensedPieces:
+        """The row of pieces at the frequency of modes, from every different piece at that frequency."""
+        stator, unit = self.stator, self.section.length_unit
+        if not stator.pieces:
+            return no_pieces(stator, unit)
+        placed = stator.placement
+        ends: list[End] = [stator.ends, stator.ends]
+        for side, piece in enumerate(placed.ends):
+            if piece is None:
+                continue
+            if is_step(piece, stator.thickness):
+                ends[side] = _step(piece, side, stator, modes, self.resolution)
+            else:
+                end = condensed[piece.contents]
+                ends[side] = Wall(
+                    matrix=end.matrix, recover=end.recover, floating_potential=end.floating_potential
+                )
+        return CondensedPieces(
+            between=tuple((piece.extent[0] / unit, condensed[piece.contents]) for piece in placed.between),
+            ends=(ends[0], ends[1]),
+            start=placed.start / unit,
+            stop=placed.stop / unit,
+        )
+
+
 def condensed_pieces(stator: Stator, modes: GuidedModes, resolution: Resolution) -> CondensedPieces:
     """Condense a stator's meshed pieces at the frequency of its modes."""
-    section, frequency = modes.section, modes.frequency
-    unit = section.length_unit
-    if not stator.pieces:
-        return no_pieces(stator, unit)
-    placed, made = stator.placement, {}
-
-    def condensed(piece: MeshPiece, sections: tuple) -> MeshedPiece:
-        key = piece.mesh, piece.solids, piece.electrodes
-        if key not in made:
-            assembly = _assembly(piece, _frame(stator), sections, frequency, resolution)
-            made[key] = assembly.condensed(frequency)
-        return made[key]
-
-    both = ("left", section), ("right", section)
-    between = tuple((piece.extent[0] / unit, condensed(piece, both)) for piece in placed.between)
-    ends: list[End] = [stator.ends, stator.ends]
-    for side, piece in enumerate(placed.ends):
-        if piece is None:
-            continue
-        if is_step(piece, stator.thickness):
-            ends[side] = _step(piece, side, stator, modes, resolution)
-        else:
-            end = condensed(piece, (both[1 - side],))
-            ends[side] = Wall(
-                matrix=end.matrix, recover=end.recover, floating_potential=end.floating_potential
-            )
-    return CondensedPieces(
-        between=between, ends=tuple(ends), start=placed.start / unit, stop=placed.stop / unit
-    )
+    row = PieceRow(stator, modes.section.full, resolution, modes.frequency)
+    return row.arranged(row.condensed(modes.frequency), modes)
 
 
 def _step(piece: MeshPiece, side: int, stator: Stator, modes: GuidedModes, resolution: Resolution) -> Wall:

@@ -151,7 +151,8 @@ def _pillars(scene: Scene) -> Iterator[tuple[bool, str]]:
     yield not known, "the slider's reaction on the wave: wave.compliance is absent"
     yield known and slider.loading is False, "the slider's reaction on the wave: slider.loading is false"
     if known and slider.loading is not False:
-        yield True, "overtones of the wave, and what pillars scatter into other waves; sizes in model_error"
+        overtones = "overtones that run back" if slider.loading == "harmonics" else "overtones of the wave"
+        yield True, f"{overtones}, and what pillars scatter into other waves; sizes in model_error"
         yield scene.stator is not None, "what the slider takes and reflects of the wave, at the transducers"
     yield (
         not slider.pillars.interaction,

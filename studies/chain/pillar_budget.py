@@ -60,12 +60,9 @@ def pillar_rows(record: Record) -> Rows:
                 motion.loading_number,
                 "loading number 2 Gamma F/(w A), about the phase in rad",
             )
-        yield (
-            OVERTONES,
-            "velocity",
-            motion.overtone,
-            "|U_2/U_1| at the exit, by second harmonics of the forces",
-        )
+        if motion.harmonics == 1:
+            how = '|U_2/U_1| at the exit, first order; slider.loading = "harmonics" computes them'
+            yield OVERTONES, "velocity", motion.overtone, how
         yield from _scattering(motion)
     yield from _compliance(body, motion, slider, level)
     yield from _leak(record, motion)
@@ -112,7 +109,7 @@ def _scattering(motion) -> Rows:
 
 
 def _leak(record: Record, motion) -> Rows:
-    """Yield how much of the advance that makes the wave leak is reached."""
+    """Yield how much of the advance that makes the wave leak is reached, and how exact that advance is."""
     length = float(np.ptp(motion.row_x))
     if record.scene.stator is None or not motion.loading or length == 0.0:
         return
@@ -126,6 +123,15 @@ def _leak(record: Record, motion) -> Rows:
     advance = motion.loading_number / (motion.wave.wavenumber * length)
     how = f"the wave is faster by {100 * advance:.2g} %, bulk waves begin at {100 * margin:.2g} %"
     yield "leak into bulk waves", "the limit of bound waves", advance / margin, how
+    wave, share = (
+        motion.wave,
+        float(np.mean(motion.pillars.tangential_stiffness / motion.pillars.normal_stiffness)),
+    )
+    normal = advance * wave.wavenumber / (wave.compliance * (1 + abs(wave.orbit) ** 2 * share))
+    exact = fem.spring_shift(stator.solid, normal, share * normal, wave.frequency, stator.bare_surface)
+    if exact is not None:
+        how = "springs of the same advance on the half-space, exact root against first order in Gamma K/k"
+        yield "first order in the load on the wave", "the phase's advance", -exact / advance - 1, how
 
 
 def _neighbours(body, motion, slider, level) -> Rows:

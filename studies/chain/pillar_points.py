@@ -14,6 +14,7 @@ from studies.refusal import SceneError
 
 SENSITIVITY_STEP = 1e-3  # of the amplitude
 HOPS = 0.999  # mean part of the cycle in contact, below which the pillars hop
+SHOWN_OVERTONES = 7  # in slider_wave.csv
 SAMPLES = 200  # instants of a burst
 RATE_TOLERANCE = 3e-5  # of the averaged velocity in a burst, relative
 
@@ -39,7 +40,7 @@ class PillarContact:
         return pillars.at_level(self.wave, level)
 
     @property
-    def loading(self) -> bool | None:
+    def loading(self) -> bool | str | None:
         """What the scene says of the load on the wave."""
         return self.driven.scene.slider.loading
 
@@ -84,6 +85,7 @@ def point_of(motion) -> dict:
         found |= {
             "wave_power_in_W": motion.wave_power_in, "wave_power_out_W": motion.wave_power_out,
             "loading_number": motion.loading_number, "overtone_ratio": motion.overtone,
+            "harmonics": motion.harmonics,
         }  # fmt: skip
     return found | {"ledger_relative_residual": abs(motion.ledger_residual)}
 
@@ -95,7 +97,9 @@ def tables(motion) -> tuple[dict, dict]:
         "x_m": np.array(body.x), "y_m": np.array(body.y), "height_m": np.array(body.heights),
         "normal_force_N": motion.normal_force, "friction_power_W": motion.friction,
     }  # fmt: skip
-    return own, {"x_m": motion.row_x, "forward_m": motion.forward, "backward_m": motion.backward}
+    along = {"x_m": motion.row_x, "forward_m": motion.forward, "backward_m": motion.backward}
+    shown = motion.overtones.T[:SHOWN_OVERTONES]
+    return own, along | {f"overtone_{n}_m": each for n, each in enumerate(shown, start=2)}
 
 
 def pillar_answer(driven: DrivenContact, *, tolerance: float, progress: Callable[[str], None]) -> dict:
@@ -192,7 +196,7 @@ def burst(body: PillarContact, level: float, steady, duration: float) -> PillarB
     envelope = None if driven.ringing is None else driven.ringing.envelope
     friction = slider.static_coefficient * slider.preload_force
     load, way = steady.load, math.copysign(1.0, steady.velocity)
-    traction = contact.pillar_traction(body.pillars, body.at(level), loading=body.loading, load=load)
+    traction = contact.pillar_traction(body.pillars, body.at(level), load=load, near=steady)
 
     def grown(time: float) -> float:
         if envelope is None:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from studies.export import reduced_motor as model
 from studies.export.averaged_motor import COLUMNS, ROWS, AveragedMotor, averaged_motor
 from studies.export.c_source import description, header, source
 from studies.export.exported import Exported
@@ -30,13 +31,13 @@ def tables(motor: AveragedMotor) -> dict[str, str]:
     head = "".join(f"# {line}\n" for line in description(motor))
     tau = np.linspace(0.0, 1.0, ROWS)
     nu = np.linspace(0.0, 1.0, COLUMNS) ** 2
-    slider, parts, at = motor.slider, {}, 0
-    for drive in motor.drives:
-        loads, at = motor.tables[at : at + ROWS], at + ROWS
-        forces, at = (
-            motor.tables[at : at + 2 * ROWS * COLUMNS].reshape(2, ROWS, COLUMNS),
-            at + 2 * ROWS * COLUMNS,
-        )
+    slider, parts = motor.slider, {}
+    for number, drive in enumerate(motor.drives):
+        place = motor.parameters[model.FIRST_DRIVE + number * model.DRIVE_SIZE :].astype(int)
+        loads = motor.tables[place[model.LOADS] :][:ROWS]
+        forces = motor.tables[place[model.FORCES] :][: 2 * ROWS * COLUMNS].reshape(2, ROWS, COLUMNS)
+        if place[model.FACING] < 0:
+            forces = -forces[::-1]
         own = head + (
             f"# drive {drive.name}: s = {drive.amplitude!r} m per {motor.unit}, v_1 = {drive.saturation(slider)!r} "
             "(m/s)/m\n# tau = sqrt(s)/(sqrt(s) + sqrt(h + s)), nu = V/(v_1 s), <P> = n K (h + s)^e R, Q = mu <P> g\n"
@@ -53,7 +54,7 @@ def tables(motor: AveragedMotor) -> dict[str, str]:
         )
         parts[f"mean_force_{label}.csv"] = own + columns + "\n" + _rows(np.column_stack([tau, limits, whole]))
         if drive.response is not None:
-            response, at = drive.response, at + 2 * len(drive.response)
+            response = drive.response
             time = drive.response_step * np.arange(len(response))
             columns = np.column_stack([time, response.real, response.imag])
             parts[f"ring_up_{label}.csv"] = own + "time_s,factor_real,factor_imaginary\n" + _rows(columns)

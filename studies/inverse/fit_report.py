@@ -18,6 +18,8 @@ SHOWN_CANDIDATES = 6
 INFORMED = 2.0  # times narrower than its range, from which a measurement tells something of a number
 DOUBTFUL = 0.01  # probability of the sum of squares below which the model does not explain the data
 
+MANY = 100  # points from which on they are drawn smaller
+
 
 def fit_answer(fit: Fit) -> str:
     """Return what a fit prints."""
@@ -115,17 +117,30 @@ def _draw(fit: Fit, measurement: Measurement, residuals, upper, lower) -> None:
     scale, drawn = along.scale, QUANTITIES[measurement.quantity]
     factor = drawn.scale
     where, best, low, high = fit.band(measurement)
-    if data is not None:  # real and imaginary parts lie on one axis: a line each
+    values, scatter = np.array([measurement.values, measurement.deviations])
+    seen = np.array(at)
+    if (
+        measurement.scan is not None and measurement.scan.is_complex
+    ):  # a wave of many periods: its size is drawn
+        half = len(where) // 2
+        real, imaginary = best[:half], best[half:]
+        best = np.hypot(real, imaginary)
+        spread = np.hypot(real * (high - low)[:half], imaginary * (high - low)[half:]) / np.maximum(
+            best, 1e-300
+        )
+        where, low, high = where[:half], best - 0.5 * spread, best + 0.5 * spread
+        seen, values, scatter = seen[:half], np.hypot(values[:half], values[half:]), scatter[:half]
+    elif data is not None:  # real and imaginary parts lie on one axis: a line each
         half = len(where) // len(data.coordinate)
         where, best, low, high = (np.insert(each.astype(float), [len(each) // half] if half > 1 else [], np.nan)
                                   for each in (where, best, low, high))  # fmt: skip
     upper.fill_between(where * scale, low * factor, high * factor, color=COLOURS["slip"], alpha=0.25, linewidth=0,
                        label="95 % of the fitted motors")  # fmt: skip
     upper.plot(where * scale, best * factor, color=COLOURS["slip"], linewidth=1.2, label="best fit")
-    values, scatter = np.array([measurement.values, measurement.deviations]) * factor
+    size = 3.5 if len(seen) < MANY else 2.0
     upper.errorbar(
-        np.array(at) * scale, values, yerr=scatter, fmt="o", color=COLOURS["line"], markersize=3.5, linewidth=0.8,
-        capsize=2, label="measured, 1 standard deviation",
+        seen * scale, values * factor, yerr=scatter * factor, fmt="o", color=COLOURS["line"], markersize=size,
+        linewidth=0.8, capsize=size - 1.5, label="measured, 1 standard deviation",
     )  # fmt: skip
     fixed = [
         f"{key} = {value:g}" for key, value in measurement.settings.items() if isinstance(value, (int, float))
@@ -135,5 +150,5 @@ def _draw(fit: Fit, measurement: Measurement, residuals, upper, lower) -> None:
     upper.legend(frameon=False, fontsize="small", loc="best")
     lower.axhspan(-2.0, 2.0, color=COLOURS["stick"], alpha=0.2, linewidth=0)
     lower.axhline(0.0, color=COLOURS["line"], linewidth=0.8)
-    lower.plot(np.array(at) * scale, residuals, "o", color=COLOURS["line"], markersize=3.5)
+    lower.plot(np.array(at) * scale, residuals, "o", color=COLOURS["line"], markersize=size)
     finished(lower, along.axis, "residual (std. deviations)", "", columns=0)

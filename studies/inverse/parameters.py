@@ -1,10 +1,10 @@
 """The free numbers of a fit: keys of a scene with their ranges, positive ones as logarithms.
 
 Some names stand for what is no key of a scene: ``amplitude_per_volt`` (m/V) turns the voltages of a measurement into
-amplitudes of a given [wave]; ``amplitude_factor`` multiplies the surface motion computed for a stator.  Three belong
+amplitudes of a given [wave]; ``amplitude_factor`` multiplies the surface motion computed for a stator.  Four belong
 to instruments: ``wave_velocity_factor`` multiplies the surface wave's velocity in a vibrometer's scan,
-``bandwidth`` is that of an encoder (a low-pass filter of first order), and ``time_offset`` the time of its trace at
-which the burst begins.
+``bandwidth`` is that of an encoder (a low-pass filter of first order), ``sampling`` the time over which each of its
+readings is averaged, and ``time_offset`` the time of its trace at which the burst begins.
 """
 
 import math
@@ -20,10 +20,12 @@ from studies.scene.override import parts_of, toml_value
 from studies.scene.rule import Count
 
 AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT, SYSTEMATIC = "amplitude_factor", "amplitude_per_volt", "systematic"
-WAVE_VELOCITY_FACTOR, BANDWIDTH, TIME_OFFSET = "wave_velocity_factor", "bandwidth", "time_offset"
+WAVE_VELOCITY_FACTOR, BANDWIDTH = "wave_velocity_factor", "bandwidth"
+SAMPLING, TIME_OFFSET = "sampling", "time_offset"
 OWN = {
     AMPLITUDE_FACTOR: Quantity(), AMPLITUDE_PER_VOLT: Quantity("m"), SYSTEMATIC: Quantity(),
-    WAVE_VELOCITY_FACTOR: Quantity(), BANDWIDTH: Quantity("Hz"), TIME_OFFSET: Quantity("s", negative=True),
+    WAVE_VELOCITY_FACTOR: Quantity(), BANDWIDTH: Quantity("Hz"), SAMPLING: Quantity("s"),
+    TIME_OFFSET: Quantity("s", negative=True),
 }  # fmt: skip
 LEVELS = ("drive.voltage", "wave.normal_amplitude")
 

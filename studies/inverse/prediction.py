@@ -22,10 +22,11 @@ from studies.inverse.parameters import (
     AMPLITUDE_FACTOR,
     AMPLITUDE_PER_VOLT,
     BANDWIDTH,
+    SAMPLING,
     TIME_OFFSET,
     WAVE_VELOCITY_FACTOR,
 )
-from studies.lab.trace import low_pass, travelled_distance
+from studies.lab.trace import averaged, low_pass, travelled_distance
 from studies.record.measured import FIELD, Measurement
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -177,4 +178,7 @@ class MeasurementPredictor(Predictor):
             curve = travelled_distance(prediction.time, curve)
         if BANDWIDTH in numbers:
             curve = low_pass(prediction.time, curve, float(numbers[BANDWIDTH]))
-        return np.interp(np.array(measurement.time) - offset, prediction.time, curve)
+        at = np.array(measurement.time) - offset
+        if SAMPLING in numbers:
+            return averaged(prediction.time, curve, float(numbers[SAMPLING]), at)
+        return np.interp(at, prediction.time, curve)

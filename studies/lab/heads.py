@@ -59,4 +59,4 @@ class Heads:
             hint = ": a complex number goes into two columns, _real_ and _imag_" if text else ""
         except ValueError:
             pass
-        raise SceneError(self.option, f"{where} must be a finite real number, got {shown(text)}{hint}")
+        raise SceneError(self.option, f"{where} must be a finite number, got {shown(text)}{hint}")

@@ -1,13 +1,13 @@
-"""A network analyser's file: S-parameters over frequency (Touchstone 1, `fem.read_touchstone`)."""
+"""A network analyser's file: S-parameters over frequency (Touchstone 1 and 2, read by scikit-rf)."""
 
 import re
+import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-import fem
-from studies.refusal import SceneError
+from studies.refusal import RunError, SceneError
 
 TOUCHSTONE = re.compile(r"\.s(?P<ports>\d+)p", re.IGNORECASE)
 
@@ -66,13 +66,29 @@ def read_network(path: Path, option: str) -> NetworkData:
     if ports is None:
         raise SceneError(option, f"must be a Touchstone file, .s1p, .s2p ..., got {path.name!r}")
     try:
-        text = path.read_text(encoding="utf-8", errors="replace")
+        import skrf
+    except ImportError:
+        rule = "Touchstone files need scikit-rf, which is not installed: pip install sawmotor[lab]"
+        raise RunError(rule) from None
+    network = skrf.Network()
+    try:
+        with warnings.catch_warnings():  # of frequencies that do not rise, which are refused below
+            warnings.simplefilter("ignore")
+            network.read_touchstone(str(path))
     except OSError as error:
         raise SceneError(option, f"{str(path)!r} cannot be read: {error.strerror}") from None
-    try:
-        at, values, own = fem.read_touchstone(text, int(ports["ports"]))
-    except fem.InputError as error:
-        raise SceneError(option, f"{path.name!r} {error.rule}") from None
+    except Exception as error:  # scikit-rf raises what its parser happens to stumble over
+        text = " ".join(str(error).split())
+        raise SceneError(
+            option, f"{path.name!r} is no Touchstone file of {ports['ports']} ports: {text}"
+        ) from None
+    if network.f.size == 0 or network.nports != int(ports["ports"]):
+        rule = f"must hold S-parameters of {ports['ports']} ports, got {network.f.size} frequencies"
+        raise SceneError(option, f"{path.name!r} {rule} of {network.nports} ports")
+    own = float(network.z0[0, 0].real)
+    if np.any(network.z0 != own):  # ports with references of their own, which version 2 allows
+        network.renormalize(own)
+    at, values = network.f, network.s
     if not (np.all(np.isfinite(at)) and np.all(np.isfinite(values))):
         raise SceneError(option, f"{path.name!r} must hold finite numbers only")
     if at[0] <= 0.0 or np.any(np.diff(at) <= 0.0):

@@ -25,6 +25,21 @@ def low_pass(time: np.ndarray, values: np.ndarray, bandwidth: float) -> np.ndarr
     return out
 
 
+def averaged(time: np.ndarray, values: np.ndarray, span: float, at: np.ndarray) -> np.ndarray:
+    """Return the means of a curve, which rests before and stays after, over the ``span`` in s before each instant."""
+    sums = travelled_distance(time, values)
+
+    def until(instant):
+        inside = np.clip(instant, time[0], time[-1])
+        k = np.clip(np.searchsorted(time, inside, side="right") - 1, 0, len(time) - 2)
+        ahead = inside - time[k]
+        slope = (values[k + 1] - values[k]) / (time[k + 1] - time[k])
+        own = sums[k] + ahead * (values[k] + 0.5 * slope * ahead)
+        return own + np.where(instant < time[0], values[0], values[-1]) * (instant - inside)
+
+    return (until(at) - until(at - span)) / span
+
+
 def aligned(time: np.ndarray, measured: np.ndarray, at: np.ndarray, predicted: np.ndarray) -> float:
     """Return the offset in s of a trace's time for which it lies closest to a prediction (least squares).
 

@@ -112,7 +112,10 @@ LEFT_ASIDE = (
         "Kurosawa's silicon sliders (1.1 m/s and 3.5 N; 1.5 m/s and 12 N)",
         "many etched projections share the preload; their number, shape and height are not stated here",
     ),
-    ("Kurosawa's steps of 2 nm (bursts of 25 cycles at 100 V, 30 N)", "the same silicon sliders"),
+    (
+        "Shigematsu and others 2003, a start free of stick and slip",
+        "no source at hand states a number for it; their steps are computed with silicon sliders of usual sizes",
+    ),
     (
         "Tjeung and others, speed (1900 rpm)",
         "the amplitude of the surface is not stated: at the rim it must exceed 5 nm, which the wave can give",

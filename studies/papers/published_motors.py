@@ -287,15 +287,26 @@ def _rear() -> list[dict]:
 
 
 def _shigematsu() -> list[dict]:
-    """Return the step of a burst of 25 cycles: the slider's mass decides."""
-    mass = Unknown(name="mass", taken=5e-3, swept=(1e-3, 20e-3), unit="g", scale=1e3)
-    amplitude = Unknown(name="amplitude at 100 V", taken=10e-9, swept=(5e-9, 20e-9), unit="nm", scale=1e9)
+    """Return steps of 25 cycles, and of as many as no source at hand states: the slider's mass decides."""
+    unknowns = {
+        "mass": Unknown(name="mass", taken=5e-3, swept=(1e-3, 20e-3), unit="g", scale=1e3),
+        "amplitude": Unknown(
+            name="amplitude at 100 V", taken=10e-9, swept=(5e-9, 20e-9), unit="nm", scale=1e9
+        ),
+    }
+    rows = []
+    for published, taken, swept in ((2e-9, 25, None), (0.5e-9, 12, (5, 25)), (40e-9, 110, (50, 250))):
+        own = unknowns | (
+            {} if swept is None else {"cycles": Unknown(name="cycles", taken=taken, swept=swept)}
+        )
+        known = {name: each.taken for name, each in unknowns.items()} | {"cycles": taken}
+        what = "step of 25 cycles at 30 N" if swept is None else f"step of {published * 1e9:g} nm at 30 N"
+        rows.append(_row(MOTORS[6], what, published, _step, known, own, "nm", 1e9))
+    return rows
 
-    def step(case):
-        return sliders.shigematsu_step(case["mass"], amplitude=case["amplitude"])
 
-    known, swept = {"mass": 5e-3, "amplitude": 10e-9}, {"mass": mass, "amplitude": amplitude}
-    return [_row(MOTORS[6], "step of 25 cycles at 30 N", 2e-9, step, known, swept, "nm", 1e9)]
+def _step(case: dict) -> float:
+    return sliders.shigematsu_step(case["mass"], amplitude=case["amplitude"], cycles=case["cycles"])
 
 
 def _crest() -> list[dict]:

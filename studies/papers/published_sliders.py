@@ -6,6 +6,7 @@ the reports of KAKEN 22360101 and 15H03943; T. Shigematsu, M. K. Kurosawa and K.
 """
 
 import math
+from functools import cache
 
 import numpy as np
 
@@ -87,6 +88,14 @@ def rear_amplitude(length: float) -> float:
     return abs(contact.pillar_motion(body, passing, load=0.5 * stall).exit_over_entry)
 
 
+@cache
+def _traction_at_rest(amplitude: float, frequency: float, preload: float) -> float:
+    """Return the force in N on a silicon slider that does not move."""
+    body = slider(friction=0.18, scatter=10e-9, number=1e4, preload=preload)
+    passing = wave(frequency=frequency, amplitude=amplitude, width=LENGTH)
+    return abs(contact.pillar_traction(body, passing)(0.0))
+
+
 def shigematsu_step(
     mass: float, *, cycles: int = 25, amplitude: float = 20e-9, preload: float = 30.0
 ) -> float:
@@ -94,10 +103,9 @@ def shigematsu_step(
 
     The traction of a slider that has hardly moved is that at rest; friction mu F stops it afterwards.
     """
-    body = slider(friction=0.18, scatter=10e-9, number=1e4, preload=preload)
-    passing = wave(frequency=9.6e6, amplitude=amplitude, width=LENGTH)
-    force = abs(contact.pillar_traction(body, passing)(0.0))
-    duration = cycles / passing.frequency
+    frequency = 9.6e6
+    force = _traction_at_rest(amplitude, frequency, preload)
+    duration = cycles / frequency
     velocity = force / mass * duration
     return 0.5 * velocity * duration + velocity**2 * mass / (2 * 0.18 * preload)
 

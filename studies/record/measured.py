@@ -10,16 +10,15 @@ analysers' files by `studies.lab.network`.
 """
 
 import csv
-import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from studies.lab.heads import DISPLACEMENTS, Heads
+from studies.lab.heads import DISPLACEMENTS, TIMES, Heads
 from studies.lab.network import TOUCHSTONE, NetworkData, read_network
 from studies.lab.scan import UFF_ENDINGS, Scan, is_scan, scan_of_columns, scan_of_uff
 from studies.record.quantities import quantity
-from studies.refusal import SceneError, shown
+from studies.refusal import SceneError
 
 if TYPE_CHECKING:
     from studies.scene import Scene
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["MeasuredTable", "Measurement", "compared", "comparison", "read_measured", "refuse_incomparable"]
 
 VOLTAGES, LENGTHS = {"V": 1.0}, {"m": 1.0, "nm": 1e-9}  # units of a column's name, in SI units
-SPEEDS, TIMES = {"m_per_s": 1.0, "mm_per_s": 1e-3}, {"s": 1.0, "ms": 1e-3}
+SPEEDS = {"m_per_s": 1.0, "mm_per_s": 1e-3}
 OPTION = "--measured"
 FIELD = ("scan", "network")  # quantities of the stator alone
 QUANTITIES = {
@@ -94,13 +93,8 @@ class Measurement:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MeasuredTable:
-    """The columns of a CSV file, as text."""
-
-    path: Path
-    option: str  # of the command, for refusals
-    names: list[str]  # of the columns
-    rows: list[list[str]]
+class MeasuredTable(Heads):
+    """The columns of a CSV file; others than those asked for are ignored, whatever their units."""
 
     @classmethod
     def read(cls, path: str | Path, option: str) -> "MeasuredTable":
@@ -119,7 +113,7 @@ class MeasuredTable:
             raise SceneError(option, f"{str(path)!r} must hold a line of names and at least one point")
         return cls(path=path, option=option, names=rows[0], rows=rows[1:])
 
-    def column(self, noun: str, units: dict[str, float]) -> tuple[float, ...] | None:
+    def known(self, noun: str, units: dict[str, float]) -> tuple[float, ...] | None:
         """Return the column ``noun_unit`` in SI units; None where there is none."""
         for unit, factor in units.items():
             if f"{noun}_{unit}" in self.names:
@@ -140,23 +134,11 @@ class MeasuredTable:
         noun = next((noun for noun in nouns for unit in units if f"{noun}_{unit}" in self.names), None)
         if noun is None:
             return None
-        values = self.column(noun, units)
+        values = self.known(noun, units)
         if min(values) <= 0:
             rule = f"{str(self.path)!r}: {noun}_{next(iter(units))} must be positive, got {min(values)!r}"
             raise SceneError(self.option, rule)
         return values
-
-    def _number(self, row: int, column: int) -> float:
-        text = self.rows[row][column] if column < len(self.rows[row]) else ""
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            where = f"{str(self.path)!r}, point {row + 1}, {self.names[column]}"
-            hint = ": write a decimal point" if "," in text else ""
-            raise SceneError(self.option, f"{where} must be a finite number, got {shown(text)}{hint}")
-        return value
 
 
 def read_measured(path: str | Path, option: str = OPTION) -> Measurement:
@@ -175,27 +157,26 @@ def read_measured(path: str | Path, option: str = OPTION) -> Measurement:
             raise SceneError(option, f"{str(path)!r} cannot be read: no such file")
         return measured_scan(scan_of_uff(Path(path), option))
     table = MeasuredTable.read(path, option)
-    heads = Heads(path=table.path, option=option, names=table.names, rows=table.rows)
     if is_scan(table.path, table.names):
-        return measured_scan(scan_of_columns(heads))
-    position = heads.column("position", DISPLACEMENTS | {"mm": 1e-3})
-    voltage, amplitude = table.column("voltage", VOLTAGES), table.column("normal_amplitude", LENGTHS)
-    velocity, time = table.column("velocity", SPEEDS), table.column("time", TIMES)
+        return measured_scan(scan_of_columns(table))
+    position = table.column("position", DISPLACEMENTS | {"mm": 1e-3})
+    voltage, amplitude = table.known("voltage", VOLTAGES), table.known("normal_amplitude", LENGTHS)
+    velocity, time = table.known("velocity", SPEEDS), table.known("time", TIMES)
     level_key = "voltage_V" if voltage is not None else "normal_amplitude_m" if amplitude is not None else ""
     levels = voltage or amplitude or ()
-    if min((*levels, *(time or ())), default=0.0) < 0.0:
-        raise SceneError(option, f"{str(path)!r}: voltages, amplitudes and times must be zero or positive")
+    if min(levels, default=0.0) < 0.0:
+        raise SceneError(option, f"{str(path)!r}: voltages and amplitudes must be zero or positive")
+    if time is not None and (
+        list(time) != sorted(set(time)) or time[-1] <= 0.0
+    ):  # before 0: ahead of the trigger
+        raise SceneError(option, f"{str(path)!r}: time must rise from point to point, to a time after 0")
     if velocity is not None and time is not None:
         quantity, values = "burst", velocity
         if len(set(levels)) > 1:
             raise SceneError(option, f"{str(path)!r} must hold one burst: one level, got {len(set(levels))}")
         levels = levels[:1]
-        if list(time) != sorted(set(time)) or time[-1] == 0.0:
-            raise SceneError(option, f"{str(path)!r}: time must rise from point to point")
     elif position is not None and time is not None:
         quantity, values, levels = "position", tuple(position[0]), levels[:1]
-        if list(time) != sorted(set(time)) or time[-1] == 0.0:
-            raise SceneError(option, f"{str(path)!r}: time must rise from point to point")
     elif velocity is not None and level_key:
         quantity, values = "velocity", velocity
     elif voltage is not None and amplitude is not None:
@@ -205,8 +186,10 @@ def read_measured(path: str | Path, option: str = OPTION) -> Measurement:
         wanted += (
             "time_s with velocity_m_per_s or position_m, or x_m with u_z_real_m_per_V and u_z_imag_m_per_V"
         )
+        bracketed = any(sign in name for name in table.names for sign in "[( ")
+        hint = ": a head is a name and its unit, such as x_mm or u_z_real_pm" if bracketed else ""
         raise SceneError(
-            option, f"{str(path)!r} must have the columns {wanted}; got {', '.join(table.names)}"
+            option, f"{str(path)!r} must have the columns {wanted}; got {', '.join(table.names)}{hint}"
         )
     if quantity == "amplitude":
         deviations = table.deviation(("normal_amplitude_standard_deviation",), LENGTHS)

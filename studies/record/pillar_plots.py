@@ -30,12 +30,16 @@ def wave_along(record: "Record", ax):
     main, other = (np.asarray(table[name]) for name in names)
     ax.plot(x, np.abs(main) * 1e9, color=BLUE, label="wave that drives, amplitude")
     ax.plot(x, np.abs(other) * 1e9, color=GREY, label="wave against it, amplitude")
+    for style, n in zip(("--", "-.", ":"), (2, 3, 4), strict=True):
+        if f"overtone_{n}_m" in table:
+            size = np.abs(np.asarray(table[f"overtone_{n}_m"])) * 1e9
+            ax.plot(x, size, style, color=GREEN, label=f"its overtone {n}, amplitude")
     ax.set_ylim(bottom=0.0)
     ax.set_xlabel("x from the slider's centre (mm)")
     ax.set_ylabel("normal amplitude (nm)")
     right = ax.twinx()
     phase = np.unwrap(np.angle(main))
-    right.plot(x, phase - phase[0 if ahead else -1], "--", color=ORANGE, label="phase")
+    right.plot(x, phase - phase[0 if ahead else -1], dashes=(8, 3), color=ORANGE, label="phase")
     right.set_ylabel("phase against the unloaded wave (rad)")
     handles = [each for axis in (ax, right) for each in axis.get_lines()]
     ax.legend(handles=handles, **BELOW)

@@ -248,9 +248,10 @@ class Slider(Block):
         "Of pillars. rigid: one plane; soft: every row along the wave bears the same pressure.",
     ] = "rigid"
     loading: Annotated[
-        bool | None,
-        FLAG,
-        "Whether pillars act back on the wave. Absent: where the loading number is above 0.05.",
+        bool | str | None,
+        FLAG | choice("harmonics"),
+        "Whether pillars act back on the wave. Absent: where the loading number is above 0.05. harmonics: also with "
+        "the overtones of the wave that they make.",
     ] = None
 
     def check_contacts(self) -> Any:
@@ -275,6 +276,8 @@ class Slider(Block):
             yield "method", f'must be "auto" or "averaged" with [slider.pillars], got "{self.method}"'
         if self.travel:
             yield "travel", "must be false or absent with [slider.pillars]"
+        if self.backing == "soft" and self.loading == "harmonics":
+            yield "loading", 'must be true or false where slider.backing is "soft"'
         if self.backing == "soft" and self.tilt != "held":
             yield (
                 "tilt",

@@ -61,9 +61,12 @@ def run(
     chosen = passband.driven_scene(scene)
     reference = reference_impedance(z0)
     at = band_frequencies(chosen, band, count)
+    lab_file = None
+    if measured is not None:  # what is wrong with the file is said before anything is solved
+        number = sum(each.has_two_combs for each in chosen.transducer)
+        lab_file = _measured(Path(measured), chosen, number, reference)
     names, ports, scattering = scattering_matrix(chosen, at, reference, tolerance, progress)
     shared = {"frequency_Hz": at, "ports": names, "reference_ohm": reference, "scattering": scattering}
-    lab_file = None if measured is None else _measured(Path(measured), chosen, len(names), reference)
     if lab_file is not None:
         shared |= {"measured_frequency_Hz": lab_file.frequency, "measured_scattering": lab_file.scattering,
                    "measured_file": lab_file.name}  # fmt: skip

@@ -1,13 +1,15 @@
-"""What coupled modes leave out: P-matrices of the transducers, their cascade, and the whole stator beside it.
+"""What coupled modes leave out: P-matrices of transducers and pieces, their cascade, and the whole stator beside it.
 
-Method: P-matrix of each transducer alone from its field (`fem.p_matrix`, nothing fitted) for the surface wave only, at
-frequencies of the passband; their cascade along the stator against the admittances of the whole stator, which has bulk
-waves, decaying fields and ends too (both of the plane section; terminations are left out on both sides: short-circuit
-admittances).  Expected: reciprocity to rounding; the surface wave's part of the conductance at most all of it where the
-solid is lossless; the cascade within 30 % of the stator in the transfer admittance's maximum.  Run time: about 15 s.
+Method: P-matrix of each transducer alone from its field (`fem.p_matrix`, nothing fitted), and of each meshed piece
+(`fem.reflector`), for the surface wave only, at frequencies of the passband; their cascade along the stator against the
+admittances of the whole stator, which has bulk waves, decaying fields and ends too (both of the plane section;
+terminations are left out on both sides: short-circuit admittances).  Expected: reciprocity to rounding; the surface
+wave's part of the conductance at most all of it where the solid is lossless; the cascade within 30 % of the stator in
+the transfer admittance's maximum.  Run time: about 15 s.
 """
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -34,29 +36,33 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None
         Of the P-matrices and of the admittances.
     """
     chosen = passband.driven_scene(scene)
-    block = resolve.stator(chosen.stator)
+    stator = resolve.whole_stator(chosen)
     row = tuple(sorted(resolve.section_row(chosen), key=lambda each: each.center))
     if len({each.aperture for each in row}) > 1:
         chosen.refuse("transducer", "must have equal apertures for this study: their waves are one beam")
     ports = [k for k, each in enumerate(row) if {"+", "-"} <= set(each.signs)]
     at, known, first, cascade = passband.frequencies(chosen, count), {}, [], []
+    pieces: list[fem.Reflector] = []
     for f in at:
         progress(f"P-matrices at {f / 1e6:.5g} MHz")
         kinds = [(f, each.signs, each.pitch, each.metallisation) for each in row]
         try:
             for kind, each in zip(kinds, row, strict=True):
                 if kind not in known:
-                    known[kind] = fem.p_matrix(block, each, frequency=float(f), tolerance=tolerance)
+                    known[kind] = fem.p_matrix(stator, each, frequency=float(f), tolerance=tolerance)
+            if stator.pieces:
+                pieces.append(fem.reflector(stator, frequency=float(f), tolerance=tolerance))
         except fem.ConvergenceError as error:
             raise RunError(f"at {f / 1e6:.6g} MHz {error}") from None
         parts = [known[kind] for kind in kinds]
-        ends = [
-            each.center + side * part.length / 2
-            for each, part in zip(row, parts, strict=True)
-            for side in (-1, 1)
-        ]
-        distances = [right - left for left, right in zip(ends[1::2], ends[2::2], strict=False)]
-        cascade.append(fem.cascade_admittance(parts, distances)[np.ix_(ports, ports)])
+        placed = [(each.center - part.length / 2, part) for each, part in zip(row, parts, strict=True)]
+        if pieces:
+            placed += [(left, pieces[-1].pieces[number][1]) for left, number in pieces[-1].places]
+        order = sorted(range(len(placed)), key=lambda k: placed[k][0])
+        together, electrical = [placed[k] for k in order], [order.index(k) for k in ports]
+        distances = [start - (before + part.length) for (before, part), (start, _) in pairwise(together)]
+        admittance = fem.cascade_admittance([part for _, part in together], distances)
+        cascade.append(admittance[np.ix_(electrical, electrical)])
         first.append(parts[ports[0]])
     plane = replace(chosen, stator=replace(chosen.stator, diffraction=False, sides="absorbing"))
     last = len(ports) - 1
@@ -66,7 +72,8 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None
     sent = np.array([np.sum(abs(part.excitation) ** 2) for part in first])
     admittance = np.array([part.admittance for part in first])
     uneven = max(float(abs(p.detection + 2 * p.excitation).max() / abs(p.excitation).max()) for p in first)
-    name, reflects = "transfer admittance" if last else "admittance", chosen.stator.ends != "absorbing"
+    name = "transfer admittance" if last else "admittance"
+    reflects = chosen.stator.ends != "absorbing" or any(stator.placement.ends if stator.pieces else ())
     findings = (
         judged("A transducer receives as it sends: P31 = -2 P13.", "largest difference, relative", uneven, high=1e-9),
         judged("The surface wave takes no more than the source gives.",
@@ -87,16 +94,38 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None
             "frequency_Hz": at, "cascade_S": joined, "stator_S": whole,
         }),
     )  # fmt: skip
-    return panels, findings
+    return panels + _of_pieces(chosen.title, at, pieces), findings
+
+
+def _of_pieces(title: str, at: np.ndarray, pieces: list[fem.Reflector]) -> tuple[Panel, ...]:
+    """Return what each different piece and all of them together do to the surface wave, where there are pieces."""
+    if not pieces:
+        return ()
+    matrices = {name: [each.pieces[k][1] for each in pieces] for k, (name, _) in enumerate(pieces[0].pieces)}
+    if len(pieces[0].places) > 1:
+        matrices["all pieces together"] = [each.row for each in pieces]
+    panels = []
+    for k, (name, own) in enumerate(matrices.items()):
+        half = len(own[0].scattering) // 2
+        data = {
+            "frequency_Hz": at,
+            "reflection": np.array([abs(each.scattering[0, 0]) for each in own]),
+            "transmission": np.array([abs(each.scattering[half, 0]) for each in own]),
+        }
+        panels.append(Panel(name=f"piece_{k}", title=f"{title}: {name}", data=data))
+    return tuple(panels)
 
 
 @of_record
 def figure(record: Panel, ax):
-    """Draw the transducer's reflections and conductance, or cascade and stator."""
+    """Draw the transducer's reflections and conductance, cascade and stator, or what a piece sends back."""
     data, at = record.data, record.data["frequency_Hz"] / 1e6
     if "cascade_S" in data:
         rows = (("stator_S", "o", "slip", "stator"), ("cascade_S", "-", "line", "cascade of P-matrices"))
         return lines(ax, record, "frequency_Hz", rows, "size of the admittance (mS)", factor=1e3)
+    if "transmission" in data:
+        rows = (("reflection", "-", "line", "|P11|"), ("transmission", "--", "slip", "|P21|"))
+        return lines(ax, record, "frequency_Hz", rows, "amplitude of the surface wave (1)")
     curve(ax, at, data["admittance_S"].real * 1e3, "o", "slip", "Re P33 (mS)")
     sent = data["excitation_squared_S"] * 1e3
     curve(ax, at, sent, "-", "slip", "|P13|\u00b2 + |P23|\u00b2 (mS): the surface wave's part")

@@ -59,7 +59,7 @@ def run(scene: Scene, *, count: int = 11, tolerance: float = 1e-3, progress=None
             ("scattered or lost", f"{center.scattered:.3g} of the power"),
         ]
         for index, (name, _) in enumerate(center.pieces if len(stator.placement.between) > 1 else ()):
-            own = [each.pieces[index][1] for each in found]
+            own = [each.pieces[index][1].scattering for each in found]
             data = {
                 "frequency_Hz": at,
                 "reflection": np.array([each[0, 0] for each in own]),

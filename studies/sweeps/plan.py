@@ -11,6 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 
@@ -117,7 +118,7 @@ class Design:
 
     @property
     def identity(self) -> dict[str, str]:
-        """What makes two sweeps the same one: digests of scene, axes, tolerance and what is also asked."""
+        """What makes two sweeps the same one: digests of scene, its files, axes, tolerance and what is also asked."""
         parts = {
             "scene": self.question.table,
             "tolerance": self.question.tolerance,
@@ -125,6 +126,7 @@ class Design:
         }
         parts |= {f"axis {'+'.join(each.keys)}": each.columns for each in self.axes}
         parts |= {"order of axes": self.question.keys}
+        parts |= {f"file {path}": content for path, content in _files(self.question.table)}
         return {name: _digest(part) for name, part in parts.items()}
 
 
@@ -189,6 +191,15 @@ def _places(table: dict, columns: dict) -> tuple[tuple[float, float], ...]:
             slider = predictor.scene(first | dict(zip(moved, row, strict=True))).slider
             found |= dict.fromkeys(() if slider is None else (slider.center, *slider.places))
     return tuple(found)
+
+
+def _files(part):
+    """Yield the files that a scene's table names, a mesh or a law, and digests of what they hold."""
+    if isinstance(part, dict | list):
+        for each in part.values() if isinstance(part, dict) else part:
+            yield from _files(each)
+    elif isinstance(part, str) and Path(part).suffix and Path(part).is_file():
+        yield part, hashlib.sha256(Path(part).read_bytes()).hexdigest()
 
 
 def _digest(part) -> str:

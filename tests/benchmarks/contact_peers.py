@@ -40,7 +40,7 @@ def rows_of(
     """Return one row per run: curve, setting, seconds, error over v, complaint, and whether it is silently wrong."""
     import contact
     from contact.answers.methods import rest, rest_problem
-    from contact.solve.time_stepping import steps
+    from contact.stepping.time_stepping import steps
 
     seed = Seed(lambda text: None)
     slider, orbits = seed.slider, seed.orbits(amplitude)

@@ -137,7 +137,7 @@ def simulated():
     """Print the rate of full simulations, two threads with twelve runs side by side in each."""
     from concurrent.futures import ThreadPoolExecutor
 
-    from contact.solve.time_stepping import abreast
+    from contact.stepping.time_stepping import abreast
 
     print("\nfull simulation, 24 runs on two threads")
     number, compared, flat = 5000, 2000, np.empty(0, complex)

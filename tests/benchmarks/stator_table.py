@@ -22,8 +22,8 @@ from dataclasses import replace
 import numpy as np
 
 from fem import coupling, frequency_band, material, rayleigh, rotated
+from fem.condense.columns import condensed
 from fem.condense.join import repeated
-from fem.condense.superelement import condensed
 from fem.direct import direct_solution
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import LEVELS
@@ -31,7 +31,8 @@ from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.evaluation import surface_of
 from fem.results.power_balance import power_balance
-from fem.results.solution import Solution, solve_driven
+from fem.results.solution import Solution
+from fem.solve.harmonic import solve_driven
 from fem.waveguide.ends import Wall
 from tests.validation.attempt import attempted
 from tests.validation.contenders import CURVES, missing

@@ -151,9 +151,9 @@ def _burst_truth(slider, orbits, cycles):
 def _steady_truth(slider, orbits):
     """Return the mean velocity of the finest periodic motion, m/s, or None where there is none to trust."""
     import contact
+    from contact.averaged.event_cycle import balanced
     from contact.drive import towards_plus
-    from contact.solve.equilibrium import balanced
-    from contact.solve.shooting import periodic
+    from contact.periodic.shooting import periodic
 
     side, driven = towards_plus(orbits)
     balance = balanced(slider, driven)

@@ -12,9 +12,9 @@ import llvmlite
 import numpy as np
 import pytest
 
-from contact.interpolation import interpolate
+from contact.events.collocation import collocation
 from contact.jit import compiled, compiler, kernels
-from contact.solve.collocation import collocation
+from contact.roots import interpolate
 
 NOWHERE = Path("/proc/nowhere")  # where nobody can write, not even the superuser
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from contact.kinematics import normal_amplitude, tangential_amplitude
-from contact.solve.cycle_mean import MADE, SLIPS, STUCK, cycle, cycle_room, respond
-from contact.solve.equilibrium import balanced, traction
-from contact.solve.riding import mean_push, quadrature, riding_height
+from contact.averaged.cycle_mean import Counted, cycle, cycle_room, respond
+from contact.averaged.event_cycle import balanced, traction
+from contact.averaged.riding import mean_push, quadrature, riding_height
+from contact.body import normal_amplitude, tangential_amplitude
 from tests.contact.motors import orbit, slider
 
 
@@ -39,9 +39,9 @@ def test_three_contacts_of_general_phase():
     general, _ = traction(problem, h, 0.2, 0.0)
     assert pull == pytest.approx(general, rel=1e-8)
     assert push == pytest.approx(problem.preload, rel=1e-11)
-    assert counts[MADE] == 3
-    assert counts[SLIPS] >= 3
-    assert counts[STUCK] == 0
+    assert counts[Counted.MADE] == 3
+    assert counts[Counted.SLIPS] >= 3
+    assert counts[Counted.STUCK] == 0
 
 
 def test_beyond_the_surface_velocity_friction_is_full():
@@ -54,7 +54,7 @@ def test_beyond_the_surface_velocity_friction_is_full():
 def test_a_sticking_cycle_says_so():
     problem = balanced(slider(), (orbit(0.3e-9),)).problem
     h = riding_height(slider(), orbit(0.3e-9)) / problem.length
-    assert means(problem, h, 0.0)[1][STUCK] == 1
+    assert means(problem, h, 0.0)[1][Counted.STUCK] == 1
 
 
 def test_the_slope_of_the_mean_push_is_its_derivative():
@@ -91,11 +91,11 @@ def test_the_fast_motion_obeys_its_equation():
 
 # A part of a cycle is no cycle: with more events than are followed the means are not numbers
 def test_a_cycle_with_more_events_than_are_followed_has_no_means(monkeypatch):
-    from contact.solve import cycle_mean
+    from contact.averaged import cycle_mean
 
     problem = balanced(slider(), (orbit(3e-9),)).problem
     work, plain = cycle_room(1), getattr(cycle_mean.cycle, "function", cycle_mean.cycle)
-    names = ("_contact", "_passage")
+    names = ("_contact", "_passed")
     for name in names:
         monkeypatch.setattr(
             cycle_mean, name, getattr(getattr(cycle_mean, name), "function", getattr(cycle_mean, name))

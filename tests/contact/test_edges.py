@@ -9,7 +9,7 @@ from scipy.special import zeta
 
 from contact import burst
 from contact.codes import Shape
-from contact.solve.end_corrections import (
+from contact.stepping.end_corrections import (
     cubic,
     edge_excess,
     last_part,
@@ -72,7 +72,7 @@ def test_root_of_a_rising_cubic():
 def test_48_steps_per_cycle_keep_five_digits(A, allowed):
     # Oracle: the event-exact way
     from contact.answers.methods import rest, rest_problem
-    from contact.solve.time_stepping import steps
+    from contact.stepping.time_stepping import steps
 
     problem = rest_problem(slider(), (orbit(A),))
     motion = rest(slider(), (orbit(A),), problem, nodes=14, truncation=1e-11)
@@ -101,7 +101,7 @@ def test_slip_and_stick_are_followed_to_high_order():
     # Oracle: the event-exact way at 3 nm, cycle by cycle, each with two slips; 7e-6 of the friction's impulse with
     # edges of first order
     from contact.answers.methods import rest, rest_problem
-    from contact.solve.time_stepping import steps
+    from contact.stepping.time_stepping import steps
 
     problem = rest_problem(slider(), (orbit(3e-9),))
     motion = rest(slider(), (orbit(3e-9),), problem, nodes=14, truncation=1e-11)

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from contact import ConvergenceError
 from contact.answers.methods import rest, rest_problem
 from contact.codes import Event, Regime
+from contact.events.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH, collocation
+from contact.events.motion import Motion
 from contact.problem import scaled
-from contact.solve.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH, collocation
-from contact.solve.motion import Motion
-from contact.solve.roots import first_root
+from contact.roots import first_root
 from tests.contact.motors import orbit, slider
 
 
@@ -145,8 +145,8 @@ def test_import_is_light():
 
 def test_kernels_are_cached_under_a_digest_of_all_their_sources(monkeypatch):
     # numba alone would go on running the old code of a function that lives in another file
+    from contact.events import event_driven
     from contact.jit import compiled
-    from contact.solve import event_driven
 
     before, read = compiled._digest(), type(compiled.HERE).read_bytes
     for name in ("segment.py", "elastic.py", "collocation.py", "compiler.py"):
@@ -162,7 +162,7 @@ def test_kernels_are_cached_under_a_digest_of_all_their_sources(monkeypatch):
 
 
 def test_a_kernel_refuses_what_its_machine_code_would_misread():
-    from contact.solve import averaged
+    from contact.averaged import equilibrium as averaged
 
     problem = scaled(slider(), (orbit(1e-9),), direction=1.0, start=0.0)
     with pytest.raises(TypeError, match="f1 expected, got int64"):

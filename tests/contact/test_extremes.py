@@ -9,10 +9,10 @@ import pytest
 from contact import burst, steady, threshold_amplitude, threshold_factor
 from contact.answers.methods import rest_problem
 from contact.answers.thresholds import release_amplitude
+from contact.averaged.event_cycle import opposed
 from contact.drive import reference_speed, towards_plus
-from contact.solve.collocation import collocation
-from contact.solve.equilibrium import opposed
-from contact.solve.motion import Motion
+from contact.events.collocation import collocation
+from contact.events.motion import Motion
 from studies.evidence.stability.case import VERDICTS, Case
 from studies.evidence.stability.contact import RANGES, SWEPT, contact_cases, judge, motor
 from studies.evidence.stability.second_opinion import second_opinion

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from contact.body import Point
 from contact.codes import Regime, Shape
-from contact.kinematics import Point
 from contact.law import elastic, normal
 from studies.papers.seed_contact import ring_at_slip_limit
 from tests.contact.motors import slider

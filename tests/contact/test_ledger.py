@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from contact import burst, contact_history, steady
 from contact.answers.ledger import Ledger, ledger, together
 from contact.answers.methods import rest, rest_problem, silence
+from contact.body import Point
 from contact.codes import Regime, Shape
-from contact.kinematics import Point
 from contact.law import elastic
 from contact.law.normal import stiffness
 from tests.contact.motors import orbit, slider

@@ -8,10 +8,10 @@ from scipy.integrate import quad
 
 from contact import Orbit, release_amplitude, release_factor, riding_height, steady, threshold_amplitude
 from contact import threshold_factor as threshold
+from contact.averaged.riding import mean_push, quadrature
 from contact.codes import Shape
 from contact.law.normal import SHAPES, load
 from contact.problem import scaled
-from contact.solve.riding import mean_push, quadrature
 from tests.contact.motors import orbit, slider
 
 

@@ -9,14 +9,13 @@ from hypothesis import strategies as st
 
 from contact import burst, contact_history, steady
 from contact.answers.ledger import ledger
+from contact.body import Point
 from contact.codes import Regime, Status
 from contact.convergence import ConvergenceError
-from contact.kinematics import Point
+from contact.events.collocation import collocation
+from contact.events.motion import Motion
 from contact.law import hysteretic
 from contact.problem import scaled
-from contact.solve.collocation import collocation
-from contact.solve.energy import chain_energy
-from contact.solve.motion import Motion
 from tests.contact.motors import FREQUENCY, orbit, slider
 from tests.oracles.contact_springs import velocity_from_rest
 
@@ -43,7 +42,7 @@ class Contact:
 
     def energy(self):
         unit = SimpleNamespace(limit_slope=C, friction=1.0, stiffness=1.0)
-        return chain_energy(unit, self.memory, 0, self.regime, self.sign, self.z, self.x)
+        return hysteretic.chain_energy(unit, self.memory, 0, self.regime, self.sign, self.z, self.x)
 
 
 class Springs:

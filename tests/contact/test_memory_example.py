@@ -2,10 +2,10 @@
 
 import pytest
 
+from contact.body import Point
 from contact.codes import Regime
-from contact.kinematics import Point
+from contact.events.collocation import collocation
 from contact.law import hysteretic
-from contact.solve.collocation import collocation
 
 C = 0.1
 

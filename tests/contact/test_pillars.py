@@ -55,7 +55,7 @@ def random_cycles(count=60):
 
 
 def stop_operator(h, a, b, c, w, steps=5_000, turns=6):
-    """Return P_0, P_1, Q_0, Q_1, P_2, Q_2 (k = 1) and the friction work of contacts that follow small steps."""
+    """Return P_0, P_1, Q_0, Q_1 (k = 1) and the friction work of contacts that follow small steps."""
     phase = 2.0 * np.pi * np.arange(steps + 1) / steps
     z = np.maximum(h + (a * np.exp(1j * phase[:, None])).real, 0.0)
     y = (b * np.exp(1j * phase[:, None])).real - w * phase[:, None]
@@ -74,8 +74,7 @@ def stop_operator(h, a, b, c, w, steps=5_000, turns=6):
     def mean(values):
         return np.trapezoid(values, phase, axis=0) / (2.0 * np.pi)
 
-    harmonic = [2.0 * mean(each * factor**n) for n in (1, 2) for each in (z, x)]
-    return mean(z), harmonic[0], mean(x), harmonic[1], harmonic[2], harmonic[3], work / (2.0 * np.pi)
+    return mean(z), 2.0 * mean(z * factor), mean(x), 2.0 * mean(x * factor), work / (2.0 * np.pi)
 
 
 def test_the_closed_cycle_is_that_of_a_stop_operator_in_small_steps():
@@ -83,15 +82,12 @@ def test_the_closed_cycle_is_that_of_a_stop_operator_in_small_steps():
     h, a, b, c, w = random_cycles()
     w[:5] *= 3.0  # some slip all the time
     found, crest = cycles(h, a, b, c, w), a / abs(a)
-    P0, P1, Q0, Q1, P2, Q2, work = stop_operator(h, a, b, c, w)
+    P0, P1, Q0, Q1, work = stop_operator(h, a, b, c, w)
     assert found[:, columns.MEAN_APPROACH] == pytest.approx(P0, abs=1e-6)
     assert found[:, columns.FIRST_APPROACH] * crest == pytest.approx(P1, abs=1e-6)
     assert found[:, columns.MEAN_STRETCH] == pytest.approx(Q0, abs=2e-3)
     first = (found[:, columns.COS_STRETCH] - 1j * found[:, columns.SIN_STRETCH]) * crest
     assert first == pytest.approx(Q1, abs=2e-3)
-    assert found[:, columns.SECOND_APPROACH] * crest**2 == pytest.approx(P2, abs=1e-6)
-    second = (found[:, columns.COS_SECOND] - 1j * found[:, columns.SIN_SECOND]) * crest**2
-    assert second == pytest.approx(Q2, abs=2e-3)
     assert found[:, columns.FRICTION] == pytest.approx(work, abs=2e-3)
     assert 10 < np.sum(found[:, columns.SHARE] < 1.0) < 50
 
@@ -146,15 +142,13 @@ def test_the_loaded_wave_leaves_as_independent_programs_say(monkeypatch):
     # Their wave runs forward only: -0.81081891 m/s, exit 19.688829 nm, +1.2997665 rad
     from contact.averaged import pillar_cycle, pillar_equilibrium
 
-    def forward_only(
-        turn, along, _against, normal, tangential, orbit, g, incident, forward, _backward, _work
-    ):
-        here = incident[0]
-        for j in range(turn.size):
-            own, before = normal[j] + abs(orbit[0]) ** 2 * tangential[j], here * turn[j]
-            rest = before + 0.5j * g * (along[j] - own * forward[j])
-            forward[j] = rest / (1.0 - 0.5j * g * own)
-            here = (2.0 * forward[j] - before) / turn[j]
+    def forward_only(waves, along, _against, followed, forward, _backward, _work):
+        here, half = waves.incident[0], 0.5j * waves.g
+        own = followed.normal + abs(waves.orbit[0]) ** 2 * followed.tangential
+        for j, turn in enumerate(waves.turn):
+            before = here * turn
+            forward[j] = (before + half * (along[j] - own[j] * forward[j])) / (1.0 - half * own[j])
+            here = (2.0 * forward[j] - before) / turn
 
     two = pillar_motion(gaussian(100, steps=100), wave())
     monkeypatch.setattr(pillar_cycle, "march", forward_only)
@@ -167,10 +161,14 @@ def test_the_loaded_wave_leaves_as_independent_programs_say(monkeypatch):
     assert 0.005 < abs(two.velocity / found.velocity - 1.0) < 0.008
 
 
-@pytest.mark.parametrize(("K", "first_order"), [(1e12, -2.757e-4), (1e13, -2.757e-3)])
-def test_springs_to_a_heavy_slider_advance_the_wave(K, first_order):
-    # dk = -Gamma (K_n + r^2 K_t), K per area, K_t = 0.844 K_n; at 10 wavelengths' length and never slipping
-    length, rows = 10 * LENGTH, 400
+@pytest.mark.parametrize(
+    ("K", "first_order", "exact"),
+    [(1e12, -2.757e-4, -2.7557e-4), (1e13, -2.757e-3, -2.7411e-3), (5e13, -1.379e-2, -1.2833e-2)],
+)
+def test_springs_to_a_heavy_slider_advance_the_wave(K, first_order, exact):
+    # dk = -Gamma (K_n + r^2 K_t), K per area, K_t = 0.844 K_n; at 10 wavelengths' length and never slipping. The rows
+    # are of first order in Gamma K/k: the exact roots of the half-space are 0.05, 0.6 and 7 % smaller
+    length, rows = 10 * LENGTH, 4000
     stiffness = K * length * 5e-3 / rows
     place = (np.arange(rows) + 0.5) / rows * length
     slider = grid(
@@ -180,7 +178,10 @@ def test_springs_to_a_heavy_slider_advance_the_wave(K, first_order):
     found = pillar_motion(slider, wave())
     assert (found.held, found.duty) == (True, 1.0)
     k = 2.0 * math.pi / LENGTH
-    assert -np.angle(found.exit_over_entry) / (k * length) == pytest.approx(first_order, rel=2e-3)
+    turns = round((first_order * k * length + np.angle(found.exit_over_entry)) / (2.0 * math.pi))
+    advance = (2.0 * math.pi * turns - np.angle(found.exit_over_entry)) / (k * length)
+    assert advance == pytest.approx(first_order, rel=1.5e-3)
+    assert advance / exact - 1.0 == pytest.approx(first_order / exact - 1.0, abs=1.6e-3)
     # no friction work: nothing is lost
     left = abs(found.exit_over_entry) ** 2 + abs(found.reflected_over_entry) ** 2
     assert left == pytest.approx(1.0, abs=1e-12)
@@ -217,6 +218,10 @@ SCENES = {
     "scatter": (grid(60, 8, heights=scatter(480, 10e-9, 2)), wave(strip_width=0.4e-3), 0.0),
     "100 N, heavy load": (grid(40, 5, heights=scatter(200, 10e-9, 3), preload=2.0), wave(strip_width=0.5e-3), 0.1),
     "300 N": (grid(100, 100, preload=300.0), wave(), 0.0),
+    "a thousand rows, 100 N on a strip of 2 mm": (
+        grid(1000, 1, pitch=20e-6, heights=scatter(1000, 10e-9, 3), weights=10.0, preload=100.0),
+        wave(strip_width=2e-3), 5.0,
+    ),
     "rows half a wavelength apart": (grid(40, 20, pitch=0.5 * LENGTH), wave(strip_width=1e-3), 0.0),
     "waves from both sides": (grid(50, 4, heights=scatter(200, 8e-9, 4)), wave(backward=9e-9j), 0.0),
     "free to tilt": (

@@ -10,9 +10,9 @@ import pytest
 
 from contact import PassingWave, Pillars, mean_motion, pillar_motion
 from contact.answers.methods import rest, rest_problem
-from contact.solve.averaged_transient import Span, response
-from contact.solve.riding import quadrature
-from contact.solve.time_stepping import steps
+from contact.averaged.riding import quadrature
+from contact.averaged.transient import Span, response
+from contact.stepping.time_stepping import steps
 from tests.contact.motors import orbit, slider
 
 PUNCH = {"shape": "punch", "radius": 1e-6}

@@ -8,11 +8,11 @@ import pytest
 from contact import steady
 from contact.codes import Regime
 from contact.drive import reference_speed
+from contact.events.collocation import collocation
+from contact.events.motion import Motion
 from contact.jit import compiled
+from contact.periodic import settling
 from contact.problem import scaled
-from contact.solve import settling
-from contact.solve.collocation import collocation
-from contact.solve.motion import Motion
 from tests.contact.motors import orbit, slider
 
 

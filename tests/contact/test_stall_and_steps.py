@@ -15,9 +15,9 @@ from contact import (
     step,
 )
 from contact.answers import methods
-from contact.answers.load_line import AVERAGING_ERROR
+from contact.averaged.sweep_rows import STALL_ERROR
 from contact.drive import towards_plus
-from contact.solve.energy import DISPLACEMENT
+from contact.events.energy import Sum
 from tests.contact.motors import orbit, slider
 
 LIGHT = {
@@ -36,7 +36,7 @@ def test_a_light_motor_stalls_where_an_independent_integrator_says():
     assert (answer.status, answer.error < 1e-4 * answer.value) == ("ok", True)
     averaged, _ = blocked_thrust(slider(**LIGHT), WAVE)
     assert averaged == pytest.approx(62.81e-6, abs=0.005e-6)
-    assert 0.01 * averaged < answer.value - averaged < AVERAGING_ERROR * 0.09**2 * averaged
+    assert 0.01 * averaged < answer.value - averaged < STALL_ERROR * 0.09**2 * averaged
 
 
 @pytest.mark.parametrize(
@@ -60,7 +60,7 @@ def test_the_full_motion_goes_on_below_the_stall_and_not_above(changed, amplitud
 def test_a_stall_that_only_averaging_gives_has_its_error():
     heavy = stall(slider(), orbit(10e-9), tolerance=0.05)
     ratio = slider().normal_resonance(1) / 2.2e6
-    assert heavy.error == pytest.approx(AVERAGING_ERROR * ratio**2 * heavy.value, rel=1e-9)
+    assert heavy.error == pytest.approx(STALL_ERROR * ratio**2 * heavy.value, rel=1e-9)
     assert heavy.value == blocked_thrust(slider(), orbit(10e-9))[0]
     with pytest.raises(ConvergenceError, match="does not move the unloaded slider"):
         stall(slider(), orbit(0.5e-9), tolerance=1e-3)
@@ -97,7 +97,7 @@ def test_the_error_of_a_step_holds(cycles, shaped):
         during = 2.0 * np.pi * float(np.sum(rows[:, 2]))
     else:
         motion.turn(cycles)
-        during = float(motion.sums[DISPLACEMENT])
+        during = float(motion.sums[Sum.DISPLACEMENT])
     assert abs(side * during * problem.length - found.during) <= 2.0 * found.error + 1e-18
     assert found.answer.value == found.displacement
     assert found.error < (1e-2 if shaped else 1e-9) * abs(found.displacement)

@@ -45,7 +45,7 @@ def test_stepped_and_exact_agree_within_the_stepped_estimate(A):
 def test_stepped_converges_to_the_exact_at_order_above_two():
     # Events fall anywhere in the step, so the order shows only over large refinements
     from contact.problem import scaled
-    from contact.solve.time_stepping import steps
+    from contact.stepping.time_stepping import steps
 
     s, o = slider(), orbit(5e-9)
     problem = scaled(s, (o,), direction=1.0, start=-0.5 * np.pi)

@@ -1,12 +1,10 @@
 """Touchstone files against scikit-rf, and motional circuits against a nodal evaluation of their netlists."""
 
-import re
-
 import numpy as np
 import pytest
 import skrf
 
-from fem import motional_model, read_touchstone, touchstone
+from fem import motional_model, touchstone
 
 
 def parameters(ports: int, count: int = 5) -> np.ndarray:
@@ -26,37 +24,6 @@ def test_scikit_rf_reads_what_is_written(ports, tmp_path):
     assert np.array_equal(read.f, FREQUENCY)
     assert np.array_equal(read.s, values)
     assert np.all(read.z0 == 75.0)
-    f, s, reference = read_touchstone(file.read_text(), ports)
-    assert np.array_equal(f, FREQUENCY)
-    assert np.array_equal(s, values)
-    assert reference == 75.0
-
-
-@pytest.mark.parametrize("form", ["ri", "ma", "db"])
-@pytest.mark.parametrize("ports", [1, 2, 3])
-def test_what_scikit_rf_writes_is_read(form, ports, tmp_path):
-    values = parameters(ports)
-    network = skrf.Network(frequency=skrf.Frequency.from_f(FREQUENCY, unit="Hz"), s=values, z0=50)
-    network.write_touchstone("theirs", dir=str(tmp_path), form=form)
-    f, s, reference = read_touchstone((tmp_path / f"theirs.s{ports}p").read_text(), ports)
-    assert f == pytest.approx(FREQUENCY, rel=1e-12)
-    assert abs(s - values).max() < 1e-9
-    assert reference == 50.0
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("# MHz S MA R 50\n1 2 3 4\n", "must have 3 numbers for each frequency of 1 ports, got 4"),
-        ("# MHz Y MA R 50\n1 2 3\n", "got the option 'y'"),
-        ("[Version] 2.0\n", "version 1, got the keyword"),
-        ("# MHz S MA R 50\none 2 3\n", "must hold numbers only"),
-        ("", "got 0 in all"),
-    ],
-)
-def test_other_files_are_refused(text, words):
-    with pytest.raises(ValueError, match=re.escape(words)):
-        read_touchstone(text, 1)
 
 
 def netlist_admittance(text: str, name: str, frequency: float) -> complex:

@@ -18,8 +18,8 @@ from fem.results.evaluation import surface_of
 from fem.results.field import wave_field
 from fem.results.files import write_vtu
 from fem.results.power_balance import power_balance
-from fem.results.solution import solve_driven
-from fem.solve.harmonic import driven_wave
+from fem.solve.harmonic import driven_wave, solve_driven
+from fem.solve.p_matrix import cascade_admittance, p_matrix
 from fem.solve.reflector import reflector
 from tests.fem.drawings import bevelled_end, rectangle
 from tests.fem.stators import comb, cut, plate, wave_of
@@ -255,7 +255,8 @@ def test_reflection_of_a_groove_and_of_a_row(tmp_path):
     for each in (one, both, two):
         assert abs(each.scattering - each.scattering.T).max() < 1e-9
         assert np.linalg.norm(each.scattering[:, 0]) <= 1 + 1e-9
-    assert two.pieces[0][1] == pytest.approx(one.scattering, abs=1e-12)
+    assert two.pieces[0][1].scattering == pytest.approx(one.scattering, abs=1e-12)
+    assert [number for _, number in two.places] == [0, 0]
     assert abs(two.reflection - one.reflection) > 0.01
 
 
@@ -304,3 +305,20 @@ def test_fingers_as_a_mesh_are_the_built_in_ones(tmp_path):
     one, other = (surface_of(each).motion(at) for each in (meshed, both))
     assert abs(one - other).max() < 2e-4 * abs(other).max()
     assert meshed.circuit.admittance == pytest.approx(both.fields.admittances.sum(), rel=2e-4)
+
+
+def test_the_p_matrix_of_a_plain_mesh_is_a_distance(tmp_path):
+    """In a cascade of two transducers it stands for as much bare surface, and the admittances stay."""
+    stator = plate(cut("PZT-4", "Z"), length=16.0)
+    unit = stator.thickness / 0.8
+    path = rectangle(tmp_path / "plain.msh", 0.9, 0.8, size=0.45)
+    given = {"frequency": 2.3e6, "tolerance": 1e-2}
+    found = reflector(_with_pieces(stator, path, (6.0,)), **given)
+    ((left, number),), ((_, piece),) = found.places, found.pieces
+    assert (left, number, piece.length) == (pytest.approx(6 * unit), 0, pytest.approx(0.9 * unit))
+    parts = [p_matrix(stator, comb(stator, "a", 2.5, finger_pairs=pairs), **given) for pairs in (1, 2)]
+    plain = cascade_admittance(parts, [3.0 * unit])
+    with_piece = cascade_admittance([parts[0], piece, parts[1]], [1.6 * unit, 0.5 * unit])
+    assert not with_piece[1].any()
+    assert with_piece[np.ix_([0, 2], [0, 2])] == pytest.approx(plain, abs=1e-4 * abs(plain[0, 1]))
+    assert abs(plain[0, 1]) > 0.01 * abs(plain[0, 0])

@@ -3,7 +3,7 @@
 import pytest
 
 import contact
-from studies import Scene, run
+from studies import Scene, run, sweep
 from studies.chain import bridge
 from studies.refusal import SceneError
 
@@ -26,6 +26,21 @@ def test_a_run_on_punches_is_that_of_the_contact_package():
     expected = contact.steady(slider, orbit, tolerance=1e-6).velocity
     assert abs(point["velocity_m_per_s"]) == pytest.approx(abs(expected), rel=1e-6)
     assert abs(expected) > 1e-3
+
+
+@pytest.mark.parametrize("part", [1e-3, 1e-5])
+def test_a_level_just_beside_the_threshold_is_on_its_side(part):
+    """A part below it the slider rests with that margin; a part above it moves, and the sweep says the same."""
+    scene = Scene.load("twente-contact")
+    threshold = run(scene).summary["threshold_amplitude_m"]
+    levels = [threshold * (1 - part), threshold * (1 + part)]
+    below, above = run(scene.replace(wave={"normal_amplitude": levels})).points
+    assert (below["velocity_m_per_s"], below["regime"]) == (0.0, "stick")
+    assert (above["velocity_m_per_s"] > 0.0, above["regime"]) == (True, "slip")
+    for point, sign in ((below, 1), (above, -1)):
+        assert point["stick_margin"] == pytest.approx(sign * part, rel=2 * part, abs=0)
+    rows = sweep(scene, {"wave.normal_amplitude": levels}).columns()
+    assert [velocity > 0.0 for velocity in rows["velocity_m_per_s"]] == [False, True]
 
 
 def test_a_contact_that_hangs_in_the_air_changes_nothing(small):

@@ -8,20 +8,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import contact
 import fem
 from studies.__main__ import main
 from studies.chain import resolve
 from studies.chain.scan_prediction import at_other_velocity, placed
 from studies.export.instruments import touchstone_files, virtual_scan
 from studies.inverse import fit, read_measurement, read_parameter
+from studies.inverse.prediction import MeasurementPredictor
 from studies.lab.network import NetworkData, read_network
 from studies.lab.scan import Scan, scan_csv, scan_of_uff, scan_uff
-from studies.lab.trace import aligned, low_pass, travelled_distance
+from studies.lab.trace import aligned, averaged, low_pass, travelled_distance
 from studies.record.measured import measured_scan, read_measured
 from studies.record.scan_comparison import compared_scan
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.stator.network_deviation import deviations
+from studies.study import driven_contact
 
 SMALL = Scene.load("twente-left").replace(
     stator={"length": "60 mm"}, slider={"position": "40 mm"}, drive={"voltage": "30 V"}
@@ -224,8 +227,6 @@ def test_a_mixture_says_which_file_informs_which_number(tmp_path):
 
 
 def fit_predictor():
-    from studies.inverse.prediction import MeasurementPredictor
-
     return MeasurementPredictor(SMALL, tolerance=1e-2)
 
 
@@ -280,11 +281,105 @@ def test_a_run_is_laid_beside_a_trace_of_its_burst(tmp_path, monkeypatch, capsys
     assert {"burst.csv", "mean_force_wave.csv", "mean_load_wave.csv"} <= names
     head = Path("made/mean_load_wave.csv").read_text()
     assert "tau,R" in head
+    # by mirror symmetry: g of one wave at V is minus that of the other at -V
+    one, other = (
+        np.loadtxt(f"made/mean_force_wave{name}.csv", delimiter=",", skiprows=sum(
+            line.startswith(("#", "tau")) for line in Path(f"made/mean_force_wave{name}.csv").read_text().splitlines()
+        ))
+        for name in ("", "_from_the_other_side")
+    )  # fmt: skip
+    np.testing.assert_allclose(one[:, 3:], -other[:, :2:-1], rtol=1e-8)
+    assert np.all(one[100:400, 3] > 0.5)  # braked wave-backwards, it is pushed towards +x
     assert main(["run", "twente-contact", *levels, "--measured", "made/burst.csv", "--out", "ran"]) == 0
     said = capsys.readouterr().out
     assert "burst over time" in said
     assert "measured / predicted 1, begins at" in said
     assert (tmp_path / "ran/measured.png").stat().st_size > 5000
+
+
+def trace_of_a_burst(folder, seed, sampling):
+    """A burst of 30 ms as an encoder says it: filtered by scipy, averaged, late, with noise of 0.2 mm/s."""
+    from scipy.signal import lsim
+
+    scene = Scene.load("twente-contact").replace(wave={"normal_amplitude": "10 nm", "burst": "30 ms"})
+    driven = driven_contact(scene, progress=quiet)
+    path = contact.burst(
+        driven.slider, driven.at(10e-9), duration=30e-3, after=10e-3, tolerance=1e-5, samples=4000
+    )
+    fine = np.arange(0.0, 39e-3, 2e-6)
+    delay = [1.0 / (2 * np.pi * 60.0), 1.0]  # of a bandwidth of 60 Hz
+    seen = lsim(([1.0], delay), np.interp(fine, path.time, path.velocity), fine)[1]
+    time = np.linspace(-3e-3, 38e-3, 165)  # of which the first lie before the trigger
+    parts = time[:, None] - 2e-3 - (sampling or 1e-9) * np.linspace(0.0, 1.0, 51)
+    velocity = np.trapezoid(np.interp(parts, fine, seen, left=0.0), axis=1) / 50
+    noisy = velocity + 2e-4 * np.random.default_rng(seed).standard_normal(len(time))
+    rows = [f"{t * 1e3!r},{v * 1e3!r},0.2" for t, v in zip(time.tolist(), noisy.tolist(), strict=True)]
+    file = folder / "trace.csv"
+    file.write_text("\n".join(["time_ms,velocity_mm_per_s,error_mm_per_s", *rows]))
+    settings = () if sampling is None else (f'sampling="{sampling} s"',)
+    return scene, read_measurement(file, settings), velocity
+
+
+@pytest.mark.parametrize("sampling", [None, 2e-3])
+def test_a_trace_is_predicted_as_the_instrument_says_it(sampling, tmp_path):
+    scene, trace, velocity = trace_of_a_burst(tmp_path, 4, sampling)
+    numbers = {"bandwidth": 60.0, "time_offset": 2e-3} | trace.settings
+    (predicted,) = MeasurementPredictor(scene, tolerance=1e-4).predict([(trace, numbers)])
+    np.testing.assert_allclose(predicted, velocity, atol=3e-4 * np.abs(velocity).max())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sampling", [None, 2e-3])
+def test_a_trace_gives_back_friction_bandwidth_and_its_origin_of_time(sampling, tmp_path):
+    scene, trace, _ = trace_of_a_burst(tmp_path, 4, sampling)
+    truth = {"slider.friction_coefficient": 0.08, "bandwidth": 60.0, "time_offset": 2e-3}
+    free = [read_parameter(f"{key}={0.5 * value}:{2.0 * value}") for key, value in truth.items()]
+    found = fit(scene, [trace], free, tolerance=1e-4)
+    for key, (low, high) in found.intervals.items():
+        assert low < truth[key] < high
+        assert high - low < 0.5 * truth[key]
+
+
+def test_touchstone_of_version_2_is_read_with_references_of_its_ports(tmp_path):
+    path = tmp_path / "two.s2p"
+    path.write_text(
+        "[Version] 2.0\n# MHz S RI R 50\n[Number of Ports] 2\n[Two-Port Data Order] 21_12\n[Number of Frequencies] 1\n"
+        "[Reference] 50 75\n[Network Data]\n2.2 0.1 0.2 0.3 0.4 0.3 0.4 0.5 -0.1\n[End]\n"
+    )
+    found = read_network(path, "--measured")
+    s, z = np.array([[0.1 + 0.2j, 0.3 + 0.4j], [0.3 + 0.4j, 0.5 - 0.1j]]), np.diag([50.0, 75.0])
+    # power waves: Y = z^(-1/2) (1 + S)^(-1) (1 - S) z^(-1/2)
+    root = np.diag(np.diag(z) ** -0.5)
+    np.testing.assert_allclose(
+        found.admittance[0], root @ np.linalg.solve(np.eye(2) + s, np.eye(2) - s) @ root, rtol=1e-9
+    )
+    assert found.frequency[0] == pytest.approx(2.2e6)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("# MHz S MA R 50\none 2 3\n", "is no Touchstone file of 1 ports"),
+        ("", "got 0 frequencies of 1 ports"),
+        ("# MHz S RI R 50\n1 2 3 4\n", "is no Touchstone file of 1 ports"),
+        ("# MHz S RI R 50\n2 .1 .2\n1 .1 .2\n", "must have rising frequencies"),
+        ("# MHz S RI R 50\n1 nan .2\n", "must hold finite numbers only"),
+    ],
+)
+def test_a_broken_touchstone_file_is_one_sentence(text, said, tmp_path):
+    path = tmp_path / "a.s1p"
+    path.write_text(text)
+    with pytest.raises(SceneError, match=said) as caught:
+        read_network(path, "--measured")
+    assert "\n" not in str(caught.value)
+
+
+def test_readings_that_are_averaged_are_the_mean_of_the_curve():
+    time = np.array([0.0, 1.0, 3.0])
+    values = np.array([0.0, 2.0, -2.0])
+    at = np.array([-1.0, 0.5, 2.0, 5.0])
+    means = [0.0, 0.25, 1.0, -2.0]  # of triangles over the second before
+    np.testing.assert_allclose(averaged(time, values, 1.0, at), means, atol=1e-12)
 
 
 X_HEAD, ROW = "x_mm,u_z_real_nm_per_V,u_z_imag_nm_per_V", "40,0.1,0.2"
@@ -349,6 +444,8 @@ def test_files_that_do_not_fit_are_one_sentence_and_nothing_is_written(
 
 def test_a_touchstone_file_of_another_range_or_ports_is_refused(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
+    for module in ("studies.stator.network", "studies.chain.scan_prediction"):
+        monkeypatch.setattr(f"{module}.scattering_matrix", None)  # it is said before anything is solved
     Path("a.s1p").write_text("# MHz S RI R 50\n200 0.1 0.2\n201 0.1 0.2\n")
     assert main(["study", "network", "twente-left", "--measured", "a.s1p"]) == 2
     assert "must meet the passband" in capsys.readouterr().err

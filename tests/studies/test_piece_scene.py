@@ -1,10 +1,15 @@
 """Scenes with [[piece]]: what a run gives, and every fault of a mesh in one sentence."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+import fem
+import studies
 from studies import Scene, SceneError, run
 from studies.chain.resolve import resolved, whole_stator
+from studies.sweeps.plan import designed
 from tests.fem.drawings import rectangle, write_msh
 
 STATOR = {
@@ -194,6 +199,7 @@ def test_what_a_piece_does_not_go_with(plain):
         plain, {"diffraction": True}
     )
     assert "needs a stator of finite thickness" in refused(plain, {"thickness": "half-space"})
+    assert "whose bottom is free, grounded or clamped" in refused(plain, {"bottom": "absorbing"})
     assert "stator.above must be none with a meshed piece" in refused(plain, {"above": "vacuum"})
     end = {"ends": "absorbing", "bottom": "grounded"}
     resolved(scene(plain, end))
@@ -219,3 +225,39 @@ def test_a_free_wave_says_that_it_meets_no_piece(plain):
         "", {key: table[key] for key in ("stator", "piece")} | {"drive": {"frequency": 2.17e6}}
     )
     assert any(line.startswith("meshed pieces: the free wave") for line in run(free, tolerance=1e-2).left_out)
+
+
+def test_a_sweep_of_a_changed_mesh_is_another_sweep(tmp_path, plain):
+    """The mesh's content counts, not its name and not its date."""
+    table = scene(plain).to_table()
+
+    def identity():
+        return designed(table, {"drive.frequency": ["2.1 MHz", "2.2 MHz"]}, tolerance=1e-2).identity
+
+    before = identity()
+    plain.touch()
+    assert identity() == before
+    rectangle(plain, 1.0, 1.1, size=0.5, groove=(0.4, 0.2, 0.15))
+    changed = {name for name, digest in identity().items() if before[name] != digest}
+    assert changed == {f"file {plain}"}
+
+
+def test_the_shipped_meshes(tmp_path):
+    """Groove, strip and bevel as they are shipped: groups, extents, and a solution of each at a coarse level."""
+    meshes = Path(studies.__file__).parent / "scenes" / "meshes"
+    for name, rest in (("groove", {}), ("strip", {"materials": {"strip": "aluminium"}}), ("bevel", {})):
+        end = name == "bevel"
+        given = scene(
+            meshes / f"{name}.msh",
+            {"thickness": "2 mm", "ends": "free" if end else "absorbing"},
+            position="9 mm" if not end else "10 mm",
+            **rest,
+        )
+        stator = whole_stator(resolved(given))
+        (piece,) = stator.pieces
+        assert {"left", "bottom"} <= set(piece.mesh.lines)
+        assert ("right" in piece.mesh.lines) == (not end)
+        assert piece.fits("left", 2e-3)
+        found = fem.reflector(stator, frequency=2.17e6, tolerance=0.1)
+        sent = abs(found.ends[0][1]) if end else abs(found.reflection)
+        assert 1e-3 < sent < 1 + 1e-6

@@ -31,4 +31,4 @@ def test_the_mass_decides_about_a_step():
 
 def test_the_devices_have_their_rows():
     record = published_motors.run(motors=published_motors.MOTORS[5:])
-    assert [finding.confirmed for finding in record.findings] == [True] * 3
+    assert [finding.confirmed for finding in record.findings] == [True] * 5

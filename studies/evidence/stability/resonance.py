@@ -56,7 +56,7 @@ def _section(motor):
 def _negatives(motor, frequency: float) -> int:
     """Negative eigenvalues of the line in mid-finger when the cell's sides are clamped."""
     from fem import LEVELS
-    from fem.condense.superelement import folded
+    from fem.condense.column import folded
     from fem.condense.transducer import Condensation, FingerShape, half_cells
 
     section = _section(motor)
@@ -65,7 +65,11 @@ def _negatives(motor, frequency: float) -> int:
         half_finger=transducer.finger_width / 2 / unit, half_gaps=(transducer.half_gap / unit,) * 2
     )
     rising, falling = half_cells(Condensation(section, frequency), shape, LEVELS[LEVEL])
-    phi, n = section.surface_dofs["phi"], section.size
-    middle = folded(rising, 1, phi, 0)[n : 2 * n, n : 2 * n] + folded(falling, 0, phi, 0)[:n, :n]
-    keep = np.arange(n) != phi
+    phi, at = section.surface_dofs["phi"], rising.at
+    ours, theirs = (
+        folded(half.matrix, np.array([line.start + phi]), at.ports.start)[line, line]
+        for half, line in ((rising, at.right), (falling, at.left))
+    )
+    middle = ours + theirs
+    keep = np.arange(section.size) != phi
     return int(np.sum(np.linalg.eigvalsh(middle[np.ix_(keep, keep)]) < 0))

@@ -14,10 +14,10 @@ import numpy as np
 
 from contact.answers.methods import rest_problem, stepped_refusals
 from contact.answers.steady import SteadyState
+from contact.body import normal_amplitude, tangential_amplitude
 from contact.codes import Tangential
 from contact.convergence import ConvergenceError
 from contact.drive import reference_speed, towards_plus
-from contact.kinematics import normal_amplitude, tangential_amplitude
 
 # steps per cycle, the last for the answer and all for its error, and nodes of the exact way
 STEPS, NODES = (64, 90, 128), (9, 14)
@@ -123,9 +123,9 @@ def _affordable(problem):
 
 def _rows(problem, stepped, resolution, begin, cycles):
     """Return the rows (v, z_s, mean v) of every cycle from a state, in fixed steps or from event to event."""
-    from contact.solve.collocation import collocation
-    from contact.solve.motion import Motion
-    from contact.solve.time_stepping import steps
+    from contact.events.collocation import collocation
+    from contact.events.motion import Motion
+    from contact.stepping.time_stepping import steps
 
     if stepped:
         return steps(problem, begin.copy(), cycles, resolution)

@@ -43,3 +43,24 @@ def test_the_power_of_the_wave_is_that_of_its_field():
     wavelength = wave.velocity / 1e7
     power = 2 * 0.25 * solid.density * omega**2 * density * wavelength * wave.velocity
     assert fem.wave_compliance(solid, "open") == pytest.approx(omega / (4 * power), rel=1e-4)
+
+
+def test_springs_shift_the_wave_by_the_root_of_rayleighs_function():
+    # Published exact roots of mu R(k) = K k_T^2 q_L, nu = 0.17, at Gamma K/k = 1e-4 ... 3e-2
+    solid = fem.isotropic(name="nu = 0.17", youngs_modulus=1e11, poisson_ratio=0.17, density=2200.0)
+    k = 2 * np.pi * 1e7 / fem.rayleigh(solid).velocity
+    for share, exact in ((1e-4, -9.99649e-5), (1e-3, -9.96493e-4), (1e-2, -9.65213e-3), (3e-2, -2.69306e-2)):
+        springs = share * k / fem.wave_compliance(solid)
+        assert fem.spring_shift(solid, springs, 0.0, 1e7) == pytest.approx(exact, rel=2e-6)
+
+
+def test_springs_on_128yx():
+    # Published with K_t = 0.844 K_n and without u_y, which couples where the shift reaches the bulk waves' limit
+    cut = fem.rotated(fem.material("LiNbO3 (Kovacs)"), "128YX")
+    for normal, exact, digits in (
+        (1e12, -2.7557e-4, 3e-4),
+        (1e13, -2.7411e-3, 4e-4),
+        (5e13, -1.2833e-2, 2e-3),
+    ):
+        assert fem.spring_shift(cut, normal, 0.844 * normal, 9.61e6) == pytest.approx(exact, rel=digits)
+    assert fem.spring_shift(cut, 6e13, 6e13, 9.61e6) is None  # a shear-horizontal wave is left

@@ -10,7 +10,8 @@ from fem.beam import own_aperture
 from fem.beam.reception import with_apertures
 from fem.beam.surface_beam import aperture_beam, surface_beam
 from fem.discretize.refinement import LEVELS
-from fem.results.solution import Solution, solve_driven
+from fem.results.solution import Solution
+from fem.solve.harmonic import solve_driven
 from tests.fem.stators import wave_of
 
 SOLID = fem.rotated(fem.material("PZT-8"), "Z")

@@ -8,7 +8,7 @@ import pytest
 import fem
 from fem.beam.surface_beam import surface_beam
 from fem.discretize.refinement import LEVELS
-from fem.results.solution import solve_driven
+from fem.solve.harmonic import solve_driven
 from tests.fem.stators import wave_of
 from tests.oracles.fem_half_space_field import HalfSpaceField
 

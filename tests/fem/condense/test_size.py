@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from fem.condense import join, transducer
+from fem.condense.column import Column
 from fem.condense.size import stator_size
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
 
@@ -71,10 +72,9 @@ def _bytes(block):
             continue
         seen.add(id(one))
         total += one.matrix.nbytes
-        if one.parts:
-            left, right, back = one.parts
-            total += back.nbytes
-            waiting += [left, right]
-        elif one.column is not None:
+        if isinstance(one.inside, Column):
             total += one.column.faces_from.nbytes
+        else:
+            total += one.pair.middle.nbytes
+            waiting += [one.pair.left, one.pair.right]
     return total

@@ -8,8 +8,10 @@ from hypothesis import strategies as st
 from fem.materials import (
     ORIENTATIONS,
     VACUUM_PERMITTIVITY,
+    Solid,
     fields,
     isotropic,
+    isotropic_about_normal,
     material,
     rotated,
     rotation_matrix,
@@ -84,6 +86,34 @@ def test_isotropic_solid_looks_the_same_from_everywhere(orientation, poisson_rat
 def test_ceramic_is_invariant_about_its_poling(phi):
     assert same(SOLIDS[0], rotated(SOLIDS[0], (phi, 0, 0)))
     assert same(rotated(SOLIDS[0], "X"), rotated(rotated(SOLIDS[0], (phi, 0, 0)), "X"))
+
+
+def crystal(shear: float) -> Solid:
+    """Paratellurite (class 422; Ohmachi and Uchida 1970), or with c66 = (c11 - c12) / 2 a crystal of class 622."""
+    stiffness = np.diag([5.57e10, 5.57e10, 10.58e10, 2.65e10, 2.65e10, shear])
+    for i, j, value in ((0, 1, 5.12e10), (0, 2, 2.18e10), (1, 2, 2.18e10)):
+        stiffness[i, j] = stiffness[j, i] = value
+    coupling = np.zeros((3, 6))
+    coupling[0, 3], coupling[1, 4] = 0.216, -0.216
+    permittivity = VACUUM_PERMITTIVITY * np.diag([22.9, 22.9, 24.7])
+    return Solid(
+        name="crystal", source="", frame="Z", stiffness=stiffness, coupling=coupling, permittivity=permittivity,
+        density=5990.0, mechanical_quality=np.inf, dielectric_loss=0.0,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("turn", [0.0, 30.0, 45.0, 90.0])
+def test_a_fourfold_crystal_is_not_isotropic_about_its_axis(turn):
+    """Class 422: a quarter turn changes nothing, any other does, although e and eps alone are those of class 622."""
+    fourfold, sixfold = crystal(6.59e10), crystal(0.5 * (5.57e10 - 5.12e10))
+    assert same(fourfold, rotated(fourfold, (90.0, 0, 0)))
+    assert not same(fourfold, rotated(fourfold, (45.0, 0, 0)))
+    assert not isotropic_about_normal(rotated(fourfold, (turn, 0, 0)))
+    assert isotropic_about_normal(rotated(sixfold, (turn, 0, 0)))
+    assert not isotropic_about_normal(rotated(sixfold, (turn, 90.0, 0)))
+    # the sagittal plane that the axis lies in: u_y couples to phi, and beside a turn of the fourfold axis to u_x
+    assert fields(rotated(sixfold, (turn, 0, 0))) == ("ux", "uz")
+    assert ("uy" in fields(rotated(fourfold, (turn, 0, 0)))) is (turn == 30.0)
 
 
 @pytest.mark.parametrize(

@@ -12,9 +12,9 @@ from fem.materials import material, rotated
 from fem.reduce.projection import BandProblem, project, solve_at_nodes
 from fem.results.evaluation import surface_of
 from fem.results.field import wave_field
-from fem.results.solution import solve_driven
+from fem.solve import band as band_module
 from fem.solve.band import _reduced, frequency_band
-from fem.solve.harmonic import motion_difference
+from fem.solve.harmonic import motion_difference, solve_driven
 from tests.fem.stators import FREQUENCY, comb, cut, plate, wave_of
 
 PLACES = np.array([0.011])
@@ -24,6 +24,8 @@ CASES = {
     "PZT clamped": ("PZT-8", "Z", "clamped", 2.15e6, 1e-3),
     "YZ absorbing": ("LiNbO3 (Warner)", "YZ", "absorbing", 3.4e6, 1e-3),
 }
+
+DEFAULT = ("PZT absorbing", "PZT clamped")
 
 
 def made(case):
@@ -35,7 +37,7 @@ def made(case):
 
 
 @pytest.mark.parametrize(
-    "case", [name if "absorbing" in name else pytest.param(name, marks=pytest.mark.slow) for name in CASES]
+    "case", [pytest.param(name, marks=[pytest.mark.slow] * (name not in DEFAULT)) for name in CASES]
 )
 def test_band_follows_the_full_solution(case):
     """Reduced and interpolated against solved afresh on the same discretisation, within the tolerance."""
@@ -86,6 +88,53 @@ def test_the_reduction_takes_what_the_discretisation_leaves(monkeypatch, of_leve
     _, of_motion, _ = _reduced(problem, None, [], 1.0, 1e-3 - of_levels)
     assert of_motion == (7e-4, 4e-4, 1.5e-4)[projections - 1]
     assert of_levels + of_motion <= 1e-3 or of_levels > 1e-3
+
+
+@pytest.fixture
+def parts(monkeypatch):
+    """What `frequency_band` adds: the wave of two levels and what its reduction returned."""
+    parts = {}
+    solve, reduce = band_module.driven_wave, band_module._reduced
+
+    def driven(*given, **options):
+        parts["wave"] = solve(*given, **options)
+        return parts["wave"]
+
+    def reduced(*given):
+        parts["reduction"] = reduce(*given)
+        return parts["reduction"]
+
+    monkeypatch.setattr(band_module, "driven_wave", driven)
+    monkeypatch.setattr(band_module, "_reduced", reduced)
+    return parts
+
+
+def test_the_stated_error_is_the_sum_of_discretisation_and_reduction(parts):
+    """Between absorbing ends no resonance scales either of them."""
+    stator, tolerance = STATED["absorbing ends"]
+    row = (comb(stator, "a", 2.0, finger_pairs=2),)
+    low, high = 0.98 * FREQUENCY, 1.02 * FREQUENCY
+    band = frequency_band(stator, row, lowest=low, highest=high, drive="a", tolerance=tolerance)
+    (_, of_motion, of_admittance), wave = parts["reduction"], parts["wave"]
+    assert min(of_motion, wave.relative_error, of_admittance, wave.admittance_error) > 1e-9
+    assert band.relative_error == pytest.approx(wave.relative_error + of_motion, rel=1e-12)
+    assert band.admittance_error == pytest.approx(wave.admittance_error + of_admittance, rel=1e-12)
+
+
+def test_the_stated_error_grows_with_the_sharpest_resonance(parts):
+    """A plate of Q = 5000 between free ends, checked beside its resonances: the error near one is five times larger."""
+    stator = plate(cut("PZT-8", "Z", quality=5000.0, loss=1e-3), length=8.0, thickness=0.6, ends="free")
+    row, at = (comb(stator, "a", 2.0, finger_pairs=2),), np.array([0.7 * stator.length])
+    low, high = 0.99 * FREQUENCY, 1.01 * FREQUENCY
+    band = frequency_band(stator, row, lowest=low, highest=high, drive="a", tolerance=0.2, places=tuple(at))
+    (_, of_motion, _), wave = parts["reduction"], parts["wave"]
+    finer = LEVELS[LEVELS.index(band.model.resolution) + 1]
+    frequency = low + 122 / 160 * (high - low)
+    full = solve_driven(stator, row, frequency=frequency, drive="a", resolution=finer)
+    error = motion_difference(band.wave(frequency, "a").motion(at), surface_of(full).motion(at))
+    assert 4 * wave.relative_error < error < 2 * band.relative_error
+    # the level's own part covers it: at its frequencies the reduction can do no better than the level
+    assert error < band.relative_error - of_motion
 
 
 STATED = {

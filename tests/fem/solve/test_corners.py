@@ -12,8 +12,7 @@ from fem.discretize.grading import CORNER_RATIO
 from fem.discretize.refinement import LEVELS
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.evaluation import surface_of
-from fem.results.solution import solve_driven
-from fem.solve.harmonic import driven_wave, motion_difference
+from fem.solve.harmonic import driven_wave, motion_difference, solve_driven
 from tests.fem.stators import FREQUENCY, comb, cut, plate, section
 
 STATORS = {

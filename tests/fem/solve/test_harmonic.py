@@ -11,8 +11,7 @@ from fem.convergence import ConvergenceError
 from fem.discretize.refinement import EXPECTED, LEVELS
 from fem.geometry import Stator, Transducer
 from fem.materials import material
-from fem.results.solution import solve_driven
-from fem.solve.harmonic import driven_wave, motion_difference
+from fem.solve.harmonic import driven_wave, motion_difference, solve_driven
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, wave_of
 
 SOLID = cut("PZT-8", "Z")

@@ -10,8 +10,8 @@ from fem.analytic.half_space import coupling, rayleigh
 from fem.analytic.quasistatic import surface_permittivity
 from fem.condense.transducer import Condensation, finger_cell
 from fem.discretize.refinement import LEVELS
-from fem.results.solution import solve_driven
-from fem.waveguide.cell_parameters import cell_parameters
+from fem.solve.cell_parameters import cell_parameters
+from fem.solve.harmonic import solve_driven
 from fem.waveguide.grating import StopBand, grating
 from tests.fem.stators import comb, lossless, plate, wave_of
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from fem.condense.columns import condensed
 from fem.condense.join import repeated
-from fem.condense.superelement import condensed
 from fem.waveguide.ends import end_reflection
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.network import NEGLIGIBLE, Scatterer

@@ -1,0 +1,103 @@
+r"""Steady states that need no search: no wave, no friction, a wave that carries the slider, a load that drags it.
+
+*Carried*: contact and spring are so much faster than the wave that the slider follows the surface, and the forces this
+takes stay far inside the friction cone: m omega^2 |u_x| and R_t omega |u_x| against mu times what m omega^2 |u_z| and
+R_n2 omega |u_z| leave of the preload. *Dragged*: the load exceeds the friction limit and pulls the slider faster than
+any surface motion, so that every contact slips one way all the time; <sum Q> is then mu times the mean of the springs'
+normal forces, whatever the bounce does, and v follows from the damper alone.
+"""
+
+import math
+
+import numpy as np
+
+from contact.averaged.riding import riding_height
+from contact.convergence import ConvergenceError
+from contact.drive import drive_direction
+from contact.law.elastic import back_load
+from contact.law.normal import load
+from contact.orbit import Orbit
+from contact.slider import Slider
+
+# how much faster than the wave both resonances are for a slider that is carried, and its share of the friction limit
+FASTER, INSIDE = 20.0, 0.5
+
+
+def closed_form(slider: Slider, orbits: tuple[Orbit, ...]) -> dict | None:
+    """Return velocity, regime, height and the sentence why, or None where the motion must be searched."""
+    friction = slider.static_friction(len(orbits))
+    still = all(orbit.normal == 0 and orbit.tangential == 0 for orbit in orbits)
+    dragged = _dragged(slider, orbits)
+    if not still and friction > 0.0 and not dragged:
+        return _carried(slider, orbits)
+    height = slider.rest_approach(len(orbits)) if still else riding_height(slider, orbits)
+    mean = height + slider.offsets(len(orbits))
+    parted = any(-abs(o.normal) < z < abs(o.normal) for o, z in zip(orbits, mean, strict=True))
+    held = still and slider.load <= friction
+    velocity = 0.0
+    if slider.load > friction:
+        if slider.tangential_damping == 0.0:
+            raise ConvergenceError(
+                "runaway",
+                f"a load of {slider.load:.6g} N exceeds the friction limit {friction:.6g} N and no tangential damping "
+                "bounds the speed; lower slider.load or give slider.damping.tangential",
+            )
+        velocity = -drive_direction(orbits) * (slider.load - _sliding(slider)) / slider.tangential_damping
+        if slider.friction is not None and friction > 0.0:
+            velocity = -drive_direction(orbits) * _dragged_speed(slider, len(orbits))
+    why = "no friction force" if slider.static_coefficient == 0.0 else "no preload"
+    why = "no wave" if still else "dragged by the load" if dragged else why
+    regime = "stick" if held else "intermittent" if parted else "slip"
+    return {"velocity": velocity, "regime": regime, "height": height, "why": why}
+
+
+def _sliding(slider):
+    """Return mu times the mean of the elastic normal forces of contacts that slip all the time, N."""
+    friction = slider.friction_coefficient * slider.preload
+    # the reciprocal force of a slipping contact is a fixed share of P, and carries its share of the preload
+    shape = slider.contact_shape
+    share = back_load(1.0, 0.0, shape) / load(1.0, shape)
+    back = share * slider.friction_coefficient * slider.limit_slope
+    return friction / (1.0 + back) if slider.reciprocal and slider.law == "elastic" else friction
+
+
+def _dragged_speed(slider, contacts):
+    """Return the least speed in m/s at which damper and sliding friction carry the load, without a wave."""
+    from scipy.optimize import brentq
+
+    def left(speed):
+        return slider.load - slider.tangential_damping * speed - slider.sliding_friction(contacts, speed)
+
+    speeds = slider.load / slider.tangential_damping * np.linspace(0.0, 1.0, 400) ** 2
+    falls = next(k for k, speed in enumerate(speeds) if left(speed) <= 0.0)
+    return brentq(left, speeds[falls - 1], speeds[falls], rtol=1e-14)
+
+
+def _dragged(slider, orbits):
+    """Return whether the load alone pulls the slider faster than any contact can stick."""
+    if slider.friction is not None:  # the sliding force follows the wave: it is searched
+        return False
+    surplus = slider.load - slider.friction_coefficient * slider.preload
+    fastest = max(o.omega * (abs(o.tangential) + slider.limit_slope * abs(o.normal)) for o in orbits)
+    return surplus > 0.0 and surplus > 4.0 * slider.tangential_damping * fastest and fastest > 0.0
+
+
+def _carried(slider, orbits):
+    """Return the answer for a slider that follows a slow surface, else None."""
+    first, contacts, omega = orbits[0], len(orbits), orbits[0].omega
+    if slider.friction is not None and slider.tangential_law.bent:
+        return None
+    if slider.law != "elastic":  # its annulus slips under any change of force, and may walk
+        return None
+    resonance = min(slider.normal_resonance(contacts), slider.tangential_resonance(contacts))
+    if resonance < FASTER * first.frequency or any(orbit != first for orbit in orbits) or slider.heights:
+        return None
+    lift = math.hypot(slider.mass * omega**2, slider.normal_damping * omega) * abs(first.normal)
+    pull = math.hypot(slider.mass * omega**2, slider.tangential_damping * omega) * abs(first.tangential)
+    left = slider.static_coefficient * (slider.preload - lift)
+    if lift > INSIDE * slider.preload or pull + slider.load > INSIDE * left:
+        return None
+    return {
+        "velocity": 0.0, "regime": "stick", "height": slider.rest_approach(contacts),
+        "why": f"carried along by a wave {resonance / first.frequency:.3g} times as slow as the contact",
+    }  # fmt: skip

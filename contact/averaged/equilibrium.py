@@ -1,0 +1,331 @@
+r"""The averaged equilibrium of a slider that is heavy on the wave's time scale: one search over any cycle means.
+
+In the units of `problem`, with h the mean approach, V the mean velocity and <> the means over a cycle of the wave,
+
+    h'' = p - <sum P>(h) (1 + chi h') - d_n h'      the bounce,
+    V'  = <sum Q>(h, V) - d_t V - q                 the velocity.
+
+At rest h follows from <sum P> = p (`riding`) and V from <sum Q>(V) = d_t V + q, which `balanced_speed` searches between
+rest and the velocity at which every contact slips all the time. Where the mean comes from is no matter to it: from
+cycles in closed form between exact events (`cycle_mean`, here), from cycles of the event-driven solver for laws that
+these do not know (`event_cycle`), or from several heights of a bounce (`bounce`). Each is a named tuple whose field
+`left(problem, means, v)` returns the mean force that is left to accelerate the slider.
+
+All this is first-order averaging, error O((f_n/f)^2). The correction of second order feeds the fast part of the
+slider's own motion, the answer to the harmonics of the forces, back into the cycle (`cycle_mean.respond`); at a steady
+height and velocity its fixed point is the full periodic motion but for the harmonics left out.
+"""
+
+import threading
+from collections.abc import Callable
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.averaged.cycle_mean import Counted, Cycle, Mean, cycle, cycle_room, respond
+from contact.averaged.riding import Rule, mean_push, quadrature, riding
+from contact.body import Coordinates, damping_force, normal_amplitude, tangential_amplitude
+from contact.codes import Status
+from contact.jit.compiled import compiled, formula, native
+from contact.problem import changed
+from contact.roots import narrowed, trial
+
+
+class Entry(IntEnum):
+    """Columns of an answer: of the equilibrium, and from REGIME on what `sweep_rows` adds.
+
+    Scaled, and SI units where `sweep_rows` returns them; errors are over max(|v|, omega |u_x|/10).
+    """
+
+    VELOCITY = 0  # mean
+    FIRST_ORDER = 1  # the velocity of first order
+    HEIGHT = 2  # mean approach
+    HELD = 3  # 1 or 0
+    LOAD_SIGN = 4
+    COARSE = 5  # velocity of first order by the coarse rule
+    RESIDUAL = 6  # of the velocity
+    MADE_PER_CYCLE = 7  # contacts
+    SLIPS_PER_CYCLE = 8  # slips begun
+    TAIL = 9  # error of the velocity by harmonics left out
+    QUADRATURE = 10  # and by quadrature
+    LEAST_AT_REST = 11  # mean tangential force of a cycle at rest
+    LARGEST_AT_REST = 12
+    REGIME = 13
+    ERROR = 14
+    FROM_WAVE = 15
+    THRUST = 16
+    THRUST_ERROR = 17
+    STATUS = 18
+
+
+# Nodes per smooth piece of a cycle: those of the search, and those of the answer. The difference between the two times
+# RULE_ERROR bounds the error of the finer (true: 1/70 with 16 and 24 nodes, an elliptic orbit of general phase).
+NODES, FINE_NODES, RULE_ERROR = 16, 24, 0.1
+# Error of the velocity over the largest of the last three harmonics, per (harmonics + 1)^2: of 263 random motors up to
+# f_n/f = 0.3 none exceeds twice its error with 2, one with 1, and 5 with 1 and the last tangential harmonic alone.
+TAIL_SHARE = 2.0
+
+
+class Work(NamedTuple):
+    """Work arrays of the averaged equations."""
+
+    # Quadrature of the search and of the answer
+    rule: Rule
+    fine: Rule
+    # Of first order, without fast motion, and of second order
+    first: Cycle
+    second: Cycle
+
+
+class ClosedForm(NamedTuple):
+    """Cycle means between exact events, at one height."""
+
+    rule: Rule
+    height: float
+    work: Work
+    left: Callable
+
+
+_ROOMS = threading.local()  # by harmonics: a kernel finds the same arrays again, and has them packed
+
+
+def room(harmonics: int) -> Work:
+    """Return this thread's work arrays for so many harmonics of the fast motion."""
+    rooms = vars(_ROOMS)
+    if harmonics not in rooms:
+        second = cycle_room(harmonics, FINE_NODES)
+        rooms[harmonics] = Work(quadrature(NODES), quadrature(FINE_NODES), cycle_room(1), second)
+    return rooms[harmonics]
+
+
+@compiled
+def rest(fast):
+    """Take the slider's fast motion away."""
+    for k in range(fast.normal_cos.size):
+        fast.normal_cos[k] = fast.normal_sin[k] = fast.tangential_cos[k] = fast.tangential_sin[k] = 0.0
+
+
+@compiled
+def settled(problem, rule, h, v, work, most):
+    """Set fast motion, means and height of the cycle that repeats at mean velocity v; return (h, residual change).
+
+    `work` is a `Cycle`; the first guess is its fast motion and `h`, and each round gains a factor of about (f_n/f)^2.
+    """
+    change, fast = np.inf, work.fast
+    for _ in range(most):
+        cycle(problem, h, v, rule, work)
+        _, slope = mean_push(problem, h, rule)
+        step = (problem.preload - work.means[Mean.NORMAL]) / slope if slope > 0.0 else 0.0
+        a, b, c, d = fast.normal_cos[0], fast.normal_sin[0], fast.tangential_cos[0], fast.tangential_sin[0]
+        respond(problem, work)
+        h += step
+        change = max(abs(step), abs(fast.normal_cos[0] - a), abs(fast.normal_sin[0] - b))
+        change = max(change, abs(fast.tangential_cos[0] - c), abs(fast.tangential_sin[0] - d))
+        if change < 1e-13:
+            break
+    return h, change
+
+
+@formula
+def force_left(problem, mean, v):
+    """Return what a mean tangential force leaves to accelerate the slider at a velocity."""
+    return mean + damping_force(problem, Coordinates(0.0, v)).along - problem.load
+
+
+@compiled
+def excess(problem, rule, h, v, work):
+    """Return the mean tangential force that is left to accelerate a slider at a velocity, of first order."""
+    cycle(problem, h, v, rule, work.first)
+    return force_left(problem, work.first.means[Mean.TANGENTIAL], v)
+
+
+@compiled
+def _left(problem, means, v):
+    return excess(problem, means.rule, means.height, v, means.work)
+
+
+@formula
+def full_slip_speed(problem):
+    """Return the slider velocity beyond which every contact slips all the time, max |u_x| + c |u_z|, scaled."""
+    paths, c, top = problem.paths, problem.limit_slope, 0.0
+    for i in range(paths.height.size):
+        top = max(top, tangential_amplitude(paths, i) + c * normal_amplitude(paths, i))
+    return top
+
+
+@formula
+def way_out(least, largest, load, friction):
+    """Return (way, load) of a slider at rest: +1, -1 or 0 where it is held, and the load with its sign.
+
+    `least` and `largest` bound the mean tangential force of a cycle at rest; the load opposes the unloaded motion, so
+    its sign is turned where the wave drives against its crests. `friction` is mu times the preload.
+    """
+    rounding = 1e-13 * friction
+    if largest < 0.0 and load > 0.0:
+        load = -load
+    if least - load > rounding:
+        return 1.0, load
+    return (-1.0 if largest - load < -rounding else 0.0), load
+
+
+class Speed(NamedTuple):
+    """Where `balanced_speed` has come to."""
+
+    status: int
+    velocity: float
+    force: float  # left at that velocity
+    slope: float  # of the force in the velocity
+    top: float  # range of the search
+
+
+@formula
+def balanced_speed(problem, means, way, at_rest, close):
+    """Return the velocity of sign `way` at which no force is left, as a `Speed`.
+
+    `at_rest` is the mean force at rest on that side; the search ends where a step is below `close` of its range.
+    """
+    friction = problem.friction * problem.preload
+    a, fa = 0.0, at_rest - problem.load
+    b = way * full_slip_speed(problem)
+    fb = means.left(problem, means, b)
+    if fb * way >= 0.0:  # full friction does not balance the load: the damper has to
+        if problem.tangential_damping == 0.0:
+            return Speed(Status.RUNAWAY, 0.0, 0.0, 0.0, 0.0)
+        for _ in range(60):  # one step where friction does not fall with speed
+            b += 1.000001 * fb / problem.tangential_damping
+            fb = means.left(problem, means, b)
+            if fb * way < 0.0:
+                break
+    v, top, v_old, f_old = b, abs(b), a, fa
+    slope = (fb - fa) / (b - a)
+    for count in range(100):
+        v = trial(a, fa, b, fb, count)
+        f = means.left(problem, means, v)
+        if v != v_old:
+            slope = (f - f_old) / (v - v_old)
+        moved = abs(v - v_old)
+        v_old, f_old = v, f
+        a, fa, b, fb = narrowed(a, fa, b, fb, v, f)
+        if f == 0.0 or abs(f) < 1e-13 * friction or moved < close * top:
+            break
+    return Speed(Status.DONE, v, f_old, slope, top)
+
+
+@compiled
+def balance_row(problem, harmonics, work, out):
+    """Fill an equilibrium, its columns by `Entry`; return the reason for ending.
+
+    `harmonics` of the fast motion; 0: first order. The load is taken with the sign with which it opposes the unloaded
+    motion.
+    """
+    for k in range(out.size):
+        out[k] = 0.0
+    h = riding(problem, work.rule)
+    out[Entry.HEIGHT] = h
+    way, force = _at_rest(problem, h, work, out)
+    sticks = work.first.counts[Counted.STUCK] > 0
+    problem = changed(problem, force, problem.paths)
+    out[Entry.LOAD_SIGN] = -1.0 if force < 0.0 else 1.0
+    if way == 0.0:
+        out[Entry.HELD] = 1.0
+        return Status.DONE
+    status, top, slope = _first_order(problem, h, way, 1e-11 if harmonics == 0 else 1e-5, work, out)
+    if status != Status.DONE or harmonics == 0 or not slope < 0.0:
+        return status
+    status = _second_order(problem, slope, top, work, out)
+    return Status.STICKS if sticks and abs(out[Entry.VELOCITY]) < 1e-6 * top else status
+
+
+@compiled
+def _at_rest(problem, h, work, out):
+    """Fill the least and the largest tangential force of a cycle at rest; return `way_out`."""
+    counts, friction = work.first.counts, problem.friction * problem.preload
+    least = largest = excess(problem, work.fine, h, 0.0, work) + problem.load
+    stuck = counts[Counted.STUCK]
+    out[Entry.MADE_PER_CYCLE], out[Entry.SLIPS_PER_CYCLE] = counts[Counted.MADE], counts[Counted.SLIPS]
+    if least - max(problem.load, 0.0) <= 1e-13 * friction:
+        largest = excess(problem, work.fine, h, -1e-300, work) + problem.load
+    counts[Counted.STUCK] = stuck
+    out[Entry.LEAST_AT_REST], out[Entry.LARGEST_AT_REST] = least, largest
+    return way_out(least, largest, problem.load, friction)
+
+
+@compiled
+def _first_order(problem, h, way, close, work, out):
+    """Fill the velocity of first order and its errors; return (reason, range of the search, slope of the force in v).
+
+    The search ends where a step is below `close` of its range.
+    """
+    at_rest = out[Entry.LEAST_AT_REST] if way > 0.0 else out[Entry.LARGEST_AT_REST]
+    status, v, left, slope, top = balanced_speed(
+        problem, ClosedForm(work.rule, h, work, _left), way, at_rest, close
+    )
+    if status != Status.DONE:
+        return status, 0.0, 0.0
+    # where the search stops early, Newton's step from there errs by the square of the last one
+    out[Entry.COARSE], out[Entry.RESIDUAL] = (v - left / slope if slope < 0.0 else v), abs(left / slope)
+    f = excess(problem, work.fine, h, v, work)
+    out[Entry.QUADRATURE] = RULE_ERROR * abs((f - left) / slope)
+    if slope < 0.0:
+        v -= f / slope
+    out[Entry.VELOCITY], out[Entry.FIRST_ORDER] = v, v
+    counts = work.first.counts
+    out[Entry.MADE_PER_CYCLE], out[Entry.SLIPS_PER_CYCLE] = counts[Counted.MADE], counts[Counted.SLIPS]
+    return status, top, slope
+
+
+@compiled
+def _second_order(problem, slope, top, work, out):
+    """Correct the equilibrium by the slider's fast motion; return the reason for ending."""
+    second = work.second
+    rest(second.fast)
+    h, v, v_old, f_old = out[Entry.HEIGHT], out[Entry.VELOCITY], out[Entry.VELOCITY], 0.0
+    change = np.inf
+    for count in range(40):
+        h, change = settled(problem, work.fine, h, v, second, 1)
+        f = force_left(problem, second.means[Mean.TANGENTIAL], v)
+        if count > 1 and abs(v - v_old) > 1e-9 * top:
+            new = (f - f_old) / (v - v_old)
+            if 0.5 * slope > new > 2.0 * slope:
+                slope = new
+        v_old, f_old = v, f
+        v -= f / slope
+        change = max(change, abs(f / slope))
+        if change < 1e-12:
+            break
+    counts = second.counts
+    out[Entry.VELOCITY], out[Entry.HEIGHT], out[Entry.RESIDUAL] = v, h, change
+    out[Entry.MADE_PER_CYCLE], out[Entry.SLIPS_PER_CYCLE] = counts[Counted.MADE], counts[Counted.SLIPS]
+    # The forces' harmonics fall as n^-5/2 (spheres) or n^-2 (punches, a contact's damper), the fast motion as
+    # n^-2 times that, and the sum over what is left out enters the mean once more by such a harmonic. One harmonic may
+    # vanish by chance: the largest of the last three counts.
+    force, last, tail = second.force, second.force.tangential_cos.size - 1, 0.0
+    for k in range(max(last - 2, 0), last + 1):
+        along = np.hypot(force.tangential_cos[k], force.tangential_sin[k])
+        tail = max(tail, along + problem.friction * np.hypot(force.normal_cos[k], force.normal_sin[k]))
+    out[Entry.TAIL] = TAIL_SHARE * tail / (last + 2.0) ** 2
+    return Status.DONE if change < 1e-7 else Status.UNSETTLED
+
+
+@native("t f1 t f1")
+def _tractions(problem, speeds, work, out):
+    """Fill the mean tangential forces of cycles at given velocities; return 0."""
+    h = riding(problem, work.fine)
+    for k in range(speeds.size):
+        cycle(problem, h, speeds[k], work.fine, work.first)
+        out[k] = work.first.means[Mean.TANGENTIAL]
+    return 0
+
+
+def tractions(problem, speeds):
+    """Return the mean tangential forces, scaled, of cycles at given scaled velocities, of first order."""
+    out = np.empty(len(speeds))
+    _tractions(problem, speeds, room(1), out)
+    return out
+
+
+def rest_tractions(problem):
+    """Return the least and the largest mean tangential force of a cycle at rest; they differ where a contact sticks."""
+    least, largest = tractions(problem, np.array([0.0, -1e-300]))
+    return float(least), float(largest)

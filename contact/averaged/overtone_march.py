@@ -1,0 +1,224 @@
+r"""Rows of contacts on a surface wave with overtones: one pass along the wave, contacts in samples of the cycle.
+
+A bare crystal has no dispersion, so that each harmonic n of the contacts' forces feeds an overtone in phase, with the
+compliance Gamma of the fundamental (`march`; n = 1, 2 ... N)
+
+    dU_n/dx = i g sum_i (P_n + C* Q_n) exp(i n k x) delta(x - x_i),        U_1 given at the slider's edge, U_n = 0.
+
+Between two of the M samples of a cycle the surface moves along a straight line. On such a path contact, stick and slip
+end at roots of linear functions, and all integrals are closed. P_n is the coefficient of the piecewise constant mean
+force; with it sum_n n omega Im(U_n* P_n + ...)/2 is the power of the path to rounding. Amplitudes and forces are both
+multiplied by s_n = (n pi/M)/sin(n pi/M), which makes a contact that never lifts off nor slips exact. The error falls
+as 1/M^2 (tests/contact/test_overtones.py).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.averaged import flat_cycle as columns
+from contact.jit.compiled import compiled, native
+
+MAX_PASSES = 400  # of the midpoint at one row
+SETTLED = 1e-13  # change of the midpoint over the incident amplitude
+SHRINKING = 0.97  # ratio of successive changes above which the midpoint moves by half the step
+
+
+class Classes(NamedTuple):
+    """Contacts in classes, ordered by the rows as the wave meets them."""
+
+    first: np.ndarray  # index of the first class of each row, and
+    behind: np.ndarray  # of that behind its last
+    weight: np.ndarray
+    normal_stiffness: np.ndarray  # N/m
+    tangential_stiffness: np.ndarray
+    limit_slope: np.ndarray  # c
+
+
+class Spectrum(NamedTuple):
+    """Amplitudes in m half-way through each row, in its frame, shape (m, N), and forces in N, shape (m, 2, N)."""
+
+    along: np.ndarray  # of the wave that is followed
+    against: np.ndarray  # of the one from the other side, U_1 alone, shape (m, 1); given
+    force: np.ndarray  # sum P_n and sum Q_n
+    first: np.ndarray  # z_1 and x_1 of each class, m, shape (n, 2)
+
+
+class Samples(NamedTuple):
+    """Room for one cycle: exp(i n phi_j), shape (N, M + 1), s_n, and what M + 1 samples or M intervals hold."""
+
+    table: np.ndarray
+    scale: np.ndarray
+    before: np.ndarray  # (N,)
+    surface: np.ndarray  # u_z, u_x, z, y; (4, M + 1)
+    mean: np.ndarray  # <z>, <x> of one contact and the forces of a row; (4, M)
+
+
+def samples(number: int, count: int) -> Samples:
+    """Return the room for so many harmonics in so many samples."""
+    n = np.arange(1, number + 1)
+    table = np.exp(1j * np.outer(n, 2.0 * np.pi * np.arange(count + 1) / count))
+    return Samples(
+        table, n * np.pi / count / np.sin(n * np.pi / count), np.empty(number, dtype=complex),
+        np.empty((4, count + 1)), np.empty((4, count)),
+    )  # fmt: skip
+
+
+@compiled
+def _cycle(surface, mean, c, back, out):
+    """Fill <z> and <x> of each interval from rows 2 and 3 of `surface`; a contact that rides begins stretched back."""
+    z, y = surface[2], surface[3]
+    count = z.size - 1
+    start = -1
+    for j in range(count):
+        if z[j] <= 0.0:
+            start = j
+            break
+    x, turns = 0.0, 1
+    if start < 0:  # after one cycle the drift has stretched it as far as it goes
+        start, x, turns = 0, back * c * z[0], 2
+    friction = share = 0.0
+    for _ in range(turns):
+        friction = share = 0.0
+        for i in range(count):
+            j = (start + i) % count
+            low, high = z[j], z[j + 1]
+            if low <= 0.0 and high <= 0.0:
+                mean[0, j] = mean[1, j] = x = 0.0
+                continue
+            part = 1.0
+            if low < 0.0:
+                part, low, x = high / (high - low), 0.0, 0.0
+            elif high < 0.0:
+                part, high = low / (low - high), 0.0
+            moved, limit, rise = (y[j + 1] - y[j]) * part, c * low, c * (high - low)
+            # the first of both gaps c z - s x to close ends the stick, and slip lasts to the interval's end
+            slip, stick = 0.0, 1.0
+            for s in (1.0, -1.0):
+                closing = s * moved - rise
+                if closing > 0.0 and limit - s * x < stick * closing:
+                    slip, stick = s, max((limit - s * x) / closing, 0.0)
+            after = x + moved * stick
+            total = 0.5 * (x + after) * stick
+            if slip != 0.0:
+                middle = limit + 0.5 * rise * (1.0 + stick)
+                total += slip * middle * (1.0 - stick)
+                friction += middle * (1.0 - stick) * (slip * moved - rise)
+                after = slip * (limit + rise)
+            x = after if z[j + 1] > 0.0 else 0.0
+            share += part
+            mean[0, j], mean[1, j] = 0.5 * (low + high) * part, total * part
+    out[columns.FRICTION], out[columns.SHARE] = friction / (2.0 * np.pi), share / count
+
+
+@compiled
+def _coefficient(values, table, scale, n):
+    """Return the coefficient of the harmonic n + 1 of a piecewise constant function, times s_n."""
+    total, last = 0.0j, values[values.size - 1]
+    for j in range(values.size):
+        total += (values[j] - last) * table[n, j].conjugate()
+        last = values[j]
+    return total * scale[n] / (1j * np.pi * (n + 1))
+
+
+@compiled
+def _row(classes, j, approach, w, back, spectrum, room, out):
+    """Fill the forces of the row j at its amplitudes."""
+    table, surface, mean, scale = room.table, room.surface, room.mean, room.scale
+    number, count = scale.size, mean.shape[1]
+    highest = -np.inf
+    for i in range(count + 1):
+        highest = max(highest, surface[0, i])
+    for i in range(count):
+        mean[2, i] = mean[3, i] = 0.0
+    for k in range(classes.first[j], classes.behind[j]):
+        for column in range(columns.COLUMNS):
+            out[k, column] = 0.0
+        spectrum.first[k, 0] = spectrum.first[k, 1] = 0.0
+        if approach[k] + highest <= 0.0:
+            continue
+        for i in range(count + 1):
+            surface[2, i] = approach[k] + surface[0, i]
+            surface[3, i] = surface[1, i] - w * (2.0 * np.pi * i / count)
+        _cycle(surface, mean, classes.limit_slope[k], back, out[k])
+        normal, tangential = (
+            classes.weight[k] * classes.normal_stiffness[k], classes.weight[k] * classes.tangential_stiffness[k]
+        )  # fmt: skip
+        for i in range(count):
+            out[k, columns.MEAN_APPROACH] += mean[0, i] / count
+            out[k, columns.MEAN_STRETCH] += mean[1, i] / count
+            mean[2, i] += normal * mean[0, i]
+            mean[3, i] += tangential * mean[1, i]
+        for side in range(2):
+            spectrum.first[k, side] = _coefficient(mean[side], table, scale, 0)
+    for n in range(number):
+        for side in range(2):
+            spectrum.force[j, side, n] = _coefficient(mean[2 + side], table, scale, n)
+
+
+@native(
+    "t t f1 f f t t f2",
+    {"classes.first": "m", "classes.behind": "m", "classes.weight": "n", "classes.normal_stiffness": "n",
+     "classes.tangential_stiffness": "n", "classes.limit_slope": "n", "waves.turn": "m", "waves.orbit": "1",
+     "waves.incident": "h", "approach": "n", "spectrum.along": "m h", "spectrum.against": "m 1",
+     "spectrum.force": "m 2 h", "spectrum.first": "n 2", "room.table": "h 1+s", "room.scale": "h", "room.before": "h",
+     "room.surface": "4 1+s", "room.mean": "4 s", "out": "n 7"},
+)  # fmt: skip
+def overtone_march(classes, waves, approach, w, side, spectrum, room, out):
+    """Follow the wave through all rows; fill its amplitudes, the forces and the columns of `flat_cycle`.
+
+    `waves`: `march.Waves` with U_n where the wave comes in; g = 0 keeps `spectrum.along` as it is. `w`, `side`: see
+    `flat_cycle`. The forces that are there begin the search for each row's midpoint. Returns the rows whose midpoint
+    did not settle.
+    """
+    table, surface, scale, before = room.table, room.surface, room.scale, room.before
+    number, count, orbit, half = scale.size, room.mean.shape[1], waves.orbit[0], 0.5j * waves.g
+    back = 1.0 if (w < 0.0 or (w == 0.0 and side < 0.0)) else -1.0
+    along, against, force = spectrum.along, spectrum.against, spectrum.force
+    size = abs(waves.incident[0])
+    failed = 0
+    for j in range(waves.turn.size):
+        turn = 1.0 + 0.0j
+        for n in range(number):
+            turn *= waves.turn[j]
+            if waves.g > 0.0:
+                came = waves.incident[n] if j == 0 else before[n]
+                before[n] = came * turn
+                along[j, n] = before[n] + half * (force[j, 0, n] + orbit.conjugate() * force[j, 1, n])
+        share, last, change = 1.0, np.inf, np.inf
+        for _ in range(MAX_PASSES):
+            for i in range(count + 1):
+                u_z = u_x = 0.0
+                for n in range(number):
+                    a, c = along[j, n], table[n, i]
+                    b = against[j, 0] if n == 0 else 0.0j
+                    p = scale[n] * (a + b)
+                    q = scale[n] * (orbit * a + orbit.conjugate() * b)
+                    u_z += p.real * c.real - p.imag * c.imag
+                    u_x += q.real * c.real - q.imag * c.imag
+                surface[0, i], surface[1, i] = u_z, u_x
+            _row(classes, j, approach, w, back, spectrum, room, out)
+            if waves.g == 0.0:
+                change = 0.0
+                break
+            # contacts in touch are springs to a change of the amplitudes, each for its share of the cycle
+            spring, change = 0.0j, 0.0
+            for k in range(classes.first[j], classes.behind[j]):
+                spring += half * classes.weight[k] * classes.normal_stiffness[k] * out[k, columns.SHARE]
+            for n in range(number):
+                fed = before[n] + half * (force[j, 0, n] + orbit.conjugate() * force[j, 1, n])
+                new = (fed - spring * along[j, n]) / (1.0 - spring)
+                change = max(change, abs(new - along[j, n]))
+                along[j, n] += share * (new - along[j, n])
+            if change <= SETTLED * size:
+                break
+            if change > SHRINKING * last:
+                share *= 0.5
+            last = change
+        if change > 1e-10 * size:
+            failed += 1
+        turn = 1.0 + 0.0j
+        for n in range(number):
+            turn *= waves.turn[j].conjugate()
+            before[n] = (2.0 * along[j, n] - before[n]) * turn
+    return failed

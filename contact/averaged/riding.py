@@ -1,0 +1,132 @@
+r"""The height at which a heavy slider rides on a wave: the cycle mean of the normal forces is the preload.
+
+Such a slider does not answer within a cycle, so contact i has the approach z_i = h + h_i + Re(U_i exp(i omega t)) with
+one h. <p(z)> of a contact depends on its mean approach and on |u_z| alone. It is integrated over the arc in contact,
+phi = beta (1 - cos theta)/2, which makes the root at the end of the arc smooth: Gauss-Legendre is spectral.
+"""
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.body import Coordinates, approach, circle, normal_amplitude
+from contact.jit.compiled import compiled, formula, native, summed
+from contact.law.normal import approach as approach_under
+from contact.law.normal import load, slope
+from contact.orbit import Orbit, as_orbits
+from contact.problem import Problem, scaled
+from contact.slider import Slider
+
+NODES = 48  # of the answer for one slider
+
+
+class Rule(NamedTuple):
+    """A quadrature: places in [0, 1] and weights, arrays (n,)."""
+
+    place: np.ndarray
+    weight: np.ndarray
+
+
+@cache
+def quadrature(nodes: int) -> Rule:
+    """Return Gauss and Legendre's rule in theta."""
+    point, weight = np.polynomial.legendre.leggauss(nodes)
+    theta = 0.5 * np.pi * (point + 1.0)
+    return Rule(0.5 * (1.0 - np.cos(theta)), 0.25 * np.pi * weight * np.sin(theta))
+
+
+@summed
+def _mean_loads(z, a, half, rule, shape):
+    """Return the sums of p and dp/dz of z + a cos phi over the half of a cycle that is in contact."""
+    force = rate = 0.0
+    for j in range(rule.weight.size):
+        co, _ = circle(half * rule.place[j])
+        force += rule.weight[j] * load(z + a * co, shape)
+        rate += rule.weight[j] * slope(z + a * co, shape)
+    return force, rate
+
+
+@formula
+def arc(z, a):
+    """Return half of the arc of a cycle in which z + a cos phi is positive; z > -a."""
+    return np.pi if z >= a else np.arccos(-z / a)
+
+
+def mean_load(z, a, shape):
+    """Return the cycle mean of p(z + a cos phi); numbers."""
+    if z <= -a:
+        return 0.0
+    half, rule = arc(z, a), quadrature(NODES)
+    return half / np.pi * float(rule.weight @ load(z + a * np.cos(half * rule.place), shape))
+
+
+@compiled
+def mean_push(problem, h, rule):
+    """Return the cycle mean of sum P at constant approach and its derivative in h."""
+    kappa, paths = problem.stiffness, problem.paths
+    total = steepness = force = rate = 0.0
+    last_a = last_z = -1.0
+    for i in range(paths.height.size):
+        a, z = normal_amplitude(paths, i), approach(paths, i, 0.0, Coordinates(-h, 0.0))
+        if a != last_a or z != last_z:
+            force = rate = 0.0
+            last_a, last_z = a, z
+            if z > -a:
+                half = arc(z, a)
+                force, rate = _mean_loads(z, a, half, rule, problem.shape)
+                force *= kappa * half / np.pi
+                rate *= kappa * half / np.pi
+        total += force
+        steepness += rate
+    return total, steepness
+
+
+@compiled
+def riding(problem, rule):
+    """Return the mean approach at which the cycle mean of sum P is the preload (safeguarded Newton)."""
+    paths, target = problem.paths, problem.preload
+    n = paths.height.size
+    least, reach, low = np.inf, 0.0, np.inf
+    for i in range(n):
+        a = normal_amplitude(paths, i)
+        reach, least, low = max(reach, a), min(least, paths.height[i]), min(low, -a - paths.height[i])
+    # the mean load is at least that of the mean approach, and every contact is at least as high as the lowest
+    high = approach_under(target / (problem.stiffness * n), problem.shape) - least
+    h = high
+    for _ in range(80):
+        force, steepness = mean_push(problem, h, rule)
+        if force > target:
+            high = h
+        else:
+            low = h
+        step = (target - force) / steepness if steepness > 0.0 else high - low
+        new = h + step
+        if not low < new < high:
+            new = 0.5 * (low + high)
+        if abs(new - h) < 1e-15 * (reach + abs(h)) or high - low < 1e-15 * (reach + abs(h)):
+            return new
+        h = new
+    return h
+
+
+@native("t t f1")
+def _riding(problem, rule, answer):
+    answer[0] = riding(problem, rule)
+    return 0
+
+
+def riding_approach(problem: Problem) -> float:
+    """Return h of a scaled problem; see `riding_height`."""
+    answer = np.zeros(1)
+    _riding(problem, quadrature(NODES), answer)
+    return float(answer[0])
+
+
+def riding_height(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
+    """Return h in m, the mean approach of a contact of height 0 at which <sum P_i> is the preload (preload > 0).
+
+    Negative when the slider hops: it rides above the undisturbed surface.
+    """
+    problem = scaled(slider, as_orbits(orbits), direction=1.0, start=0.0)
+    return riding_approach(problem) * problem.length

@@ -1,0 +1,224 @@
+r"""Averaged steady states of one slider or of many: velocities, their errors, and the effect of the wave's error.
+
+Each problem is scaled and solved by itself in one compiled loop (`sweep_rows`), with the second-order
+correction, so that its answer does not depend, to the last bit, on which problems are computed beside it, nor on the
+number of threads. A single steady state (`mean_motion`) and a map over amplitude and preload are sweeps.
+What averaging does not know or does not reach has the regime "unknown", and is left to `steady`.
+
+The wave's relative error bounds the change of both amplitudes, a common phase apart, relative to the larger one. Four
+changes of that size (both amplitudes up, down, their ratio, their phase) are tried in first order, whose derivatives
+are good to O((f_n/f)^2), and their effects added in quadrature.
+"""
+
+import math
+import os
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact import bounds
+from contact.averaged.closed_forms import closed_form
+from contact.averaged.equilibrium import Entry
+from contact.averaged.event_cycle import RUNAWAY
+from contact.averaged.run import HARMONICS, STIFFEST_STEADY, refusals, refuse_unless_applicable
+from contact.averaged.sweep_rows import Given, states
+from contact.body import Paths
+from contact.codes import Status, Steady
+from contact.convergence import ConvergenceError
+from contact.drive import towards_plus
+from contact.orbit import Orbit, as_orbits
+from contact.problem import numbers, paths_of
+from contact.slider import Slider
+
+REGIMES = np.array([regime.name.lower() for regime in Steady])
+REFUSALS = {
+    Status.RUNAWAY: ("runaway", RUNAWAY),
+    Status.NEAR_THRESHOLD: (
+        "not applicable",
+        "the slider is held, but so near the threshold that averaging cannot tell; use method exact",
+    ),
+}
+
+
+@dataclass(frozen=True)
+class MeanMotion:
+    """Averaged steady state of one problem (numbers), or of many (arrays of one shape, NaN where "unknown").
+
+    Attributes
+    ----------
+    velocity : float or ndarray
+        Mean, m/s; exactly 0 where held.
+    first_order : float or ndarray
+        The velocity without the second-order correction, m/s.
+    height : float or ndarray
+        Mean approach h, m; negative where the slider rides above the surface at rest.
+    regime : str or ndarray of str
+        "stick", "slip", "intermittent", or "unknown" where averaging does not apply or did not settle.
+    held : bool or ndarray of bool
+        Whether friction keeps the slider at rest.
+    relative_error : float or ndarray
+        Of the velocity as computed, over max(|v|, omega |u_x|/10).
+    error_from_wave : float or ndarray
+        What the wave's error makes of it, over the same.
+    blocked_thrust : float or ndarray
+        Load at which the slider stalls, N, of first order; 0 where the unloaded slider is held.
+    blocked_thrust_error : float or ndarray
+        Its error by averaging, N.
+    load_sign : float or ndarray
+        +1 where the load opposes motion in the direction in which the crests drive, -1 where the opposite.
+    """
+
+    velocity: np.ndarray
+    first_order: np.ndarray
+    height: np.ndarray
+    regime: np.ndarray
+    held: np.ndarray
+    relative_error: np.ndarray
+    error_from_wave: np.ndarray
+    blocked_thrust: np.ndarray
+    blocked_thrust_error: np.ndarray
+    load_sign: np.ndarray
+
+
+def steady_sweep(
+    sliders: list[Slider],
+    waves: list[tuple[Orbit, ...]],
+    *,
+    which: np.ndarray,
+    factors: np.ndarray,
+    wave_errors: np.ndarray,
+    threads: int | None = None,
+) -> MeanMotion:
+    """Return the steady states of many problems, as arrays of the shape of `factors`; a map is a sweep of two axes.
+
+    Parameters
+    ----------
+    sliders : list of Slider
+    waves : list of tuple of Orbit
+        One orbit per contact, all tuples of one length.
+    which : (..., 2) array of int
+        Slider and wave of each problem.
+    factors : (...) array
+        On the wave's amplitudes, zero or positive.
+    wave_errors : (w,) array
+        Relative, of the waves.
+    threads : int, optional
+        As many as there are processors when absent.
+    """
+    factors = np.asarray(factors, float)
+    for factor in factors[~((factors >= 0.0) & (factors < math.inf))]:
+        bounds.non_negative("factors", factor, "")
+    rows = _rows(sliders, waves, which, factors.ravel(), wave_errors, threads)
+    return _answer(rows.reshape(*factors.shape, -1))
+
+
+def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion:
+    """Return the steady state by averaging with the second-order correction.
+
+    Parameters
+    ----------
+    slider, orbits
+        As for `steady`.
+
+    Raises
+    ------
+    ConvergenceError
+        Status "not applicable", "runaway" or "not converged".
+    """
+    listed = as_orbits(orbits)
+    row = _rows([slider], [listed], [(0, 0)], [1.0], [0.0], 1)[0]
+    status = row[Entry.STATUS]
+    if math.isnan(status):
+        closed_form(slider, listed)  # says so if it runs away
+        refuse_unless_applicable(slider, listed, STIFFEST_STEADY)
+    if status != Status.DONE or row[Entry.REGIME] == Steady.UNKNOWN:
+        unreached = "not converged", "the averaged motion was not reached; use method exact"
+        raise ConvergenceError(*REFUSALS.get(status, unreached))
+    return _answer(row)
+
+
+def _answer(rows):
+    """Return the answer that the columns (`Entry`) hold."""
+    regime = np.nan_to_num(rows[..., Entry.REGIME]).astype(int)
+    rows = np.where(regime[..., None] == Steady.UNKNOWN, math.nan, rows)
+    return MeanMotion(
+        velocity=rows[..., Entry.VELOCITY], first_order=rows[..., Entry.FIRST_ORDER],
+        height=rows[..., Entry.HEIGHT], regime=REGIMES[regime], held=rows[..., Entry.HELD] == 1.0,
+        relative_error=rows[..., Entry.ERROR], error_from_wave=rows[..., Entry.FROM_WAVE],
+        blocked_thrust=rows[..., Entry.THRUST], blocked_thrust_error=rows[..., Entry.THRUST_ERROR],
+        load_sign=rows[..., Entry.LOAD_SIGN],
+    )  # fmt: skip
+
+
+def _rows(sliders, waves, which, factors, wave_errors, threads):
+    """Return the columns (`Entry`) of every problem; NaN as status where averaging does not apply."""
+    which, factors = np.asarray(which, np.int64).reshape(-1, 2), np.array(factors, float)
+    number, contacts = len(which), len(waves[0])
+    parameters = np.array([numbers(slider, contacts) for slider in sliders])
+    heights = np.array([slider.offsets(contacts) for slider in sliders])
+    sides, driven = zip(*(towards_plus(orbits) for orbits in waves), strict=True)
+    paths = Paths(
+        *(
+            np.array(each)
+            for each in zip(*(paths_of(orbits, np.zeros(contacts)) for orbits in driven), strict=True)
+        )
+    )
+    omegas = np.array([orbits[0].omega for orbits in waves])
+    resonances = np.array([slider.normal_resonance(contacts) for slider in sliders])
+    ratios = resonances[which[:, 0]] * 2.0 * math.pi / omegas[which[:, 1]]
+    out = np.full((number, len(Entry)), math.nan)
+    out[:, Entry.REGIME] = Steady.UNKNOWN
+    apply, known = factors > 0.0, {}
+    for k, pair in enumerate(map(tuple, which.tolist())):
+        if pair not in known:
+            known[pair] = not refusals(sliders[pair[0]], driven[pair[1]], STIFFEST_STEADY)
+        apply[k] &= known[pair]
+        if not apply[k]:
+            _fill_closed(sliders[pair[0]], driven[pair[1]], factors[k], out[k])
+    todo = np.flatnonzero(apply)
+    for law, of_laws, some in _by_law(sliders, which, todo):
+        errors = np.asarray(wave_errors, float)
+        given = Given(parameters, of_laws, law, heights, paths, omegas, errors, ratios, which, factors)
+        _spread(given, out, some, threads)
+    side = np.array(sides)[which[:, 1]]
+    for column in (Entry.VELOCITY, Entry.FIRST_ORDER):
+        out[:, column] = side * out[:, column] + 0.0  # no negative zero
+    return out
+
+
+def _by_law(sliders, which, todo):
+    """Return (law, numbers of every slider, problems) of the problems of each law: what one kernel does at once."""
+    laws = [slider.tangential_law for slider in sliders]
+    kinds = [law._replace(numbers=None) for law in laws]
+    for kind in dict.fromkeys(kinds):
+        same = np.array([other == kind for other in kinds])
+        numbers = np.array([law.numbers if mine else laws[kinds.index(kind)].numbers
+                            for law, mine in zip(laws, same, strict=True)])  # fmt: skip
+        yield laws[kinds.index(kind)], numbers, todo[same[which[todo, 0]]]
+
+
+def _fill_closed(slider, orbits, factor, row):
+    """Fill the row of a problem with a closed form, if it has one; its errors are zero."""
+    try:
+        found = closed_form(slider, tuple(orbit.scaled(factor) for orbit in orbits))
+    except ConvergenceError:
+        return
+    if found is None:
+        return
+    row[:] = 0.0
+    row[Entry.LOAD_SIGN] = 1.0
+    row[Entry.VELOCITY] = row[Entry.FIRST_ORDER] = found["velocity"]
+    row[Entry.HEIGHT], row[Entry.HELD] = found["height"], found["regime"] == "stick"
+    row[Entry.REGIME] = np.flatnonzero(found["regime"] == REGIMES)[0]
+
+
+def _spread(given, out, todo, threads):
+    threads = min(threads or os.cpu_count() or 1, max(1, len(todo) // 8))
+    if threads == 1:
+        states(given, out, todo, HARMONICS, 0, 1)
+        return
+    with ThreadPoolExecutor(threads) as pool:  # interleaved: neighbours cost alike
+        jobs = [pool.submit(states, given, out, todo, HARMONICS, first, threads) for first in range(threads)]
+        for job in jobs:
+            job.result()

@@ -1,0 +1,240 @@
+r"""The averaged way through time: first the bounce with the velocity, then the velocity alone.
+
+While the bounce lives, Runge-Kutta's classical method follows it in fixed steps, and the velocity takes the mean
+traction at the middle of each (it moves by 1e-4 of its range in one). Once the bounce's share in the mean traction,
+quadratic in its amplitude, is below the tolerance, the velocity equation is left: Dormand and Prince's pair of orders 5
+and 4 with its continuous extension (Hairer, Norsett and Wanner, *Solving Ordinary Differential Equations I*, II.5-6).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.averaged.cycle_mean import Counted, Mean, cycle, respond
+from contact.averaged.equilibrium import force_left, rest, room, settled
+from contact.averaged.riding import Rule, mean_push, riding
+from contact.body import Coordinates, body_force, contact_force, tangential_amplitude
+from contact.codes import Status
+from contact.events.segment import At
+from contact.jit.compiled import compiled, native
+from contact.stepping.end_corrections import cubic
+
+_TABLE = np.array(
+    [
+        [0.0] * 6,
+        [1 / 5, 0, 0, 0, 0, 0],
+        [3 / 40, 9 / 40, 0, 0, 0, 0],
+        [44 / 45, -56 / 15, 32 / 9, 0, 0, 0],
+        [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729, 0, 0],
+        [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656, 0],
+        [35 / 384, 0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
+    ]
+)
+_ERROR = np.array([71 / 57600, 0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40])
+_DENSE = np.array(
+    [
+        -12715105075 / 11282082432, 0, 87487479700 / 32700410799, -10690763975 / 1880347072,
+        701980252875 / 199316789632, -1453857185 / 822651844, 69997945 / 29380423,
+    ]
+)  # fmt: skip
+
+
+@compiled
+def _climb(problem, h, w, gain, rule):
+    """Return h'' of the bounce; `gain` is the second-order correction of the mean force."""
+    force, _ = mean_push(problem, h, rule)
+    own = body_force(problem, Coordinates(-w, 0.0))
+    return -own.normal - contact_force(problem, force + gain, w)
+
+
+@compiled
+def _swung(problem, h, w, gain, rule, d):
+    """Return (h, h') after a step d of the classical Runge-Kutta method."""
+    a1 = _climb(problem, h, w, gain, rule)
+    w2 = w + 0.5 * d * a1
+    a2 = _climb(problem, h + 0.5 * d * w, w2, gain, rule)
+    w3 = w + 0.5 * d * a2
+    a3 = _climb(problem, h + 0.5 * d * w2, w3, gain, rule)
+    w4 = w + d * a3
+    a4 = _climb(problem, h + d * w3, w4, gain, rule)
+    return h + d / 6.0 * (w + 2.0 * w2 + 2.0 * w3 + w4), w + d / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
+
+
+@compiled
+def ripple(fast):
+    """Return (z_s, z_s', v) of the fast motion at phase 0."""
+    height = climb = speed = 0.0
+    for k in range(fast.normal_cos.size):
+        height += fast.normal_cos[k]
+        climb += (k + 1) * fast.normal_sin[k]
+        speed += (k + 1) * fast.tangential_sin[k]
+    return height, climb, speed
+
+
+class Span(NamedTuple):
+    """What is followed, and what is recorded."""
+
+    stop: float  # A whole number of cycles, as phase
+    tolerance: float  # In V; also the largest squared bounce that counts as dead
+    per_period: int  # Steps per period of the bounce
+    rule: Rule  # Quadrature of a smooth piece, of at most `averaged.FINE_NODES` nodes
+    corrected: int  # 1: with the correction of second order
+    # (k,), (k, 2) arrays: Phases to report, rising; v and z_s there
+    at: np.ndarray
+    rows: np.ndarray
+
+
+@compiled
+def bounce(problem, state, span, work):
+    """Follow bounce and velocity until the bounce has died or the end; return (phase, samples taken, reason).
+
+    state, here (h, h', V), is changed in place.
+    """
+    rule = span.rule
+    stop, per_period, at, rows = span.stop, span.per_period, span.at, span.rows
+    h_end = riding(problem, rule)
+    _, slope = mean_push(problem, max(h_end, state[At.POSITION]), rule)
+    rate = np.sqrt(slope)
+    dt = 2.0 * np.pi / rate / per_period
+    h, w, v = state[At.POSITION], state[At.NORMAL_VELOCITY], state[At.VELOCITY]
+    phase, taken, gain, pull, largest, steps = 0.0, 0, 0.0, 0.0, 0.0, 0
+    while phase < stop:
+        d = min(dt, stop - phase)
+        h0, w0, v0 = h, w, v
+        middle, w = _swung(problem, h, w, gain, rule, 0.5 * d)
+        h, w = _swung(problem, middle, w, gain, rule, 0.5 * d)
+        v_middle = v + 0.5 * d * force_left(problem, pull, v)
+        for _ in range(2 if steps == 0 else 1):
+            if span.corrected:
+                cycle(problem, middle, v_middle, rule, work.second)
+                respond(problem, work.second)
+                cycle(problem, middle, v_middle, rule, work.second)
+                force, _ = mean_push(problem, middle, rule)
+                gain = work.second.means[Mean.NORMAL] - force
+                pull, stuck = work.second.means[Mean.TANGENTIAL], work.second.counts[Counted.STUCK]
+            else:
+                cycle(problem, middle, v_middle, rule, work.first)
+                pull, stuck = work.first.means[Mean.TANGENTIAL], work.first.counts[Counted.STUCK]
+            v_middle = v + 0.5 * d * force_left(problem, pull, v_middle)
+        if stuck > 0:
+            return phase, taken, Status.STICKS
+        v = (v * (1.0 - 0.5 * d * problem.tangential_damping) + d * (pull - problem.load)) / (
+            1.0 + 0.5 * d * problem.tangential_damping
+        )
+        if not np.isfinite(h + w + v):
+            return phase, taken, Status.UNSETTLED
+        while taken < at.size and at[taken] <= phase + d * (1.0 + 1e-12):
+            s = (at[taken] - phase) / d
+            rows[taken, 0] = v0 + s * (v - v0)
+            rows[taken, 1] = -cubic(s, h0, h, d * w0, d * w)
+            taken += 1
+        phase += d
+        steps += 1
+        largest = max(largest, (h - h_end) ** 2 + (w / rate) ** 2)
+        if steps % per_period == 0:
+            if largest < span.tolerance:
+                break
+            largest = 0.0
+    state[At.POSITION], state[At.NORMAL_VELOCITY], state[At.VELOCITY] = h, w, v
+    return phase, taken, Status.DONE
+
+
+@compiled
+def _rate(problem, h, v, rule, work, most):
+    """Return (V', h) at V; after so many rounds of settling height and fast motion, if any."""
+    if most > 0:
+        h, _ = settled(problem, rule, h, v, work, most)
+    cycle(problem, h, v, rule, work)
+    return force_left(problem, work.means[Mean.TANGENTIAL], v), h
+
+
+@compiled
+def accelerate(problem, state, phase, taken, span, work, k):
+    """Follow the velocity with the bounce dead; return the reason for ending. `k`: (7,) room."""
+    stop, at, rows, tolerance = span.stop, span.at, span.rows, 0.1 * span.tolerance
+    h, v, rule, means = state[At.POSITION], state[At.VELOCITY], span.rule, work.second
+    most = 3 if span.corrected else 0
+    if span.corrected:
+        _rate(problem, h, v, rule, means, 8)
+    else:  # the fast motion stays that of the start
+        h = riding(problem, rule)
+    k[0], h = _rate(problem, h, v, rule, means, most)
+    top = 0.0
+    for i in range(problem.paths.height.size):
+        top = max(top, tangential_amplitude(problem.paths, i))
+    d = min(stop - phase, 0.02 * top / (abs(k[0]) + 1e-300))
+    rejected = 0
+    while phase < stop:
+        d = min(d, stop - phase)
+        if stop - phase - d < 1e-9 * stop:
+            d = stop - phase
+        for i in range(1, 7):
+            y = v
+            for j in range(i):
+                y += d * _TABLE[i, j] * k[j]
+            k[i], h = _rate(problem, h, y, rule, means, most)
+        error = 0.0
+        for i in range(7):
+            error += d * _ERROR[i] * k[i]
+        error = abs(error) / tolerance
+        if means.counts[Counted.STUCK] > 0:
+            return Status.STICKS
+        if error > 1.0 and rejected < 60:
+            d *= max(0.2, 0.9 * error**-0.2)
+            rejected += 1
+            continue
+        rejected = 0
+        rise = y - v
+        bend = d * k[0] - rise
+        fourth = rise - d * k[6] - bend
+        last = 0.0
+        for i in range(7):
+            last += d * _DENSE[i] * k[i]
+        while taken < at.size and at[taken] <= phase + d * (1.0 + 1e-12):
+            s = (at[taken] - phase) / d
+            rows[taken, 0] = v + s * (rise + (1.0 - s) * (bend + s * (fourth + (1.0 - s) * last)))
+            rows[taken, 1] = -h
+            taken += 1
+        phase += d
+        v = y
+        k[0] = k[6]
+        d *= min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
+    state[At.POSITION], state[At.NORMAL_VELOCITY], state[At.VELOCITY] = h, 0.0, v
+    return Status.DONE
+
+
+@native("t f1 t t f1")
+def _response(problem, state, span, work, k):
+    """Fill the answer of `response`; return the reason for ending."""
+    rule, second, speed = span.rule, work.second, state[At.VELOCITY]
+    rest(second.fast)
+    h, w, v = -state[At.POSITION], -state[At.NORMAL_VELOCITY], speed
+    for _ in range(3):
+        cycle(problem, h, v, rule, second)
+        if second.counts[Counted.STUCK] > 0:
+            return Status.STICKS
+        respond(problem, second)
+        height, climb, wiggle = ripple(second.fast)
+        h, w, v = height - state[At.POSITION], climb - state[At.NORMAL_VELOCITY], speed - wiggle
+    state[At.POSITION], state[At.NORMAL_VELOCITY], state[At.VELOCITY] = h, w, v
+    phase, taken, why = bounce(problem, state, span, work)
+    if why == Status.DONE and phase < span.stop:
+        why = accelerate(problem, state, phase, taken, span, work, k)
+    if not span.corrected:
+        rest(second.fast)
+        cycle(problem, state[At.POSITION], state[At.VELOCITY], rule, second)
+        respond(problem, second)
+    height, climb, wiggle = ripple(second.fast)
+    state[At.POSITION], state[At.NORMAL_VELOCITY], state[At.VELOCITY] = (
+        height - state[At.POSITION],
+        climb - state[At.NORMAL_VELOCITY],
+        state[At.VELOCITY] + wiggle,
+    )
+    for m in range(span.at.size):
+        span.rows[m, 0] += wiggle
+    return why
+
+
+def response(problem, state, span: Span, harmonics: int) -> int:
+    """Follow a slider whose state is z_s, z_s' and v at phase 0, then at the end; return the reason for ending."""
+    return _response(problem, state, span, room(harmonics), np.zeros(7))

@@ -1,0 +1,1 @@
+"""The motion from event to event, exactly."""

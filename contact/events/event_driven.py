@@ -1,0 +1,357 @@
+r"""The event-driven motion: segment after segment, each ended by the first root of any guard.
+
+A segment is first laid out to its longest length; if a guard turns negative on it, the root is found on the
+interpolant, the segment is laid out anew to end there, and its length is corrected by Newton's method with the
+guard's true rate until the guard vanishes to rounding. Where the last cycle had the same segment, the length and the
+accelerations of that one are the first guess, and Newton's and Picard's iterations go on together. Extrema of every
+guard between the nodes are searched in either case, so no contact is skipped. A segment whose highest Chebyshev
+coefficients exceed the tolerance, or on which Picard's iteration does not gain, is halved. The segments of many
+contacts span their events (`many_contacts`).
+"""
+
+import threading
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from contact.codes import Count, Event, Outcome, Regime, Status
+from contact.events import many_contacts
+from contact.events import segment as seg
+from contact.events.collocation import ROOT_AT_START, SMOOTH
+from contact.events.energy import Sum, account, mark
+from contact.events.segment import At, Attempt, Column, Plane, Row
+from contact.events.transitions import cut, earliest, end_guard, is_sharp, transit
+from contact.events.warm_start import Pattern, blank, keep, matching, recalled
+from contact.jit.compiled import compiled, native
+from contact.law.hysteretic import is_full, write_curve
+
+TALLY = len(Event) + len(Count)
+
+
+class Task(NamedTuple):
+    """What a run is to do and to record."""
+
+    start: float  # phases; with a wave, within one cycle (rounding)
+    stop: float
+    number: int  # how many times; more than once over a whole cycle only
+    mobile: int  # 0: the slider's velocity stays as it is whatever the forces (a body of infinite mass)
+    tolerance: float  # truncation allowed per segment, over the friction and preload impulse of a radian
+    limit: int  # largest number of segments each time
+    at: np.ndarray  # (k,): where to record; rising, in (start, stop]. Recording alters nothing else
+    samples: np.ndarray  # (k, contacts, len(Sample)): z, x, P, Q, regime and v there
+    stride: int  # a row every so many cycles; 0 records nothing
+    rows: np.ndarray  # (number // stride, len(Column)): v, z_s, mean v of the last cycle
+
+
+class Work(NamedTuple):
+    """Work arrays: values at the nodes of a segment, and the segments of the last cycle (`warm_start`)."""
+
+    nodes: seg.Nodes
+    pattern: Pattern
+    span: many_contacts.Span
+
+
+_ROOMS = threading.local()  # a thread's arrays end with it
+MAX_ROOMS = 16  # of a thread
+
+
+def room(contacts: int, nodes: int) -> Work:
+    """Return this thread's work arrays, the same ones as the last time for these sizes."""
+    rooms: dict[Any, Work] = vars(_ROOMS)
+    if (contacts, nodes) not in rooms:
+        if len(rooms) >= MAX_ROOMS:
+            rooms.clear()
+        rooms[contacts, nodes] = Work(
+            seg.Nodes(np.zeros((len(Row), nodes)), np.zeros((len(Plane), contacts, nodes)), np.empty(nodes)),
+            blank(contacts, nodes),
+            many_contacts.span(contacts, nodes, TALLY),
+        )
+    return rooms[contacts, nodes]
+
+
+class Course(NamedTuple):
+    """Where a run stands."""
+
+    phase: float
+    length: float  # to try
+    entered: bool  # whether a contact has just closed
+    match: int  # of the next segment in the cycle number `old`, -1 without one
+    old: int
+    taken: int  # samples
+
+
+@compiled
+def _warm_started(problem, grid, state, nodes, task, segment, memory):
+    """Lay a segment out from recalled accelerations to the event at its end, if any; return its length, 0 if it fails.
+
+    Newton's iteration for the length and Picard's for the motion in one.
+    """
+    room = min(problem.longest, task.stop - segment.phase)
+    seg.surface(problem, grid, nodes, segment)
+    seg.integrate(grid, state, nodes, segment)
+    last = np.inf
+    for _ in range(15):
+        seg.forces(problem, grid, state, nodes, segment, task.mobile, memory)
+        change = 0.0
+        if task.mobile:
+            change = seg.integrate(grid, state, nodes, segment) / (1.0 + abs(state.slider[At.POSITION]))
+        state.tally[Count.SWEEPS] += 1
+        if not change < 1e100:
+            return 0.0
+        arrived = seg.has_converged(change, last)
+        last = change
+        seg.end_kinematics(problem, state, nodes)
+        if segment.contact >= 0:
+            end = segment.phase + segment.length
+            value, rate = end_guard(problem, state, nodes, segment.contact, segment.guard, end, memory)
+            step = -value / rate
+            if not rate < 0.0 or abs(step) > 0.2 * segment.length:
+                return 0.0
+            if abs(value) >= 1e-16 and abs(step) >= 2e-16:
+                arrived = False
+                segment = seg.resized(segment, segment.length + step)
+                if not 0.0 < segment.length < room:
+                    return 0.0
+                seg.surface(problem, grid, nodes, segment)
+        if arrived:
+            place, other, _ = earliest(problem, grid, state, nodes, memory)
+            # an event that this segment did not have: a cold start will find it
+            known = other < 0 or (segment.contact >= 0 and place > 1.0 - 1e-6)
+            return segment.length if known else 0.0
+    return 0.0
+
+
+@compiled
+def _cold_started(problem, grid, state, nodes, task, segment, memory):
+    """Lay a segment out, and end it at the first root of a guard on it; return (converged, segment)."""
+    entered = segment.map == ROOT_AT_START
+    converged, sweeps = seg.lay_out(problem, grid, state, nodes, segment, task.mobile, memory)
+    state.tally[Count.SWEEPS] += sweeps
+    if not converged:
+        return False, segment
+    place, who, which = earliest(problem, grid, state, nodes, memory)
+    for _ in range(12):
+        if who < 0:
+            break
+        sharp = is_sharp(which, state.regime[who])
+        segment = cut(segment, place, who, which, sharp, entered)
+        segment = _landed(problem, grid, state, nodes, task, segment, memory)
+        if segment.length == 0.0 or segment.contact < 0:
+            break
+        # with the better motion another guard may come first
+        place, who, which = earliest(problem, grid, state, nodes, memory)
+        if (who == segment.contact and which == segment.guard) or place > 1.0 - 1e-6:
+            break
+    return True, segment
+
+
+@compiled
+def _landed(problem, grid, state, nodes, task, segment, memory):
+    """Return the segment laid out to where its guard vanishes."""
+    for trial in range(12):
+        if segment.length < 1e-14:
+            segment = seg.resized(segment, 0.0)
+        _, sweeps = seg.lay_out(problem, grid, state, nodes, segment, task.mobile, memory)
+        state.tally[Count.SWEEPS] += sweeps
+        if segment.contact < 0:
+            break
+        end = segment.phase + segment.length
+        value, rate = end_guard(problem, state, nodes, segment.contact, segment.guard, end, memory)
+        length = seg.next_length(segment, value, rate, trial)
+        if length == segment.length:
+            break
+        segment = seg.resized(segment, length)
+    return segment
+
+
+@compiled
+def _roughness(problem, grid, nodes, segment):
+    """Return the largest roughness of a contact's forces on the segment."""
+    worst = most = 0.0
+    for i in range(nodes.contact.shape[1]):
+        most = max(most, seg.largest_push(nodes, i))
+    for i in range(nodes.contact.shape[1]):
+        worst = max(worst, seg.roughness(problem, grid, nodes, segment, i, most))
+    return worst
+
+
+@compiled
+def _sampled(grid, state, nodes, task, segment, taken):
+    """Take the samples that fall on the segment; return how many are taken by now."""
+    while taken < task.at.size and task.at[taken] <= segment.phase + segment.length:
+        for i in range(state.regime.size):
+            seg.sample(grid, state, nodes, segment, i, task.at[taken], task.samples[taken, i])
+        taken += 1
+    return taken
+
+
+@compiled
+def _move_to_end(problem, state, nodes, memory):
+    """Set the state to that at the end of a segment, which also has the first accelerations of the next."""
+    end, slider, own = nodes.guard.size - 1, nodes.slider, nodes.contact
+    state.slider[At.POSITION] = slider[Row.POSITION, end]
+    state.slider[At.NORMAL_VELOCITY] = slider[Row.NORMAL_VELOCITY, end]
+    state.slider[At.VELOCITY] = slider[Row.VELOCITY, end]
+    for i in range(state.regime.size):
+        state.deformation[i] = own[Plane.X, i, end]
+        if memory is not None:
+            if state.regime[i] == Regime.GROW:
+                write_curve(
+                    memory, i, own[Plane.Z, i], own[Plane.X, i], own[Plane.LEVEL, i], problem.limit_slope
+                )
+    _begin_with(nodes, slider[Row.NORMAL_ACCELERATION, end], slider[Row.TANGENTIAL_ACCELERATION, end])
+
+
+@compiled
+def _begin_with(nodes, normal, tangential):
+    """Set the accelerations from which the next segment is guessed."""
+    nodes.slider[Row.NORMAL_ACCELERATION, 0] = normal
+    nodes.slider[Row.TANGENTIAL_ACCELERATION, 0] = tangential
+
+
+@compiled
+def _from_last_cycle(problem, grid, state, work, task, memory, course):
+    """Return the segment that the last cycle had here, laid out to the same end or event; length 0 without it."""
+    pattern, old, m = work.pattern, course.old, course.match
+    nothing = seg.segment_at(course.phase, 0.0, SMOOTH, 0)
+    if m < 0:
+        return nothing
+    map_, contact, end = pattern.map[old, m], pattern.contact[old, m], pattern.end[old, m]
+    last = contact < 0 and end >= task.stop - 1e-12
+    length = (task.stop if last else end) - course.phase
+    fits = 0.0 < length <= problem.longest and course.phase + length <= task.stop
+    if not fits or (map_ == ROOT_AT_START) != course.entered:
+        return nothing
+    segment = seg.Segment(course.phase, length, length, map_, contact, pattern.guard[old, m], int(last))
+    recalled(pattern, old, m, work.nodes)
+    found = _warm_started(problem, grid, state, work.nodes, task, segment, memory)
+    return seg.Segment(segment.phase, found, found, map_, contact, segment.guard, segment.last)
+
+
+@compiled
+def _attempt(problem, grid, state, work, task, memory, course):
+    """Lay out the next segment; return what became of it."""
+    nodes, longest = work.nodes, problem.longest
+    normal = nodes.slider[Row.NORMAL_ACCELERATION, 0]
+    tangential = nodes.slider[Row.TANGENTIAL_ACCELERATION, 0]
+    segment = _from_last_cycle(problem, grid, state, work, task, memory, course)
+    if segment.length == 0.0:
+        _begin_with(nodes, normal, tangential)
+        map_ = ROOT_AT_START if course.entered else SMOOTH
+        segment = seg.next_segment(course.phase, course.length, task.stop, map_)
+        converged, segment = _cold_started(problem, grid, state, nodes, task, segment, memory)
+        if not converged:
+            return Attempt(Outcome.NOT_CONVERGED, segment, 0.25 * segment.length, Status.STIFF)
+    if segment.length == 0.0:
+        return Attempt(Outcome.EVENT_AT_START, segment, segment.longest, Status.DONE)
+    rough, change = _roughness(problem, grid, nodes, segment), 1.0
+    if course.match < 0 or rough > task.tolerance:
+        order = nodes.guard.size - 1
+        change = min(2.0, max(0.2, 0.9 * (task.tolerance / (rough + 1e-300)) ** (1.0 / order)))
+    if rough > task.tolerance and segment.length > 1e-6 * longest:
+        _begin_with(nodes, normal, tangential)
+        return Attempt(Outcome.TOO_ROUGH, segment, segment.length * min(change, 0.7), Status.DONE)
+    return Attempt(
+        Outcome.ACCEPTED, segment, max(segment.length * change, 0.3 * segment.longest), Status.DONE
+    )
+
+
+@compiled
+def _next(problem, grid, state, work, task, memory, course):
+    """Lay out the next segment, of many contacts one that spans their events; return what became of it."""
+    if memory is None and state.regime.size >= many_contacts.MANY:
+        return many_contacts.attempt(problem, grid, state, work, task, memory, course)
+    return _attempt(problem, grid, state, work, task, memory, course)
+
+
+@compiled
+def _accept(problem, grid, state, work, task, memory, course, segment):
+    """Account for a segment and move the state to its end; return (phase there, samples taken)."""
+    phase = task.stop if segment.last else course.phase + segment.length
+    if memory is None and state.regime.size >= many_contacts.MANY:
+        return phase, many_contacts.accept(problem, grid, state, work, task, segment, course.taken)
+    account(problem, grid, state, work.nodes, segment)
+    taken = _sampled(grid, state, work.nodes, task, segment, course.taken)
+    keep(work.pattern, 1 - course.old, segment, phase, state, work.nodes)
+    _move_to_end(problem, state, work.nodes, memory)
+    return phase, taken
+
+
+@compiled
+def advance(problem, grid, state, work, task, memory, cycle):
+    """Move the state from start to stop; return the reason for ending.
+
+    Of the pattern's two cycles that of number `cycle % 2` is filled, the other one is the guess.
+    """
+    contacts, new, nodes, tally = state.regime.size, cycle % 2, work.nodes, state.tally
+    phase, length, idle, taken, spent = task.start, problem.longest, 0, 0, 0
+    first, warm, entered = 0, True, False  # entered: the segment starts where a contact was made
+    work.pattern.count[new] = 0
+    while phase < task.stop:
+        spent += 1
+        if spent > task.limit:
+            return Status.TOO_MANY
+        if memory is not None:
+            if is_full(memory):
+                return Status.FULL
+        if not np.isfinite(
+            state.slider[At.POSITION] + state.slider[At.NORMAL_VELOCITY] + state.slider[At.VELOCITY]
+        ):
+            return Status.NOT_FINITE
+        match = matching(work.pattern, 1 - new, first, phase, state) if warm else -1
+        first = max(first, match + 1)
+        course = Course(phase, min(length, problem.longest), entered, match, 1 - new, taken)
+        tried = _next(problem, grid, state, work, task, memory, course)
+        segment, length = tried.segment, tried.length
+        if tried.outcome == Outcome.NOT_CONVERGED or tried.outcome == Outcome.TOO_ROUGH:
+            tally[Count.HALVINGS] += 1
+            if tried.outcome == Outcome.NOT_CONVERGED and length < 1e-9 * problem.longest:
+                return tried.status
+            warm = warm and tried.outcome == Outcome.NOT_CONVERGED
+            continue
+        if tried.outcome == Outcome.ACCEPTED:
+            tally[Count.SEGMENTS] += 1
+            phase, taken = _accept(problem, grid, state, work, task, memory, course, segment)
+            idle, entered, warm = 0, False, True
+        else:
+            idle += 1
+            tally[Count.CHATTER] += idle > contacts
+            if idle > 20 * contacts + 20:
+                return Status.TOO_MANY
+        if segment.contact >= 0:
+            made = transit(problem, state, nodes, segment, phase, memory)
+            mark(state.sums)
+            entered = entered or made
+    return Status.DONE
+
+
+@native(
+    "t t t t t t",
+    {
+        "problem.paths.height": "n", "problem.paths.normal_cos": "n", "problem.paths.tangential_cos": "n",
+        "grid.sigma": "m", "grid.bary": "m", "grid.tau": "3 m", "grid.integrals": "3 2 m m", "grid.rates": "m m",
+        "grid.tail": "2 m", "state.slider": "3", "state.deformation": "n", "state.sign": "n", "state.regime": "n",
+        "state.tally": "12", "state.sums": "13", "work.nodes.slider": "10 m", "work.nodes.contact": "11 n m",
+        "work.nodes.guard": "m", "work.pattern.regime": "2 c n", "work.pattern.acceleration": "2 c 2 m",
+        "task.at": "s", "task.samples": "s n 6", "task.rows": "r 3", "memory.count": "n", "memory.kind": "n p",
+        "memory.corner": "n p 4", "memory.curve": "n p 5 m", "memory.level": "n",
+    },
+)  # fmt: skip
+def travel(problem, grid, state, work, task, memory):
+    """Move the state from one phase to another, or again and again over the same cycle; return the reason for ending.
+
+    `memory` is None for a law without one, and then nothing of the hysteretic law is compiled.
+    """
+    work.pattern.count[:], work.nodes.slider[:], work.nodes.contact[:] = 0, 0.0, 0.0
+    for k in range(task.number):
+        before = state.sums[Sum.DISPLACEMENT]
+        _begin_with(work.nodes, 0.0, 0.0)
+        why = advance(problem, grid, state, work, task, memory, k)
+        if why != Status.DONE:
+            return why
+        state.tally[Count.CYCLES] += 1
+        if task.stride > 0 and (k + 1) % task.stride == 0:
+            row = task.rows[(k + 1) // task.stride - 1]
+            row[Column.VELOCITY], row[Column.POSITION] = state.slider[At.VELOCITY], state.slider[At.POSITION]
+            row[Column.MEAN_VELOCITY] = (state.sums[Sum.DISPLACEMENT] - before) / (2.0 * np.pi)
+    return Status.DONE

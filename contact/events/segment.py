@@ -1,0 +1,456 @@
+r"""One smooth segment of motion between two events, by Chebyshev-Picard iteration.
+
+The forces at the nodes give velocities and positions by the collocation's integration matrices, and these give the
+forces again. A slider is heavy against the contact's stiffness over a part of a cycle, so each sweep gains a factor of
+about (omega_n L)^2/2: four digits and more at a wave of 2 MHz, and a shorter segment where it gains too little.
+"""
+
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.body import (
+    Coordinates,
+    Point,
+    approach,
+    approach_rate,
+    at_phase,
+    body_force,
+    contact_force,
+    short_sine,
+    travel,
+)
+from contact.codes import Regime, Tangential
+from contact.events.collocation import ROOT_AT_END, ROOT_AT_START
+from contact.jit.compiled import compiled
+from contact.law.elastic import FAR_SIDE, spring
+from contact.law.hysteretic import moment_rate
+from contact.law.normal import load
+from contact.roots import interpolate
+
+MAX_SWEEPS = 25  # of Picard's iteration
+
+
+class At(IntEnum):
+    """Places in `State.slider`; the deformations follow them in the state of a whole motion."""
+
+    POSITION = 0
+    NORMAL_VELOCITY = 1
+    VELOCITY = 2
+    DEFORMATIONS = 3
+
+
+class Column(IntEnum):
+    """Columns of the rows that a run records."""
+
+    VELOCITY = 0
+    POSITION = 1
+    MEAN_VELOCITY = 2
+
+
+class Row(IntEnum):
+    """Rows of `Nodes.slider`: the motion, its accelerations, and the integrals of these, once and twice."""
+
+    POSITION = 0
+    NORMAL_VELOCITY = 1
+    TRAVEL = 2  # from the segment's start
+    VELOCITY = 3
+    NORMAL_ACCELERATION = 4
+    TANGENTIAL_ACCELERATION = 5
+    NORMAL_ONCE = 6
+    NORMAL_TWICE = 7
+    TANGENTIAL_ONCE = 8
+    TANGENTIAL_TWICE = 9
+
+
+class Plane(IntEnum):
+    """Planes of `Nodes.contact`."""
+
+    U_Z = 0
+    U_X = 1
+    U_Z_RATE = 2
+    U_X_RATE = 3
+    Z = 4
+    X = 5
+    P = 6
+    Q = 7
+    BACK = 8
+    FRONT = 9
+    LEVEL = 10
+
+
+class State(NamedTuple):
+    """What a slider carries from one segment to the next, and what has been counted on the way."""
+
+    slider: np.ndarray  # (3,): z_s, z_s' and v
+    deformation: np.ndarray  # (contacts,): x
+    sign: np.ndarray  # (contacts,): of deformation or slip
+    regime: np.ndarray  # (contacts,) int: see `law.elastic`
+    tally: np.ndarray  # (TALLY,) int: events and work, see `event_driven`
+    sums: np.ndarray  # (SUMS,): integrals, see `energy`
+
+
+class Nodes(NamedTuple):
+    """Values at the nodes: of the slider (len(Row), n), of the contacts (len(Plane), contacts, n), of a guard (n,)."""
+
+    slider: np.ndarray
+    contact: np.ndarray
+    guard: np.ndarray
+
+
+class Segment(NamedTuple):
+    """Where a segment lies and how it ends."""
+
+    phase: float  # of its start
+    length: float  # so far; 0 where an event falls on its start
+    longest: float  # the length that it had before an event was found on it
+    map: int  # of the collocation
+    contact: int  # whose guard vanishes at its end, -1 without an event
+    guard: int  # and which
+    last: int  # whether it ends where the run ends
+
+
+class Attempt(NamedTuple):
+    """What became of an attempt at a segment."""
+
+    outcome: int  # one of `codes.Outcome`
+    segment: Segment
+    length: float  # to try next
+    status: int  # why it did not converge
+
+
+@compiled
+def next_segment(phase, length, stop, map_):
+    """Return a segment of at most this length without an event."""
+    last = phase + length >= stop - 1e-12
+    return segment_at(phase, stop - phase if last else length, map_, int(last))
+
+
+@compiled
+def segment_at(phase, length, map_, last):
+    """Return a segment without an event."""
+    return Segment(phase, length, length, map_, -1, -1, last)
+
+
+@compiled
+def resized(segment, length):
+    """Return the segment with another length."""
+    return Segment(
+        segment.phase, length, segment.longest, segment.map, segment.contact, segment.guard, segment.last
+    )
+
+
+@compiled
+def surface(problem, grid, nodes, segment):
+    """Fill the surface's displacement (u_x relative to the start) and velocity at the nodes."""
+    c0, s0 = np.cos(segment.phase), np.sin(segment.phase)
+    for i in range(nodes.contact.shape[1]):
+        surface_of(problem, grid, nodes, segment, i, c0, s0, 0)
+
+
+@compiled
+def surface_of(problem, grid, nodes, segment, i, c0, s0, first):
+    """Fill what `surface` fills for one contact from node `first` on; c0, s0: cosine and sine of the start."""
+    # in the frame of the start: u_z = a cos t + b sin t
+    a, b, d, e = at_phase(problem.paths, i, c0, s0)
+    own, short = nodes.contact, segment.length <= 0.8
+    for j in range(first, own.shape[2]):
+        t = segment.length * grid.tau[segment.map, j]
+        if short:
+            s, v = short_sine(t)
+        else:
+            s, v = np.sin(t), 1.0 - np.cos(t)
+        c = 1.0 - v
+        own[Plane.U_Z, i, j] = a * c + b * s
+        own[Plane.U_X, i, j] = e * s - d * v
+        own[Plane.U_Z_RATE, i, j] = b * c - a * s
+        own[Plane.U_X_RATE, i, j] = e * c - d * s
+
+
+@compiled
+def place_at(nodes, j):
+    """Return the slider's coordinates at a node, the travel from the segment's start."""
+    return Coordinates(nodes.slider[Row.POSITION, j], nodes.slider[Row.TRAVEL, j])
+
+
+@compiled
+def rate_at(nodes, j):
+    """Return the rates of the slider's coordinates at a node."""
+    return Coordinates(nodes.slider[Row.NORMAL_VELOCITY, j], nodes.slider[Row.VELOCITY, j])
+
+
+@compiled
+def point_at(nodes, i, j):
+    """Return approach, deformation and their rates of a contact at a node."""
+    own, rate = nodes.contact, rate_at(nodes, j)
+    z_rate = approach_rate(own[Plane.U_Z_RATE, i, j], rate)
+    return Point(own[Plane.Z, i, j], own[Plane.X, i, j], z_rate, travel(own[Plane.U_X_RATE, i, j], rate))
+
+
+@compiled
+def forces(problem, grid, state, nodes, segment, mobile, memory):
+    """Fill approach, deformation, forces and accelerations at the nodes from the slider's motion there."""
+    slider, own = nodes.slider, nodes.contact
+    n = grid.sigma.size
+    if memory is not None:
+        _moments(problem, grid, state, nodes, segment, memory)
+    for j in range(n):
+        force = body_force(problem, rate_at(nodes, j))
+        slider[Row.NORMAL_ACCELERATION, j] = force.normal if mobile else 0.0
+        slider[Row.TANGENTIAL_ACCELERATION, j] = force.along if mobile else 0.0
+    for i in range(state.regime.size):
+        contact_forces(problem, grid, state, nodes, i, memory)
+        if mobile and state.regime[i] != Regime.SEPARATED:
+            for j in range(n):
+                slider[Row.NORMAL_ACCELERATION, j] += normal_force(problem, nodes, i, j)
+                slider[Row.TANGENTIAL_ACCELERATION, j] += own[Plane.Q, i, j]
+
+
+@compiled
+def normal_force(problem, nodes, i, j):
+    """Return the normal force of a contact on the slider at a node, damper and reciprocal force with it."""
+    own = nodes.contact
+    rate = approach_rate(own[Plane.U_Z_RATE, i, j], rate_at(nodes, j))
+    return contact_force(problem, own[Plane.P, i, j], rate) + own[Plane.BACK, i, j]
+
+
+@compiled
+def contact_forces(problem, grid, state, nodes, i, memory):
+    """Fill approach, deformation and forces of one contact."""
+    law, regime, sign, own = problem.law, state.regime[i], state.sign[i], nodes.contact
+    n = grid.sigma.size
+    for j in range(n):
+        own[Plane.Z, i, j] = approach(problem.paths, i, own[Plane.U_Z, i, j], place_at(nodes, j))
+        own[Plane.BACK, i, j] = 0.0
+    if regime == Regime.SEPARATED:
+        for j in range(n):
+            own[Plane.P, i, j] = own[Plane.Q, i, j] = own[Plane.X, i, j] = 0.0
+        return
+    for j in range(n):
+        own[Plane.P, i, j] = problem.stiffness * load(own[Plane.Z, i, j], problem.shape)
+    if regime == Regime.SLIP:
+        for j in range(n):
+            own[Plane.X, i, j] = sign * law.limit(problem, own[Plane.Z, i, j])
+    else:
+        for j in range(n):
+            own[Plane.X, i, j] = state.deformation[i] + travel(own[Plane.U_X, i, j], place_at(nodes, j))
+    for j in range(n):
+        level, front = own[Plane.LEVEL, i, j], own[Plane.FRONT, i, j]
+        own[Plane.Q, i, j], own[Plane.FRONT, i, j] = law.force(
+            problem, memory, i, regime, sign, point_at(nodes, i, j), level, front
+        )
+    if law.kind == Tangential.RECIPROCAL:
+        for j in range(n):
+            own[Plane.BACK, i, j] = spring(problem, regime, sign, point_at(nodes, i, j))[1]
+
+
+@compiled
+def _moments(problem, grid, state, nodes, segment, memory):
+    """Fill the moment M at the nodes of contacts that grow without slip."""
+    own, n = nodes.contact, grid.sigma.size
+    for i in range(state.regime.size):
+        if state.regime[i] != Regime.GROW:
+            continue
+        for j in range(n):
+            z = approach(problem.paths, i, own[Plane.U_Z, i, j], place_at(nodes, j))
+            x_rate = travel(own[Plane.U_X_RATE, i, j], rate_at(nodes, j))
+            own[Plane.FRONT, i, j] = moment_rate(problem, z, x_rate)
+        for j in range(n):
+            total = 0.0
+            for k in range(n):
+                total += grid.integrals[segment.map, 0, k, j] * own[Plane.FRONT, i, k]
+            own[Plane.LEVEL, i, j] = memory.level[i] + segment.length * total
+
+
+@compiled
+def integrate(grid, state, nodes, segment):
+    """Fill the slider's motion at the nodes from its accelerations there; return the largest change."""
+    once, twice = grid.integrals[segment.map, 0], grid.integrals[segment.map, 1]
+    slider, length, n = nodes.slider, segment.length, grid.sigma.size
+    for j in range(0, n, 4):
+        b = min(j, n - 4)  # the last four nodes may overlap with those before
+        _four(once, b, slider[Row.NORMAL_ACCELERATION], slider[Row.NORMAL_ONCE])
+        _four(twice, b, slider[Row.NORMAL_ACCELERATION], slider[Row.NORMAL_TWICE])
+        _four(once, b, slider[Row.TANGENTIAL_ACCELERATION], slider[Row.TANGENTIAL_ONCE])
+        _four(twice, b, slider[Row.TANGENTIAL_ACCELERATION], slider[Row.TANGENTIAL_TWICE])
+    change = 0.0
+    z_s, z_rate, v = state.slider[At.POSITION], state.slider[At.NORMAL_VELOCITY], state.slider[At.VELOCITY]
+    for j in range(n):
+        tau = grid.tau[segment.map, j]
+        climb, speed = (
+            z_rate + length * slider[Row.NORMAL_ONCE, j],
+            v + length * slider[Row.TANGENTIAL_ONCE, j],
+        )
+        height = z_s + length * (z_rate * tau + length * slider[Row.NORMAL_TWICE, j])
+        way = length * (v * tau + length * slider[Row.TANGENTIAL_TWICE, j])
+        moved = max(abs(height - slider[Row.POSITION, j]), abs(way - slider[Row.TRAVEL, j]))
+        moved = max(moved, abs(climb - slider[Row.NORMAL_VELOCITY, j]), abs(speed - slider[Row.VELOCITY, j]))
+        slider[Row.POSITION, j], slider[Row.NORMAL_VELOCITY, j] = height, climb
+        slider[Row.TRAVEL, j], slider[Row.VELOCITY, j] = way, speed
+        # a motion that is not finite must not pass for one that does not change
+        change = max(change, moved if moved < 1e100 else 1e300)
+    return change
+
+
+@compiled
+def _four(columns, j, values, out):
+    """Fill four sums at once, sum_k columns[k, j..j+3] values[k]: the processor's width."""
+    a = b = c = d = 0.0
+    # unsigned places: no check for negative ones stands between the four
+    j0, j1, j2, j3 = np.uint64(j), np.uint64(j + 1), np.uint64(j + 2), np.uint64(j + 3)
+    for k in range(values.size):
+        f = values[k]
+        a += columns[k, j0] * f
+        b += columns[k, j1] * f
+        c += columns[k, j2] * f
+        d += columns[k, j3] * f
+    out[j0], out[j1], out[j2], out[j3] = a, b, c, d
+
+
+@compiled
+def has_converged(change, last):
+    """Return whether Picard's iteration has arrived: the last change times the observed gain is below rounding."""
+    gain = change / last
+    return change < 1e-16 or (0.0 < gain < 0.5 and change * gain < 1e-15) or (gain > 0.5 and change < 2e-15)
+
+
+@compiled
+def lay_out(problem, grid, state, nodes, segment, mobile, memory):
+    """Iterate to the motion on a segment, from constant accelerations; return (converged, sweeps)."""
+    surface(problem, grid, nodes, segment)
+    _guess(grid, state, nodes, segment)
+    converged, count, last = False, 0, np.inf
+    while not converged and count < MAX_SWEEPS:
+        count += 1
+        forces(problem, grid, state, nodes, segment, mobile, memory)
+        if not mobile:
+            converged = True
+            break
+        change = integrate(grid, state, nodes, segment) / (1.0 + abs(state.slider[At.POSITION]))
+        if not change < 1e100:
+            break
+        converged = has_converged(change, last)
+        last = change
+    end_kinematics(problem, state, nodes)
+    return converged, count
+
+
+@compiled
+def _guess(grid, state, nodes, segment):
+    """Fill the first guess: constant accelerations from the end of the last segment."""
+    slider = nodes.slider
+    normal, tangential = slider[Row.NORMAL_ACCELERATION, 0], slider[Row.TANGENTIAL_ACCELERATION, 0]
+    z_s, climb, v = state.slider[At.POSITION], state.slider[At.NORMAL_VELOCITY], state.slider[At.VELOCITY]
+    for j in range(grid.sigma.size):
+        t = segment.length * grid.tau[segment.map, j]
+        slider[Row.POSITION, j] = z_s + t * (climb + 0.5 * t * normal)
+        slider[Row.NORMAL_VELOCITY, j] = climb + t * normal
+        slider[Row.TRAVEL, j] = t * (v + 0.5 * t * tangential)
+        slider[Row.VELOCITY, j] = v + t * tangential
+
+
+@compiled
+def end_kinematics(problem, state, nodes):
+    """Set approach and deformation of every contact at the end of the segment from the slider's motion there.
+
+    Picard's iteration leaves them as they were before its last sweep, up to 1e-12 away: enough for a contact that has
+    just closed to begin the next segment with a negative approach.
+    """
+    for i in range(state.regime.size):
+        contact_end(problem, state, nodes, i)
+
+
+@compiled
+def contact_end(problem, state, nodes, i):
+    """Set approach and deformation of a contact at the end of the segment from the slider's motion there."""
+    own, n = nodes.contact, nodes.guard.size - 1
+    q = place_at(nodes, n)
+    z = approach(problem.paths, i, own[Plane.U_Z, i, n], q)
+    own[Plane.Z, i, n] = z
+    if state.regime[i] == Regime.SLIP:
+        own[Plane.X, i, n] = state.sign[i] * problem.law.limit(problem, z)
+    elif state.regime[i] != Regime.SEPARATED:
+        own[Plane.X, i, n] = state.deformation[i] + travel(own[Plane.U_X, i, n], q)
+
+
+@compiled
+def guards(problem, state, nodes, i, which, memory):
+    """Fill `nodes.guard` with guard `which` of contact i at all nodes."""
+    regime, sign, own, out = state.regime[i], state.sign[i], nodes.contact, nodes.guard
+    if which == 0:
+        side = -1.0 if regime == Regime.SEPARATED else 1.0
+        for j in range(out.size):
+            out[j] = FAR_SIDE + side * own[Plane.Z, i, j]
+        return
+    for j in range(out.size):
+        front = own[Plane.FRONT, i, j]
+        out[j] = problem.law.guard(problem, memory, i, regime, which, sign, point_at(nodes, i, j), front)
+
+
+@compiled
+def next_length(segment, value, rate, trial):
+    """Return the length at which the segment's guard vanishes, by Newton's method; the same one if it is good enough.
+
+    `value`, `rate`: of the guard at the end; `trial`: how many lengths have been tried.
+    """
+    length = segment.length
+    if length == 0.0 or abs(value) < 1e-16 or not rate < 0.0:
+        return length
+    step = -value / rate
+    if abs(step) < 2e-16 or (trial > 6 and abs(step) < 1e-14):
+        return length
+    return min(max(length + step, 0.5 * length), min(1.1 * length + 1e-12, segment.longest))
+
+
+@compiled
+def roughness(problem, grid, nodes, segment, i, most):
+    """Return the larger of the two highest Chebyshev coefficients of a contact's forces, times length over scale.
+
+    `most`: the largest normal force, for an impact without preload has its own scale.
+    """
+    own, tail, worst = nodes.contact, grid.tail, 0.0
+    push = max(problem.preload, 1e-3 * most) + 1e-300
+    pull = problem.friction * push + 1e-300
+    for r in range(2):
+        ep, eq = 0.0, 0.0
+        for k in range(own.shape[2]):
+            ep += tail[r, k] * own[Plane.P, i, k]
+            eq += tail[r, k] * own[Plane.Q, i, k]
+        worst = max(worst, segment.length * abs(ep) / push, segment.length * abs(eq) / pull)
+    return worst
+
+
+@compiled
+def largest_push(nodes, i):
+    """Return the largest normal force of a contact at the nodes."""
+    most = 0.0
+    for k in range(nodes.guard.size):
+        most = max(most, nodes.contact[Plane.P, i, k])
+    return most
+
+
+class Sample(IntEnum):
+    """Columns of the samples of a contact."""
+
+    APPROACH = 0
+    DEFORMATION = 1
+    NORMAL_FORCE = 2
+    TANGENTIAL_FORCE = 3
+    REGIME = 4
+    SLIDER_VELOCITY = 5
+
+
+@compiled
+def sample(grid, state, nodes, segment, i, phase, out):
+    """Fill a sample of a contact at a phase of the segment."""
+    t = min(max((phase - segment.phase) / segment.length, 0.0), 1.0)
+    if segment.map == ROOT_AT_START:
+        t = np.sqrt(t)
+    elif segment.map == ROOT_AT_END:
+        t = 1.0 - np.sqrt(1.0 - t)
+    place = 2.0 * t - 1.0
+    for k in range(Sample.REGIME):
+        out[k] = interpolate(place, grid.sigma, grid.bary, nodes.contact[Plane.Z + k, i])
+    out[Sample.REGIME] = state.regime[i]
+    out[Sample.SLIDER_VELOCITY] = interpolate(place, grid.sigma, grid.bary, nodes.slider[Row.VELOCITY])

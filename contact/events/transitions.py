@@ -1,0 +1,125 @@
+r"""Events at the end of a segment: which guard vanishes first, how fast, and what follows."""
+
+import numpy as np
+
+from contact.body import Coordinates, Point, approach, approach_rate, at_phase, travel
+from contact.codes import Event, Regime
+from contact.events.collocation import ROOT_AT_END, ROOT_AT_START
+from contact.events.energy import Sum
+from contact.events.segment import Plane, Row, Segment, guards, point_at
+from contact.jit.compiled import compiled
+from contact.law.elastic import opening, spring
+from contact.law.hysteretic import on_curve
+from contact.roots import first_root
+
+# the last guard of each regime
+LAST = (0, 2, 1, 2, 3, 2)
+
+
+def open_regimes(problem, phase, state):
+    """Set regime and sign of every contact, and its deformation within the slip limit, from the state at a phase."""
+    height, climb, speed = state.slider
+    q, rate = Coordinates(height, 0.0), Coordinates(climb, speed)
+    for i in range(state.regime.size):
+        u_z, u_z_rate, _, u_x_rate = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
+        z = approach(problem.paths, i, u_z, q)
+        point = Point(z, state.deformation[i], approach_rate(u_z_rate, rate), travel(u_x_rate, rate))
+        state.regime[i], state.sign[i], state.deformation[i] = opening(problem, point)
+
+
+@compiled
+def earliest(problem, grid, state, nodes, memory):
+    """Return (sigma, contact, guard) of the earliest root on the segment; sigma = 2 if there is none."""
+    first, who, which = 2.0, -1, -1
+    for i in range(state.regime.size):
+        regime = state.regime[i]
+        for k in range(4):
+            if (k > 0 and regime == Regime.SEPARATED) or k > LAST[regime]:
+                continue
+            if k == 3 and first < 1.0 - 1e-6 and memory is not None:
+                if on_curve(memory, i):
+                    continue  # the front is smooth only up to the first of the other events
+            guards(problem, state, nodes, i, k, memory)
+            place = first_root(grid.sigma, grid.bary, grid.rates, nodes.guard)
+            if place < first:
+                first, who, which = place, i, k
+    return first, who, which
+
+
+@compiled
+def is_sharp(which, regime):
+    """Return whether a guard's root is one at which the force has a square root."""
+    if which == 0:
+        return regime != Regime.SEPARATED
+    return (which == 1 and regime == Regime.STICK) or (which == 2 and regime == Regime.ANNULUS)
+
+
+@compiled
+def cut(segment, place, who, which, sharp, entered):
+    """Return the segment cut at a root in sigma; with roots of the force at both ends it is cut in the middle."""
+    s = 0.5 * (min(place, 1.0) + 1.0)
+    if segment.map == ROOT_AT_START:
+        s = s * s
+    elif segment.map == ROOT_AT_END:
+        s = 1.0 - (1.0 - s) ** 2
+    length, map_ = segment.length * s, segment.map
+    if sharp and entered and length > 1e-9:
+        length, who = 0.5 * length, -1
+    elif sharp:
+        map_ = ROOT_AT_END
+    return Segment(segment.phase, length, segment.longest, map_, who, which, 0)
+
+
+@compiled
+def end_guard(problem, state, nodes, i, which, phase, memory):
+    """Return a guard at the end of the segment, which is at this phase, and its rate there."""
+    n, regime, sign, law = nodes.guard.size - 1, state.regime[i], state.sign[i], problem.law
+    point = point_at(nodes, i, n)
+    u_z, _, u_x, _ = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
+    acceleration = Coordinates(
+        nodes.slider[Row.NORMAL_ACCELERATION, n], nodes.slider[Row.TANGENTIAL_ACCELERATION, n]
+    )
+    second = approach_rate(-u_z, acceleration), travel(-u_x, acceleration)
+    value = law.guard(problem, memory, i, regime, which, sign, point, nodes.contact[Plane.FRONT, i, n])
+    return value, law.guard_rate(problem, memory, i, regime, which, sign, point, second)
+
+
+@compiled
+def transit(problem, state, nodes, segment, phase, memory):
+    """Take the contact whose guard ends the segment, and all whose guards vanish then, to their next regimes.
+
+    Returns whether a contact was made.
+    """
+    made = False
+    _, rate = end_guard(problem, state, nodes, segment.contact, segment.guard, phase, memory)
+    if not rate < 0.0:
+        state.tally[Event.GRAZE] += 1
+    for i in range(state.regime.size):
+        for k in range(4):
+            met = i == segment.contact and k == segment.guard
+            if i != segment.contact and (state.regime[i] != Regime.SEPARATED or k == 0):
+                value, rate = end_guard(problem, state, nodes, i, k, phase, memory)
+                met = abs(value) < 4e-16 and rate < 0.0
+            if met:
+                kind = enter_next(problem, state, nodes, i, k, memory)
+                state.tally[kind] += 1
+                made = made or kind == Event.CONTACT
+                break
+    return made
+
+
+@compiled
+def enter_next(problem, state, nodes, i, which, memory):
+    """Take a contact to the far side of a guard; return the kind of event."""
+    regime, sign, n = state.regime[i], state.sign[i], nodes.guard.size - 1
+    end = point_at(nodes, i, n)
+    point = Point(end.approach, state.deformation[i], end.approach_rate, end.deformation_rate)
+    law = problem.law
+    before = spring(problem, regime, sign, point)[2] if law.rated else 0.0
+    state.regime[i], state.sign[i], state.deformation[i], kind = law.follow(
+        problem, memory, i, regime, which, sign, point
+    )
+    if law.rated:  # where slip begins the force falls at once, and the spring's energy with it
+        point = Point(end.approach, state.deformation[i], end.approach_rate, end.deformation_rate)
+        state.sums[Sum.SLIP_LOSS] += before - spring(problem, state.regime[i], state.sign[i], point)[2]
+    return kind

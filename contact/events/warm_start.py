@@ -1,0 +1,83 @@
+r"""The segments of the last cycle, as the first guess of the next.
+
+A slider that is heavy on the wave's time scale meets the same events, at nearly the same phases, in cycle after cycle.
+For each segment the kernel keeps where it began and ended, how it ended and the accelerations at its nodes. The next
+cycle lays its segment out to the same end at once; what it finds there is checked as any other segment is, so that the
+pattern saves time and decides nothing.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.events.segment import Row
+from contact.jit.compiled import compiled
+
+# segments that are kept per cycle: of an impact many more are not worth it
+ROOM = 48
+# how far a segment may begin from where it did, in its own length
+_NEAR = 0.3
+
+
+class Pattern(NamedTuple):
+    """Segments of two cycles, the last and this."""
+
+    count: np.ndarray  # (2,) int: segments that are kept
+    begin: np.ndarray  # (2, K): phases
+    end: np.ndarray
+    map: np.ndarray  # (2, K) int: as in `segment.Segment`
+    contact: np.ndarray
+    guard: np.ndarray
+    regime: np.ndarray  # (2, K, contacts): of the contacts
+    sign: np.ndarray
+    acceleration: np.ndarray  # (2, K, 2, nodes): of the slider, normal and tangential
+
+
+def blank(contacts: int, nodes: int) -> Pattern:
+    """Return room for a pattern."""
+    which, contact = (2, ROOM), (2, ROOM, contacts)
+    kinds = [np.empty(which, np.int64) for _ in range(3)]
+    return Pattern(
+        np.zeros(2, np.int64), np.empty(which), np.empty(which), *kinds, np.empty(contact, np.int64), np.empty(contact),
+        np.empty((2, ROOM, 2, nodes)),
+    )  # fmt: skip
+
+
+@compiled
+def matching(pattern, old, first, phase, state):
+    """Return the number of the last cycle's segment that begins here with these regimes, -1 if there is none."""
+    for m in range(first, min(first + 4, pattern.count[old])):
+        begin, end = pattern.begin[old, m], pattern.end[old, m]
+        if abs(phase - begin) > _NEAR * (end - begin):
+            continue
+        same = True
+        for i in range(state.regime.size):
+            same = same and pattern.regime[old, m, i] == state.regime[i]
+            same = same and pattern.sign[old, m, i] == state.sign[i]
+        if same:
+            return m
+    return -1
+
+
+@compiled
+def recalled(pattern, old, m, nodes):
+    """Fill the accelerations at the nodes with those of the last cycle's segment."""
+    for j in range(nodes.guard.size):
+        nodes.slider[Row.NORMAL_ACCELERATION, j] = pattern.acceleration[old, m, 0, j]
+        nodes.slider[Row.TANGENTIAL_ACCELERATION, j] = pattern.acceleration[old, m, 1, j]
+
+
+@compiled
+def keep(pattern, new, segment, end, state, nodes):
+    """Keep a segment of this cycle, which ends at the phase `end`."""
+    m = pattern.count[new]
+    if m >= pattern.begin.shape[1]:
+        return
+    pattern.begin[new, m], pattern.end[new, m], pattern.map[new, m] = segment.phase, end, segment.map
+    pattern.contact[new, m], pattern.guard[new, m] = segment.contact, segment.guard
+    for i in range(state.regime.size):
+        pattern.regime[new, m, i], pattern.sign[new, m, i] = state.regime[i], state.sign[i]
+    for j in range(nodes.guard.size):
+        pattern.acceleration[new, m, 0, j] = nodes.slider[Row.NORMAL_ACCELERATION, j]
+        pattern.acceleration[new, m, 1, j] = nodes.slider[Row.TANGENTIAL_ACCELERATION, j]
+    pattern.count[new] = m + 1

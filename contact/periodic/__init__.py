@@ -1,0 +1,1 @@
+"""Motions that repeat, and the way to them."""

@@ -1,0 +1,176 @@
+r"""Roots: of a scalar function between two points, and of what is known at the nodes of a segment.
+
+*Bracketed*: regula falsi with the modification of Anderson and Bjorck (BIT 13 (1973) 253) and a bisection now and then,
+`bracketed`, or for a loop of one's own two steps in turn: `trial` says where to evaluate next, `narrowed` takes the
+value.
+
+*Of an interpolant*: its first sign change.
+
+Values at Chebyshev-Lobatto points in sigma on [-1, 1] define a polynomial (barycentric formula, Berrut and Trefethen,
+SIAM Review 46 (2004) 501). A guard is positive until its first root; even roots and several roots between two nodes
+are searched too.
+"""
+
+from contact.jit.compiled import compiled, formula
+
+
+@compiled
+def interpolate(s, sigma, bary, values):
+    """Return the interpolating polynomial at s (barycentric formula)."""
+    above, below = 0.0, 0.0
+    for k in range(sigma.size):
+        gap = s - sigma[k]
+        if gap == 0.0:
+            return values[k]
+        weight = bary[k] / gap
+        above += weight * values[k]
+        below += weight
+    return above / below
+
+
+def bracketed(function, a: float, b: float, *, tolerance: float = 0.0) -> float:
+    """Return the root of a function between two points at which its signs differ, to rounding or a tolerance."""
+    fa, fb = function(a), function(b)
+    if fa == 0.0:
+        return a
+    for count in range(200):
+        if fb == 0.0 or abs(b - a) <= tolerance + 4e-16 * (abs(a) + abs(b)):
+            break
+        x = trial(a, fa, b, fb, count)
+        if abs(x - b) <= tolerance + 1e-15 * abs(x):
+            return x
+        a, fa, b, fb = narrowed(a, fa, b, fb, x, function(x))
+    return b
+
+
+@formula
+def trial(a, fa, b, fb, count):
+    """Return where a bracketed root is to be tried next: the secant's zero, every twelfth time the middle."""
+    x = b - fb * (b - a) / (fb - fa)
+    if not min(a, b) < x < max(a, b) or count % 12 == 11:
+        x = 0.5 * (a + b)
+    return x
+
+
+@formula
+def narrowed(a, fa, b, fb, x, f):
+    """Return the bracket (a, fa, b, fb) after f was found at x, which becomes b; fa may be scaled down."""
+    if (f > 0.0) == (fb > 0.0):
+        kept = 1.0 - f / fb
+        return a, fa * (kept if kept > 0.0 else 0.5), x, f
+    return b, fb, x, f
+
+
+@compiled
+def root(a, b, sigma, bary, values):
+    """Return the root of the interpolant between a (positive side) and b (negative side) to 1e-9 (Illinois)."""
+    fa = interpolate(a, sigma, bary, values)
+    fb = interpolate(b, sigma, bary, values)
+    if not fa > 0.0:
+        return a
+    for _ in range(60):
+        m = b - fb * (b - a) / (fb - fa)
+        fm = interpolate(m, sigma, bary, values)
+        if fm > 0.0:
+            if b - m < 1e-9:
+                return m
+            a, fa, fb = m, fm, 0.5 * fb
+        else:
+            if m - a < 1e-9:
+                return m
+            b, fb, fa = m, fm, 0.5 * fa
+        if b - a < 1e-9:
+            return b
+    return b
+
+
+@compiled
+def largest(values):
+    """Return the largest magnitude."""
+    most = 0.0
+    for k in range(values.size):
+        most = max(most, abs(values[k]))
+    return most
+
+
+@compiled
+def _wiggles(u, v, du, dv):
+    """Return whether the cubic with these ends and end slopes (times width) turns within the interval."""
+    quadratic, linear = 3.0 * (2.0 * (u - v) + du + dv), 2.0 * (3.0 * (v - u) - 2.0 * du - dv)
+    if (du < 0.0) != (dv < 0.0):
+        return True
+    if quadratic == 0.0 or linear * linear < 4.0 * quadratic * du:
+        return False
+    return 0.0 < -0.5 * linear / quadratic < 1.0
+
+
+@compiled
+def first_root(sigma, bary, rates, values):
+    """Return the earliest place in sigma where a guard turns negative, 2.0 if nowhere.
+
+    Even roots and several roots between two nodes are searched where the cubic through values and slopes turns close
+    enough to zero; what the nodes resolve is then found.
+    """
+    n = sigma.size
+    for j in range(1, n):
+        low = min(values[j - 1], values[j])
+        # how far the cubic may reach below its ends: the slopes are wanted only where that may matter
+        steps = abs(values[j] - values[j - 1])
+        if j > 1:
+            steps = max(steps, abs(values[j - 1] - values[j - 2]))
+        if j < n - 1:
+            steps = max(steps, abs(values[j + 1] - values[j]))
+        if low < 2.0 * steps:
+            width = sigma[j] - sigma[j - 1]
+            before, slope = _slope(rates, j - 1, values), _slope(rates, j, values)
+            near = low < 0.5 * width * max(abs(before), abs(slope))
+            if near and j == 1 and values[0] < 1e-12 * largest(values):
+                # a guard that has just opened: a dip there would be the interpolation's own error
+                near = False
+            if near and _wiggles(values[j - 1], values[j], before * width, slope * width):
+                place = _searched(sigma[j - 1], sigma[j], sigma, bary, values)
+                if place < 2.0:
+                    return place
+        if values[j] < 0.0:
+            return root(sigma[j - 1], sigma[j], sigma, bary, values)
+    return 2.0
+
+
+@compiled
+def _slope(rates, j, values):
+    """Return the derivative in sigma at node j."""
+    slope = 0.0
+    for k in range(values.size):
+        slope += rates[j, k] * values[k]
+    return slope
+
+
+@compiled
+def _searched(start, stop, sigma, bary, values):
+    """Return the first place between two nodes where the interpolant turns negative, 2.0 if nowhere.
+
+    Negative beyond the rounding of the interpolation: a guard that starts from zero with zero slope is no root.
+    """
+    rounding = -1e-13 * largest(values)
+    parts = 8
+    step = (stop - start) / parts
+    left, middle = interpolate(start - step, sigma, bary, values), interpolate(start, sigma, bary, values)
+    for m in range(parts + 1):
+        if m > 0 and middle < rounding:
+            return root(start + (m - 1) * step, start + m * step, sigma, bary, values)
+        right = interpolate(start + (m + 1) * step, sigma, bary, values)  # one beyond the end at the last
+        if middle <= left and middle <= right:  # golden section for a negative dip
+            a, b = max(start + (m - 1) * step, start), min(start + (m + 1) * step, stop)
+            for _ in range(40):
+                p, q = a + 0.381966011250105 * (b - a), b - 0.381966011250105 * (b - a)
+                f, g = interpolate(p, sigma, bary, values), interpolate(q, sigma, bary, values)
+                if min(f, g) < rounding:
+                    return root(
+                        max(start + (m - 1) * step, start), p if f < rounding else q, sigma, bary, values
+                    )
+                if f < g:
+                    b = q
+                else:
+                    a = p
+        left, middle = middle, right
+    return 2.0

@@ -1,1 +1,0 @@
-"""The solvers: roots, segments between events, time stepping, cycle means, averaged equations, shooting."""

@@ -1,0 +1,403 @@
+r"""Many cycles in fixed steps: the stop operator inside a Verlet step.
+
+Positions by Verlet, forces at the step's ends, and the stop operator as a projection: the deformation follows the
+surface and is cut to [-c z, c z]. The slider is heavy, so its own step errs little; what plain projection loses, it
+loses at the events. These are located on cubics through values and rates, the deformation is laid out from there, and
+the trapezoidal sums of the forces get the terms that belong to a fractional power at an edge (`end_corrections`):
+contact, release, end of stick, x = 0. The surface motion of one cycle is tabulated.
+
+An envelope scales the wave: e(t), complex, linear within each cycle, u = Re(e U exp(i phi)).
+
+Not for a stick band (creep), nor where the contact resonance is not well resolved by the step.
+"""
+
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.body import (
+    Coordinates,
+    Paths,
+    approach,
+    approach_rate,
+    at_phase,
+    body_force,
+    contact_force,
+    of_run,
+    slip_speed,
+    travel,
+)
+from contact.convergence import ConvergenceError
+from contact.events.segment import At, Column
+from contact.jit.compiled import compiled, native
+from contact.law.normal import force as elastic_force
+from contact.law.normal import load
+from contact.law.protocol import Law
+from contact.problem import from_row
+from contact.stepping import end_corrections as edges
+
+
+class Row(IntEnum):
+    """Rows of `Work.slider`, one column per run: motion, contact forces, way within the cycle, what a step needs."""
+
+    POSITION = 0
+    NORMAL_VELOCITY = 1
+    VELOCITY = 2
+    NORMAL = 3
+    TANGENTIAL = 4
+    TRAVELLED = 5
+    STEP = 6
+    DAMP_N = 7
+    DAMP_T = 8
+
+
+class Plane(IntEnum):
+    """Planes of `Work.table`: surface displacement and velocity at the steps of a cycle."""
+
+    U_Z = 0
+    U_X = 1
+    W_Z = 2
+    W_X = 3
+
+
+class Own(IntEnum):
+    """Rows of `Work.contact`: approach, deformation, sign of slip or 0."""
+
+    Z = 0
+    X = 1
+    SLIP = 2
+
+
+class Runs(NamedTuple):
+    """Runs of n contacts side by side, of one law: their problems (`Problem.row` and paths) and steps per cycle."""
+
+    numbers: np.ndarray
+    paths: Paths
+    per_cycle: np.ndarray
+    law: Law
+
+
+class Task(NamedTuple):
+    """What is done and recorded: cycles, rows (v, z_s, mean v) every `stride` of them, factor on the waves."""
+
+    number: int
+    stride: int
+    rows: np.ndarray
+    envelope: np.ndarray
+
+
+class Work(NamedTuple):
+    """Work: (runs, len(Plane), steps + 1, n), (runs, len(Own), n) and (len(Row), runs)."""
+
+    table: np.ndarray
+    contact: np.ndarray
+    slider: np.ndarray
+
+
+class Passage(NamedTuple):
+    """What one contact does in a step: approach and rates at its ends, surface minus slider travel, accelerations."""
+
+    h: float
+    z_old: float
+    z_new: float
+    z_rate_old: float
+    z_rate_new: float
+    x_rate_old: float
+    x_rate_new: float
+    along: float
+    z_bend: float
+    x_bend: float
+
+
+@compiled
+def _tabulate(paths, per_cycle, before, after, table):
+    """Fill surface displacement and velocity of one cycle under an envelope that goes from `before` to `after`."""
+    h = 2.0 * np.pi / per_cycle
+    turn = (after - before) / (2.0 * np.pi)
+    for k in range(per_cycle + 1):
+        co, si = np.cos(h * (k % per_cycle)), np.sin(h * (k % per_cycle))
+        e = before + (after - before) * (k / per_cycle)
+        for i in range(paths.height.size):
+            u_z, w_z, u_x, w_x = at_phase(paths, i, co, si)
+            table[Plane.U_Z, k, i] = e.real * u_z + e.imag * w_z
+            table[Plane.W_Z, k, i] = e.real * w_z - e.imag * u_z + turn.real * u_z + turn.imag * w_z
+            table[Plane.U_X, k, i] = e.real * u_x + e.imag * w_x
+            table[Plane.W_X, k, i] = e.real * w_x - e.imag * u_x + turn.real * u_x + turn.imag * w_x
+
+
+@compiled
+def _slip_speeds(problem, passage, sign):
+    """Return the speeds of slip of a sign at the ends of the step."""
+    law = problem.law
+    before = slip_speed(sign, passage.z_rate_old, passage.x_rate_old, law.limit_rate(problem, passage.z_old))
+    return before, slip_speed(
+        sign, passage.z_rate_new, passage.x_rate_new, law.limit_rate(problem, passage.z_new)
+    )
+
+
+@compiled
+def _leave_stick(problem, passage, x):
+    """Return (sign, excess of Q) of a contact that leaves stick towards where its deformation goes."""
+    law, old, new = problem.law, passage.z_old, passage.z_new
+    sign = 1.0 if x + passage.along > 0.0 else -1.0
+    v_old, v_new = _slip_speeds(problem, passage, sign)
+    below, above = sign * x - law.limit(problem, old), sign * (x + passage.along) - law.limit(problem, new)
+    return sign, -sign * edges.slip_edge(problem, old, new, below, above, v_old, v_new, passage.h)
+
+
+@compiled
+def _release(problem, passage, x, slip):
+    """Return (x, slip, excess of P, excess of Q) of a contact that opens."""
+    h = passage.h
+    r0, r1 = h * passage.z_rate_old, h * passage.z_rate_new
+    s = edges.rising_root(-passage.z_old, -passage.z_new, -r0, -r1)
+    rate = max(-(r0 + s * (r1 - r0)) / h, 1e-6)
+    first, second = edges.contact_edge(problem, rate, passage.z_bend, h)
+    sign, tangential = 1.0 if x > 0.0 else -1.0, 0.0
+    if slip == 0.0:  # it must have slipped before
+        sign, tangential = _leave_stick(problem, passage, x)
+    normal = edges.edge_excess(s, h, first * (1.0 - problem.contact_damping * rate), second, problem.shape)
+    if not problem.law.rated:
+        tangential += sign * problem.friction * edges.edge_excess(s, h, first, second, problem.shape)
+    return 0.0, 0.0, normal, tangential
+
+
+@compiled
+def _stick(problem, passage, x, sticks):
+    """Return (x, slip, excess of Q) of a contact that sticks at the start of the step, or `sticks` all along."""
+    limit, deformation = problem.law.limit(problem, passage.z_new), x + passage.along
+    if sticks:  # past x = 0
+        x_rate = passage.x_rate_new
+        friction = problem.stiffness * problem.law.stuck(problem, passage.z_new, limit)
+        bend = edges.curvature(problem.shape) * friction * x_rate * abs(x_rate) / (limit * limit)
+        return deformation, 0.0, edges.passage_excess(x / (x - deformation), passage.h, bend)
+    sign, excess = _leave_stick(problem, passage, x)
+    _, v_new = _slip_speeds(problem, passage, sign)
+    # it may slip and stick again within the step
+    return sign * limit, sign if v_new >= 0.0 else 0.0, excess
+
+
+@compiled
+def _slip(problem, passage, sign):
+    """Return (x, slip) of a contact that slips at the start of the step."""
+    h, old, new = (
+        passage.h,
+        problem.law.limit(problem, passage.z_old),
+        problem.law.limit(problem, passage.z_new),
+    )
+    v_old, v_new = _slip_speeds(problem, passage, sign)
+    if v_new >= 0.0:
+        return sign * new, sign
+    _, lag = edges.last_part(v_old, v_new, (sign * passage.along - (new - old)) / h)
+    return sign * (new + h * lag), 0.0
+
+
+@compiled
+def _close(problem, passage):
+    """Return (x, slip, excess of P, excess of Q) of a contact that closes."""
+    h, shape, law = passage.h, problem.shape, problem.law
+    c = law.limit_rate(problem, 0.0)
+    r0, r1 = h * passage.z_rate_old, h * passage.z_rate_new
+    s = edges.rising_root(passage.z_old, passage.z_new, r0, r1)
+    y0, y1 = h * passage.x_rate_old, h * passage.x_rate_new
+    rate, drift = max((r0 + s * (r1 - r0)) / h, 1e-6), (y0 + s * (y1 - y0)) / h
+    sign = 1.0 if drift > 0.0 else -1.0
+    first, second = edges.contact_edge(problem, rate, passage.z_bend, h)
+    normal = edges.edge_excess(1.0 - s, h, first * (1.0 + problem.contact_damping * rate), second, shape)
+    ratio = min(sign * drift / (c * rate), 1.0)
+    (share, steep), turn = edges.closing_share(ratio, shape), 0.0
+    if ratio < 1.0:
+        turn = steep * (sign * passage.x_bend / c - ratio * passage.z_bend) / rate
+        turn = min(max(turn, -1.0 / h), 1.0 / h)
+    excess = edges.edge_excess(1.0 - s, h, first * share, second * share + first * turn, shape)
+    tangential = sign * problem.friction * excess
+    if law.rated:
+        tangential = 0.0
+    x, limit = passage.along - edges.cubic(s, 0.0, passage.along, y0, y1), law.limit(problem, passage.z_new)
+    if ratio == 1.0:
+        v_old, v_new = sign * drift - c * rate, _slip_speeds(problem, passage, sign)[1]
+        if v_new >= 0.0:
+            return sign * limit, sign, normal, tangential
+        # slip ends within the step: what follows is stick from the limit there
+        rest = (1.0 - s) * h * v_new / (v_new - v_old)
+        return sign * (limit + 0.5 * rest * v_new), 0.0, normal, tangential
+    if abs(x) < limit:
+        return x, 0.0, normal, tangential
+    sign = 1.0 if x > 0.0 else -1.0
+    return sign * limit, sign, normal, tangential
+
+
+@compiled
+def _passed(problem, passage, x, slip, sticks):
+    """Return (x, slip, excess of P, excess of Q) after the step; an excess is that of the trapezoidal sum."""
+    if passage.z_new <= 0.0:
+        return _release(problem, passage, x, slip)
+    if passage.z_old <= 0.0:
+        return _close(problem, passage)
+    if slip == 0.0:
+        x, slip, excess = _stick(problem, passage, x, sticks)
+        return x, slip, 0.0, excess
+    x, slip = _slip(problem, passage, slip)
+    return x, slip, 0.0, 0.0
+
+
+@compiled
+def _step(problem, k, table, own, slider, m):
+    """Move one run from step k of the cycle to the next; column m of `slider` is its motion, `own` its contacts."""
+    h, kappa, paths, law = slider[Row.STEP, m], problem.stiffness, problem.paths, problem.law
+    rate = Coordinates(slider[Row.NORMAL_VELOCITY, m], slider[Row.VELOCITY, m])
+    force = body_force(problem, rate)
+    climb_half = rate.normal + 0.5 * h * (slider[Row.NORMAL, m] + force.normal)
+    speed_half = rate.along + 0.5 * h * (slider[Row.TANGENTIAL, m] + force.along)
+    q = Coordinates(slider[Row.POSITION, m] + h * climb_half, h * speed_half)
+    # enough for rates at the step's end
+    rate_next = Coordinates(2.0 * climb_half - rate.normal, 2.0 * speed_half - rate.along)
+    push, pull, push_excess, pull_excess = 0.0, 0.0, 0.0, 0.0
+    for i in range(own.shape[1]):
+        z_old, x, slip = own[Own.Z, i], own[Own.X, i], own[Own.SLIP, i]
+        z_new = approach(paths, i, table[Plane.U_Z, k + 1, i], q)
+        own[Own.Z, i] = z_new
+        if z_old <= 0.0 and z_new <= 0.0:
+            continue
+        along = travel(table[Plane.U_X, k + 1, i] - table[Plane.U_X, k, i], q)
+        z_rate = approach_rate(table[Plane.W_Z, k + 1, i], rate_next)
+        moved, limit = x + along, law.limit(problem, z_new)
+        sticks = z_old > 0.0 and slip == 0.0 and abs(moved) < limit
+        if sticks and x * moved >= 0.0:
+            x = moved
+        else:
+            passage = Passage(
+                h, z_old, z_new, approach_rate(table[Plane.W_Z, k, i], rate), z_rate,
+                travel(table[Plane.W_X, k, i], rate), travel(table[Plane.W_X, k + 1, i], rate_next), along,
+                approach(paths, i, 0.0, q),  # z'' = -u_z at z = 0
+                (table[Plane.W_X, k + 1, i] - table[Plane.W_X, k, i]) / h,
+            )  # fmt: skip
+            x, slip, normal, tangential = _passed(problem, passage, x, slip, sticks)
+            push_excess += normal
+            pull_excess += tangential
+        own[Own.X, i], own[Own.SLIP, i] = x, slip
+        if z_new > 0.0:
+            push += contact_force(problem, elastic_force(kappa, z_new, problem.shape), z_rate)
+            if slip != 0.0:
+                x_rate = travel(table[Plane.W_X, k + 1, i], rate_next)
+                w = slip_speed(slip, z_rate, x_rate, law.limit_rate(problem, z_new))
+                pull += slip * kappa * law.sliding(problem, z_new, max(w, 0.0))
+            else:
+                friction = kappa * law.stuck(problem, z_new, min(abs(x), limit))
+                pull += friction if x > 0.0 else -friction
+    climb = climb_half + 0.5 * h * (push - problem.preload) - push_excess
+    speed = speed_half + 0.5 * h * (pull - problem.load) - pull_excess
+    slider[Row.POSITION, m], slider[Row.NORMAL_VELOCITY, m] = q.normal, climb * slider[Row.DAMP_N, m]
+    slider[Row.VELOCITY, m] = speed * slider[Row.DAMP_T, m]
+    slider[Row.NORMAL, m], slider[Row.TANGENTIAL, m] = push, pull
+    slider[Row.TRAVELLED, m] += q.along
+
+
+@native(
+    "t f2 t t",
+    {
+        "runs.numbers": "r 13", "runs.paths.height": "r n", "runs.paths.normal_cos": "r n", "runs.per_cycle": "r",
+        "states": "r 3+n", "task.rows": "r m 3", "work.table": "r 4 s n", "work.contact": "r 3 n",
+        "work.slider": "9 r",
+    },
+)  # fmt: skip
+def _abreast(runs, states, task, work):
+    """Do the work of `abreast`; return whether all is finite."""
+    per_cycle, slider, envelope = runs.per_cycle, work.slider, task.envelope
+    shaped = envelope.size > 0
+    e = envelope[0] if shaped else 1.0 + 0.0j
+    most = 0
+    for m in range(per_cycle.size):
+        _tabulate(of_run(runs.paths, m), per_cycle[m], e, e, work.table[m])
+        _begin(from_row(runs.numbers[m], of_run(runs.paths, m), runs.law), states[m], per_cycle[m], work, m)
+        most = max(most, per_cycle[m])
+    for cycle in range(task.number):
+        for m in range(per_cycle.size):
+            slider[Row.TRAVELLED, m] = 0.0
+            if shaped:
+                before, after = envelope[cycle], envelope[cycle + 1]
+                _tabulate(of_run(runs.paths, m), per_cycle[m], before, after, work.table[m])
+        # runs do not wait for each other: the processor works at several at once
+        for k in range(most):
+            for m in range(per_cycle.size):
+                if k < per_cycle[m]:
+                    problem = from_row(runs.numbers[m], of_run(runs.paths, m), runs.law)
+                    _step(problem, k, work.table[m], work.contact[m], slider, m)
+        for m in range(per_cycle.size):
+            if not np.isfinite(
+                slider[Row.POSITION, m] + slider[Row.NORMAL_VELOCITY, m] + slider[Row.VELOCITY, m]
+            ):
+                return False
+            if task.stride > 0 and (cycle + 1) % task.stride == 0:
+                row = task.rows[m, (cycle + 1) // task.stride - 1]
+                row[Column.VELOCITY], row[Column.POSITION] = slider[Row.VELOCITY, m], slider[Row.POSITION, m]
+                row[Column.MEAN_VELOCITY] = slider[Row.TRAVELLED, m] / (2.0 * np.pi)
+    for m in range(per_cycle.size):
+        states[m, At.POSITION], states[m, At.NORMAL_VELOCITY] = (
+            slider[Row.POSITION, m],
+            slider[Row.NORMAL_VELOCITY, m],
+        )
+        states[m, At.VELOCITY] = slider[Row.VELOCITY, m]
+        for i in range(work.contact.shape[2]):
+            states[m, At.DEFORMATIONS + i] = work.contact[m, Own.X, i]
+    return True
+
+
+@compiled
+def _begin(problem, state, per_cycle, work, m):
+    """Set the forces of the first instant and what stays the same."""
+    slider, own, table = work.slider, work.contact[m], work.table[m]
+    h = 2.0 * np.pi / per_cycle
+    slider[Row.STEP, m] = h
+    slider[Row.DAMP_N, m] = 1.0 / (1.0 + 0.5 * h * problem.normal_damping)
+    slider[Row.DAMP_T, m] = 1.0 / (1.0 + 0.5 * h * problem.tangential_damping)
+    slider[Row.POSITION, m], slider[Row.NORMAL_VELOCITY, m] = state[At.POSITION], state[At.NORMAL_VELOCITY]
+    slider[Row.VELOCITY, m] = state[At.VELOCITY]
+    q = Coordinates(state[At.POSITION], 0.0)
+    rate = Coordinates(state[At.NORMAL_VELOCITY], state[At.VELOCITY])
+    push, pull = 0.0, 0.0
+    for i in range(own.shape[1]):
+        x, slip = state[At.DEFORMATIONS + i], 0.0
+        z = approach(problem.paths, i, table[Plane.U_Z, 0, i], q)
+        if z > 0.0:
+            z_rate = approach_rate(table[Plane.W_Z, 0, i], rate)
+            push += contact_force(problem, problem.stiffness * load(z, problem.shape), z_rate)
+            limit, friction = problem.law.limit(problem, z), 0.0
+            if limit > 0.0:
+                friction = problem.law.stuck(problem, z, min(abs(x), limit))
+            if abs(x) > limit * (1.0 - 1e-13):
+                slip = np.sign(x)
+                x_rate = travel(table[Plane.W_X, 0, i], rate)
+                w = slip_speed(slip, z_rate, x_rate, problem.law.limit_rate(problem, z))
+                friction = problem.law.sliding(problem, z, max(w, 0.0))
+            pull += np.sign(x) * problem.stiffness * friction
+        own[Own.Z, i], own[Own.X, i], own[Own.SLIP, i] = z, x, slip
+    slider[Row.NORMAL, m], slider[Row.TANGENTIAL, m] = push, pull
+
+
+def abreast(problems, states, number, per_cycle, stride, envelope) -> np.ndarray:
+    """Move several runs of n contacts through whole cycles, side by side; return rows (runs, number // stride, 3).
+
+    `states` (k, 3 + n) hold z_s, z_s', v, x_1..x_n and are changed in place; `per_cycle` (k,) are the steps in each
+    cycle; `envelope` (number + 1,) is the factor on the waves at the ends of the cycles, empty for none. A row every
+    `stride` cycles (0: none) has v, z_s and the mean v of the last one.
+    """
+    paths = Paths(*(np.array(rows) for rows in zip(*(each.paths for each in problems), strict=True)))
+    count, n = paths.height.shape
+    work = Work(
+        np.empty((count, len(Plane), int(np.max(per_cycle)) + 1, n)),
+        np.empty((count, len(Own), n)),
+        np.zeros((len(Row), count)),
+    )
+    task = Task(number, stride, np.empty((count, number // stride if stride else 0, len(Column))), envelope)
+    runs = Runs(np.array([each.row for each in problems]), paths, per_cycle, problems[0].law)
+    if not _abreast(runs, states, task, work):
+        raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")
+    return task.rows
+
+
+def steps(problem, state, number, per_cycle, *, stride=1, envelope=None) -> np.ndarray:
+    """Move one run through whole cycles of equal steps; return its rows, see `abreast`."""
+    envelope = np.empty(0, complex) if envelope is None else envelope
+    return abreast([problem], state[None], number, np.array([per_cycle]), stride, envelope)[0]

@@ -1,0 +1,263 @@
+"""A column of elements: condensed to its two sides and its electrode, and the field in it from these.
+
+A column is one element wide and the whole section deep.  Its matrix is a sum of Kronecker products; the unknowns
+inside an element, then those on the faces between elements, are eliminated (static condensation, Guyan 1965), so
+that what remains relates the nodal fluxes on the left and right lines and the charge of an electrode on top to the
+displacements and potentials there:
+
+    [g_left, g_right, q+, q-] = A [u_left, u_right, V+, V-],      A complex symmetric.
+
+g is the outward nodal flux (-f on the left, +f on the right) and q = int grad psi . D = -Q, the charge with its sign
+reflected.  A finger is equipotential: phi on its surface nodes, corners included, is the potential of its electrode.
+
+On the way back the faces follow from the sides and the electrode, the inside of an element from its own boundary.  The
+loss is summed element by element from the imaginary parts of the moduli (c'' |S|^2 and eps'' |E|^2), apart from
+everything the solution was made with, so that
+
+    power in at the electrodes = power out through the two lines + power lost between them
+
+is an audit of the whole solve, and not an identity of one matrix.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from fem.condense.piece import Blocks, Port
+from fem.convergence import ConvergenceError
+from fem.discretize.forms import element_matrix
+from fem.discretize.section import FIELD_COLUMN, Section
+from fem.materials.medium import Medium
+
+# Ports of every column of a row of fingers: the potentials of its two electrodes.
+ELECTRODES = (Port(kind="voltage", name="+"), Port(kind="voltage", name="-"))
+MAX_AMPLIFICATION = 1e9  # of a piece's fields over those at its sides, up to which seven digits are left
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Column:
+    """One column of elements, condensed, and what the condensation leaves for the way back."""
+
+    section: Section
+    width: float  # length units
+    frequency: float  # Hz
+    electrode: int | None  # 0 or 1 for a finger on top, None for a bare surface
+    # shape (2 n + 2, 2 n + 2): over left line, right line and the potentials of both electrodes; scaled
+    matrix: np.ndarray = field(repr=False)
+    # shape (elements + 1, order - 1, 4): number of the unknown on a face between elements by node and field,
+    # -1 where there is none
+    faces: np.ndarray = field(repr=False)
+    # shape (face unknowns, 2 n + 2): faces from sides and electrode potentials
+    faces_from: np.ndarray = field(repr=False)
+    inside_from: dict = field(repr=False)  # by kind of element (height, medium): inside from its rim
+    # shape (order + 1, 2 n + 2 + face unknowns): reactions of the potential at the surface's nodes, from left to right,
+    # by sides and faces before the electrode is tied; None without a potential
+    surface_rows: np.ndarray | None = field(repr=False)
+
+    @property
+    def unknowns(self) -> int:
+        """Unknowns that it adds to a row."""
+        return self.section.order * self.section.size
+
+    @cached_property
+    def surface_reactions(self) -> np.ndarray:
+        """Scaled reactions of the potential at the surface's nodes by the sides, shape (order + 1, 2 n + 2)."""
+        first = Blocks(self.section.size).ports.start
+        sides = first + len(ELECTRODES)
+        out, rest = self.surface_rows[:, :sides].copy(), self.surface_rows[:, sides:]
+        if self.electrode is not None:  # the corners' potential is the electrode's
+            corners = electrode_dofs(self.section, self.faces)[:2]
+            out[:, first + self.electrode] += out[:, corners].sum(axis=1)
+            out[:, corners] = 0.0
+        return out + rest @ self.faces_from
+
+
+class ElementSets:
+    """Numbers of an element's unknowns, ``fields`` a node: sides, faces, all of its rim, inside."""
+
+    def __init__(self, order: int, fields: int):
+        grid = np.arange((order + 1) ** 2 * fields).reshape(order + 1, order + 1, fields)
+        self.left, self.right = grid[0].reshape(-1), grid[-1].reshape(-1)
+        self.bottom, self.top = grid[1:-1, 0].reshape(-1), grid[1:-1, -1].reshape(-1)
+        self.inside = grid[1:-1, 1:-1].reshape(-1)
+        self.rim = np.concatenate([self.left, self.right, self.bottom, self.top])
+
+
+def condensed_column(section: Section, frequency: float, *, width: float, electrode: int | None) -> Column:
+    """Condense a column of elements, its width in length units, to its sides and the finger's electrode, if any."""
+    skeleton, faces, inside_from = _skeleton(section, width, frequency)
+    at = Blocks(section.size)
+    sides = at.ports.start + len(ELECTRODES)
+    drop = np.arange(sides, len(skeleton))
+    tied, surface_rows = np.empty(0, dtype=int), None
+    if "phi" in section.surface_dofs:
+        left, right, *between = electrode_dofs(section, faces)
+        surface_rows = skeleton[[left, *between, right]]
+    if electrode is not None:
+        # The corners stay behind as empty rows of the sides: their line knows them as the electrode's.
+        tied = electrode_dofs(section, faces)
+        skeleton = folded(skeleton, tied, at.ports.start + electrode)
+        drop = drop[~np.isin(drop, tied)]
+    matrix, back = _schur(skeleton, np.arange(sides), drop)
+    faces_from = np.zeros((len(skeleton) - sides, sides), dtype=back.dtype)
+    faces_from[drop - sides] = back
+    if electrode is not None:
+        faces_from[tied[tied >= sides] - sides, at.ports.start + electrode] = 1.0
+    return Column(
+        section=section,
+        width=width,
+        frequency=frequency,
+        electrode=electrode,
+        matrix=matrix,
+        faces=faces,
+        faces_from=faces_from,
+        inside_from=inside_from,
+        surface_rows=surface_rows,
+    )
+
+
+def _skeleton(section: Section, width: float, frequency: float) -> tuple[np.ndarray, np.ndarray, dict]:
+    """Matrix of a column over its sides, two empty ports and its faces; the faces; the way back inside."""
+    order, sides = section.order, Blocks(section.size).ports.start + len(ELECTRODES)
+    faces = _face_dofs(section, first=sides)
+    dtype = np.result_type(section.heights, *(medium.xx for medium in section.media))
+    matrix = np.zeros((int(max(faces.max(initial=-1), sides - 1)) + 1,) * 2, dtype=dtype)
+    angular = 2 * np.pi * frequency * section.length_unit
+    done: dict[tuple, np.ndarray] = {}
+    inside_from: dict[tuple, np.ndarray] = {}
+    for element, (height, medium) in enumerate(zip(section.heights, section.media, strict=True)):
+        kind = element_kind(height, medium)
+        if kind not in done:
+            sets = ElementSets(order, len(medium.fields))
+            full = element_matrix(medium, width, height, order, angular)
+            done[kind], inside_from[kind] = _schur(full, sets.rim, sets.inside)
+        dofs = element_dofs(section, element, faces)
+        exists = np.flatnonzero(dofs >= 0)
+        matrix[np.ix_(dofs[exists], dofs[exists])] += done[kind][np.ix_(exists, exists)]
+    return matrix, faces, inside_from
+
+
+def element_kind(height: complex, medium: Medium) -> tuple:
+    """Key under which equal elements of a column share their condensation."""
+    return round(complex(height).real, 12), round(complex(height).imag, 12), id(medium)
+
+
+def element_dofs(section: Section, element: int, faces: np.ndarray) -> np.ndarray:
+    """Skeleton unknowns of an element in the order left, right, bottom, top; -1 where there is none."""
+    n, order = section.size, section.order
+    columns = [FIELD_COLUMN[name] for name in section.media[element].fields]
+    line = section.dofs[element * order : (element + 1) * order + 1][:, columns].reshape(-1)
+    other = np.where(line >= 0, line + n, -1)
+    below, above = (faces[element + side][:, columns].reshape(-1) for side in (0, 1))
+    return np.concatenate([line, other, below, above])
+
+
+def _face_dofs(section: Section, *, first: int) -> np.ndarray:
+    """Unknowns on the faces between elements: a node on a face has the fields of the line's node at that height."""
+    exists = section.dofs[:: section.order] >= 0
+    exists = np.repeat(exists[:, None, :], section.order - 1, axis=1)
+    dofs = np.full(exists.shape, -1)
+    dofs[exists] = first + np.arange(exists.sum())
+    return dofs
+
+
+def electrode_dofs(section: Section, faces: np.ndarray) -> np.ndarray:
+    """Skeleton unknowns of phi on a column's surface: left corner, right corner, nodes between."""
+    corner = section.surface_dofs["phi"]
+    between = faces[section.surface // section.order][:, FIELD_COLUMN["phi"]]
+    return np.concatenate([[corner, corner + section.size], between])
+
+
+def folded(matrix: np.ndarray, tied: np.ndarray, port: int) -> np.ndarray:
+    """Add rows and columns of tied unknowns to the port's and empty them."""
+    matrix = matrix.copy()
+    matrix[port] += matrix[tied].sum(axis=0)
+    matrix[tied] = 0.0
+    matrix[:, port] += matrix[:, tied].sum(axis=1)
+    matrix[:, tied] = 0.0
+    return matrix
+
+
+def _schur(matrix, keep, drop):
+    """Schur complement onto ``keep``, symmetrised against rounding, and ``drop`` from ``keep``."""
+    coupling = matrix[np.ix_(drop, keep)]
+    kept = matrix[np.ix_(keep, keep)]
+    if not len(drop):
+        return kept, coupling
+    back = eliminated(matrix[np.ix_(drop, drop)], coupling)
+    reduced = kept + coupling.T @ back
+    return 0.5 * (reduced + reduced.T), back
+
+
+def eliminated(inside: np.ndarray, coupling: np.ndarray) -> np.ndarray:
+    """Fields inside for unit fields at the sides, each decade of which costs the answer a digit.
+
+    A piece that resonates between clamped lines is refused: its condensation, though not the stator, is singular.
+    """
+    try:
+        back = -np.linalg.solve(inside, coupling)
+    except np.linalg.LinAlgError:
+        back = np.array(np.inf)
+    if not abs(back).max(initial=0.0) < MAX_AMPLIFICATION:
+        raise ConvergenceError(
+            "a piece of the transducer, clamped at its sides, resonates at this very frequency: "
+            "change the frequency by a part in a million, or give the solid a mechanical_quality"
+        )
+    return back
+
+
+class ColumnField:
+    """Recovery of one kind of column; made once, used for each place where the column stands."""
+
+    def __init__(self, column: Column):
+        self.column = column
+
+    def _elements(self, sides: np.ndarray):
+        """Values of every element from the bottom up, in its own order of nodes and fields; places last."""
+        section, column = self.column.section, self.column
+        values = np.concatenate([sides, column.faces_from @ sides])
+        if column.electrode is not None:
+            values[electrode_dofs(section, column.faces)] = sides[Blocks(section.size).ports][
+                column.electrode
+            ]
+        for element, (height, medium) in enumerate(zip(section.heights, section.media, strict=True)):
+            dofs = element_dofs(section, element, column.faces)
+            sets = ElementSets(section.order, len(medium.fields))
+            rim = np.where((dofs >= 0)[:, None], values[dofs], 0.0)
+            full = np.empty((len(sets.rim) + len(sets.inside), sides.shape[-1]), dtype=complex)
+            full[sets.rim] = rim
+            full[sets.inside] = column.inside_from[element_kind(height, medium)] @ rim
+            yield element, height, medium, full
+
+    def loss(self, sides: np.ndarray) -> float:
+        """Power lost in all places together, scaled, (omega / 2) sum u^H Im(A) u; what an absorbing layer takes too."""
+        column, order = self.column, self.column.section.order
+        angular = 2 * np.pi * column.frequency * column.section.length_unit
+        total = 0.0
+        for _, height, medium, values in self._elements(sides):
+            if height.imag:
+                whole = element_matrix(medium, column.width, height, order, angular)
+                total += float(np.vdot(values, whole @ values).imag)
+            elif np.iscomplexobj(medium.xx):
+                loss = element_matrix(medium, column.width, height.real, order, angular, part="loss")
+                total += float(np.vdot(values, loss @ values).real)
+        return np.pi * column.frequency * total
+
+    def values(self, sides: np.ndarray) -> np.ndarray:
+        """Fields at the nodes, shape (order + 1 along x, nodes along z, 4 fields, places); zero where absent."""
+        section, order = self.column.section, self.column.section.order
+        out = np.zeros((order + 1, len(section.dofs), 4, sides.shape[-1]), dtype=complex)
+        for element, _, medium, values in self._elements(sides):
+            columns = [FIELD_COLUMN[name] for name in medium.fields]
+            shaped = values.reshape(order + 1, order + 1, len(columns), -1)
+            out[:, element * order : (element + 1) * order + 1, columns] = shaped
+        return out
+
+    def surface_motion(self, sides: np.ndarray) -> np.ndarray:
+        """u_x and u_z at the surface's nodes, shape (order + 1, 2, places)."""
+        section, fields = self.column.section, [FIELD_COLUMN["ux"], FIELD_COLUMN["uz"]]
+        corner = section.dofs[section.surface, fields]
+        between = self.column.faces[section.surface // section.order][:, fields] - len(sides)
+        inside = self.column.faces_from[between] @ sides
+        return np.concatenate([sides[None, corner], inside, sides[None, corner + section.size]])

@@ -1,0 +1,51 @@
+"""First moments of the reactions on fingers, as functions of the sides of a piece."""
+
+import numpy as np
+
+from fem.condense.column import Column
+from fem.condense.columns import FingerColumns, LiftedHalf, Pair
+from fem.condense.piece import Blocks
+from fem.discretize.spectral import gll_nodes
+
+
+def finger_dipole(cell: FingerColumns) -> np.ndarray:
+    """First moment of the reactions on a cell's only finger about its middle, length units, (2 n + 1,).
+
+    As a function of the lines and the finger's potential.
+    """
+    pair = cell.pair
+    return rows_of_parts(finger_moment(pair.left, 0), finger_moment(pair.right, 1), pair.middle)[:-1]
+
+
+def finger_moment(half: FingerColumns, side: int) -> np.ndarray:
+    """First moment of the reactions on half a finger about the end of its cell's left (0) or right half, (2 n + 2,).
+
+    All nodes of bare surface but that at the other end are free of charge.
+    """
+    if isinstance(half.inside, LiftedHalf):
+        return half.inside.moment
+    first = half
+    while isinstance(first.inside, Pair):
+        first = first.inside.left
+    corner = first.column.section.surface_dofs["phi"]
+    line = half.matrix[half.at.right if side else half.at.left]
+    start = 0.0 if side else -half.width
+    return _moment(half, start) + (-half.width if side else half.width) * line[corner]
+
+
+def _moment(piece: FingerColumns, start: float) -> np.ndarray:
+    inside = piece.inside
+    if isinstance(inside, Column):
+        return (start + gll_nodes(inside.section.order) * piece.width) @ inside.surface_reactions
+    left, right = piece.pair.left, piece.pair.right
+    return rows_of_parts(_moment(left, start), _moment(right, start + left.width), piece.pair.middle)
+
+
+def rows_of_parts(left: np.ndarray, right: np.ndarray, middle: np.ndarray) -> np.ndarray:
+    """Sum of functions of the sides of two neighbours as one of the sides of both, (..., 2 n + potentials).
+
+    ``middle``: the line between them by the sides of both.
+    """
+    at = Blocks(len(middle))
+    own = [left[..., at.left], right[..., at.right], left[..., at.ports] + right[..., at.ports]]
+    return (left[..., at.right] + right[..., at.left]) @ middle + np.concatenate(own, axis=-1)

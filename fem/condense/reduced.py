@@ -1,0 +1,128 @@
+"""A meshed piece over a band of frequencies: rational interpolation of its condensed matrix.
+
+With s = omega^2, A(s) = K - s M the piece's matrix and X_j the field in it at the node s_j for unit lines and ports,
+nothing acts inside: A(s_j) X_j vanishes there, and S_j = X_j^T A(s_j) X_j is the condensed matrix.  The projections of
+K and M on all X_j follow from the condensed matrices alone (Loewner matrices: Mayo and Antoulas, Linear Algebra Appl.
+425 (2007) 634, equations 14 and 15, here symmetric), but for the diagonal, where the divided difference is a
+derivative:
+
+    X_i^T M X_j = (S_i - S_j) / (s_j - s_i),    X_j^T M X_j = -dS/ds (s_j),    X_i^T K X_j = S_i + s_i X_i^T M X_j.
+
+The differences X_j - X_m are fields between clamped lines.  Eliminating them at any s gives a rational function that
+has the values and the derivatives of S at all nodes, and resonances where the clamped piece has them.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fem.condense.mesh import Assembly, MeshedPiece
+from fem.condense.piece import Port, RecoveredField
+
+# Of the largest singular value of M between the clamped fields: smaller ones are rounding of the divided differences.
+ROUNDING = 1e-8
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ReducedPiece:
+    """A meshed piece on reduced lines at one frequency (`fem.condense.piece.Piece`)."""
+
+    size: int
+    matrix: np.ndarray = field(repr=False)
+    width: float
+    ports: tuple[Port, ...]
+    floating_potential: bool
+    unknowns: int  # of the mesh
+    recover: Callable[[np.ndarray], RecoveredField] = field(repr=False)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RationalPiece:
+    """A meshed piece on reduced lines at any frequency of a band.
+
+    Attributes
+    ----------
+    assembly : Assembly
+    unknowns : int
+        Of the mesh.
+    frame : ndarray, shape (lines and ports, reduced lines and ports)
+    size : int
+        Unknowns of a reduced line.
+    stiffness, inertia : ndarray
+        K and M over reduced lines and ports, then clamped fields; M in s^2/rad^2.
+    """
+
+    assembly: Assembly
+    unknowns: int
+    frame: np.ndarray = field(repr=False)
+    size: int
+    stiffness: np.ndarray = field(repr=False)
+    inertia: np.ndarray = field(repr=False)
+
+    def at(self, frequency: float) -> ReducedPiece:
+        """The piece at a frequency in Hz; its inside takes the time of a condensation when it is asked for."""
+        system = self.stiffness - (2 * np.pi * frequency) ** 2 * self.inertia
+        kept = self.frame.shape[1]
+        coupling = system[kept:, :kept]
+        matrix = system[:kept, :kept] - coupling.T @ np.linalg.solve(system[kept:, kept:], coupling)
+        low, high = self.assembly.piece.extent
+        return ReducedPiece(
+            size=self.size,
+            matrix=0.5 * (matrix + matrix.T),
+            width=(high - low) / self.assembly.space.unit,
+            ports=self.assembly.ports,
+            floating_potential=self.assembly.floating_potential,
+            unknowns=self.unknowns,
+            recover=lambda sides: self.assembly.condensed(frequency).recover(self.frame @ sides),
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PieceSample:
+    """What a condensed piece gives at a node of the band: its matrix on reduced lines, and the derivative by -s."""
+
+    frequency: float  # Hz
+    value: np.ndarray = field(repr=False)
+    inertia: np.ndarray = field(repr=False)
+
+    @classmethod
+    def of(cls, piece: MeshedPiece, frame: np.ndarray) -> "PieceSample":
+        """Of a piece and a frame of reduced lines."""
+        return cls(
+            frequency=piece.frequency, value=frame.T @ piece.matrix @ frame, inertia=piece.inertia(frame)
+        )
+
+
+def rational_piece(
+    piece: MeshedPiece, frame: np.ndarray, size: int, samples: list[PieceSample]
+) -> RationalPiece:
+    """Interpolate a piece between samples of it; ``piece``: at any frequency."""
+    nodes = np.array([(2 * np.pi * each.frequency) ** 2 for each in samples])
+    count, kept = len(nodes), frame.shape[1]
+    inertia = np.empty((count, kept, count, kept), dtype=np.result_type(*(each.value for each in samples)))
+    stiffness = np.empty_like(inertia)
+    for i, one in enumerate(samples):
+        for j, other in enumerate(samples):
+            apart = one.inertia if i == j else (one.value - other.value) / (nodes[j] - nodes[i])
+            inertia[i, :, j] = apart
+            stiffness[i, :, j] = 0.5 * (one.value + other.value + (nodes[i] + nodes[j]) * apart)
+    # to the middle node's fields and the others' differences from them, the latter of unit inertia and independent
+    middle = count // 2
+    turn = np.eye(count)[[middle, *(j for j in range(count) if j != middle)]]
+    turn[1:, middle] = -1.0
+    first, clamped = np.split(np.kron(turn, np.eye(kept)).T, [kept], axis=1)
+    flat = inertia.reshape(count * kept, -1)
+    among = clamped.T @ flat @ clamped
+    scale = 1 / np.sqrt(abs(np.diag(among)) + np.finfo(float).tiny)
+    _, values, right = np.linalg.svd(scale[:, None] * among * scale)
+    independent = scale[:, None] * right.conj().T[:, values > ROUNDING * values.max(initial=0.0)]
+    basis = np.hstack([first, clamped @ independent])
+    return RationalPiece(
+        assembly=piece.assembly,
+        unknowns=piece.unknowns,
+        frame=frame,
+        size=size,
+        stiffness=basis.T @ stiffness.reshape(count * kept, -1) @ basis,
+        inertia=basis.T @ flat @ basis,
+    )
