@@ -13,3 +13,13 @@ class ConvergenceError(RuntimeError):
     def __init__(self, message: str, *, reached: object = None):
         super().__init__(message)
         self.reached = reached
+
+
+def refuse_above(
+    error: float, tolerance: float, what: str, *, advice: str = "ask for less", reached: object = None
+) -> None:
+    """Raise a ConvergenceError if an error exceeds the tolerance; ``what``: "the admittances are", for instance."""
+    if error > tolerance:
+        raise ConvergenceError(
+            f"{what} known to {error:.1e} only, {tolerance:.1e} was asked for: {advice}", reached=reached
+        )

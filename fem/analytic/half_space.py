@@ -65,11 +65,6 @@ class HalfSpaceWave:
         """|u_x / u_z| at the surface."""
         return float(abs(self.displacement[0]))
 
-    @property
-    def slowest_decay(self) -> float:
-        """Smallest decay of a partial wave with depth, in nepers per wavelength."""
-        return float(2 * np.pi * np.linalg.eigvals(self._decay).imag.min())
-
     def profile(self, depth) -> tuple[np.ndarray, np.ndarray]:
         """Return displacement and potential against depth.
 

@@ -1,5 +1,5 @@
-"""From a transducer's columns of elements to one superelement: static condensation, join, mirror, double.
+"""From a transducer's columns of elements, or a mesh, to a piece of the row: static condensation, join, mirror, double.
 
-Input: a section and the transducer's fingers.  Output: a matrix between the two end lines of the transducer and the
-potentials of its two electrodes, with the way back to every interior unknown.
+Input: a section and the transducer's fingers, or a mesh.  Output: a `fem.condense.piece.Piece`, a matrix between two
+lines and the ports (the potentials of electrodes), with the way back to every interior unknown.
 """

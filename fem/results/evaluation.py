@@ -1,4 +1,22 @@
-"""Evaluation of a solution: amplitudes of the modes in the segments, nodal values in the columns of elements."""
+"""Evaluation of a solution: sums of modes in the segments, recovered fields in the pieces.
+
+Nothing is solved here.  The row keeps, for each of its excitations e (volts, newtons per metre), the amplitudes A_e of
+the modes that go right at the start x_0 of every segment, B_e of those that go left at its stop x_1, and the sides s_e
+(both lines and the potentials) of every piece (`fem.waveguide.port_fields.PortFields`).  With the weights w_e of a
+solution (`fem.results.solution.Solution`) the field of a segment is
+
+    u(x, z) = sum_i a_i v_i(z) exp(-i k_i (x - x_0)) + sum_j b_j w_j(z) exp(-i k_j (x - x_1)),
+    a = sum_e A_e w_e,      b = sum_e B_e w_e,                                                       (1)
+
+v_i and w_j the shapes of the modes going right and left, and that of a piece follows from its sides,
+
+    s = sum_e s_e w_e,      u = piece.recover(s).                                                     (2)
+
+An end that is a piece has one line, where (1) gives its unknowns: u_end = u(x_0) on the left, u(x_1) on the right.
+
+Example: one mode, k = 2 pi, a segment of length 0.25 (a quarter of its wave) with a = 1 and b = 0: u goes from v to
+-i v, and a piece behind it has u_left = -i v plus what it sends back.
+"""
 
 from collections.abc import Callable
 from itertools import pairwise
@@ -9,6 +27,7 @@ from fem.condense.column import ColumnField
 from fem.results.solution import Solution
 from fem.results.surface import CondensedPiece, Surface, UniformSegment
 from fem.waveguide.ends import Wall
+from fem.waveguide.modes import GuidedModes
 from fem.waveguide.network import SegmentWaves
 
 ENDS = (-1, -2)  # "scatterer" numbers of the left and the right end where they are condensed pieces
@@ -80,10 +99,31 @@ def _beyond(solution: Solution, side: int, length: float) -> UniformSegment:
         right = modes.right_amplitudes(line)
     else:
         left = modes.left_amplitudes(line)
-    place = outside.place * unit
+    place = outside.place
+    start, stop = (place, max(length / unit, place)) if side else (min(0.0, place), place)
+    return _uniform(modes, unit, start, stop, right, left, beyond=True)
+
+
+def _segment(solution: Solution, part: SegmentWaves) -> UniformSegment:
+    amplitudes = part.right @ solution.weights, part.left @ solution.weights
+    return _uniform(
+        solution.fields.modes, solution.fields.section.length_unit, part.start, part.stop, *amplitudes
+    )
+
+
+def _uniform(
+    modes: GuidedModes,
+    unit: float,
+    start: float,
+    stop: float,
+    right: np.ndarray,
+    left: np.ndarray,
+    beyond: bool = False,
+) -> UniformSegment:
+    """Equation (1) in metres; ``unit``: the length unit of ``start``, ``stop`` and the modes, m."""
     return UniformSegment(
-        start=place if side else min(0.0, place),
-        stop=max(length, place) if side else place,
+        start=start * unit,
+        stop=stop * unit,
         right=right,
         left=left,
         wavenumbers=modes.wavenumbers / unit,
@@ -91,22 +131,7 @@ def _beyond(solution: Solution, side: int, length: float) -> UniformSegment:
         right_shapes=modes.section.surface_rows @ modes.right,
         left_shapes=modes.section.surface_rows @ modes.left,
         rayleigh=modes.rayleigh,
-        beyond=True,
-    )
-
-
-def _segment(solution: Solution, part: SegmentWaves) -> UniformSegment:
-    modes, section, unit = solution.fields.modes, solution.fields.section, solution.fields.section.length_unit
-    return UniformSegment(
-        start=part.start * unit,
-        stop=part.stop * unit,
-        right=part.right @ solution.weights,
-        left=part.left @ solution.weights,
-        wavenumbers=modes.wavenumbers / unit,
-        backwards=modes.backwards / unit,
-        right_shapes=section.surface_rows @ modes.right,
-        left_shapes=section.surface_rows @ modes.left,
-        rayleigh=modes.rayleigh,
+        beyond=beyond,
     )
 
 
@@ -149,13 +174,6 @@ def left_edge(solution: Solution, index: int) -> float:
     if side == 0:
         return 0.0 if ends[0] is None else ends[0].extent[0]
     return network.stop * unit
-
-
-def column_fields(solution: Solution, index: int):
-    """Columns of a transducer by kind: (recovery, left edges in m, sides (2 n + 2, places))."""
-    unit = solution.fields.section.length_unit
-    for recovery, starts, sides in recovered(solution, index).kinds:
-        yield recovery, left_edge(solution, index) + starts * unit, sides
 
 
 def columns_in_row(

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.analytic.half_space import rayleigh
-from fem.convergence import ConvergenceError
+from fem.convergence import refuse_above
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import LEVELS, refine
 from fem.materials import Solid
@@ -88,11 +88,7 @@ def cell_parameters(
 
     refined = refine(at_level, LEVELS, differences=_edges_apart, gain=GAIN, tolerance=tolerance)
     (cells, bands), error = refined.answer, refined.errors[0]
-    if error > tolerance:
-        raise ConvergenceError(
-            f"the stop bands' edges are known to {error:.1e} of their width only, "
-            f"{tolerance:.1e} was asked for: ask for less"
-        )
+    refuse_above(error, tolerance, "the stop bands' edges are, over their width,")
     return CellParameters(
         solid=solid,
         period=period,

@@ -9,7 +9,7 @@ that the currents which they receive make across their terminations.
 import numpy as np
 
 from fem.circuit import Drive
-from fem.convergence import ConvergenceError
+from fem.convergence import refuse_above
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import refine_stator
 from fem.geometry import Stator, Transducer, check_layout
@@ -102,10 +102,6 @@ def forced_wave(
         tolerance=tolerance,
     )
     wave = surface_wave(refined.answer[0], relative_error=refined.errors[0], admittance_error=np.nan)
-    if wave.relative_error > tolerance:
-        raise ConvergenceError(
-            f"the motion under the forces is known to {wave.relative_error:.1e} only, {tolerance:.1e} was asked for: "
-            "ask for less, or at places farther from the forces",
-            reached=wave,
-        )
+    advice = "ask for less, or at places farther from the forces"
+    refuse_above(wave.relative_error, tolerance, "the surface motion is", advice=advice, reached=wave)
     return wave

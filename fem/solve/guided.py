@@ -14,7 +14,7 @@ from functools import cache
 
 import numpy as np
 
-from fem.convergence import ConvergenceError
+from fem.convergence import refuse_above
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import absorbs_slowly, refine
@@ -59,11 +59,8 @@ def _refined_modes(
         tolerance=tolerance,
     )
     (error,) = refined.errors
-    if error > tolerance:
-        raise ConvergenceError(
-            f"the guided modes' wavenumbers are known to {error:.1e} only, {tolerance:.1e} was asked for: "
-            f"ask for less{', or ' + refined.obstacle if refined.obstacle else ''}"
-        )
+    advice = f"ask for less{', or ' + refined.obstacle if refined.obstacle else ''}"
+    refuse_above(error, tolerance, "the guided modes' wavenumbers are", advice=advice)
     return refined.answer, at_order(orders[refined.level - 1]), error
 
 

@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 
 from fem.circuit import Drive
-from fem.convergence import ConvergenceError
+from fem.convergence import refuse_above
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import refine_stator
 from fem.geometry import Stator, Transducer, check_layout
@@ -77,13 +77,9 @@ def driven_wave(
         admittance_error=refined.errors[1],
         balance=cache(lambda: power_balance(solution)),
     )
-    if wave.relative_error > tolerance:
-        advice = f"finer, {refined.obstacle}" if refined.obstacle else "make the fingers less extreme"
-        raise ConvergenceError(
-            f"the stator's surface motion is known to {wave.relative_error:.1e} only, {tolerance:.1e} was asked for: "
-            f"ask for less, or {advice}",
-            reached=wave,
-        )
+    finer = f"finer, {refined.obstacle}" if refined.obstacle else "make the fingers less extreme"
+    what, advice = "the stator's surface motion is", f"ask for less, or {finer}"
+    refuse_above(wave.relative_error, tolerance, what, advice=advice, reached=wave)
     return wave
 
 

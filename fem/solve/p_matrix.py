@@ -21,7 +21,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fem.convergence import ConvergenceError
+from fem.convergence import refuse_above
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import refine_stator
 from fem.discretize.section import FIELD_COLUMN
@@ -130,11 +130,7 @@ def p_matrix(
 
     refined = refine_stator(stator, at_level, differences=_difference, tolerance=tolerance)
     found = replace(refined.answer, relative_error=refined.errors[0])
-    if found.relative_error > tolerance:
-        raise ConvergenceError(
-            f"the P-matrix is known to {found.relative_error:.1e} only, {tolerance:.1e} was asked for: ask for less",
-            reached=found,
-        )
+    refuse_above(found.relative_error, tolerance, "the P-matrix is", reached=found)
     return found
 
 

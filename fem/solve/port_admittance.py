@@ -7,7 +7,7 @@ import numpy as np
 
 from fem.beam.reception import aperture_solver
 from fem.circuit import Drive
-from fem.convergence import ConvergenceError
+from fem.convergence import refuse_above
 from fem.discretize.refinement import refine_stator
 from fem.geometry import Stator, Transducer
 from fem.input_error import InputError
@@ -110,11 +110,7 @@ def port_admittance(
     fields, error = refined.answer, refined.errors[0]
     matrix = fields.admittances.reshape(*at.shape, *fields.admittances.shape)
     found = PortAdmittance(names=fields.names, frequency=at, matrix=matrix, relative_error=error)
-    if error > tolerance:
-        raise ConvergenceError(
-            f"the admittances are known to {error:.1e} only, {tolerance:.1e} was asked for: ask for less",
-            reached=found,
-        )
+    refuse_above(error, tolerance, "the admittances are", reached=found)
     return found
 
 
@@ -144,10 +140,6 @@ def _over_band(stator, transducers, at: np.ndarray, tolerance: float, solve) -> 
         matrix=band.admittances(at.reshape(-1), solve).reshape(*at.shape, len(band.port_names), -1),
         relative_error=band.admittance_error,
     )
-    if band.admittance_error > tolerance:
-        raise ConvergenceError(
-            f"the band's admittances are known to {band.admittance_error:.1e} only, {tolerance:.1e} was asked for: "
-            "ask for less, or solve one frequency at a time",
-            reached=found,
-        )
+    advice = "ask for less, or solve one frequency at a time"
+    refuse_above(band.admittance_error, tolerance, "the band's admittances are", advice=advice, reached=found)
     return found

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.condense.piece import Piece
-from fem.convergence import ConvergenceError
+from fem.convergence import refuse_above
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import refine_stator
@@ -112,11 +112,7 @@ def reflector(stator: Stator, *, frequency: float, tolerance: float) -> Reflecto
 
     refined = refine_stator(stator, at_level, differences=_difference, tolerance=tolerance)
     result = replace(refined.answer, relative_error=refined.errors[0])
-    if result.relative_error > tolerance:
-        raise ConvergenceError(
-            f"the reflection is known to {result.relative_error:.1e} only, {tolerance:.1e} was asked for: ask for less",
-            reached=result,
-        )
+    refuse_above(result.relative_error, tolerance, "the reflection is", reached=result)
     return result
 
 

@@ -1,5 +1,5 @@
-"""From guided modes to the fields of the whole row: uniform segments, ends, network of superelements.
+"""From guided modes to the fields of the whole row: uniform segments, ends, line forces, network of pieces.
 
-Input: a section and the transducers' superelements.  Output: the fields for unit potential at each port, and the
-charges; for an endless grating its stop bands and the periodic-cell parameters.
+Input: a section and the pieces.  Output: fields and amplitudes for a unit at each port, and the charges; for an endless
+grating its stop bands.
 """
