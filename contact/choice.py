@@ -125,7 +125,8 @@ def choose(methods: dict[str, Method], question, asked: str, *, what: str, exact
         names = [name for name in names if name != "exact"]
     if not names:
         raise refused(what, why, way)
-    best, failure, reasons = None, None, ()
+    best, failure = None, None
+    reasons: tuple[str, ...] = ()
     for name in names:
         try:
             result = methods[name].follow(question)

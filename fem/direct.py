@@ -6,6 +6,7 @@ installed, SuperLU in symmetric mode otherwise (one BLAS thread; beyond 3e5 unkn
 structured solver it shares the coefficients of the weak form and, for absorbing ends only, the ends' matrices.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -30,7 +31,7 @@ class DirectSolution:
     admittances: np.ndarray  # shape (ports, ports): short-circuit admittance matrix, S
     unknowns: int
     # places x (m) -> u_x and u_z in m per V at each port, shape (2, places, ports)
-    surface: object = field(repr=False)
+    surface: Callable = field(repr=False)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,7 +40,7 @@ class _Strips:
 
     charges: np.ndarray
     unknowns: int
-    surface: object
+    surface: Callable
 
 
 def direct_solution(
@@ -131,17 +132,18 @@ def _by_port(by_strip: _Strips, transducers: tuple[Transducer, ...], frequency: 
 def _x_lines(stator, transducers, resolution, wavelength, segment) -> np.ndarray:
     """Element ends along x in length units: graded to every finger edge, even in the segments between."""
     largest = resolution.element_size
-    sizes, here = [], 0.0
+    sizes: list[np.ndarray] = []
+    here = 0.0
     for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
         fingers = transducer.fingers / wavelength
         halves = [gap / wavelength for gap in gaps]
         halves += [transducer.half_gap / wavelength, transducer.finger_width / 2 / wavelength]
-        before, after, gap_layers, finger_layers = (
+        *outer_layers, gap_layers, finger_layers = (
             edge_layers(resolution, half, min(halves)) for half in halves
         )
         before, after = (
             graded(half, layers, largest=largest, smallest_first=later)
-            for half, layers, later in zip(halves[:2], (before, after), (False, True), strict=True)
+            for half, layers, later in zip(halves[:2], outer_layers, (False, True), strict=True)
         )
         sizes += [_both_graded(fingers[0, 0] - before.sum() - here, *segment), before]
         for number, (left, right) in enumerate(fingers):
@@ -189,7 +191,7 @@ def _by_field(matrix, count: int):
     return kron(matrix, identity(count)).tocsr()
 
 
-def _electrode_dofs(basis, transducers, wavelength, count, phi) -> list[np.ndarray]:
+def _electrode_dofs(basis, transducers, wavelength, count, phi) -> list[tuple[np.ndarray, np.ndarray]]:
     """Potential unknowns of each electrode: vertices carry its value, the edges' bubbles vanish."""
     mesh = basis.mesh
     electrodes = []
@@ -218,7 +220,9 @@ def _electrode_dofs(basis, transducers, wavelength, count, phi) -> list[np.ndarr
 def _held_dofs(basis, stator, names, depth, ends) -> np.ndarray:
     """Unknowns that the bottom and clamped ends hold at zero."""
     moving = [name for name in names if name != "phi"]
-    sides = [(lambda x: abs(x[1] - depth), {"clamped": moving, "grounded": ["phi"]}.get(stator.bottom, []))]
+    sides: list[tuple[Callable, list[str]]] = [
+        (lambda x: abs(x[1] - depth), {"clamped": moving, "grounded": ["phi"]}.get(stator.bottom, []))
+    ]
     if stator.ends == "clamped":
         sides += [(lambda x, end=end: abs(x[0] - end), moving) for end in ends]
     held = [np.empty(0, dtype=int)]

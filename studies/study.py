@@ -40,6 +40,14 @@ _HOMES = """
 STUDIES = {name: package for package, name in (each.split(".") for each in _HOMES.split())}
 # former names of studies: each is a part of another now
 ALIASES = {"contact_error_vs_time": "error_vs_time", "fem_error_vs_time": "error_vs_time"}
+# s on its own default scene, or of all its scenes, on one processor
+SECONDS = {
+    "voltage_to_velocity": 3, "rayleigh": 20, "seed_figures": 15, "admittance": 15, "beam": 10, "frequency_response": 8,
+    "dispersion": 5, "regime_map": 1, "load_line": 2, "stroke": 30, "step_planner": 5, "positioning": 20,
+    "design_map": 5, "sensitivity": 60, "contact_error_vs_time": 30, "cell_parameters": 10, "p_matrix": 15,
+    "reflector": 30, "network": 15, "fem_error_vs_time": 60, "gallery": 60, "published_motors": 40,
+    "published_stators": 5, "error_vs_time": 120, "calibration": 300, "stability": 360, "left_out": 60,
+}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +69,7 @@ class Finding:
 
 
 def judged(
-    statement, quantity, found, *, low=-math.inf, high=math.inf, holds=True, expected="", remark=""
+    statement, quantity, value, *, low=-math.inf, high=math.inf, holds=True, expected="", remark=""
 ) -> Finding:
     """Return the finding that a number lies between two others, both excluded, and something else holds too.
 
@@ -71,8 +79,8 @@ def judged(
     if math.isfinite(low) and math.isfinite(high):
         bounds = f"between {low:g} and {high:g}"
     return Finding(
-        statement=statement, quantity=quantity, expected=expected or bounds, found=float(found),
-        confirmed=None if holds is None else bool(low < found < high and holds), remark=remark,
+        statement=statement, quantity=quantity, expected=expected or bounds, found=float(value),
+        confirmed=None if holds is None else bool(low < value < high and holds), remark=remark,
     )  # fmt: skip
 
 
@@ -154,21 +162,26 @@ def driven_contact(
     >>> driven_contact("twente-contact").named(1e-8)
     '10 nm'
     """
-    chosen = resolved(Scene.load(scene))
-    if chosen.slider is None:
-        chosen.refuse("slider", "is missing: this study needs a slider")
-    if chosen.slider.pillars is not None and not pillars:
-        chosen.refuse(
+    resolved_scene = resolved(Scene.load(scene))
+    if resolved_scene.slider is None:
+        resolved_scene.refuse("slider", "is missing: this study needs a slider")
+    if resolved_scene.slider.pillars is not None and not pillars:
+        resolved_scene.refuse(
             "slider.pillars", "are not known to this study: run, sweep, datasheet and load_line take them"
         )
-    if chosen.wave is not None:
-        return DrivenContact.given(chosen)
-    if not chosen.transducer:
-        chosen.refuse("transducer", "is missing: this study needs a driven stator or a given [wave]")
-    drive = replace(chosen.drive, voltage=(max(chosen.levels),), burst=None)
-    record = run_chain(replace(chosen, drive=drive, uncertain=None), tolerance=tolerance, progress=progress)
-    found = DrivenContact.of_run(record)
-    return replace(found, scene=replace(chosen, drive=replace(chosen.drive, frequency=found.scene.frequency)))
+    if resolved_scene.wave is not None:
+        return DrivenContact.given(resolved_scene)
+    if not resolved_scene.transducer:
+        resolved_scene.refuse("transducer", "is missing: this study needs a driven stator or a given [wave]")
+    drive = replace(resolved_scene.drive, voltage=(max(resolved_scene.levels),), burst=None)
+    record = run_chain(
+        replace(resolved_scene, drive=drive, uncertain=None), tolerance=tolerance, progress=progress
+    )
+    driven = DrivenContact.of_run(record)
+    return replace(
+        driven,
+        scene=replace(resolved_scene, drive=replace(resolved_scene.drive, frequency=driven.scene.frequency)),
+    )
 
 
 def module(name: str):
@@ -184,6 +197,19 @@ def question(name: str) -> str:
     folder = Path(__file__).parent / STUDIES[name]
     (file,) = (each for each in (folder / f"{name}.py", folder / name / "__init__.py") if each.is_file())
     return file.read_text(encoding="utf-8").partition("\n")[0].strip('"')
+
+
+def expected_seconds(name: str, scene: str | None) -> float:
+    """Return how long a study takes, s: as long as on its default scene, times the ratio of the stators' work."""
+    default = signature(module(name).run).parameters.get("scene")
+    if scene is None or default is None:
+        return SECONDS[name]
+    from studies.report.explanation import plan
+
+    own, usual = (
+        plan(Scene.load(each), tolerance=1e-3)["expected"]["seconds"] for each in (scene, default.default)
+    )
+    return SECONDS[name] * own / usual
 
 
 def of_record(draw: Callable) -> Callable:
@@ -258,23 +284,26 @@ def run_study(
     ``scene``, axes (``over``) and ``options`` of the command line are for studies that take them; ``quick`` is the
     small version, with the arguments in the module's ``QUICK``.
     """
-    chosen = module(name)
-    taken, asked = signature(chosen.run).parameters, (options or {}) | ({"over": over} if over else {})
-    for option in asked:
+    study_module = module(name)
+    taken, options_of_study = (
+        signature(study_module.run).parameters,
+        (options or {}) | ({"over": over} if over else {}),
+    )
+    for option in options_of_study:
         if option not in taken:
             raise SceneError(f"--{option}", f"is not taken by the study {name}")
     if scene is not None:
         if "scene" not in taken:
             raise SceneError("study", f"{name} has its own scenes and takes none")
-        asked["scene"] = scene
-    record = chosen.run(progress=progress, **(chosen.QUICK if quick else {}) | asked)
+        options_of_study["scene"] = scene
+    record = study_module.run(progress=progress, **(study_module.QUICK if quick else {}) | options_of_study)
     if isinstance(record, Record):
         from studies.record.files import write_run
 
         write_run(record, folder, field=False)
         return record
     write_json(folder / "study.json", record.to_dict())
-    for file, content in getattr(chosen, "tables", lambda record: {})(record).items():
+    for file, content in getattr(study_module, "tables", lambda record: {})(record).items():
         (folder / file).write_text(content, encoding="utf-8")
     return record
 
@@ -284,12 +313,12 @@ def draw_study(
 ) -> None:
     """Draw the pictures of a study into a directory."""
     progress("drawing")
-    chosen = module(name)
-    if hasattr(chosen, "draw"):
-        chosen.draw(record, folder, progress=progress)
+    study_module = module(name)
+    if hasattr(study_module, "draw"):
+        study_module.draw(record, folder, progress=progress)
         return
     from studies.record.plots import saved
 
     panels = {name: record} if isinstance(record, Record) else {each.name: each for each in record.panels}
     for file, panel in panels.items():
-        saved(folder / f"{file}.png", lambda ax, panel=panel: chosen.figure(panel, ax))
+        saved(folder / f"{file}.png", lambda ax, panel=panel: study_module.figure(panel, ax))

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact import bounds
-from contact.answers.steady import steady
+from contact.answers.steady import SteadyState, steady
 from contact.averaged.equilibrium import rest_tractions, tractions
 from contact.averaged.run import STIFFEST_STEADY, refuse_unless_applicable
 from contact.averaged.sweep import mean_motion
@@ -225,7 +225,7 @@ def load_line(
     loads = stalled.value * np.linspace(0.0, 1.0, points)
     velocity, wave_power = np.zeros(points), np.zeros(points)
     errors = np.full(points, stalled.error / stalled.value)
-    worst = stalled
+    worst: Answer | SteadyState = stalled
     for k, load in enumerate(loads[:-1]):
         state = steady(replace(slider, load=float(load)), listed, tolerance=tolerance)
         velocity[k], errors[k] = direction * state.velocity, state.relative_error

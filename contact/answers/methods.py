@@ -384,7 +384,7 @@ def run(method: str, burst: Burst) -> Choice:
 
 def stepped_refusals(slider, problem, per_cycle) -> tuple[str, ...]:
     """Return why fixed steps cannot follow this motion; nothing where they can."""
-    why = ()
+    why: tuple[str, ...] = ()
     if slider.stick_band > 0.0:
         why += ("slider.stick_band needs the events",)
     if slider.law != "elastic" or slider.reciprocal:

@@ -41,7 +41,7 @@ NOT_FINITE = "not converged", "the averaged motion was not finite; use method ex
 
 def refusals(slider: Slider, orbits: tuple[Orbit, ...], stiffest: float = STIFFEST) -> tuple[str, ...]:
     """Return why averaging does not apply; nothing where it does."""
-    why = ()
+    why: tuple[str, ...] = ()
     if slider.law != "elastic" or slider.reciprocal:
         why += ("it knows the elastic law without its reciprocal force only",)
     if slider.stick_band > 0.0:

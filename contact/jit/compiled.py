@@ -121,6 +121,7 @@ class Kernel:
                 no_cpython_wrapper=True,
                 no_cfunc_wrapper=True,
             )(self.function)
+            _DISPATCHERS.append(made)
             known = vars(self).setdefault("_inner", made)  # of two threads at once, the first's
         return known
 
@@ -189,11 +190,12 @@ class Native(Kernel):
                 ORDINARY[self.__name__] = f"{type(failed).__name__}: {failed}"
                 self._loaded[words] = None
                 for kernel in _KERNELS:  # what was half compiled for the machine code is compiled afresh
-                    _DISCARDED.append(vars(kernel).pop("_inner", None))
+                    vars(kernel).pop("_inner", None)
 
 
-# Dispatchers given up: types of numba refer to them weakly, and a new one at the same address would be taken for one
-_DISCARDED = []
+# Every dispatcher for other kernels, for life: numba's types refer to them weakly and are found again by the address of
+# a function, so that of a user's law that is gone would be taken for a new one's ("underlying object has vanished")
+_DISPATCHERS: list = []
 # kernels that numba's ordinary compiler compiles, and why
 ORDINARY: dict[str, str] = {}
 

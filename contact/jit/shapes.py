@@ -6,6 +6,7 @@ number of times a letter and a number ("2+4k"). "2 | 2+4k" allows either shape.
 
 import re
 from collections.abc import Mapping
+from typing import Any
 
 _LENGTH = re.compile(r"(?:(\d+)\+)?(\d*)([a-z]?)")
 
@@ -17,7 +18,7 @@ def check_shapes(kernel: str, declared: Mapping[str, str], arguments: Mapping[st
     """
     lengths: dict[str, int] = {}
     for name, shapes in declared.items():
-        array = arguments
+        array: Any = arguments
         for part in name.split("."):
             array = array[part] if isinstance(array, Mapping) else getattr(array, part, None)
             if array is None:

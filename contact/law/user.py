@@ -100,7 +100,7 @@ class UserLaw:
             return source
         if isinstance(source, ModuleType):
             return cls(source.__name__, inspect.getsource(source))
-        path = Path(source)
+        path = Path(str(source))
         try:
             return cls(path.name, path.read_text(encoding="utf-8"))
         except (OSError, UnicodeDecodeError) as error:

@@ -21,7 +21,7 @@ from fem.materials import Solid, fields
 from fem.materials.medium import Medium, medium
 
 Surface = Literal["vacuum", "open", "metallised"]
-SURFACES: tuple[str, ...] = get_args(Surface)
+SURFACES: tuple[Surface, ...] = get_args(Surface)
 
 _DISPLACEMENTS = ("ux", "uy", "uz")
 _BELOW_LIMIT = 1e-9  # a root nearer to the limiting velocity than this, relative, is not told apart from it
@@ -90,10 +90,10 @@ class HalfSpaceWave:
 
 def surface_named(word: str) -> Surface:
     """Return the member of `SURFACES` that a word stands for, "free" for "vacuum"; a ValueError for any other word."""
-    surface = "vacuum" if word == "free" else word
-    if surface not in SURFACES:
-        raise InputError("surface", f"must be one of {', '.join(SURFACES)} or free", word)
-    return surface
+    for surface in SURFACES:
+        if surface == ("vacuum" if word == "free" else word):
+            return surface
+    raise InputError("surface", f"must be one of {', '.join(SURFACES)} or free", word)
 
 
 @lru_cache(maxsize=256)  # one run asks for the same wave about ten times

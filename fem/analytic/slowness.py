@@ -5,7 +5,6 @@ curvature says how fast the beam spreads (M. G. Cohen, J. Appl. Phys. 38 (1967) 
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,7 +32,7 @@ class Slowness:
     array([1.])
     """
 
-    along: Callable
+    along: np.polynomial.Chebyshev
 
     @classmethod
     def through(cls, lateral: np.ndarray, along: np.ndarray) -> "Slowness":

@@ -82,7 +82,7 @@ class CrossedBeam:
 
         Of rows at an oblique angle many places are interpolated, but for those near their own fingers.
         """
-        total = 0.0
+        total: np.ndarray = np.zeros(())
         for row, beam in self._moving:
             total = total + _in_plan(row, self._of_row(row, beam.motion, x, y))
         return total
@@ -93,7 +93,8 @@ class CrossedBeam:
 
     def motion_and_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0):
         """`motion` and `relative_error` at once."""
-        total, error = 0.0, 0.0
+        total: np.ndarray = np.zeros(())
+        error: np.ndarray = np.zeros(())
         for row, beam in self._moving:
             both = self._of_row(row, lambda s, t, of=beam: np.vstack(_stacked(of, s, t)), x, y)
             total = total + _in_plan(row, both[:3])
@@ -116,7 +117,7 @@ class CrossedBeam:
     def first_images(self, x: float | np.ndarray, y: float | np.ndarray) -> np.ndarray:
         """Sum of the sizes of u_z, m per V, that the first images of all beams in both side faces have at places."""
         images = [side * self.width - np.asarray(y) for side in (1, -1)]
-        total = 0.0
+        total: np.ndarray = np.zeros(())
         for row, beam in self._moving:
             for image in images:
                 s, t = row.local(x, image)

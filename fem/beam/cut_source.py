@@ -126,11 +126,13 @@ class CutSource:
     def branches(self, reach: float, distance: float, _resolved: float, mirror_width) -> Iterator[Branch]:
         """Waves to both sides at the nodes of a rule that serves points up to ``reach``."""
         rounded = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # so that few rules are needed
-        fade = tuple(each * self.wavenumber for each in FADE)
+        low, high = (each * self.wavenumber for each in FADE)
         # u_x depends on |k_y| where the potential floats
         coarser = 1.0 if self.section.floating_potential else COARSER[self.level >= FINE_LEVEL]
-        narrow = tuple(NARROWER * each for each in fade)
-        rule = lateral_rule(self.wavenumber, rounded, fade, mirror_width, coarser=coarser, narrow=narrow)
+        narrow = NARROWER * low, NARROWER * high
+        rule = lateral_rule(
+            self.wavenumber, rounded, (low, high), mirror_width, coarser=coarser, narrow=narrow
+        )
         yield from self._lasting(rule, distance)
 
     def plane(self, _resolved: float) -> Iterator[Branch]:

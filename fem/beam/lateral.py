@@ -99,7 +99,8 @@ def lateral_rule(
 
 def evanescent(highest: float, distance: float) -> tuple[float, float]:
     """Lateral wavenumbers between which all that is left at a distance in m fades out."""
-    return tuple(float(np.hypot(highest, each / distance)) for each in EVANESCENT)
+    low, high = (float(np.hypot(highest, each / distance)) for each in EVANESCENT)
+    return low, high
 
 
 def _faded(t: np.ndarray, start: float, stop: float) -> np.ndarray:

@@ -135,6 +135,5 @@ def finger_coupling(
     between = between[..., which.reshape(distances.shape)]
     charge, dipole = np.full(ACROSS, 1 / ACROSS), across / np.sum(across**2)
     pairs = ((charge, charge), (charge, dipole), (dipole, dipole))
-    return Coupling(
-        *(between @ right @ left for left, right in pairs), polarisability(source, transducer.finger_width)
-    )
+    charges, mixed, moments = (between @ right @ left for left, right in pairs)
+    return Coupling(charges, mixed, moments, polarisability(source, transducer.finger_width))

@@ -99,10 +99,11 @@ class PointPotential:
         y = middle[:, None] + width[:, None] / 2 * nodes
         values = self(np.hypot(x[:, None, None], y)) * (width[:, None] / 2 * weights)
         at = np.searchsorted(edges, stops * (1 - 1e-13))
-        return tuple(
+        plain, first_moment = (
             np.cumsum(np.pad(each.sum(axis=2), ((0, 0), (1, 0))), axis=1)[:, at].T
             for each in (values, values * y)
         )
+        return plain, first_moment
 
 
 def _wide(source: LineSource, x: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:

@@ -85,7 +85,7 @@ def discretise(
     media = [each for _, _, each in below] + [body] * (solid_elements - len(below))
     if stator.above == "vacuum" and "phi" in names:
         gap = vacuum_medium(*units(stator.solid))
-        sizes = list(graded(top, layers, largest=largest, smallest_first=True))
+        sizes = graded(top, layers, largest=largest, smallest_first=True).tolist()
         while sum(sizes) < VACUUM_HEIGHT:
             sizes.append(min(sum(sizes), 0.5) if sum(sizes) < 2 else sum(sizes))
         heights = np.concatenate([heights, sizes])

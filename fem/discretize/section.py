@@ -32,16 +32,35 @@ class LineSpace(Protocol):
     back to the lines of the ``full`` section.
     """
 
-    size: int
-    full: "Section"
-    solid: Medium
-    length_unit: float
-    surface_speed: float | None
-    odd: np.ndarray | None
-    mechanical: np.ndarray
-    floating_potential: bool
-    constant_potential: np.ndarray
-    surface_rows: np.ndarray
+    @property
+    def size(self) -> int: ...  # noqa: D102
+
+    @property
+    def full(self) -> "Section": ...  # noqa: D102
+
+    @property
+    def solid(self) -> Medium: ...  # noqa: D102
+
+    @property
+    def length_unit(self) -> float: ...  # noqa: D102
+
+    @property
+    def surface_speed(self) -> float | None: ...  # noqa: D102
+
+    @property
+    def odd(self) -> np.ndarray | None: ...  # noqa: D102
+
+    @property
+    def mechanical(self) -> np.ndarray: ...  # noqa: D102
+
+    @property
+    def floating_potential(self) -> bool: ...  # noqa: D102
+
+    @property
+    def constant_potential(self) -> np.ndarray: ...  # noqa: D102
+
+    @property
+    def surface_rows(self) -> np.ndarray: ...  # noqa: D102
 
     def lift(self, lines: np.ndarray) -> np.ndarray:
         """Unknowns of the full section on lines, shape (full size, ...)."""
@@ -54,7 +73,7 @@ class LineSpace(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Section(LineSpace):
+class Section:
     """Discretised depth of a stator."""
 
     # shape (elements,): element heights from the bottom up, in length units; complex in an absorbing layer
@@ -206,13 +225,14 @@ class Section(LineSpace):
 
     def _assembled(self, of_element: Callable, dtype) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Sums over the elements of three matrices that each has, shape (size, size)."""
-        sums = tuple(np.zeros((self.size, self.size), dtype=dtype) for _ in range(3))
+        sums = [np.zeros((self.size, self.size), dtype=dtype) for _ in range(3)]
         for element, (height, part) in enumerate(zip(self.heights, self.media, strict=True)):
             dofs, exists = self.element_dofs(element)
             keep, chosen = dofs[exists], np.flatnonzero(exists.ravel())
             for total, own in zip(sums, of_element(height, part), strict=True):
                 total[np.ix_(keep, keep)] += own[np.ix_(chosen, chosen)]
-        return sums
+        second, first, zeroth = sums
+        return second, first, zeroth
 
     def lateral_matrices(self, frequency: float, wavenumber: float) -> tuple[np.ndarray, ...]:
         """Matrices of a uniform segment for fields that vary as exp(-i k_y y), k_y in radians per length unit.

@@ -132,16 +132,25 @@ def _solids() -> dict[str, Solid]:
     solids = []
     for name, (constants, density, quality, loss, source) in _CERAMICS.items():
         tables = _tables("6mm", constants)
-        losses = {"mechanical_quality": quality, "dielectric_loss": loss}
-        solids.append(Solid(name=name, source=source, density=density, **losses, **tables))
-    for name, (constants, density, source) in _NIOBATES.items():
-        solids.append(Solid(name=name, source=source, density=density, **_tables("3m", constants)))
+        solids.append(
+            Solid(
+                name=name,
+                source=source,
+                density=density,
+                mechanical_quality=quality,
+                dielectric_loss=loss,
+                **tables,
+            )
+        )
+    for name, (numbers, density, source) in _NIOBATES.items():
+        solids.append(Solid(name=name, source=source, density=density, **_tables("3m", numbers)))
     tables = _tables("32", (*_QUARTZ, *_QUARTZ_PERMITTIVITY))
     source = "Bechmann, Phys. Rev. 110 (1958) 1060"
     solids.append(Solid(name="quartz (Bechmann)", source=source, density=2649, **tables))
     for name, (modulus, ratio, density, source) in _ISOTROPIC.items():
-        constants = {"youngs_modulus": modulus, "poisson_ratio": ratio, "density": density}
-        solids.append(isotropic(name=name, source=source, **constants))
+        solids.append(
+            isotropic(name=name, source=source, youngs_modulus=modulus, poisson_ratio=ratio, density=density)
+        )
     return {solid.name: solid for solid in solids}
 
 

@@ -31,7 +31,8 @@ def is_step(piece: MeshPiece, thickness: float) -> bool:
 
 def placement(pieces: tuple[MeshPiece, ...], *, length: float, thickness: float) -> Placement:
     """Sort pieces by their part in the row: between uniform segments, or an end of the stator."""
-    between, ends = [], [None, None]
+    between: list[MeshPiece] = []
+    ends: list[MeshPiece | None] = [None, None]
     for piece in sorted(pieces, key=lambda each: each.extent[0]):
         left, right = piece.interface("left"), piece.interface("right")
         if is_step(piece, thickness):
@@ -50,7 +51,7 @@ def placement(pieces: tuple[MeshPiece, ...], *, length: float, thickness: float)
         ends[side] = piece
     start = 0.0 if ends[0] is None else ends[0].interface("right")[0]
     stop = length if ends[1] is None else ends[1].interface("left")[0]
-    return Placement(between=tuple(between), ends=tuple(ends), start=start, stop=stop)
+    return Placement(between=tuple(between), ends=(ends[0], ends[1]), start=start, stop=stop)
 
 
 def check_pieces(

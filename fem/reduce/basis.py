@@ -12,8 +12,9 @@ import numpy as np
 
 from fem.condense.columns import FingerColumns, lines
 from fem.condense.transducer import Condensation, FingerShape, fingers_in_row
-from fem.discretize.section import LineSpace, Section
+from fem.discretize.section import Section
 from fem.geometry import Transducer
+from fem.materials.medium import Medium
 from fem.results.solution import driven_solution
 from fem.waveguide.ends import Wall, end_reflection
 from fem.waveguide.modes import GuidedModes
@@ -28,7 +29,7 @@ ARRIVING, ARRIVING_AT_WALL = 0.1, 100.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReducedSection(LineSpace):
+class ReducedSection:
     """A section seen through a basis of fields."""
 
     full: Section
@@ -45,10 +46,25 @@ class ReducedSection(LineSpace):
         """Unknowns on a line."""
         return self.basis.shape[1]
 
-    solid = property(lambda self: self.full.solid)
-    length_unit = property(lambda self: self.full.length_unit)
-    surface_speed = property(lambda self: self.full.surface_speed)
-    floating_potential = property(lambda self: self.full.floating_potential)
+    @property
+    def solid(self) -> Medium:
+        """Medium of the stator."""
+        return self.full.solid
+
+    @property
+    def length_unit(self) -> float:
+        """Unit of length, m."""
+        return self.full.length_unit
+
+    @property
+    def surface_speed(self) -> float | None:
+        """Velocity of the half-space's Rayleigh wave, m/s."""
+        return self.full.surface_speed
+
+    @property
+    def floating_potential(self) -> bool:
+        """True if the potential floats."""
+        return self.full.floating_potential
 
     @cached_property
     def constant_potential(self) -> np.ndarray:
@@ -129,7 +145,7 @@ def bases_of(
         for part in fields_seen:
             own = group[np.any(part[group], axis=1)]  # without a finger's potential, which is its electrode's
             here = np.hstack([part[own].real, part[own].imag]) / abs(part).max()
-            vectors, values, _ = np.linalg.svd(np.linalg.qr(here.T, mode="r").T)
+            vectors, values, _ = np.linalg.svd(np.asarray(np.linalg.qr(here.T, mode="r")).T)
             found.append((own, vectors, values))
         count = max(int(np.sum(values > kept * values[0])) for _, _, values in found)
         count = min(count, *(len(own) for own, _, _ in found))

@@ -96,7 +96,9 @@ def wave_field(
     low, high = (0.0, wave.length) if span is None else span
     depth = section.nodes[section.body]
     parts: list[_Part] = []
-    offset, step_in_mean, passed = 0.0, 0.0, False  # whether a condensed piece of the row lies behind
+    offset: complex = 0.0
+    step_in_mean: complex = 0.0
+    passed = False  # whether a condensed piece of the row lies behind
     for piece in wave.pieces:
         if isinstance(piece, UniformSegment) and piece.beyond:
             continue  # another section: not on this grid
@@ -150,7 +152,8 @@ class _Part:
         """Some of the lines."""
         cut = (None if each is None else each[which] for each in (self.along, self.upward))
         inside = self.inside if len(self.inside) == 1 else self.inside[which]
-        return _Part(self.x[which], self.values[which], *cut, inside)
+        along, upward = cut
+        return _Part(self.x[which], self.values[which], along, upward, inside)
 
     def raised(self, section, depth: np.ndarray) -> np.ndarray:
         """Derivatives along z per m."""
@@ -246,7 +249,8 @@ def _constant_shape(solution: Solution) -> tuple[int, complex, complex] | None:
         return None
     index, surface = int(constant[0]), solution.fields.section.full.surface_dofs["phi"]
     lift = solution.fields.section.lift
-    return index, *(complex(lift(shapes[:, index])[surface]) for shapes in (modes.right, modes.left))
+    right, left = (complex(lift(shapes[:, index])[surface]) for shapes in (modes.right, modes.left))
+    return index, right, left
 
 
 def _gauge_step(solution: Solution, piece) -> complex:

@@ -297,4 +297,5 @@ def _errors(
         own = solution, surface_of(solution).motion(problem.places)
         differences = solution_differences(own, (check.solution, check.motion))
         seen.append([difference / min(check.here, worst / REDUCTION_SAFETY) for difference in differences])
-    return tuple(float(worst * error) for error in np.max(seen, axis=0))
+    of_motion, of_admittance = (float(worst * error) for error in np.max(seen, axis=0))
+    return of_motion, of_admittance

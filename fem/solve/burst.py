@@ -254,7 +254,7 @@ def _envelope(
     """Return the envelopes of a burst; ``found``: error folded back in time, that of the response, frequencies."""
     _refuse_endless(duration)
     span = np.arange(0.0, 1 / line.step, line.tick)
-    during = np.count_nonzero(span < duration)
+    during = int(np.count_nonzero(span < duration))
     time = np.append(span[:during], duration + span)
     off = phase + 2 * np.pi * line.frequency * duration
 

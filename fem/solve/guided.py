@@ -106,7 +106,7 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
         If the highest order does not reach the tolerance.
     """
     modes, _, error = _refined_modes(stator, frequency, 0.0, tolerance, FREE_ORDERS, _velocities_apart)
-    section, wavenumber = modes.section, _surface_wavenumber(modes)
+    section, wavenumber = modes.section.full, _surface_wavenumber(modes)
     shape = _at_the_upper_face(modes.right[:, modes.rayleigh], section)
     profile = section.on_nodes(shape[:, None])[0] * section.field_units
     profile /= profile[-1, FIELD_COLUMN["uz"]]
@@ -194,7 +194,7 @@ def guided_modes(
         ORDERS,
         _propagating_apart if propagating else _surface_waves_apart,
     )
-    section, unit, lateral = modes.section, modes.section.length_unit, modes.lateral_wavenumber
+    section, unit, lateral = modes.section.full, modes.section.length_unit, modes.lateral_wavenumber
     certain = modes.propagating if propagating else modes.rayleigh
     chosen = _known(modes, coarse, max(tolerance, 10 * error), certain)
     shapes = section.on_nodes(modes.right[:, chosen]) * section.field_units

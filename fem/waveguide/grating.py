@@ -93,7 +93,8 @@ class Grating:
             )
             for square in squares
         ]
-        return squares, *(np.stack([pair[side].matrix for pair in pairs]) for side in (0, 1))
+        left, right = (np.stack([pair[side].matrix for pair in pairs]) for side in (0, 1))
+        return squares, left, right
 
     def cell(self, frequency: float, *, open_fingers: bool) -> FingerColumns:
         """Condensed cell at a frequency in Hz."""

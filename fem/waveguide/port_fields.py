@@ -104,7 +104,7 @@ class PortFields:
             return 1.0, 1.0
         angles = abs(np.angle(factors))
         turned = abs(factors) * np.exp(1j * np.maximum(angles - swing, 0.0))
-        return tuple(float(1 / abs(1 - each).min()) for each in (factors, turned))
+        return float(1 / abs(1 - factors).min()), float(1 / abs(1 - turned).min())
 
 
 def transducer_ports(transducer: Transducer, floating: bool) -> tuple[Port, ...]:

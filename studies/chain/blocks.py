@@ -14,8 +14,8 @@ PER_WAVELENGTH = 12  # lines of surface.csv where no section lies along x
 def wave_block(scene: Scene, motion: SurfaceMotion, place: tuple[float, float], ringing) -> dict:
     """Return the block ``wave``: the motion at a place (x, y) in m, its error, and the waves of the section."""
     wave, places = motion.wave, [place] if scene.slider is None else [place, *scene.slider.places]
-    found = motion.at(places)
-    tangential, lateral, normal = map(complex, found[:, 0])
+    components = motion.at(places)
+    tangential, lateral, normal = map(complex, components[:, 0])
     block: dict[str, Any] = {
         "frequency_Hz": wave.frequency,
         "normal_m_per_V": normal,
@@ -23,7 +23,7 @@ def wave_block(scene: Scene, motion: SurfaceMotion, place: tuple[float, float], 
     }
     if motion.beam is not None:
         block["lateral_m_per_V"] = lateral
-        block["largest_lateral_ratio"] = float((abs(found[1]) / abs(found[0])).max())
+        block["largest_lateral_ratio"] = float((abs(components[1]) / abs(components[0])).max())
         in_section = map(complex, wave.motion(motion.in_section(place)))
         block |= zip(("section_tangential_m_per_V", "section_normal_m_per_V"), in_section, strict=True)
     if not motion.covered(place):
@@ -35,8 +35,8 @@ def wave_block(scene: Scene, motion: SurfaceMotion, place: tuple[float, float], 
         "relative_error": motion.relative_error(places),
         "resolution": wave.resolution,
     }
-    if ringing is not None and ringing.found is not None:
-        block["settling_time_s"] = ringing.found.settling
+    if ringing is not None and ringing.response is not None:
+        block["settling_time_s"] = ringing.response.settling
     return block
 
 

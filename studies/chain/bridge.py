@@ -93,12 +93,12 @@ def _friction(slider: Slider):
     if isinstance(slider.law, LawText):
         return contact.UserLaw(slider.law.name, slider.law.source)
     if isinstance(slider.friction_coefficient, Friction):
-        given = slider.friction_coefficient
+        friction = slider.friction_coefficient
         return contact.FallingFriction(
-            sliding=given.sliding,
-            speed=given.speed,
-            high_pressure=given.high_pressure,
-            pressure=given.pressure,
+            sliding=friction.sliding,
+            speed=friction.speed,
+            high_pressure=friction.high_pressure,
+            pressure=friction.pressure,
         )
     return None
 

@@ -50,16 +50,16 @@ def _recovered(scene: Scene, circuit) -> dict:
     load = 0.5 * abs(circuit.currents[at]) ** 2 * complex(recovery.load).real
     kept = recovery.efficiency * load
     gain = float(kept / circuit.power)
-    found = {"power_recovered_W_per_V2": float(kept), "recovery_ratio": gain}
+    recovered = {"power_recovered_W_per_V2": float(kept), "recovery_ratio": gain}
     if not recovery.circulation:
-        return found
+        return recovered
     if gain >= 1:
         rule = (
             f"must be below {recovery.efficiency / gain:.4g} with drive.recovery.circulation: "
             f"the loop's gain is {gain:.4g}, and it oscillates from 1 on; got {recovery.efficiency!r}"
         )
         scene.refuse("drive.recovery.efficiency", rule)
-    return found | {"power_net_W_per_V2": float(circuit.power - kept)}
+    return recovered | {"power_net_W_per_V2": float(circuit.power - kept)}
 
 
 def with_available_power(points: tuple[dict, ...], electrical: dict) -> tuple[dict, ...]:

@@ -12,7 +12,7 @@ from studies.scene import Scene
 
 def free_wave_record(scene: Scene, tolerance: float) -> Record:
     """Return the record of the free wave of a section."""
-    begun = time.perf_counter()
+    start_time = time.perf_counter()
     try:
         wave = fem.free_wave(resolve.stator(scene.stator), frequency=scene.frequency, tolerance=tolerance)
     except fem.ConvergenceError as error:
@@ -30,7 +30,7 @@ def free_wave_record(scene: Scene, tolerance: float) -> Record:
             "attenuation_per_m": wave.attenuation,
         },
         error={"relative": wave.relative_error, "parts": {"stator": wave.relative_error}},
-        seconds={"stator": time.perf_counter() - begun},
+        seconds={"stator": time.perf_counter() - start_time},
         left_out=left_out(scene),
         surface=columns,
     )

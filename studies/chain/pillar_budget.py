@@ -157,9 +157,9 @@ def pillar_warnings(record: Record) -> Iterator[str]:
             yield f"the loaded wave leaks into bulk waves ({row['source']}): more or shorter strips, or less preload"
         if row["quantity"] == "the preload" and row["size"] >= 0.1:
             yield f"model error: {row['effect']} would add {100 * row['size']:.3g} % of the preload ({row['source']})"
-    slider, given = record.scene.slider, record.scene.slider.pillars
-    chosen = given.height_scatter > 0.0 and given.seed == pillars.SEED
-    if chosen:
-        yield f"the heights scatter with the seed {given.seed}, which is chosen where slider.pillars.seed is absent"
+    slider, block = record.scene.slider, record.scene.slider.pillars
+    default_seed = block.height_scatter > 0.0 and block.seed == pillars.SEED
+    if default_seed:
+        yield f"the heights scatter with the seed {block.seed}, which is chosen where slider.pillars.seed is absent"
     if slider.damping.normal or slider.damping.contact:
         yield "slider.damping.normal and contact do nothing here: the averaged slider on pillars does not bounce"

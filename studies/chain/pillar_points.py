@@ -75,19 +75,19 @@ def point_of(motion) -> dict:
         regime = "stick"
     else:
         regime = "slip" if motion.share_in_contact == 1.0 and motion.duty > HOPS else "intermittent"
-    found = {
+    point = {
         "velocity_m_per_s": motion.velocity, "regime": regime, "approach_m": motion.approach,
         "tilt_rad": list(motion.tilt), "share_in_contact": motion.share_in_contact, "duty": motion.duty,
         "friction_power_W": motion.friction_power, "thrust_power_W": motion.thrust_power,
         "exit_over_entry": motion.exit_over_entry, "reflected_over_entry": motion.reflected_over_entry,
     }  # fmt: skip
     if motion.wave.compliance > 0.0:
-        found |= {
+        point |= {
             "wave_power_in_W": motion.wave_power_in, "wave_power_out_W": motion.wave_power_out,
             "loading_number": motion.loading_number, "overtone_ratio": motion.overtone,
             "harmonics": motion.harmonics,
         }  # fmt: skip
-    return found | {"ledger_relative_residual": abs(motion.ledger_residual)}
+    return point | {"ledger_relative_residual": abs(motion.ledger_residual)}
 
 
 def tables(motion) -> tuple[dict, dict]:
@@ -111,10 +111,10 @@ def pillar_answer(driven: DrivenContact, *, tolerance: float, progress: Callable
         point = {} if scene.wave is not None else {"voltage_V": level}
         for side, amplitude in zip(("normal", "tangential"), driven.amplitudes, strict=True):
             point[f"{side}_amplitude_m"] = amplitude * level
-        found, part, motion, trajectory = _answered(body, level, tolerance, bursting=True)
+        values, part, motion, trajectory = _answered(body, level, tolerance, bursting=True)
         last = motion or last
         trajectories += [] if trajectory is None else [(level, trajectory)]
-        points.append(point | found)
+        points.append(point | values)
         parts.append(part)
     own, along = ({}, {}) if last is None else tables(last)
     return dict(
@@ -125,8 +125,8 @@ def pillar_answer(driven: DrivenContact, *, tolerance: float, progress: Callable
 
 def pillar_point(driven: DrivenContact, level: float, tolerance: float, *, bursting: bool):
     """Return what `studies.chain.points.point_answer` does, for a slider on pillars."""
-    found, part, _, trajectory = _answered(PillarContact.of(driven), level, tolerance, bursting=bursting)
-    return found, part, trajectory
+    values, part, _, trajectory = _answered(PillarContact.of(driven), level, tolerance, bursting=bursting)
+    return values, part, trajectory
 
 
 def _answered(body: PillarContact, level: float, tolerance: float, *, bursting: bool):
@@ -146,7 +146,7 @@ def _point(body: PillarContact, level: float, tolerance: float, bursting: bool):
             None,
         )
     motion = body.motion(level)
-    found, trajectory = point_of(motion), None
+    point, trajectory = point_of(motion), None
     sensitivity = body.sensitivity(level, motion)
     wave = motion.wave
     speed = max(abs(motion.velocity), wave.omega * abs(wave.ratio) * wave.amplitude / 10)
@@ -155,18 +155,18 @@ def _point(body: PillarContact, level: float, tolerance: float, bursting: bool):
     from_contact = motion.relative_error
     if bursting and body.driven.scene.burst is not None:
         trajectory = burst(body, level, motion, body.driven.scene.burst)
-        found["velocity_at_burst_end_m_per_s"] = trajectory.velocity_at_burst_end
-        found["displacement_m"] = float(np.trapezoid(trajectory.velocity, trajectory.time))
-        found["burst_method"] = "averaged"
+        point["velocity_at_burst_end_m_per_s"] = trajectory.velocity_at_burst_end
+        point["displacement_m"] = float(np.trapezoid(trajectory.velocity, trajectory.time))
+        point["burst_method"] = "averaged"
         from_contact = max(from_contact, trajectory.relative_error)
     error = from_stator + from_contact
-    found |= {"relative_error": error, "amplitude_sensitivity": sensitivity * share}
-    found["status"] = (
+    point |= {"relative_error": error, "amplitude_sensitivity": sensitivity * share}
+    point["status"] = (
         "ok"
         if error <= tolerance
         else f"above tolerance: stator {from_stator:.1e}, contact {from_contact:.1e}"
     )
-    return found, (from_stator, from_contact), motion, trajectory
+    return point, (from_stator, from_contact), motion, trajectory
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -212,15 +212,15 @@ def burst(body: PillarContact, level: float, steady, duration: float) -> PillarB
         return [0.0 if held else (force - load) / slider.mass]
 
     time = np.linspace(0.0, duration, SAMPLES + 1)
-    found = solve_ivp(
+    solution = solve_ivp(
         rate, (0.0, duration), [0.0], method="RK45", t_eval=time, rtol=RATE_TOLERANCE,
         atol=RATE_TOLERANCE * max(abs(steady.velocity), 1e-6), max_step=duration / 8,
     )  # fmt: skip
-    if not found.success:
+    if not solution.success:
         raise contact.ConvergenceError(
-            "not converged", f"the averaged velocity in the burst: {found.message}"
+            "not converged", f"the averaged velocity in the burst: {solution.message}"
         )
-    velocity = found.y[0]
+    velocity = solution.y[0]
     end = float(velocity[-1])
     # once the wave is gone friction stops it, with the load for or against it
     after = np.array([])

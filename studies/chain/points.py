@@ -73,8 +73,8 @@ def slider_answer(
         point = {} if scene.wave is not None else {"voltage_V": level}
         for side, amplitude in zip(("normal", "tangential"), driven.amplitudes, strict=True):
             point[f"{side}_amplitude_m"] = amplitude * level
-        found, part, trajectory = point_answer(driven, level, tolerance)
-        points.append(point | found | contact_load(slider, here, threshold / level if level else math.inf))
+        values, part, trajectory = point_answer(driven, level, tolerance)
+        points.append(point | values | contact_load(slider, here, threshold / level if level else math.inf))
         parts.append(part)
         trajectories += [] if trajectory is None else [(level, trajectory)]
     return SliderAnswer(
@@ -91,11 +91,11 @@ def point_answer(driven: DrivenContact, level: float, tolerance: float, *, burst
         from studies.chain.pillar_points import pillar_point
 
         return pillar_point(driven, level, tolerance, bursting=bursting)
-    orbits, asked = driven.at(level), CONTACT_SHARE * tolerance
+    orbits, goal = driven.at(level), CONTACT_SHARE * tolerance
     method = _method(driven.scene, "the steady state", STEADY_METHODS)
 
     def steady(some: tuple):
-        return contact.steady(driven.slider, some, tolerance=asked, method=method)
+        return contact.steady(driven.slider, some, tolerance=goal, method=method)
 
     try:
         state = _refusing(lambda: steady(orbits))
@@ -108,7 +108,7 @@ def point_answer(driven: DrivenContact, level: float, tolerance: float, *, burst
             values["amplitude_sensitivity"] = sensitivities[0]
         tally = steady_tally(state)
         if bursting and driven.scene.burst is not None:
-            trajectory = followed_burst(driven, orbits, state.velocity, asked)
+            trajectory = followed_burst(driven, orbits, state.velocity, goal)
             if driven.along is not None and driven.scene.slider.travel is not False:
                 trajectory, moved = _along(driven, trajectory, level)
                 values |= moved
@@ -158,8 +158,8 @@ def followed_burst(
     method = _method(driven.scene, "a burst", BURST_METHODS)
 
     def followed(envelope=None, after=after):
-        given = {"tolerance": tolerance, "samples": SAMPLES, "method": method, "envelope": envelope}
-        return contact.burst(slider, orbits, duration=duration, after=after, **given)
+        options = {"tolerance": tolerance, "samples": SAMPLES, "method": method, "envelope": envelope}
+        return contact.burst(slider, orbits, duration=duration, after=after, **options)
 
     if ringing is None or ringing.envelope is None or method not in SHAPED_METHODS:
         return followed()
@@ -183,19 +183,19 @@ def _along(driven: DrivenContact, trajectory, level: float):
     expected = float(np.trapezoid(trajectory.velocity[on], trajectory.time[on]))
     if driven.scene.slider.travel is None and abs(expected) <= LEAST_TRAVEL * driven.along.wavelength:
         return trajectory, {}
-    found = travelled(driven.slider, driven.along, level, trajectory.duration, expected)
-    if found.ended:
+    travel = travelled(driven.slider, driven.along, level, trajectory.duration, expected)
+    if travel.ended:
         raise contact.ConvergenceError(
             "not applicable",
-            f"a ball reaches the stator's end {found.time[-1]:.3g} s after the start: shorten drive.burst, or set "
+            f"a ball reaches the stator's end {travel.time[-1]:.3g} s after the start: shorten drive.burst, or set "
             "slider.travel = false for the velocity that the wave at the slider's place would give",
         )
     # what the averaged equation misses of the burst at one place, it misses of the change too
     speed = reference_speed(trajectory.velocity_at_burst_end, trajectory.orbits)
-    missed = abs(found.held_velocity[-1] - trajectory.velocity_at_burst_end) / speed
-    moved = with_travel(trajectory, found)
-    error = trajectory.answer.error + found.error + missed * abs(found.change)
-    return replace(moved, answer=replace(moved.answer, error=error)), {"travel_m": float(found.place[-1])}
+    missed = abs(travel.held_velocity[-1] - trajectory.velocity_at_burst_end) / speed
+    moved = with_travel(trajectory, travel)
+    error = trajectory.answer.error + travel.error + missed * abs(travel.change)
+    return replace(moved, answer=replace(moved.answer, error=error)), {"travel_m": float(travel.place[-1])}
 
 
 def contact_load(slider, orbits: tuple, threshold: float) -> dict:
@@ -203,12 +203,12 @@ def contact_load(slider, orbits: tuple, threshold: float) -> dict:
 
     ``threshold``: factor on the orbits at which the slider starts to move; infinite where it never does.
     """
-    found = {"stick_margin": threshold - 1.0} if math.isfinite(threshold) else {}
+    load = {"stick_margin": threshold - 1.0} if math.isfinite(threshold) else {}
     if slider.preload > 0.0:
         crests = slider.offsets(len(orbits)) + [abs(orbit.normal) for orbit in orbits]
         deepest = contact.riding_height(slider, orbits) + max(crests)
-        found["contact_pressure_Pa"] = float(slider.pressure(deepest))
-    return found
+        load["contact_pressure_Pa"] = float(slider.pressure(deepest))
+    return load
 
 
 def half_thrust(slider, orbits: tuple, thrust: float, tolerance: float) -> tuple[float, float]:
@@ -222,14 +222,14 @@ def half_thrust(slider, orbits: tuple, thrust: float, tolerance: float) -> tuple
 
 def _summary(driven: DrivenContact) -> tuple[dict, float]:
     """Return threshold and release, what never comes absent; and the factor on the orbits at the threshold."""
-    found, factors = {}, {}
+    limits, factors = {}, {}
     for name, each in (("threshold", contact.threshold_factor), ("release", contact.release_factor)):
         factor = factors[name] = each(driven.slider, driven.orbits)
         if math.isfinite(factor):
-            found[f"{name}_amplitude_m"] = factor * driven.amplitude
+            limits[f"{name}_amplitude_m"] = factor * driven.amplitude
             if driven.scene.wave is None:
-                found[f"{name}_voltage_V"] = factor
-    return found, factors["threshold"]
+                limits[f"{name}_voltage_V"] = factor
+    return limits, factors["threshold"]
 
 
 def _method(scene: Scene, what: str, available: tuple[str, ...]) -> str:

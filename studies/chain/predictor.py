@@ -80,9 +80,9 @@ class Predictor:
         name = "wave" if scene.wave is not None else "drive"
         if scene.burst is not None:
             scene = replace(scene, **{name: replace(getattr(scene, name), burst=None)})
-        found = cls(scene.to_table(), tolerance=record.tolerance, steps=1, progress=progress)
-        found.take(record)
-        return found
+        predictor = cls(scene.to_table(), tolerance=record.tolerance, steps=1, progress=progress)
+        predictor.take(record)
+        return predictor
 
     def answers(
         self, many: Sequence[dict], also: Sequence[str] = (), *, tolerance: float | None = None,
@@ -115,12 +115,12 @@ class Predictor:
         for step in range(self.steps):
             self.solve_together((many[at] for at in todo), step)
             some = [many[at] for at in todo]
-            found = self._answers_of(some, also, step, threads, tolerance or self.tolerance, averaged)
-            for at, answer in zip(todo, found, strict=True):
+            results = self._answers_of(some, also, step, threads, tolerance or self.tolerance, averaged)
+            for at, answer in zip(todo, results, strict=True):
                 # where a better stator has no answer, that of the one before stands
                 if "relative_error" in answer or not answers[at]:
                     answers[at] = answer
-            todo = [at for at, answer in zip(todo, found, strict=True) if answer.get("finer")]
+            todo = [at for at, answer in zip(todo, results, strict=True) if answer.get("finer")]
         return answers
 
     def scene(self, changes: dict) -> Scene:
@@ -132,11 +132,11 @@ class Predictor:
             if dot:
                 own.setdefault(name, []).append((key, value))
         for name in self.table | own:
-            asked = name, tuple(own.get(name, ()))
+            question = name, tuple(own.get(name, ()))
             try:
-                blocks[name] = self._block(*asked)
+                blocks[name] = self._block(*question)
             except TypeError:  # a table among the values is no key of the memory
-                blocks[name] = self._read(*asked)
+                blocks[name] = self._read(*question)
             if isinstance(blocks[name], SceneError):
                 raise blocks[name].with_traceback(None)
         return Scene(**blocks)
@@ -227,7 +227,7 @@ class Predictor:
                     fixed = replace(stator, drive=replace(stator.drive, frequency=self.limits[0]))
                     groups.setdefault((fixed, places), {})[stator.frequency] = stator
         for (fixed, places), stators in groups.items():
-            begun = time.perf_counter()
+            start_time = time.perf_counter()
             # what fails here is tried by itself, and says why
             with suppress(RunError, ValueError, ArithmeticError, fem.ConvergenceError):
                 along, goal = tuple(dict.fromkeys(x for x, _ in places)), self._goal(fixed, places, step)
@@ -236,7 +236,7 @@ class Predictor:
                 for stator, wave in zip(stators.values(), waves, strict=True):
                     motion = surface_motion(wave, stator.stator, places, slider=self.slider)
                     self._answers[stator, places, step] = SolvedStator.of(motion, places)
-            self.seconds += time.perf_counter() - begun
+            self.seconds += time.perf_counter() - start_time
 
     def _answers_of(
         self, many: list[dict], also: Any, step: int, threads: int | None, tolerance: float, averaged: bool
@@ -303,7 +303,7 @@ class Predictor:
     def _resolved(self, changes: dict) -> tuple[Scene, Scene | None]:
         """Return the scene with its automatic values found, and its stator alone at 1 V; None for a given wave."""
         scene, stator = self.scene(changes), None
-        found: dict[str, Any] = {}
+        blocks: dict[str, Any] = {}
         if scene.stator is not None:
             found_circuit = scene.drive.match == "auto" or scene.drive.recovery is not None
             spread = found_circuit and resolve.diffracts(scene)
@@ -313,14 +313,14 @@ class Predictor:
             if scene.crossed:
                 resolve.refuse_covered(replace(scene, transducer=stator.transducer))
             drive = replace(stator.drive, voltage=scene.levels, burst=scene.drive.burst)
-            found = {"stator": stator.stator, "transducer": stator.transducer, "drive": drive}
+            blocks = {"stator": stator.stator, "transducer": stator.transducer, "drive": drive}
         if scene.slider is not None:
             on = None if scene.slider.ball is None else scene.stator
-            found["slider"] = self._slider(scene.slider, on)
+            blocks["slider"] = self._slider(scene.slider, on)
             if scene.burst is not None:
                 refuse_endless_burst(scene, float((stator or scene).frequency))
-        same = all(getattr(scene, key) == each for key, each in found.items())
-        return scene if same else replace(scene, **found), stator
+        same = all(getattr(scene, key) == each for key, each in blocks.items())
+        return scene if same else replace(scene, **blocks), stator
 
     def _places(self, scene: Scene) -> tuple[tuple, tuple]:
         """Return the places of a scene, and those that one solution of the stator serves."""
@@ -382,10 +382,10 @@ def reason(error: Exception) -> str:
 def _free_answer(scene: Scene, tolerance: float) -> dict:
     """Return the answer of a scene without transducers: its free wave."""
     record = free_wave_record(resolve.resolved(scene), tolerance)
-    found = {
+    values = {
         name: record.wave[name] for name in ("phase_velocity_m_per_s", "surface_ratio", "attenuation_per_m")
     }
-    return found | {"relative_error": record.error["relative"], "status": "ok"}
+    return values | {"relative_error": record.error["relative"], "status": "ok"}
 
 
 def _silent(text: str) -> None:

@@ -70,15 +70,15 @@ def solid(block: Stator):
         return fem.rotated(replace(crystal, **own) if own else crystal, block.orientation)
 
 
-def _crystal(given: str | PiezoelectricSolid | IsotropicSolid):
+def _crystal(material: str | PiezoelectricSolid | IsotropicSolid):
     """Return the ``fem.Solid`` of a name of the catalogue or of a table, in the crystal's frame."""
     import fem
 
-    if isinstance(given, PiezoelectricSolid):
-        return fem.anisotropic(**_given(given, *keys_of(PiezoelectricSolid)))
-    if isinstance(given, IsotropicSolid):
-        return fem.isotropic(**_given(given, *keys_of(IsotropicSolid)))
-    return fem.material(given)
+    if isinstance(material, PiezoelectricSolid):
+        return fem.anisotropic(**_given(material, *keys_of(PiezoelectricSolid)))
+    if isinstance(material, IsotropicSolid):
+        return fem.isotropic(**_given(material, *keys_of(IsotropicSolid)))
+    return fem.material(material)
 
 
 def stator(block: Stator):
@@ -100,22 +100,22 @@ def pieces(scene: Scene) -> tuple:
     """Return the ``fem.MeshPiece`` objects of a scene, one for each place."""
     import fem
 
-    found = []
+    meshed = []
     for index, block in enumerate(scene.piece):
         path = f"piece.{index}"
         solids = tuple(
-            (name, _piece_solid(given, scene.stator, f"{path}.materials.{name}"))
-            for name, given in block.materials or ()
+            (name, _piece_solid(material, scene.stator, f"{path}.materials.{name}"))
+            for name, material in block.materials or ()
         )
         with _refused(f"{path}.file"):
             mesh = _mesh(block.file, LENGTHS[block.length_unit])
-        found += [
+        meshed += [
             fem.MeshPiece(
                 name=block.label, mesh=mesh, position=place, solids=solids, electrodes=block.electrodes or ()
             )
             for place in block.position
         ]
-    return tuple(found)
+    return tuple(meshed)
 
 
 def _mesh(file: str, unit: float):
@@ -132,12 +132,12 @@ def _read_mesh(file: str, unit: float, stamp: int):
     return fem.read_mesh(file, unit)
 
 
-def _piece_solid(given, block: Stator, path: str):
+def _piece_solid(material, block: Stator, path: str):
     """Return the ``fem.Solid`` of a surface group of a mesh, in the orientation of the stator."""
     import fem
 
     with _refused(path):
-        return fem.rotated(_crystal(given), block.orientation)
+        return fem.rotated(_crystal(material), block.orientation)
 
 
 def transducers(scene: Scene) -> tuple:
@@ -166,19 +166,19 @@ def first_row(scene: Scene, place: tuple[float, float]) -> tuple[Scene, float]:
     if not scene.crossed:
         return scene, place[0]
     row = rows(scene)[0]
-    blocks, given = {each.name: each for each in scene.transducer}, scene.drive
+    blocks, drive = {each.name: each for each in scene.transducer}, scene.drive
     alone = tuple(
         replace(blocks[each.name], center=each.center, angle=0.0, pattern=each.pattern)
         for each in row.transducers
     )
     sources = tuple(
-        (name, size) for name, size in given.driven.items() if name in [each.name for each in alone]
+        (name, size) for name, size in drive.driven.items() if name in [each.name for each in alone]
     )
     return replace(
         scene,
         stator=replace(scene.stator, length=row.stator.length),
         transducer=alone,
-        drive=replace(given, sources=sources) if given.sources is not None else given,
+        drive=replace(drive, sources=sources) if drive.sources is not None else drive,
     ), float(row.local(*place)[0])
 
 
@@ -213,12 +213,12 @@ def _ladder(match: str | tuple) -> tuple:
     """Return the ``fem.Element`` objects of a ladder as read."""
     import fem
 
-    found = []
+    elements = []
     for each in () if isinstance(match, str) else match:
         place, kind = each.name.split("_")
         value, quality = getattr(each, each.name), math.inf if each.Q is None else each.Q
-        found.append(fem.Element(place=place, kind=kind, value=value, quality=quality))
-    return tuple(found)
+        elements.append(fem.Element(place=place, kind=kind, value=value, quality=quality))
+    return tuple(elements)
 
 
 def diffracts(scene: Scene) -> bool:
@@ -229,9 +229,9 @@ def diffracts(scene: Scene) -> bool:
 @lru_cache(64)
 def spreads(block: Stator, places: tuple | None) -> bool:
     """Return whether the finite aperture is computed at places (x, y) of contacts; None without a slider."""
-    given = block.diffraction
-    return bool(given) or (
-        given is None and places is not None and not default_refusal(stator(block), places)
+    diffraction = block.diffraction
+    return bool(diffraction) or (
+        diffraction is None and places is not None and not default_refusal(stator(block), places)
     )
 
 
@@ -271,12 +271,12 @@ def _with_circuit(scene: Scene, spread: bool | None) -> Scene:
     """Find the voltages of given powers, the receiver's load and the elements of an automatic match."""
     import fem
 
-    given = scene.drive
-    if given.power is not None:
-        scene = replace(scene, drive=replace(given, voltage=given.levels, power=None))
-    recovery = given.recovery
+    old_drive = scene.drive
+    if old_drive.power is not None:
+        scene = replace(scene, drive=replace(old_drive, voltage=old_drive.levels, power=None))
+    recovery = old_drive.recovery
     matched = recovery is not None and recovery.rectifier is None and recovery.load == "matched"
-    if not matched and given.match != "auto":
+    if not matched and old_drive.match != "auto":
         return _with_load(scene)
     with _refused("drive.match"):
         ports = port_admittance(scene, scene.frequency, MATCH_TOLERANCE, spread=spread)
@@ -284,7 +284,7 @@ def _with_circuit(scene: Scene, spread: bool | None) -> Scene:
     if recovery is not None:
         load = None
         if matched:
-            auto = given.match == "auto"
+            auto = old_drive.match == "auto"
             with _refused("drive.recovery.load"):
                 load = fem.matched_load(
                     *about,
@@ -295,10 +295,10 @@ def _with_circuit(scene: Scene, spread: bool | None) -> Scene:
                     source_matched=auto,
                 )
         scene = _with_load(scene, load)
-    if given.match == "auto":
-        seen = fem.solve_circuit(*about, transducers(scene), given.transducer, scene.frequency).admittance
+    if old_drive.match == "auto":
+        seen = fem.solve_circuit(*about, transducers(scene), old_drive.transducer, scene.frequency).admittance
         with _refused("drive.match"):
-            ladder = fem.best_match(complex(given.source_impedance), seen, scene.frequency)
+            ladder = fem.best_match(complex(old_drive.source_impedance), seen, scene.frequency)
         elements = tuple(Element(**{f"{each.place}_{each.kind}": each.value}) for each in ladder) or "none"
         scene = replace(scene, drive=replace(scene.drive, match=elements))
     return scene
@@ -335,11 +335,11 @@ def _with_source_numbers(scene: Scene) -> Scene:
         if not isinstance(each.period, str):
             return each
         if each.period == "auto" and each.has_two_combs:
-            found = fem.best_period(block, _alone(each, 1.0), scene.frequency)
+            period = fem.best_period(block, _alone(each, 1.0), scene.frequency)
         else:
             bulk = replace(scene.stator, thickness="half-space")
-            found = _half_space_period(bulk, scene.frequency, each.metallisation)
-        return replace(each, period=float(found))
+            period = _half_space_period(bulk, scene.frequency, each.metallisation)
+        return replace(each, period=float(period))
 
     with _refused("transducer.period"):
         return replace(scene, transducer=tuple(with_period(each) for each in scene.transducer))
@@ -375,8 +375,8 @@ def refuse_covered(scene: Scene) -> None:
 
     row = transducers(scene)
     for place in () if scene.slider is None else scene.slider.places:
-        for each, given in zip(row, scene.transducer, strict=True):
-            if given.turned and fem.covers(each, place):
+        for each, block in zip(row, scene.transducer, strict=True):
+            if block.turned and fem.covers(each, place):
                 where = f"({place[0]:g}, {place[1]:g}) m"
                 raise SceneError(
                     "slider.position", f"must keep the contacts off {each.name!r}, got one at {where}"

@@ -39,32 +39,42 @@ class RingUp:
     ring_down: "Envelope | None" = field(
         default=None, repr=False
     )  # the same from the burst's end on, time from there
-    found: "BurstEnvelope | None" = field(default=None, repr=False)  # fem's answer
+    response: "BurstEnvelope | None" = field(default=None, repr=False)  # fem's answer
 
     @classmethod
-    def of(cls, found) -> "RingUp":
+    def of(cls, burst_envelope) -> "RingUp":
         """Return what a `fem.BurstEnvelope` says."""
-        factor, on = found.normal / found.steady_normal, found.time < found.duration
+        factor, on = (
+            burst_envelope.normal / burst_envelope.steady_normal,
+            burst_envelope.time < burst_envelope.duration,
+        )
 
         def shape(which, start):
             part = factor[which]
             return contact.Envelope(
-                time=found.time[which] - start, amplitude=abs(part), phase=np.unwrap(np.angle(part))
+                time=burst_envelope.time[which] - start, amplitude=abs(part), phase=np.unwrap(np.angle(part))
             )
 
-        error = float(found.relative_error * min(1.0, found.settling / found.duration))
-        return cls(error=error, envelope=shape(on, 0.0), ring_down=shape(~on, found.duration), found=found)
+        error = float(
+            burst_envelope.relative_error * min(1.0, burst_envelope.settling / burst_envelope.duration)
+        )
+        return cls(
+            error=error,
+            envelope=shape(on, 0.0),
+            ring_down=shape(~on, burst_envelope.duration),
+            response=burst_envelope,
+        )
 
     def lasting(self, duration: float, share: float = 1.0) -> "RingUp":
         """Return the ring-up of a burst of another duration, s, from a share of the band."""
-        return RingUp.of(self.found.lasting(duration, share=share))
+        return RingUp.of(self.response.lasting(duration, share=share))
 
     @property
     def sentence(self) -> str:
         """What it is, for a reader."""
-        if self.found is None:
+        if self.response is None:
             return "the stator rings for too long to be followed"
-        return f"{self.found.settling * 1e6:.4g} us to within 1 % of the steady motion"
+        return f"{self.response.settling * 1e6:.4g} us to within 1 % of the steady motion"
 
 
 def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str], None]) -> RingUp:
@@ -82,7 +92,7 @@ def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str
     )
     progress("stator: ring-up of the burst")
     try:
-        found = fem.burst_response(
+        response_envelope = fem.burst_response(
             prepared,
             x,
             drive=resolve.drive(scene),
@@ -93,4 +103,4 @@ def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str
         )
     except fem.ConvergenceError:
         return RingUp(error=min(1.0, MOST / (2 * half) / scene.burst))
-    return RingUp.of(found)
+    return RingUp.of(response_envelope)

@@ -76,10 +76,10 @@ def run(
     """
     if isinstance(tolerance, str) or not 0 < tolerance < 1:
         raise SceneError("tolerance", f"must be a number above 0 and below 1, got {tolerance!r}")
-    begun = time.perf_counter()
+    start_time = time.perf_counter()
     with fem.blas_on_one_thread():
         record = _run(Scene.load(scene), tolerance, progress)
-    total = time.perf_counter() - begun
+    total = time.perf_counter() - start_time
     parts = record.seconds | {"other": total - sum(record.seconds.values())}
     return replace(record, seconds={"total": total, **parts})
 

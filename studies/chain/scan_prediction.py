@@ -33,19 +33,19 @@ def placed(scene: Scene, scan: Scan, option: str = "--measured") -> Scan:
             option, f"{scan.name!r} is a vibrometer's scan: it needs a scene with a driven stator"
         )
     x, y = passband.place(scene)
-    found = replace(scan, x=np.where(np.isnan(scan.x), x, scan.x), y=np.where(np.isnan(scan.y), y, scan.y))
+    complete = replace(scan, x=np.where(np.isnan(scan.x), x, scan.x), y=np.where(np.isnan(scan.y), y, scan.y))
     length, half = scene.stator.length, scene.stator.width / 2
-    for name, places, low, high in (("x", found.x, 0.0, length), ("y", found.y, -half, half)):
+    for name, places, low, high in (("x", complete.x, 0.0, length), ("y", complete.y, -half, half)):
         if np.min(places) < low or np.max(places) > high:
             rule = f"{scan.name!r}: {name} must lie on the stator, {low:g} to {high:g} m"
             raise SceneError(option, f"{rule}, got {np.min(places):g} to {np.max(places):g} m")
-    if found.frequency is not None and found.kind != "frequency":
-        apart = abs(found.frequency[0] / scene.frequency - 1.0)
+    if complete.frequency is not None and complete.kind != "frequency":
+        apart = abs(complete.frequency[0] / scene.frequency - 1.0)
         if apart > MAX_APART:
-            taken = f"{found.frequency[0]:.7g} Hz, and the scene drives {scene.frequency:.7g} Hz"
+            taken = f"{complete.frequency[0]:.7g} Hz, and the scene drives {scene.frequency:.7g} Hz"
             rule = f"{scan.name!r} was taken at {taken}"
             raise SceneError(option, f"{rule}: set drive.frequency")
-    return found
+    return complete
 
 
 def along_places(motion: SurfaceMotion, scan: Scan) -> np.ndarray:

@@ -54,15 +54,15 @@ def network(
         If scikit-rf is not installed, or the tolerance is not met.
     """
     library = needed("skrf", "network")
-    chosen = passband.driven_scene(scene)
+    resolved = passband.driven_scene(scene)
     reference = reference_impedance(z0)
-    at = band_frequencies(chosen, band)
-    names, _, scattering = scattering_matrix(chosen, at, reference, tolerance, LOGGER.info)
+    at = band_frequencies(resolved, band)
+    names, _, scattering = scattering_matrix(resolved, at, reference, tolerance, LOGGER.info)
     result = library.Network(
         frequency=library.Frequency.from_f(at, unit="hz"),
         s=scattering,
         z0=reference,
-        name=chosen.title or "network",
+        name=resolved.title or "network",
     )
     result.port_names = names
     return result

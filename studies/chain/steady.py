@@ -13,13 +13,13 @@ AVERAGED_METHODS = ("auto", "averaged")  # of a scene, for which the compiled lo
 
 
 def steady_answers(
-    asked: list[tuple[DrivenContact, float]], tolerance: float, *, threads: int | None = None
+    states: list[tuple[DrivenContact, float]], tolerance: float, *, threads: int | None = None
 ) -> list[dict]:
     """Return the steady state of each contact at a level.
 
     Parameters
     ----------
-    asked : list of (DrivenContact, float)
+    states : list of (DrivenContact, float)
         The level is a factor on the contact's orbits: V of the source, or m of a given amplitude.
     tolerance : float
         Of the velocity, over its reference speed.
@@ -29,8 +29,8 @@ def steady_answers(
     list of dict
         ``velocity_m_per_s``, ``regime``, ``relative_error`` and ``status``; the status alone where there is no answer.
     """
-    answers = averaged_answers(asked, tolerance, threads=threads)
-    for at, (driven, level) in enumerate(asked):
+    answers = averaged_answers(states, tolerance, threads=threads)
+    for at, (driven, level) in enumerate(states):
         if answers[at] is None:
             point, (of_stator, of_contact), _ = point_answer(driven, level, tolerance, bursting=False)
             if "relative_error" in point:
@@ -41,16 +41,16 @@ def steady_answers(
 
 
 def averaged_answers(
-    asked: list[tuple[DrivenContact, float]], tolerance: float, *, threads: int | None = None
+    states: list[tuple[DrivenContact, float]], tolerance: float, *, threads: int | None = None
 ) -> list[dict | None]:
     """Return what `steady_answers` does, None where averaging does not know the state well enough."""
-    sliders = [driven.scene.slider for driven, _ in asked]
+    sliders = [driven.scene.slider for driven, _ in states]
     takes = [each.method in AVERAGED_METHODS and each.pillars is None for each in sliders]
     rows = iter(
         averaged(
             [
                 (driven.slider, driven.orbits, driven.stator_error, level)
-                for (driven, level), taken in zip(asked, takes, strict=True)
+                for (driven, level), taken in zip(states, takes, strict=True)
                 if taken
             ],
             threads,
@@ -78,26 +78,26 @@ def judged(tolerance: float, of_stator: float, of_contact: float, status: str) -
     return {"relative_error": error, "status": status, "finer": finer}
 
 
-def averaged(asked: list[tuple], threads: int | None = None) -> list[tuple]:
+def averaged(contacts: list[tuple], threads: int | None = None) -> list[tuple]:
     """Return averaged steady states, each of (slider, orbits, wave error, factor on the orbits).
 
     An answer is velocity, regime, error, error from the wave and blocked thrust.  Those with equally many orbits are
     computed side by side, in one compiled loop (`contact.steady_sweep`); what averaging does not know has the regime
     "unknown".
     """
-    answers: list[tuple] = [()] * len(asked)
-    for count in {len(orbits) for _, orbits, _, _ in asked}:
-        members = [at for at, each in enumerate(asked) if len(each[1]) == count]
+    answers: list[tuple] = [()] * len(contacts)
+    for count in {len(orbits) for _, orbits, _, _ in contacts}:
+        members = [at for at, each in enumerate(contacts) if len(each[1]) == count]
         sliders: dict = {}
         waves: dict = {}
         which, factors = [], []
-        for slider, orbits, error, factor in (asked[at] for at in members):
+        for slider, orbits, error, factor in (contacts[at] for at in members):
             first = sliders.setdefault(slider, len(sliders))
             which.append((first, waves.setdefault((orbits, error), len(waves))))
             factors.append(factor)
         orbits, errors = zip(*waves, strict=True)
-        given = {"which": which, "factors": factors, "wave_errors": errors, "threads": threads}
-        states = contact.steady_sweep(list(sliders), orbits, **given)
+        options = {"which": which, "factors": factors, "wave_errors": errors, "threads": threads}
+        states = contact.steady_sweep(list(sliders), orbits, **options)
         names = ("velocity", "regime", "relative_error", "error_from_wave", "blocked_thrust")
         rows = zip(*(getattr(states, name).tolist() for name in names), strict=True)
         for at, row in zip(members, rows, strict=True):

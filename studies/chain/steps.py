@@ -43,10 +43,10 @@ class Steps:
             return cls(driven=driven, reason="the motion in the contact needs the events")
         alone = driven.record.scene
         drive = replace(alone.drive, burst=1.0 / scene.frequency)
-        found = ring_up(replace(alone, drive=drive), center, progress=progress)
-        if found.found is None:
-            return cls(driven=driven, reason=found.sentence)
-        shaped = cache(lambda cycles, share=1.0: found.lasting(cycles / scene.frequency, share))
+        ringing = ring_up(replace(alone, drive=drive), center, progress=progress)
+        if ringing.response is None:
+            return cls(driven=driven, reason=ringing.sentence)
+        shaped = cache(lambda cycles, share=1.0: ringing.lasting(cycles / scene.frequency, share))
         return cls(driven=driven, ringing=shaped)
 
     @property
@@ -63,7 +63,7 @@ class Steps:
     @property
     def settling(self) -> float:
         """From the burst's beginning until the wave stays within 1 % of its size, s; 0 where that is not known."""
-        return 0.0 if self.ringing is None else self.ringing(1).found.settling
+        return 0.0 if self.ringing is None else self.ringing(1).response.settling
 
     def shape(self, cycles: int, share: float = 1.0) -> tuple:
         """Return the `contact.Envelope` during a burst of some cycles and that after it; None for a sudden wave."""
@@ -86,8 +86,8 @@ class Steps:
         """Return the relative error that a `contact.Step` at a level has from the wave: its size, and its growth."""
         amplitude, others = self.driven.stator_error, []
         if self.ringing is not None:
-            found = self.ringing(step.cycles).found
-            amplitude += found.step_error + found.response_error
+            envelope = self.ringing(step.cycles).response
+            amplitude += envelope.step_error + envelope.response_error
             others.append(self.step(level, step.cycles, share=NARROWER))
         if amplitude:
             others.append(self.step(level * (1.0 + amplitude), step.cycles))
@@ -95,7 +95,7 @@ class Steps:
 
     def reaching(self, level: float, displacement: float) -> tuple:
         """Return the longest `contact.Step` short of a displacement in m, and the next, which reaches it."""
-        given = {} if self.ringing is None else {"envelopes": self.shape}
+        options = {} if self.ringing is None else {"envelopes": self.shape}
         return contact.cycles_for(
-            self.driven.slider, self.driven.at(level), displacement=displacement, **given
+            self.driven.slider, self.driven.at(level), displacement=displacement, **options
         )

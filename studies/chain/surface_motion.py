@@ -117,9 +117,9 @@ def solved_motion(
     slider = scene.slider is not None if slider is None else slider
 
     def solve(stator, row, drive, at):
-        given = {"frequency": scene.frequency, "tolerance": tolerance, "progress": progress}
+        options = {"frequency": scene.frequency, "tolerance": tolerance, "progress": progress}
         try:
-            return fem.driven_wave(stator, row, drive=drive, places=at, **given)
+            return fem.driven_wave(stator, row, drive=drive, places=at, **options)
         except fem.ConvergenceError as error:
             if error.reached is None or not missed:
                 raise
@@ -168,19 +168,19 @@ def surface_motion(wave, block: Stator, places, *, slider: bool = True) -> Surfa
     refusal = resolve.default_refusal(stator, places) if diffraction is None else ""
     if refusal:
         return SurfaceMotion(wave=wave, reason=refusal)
-    found = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave, mirror_width=block.mirror_width))
+    spread = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave, mirror_width=block.mirror_width))
     if diffraction is None:
-        here, there = found.at(places)[[0, 2]], wave.motion(np.array([x for x, _ in places]))
+        here, there = spread.at(places)[[0, 2]], wave.motion(np.array([x for x, _ in places]))
         changed = float((abs(here - there).max(axis=0) / abs(here).max(axis=0)).max())
-        added = found.relative_error(places) - wave.relative_error
+        added = spread.relative_error(places) - wave.relative_error
         if added > changed:
             reason = f"the beam's own error, {added:.1e}, would exceed what it changes, {changed:.1e}"
             return SurfaceMotion(
                 wave=wave, reason=f"stator.diffraction is absent and {reason}; true takes it"
             )
-    return found
+    return spread
 
 
-def wanted_diffraction(given: bool | None, has_slider: bool) -> bool | None:
+def wanted_diffraction(diffraction: bool | None, has_slider: bool) -> bool | None:
     """Return what a scene's ``stator.diffraction`` means: absent, it is tried under a slider."""
-    return given if given is not None or has_slider else False
+    return diffraction if diffraction is not None or has_slider else False

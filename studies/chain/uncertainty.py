@@ -3,9 +3,10 @@
 linear: half the difference of the answers at the two ends of each tolerance, added in quadrature (GUM, JCGM 100:2008,
 eq. 10, with the secant in place of the derivative).  Where the middle does not lie between the ends (the answer bends:
 a resonance, the threshold), the band reaches from the middle to the outermost of the answers at the ends and half way
-to them, upwards and downwards, each added in quadrature, and the block says so.  sampled: percentiles over a Latin
-hypercube of all numbers at once (`scipy.stats.qmc`), each normally distributed and cut off where it would change its
-sign.  All are intervals of 95 %.
+to them, upwards and downwards, each added in quadrature, and the block says so.  sampled, also where the scene names no
+method, the answer bends and no number of the stator is uncertain: percentiles over a Latin hypercube of all numbers at
+once (`scipy.stats.qmc`), each normally distributed and cut off where it would change its sign.  All are intervals of
+95 %.
 """
 
 from collections.abc import Callable
@@ -15,6 +16,7 @@ import numpy as np
 from scipy.stats import norm, qmc, truncnorm
 
 from studies.chain.predictor import Predictor
+from studies.chain.solved_stator import of_stator
 from studies.record import Record
 from studies.scene.keys import LEVELS, tolerances
 from studies.scene.uncertain import DEFAULTS, Tolerance
@@ -30,20 +32,25 @@ BEND = 0.1
 
 def with_bands(record: Record, *, progress: Callable[[str], None] | None = None) -> Record:
     """Return the record of a scene with [uncertain] with its bands: two more values of each point, one more block."""
-    options = DEFAULTS | {key: value for key, value in record.scene.uncertain if key in DEFAULTS}
-    numbers = tolerances(record.scene)
+    own = {key: value for key, value in record.scene.uncertain if key in DEFAULTS}
+    options, numbers = DEFAULTS | own, tolerances(record.scene)
     predictor = Predictor.of_record(record, progress=progress)
     # changes of the answers at the upper and the lower end of each tolerance, (numbers, 2, answers)
     middle, *ends = _answers(predictor, record, [{}, *_moved(numbers, (1.0, -1.0))])
     changes = np.reshape(ends, (len(numbers), 2, len(middle))) - middle
     half = 0.5 * np.abs(changes[:, 0] - changes[:, 1])
-    centre = _centre(record)
+    centre, width = _centre(record), np.sqrt(np.sum(half**2, axis=0))
+    bends = 0.5 * np.abs(changes.sum(axis=1)) > BEND * width
+    if "method" not in own and bends.any() and not any(of_stator(each.key) for each in numbers):
+        options = options | {"method": "sampled"}  # follows the bend, and costs no stator
     block: dict = {"method": options["method"], "level": LEVEL}
     block |= {"tolerances": {each.key: each.half_width for each in numbers}}
-    if options["method"] == "linear":
-        width = np.sqrt(np.sum(half**2, axis=0))
+    if options["method"] == "sampled":
+        samples = _answers(predictor, record, _sampled(numbers, options["samples"]))
+        low, high = np.percentile(samples, [50 * (1 - LEVEL), 50 * (1 + LEVEL)], axis=0)
+        block["samples"] = options["samples"]
+    else:
         low, high = centre - width, centre + width
-        bends = 0.5 * np.abs(changes.sum(axis=1)) > BEND * width
         bent = [each for each, row in zip(numbers, bends, strict=True) if row.any()]
         if bent:
             between = _answers(predictor, record, _moved(bent, (0.5, -0.5))) - middle
@@ -59,10 +66,6 @@ def with_bands(record: Record, *, progress: Callable[[str], None] | None = None)
                 for each, row in zip(numbers, bends, strict=True)
                 if row.any()
             }
-    else:
-        samples = _answers(predictor, record, _sampled(numbers, options["samples"]))
-        low, high = np.percentile(samples, [50 * (1 - LEVEL), 50 * (1 + LEVEL)], axis=0)
-        block["samples"] = options["samples"]
     top = int(np.argmax([point[record.level] for point in record.points]))
     if np.all(np.isfinite(half[:, top])):
         block["velocity_half_width_m_per_s"] = dict(
@@ -90,8 +93,10 @@ def velocities_at(
     missing = [level for level in dict.fromkeys(levels) if level not in known]
     if missing:
         key = "wave.normal_amplitude" if record.scene.wave is not None else "drive.voltage"
-        found = Predictor.of_record(record, progress=progress).answers([{key: level} for level in missing])
-        known |= {level: answer.get("velocity_m_per_s") for level, answer in zip(missing, found, strict=True)}
+        answers = Predictor.of_record(record, progress=progress).answers([{key: level} for level in missing])
+        known |= {
+            level: answer.get("velocity_m_per_s") for level, answer in zip(missing, answers, strict=True)
+        }
     return [known[level] for level in levels]
 
 
@@ -123,21 +128,21 @@ def _answers(predictor: Predictor, record: Record, many: list[dict]) -> np.ndarr
     """Return what `_centre` does, for each set of changed numbers; NaN where there is no answer."""
     key = "wave.normal_amplitude" if record.scene.wave is not None else "drive.voltage"
     levels = [point[record.level] for point in record.points]
-    asked, tops, factors = [], [], []
+    points, tops, factors = [], [], []
     top = max(levels) or 1.0
     for changed in many:
         # a tolerance of the level is a common factor of all levels, of the power its square
         factor = float(np.prod([changed.get(each, 1.0) for each in LEVELS]))
         factors.append(factor**0.5 if "drive.power" in changed else factor)
         own = {each: value for each, value in changed.items() if each not in LEVELS}
-        asked += [own | {key: level * factors[-1]} for level in levels]
+        points += [own | {key: level * factors[-1]} for level in levels]
         tops.append(own | {key: top})
-    rows = predictor.answers(asked)
+    rows = predictor.answers(points)
     velocities = np.array([row.get("velocity_m_per_s", np.nan) for row in rows]).reshape(
         len(many), len(levels)
     )
     limits = []
     for row, factor in zip(predictor.answers(tops, ("limits",)), factors, strict=True):
-        found = np.array([row.get(f"{name}_factor", np.nan) for name in LIMITS])
-        limits.append([*(found * row.get("normal_amplitude_m", np.nan)), *(found * top / factor)])
+        ratios = np.array([row.get(f"{name}_factor", np.nan) for name in LIMITS])
+        limits.append([*(ratios * row.get("normal_amplitude_m", np.nan)), *(ratios * top / factor)])
     return np.column_stack([velocities, np.array(limits)])

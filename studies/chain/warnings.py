@@ -31,22 +31,22 @@ DECIDES = 0.1  # relative change of u_z or of the velocity from which an effect 
 
 def warnings_of(record: Record) -> tuple[str, ...]:
     """Return every warning about a run, in the order of the chain."""
-    found = list(scene_warnings(record.scene))
+    warnings = list(scene_warnings(record.scene))
     if record.scene.piece:
-        found += resolve.whole_stator(record.scene).piece_warnings(record.scene.frequency)
+        warnings += resolve.whole_stator(record.scene).piece_warnings(record.scene.frequency)
     if record.scene.transducer:
         for each in (_drive, _off_resonance, _section, _left_out):
-            found += each(record)
+            warnings += each(record)
     if record.scene.slider is not None:
         driven = DrivenContact.of_run(record)
         for of_contact in (_contact, _points, _other_motion):
-            found += of_contact(record, driven)
+            warnings += of_contact(record, driven)
         if record.scene.slider.pillars is not None:
             from studies.chain.pillar_budget import pillar_warnings
 
-            found += _left_out(record) if not record.scene.transducer else ()
-            found += pillar_warnings(record)
-    return tuple(found)
+            warnings += _left_out(record) if not record.scene.transducer else ()
+            warnings += pillar_warnings(record)
+    return tuple(warnings)
 
 
 def _strength(scene: Scene):

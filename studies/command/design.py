@@ -62,7 +62,7 @@ def call(arguments: argparse.Namespace) -> int:
     variables = [read_variable(text) for text in arguments.over]
     out = Path(arguments.out or Path("results") / f"{scene_path(arguments.scene).stem}-design")
     with Progress() as progress:
-        found = search(
+        optimum = search(
             table,
             arguments.maximise,
             variables,
@@ -74,7 +74,7 @@ def call(arguments: argparse.Namespace) -> int:
             ),
             progress=progress,
         )
-        write_design(found, out)
-        draw_design(found, out / "design.png")
-    print_answer(arguments, found.to_dict(), f"{design_answer(found, variables)}\n{'results':<16}{out}")
+        write_design(optimum, out)
+        draw_design(optimum, out / "design.png")
+    print_answer(arguments, optimum.to_dict(), f"{design_answer(optimum, variables)}\n{'results':<16}{out}")
     return 0

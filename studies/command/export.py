@@ -56,8 +56,8 @@ def call(arguments: argparse.Namespace) -> int:
     from studies.record.text import labelled
 
     ending, _ = checked(arguments)
-    given, name = arguments.scene, Path(arguments.scene).stem
-    arguments.scene = scene_of(given)
+    source, name = arguments.scene, Path(arguments.scene).stem
+    arguments.scene = scene_of(source)
     wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
     alone = bool(ending) and arguments.out is not None and Path(arguments.out).suffix.lower() == ending
     if alone and Path(arguments.out).exists():
@@ -69,7 +69,7 @@ def call(arguments: argparse.Namespace) -> int:
             done.write_alone(out)
         else:
             origin = Origin(kind="export", name=f"{arguments.format} of {name}")
-            with result_directory(out, origin, chosen=arguments.out is not None) as result:
+            with result_directory(out, origin, named_by_user=arguments.out is not None) as result:
                 done.write(result.folder)
                 result.commit()
                 if done.pictures and not arguments.no_plot:

@@ -48,12 +48,12 @@ def call(arguments: argparse.Namespace) -> int:
     measurements = [read_measurement(file, tuple(settings)) for file, *settings in arguments.data]
     parameters = [read_parameter(text) for text in arguments.free]
     with results_of(arguments, "fit", "-fit") as (result, out), Progress() as progress, blas_on_one_thread():
-        found = fitted(scene, measurements, parameters, tolerance=wanted, progress=progress)
+        result_of_fit = fitted(scene, measurements, parameters, tolerance=wanted, progress=progress)
         if result is not None:
-            write_fit(found, result.folder)
+            write_fit(result_of_fit, result.folder)
             result.commit()
             if not (arguments.no_plot or arguments.json):
                 with committed_pictures(result):
-                    draw_fit(found, result.folder / "fit.png")
-    print_answer(arguments, found.to_dict(), f"{fit_answer(found)}\n{'results':<16}{out}")
+                    draw_fit(result_of_fit, result.folder / "fit.png")
+    print_answer(arguments, result_of_fit.to_dict(), f"{fit_answer(result_of_fit)}\n{'results':<16}{out}")
     return 0

@@ -28,12 +28,12 @@ def meaning(word: str) -> str:
     SceneError
         For a word that no entry has, with the nearest one.
     """
-    known, asked = entries(), word.strip().lower()
-    several = [name for name in known if asked == name.lower()] or [
+    known, key = entries(), word.strip().lower()
+    several = [name for name in known if key == name.lower()] or [
         name
         for name in known
-        if asked in re.split(r"\W+", name.lower()) or (" " in asked and asked in name.lower())
+        if key in re.split(r"\W+", name.lower()) or (" " in key and key in name.lower())
     ]
     if not several:
-        raise SceneError("help", f"knows no word {word!r}{nearest(asked, known)} (sawmotor help lists them)")
+        raise SceneError("help", f"knows no word {word!r}{nearest(key, known)} (sawmotor help lists them)")
     return "\n".join(f"{name}: {known[name]}" for name in several)

@@ -26,7 +26,7 @@ def results_of(arguments: argparse.Namespace, kind: str, ending: str) -> Iterato
         yield None, None
         return
     folder = out or Path("results") / f"{origin.name}{ending}"
-    with result_directory(folder, origin, chosen=out is not None) as result:
+    with result_directory(folder, origin, named_by_user=out is not None) as result:
         yield result, folder
     say(result.notes)
 

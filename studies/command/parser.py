@@ -32,7 +32,7 @@ class Version(argparse.Action):
         parser.exit()
 
 
-def parser(asked: str | None = None) -> Call:
+def parser(wanted: str | None = None) -> Call:
     """Return the parser of the whole command; of a command that is ``asked`` for by name, its arguments alone."""
     top = Call(
         prog="sawmotor",
@@ -43,7 +43,7 @@ def parser(asked: str | None = None) -> Call:
     top.add_argument("--version", action=Version, nargs=0, help="print the version and leave")
     calls = top.add_subparsers(dest="call", metavar="COMMAND", parser_class=Call)
     for name in COMMANDS:
-        if asked in COMMANDS and name != asked:
+        if wanted in COMMANDS and name != wanted:
             calls.add_parser(name)
             continue
         command = import_module(f"studies.command.{name}")

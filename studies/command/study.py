@@ -50,7 +50,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def call(arguments: argparse.Namespace) -> int:
     """Run a study, or list them with their questions."""
     from studies.record.text import labelled
-    from studies.study import STUDIES, draw_study, module, question, run_study
+    from studies.report.explanation import announced
+    from studies.study import STUDIES, draw_study, expected_seconds, module, question, run_study
 
     if arguments.name is None:
         print("\n".join(labelled([(name, question(name)) for name in STUDIES], 2 + max(map(len, STUDIES)))))
@@ -64,7 +65,12 @@ def call(arguments: argparse.Namespace) -> int:
             without_bands(read_table(arguments.scene))
         origin = Origin(kind="study", name=f"{arguments.name} of {scene.name}", source=scene.source)
         out = arguments.out or Path("results") / f"{arguments.name}-study-{scene.name}"
-    with result_directory(out, origin, chosen=arguments.out is not None) as result, Progress() as progress:
+    if not arguments.quick:
+        say(announced(expected_seconds(arguments.name, arguments.scene)))
+    with (
+        result_directory(out, origin, named_by_user=arguments.out is not None) as result,
+        Progress() as progress,
+    ):
         done = run_study(
             arguments.name,
             arguments.scene,

@@ -13,7 +13,7 @@ import sys
 import time
 from collections.abc import Callable
 
-from studies.study import Finding, Panel, StudyRecord, of_record
+from studies.study import Finding, Panel, StudyRecord, judged, of_record
 
 __all__ = ["figure", "run", "tables"]
 
@@ -245,27 +245,16 @@ def _statement(row: dict) -> str:
 
 def _findings(rows: list[dict], commands: list[dict]) -> tuple[Finding, ...]:
     found = [
-        Finding(
-            statement=_statement(row),
-            quantity=f"relative difference of {row['question']}",
-            expected=f"at most {row['allowed']:g} ({row['why']})",
-            found=row["relative_difference"],
-            confirmed=row["relative_difference"] <= row["allowed"],
+        judged(
+            _statement(row), f"relative difference of {row['question']}", row["relative_difference"],
+            high=1.000001 * row["allowed"], expected=f"at most {row['allowed']:g} ({row['why']})",
             remark=f"{1e3 * row['seconds_without']:.3g} ms without, {1e3 * row['seconds_with']:.3g} ms with it",
         )
         for row in rows
-    ]
+    ]  # fmt: skip
     waves = {each["scene"]: complex(*each["wave_m_per_V"]) for each in commands if each["wave_m_per_V"]}
     if not {"whole chain", "no slider"} <= waves.keys():
         return tuple(found)
-    whole, bare = waves["whole chain"], waves["no slider"]
-    found.append(
-        Finding(
-            statement="The wave under the slider is the same without the contact's solver.",
-            quantity="relative difference of the motion per volt",
-            expected="at most 1e-12",
-            found=abs(whole / bare - 1),
-            confirmed=abs(whole / bare - 1) <= 1e-12,
-        )
-    )
-    return tuple(found)
+    statement = "The wave under the slider is the same without the contact's solver."
+    apart = abs(waves["whole chain"] / waves["no slider"] - 1)
+    return (*found, judged(statement, "relative difference of the motion per volt", apart, high=1e-12))

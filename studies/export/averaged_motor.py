@@ -278,9 +278,9 @@ def _drive(driven: DrivenContact, progress, left_out: list) -> Drive:
         alone = record.scene
         drive = replace(alone.drive, burst=1.0 / alone.frequency)
         ringing = ring_up(replace(alone, drive=drive), center, progress=progress)
-        if ringing.found is None:
+        if ringing.response is None:
             left_out.append(f"the wave follows its drive at once, because {ringing.sentence}")
-    response, settling = (None, 0.0) if ringing.found is None else _step_response(ringing)
+    response, settling = (None, 0.0) if ringing.response is None else _step_response(ringing)
     return Drive(
         name=driven.scene.driven_transducer.name, orbits=driven.orbits, response=response, settling=settling,
         power=float(record.electrical["power_W_per_V2"]), error=float(driven.stator_error),
@@ -289,7 +289,7 @@ def _drive(driven: DrivenContact, progress, left_out: list) -> Drive:
 
 def _step_response(ringing: RingUp) -> tuple[np.ndarray, float]:
     """Return the surface's factor at even times from a drive's beginning, and when it stays within 1 %, s."""
-    settling = float(ringing.found.settling)
+    settling = float(ringing.response.settling)
     longest = min(MAX_RESPONSE * RESPONSE_STEP, 20.0 * settling)
     envelope = ringing.lasting(2.0 * longest).envelope
     at = np.arange(0.0, longest, RESPONSE_STEP)

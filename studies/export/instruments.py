@@ -33,7 +33,9 @@ def csv_files(
     seed: int | None = None, tolerance: float, progress,
 ) -> Exported:  # fmt: skip
     """Return scan.csv; with a slider, and no scan asked for, burst.csv of a burst and the motor's tables too."""
-    files, answer, pictures = {}, (), {}
+    files: dict[str, bytes | str] = {}
+    answer: tuple[tuple[str, str], ...] = ()
+    pictures: dict = {}
     if scene.transducer:
         taken, remarks = virtual_scan(scene, scan or "x", band, noise, seed, tolerance, progress)
         files["scan.csv"], answer = scan_csv(taken, remarks), _said(taken, remarks)
@@ -155,10 +157,10 @@ def _points(scene: Scene, kind: str, band) -> Scan:
 
     wavelength = fem.rayleigh(resolve.solid(scene.stator), "open").velocity / scene.frequency
     driven, (place, middle) = scene.driven_transducer, passband.place(scene)
-    half = driven.finger_pairs * driven.period / 2 + CLEAR * wavelength
+    half = driven.half_length + CLEAR * wavelength
     ahead = 1.0 if place >= driven.place[0] else -1.0
     first = driven.place[0] + ahead * half
-    rows = [each.place[0] - ahead * (each.finger_pairs * each.period / 2 + CLEAR * wavelength)
+    rows = [each.place[0] - ahead * (each.half_length + CLEAR * wavelength)
             for each in scene.transducer if ahead * (each.place[0] - first) > 0.0]  # fmt: skip
     end = scene.stator.length - wavelength if ahead > 0 else wavelength
     last = min([end, *rows], key=lambda x: ahead * x)

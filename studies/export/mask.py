@@ -130,15 +130,15 @@ def mask(scene: Scene, sizes: Sizes | None = None) -> Mask:
 
 def _transducer(block: Transducer, sizes: Sizes, length: float, width: float) -> Iterator[Polygon]:
     """Yield the polygons of a transducer, not snapped."""
-    pitch = block.period / (4 if block.split else 2)
+    pitch = block.wavelength / (4 if block.split else 2)
     half, finger = block.aperture / 2, block.metallisation * pitch
     gap = pitch - finger if sizes.end_gap is None else sizes.end_gap
-    busbar = block.period if sizes.busbar is None else sizes.busbar
+    busbar = block.wavelength if sizes.busbar is None else sizes.busbar
     signs = block.pattern or ("++--" if block.split else "+-") * block.finger_pairs
     first = -len(signs) * pitch / 2 + (pitch - finger) / 2
     last = first + (len(signs) - 1) * pitch + finger
 
-    def polygon(layer, comb, left, right, low, high) -> Polygon:
+    def polygon(layer: str, comb: str, left: float, right: float, low: float, high: float) -> Polygon:
         angle = radians(block.angle % 360)
         c, s = (each if abs(each) > 1e-12 else 0.0 for each in (cos(angle), sin(angle)))  # 90 deg is exact
         box = np.array([[left, low], [right, low], [right, high], [left, high]])
@@ -158,7 +158,7 @@ def _transducer(block: Transducer, sizes: Sizes, length: float, width: float) ->
         yield polygon("busbars", sign, first, last, *sorted((way * inner, way * outer)))
         side = sizes.pad
         if side is None:
-            side = min(PAD_PERIODS * block.period, last - first, _room(block, way, outer, length, width))
+            side = min(PAD_PERIODS * block.wavelength, last - first, _room(block, way, outer, length, width))
         if side > 0.0:
             yield polygon("pads", sign, -side / 2, side / 2, *sorted((way * outer, way * (outer + side))))
 
@@ -173,7 +173,7 @@ def _room(block: Transducer, way: float, outer: float, length: float, width: flo
         for axis in (0, 1)
         if abs(direction[axis]) > 1e-12
     ]
-    return max(min(reach) - outer - CLEAR_PERIODS * block.period, 0.0)
+    return max(min(reach) - outer - CLEAR_PERIODS * block.wavelength, 0.0)
 
 
 def _marks(length: float, width: float, sizes: Sizes) -> Iterator[Polygon]:
@@ -262,7 +262,7 @@ def _finger_errors(blocks, polygons) -> dict[str, float]:
     """Return what the grid made of widths and gaps of the fingers, m."""
     worst, smallest = 0.0, np.inf
     for block in blocks:
-        pitch = block.period / (4 if block.split else 2)
+        pitch = block.wavelength / (4 if block.split else 2)
         angle = radians(block.angle % 360)
         along = np.array([cos(angle), sin(angle)])
         edges = sorted(

@@ -56,8 +56,8 @@ def tables(motor: AveragedMotor) -> dict[str, str]:
         if drive.response is not None:
             response = drive.response
             time = drive.response_step * np.arange(len(response))
-            columns = np.column_stack([time, response.real, response.imag])
-            parts[f"ring_up_{label}.csv"] = own + "time_s,factor_real,factor_imaginary\n" + _rows(columns)
+            numbers = np.column_stack([time, response.real, response.imag])
+            parts[f"ring_up_{label}.csv"] = own + "time_s,factor_real,factor_imaginary\n" + _rows(numbers)
     return parts
 
 

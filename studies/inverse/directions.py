@@ -70,12 +70,12 @@ def undetermined(
         scaled = scaled[:, :count] - shared @ (shared.T @ scaled[:, :count])
     _, sizes, rows = np.linalg.svd(np.vstack([scaled, np.zeros((count, count))]))
     least = EXACT * max(sizes[0], ENOUGH)
-    found = []
+    directions = []
     for exact in (True, False):
-        chosen = (sizes < ENOUGH) & ((sizes <= least) == exact)
-        for row in _sparse(rows[chosen] * half_width[:count]):
-            found.append(direction(row, parameters, exact=exact))
-    return found
+        small = (sizes < ENOUGH) & ((sizes <= least) == exact)
+        for row in _sparse(rows[small] * half_width[:count]):
+            directions.append(direction(row, parameters, exact=exact))
+    return directions
 
 
 def direction(row: np.ndarray, parameters: tuple[Parameter, ...], *, exact: bool) -> Direction:

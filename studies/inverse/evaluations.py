@@ -90,13 +90,14 @@ class Evaluations:
         )
         names = [entry[0] for entry in cursor.description]
         for row in cursor.fetchmany(len(self.asked) - first):
-            found = dict(zip(names, row, strict=True))
-            (asked,) = self.asked.values([found["point"]])
-            if tuple(found[key] for key in self.question.keys) != asked:
+            evaluation = dict(zip(names, row, strict=True))
+            (expected,) = self.asked.values([evaluation["point"]])
+            if tuple(evaluation[key] for key in self.question.keys) != expected:
                 raise RunError(
-                    f"point {found['point']} of the store is another one than this search asks for: name another --out"
+                    f"point {evaluation['point']} of the store is another one than this search asks for: "
+                    "name another --out"
                 )
-            self.rows.append(found)
+            self.rows.append(evaluation)
 
     def _tell(self, points: int, kept: int, failed: int, cost: float) -> None:
         failures = "" if self.question.coarse else f", {failed} without an answer within the tolerance"

@@ -94,8 +94,8 @@ def fit(
     for _ in range(4):
         try:
             return replace(_explored(problem, minima, degrees, estimated, say), fixed=fixed)
-        except BetterMinimumError as found:
-            minima = [problem.minimum(found.x), *minima]
+        except BetterMinimumError as minimum:
+            minima = [problem.minimum(minimum.x), *minima]
     raise RunError(
         "the fit has several minima, none of which is clearly the lowest: narrow the ranges of --free"
     )
@@ -112,14 +112,14 @@ def prepared(
     """Return the problem of a fit, the parameters that are held, and whether the deviations are to be estimated."""
     loaded = Scene.load(scene)
     predictor = MeasurementPredictor(loaded, tolerance=tolerance, progress=progress)
-    curves, asked = as_measurements(measurements), as_parameters(parameters)
-    fixed = tuple(each for each in asked if not each.vary)
+    curves, wanted = as_measurements(measurements), as_parameters(parameters)
+    fixed = tuple(each for each in wanted if not each.vary)
     for each in fixed:
         if each.value is None:
             raise SceneError(f"--free {each.key}", "is held, and needs a value")
     held = {each.key: each.value for each in fixed}
     curves = [replace(each, settings=held | each.settings) for each in curves]
-    free = tuple(each for each in asked if each.vary)
+    free = tuple(each for each in wanted if each.vary)
     _refuse(predictor, curves, free)
     curves, estimated = _weighted(curves)
     return Problem(predictor=predictor, parameters=free, measurements=tuple(curves)), fixed, estimated
@@ -172,20 +172,20 @@ def _informed(problem: Problem, slopes: Any, information: Any) -> tuple[tuple[st
 
     A width is the standard deviation with the other numbers free; the ranges are a weak prior.
     """
-    ends, found = np.cumsum([len(each.values) for each in problem.measurements]), []
+    ends, shares = np.cumsum([len(each.values) for each in problem.measurements]), []
     prior = np.diag(problem.half_width**-2.0)
     for each, rows in zip(problem.measurements, np.split(slopes, ends)[: len(ends)], strict=True):
         own = np.sqrt(np.diag(np.linalg.inv(rows.T @ rows + prior)))
         gains = {p.key: float(problem.half_width[k] / own[k]) for k, p in enumerate(problem.parameters)}
-        found.append((each.name, gains))
-    return tuple(found)
+        shares.append((each.name, gains))
+    return tuple(shares)
 
 
 def _outermost(problem: Any, minima: Any, j: int, sign: float, step: float, allowed: float) -> End:
     """Return the end of an interval: the outermost of those about each minimum that the data do not rule out."""
     least = minima[0][1]
-    found = [profile(problem, each, least, j, sign=sign, step=step, allowed=allowed) for each in minima]
-    return min(found, key=lambda end: (end.closed, -sign * end.x[j]))
+    profiles = [profile(problem, each, least, j, sign=sign, step=step, allowed=allowed) for each in minima]
+    return min(profiles, key=lambda end: (end.closed, -sign * end.x[j]))
 
 
 def _nearest(problem: Problem, best: Any, least: Any, directions: Any) -> np.ndarray:
@@ -205,7 +205,7 @@ def _nearest(problem: Problem, best: Any, least: Any, directions: Any) -> np.nda
 
 def _open_directions(problem: Any, best: Any, ends: Any, lost: Any) -> list[Direction]:
     """Return the directions along which a profile went on to the end of a range without making an interval."""
-    found: list[Direction] = []
+    directions: list[Direction] = []
     said = set(lost)
     for key, pair in ends.items():
         for end in pair:
@@ -215,9 +215,9 @@ def _open_directions(problem: Any, best: Any, ends: Any, lost: Any) -> list[Dire
             if np.max(np.abs(moved)) > 0.0:
                 open_way = direction(moved, problem.parameters, exact=False)
                 said.add(key)
-                if all(open_way.components.keys() != each.components.keys() for each in found):
-                    found.append(open_way)
-    return found
+                if all(open_way.components.keys() != each.components.keys() for each in directions):
+                    directions.append(open_way)
+    return directions
 
 
 def _refuse(predictor: MeasurementPredictor, measurements: Any, parameters: Any) -> None:
@@ -266,11 +266,11 @@ def _weighted(measurements: Any) -> tuple[list[Measurement], bool]:
 
 def _signed(problem: Problem) -> tuple[Measurement, ...]:
     """Return the measurements; speeds without a sign take the prediction's."""
-    predicted, found = problem.predictions(problem.starts()[:8]), []
+    predicted, signed = problem.predictions(problem.starts()[:8]), []
     for k, each in enumerate(problem.measurements):
         total = np.nansum([values[k] for values in predicted])
         unsigned = (
             each.quantity in ("velocity", "burst", "position") and min(each.values) >= 0.0 and total < 0.0
         )
-        found.append(replace(each, values=tuple(-value for value in each.values)) if unsigned else each)
-    return tuple(found)
+        signed.append(replace(each, values=tuple(-value for value in each.values)) if unsigned else each)
+    return tuple(signed)

@@ -113,33 +113,33 @@ class Problem:
 
         low, high = self.low[free], self.high[free]
         inside = np.clip(whole[free], low + 1e-9 * (high - low), high - 1e-9 * (high - low))
-        found = least_squares(
+        solution = least_squares(
             lambda part: self.residuals([at(part)])[0], inside, lambda part: self.jacobian(at(part), free),
             bounds=(low, high), x_scale=self.half_width[free], xtol=1e-7, ftol=1e-7, gtol=1e-9,
             max_nfev=MAX_EVALUATIONS,
         )  # fmt: skip
-        return at(found.x), 2.0 * float(found.cost)
+        return at(solution.x), 2.0 * float(solution.cost)
 
     def minima(self) -> list[tuple[np.ndarray, float]]:
         """Return (x, sum of squares) of the distinct minima found from several starts, the least first."""
         starts = self.starts()
         squares = np.sum(self.residuals(starts) ** 2, axis=1)
-        found = [self.minimum(starts[0])]
+        solutions = [self.minimum(starts[0])]
         for k in [k for k in np.argsort(squares)[:MAX_LOOKED_AT] if k > 0]:
-            if not all(self._parted(starts[k], other, squares[k]) for other, _ in found):
+            if not all(self._parted(starts[k], other, squares[k]) for other, _ in solutions):
                 continue  # in the valley of a minimum that is known
             x, least = self.minimum(starts[k])
             same = [
-                n for n, (other, size) in enumerate(found) if not self._parted(x, other, max(least, size))
+                n for n, (other, size) in enumerate(solutions) if not self._parted(x, other, max(least, size))
             ]
-            better = [n for n in same if least < found[n][1] - CLEARLY * max(1.0, least)]
-            found = [each for n, each in enumerate(found) if n not in better]
+            better = [n for n in same if least < solutions[n][1] - CLEARLY * max(1.0, least)]
+            solutions = [each for n, each in enumerate(solutions) if n not in better]
             if not same or better:
-                found.append((x, least))
-        found.sort(key=lambda each: each[1])
-        if any(np.isnan(values).any() for values in self.predictions([found[0][0]])[0]):
+                solutions.append((x, least))
+        solutions.sort(key=lambda each: each[1])
+        if any(np.isnan(values).any() for values in self.predictions([solutions[0][0]])[0]):
             raise RunError("the motor has no steady motion at some measured point of the best fit")
-        return found
+        return solutions
 
     def _parted(self, one, other, highest: float) -> bool:
         """Whether the sum of squares rises between two minima, so that they are not the same valley."""

@@ -39,16 +39,16 @@ def candidates(problem: Problem) -> list[Measurement]:
     levels = (
         base.levels or tuple(sorted(predictor.contact(base.settings).scene.levels))[-1 if moving else 0 :]
     )
-    top, found = max(levels), []
+    top, imagined = max(levels), []
     if not moving and predictor.slider:
         spread = tuple(np.linspace(min(levels), top, 12)) if len(levels) > 1 else levels
-        found.append(Measurement(name="slider velocity at 12 levels", quantity="velocity", level_key=own_levels,
+        imagined.append(Measurement(name="slider velocity at 12 levels", quantity="velocity", level_key=own_levels,
                                  levels=spread))  # fmt: skip
 
-    def think(name, quantity="velocity", at=(top,), settings=base.settings, **given):
+    def think(name, quantity="velocity", at=(top,), settings=base.settings, **changes):
         level_key = base.level_key if base.levels else own_levels
         plain = Measurement(name="", quantity=quantity, level_key=level_key, systematic=base.systematic)
-        found.append(replace(plain, name=name, levels=at, settings=settings, **given))
+        imagined.append(replace(plain, name=name, levels=at, settings=settings, **changes))
 
     if base.quantity not in ("amplitude", "none"):
         preload = float(base.settings.get("slider.preload", predictor.value("slider.preload")))
@@ -76,7 +76,7 @@ def candidates(problem: Problem) -> list[Measurement]:
     if any(p.key in sizes or predictor.needs_stator(p.key) for p in problem.parameters):
         think("surface amplitude under the slider (vibrometer)", "amplitude", deviations=(AMPLITUDE_ERROR,),
               level_key="voltage_V")  # fmt: skip
-    return found
+    return imagined
 
 
 def ranked(problem: Problem, best: np.ndarray, information: np.ndarray) -> list[Candidate]:
@@ -88,18 +88,18 @@ def ranked(problem: Problem, best: np.ndarray, information: np.ndarray) -> list[
         np.array(each.deviations) / (np.max(np.abs(each.values)) or 1e-300) for each in problem.measurements
     ]
     spread = float(np.median(np.concatenate(shares)))  # typical relative deviation in the data
-    before, found = np.sqrt(np.diag(np.linalg.inv(information))), []
+    before, gains = np.sqrt(np.diag(np.linalg.inv(information))), []
     for each in candidates(problem):
         slopes = _slopes(problem, best, each, spread)
         if slopes is not None:
-            found.append(_gain(problem, each.name, information, slopes, before))
+            gains.append(_gain(problem, each.name, information, slopes, before))
     for k, parameter in enumerate(problem.parameters):
         if parameter.key in WEIGHABLE:
             row = np.zeros((1, len(best)))
             row[0, k] = 1.0 / WEIGHED / (1.0 if parameter.logarithmic else parameter.outer(best[k]) or 1.0)
             name = f"{parameter.key} itself, to {100 * WEIGHED:g} %"
-            found.append(_gain(problem, name, information, row, before))
-    return sorted(found, key=lambda each: each.after / each.before)
+            gains.append(_gain(problem, name, information, row, before))
+    return sorted(gains, key=lambda each: each.after / each.before)
 
 
 def _gain(problem, name, information, slopes, before) -> Candidate:
@@ -117,7 +117,7 @@ def _slopes(problem: Problem, best, imagined: Measurement, spread: float):
         return None
 
     def predicted(xs):
-        return [found[0] / deviation for found in problem.predictions(xs, (imagined,))]
+        return [each[0] / deviation for each in problem.predictions(xs, (imagined,))]
 
     own = problem.slopes(predicted, best, range(len(problem.parameters)))
     slopes = np.pad(own, ((0, 0), (0, len(best) - own.shape[1])))  # systematic errors are of the data alone

@@ -101,11 +101,11 @@ def design(
     plan = planned(table, tuple(variables), also=tuple(sorted(also - {""})), tolerance=options.tolerance)
     search = {"goals": goals, "subject": [each.text for each in constraints], "evaluations": budget,
               "seed": options.seed, "ranges": [[each.key, each.low, each.high] for each in variables]}  # fmt: skip
-    given = plan, search, options, progress or LOGGER.info
+    shared = plan, search, options, progress or LOGGER.info
     with ExitStack() as stack:
-        ask, coarse = stack.enter_context(Evaluations(*given)), None
+        ask, coarse = stack.enter_context(Evaluations(*shared)), None
         if plan.question.stator_keys:  # of the stator, or the slider's place
-            coarse = stack.enter_context(Evaluations(*given, coarse=True))
+            coarse = stack.enter_context(Evaluations(*shared, coarse=True))
         searcher = Search(ask, coarse, tuple(variables), tuple(constraints), tuple(goals), options.seed)
         scale = [
             searcher.run([1.0 if k == j else 0.0 for k in range(len(goals))], budget)
@@ -143,7 +143,7 @@ def _front(feasible: list[dict], searcher: Search) -> list[dict]:
 def _robustness(searcher: Search, optimum: dict) -> dict:
     """Return what is left of the first goal when each variable is 5 % off; changed counts are one off."""
     goal = searcher.goals[0]
-    base, found = searcher.goal(optimum, goal), {}
+    base, robustness = searcher.goal(optimum, goal), {}
     own = [optimum[each.key] for each in searcher.variables]
     for k, each in enumerate(searcher.variables):
         change = 1 if each.counted else CHANGE * own[k]
@@ -154,11 +154,11 @@ def _robustness(searcher: Search, optimum: dict) -> dict:
             searcher.goal(row, goal) / base if size < UNKNOWN else 0.0
             for row, size in zip(rows, broken, strict=True)
         ]
-        found[each.key] = {
+        robustness[each.key] = {
             "least_share_of_goal": min(left, default=0.0),
             "keeps_constraints": not any(broken),
         }
-    return found
+    return robustness
 
 
 def _closest(searcher: Search, rows: list[dict]) -> str:

@@ -143,7 +143,7 @@ def read_parameter(text: str, option: str = "--free", *, design: bool = False) -
     return Parameter(key=key, low=low, high=high)
 
 
-def as_parameters(given: Any) -> tuple[Parameter, ...]:
+def as_parameters(parameters: Any) -> tuple[Parameter, ...]:
     """Return the parameters of a fit, however they are written.
 
     Parameters
@@ -157,15 +157,15 @@ def as_parameters(given: Any) -> tuple[Parameter, ...]:
     >>> [each.max for each in as_parameters({"slider.preload": "1 mN:5 mN", "slider.mass": (1e-5, 1e-3)})]
     [0.005, 0.001]
     """
-    if hasattr(given, "valuesdict"):
+    if hasattr(parameters, "valuesdict"):
         return tuple(
             Parameter(
                 key=each.name.replace("__", "."), low=float(each.min), high=float(each.max), value=float(each.value),
                 vary=bool(each.vary),
             )
-            for each in given.values()
+            for each in parameters.values()
         )  # fmt: skip
-    return tuple(read_parameter(each) if isinstance(each, str) else each for each in ranges(given))
+    return tuple(read_parameter(each) if isinstance(each, str) else each for each in ranges(parameters))
 
 
 def ranges(given: list | dict) -> list:
@@ -178,9 +178,9 @@ def ranges(given: list | dict) -> list:
     ]
 
 
-def as_measurements(given: Any) -> list[Measurement]:
+def as_measurements(measurements: Any) -> list[Measurement]:
     """Return measurements: `Measurement` objects or paths of CSV files, one or a list."""
-    several = given if isinstance(given, (list, tuple)) else [given]
+    several = measurements if isinstance(measurements, (list, tuple)) else [measurements]
     return [each if isinstance(each, Measurement) else read_measurement(each) for each in several]
 
 

@@ -73,11 +73,11 @@ class MeasurementPredictor(Predictor):
         """Whether a change of the key asks for a new solution of the stator."""
         return not self.given_wave and (key in PLACE_KEYS or of_stator(key))
 
-    def predict(self, asked: list[tuple[Measurement, dict]]) -> list[np.ndarray]:
+    def predict(self, questions: list[tuple[Measurement, dict]]) -> list[np.ndarray]:
         """Return the values of measurements, each with its own numbers; NaN where there is no answer."""
         answers: list[np.ndarray | slice] = []
         states: list[tuple[DrivenContact, float]] = []
-        for measurement, numbers in asked:
+        for measurement, numbers in questions:
             numbers = numbers | measurement.settings
             if measurement.quantity in FIELD:
                 answers.append(self._field(measurement, numbers))
@@ -149,9 +149,9 @@ class MeasurementPredictor(Predictor):
             )
         return levels * numbers[AMPLITUDE_PER_VOLT]
 
-    def velocities(self, asked: list[tuple[DrivenContact, float]]) -> np.ndarray:
+    def velocities(self, states: list[tuple[DrivenContact, float]]) -> np.ndarray:
         """Return the steady velocity of each contact at a level, m/s; NaN where there is none."""
-        answers = steady_answers(asked, self.tolerance)
+        answers = steady_answers(states, self.tolerance)
         return np.array([answer.get("velocity_m_per_s", math.nan) for answer in answers])
 
     def _burst(

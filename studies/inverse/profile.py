@@ -52,9 +52,9 @@ def profile(
     ``minimum``: where the profile begins, and the sum of squares there; ``least``: that from which the excess counts;
     ``step``: expected distance of the end; ``allowed``: excess there.  Raises BetterMinimumError.
     """
-    (best, begun), target = minimum, np.sqrt(allowed)
+    (best, first_square), target = minimum, np.sqrt(allowed)
     wall = problem.high[j] if sign > 0 else problem.low[j]
-    room, at = abs(wall - best[j]), {0.0: (best, begun)}  # refits by their distance
+    room, at = abs(wall - best[j]), {0.0: (best, first_square)}  # refits by their distance
 
     def gap(distance):
         """Return by how much the square root of the excess is beyond its end."""

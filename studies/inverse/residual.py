@@ -86,10 +86,10 @@ class Residual:
 
         Predictions are computed to some 1e-9: give `lmfit.minimize` ``epsfcn=1e-8``, for steps of 1e-4.
         """
-        found = needed("lmfit", "lmfit_parameters").Parameters()
+        parameters = needed("lmfit", "lmfit_parameters").Parameters()
         for each, value in zip(self.parameters, self.start, strict=True):
-            found.add(each.key.replace(".", "__"), value=float(value), min=each.low, max=each.high)
-        return found
+            parameters.add(each.key.replace(".", "__"), value=float(value), min=each.low, max=each.high)
+        return parameters
 
     def _inner(self, values: Any) -> np.ndarray:
         if hasattr(values, "valuesdict"):

@@ -35,11 +35,11 @@ class Search:
         def values(xs):
             return np.array([self.value(row, weights) for row in self.rows(xs.T, self.coarse)])
 
-        found = differential_evolution(
+        result = differential_evolution(
             values, [(0.0, 1.0)] * count, popsize=each, maxiter=turns, rng=np.random.default_rng(self.seed),
             vectorized=True, updating="deferred", polish=False, tol=0.0,
         )  # fmt: skip
-        start, left = found.x, budget - size * (turns + 1)
+        start, left = result.x, budget - size * (turns + 1)
         if self.coarse is not None:
             start, left = self._repeated(weights), left - REPEATED
         free = [k for k, each in enumerate(self.variables) if not each.counted]
@@ -87,8 +87,8 @@ class Search:
         """Evaluate the best points of the coarse search at the tolerance; return the best of them in the unit box."""
         best = sorted(self.coarse.rows, key=lambda row: self.value(row, weights))[:REPEATED]
         rows = self.ask([tuple(row[each.key] for each in self.variables) for row in best])
-        chosen = min(rows, key=lambda row: self.value(row, weights))
-        return np.array([each.share(chosen[each.key]) for each in self.variables])
+        start = min(rows, key=lambda row: self.value(row, weights))
+        return np.array([each.share(start[each.key]) for each in self.variables])
 
     def _local(self, start, free, weights, budget: int) -> None:
         """Go on from the best point by COBYQA, the constraints as such; counts stay."""

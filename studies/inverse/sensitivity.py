@@ -60,9 +60,9 @@ def run(
     """
     predictor = MeasurementPredictor(scene, tolerance=tolerance, progress=progress)
     level = max(predictor.contact({}).scene.levels)
-    found = {name: elasticities(predictor, name, level, progress) for name in outcomes}
+    slopes = {name: elasticities(predictor, name, level, progress) for name in outcomes}
     title, findings, panels = predictor.table.get("title", ""), [], []
-    for name, rows in found.items():
+    for name, rows in slopes.items():
         findings += _without_effect(predictor, name, rows, level)
         keys = [*numbers(predictor), *(["level"] if name not in LIMITS else [])] if rows else []
         sides = both_sides(predictor, name, level, tuple(keys))
@@ -75,8 +75,8 @@ def run(
                 "bends": [[key, *sides[key]] for key in keys if _bends(*sides[key])], "level": level, "outcome": name,
             })
         )  # fmt: skip
-    if "velocity" in found:
-        findings += _checks(predictor, found["velocity"], level)
+    if "velocity" in slopes:
+        findings += _checks(predictor, slopes["velocity"], level)
     return panels, findings, [line for panel in panels for line in _in_words(panel.data)]
 
 
@@ -191,7 +191,7 @@ def _checks(predictor: MeasurementPredictor, rows: dict, level: float) -> list[F
         implicit = library.velocity_derivative(family) / library.mean_motion(slider, orbits).velocity
         worst = max(worst, abs(implicit - rows[key][0]))
     size = max(abs(value) for value, _ in rows.values())
-    found = [
+    findings = [
         judged("The implicit function theorem in the averaged equilibrium and differences of the corrected "
                        "velocity agree.", "largest difference over the largest elasticity", worst / size,
                        high=AGREEMENT),
@@ -200,8 +200,10 @@ def _checks(predictor: MeasurementPredictor, rows: dict, level: float) -> list[F
     if all(law) and predictor.contact({}).scene.slider.load == 0.0:
         total = law[0][0] + law[1][0] - law[2][0]
         sentence = "Preload and modulus up, friction coefficient down by one factor change nothing."
-        found.append(judged(sentence, "sum of the elasticities", abs(total), high=1e-3, expected="0 to 1e-3"))
-    return found
+        findings.append(
+            judged(sentence, "sum of the elasticities", abs(total), high=1e-3, expected="0 to 1e-3")
+        )
+    return findings
 
 
 def _in_words(data: dict) -> Iterator[tuple[str, str]]:
@@ -249,8 +251,8 @@ def figure(record: Panel, ax):
         changes = [100 * (row[3 + side] or 0.0) for row in rows]
         places = [k - sign * 0.18 for k in range(len(rows))]
         ax.barh(places, changes, color=COLOURS[colour], height=0.34, label=label)
-    given = {"fmt": "D", "markersize": 4, "color": COLOURS["line"], "label": "elasticity"}
-    ax.errorbar([row[1] for row in rows], range(len(rows)), xerr=[row[2] for row in rows], **given)
+    style = {"fmt": "D", "markersize": 4, "color": COLOURS["line"], "label": "elasticity"}
+    ax.errorbar([row[1] for row in rows], range(len(rows)), xerr=[row[2] for row in rows], **style)
     ax.set_yticks(range(len(rows)), [row[0] for row in rows], fontsize="small")
     ax.invert_yaxis()
     ax.axvline(0.0, color=COLOURS["line"], linewidth=0.8)

@@ -290,8 +290,11 @@ def scan_of_uff(path: Path, option: str) -> Scan:
         )
     if any((each.frequency is None) != (first.frequency is None) for each in parts):
         raise SceneError(option, f"{str(path)!r} must be a scan over places or over frequencies, got both")
-    names = ("x", "y", "values") + (("frequency",) if first.frequency is not None else ())
-    return replace(first, **{name: np.concatenate([getattr(each, name) for each in parts]) for name in names})
+    x, y, values = (np.concatenate([getattr(each, name) for each in parts]) for name in ("x", "y", "values"))
+    whole = replace(first, x=x, y=y, values=values)
+    if first.frequency is None:
+        return whole
+    return replace(whole, frequency=np.concatenate([each.frequency for each in parts]))
 
 
 def _of_dataset(dataset: dict, path: Path, option: str) -> Scan:

@@ -18,6 +18,7 @@ from matplotlib.ticker import MaxNLocator
 
 from studies.chain.resolve import resolved
 from studies.record.plots import finished, logarithmic, own
+from studies.record.quantities import quantity
 from studies.refusal import RunError, SceneError
 from studies.report.intermediate import prefixed, si
 from studies.scene import Scene
@@ -29,12 +30,12 @@ from studies.sweeps.axes import axis, level_key
 
 QUICK = {"counts": (3, 3)}
 SMALLEST = 100.0  # largest value of a map over the smallest that has a colour of its own
+# column of the sweep and quantity of each panel
 PANELS = {
-    "velocity": ("velocity_m_per_s", "slider velocity (mm/s)", 1e3),
-    "thrust": ("thrust_N", "blocked thrust (mN)", 1e3),
-    "contact_efficiency": ("contact_efficiency", "contact: efficiency at half the thrust (%)", 1e2),
-    "motor_efficiency": ("motor_efficiency", "motor: efficiency at half the thrust (1e-6)", 1e6),
-}
+    "velocity": ("velocity_m_per_s", "velocity_m_per_s"), "thrust": ("thrust_N", "thrust_N"),
+    "contact_efficiency": ("contact_efficiency", "contact_efficiency"),
+    "motor_efficiency": ("motor_efficiency", "panel.motor_efficiency"),
+}  # fmt: skip
 
 
 @study("twente-contact")
@@ -50,26 +51,26 @@ def run(
     counts : tuple of int
         Of levels and of preloads, where there are no axes.
     """
-    chosen = resolved(scene)
-    if chosen.slider is None:
-        chosen.refuse("slider", "is missing: without one there is nothing to map")
-    table = chosen.to_table()
+    resolved_scene = resolved(scene)
+    if resolved_scene.slider is None:
+        resolved_scene.refuse("slider", "is missing: without one there is nothing to map")
+    table = resolved_scene.to_table()
     level = level_key(table)
-    axes = [axis(key, values) for key, values in (over or _usual(chosen, level, counts)).items()]
+    axes = [axis(key, values) for key, values in (over or _usual(resolved_scene, level, counts)).items()]
     _check(axes)
     (x_key, y_key), (x, y) = (each.keys[0] for each in axes), (each.columns[0] for each in axes)
     own = {f"own_{side}": _own(table, key) for side, key in (("x", x_key), ("y", y_key))}
     moved = level in (x_key, y_key)
     if not moved:
-        table = replaced(table, level, [max(chosen.levels)])
+        table = replaced(table, level, [max(resolved_scene.levels)])
     progress(f"design map: {len(x) * len(y)} points")
 
     def told(count, kept, failed, cost):
         progress(f"design map: {kept} of {count} points, {failed} failed")
 
-    found = sweep(table, {y_key: y, x_key: x}, also=("limits", "thrust", "efficiency"), progress=told)
-    failed = f"{found.failed} of {found.points} points have no answer"
-    columns, shape = found.columns(), (len(y), len(x))
+    points = sweep(table, {y_key: y, x_key: x}, also=("limits", "thrust", "efficiency"), progress=told)
+    failed = f"{points.failed} of {points.points} points have no answer"
+    columns, shape = points.columns(), (len(y), len(x))
     grid = {
         name: np.array([math.nan if each is None else each for each in column]).reshape(shape)
         for name, column in columns.items()
@@ -80,20 +81,23 @@ def run(
         raise RunError(f"the map is empty: {failed}, {columns['status'][0]}")
     factors = {f"{name}_factor": _plain(grid[f"{name}_factor"]) for name in ("threshold", "release")}
     shared = {"x_key": x_key, "x": x, "y_key": y_key, "y": y, **own, **factors}
-    title = chosen.title
+    title = resolved_scene.title
     if not moved:
         name = level.rpartition(".")[2].replace("_", " ")
-        title += f", {name} {si(max(chosen.levels), unit_of(rule_at(level)))}"
+        title += f", {name} {si(max(resolved_scene.levels), unit_of(rule_at(level)))}"
     panels = [
         Panel(
-            name=name, title=title, data=shared | {"value": _plain(grid[key]), "label": label, "scale": scale}
+            name=name,
+            title=title,
+            data=shared
+            | {"value": _plain(grid[key]), "label": quantity(drawn).axis, "scale": quantity(drawn).scale},
         )
-        for name, (key, label, scale) in PANELS.items()
+        for name, (key, drawn) in PANELS.items()
         if key in grid
     ]
     moving, passed = grid["velocity_m_per_s"] != 0.0, grid["threshold_factor"] < 1.0
     parted, released = np.reshape(columns["regime"], shape) == "intermittent", grid["release_factor"] < 1.0
-    slider = chosen.slider
+    slider = resolved_scene.slider
     preload, mu = (
         np.reshape(columns.get(f"slider.{key}", [value] * known.size), shape).astype(float)
         for key, value in (
@@ -132,8 +136,8 @@ def figure(record: Panel, ax):
         factor = np.asarray(data[f"{name}_factor"], float)
         factor = np.log(np.where(np.isfinite(factor) & (factor > 0.0), factor, 1e6))
         if factor.min() < 0.0 < factor.max():
-            given = {"levels": [0.0], "colors": "black", "linestyles": style, "linewidths": 1.6}
-            line = ax.contour(x[0], y[0], factor, **given)
+            options = {"levels": [0.0], "colors": "black", "linestyles": style, "linewidths": 1.6}
+            line = ax.contour(x[0], y[0], factor, **options)
             line.set_path_effects([withStroke(linewidth=3.0, foreground="white")])
             ax.plot([], [], style, color="black", linewidth=1.6, label=f"{name} (theory)")
     points = [(a * x[1], b * y[1]) for a in data["own_x"] for b in data["own_y"]]

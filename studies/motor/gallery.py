@@ -40,7 +40,7 @@ class Gallery(StudyRecord):
     """What the pictures are drawn from: run and field, contact and ledger at a voltage, bursts, other studies."""
 
     record: Record = field(repr=False)
-    found: "RunField" = field(repr=False)  # its RunField
+    wave_field: "RunField" = field(repr=False)  # its RunField
     voltage: float  # of the contact and its ledger, V
     contact: tuple = field(repr=False)  # `contact_view.moments` and title
     bursts: tuple = field(repr=False)  # of (str, contact.Trajectory)
@@ -70,14 +70,14 @@ def run(
     progress : callable, optional
         Told what is being done.
     """
-    begun = time.perf_counter()
+    start_time = time.perf_counter()
     say = progress or (lambda text: None)
-    chosen = Scene.load(scene)
-    if not chosen.transducer or chosen.slider is None:
-        chosen.refuse("transducer", "and slider are needed: the gallery shows a whole motor")
+    loaded = Scene.load(scene)
+    if not loaded.transducer or loaded.slider is None:
+        loaded.refuse("transducer", "and slider are needed: the gallery shows a whole motor")
     say("running the scene")
-    record = run_chain(replace(chosen, drive=replace(chosen.drive, burst=None)), tolerance=1e-3, progress=say)
-    found, driven = run_field(record, progress=say), DrivenContact.of_run(record)
+    record = run_chain(replace(loaded, drive=replace(loaded.drive, burst=None)), tolerance=1e-3, progress=say)
+    wave_field, driven = run_field(record, progress=say), DrivenContact.of_run(record)
     moving = driven.above(1.0)
     voltage, *voltages = (
         min(moving, key=lambda level: abs(level - share * moving[-1])) for share in (CONTACT, *BURSTS)
@@ -88,26 +88,26 @@ def run(
     acceleration = slider.least_friction(len(driven.orbits)) / slider.mass
     largest = abs(contact.steady(slider, driven.at(max(voltages)), tolerance=1e-3).velocity)
     duration = float(f"{LONG * largest / acceleration:.2g}")
-    given = {"duration": duration, "after": duration, "tolerance": 1e-3, "samples": 1500}
+    options = {"duration": duration, "after": duration, "tolerance": 1e-3, "samples": 1500}
     bursts = tuple(
-        (driven.named(level), contact.burst(slider, driven.at(level), **given))
+        (driven.named(level), contact.burst(slider, driven.at(level), **options))
         for level in dict.fromkeys(voltages)
     )
     studies = (regime_map, admittance) if maps else ()
     return Gallery(
         name="gallery",
-        panels=(Panel(name="wave", title=chosen.title, data={"wavelength_m": found.wavelength}),),
+        panels=(Panel(name="wave", title=loaded.title, data={"wavelength_m": wave_field.wavelength}),),
         findings=(),
         record=record,
-        found=found,
+        wave_field=wave_field,
         voltage=voltage,
         contact=slow,
         bursts=bursts,
         acceleration=acceleration,
         ledger=contact.steady(slider, driven.at(voltage), tolerance=1e-6).ledger,
-        others=tuple((each, each.run(chosen, progress=say).panels[0]) for each in studies),
+        others=tuple((each, each.run(loaded, progress=say).panels[0]) for each in studies),
         films=films,
-        seconds=time.perf_counter() - begun,
+        seconds=time.perf_counter() - start_time,
     )
 
 

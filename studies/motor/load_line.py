@@ -14,6 +14,7 @@ import numpy as np
 import contact
 from studies.chain.pillar_points import PillarContact
 from studies.record.plots import curve, family, finished
+from studies.record.quantities import quantity
 from studies.scene import Scene
 from studies.study import Answered, Panel, driven_contact, judged, of_record, study
 
@@ -31,18 +32,18 @@ def run(scene: Scene, *, points: int = 17, progress=None) -> Answered:
         Loads of each line.
     """
     driven = driven_contact(scene, pillars=True, progress=progress)
-    chosen, slider, lines = driven.scene, driven.slider, {}
+    resolved_scene, slider, lines = driven.scene, driven.slider, {}
     for level in driven.spread(1.05, LINES):
         progress(f"load line: {driven.named(level)}")
-        if chosen.slider.pillars is not None:
+        if resolved_scene.slider.pillars is not None:
             lines[driven.named(level)] = PillarContact.of(driven).load_line(level, points)
             continue
         line = contact.load_line(slider, driven.at(level), points=points, tolerance=1e-4)
         lines[driven.named(level)] = line
-    if chosen.slider.pillars is not None:
-        slider = replace(slider, preload=chosen.slider.preload)  # of all pillars
+    if resolved_scene.slider.pillars is not None:
+        slider = replace(slider, preload=resolved_scene.slider.preload)  # of all pillars
     # of the balls that are computed as one, the whole thrust
-    balls = chosen.slider.preload / slider.preload
+    balls = resolved_scene.slider.preload / slider.preload
     friction = slider.static_friction(len(driven.orbits))
     findings = (
         judged("Velocity falls with load, to zero at the blocked thrust.",
@@ -58,14 +59,15 @@ def run(scene: Scene, *, points: int = 17, progress=None) -> Answered:
                remark="of the power that the wave gives the contacts, not of the electrical power"),
     )  # fmt: skip
     panels = [
-        Panel(name=file, title=f"{chosen.title}: {title}", data={
+        Panel(name=file, title=f"{resolved_scene.title}: {title}", data={
             "load_N": {key: balls * line.load for key, line in lines.items()},
-            "value": {key: np.abs(getattr(line, value)) for key, line in lines.items()}, "axis": axis, "factor": factor,
+            "value": {key: np.abs(getattr(line, value)) for key, line in lines.items()}, 
+            "axis": quantity(key).axis, "factor": quantity(key).scale,
             "blocked_thrust_N": {key: balls * line.blocked_thrust for key, line in lines.items()},
         })
-        for file, title, value, axis, factor in (
-            ("load_line", "load line", "velocity", "slider velocity (mm/s)", 1e3),
-            ("efficiency", "efficiency of the contact", "efficiency", "mechanical efficiency (%)", 1e2),
+        for file, title, value, key in (
+            ("load_line", "load line", "velocity", "velocity_m_per_s"),
+            ("efficiency", "efficiency of the contact", "efficiency", "efficiency"),
         )
     ]  # fmt: skip
     return panels, findings
@@ -79,4 +81,4 @@ def figure(record: Panel, ax):
         values = np.asarray(data["value"][name]) * data["factor"]
         curve(ax, np.asarray(load) * 1e6, values, ".-", colour, name)
     ax.set_ylim(bottom=0)
-    return finished(ax, "load (\u00b5N)", data["axis"], record.title, columns=3)
+    return finished(ax, quantity("load_N").axis, data["axis"], record.title, columns=3)

@@ -135,7 +135,9 @@ def read_loop(settings: list[str], name: str):
     SceneError
         If a key is neither the loop's nor the controller's, or a value is out of range.
     """
-    known, given, own = {each.name for each in fields(Loop)}, {}, {}
+    known = {each.name for each in fields(Loop)}
+    given: dict = {}
+    own: dict = {}
     for text in settings:
         key, value = parts_of("--loop", text, "KEY=VALUE")
         number = si_value(f"--loop {key}", toml_value(value), UNITS.get(key, ""))
@@ -164,7 +166,7 @@ def refuse_beyond(scene: Scene, way: float) -> None:
     places = [x for x, _ in chosen.slider.places]
     low, high = -min(places), chosen.stator.length - max(places)
     for each in chosen.transducer if not chosen.crossed else ():
-        half = each.finger_pairs * each.period / 2
+        half = each.half_length
         if each.place[0] < min(places):
             low = max(low, each.place[0] + half - min(places))
         elif each.place[0] > max(places):
@@ -245,7 +247,7 @@ def _scatter(scene: Scene, motor: AveragedMotor, progress) -> tuple[float, float
 
 
 def _panel(motor: AveragedMotor, ways: dict[str, Move]) -> Panel:
-    data = {}
+    data: dict = {}
     begin = 0.0
     for name, move in ways.items():
         data |= {f"{name}_time_s": begin + move.time, f"{name}_position_m": move.position,

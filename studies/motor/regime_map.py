@@ -42,20 +42,20 @@ def run(
         Points that are solved again by the event-driven method.
     """
     driven = driven_contact(scene, progress=progress)
-    chosen, slider, per_metre = driven.scene, driven.slider, driven.at(1.0 / driven.amplitude)
+    resolved_scene, slider, per_metre = driven.scene, driven.slider, driven.at(1.0 / driven.amplitude)
     if slider.shape != "sphere" or slider.heights:
-        chosen.refuse("slider", "must stand on balls of equal height for a map of regimes")
+        resolved_scene.refuse("slider", "must stand on balls of equal height for a map of regimes")
     own = slider.preload
     if own == 0.0 or slider.static_coefficient == 0.0:
-        chosen.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
+        resolved_scene.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
     at, loads, reach = _grid(driven, per_metre, amplitudes, preloads)
     progress(f"regime map: {at.size * loads.size} steady states")
     loaded = [replace(slider, preload=float(preload)) for preload in loads]
     which = np.stack([*np.indices((loads.size, 1))], axis=-1).repeat(at.size, axis=1)
     tiled = np.tile(at, (loads.size, 1))
-    found = contact.steady_sweep(loaded, [per_metre], which=which, factors=tiled, wave_errors=[0.0])
-    kind = np.where((found.regime == "intermittent") & (found.height < 0.0), "hopping", found.regime)
-    kind[found.held] = "stick"  # the slider stays where some of its balls slip, on orbits that are not alike
+    states = contact.steady_sweep(loaded, [per_metre], which=which, factors=tiled, wave_errors=[0.0])
+    kind = np.where((states.regime == "intermittent") & (states.height < 0.0), "hopping", states.regime)
+    kind[states.held] = "stick"  # the slider stays where some of its balls slip, on orbits that are not alike
     shares = sum(abs(orbit.normal) ** 1.5 for orbit in per_metre)
     factors = {
         name: [question(s, per_metre) for s in loaded]
@@ -79,11 +79,11 @@ def run(
                       "within the error of a line"),
         judged("The averaged steady states are those of the full motion.",
                f"largest difference over max(|v|, omega |u_x|/10) at {checked} points",
-               _worst(loaded, per_metre, at, found, checked), high=1e-6),
+               _worst(loaded, per_metre, at, states, checked), high=1e-6),
     )  # fmt: skip
-    panel = Panel(name="regime_map", title=f"{chosen.title}: regimes", data={
+    panel = Panel(name="regime_map", title=f"{resolved_scene.title}: regimes", data={
         "amplitude_m": at, "preload_N": loads, "kind": kind.tolist(),
-        "velocity_m_per_s": [[v if np.isfinite(v) else None for v in row] for row in found.velocity.tolist()],
+        "velocity_m_per_s": [[v if np.isfinite(v) else None for v in row] for row in states.velocity.tolist()],
         "lines_m": lines, "operating_amplitude_m": reach, "operating_preload_N": own,
     })  # fmt: skip
     return (panel,), findings
@@ -103,14 +103,14 @@ def _grid(driven: DrivenContact, per_metre: tuple, amplitudes: int, preloads: in
     return at, driven.slider.preload * np.geomspace(0.08, 12.0, preloads), reach
 
 
-def _worst(loaded, per_metre, amplitudes, found, checked: int) -> float:
+def _worst(loaded, per_metre, amplitudes, states, checked: int) -> float:
     """Return the largest difference to the event-driven method over a scatter of moving points."""
-    at = np.argwhere(np.abs(np.nan_to_num(found.velocity)) > 0.0)
+    at = np.argwhere(np.abs(np.nan_to_num(states.velocity)) > 0.0)
     differences = [0.0]
     for i, j in at[:: max(1, len(at) // checked)][:checked]:
         orbits = bridge.scaled(per_metre, float(amplitudes[j]))
         full = contact.steady(loaded[i], orbits, tolerance=1e-6).velocity
-        differences.append(abs(full - found.velocity[i, j]) / reference_speed(full, orbits[:1]))
+        differences.append(abs(full - states.velocity[i, j]) / reference_speed(full, orbits[:1]))
     return float(max(differences))
 
 
@@ -132,4 +132,6 @@ def figure(record: Panel, ax):
     ax.set_xlim(A[0], A[-1])
     logarithmic(ax.xaxis)
     logarithmic(ax.yaxis)
-    return finished(ax, quantity("normal_amplitude_m").axis, "preload (mN)", record.title, grid=False)
+    return finished(
+        ax, quantity("normal_amplitude_m").axis, quantity("preload_N").axis, record.title, grid=False
+    )

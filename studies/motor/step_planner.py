@@ -140,12 +140,12 @@ def _bouncing(bursts: Steps, level: float) -> float:
 def _travelled(bursts: Steps, level: float, step) -> float:
     """Return the integral of a trajectory's velocity over a step."""
     (envelope, fading), after = bursts.shape(step.cycles), 10.0 * step.stopping_time
-    found = contact.burst(
+    motion = contact.burst(
         bursts.driven.slider, bursts.driven.at(level), duration=step.cycles / bursts.driven.scene.frequency,
         after=after if fading is None else (after + float(fading.time[-1]), fading), tolerance=1e-6, samples=4000,
         method="exact" if envelope is None else "stepped", envelope=envelope,
     )  # fmt: skip
-    return float(np.trapezoid(found.velocity, found.time) / step.displacement)
+    return float(np.trapezoid(motion.velocity, motion.time) / step.displacement)
 
 
 @of_record

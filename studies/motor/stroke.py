@@ -39,9 +39,9 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, progress=None)
     driven = driven_contact(scene, progress=progress)
     if driven.record is None:
         driven.scene.refuse("wave", "must be absent: along a given wave every place is alike")
-    chosen, slider, motion = driven.scene, driven.slider, driven.record.surface_motion
-    along, center = bridge.wave_along(motion, chosen.slider), chosen.slider.center[0]
-    low, high = _span(chosen, along.wavelength)
+    resolved_scene, slider, motion = driven.scene, driven.slider, driven.record.surface_motion
+    along, center = bridge.wave_along(motion, resolved_scene.slider), resolved_scene.slider.center[0]
+    low, high = _span(resolved_scene, along.wavelength)
     half = along.wavelength / 2
     at = np.linspace(low + half / 2, high - half / 2, count)
     ripple = half * ((np.arange(WITHIN) + 0.5) / WITHIN - 0.5)
@@ -60,16 +60,16 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, progress=None)
     amplitude = np.reshape(
         [np.mean([abs(each.normal) for each in row]) for row in orbits[:-1]], (count, WITHIN)
     )
-    balls = np.array([x for x, _ in chosen.slider.places])
+    balls = np.array([x for x, _ in resolved_scene.slider.places])
     section = [np.mean([abs(motion.wave.motion(x)[1]) for x in balls + shift]) for shift in shifts[:-1]]
     panels = (
-        Panel(name="velocity", title=f"{chosen.title}: velocity along the stator", data={
+        Panel(name="velocity", title=f"{resolved_scene.title}: velocity along the stator", data={
             "position_m": at, "velocity_m_per_s": {key: each.mean(axis=1) for key, each in velocities.items()},
             "slowest_m_per_s": {key: each.min(axis=1) for key, each in velocities.items()},
             "fastest_m_per_s": {key: each.max(axis=1) for key, each in velocities.items()},
             "path_m": paths, "path_velocity_m_per_s": speeds,
         }),
-        Panel(name="amplitude", title=f"{chosen.title}: amplitude along the stator", data={
+        Panel(name="amplitude", title=f"{resolved_scene.title}: amplitude along the stator", data={
             "position_m": at, "amplitude_m_per_V": amplitude.mean(axis=1),
             "smallest_m_per_V": amplitude.min(axis=1), "largest_m_per_V": amplitude.max(axis=1),
             "section_m_per_V": np.reshape(section, (count, WITHIN)).mean(axis=1),
@@ -110,7 +110,7 @@ def figure(record: Panel, ax):
         ax.set_ylim(0, 1.05e9 * max(data[key].max() for key in ("largest_m_per_V", "section_m_per_V")))
         name = "finite aperture" if data["finite_aperture"] else "under the balls"
         rows = (("section_m_per_V", "--", "stick", "plane section"), ("amplitude_m_per_V", "-", "slip", name))
-        return lines(ax, record, "position_m", rows, "|u_z|, mean of the balls (nm per V)", factor=1e9)
+        return lines(ax, record, "position_m", rows, "normal_m_per_V")
     for name, velocity, colour in family(data["velocity_m_per_s"]):
         curve(ax, x, velocity * 1e3, "-", colour, f"{name}, steady")
         ends = (data[key][name] * 1e3 for key in ("slowest_m_per_s", "fastest_m_per_s"))
@@ -118,4 +118,4 @@ def figure(record: Panel, ax):
         curve(ax, data["path_m"][name] * 1e3, data["path_velocity_m_per_s"][name] * 1e3, "--", "line")
     ax.fill_between([], [], color=COLOURS["line"], label=label, **band)
     curve(ax, [], [], "--", "line", "starting at the scene's place")
-    return finished(ax, quantity("position_m").axis, "slider velocity (mm/s)", record.title)
+    return finished(ax, quantity("position_m").axis, quantity("velocity_m_per_s").axis, record.title)

@@ -69,15 +69,15 @@ def write_run(record: "Record", folder: Path, *, field: bool) -> None:
 
 def _flat(point: dict) -> dict:
     """Return a point with complex numbers in two columns, ``..._re`` and ``..._im``, and lists in ``_0``, ``_1``."""
-    found: dict = {}
+    flat: dict = {}
     for key, value in point.items():
         if isinstance(value, complex):
-            found |= {f"{key}_re": value.real, f"{key}_im": value.imag}
+            flat |= {f"{key}_re": value.real, f"{key}_im": value.imag}
         elif isinstance(value, (list, tuple)):
-            found |= {f"{key}_{index}": each for index, each in enumerate(value)}
+            flat |= {f"{key}_{index}": each for index, each in enumerate(value)}
         else:
-            found[key] = value
-    return found
+            flat[key] = value
+    return flat
 
 
 def write_columns(path: Path, columns: dict) -> None:

@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from studies.record.quantities import quantity
+
 if TYPE_CHECKING:
     from studies.record import Record
 
@@ -35,12 +37,12 @@ def wave_along(record: "Record", ax):
             size = np.abs(np.asarray(table[f"overtone_{n}_m"])) * 1e9
             ax.plot(x, size, style, color=GREEN, label=f"its overtone {n}, amplitude")
     ax.set_ylim(bottom=0.0)
-    ax.set_xlabel("x from the slider's centre (mm)")
-    ax.set_ylabel("normal amplitude (nm)")
+    ax.set_xlabel(quantity("offset_m").axis)
+    ax.set_ylabel(quantity("normal_amplitude_m").axis)
     right = ax.twinx()
     phase = np.unwrap(np.angle(main))
     right.plot(x, phase - phase[0 if ahead else -1], dashes=(8, 3), color=ORANGE, label="phase")
-    right.set_ylabel("phase against the unloaded wave (rad)")
+    right.set_ylabel(quantity("phase_rad").axis)
     handles = [each for axis in (ax, right) for each in axis.get_lines()]
     ax.legend(handles=handles, **BELOW)
     ax.grid(alpha=0.3)
@@ -56,9 +58,9 @@ def pressure(record: "Record", ax):
     size = float(np.clip(6e4 / x.size, 2.0, 200.0))
     dots = ax.scatter(x * 1e3, y * 1e3, c=force * 1e3, s=size, marker="s", cmap="viridis", linewidths=0)
     ax.set_aspect("equal", adjustable="box")
-    ax.set_xlabel("x from the slider's centre (mm)")
-    ax.set_ylabel("y (mm)")
-    ax.figure.colorbar(dots, ax=ax, label="mean normal force on a pillar (mN)")
+    ax.set_xlabel(quantity("offset_m").axis)
+    ax.set_ylabel(quantity("y_m").axis)
+    ax.figure.colorbar(dots, ax=ax, label=quantity("normal_force_N").axis)
     _titled(ax, f"{record.scene.title}: forces on the pillars")
     return ax
 
@@ -66,7 +68,7 @@ def pressure(record: "Record", ax):
 def power(record: "Record", ax):
     """Draw where the power of the waves below the slider goes at each level, as stacked bars."""
     points = [point for point in record.points if "wave_power_in_W" in point]
-    unit, scale = ("V", 1.0) if record.level == "voltage_V" else ("nm", 1e9)
+    scale = quantity(record.level).scale
     places, bottom = np.arange(len(points)), np.zeros(len(points))
     for key, label, colour in SHARES:
         values = np.array([100 * point[key] / point["wave_power_in_W"] for point in points])
@@ -77,9 +79,8 @@ def power(record: "Record", ax):
         ax.text(place, 101.0, f"{point['wave_power_in_W']:.3g} W", ha="center", fontsize="small")
     ax.set_xticks(places, [f"{point[record.level] * scale:.4g}" for point in points])
     ax.set_ylim(0.0, 108.0)
-    across = "drive voltage, peak (V)" if unit == "V" else "normal amplitude (nm)"
-    ax.set_xlabel(across)
-    ax.set_ylabel("share of the incident power (%)")
+    ax.set_xlabel(quantity(record.level).axis)
+    ax.set_ylabel(quantity("power_share").axis)
     _titled(ax, f"{record.scene.title}: power of the wave")
     ax.legend(**BELOW)
     return ax

@@ -44,20 +44,20 @@ MARKS = {"stick": "s", "slip": "o", "intermittent": "^"}
 
 def pictures(record: "Record") -> dict[str, Callable]:
     """Return what draws the pictures of a run on an Axes, by the name of their file; the main result first."""
-    found = {"velocity": velocity} if record.scene.slider is not None else {}
+    drawings = {"velocity": velocity} if record.scene.slider is not None else {}
     if record.trajectories:
-        found["trajectory"] = trajectories
+        drawings["trajectory"] = trajectories
     if record.surface:
-        found["surface"] = surface if record.scene.transducer else profile
+        drawings["surface"] = surface if record.scene.transducer else profile
     if "scan" in record.measured or "trace" in record.measured:
-        found["measured"] = measured_picture
+        drawings["measured"] = measured_picture
     if record.pillars:
         from studies.record import pillar_plots
 
-        found |= {"slider_wave": pillar_plots.wave_along, "pressure": pillar_plots.pressure}
+        drawings |= {"slider_wave": pillar_plots.wave_along, "pressure": pillar_plots.pressure}
         if any(point.get("wave_power_in_W") for point in record.points):
-            found["power"] = pillar_plots.power
-    return {name: partial(draw, record) for name, draw in found.items()}
+            drawings["power"] = pillar_plots.power
+    return {name: partial(draw, record) for name, draw in drawings.items()}
 
 
 def measured_picture(record: "Record", ax):
@@ -65,21 +65,14 @@ def measured_picture(record: "Record", ax):
     block = record.measured
     if "scan" in block:
         return draw_scan(block, ax)
-    trace, unit, scale = block["trace"], "m_per_s", 1e3
-    label = "slider velocity (mm/s)"
+    trace, unit, up = block["trace"], "m_per_s", quantity("velocity_m_per_s")
     if "measured_m" in trace:
-        unit, scale, label = "m", 1e6, "position (um)"
-    curve(ax, trace["time_s"] * 1e3, trace[f"predicted_{unit}"] * scale, "-", "slip", "computed")
-    curve(
-        ax,
-        trace["time_s"] * 1e3,
-        trace[f"measured_{unit}"] * scale,
-        "o",
-        "line",
-        f"measured, {block['file']}",
-        size=2.5,
-    )
-    return finished(ax, "time (ms)", label, f"Measured over computed: {block['quantity']}", columns=2)
+        unit, up = "m", quantity("travelled_m")
+    time = trace["time_s"] * quantity("time_s").scale
+    curve(ax, time, trace[f"predicted_{unit}"] * up.scale, "-", "slip", "computed")
+    curve(ax, time, trace[f"measured_{unit}"] * up.scale, "o", "line", f"measured, {block['file']}", size=2.5)
+    title = f"Measured over computed: {block['quantity']}"
+    return finished(ax, quantity("time_s").axis, up.axis, title, columns=2)
 
 
 def draw_scan(block: dict, ax):
@@ -87,28 +80,17 @@ def draw_scan(block: dict, ax):
     import numpy as np
 
     points = block["scan"]
-    by_frequency, across = (
-        "frequency_Hz" in points and np.ptp(points["frequency_Hz"]) > 0.0,
-        np.ptp(points["x_m"]) == 0.0,
-    )
-    key, scale, label = ("y_m", 1e3, "y (mm)") if across else ("x_m", 1e3, "x (mm)")
-    if by_frequency:
-        key, scale, label = "frequency_Hz", 1e-6, "frequency (MHz)"
-    at = np.asarray(points[key]) * scale
+    by_frequency = "frequency_Hz" in points and np.ptp(points["frequency_Hz"]) > 0.0
+    key = "frequency_Hz" if by_frequency else "y_m" if np.ptp(points["x_m"]) == 0.0 else "x_m"
+    along, up = quantity(key), quantity("amplitude_m_per_V")
+    at = np.asarray(points[key]) * along.scale
     order = np.argsort(at, kind="stable")
-    curve(ax, at[order], np.abs(points["predicted_m_per_V"])[order] * 1e9, "-", "slip", "computed")
-    curve(
-        ax,
-        at[order],
-        np.abs(points["measured_m_per_V"])[order] * 1e9,
-        "o",
-        "line",
-        f"measured, {block['file']}",
-        size=2.5,
+    computed, measured = (
+        np.abs(points[f"{name}_m_per_V"])[order] * up.scale for name in ("predicted", "measured")
     )
-    return finished(
-        ax, label, "amplitude (nm per V)", f"Measured over computed: {block['quantity']}", columns=2
-    )
+    curve(ax, at[order], computed, "-", "slip", "computed")
+    curve(ax, at[order], measured, "o", "line", f"measured, {block['file']}", size=2.5)
+    return finished(ax, along.axis, up.axis, f"Measured over computed: {block['quantity']}", columns=2)
 
 
 def draw_run(record: "Record", folder: Path) -> None:
@@ -228,18 +210,18 @@ def shaded(ax, start: float, stop: float, label: str | None = None, *, colour: s
     ax.axvspan(start, stop, color=COLOURS[colour], alpha=0.25, linewidth=0, label=label)
 
 
-def lines(ax, panel, across: str, rows, up: str, *, factor: float = 1.0, columns: int = 4):
+def lines(ax, panel, across: str, rows, up: str, *, columns: int = 4):
     """Draw columns of a study's panel over a quantity, complex ones by their size, and finish the Axes.
 
-    ``rows`` hold key, style, colour and label of each; ``factor`` leads from SI units to those of the label ``up``.
+    ``rows`` hold key, style, colour and label of each; ``across`` and ``up`` are keys of the table of quantities.
     """
     import numpy as np
 
-    along = quantity(across)
+    along, height = quantity(across), quantity(up)
     for key, style, colour, name in rows:
-        y = np.asarray(panel.data[key]) * factor
+        y = np.asarray(panel.data[key]) * height.scale
         curve(ax, panel.data[across] * along.scale, abs(y) if y.dtype.kind == "c" else y, style, colour, name)
-    return finished(ax, along.axis, up, panel.title, columns=columns)
+    return finished(ax, along.axis, height.axis, panel.title, columns=columns)
 
 
 def family(curves: dict):
@@ -269,10 +251,10 @@ def velocity(record: "Record", ax):
     """Draw steady velocity against voltage or amplitude, by regime, with threshold and release."""
     unit, scale = quantity(record.level).axis, quantity(record.level).scale
     for regime, mark in MARKS.items():
-        chosen = [point for point in record.points if point.get("regime") == regime]
-        if chosen:
-            at = [point[record.level] * scale for point in chosen]
-            speeds = [point["velocity_m_per_s"] * 1e3 for point in chosen]
+        points = [point for point in record.points if point.get("regime") == regime]
+        if points:
+            at = [point[record.level] * scale for point in points]
+            speeds = [point["velocity_m_per_s"] * 1e3 for point in points]
             ax.plot(at, speeds, mark, color=COLOURS[regime], label=regime)
     missed = [point for point in record.points if point.get("relative_error", 0.0) > record.tolerance]
     if missed:
@@ -290,8 +272,8 @@ def velocity(record: "Record", ax):
     for name, style in (("threshold", ":"), ("release", "--")):
         limit = record.summary.get(f"{name}_{record.level.removeprefix('normal_')}")
         if limit is not None and limit <= 1.2 * max(record.scene.levels):
-            given = {"linestyle": style, "linewidth": 1, "label": f"{name} (theory)"}
-            ax.axvline(limit * scale, color=COLOURS["line"], **given)
+            options = {"linestyle": style, "linewidth": 1, "label": f"{name} (theory)"}
+            ax.axvline(limit * scale, color=COLOURS["line"], **options)
     speeds = [point["velocity_m_per_s"] for point in record.points if "velocity_m_per_s" in point]
     if speeds and not any(speeds) and not record.measured:
         ax.set_ylim(-1.0, 1.0)
@@ -299,7 +281,7 @@ def velocity(record: "Record", ax):
     if "points" in record.measured:
         _measured(record, ax, scale)
     _power_axis(record, ax)
-    return finished(ax, unit, "slider velocity (mm/s)", record.scene.title, columns=3)
+    return finished(ax, unit, quantity("velocity_m_per_s").axis, record.scene.title, columns=3)
 
 
 def _power_axis(record: "Record", ax) -> None:
@@ -318,7 +300,7 @@ def _power_axis(record: "Record", ax) -> None:
         ),
     )
     upper.xaxis.set_major_locator(MaxNLocator(6))
-    upper.set_xlabel("available power (W)")
+    upper.set_xlabel(quantity("available_power_W").axis)
 
 
 def _measured(record: "Record", ax, scale: float) -> None:
@@ -330,8 +312,8 @@ def _measured(record: "Record", ax, scale: float) -> None:
     curve(ax, [x * scale for x in at], [v * 1e3 for v in speeds], "-", "line", "predicted")
     bars = [point["error_m_per_s"] * 1e3 for point in points] if "error_m_per_s" in points[0] else None
     at, speeds = zip(*((p[record.level] * scale, p["velocity_m_per_s"] * 1e3) for p in points), strict=True)
-    given = {"markersize": 5, "markerfacecolor": "none", "capsize": 3, "label": "measured"}
-    ax.errorbar(at, speeds, yerr=bars, fmt="D", color=COLOURS["second"], **given)
+    style = {"markersize": 5, "markerfacecolor": "none", "capsize": 3, "label": "measured"}
+    ax.errorbar(at, speeds, yerr=bars, fmt="D", color=COLOURS["second"], **style)
 
 
 def trajectories(record: "Record", ax):
@@ -346,7 +328,7 @@ def trajectories(record: "Record", ax):
         ax.plot(
             motion.time * 1e3, motion.velocity * 1e3, color=colours(index / count), linewidth=1, label=label
         )
-    return finished(ax, "time (ms)", "slider velocity (mm/s)", record.scene.title)
+    return finished(ax, quantity("time_s").axis, quantity("velocity_m_per_s").axis, record.scene.title)
 
 
 def surface(record: "Record", ax, *, curves: bool = False):
@@ -391,7 +373,7 @@ def surface(record: "Record", ax, *, curves: bool = False):
             curve(ax, place, [abs(record.wave[f"{part}_m_per_V"]) * 1e9], "D", colour, what, size=6.0)
     ax.set_ylim(bottom=0, top=WINDOW_ROOM * max(size.max() for size in sizes) if rippled else None)
     title = f"{scene.title}: {record.wave['frequency_Hz'] / 1e6:g} MHz"
-    return finished(ax, label, "amplitude per volt, peak (nm/V)", title, columns=3, grid=False)
+    return finished(ax, label, quantity("amplitude_m_per_V").axis, title, columns=3, grid=False)
 
 
 def _ranges(x, size, width: float):
@@ -432,7 +414,7 @@ def profile(record: "Record", ax):
             part, label = (values.imag, f"Im {name}") if name == "u_x" else (values.real, f"Re {name}")
             curve(ax, depth, part, ".-", colour, label)
     title = f"{record.scene.title}: {record.wave['phase_velocity_m_per_s']:.2f} m/s"
-    return finished(ax, "depth (mm)", "displacement over u_z at the surface", title)
+    return finished(ax, quantity("depth_m").axis, "displacement over u_z at the surface", title)
 
 
 def errors(record: "Record", ax):
@@ -443,4 +425,4 @@ def errors(record: "Record", ax):
     curve(ax, at, sizes, "o", "slip", "estimated error", size=5.0)
     ax.axhline(record.tolerance, color=COLOURS["line"], linestyle="--", linewidth=1, label="asked for")
     ax.set_yscale("log")
-    return finished(ax, unit, "relative error", record.scene.title)
+    return finished(ax, unit, quantity("relative_error").axis, record.scene.title)

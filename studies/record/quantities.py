@@ -102,19 +102,19 @@ def quantities() -> dict[str, Quantity]:
 @cache
 def _by_column() -> dict[str, Quantity]:
     """Return those that have a label, by the last part of their path."""
-    found: dict[str, Quantity] = {}
+    columns: dict[str, Quantity] = {}
     for path, each in quantities().items():
         if each.label:
-            found.setdefault(path.rpartition(".")[2], each)
-    return found
+            columns.setdefault(path.rpartition(".")[2], each)
+    return columns
 
 
 def quantity(key: str) -> Quantity:
     """Return a quantity by its path or, of one that is printed or drawn, by its column's name."""
-    found = quantities().get(key) or _by_column().get(key)
-    if found is None:
+    entry = quantities().get(key) or _by_column().get(key)
+    if entry is None:
         raise SceneError(key, f"is no quantity of a record{nearest(key, _by_column())}")
-    return found
+    return entry
 
 
 def unit_of(key: str) -> str | None:

@@ -61,7 +61,7 @@ def _along(scan: Scan, values, predicted, wavelength: float, source: float) -> d
     """Return the standing-wave ratio of a line along x that resolves it, and how the phase runs away."""
     if scan.kind != "x" or len(values) < 3:
         return {}
-    found, order = {}, np.argsort(scan.x)
+    columns, order = {}, np.argsort(scan.x)
     step = np.max(np.diff(scan.x[order]))
     if step <= wavelength / PER_WAVELENGTH and np.ptp(scan.x) >= wavelength / 2:
         for name, each in _pair(values, predicted):
@@ -71,7 +71,7 @@ def _along(scan: Scan, values, predicted, wavelength: float, source: float) -> d
                 np.max(part) / max(np.min(part), 1e-300)
                 for part in np.array_split(sizes, max(1, len(sizes) // half))
             ]
-            found[f"{name}_standing_wave_ratio"] = float(np.median(ratios))
+            columns[f"{name}_standing_wave_ratio"] = float(np.median(ratios))
     if scan.is_complex:
         way = abs(scan.x - source)[order]
         turned = np.unwrap(np.angle(values[order] * np.conj(predicted[order])))
@@ -79,8 +79,8 @@ def _along(scan: Scan, values, predicted, wavelength: float, source: float) -> d
         slope = float(np.polyfit(way, turned, 1, w=weights)[0])
         # phase -k way: a slope s is a wavenumber k - s
         wavenumber = 2.0 * np.pi / wavelength
-        found["measured_wave_velocity_over_predicted"] = wavenumber / (wavenumber - slope)
-    return found
+        columns["measured_wave_velocity_over_predicted"] = wavenumber / (wavenumber - slope)
+    return columns
 
 
 def _center(y, values) -> float:

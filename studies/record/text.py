@@ -44,15 +44,15 @@ def answer(record: "Record") -> str:
         lines += [*table([[row[k] for k in shown] for row in (head, *points)]), ""]
     rows: list[tuple] = [*_wave(record), *_limits(record.summary), *_uncertainty(record.uncertainty)]
     rows += comparison(record.measured)
-    asked = f"asked for {record.tolerance:.1e}"
+    wanted = f"asked for {record.tolerance:.1e}"
     if record.at_rest:
         known = record.wave.get("relative_error")
         wave = "" if known is None else f"; the wave under the slider is known to {known:.1e}"
-        rows.append(("relative error", f"none: no point moves{wave}, {asked}"))
+        rows.append(("relative error", f"none: no point moves{wave}, {wanted}"))
     elif record.error:
         parts = ", ".join(f"{name} {size:.1e}" for name, size in record.error["parts"].items())
         model = f"; model {record.error['model']:.1e} of u_z or velocity" if "model" in record.error else ""
-        rows.append(("relative error", f"{record.error['relative']:.1e} ({parts}), {asked}{model}"))
+        rows.append(("relative error", f"{record.error['relative']:.1e} ({parts}), {wanted}{model}"))
     seconds = ", ".join(f"{name} {size:.2f}" for name, size in record.seconds.items() if name != "total")
     rows += [("model error", sentences(record)), ("seconds", f"{record.seconds['total']:.2f} ({seconds})")]
     if record.left_out:
@@ -198,7 +198,9 @@ def sentences(record: "Record") -> tuple[str, ...]:
 def _limits(summary: dict):
     """Yield threshold and release."""
     for name in ("threshold", "release"):
-        if f"{name}_amplitude_m" in summary:
+        if name == "threshold" and summary.get("threshold_amplitude_m") == 0.0:
+            yield name, "none: the load exceeds friction and moves the slider without a wave"
+        elif f"{name}_amplitude_m" in summary:
             voltage = summary.get(f"{name}_voltage_V")
             at = "" if voltage is None else f"{voltage:.4g} V, "
             meaning = {"threshold": "starts to move", "release": "leaves the surface in every cycle"}[name]

@@ -1,6 +1,7 @@
 """A motor's datasheet as one self-contained page, A4 when printed: table, characteristics, limits."""
 
 from studies.record.plots import COLOURS, as_uri, curve, family, finished, velocity
+from studies.record.quantities import quantity
 from studies.record.text import sentences
 from studies.report.datasheet import SETTLED, Datasheet, Row
 from studies.report.intermediate import si
@@ -78,7 +79,7 @@ def load_lines(sheet: Datasheet, ax):
         curve(ax, sheet.balls * line.load * 1e6, line.velocity * 1e3, ".-", colour, name)
     ax.set_xlim(left=0)
     ax.set_ylim(bottom=0)
-    return finished(ax, "load (\u00b5N)", "speed (mm/s)", "speed against load")
+    return finished(ax, quantity("load_N").axis, quantity("velocity_m_per_s").axis, "speed against load")
 
 
 def start_and_stop(sheet: Datasheet, ax):
@@ -90,7 +91,7 @@ def start_and_stop(sheet: Datasheet, ax):
     label = f"{SETTLED:.0%} of the speed"
     ax.axhline(share, color=COLOURS["stick"], linestyle="--", linewidth=1, label=label)
     title = f"start and stop at {sheet.driven.named(sheet.rated)}"
-    return finished(ax, "time (ms)", "slider velocity (mm/s)", title)
+    return finished(ax, quantity("time_s").axis, quantity("velocity_m_per_s").axis, title)
 
 
 def _written(row: Row) -> dict:

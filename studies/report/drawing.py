@@ -66,12 +66,12 @@ def serve() -> None:
 
     from studies.record.plots import draw_run
 
-    given = sys.stdin.buffer.read()
-    if not given:  # the run ended without pictures, and nobody reads an answer
+    request = sys.stdin.buffer.read()
+    if not request:  # the run ended without pictures, and nobody reads an answer
         return
     failure = None
     try:
-        draw_run(*pickle.loads(given))
+        draw_run(*pickle.loads(request))
     except Exception as error:
         failure = error
     sys.stdout.buffer.write(pickle.dumps(failure))

@@ -45,15 +45,15 @@ def balances(record: Record) -> tuple[Balance, ...]:
     driven = DrivenContact.of_run(record)
     share = len(scene.slider.offsets) if isinstance(scene.slider.contacts, int) else 1
     method = scene.slider.method if scene.slider.method in STEADY_METHODS else "auto"
-    found = []
+    rows = []
     for level in _chosen(record):
-        given = {"tolerance": record.tolerance * SHARE, "method": method}
-        state = contact.steady(driven.slider, driven.at(level), **given)
+        options = {"tolerance": record.tolerance * SHARE, "method": method}
+        state = contact.steady(driven.slider, driven.at(level), **options)
         power = share * scene.frequency
         spent = {name: text for name, text in LEDGER.items() if name not in STORED}
         entries = tuple((text, getattr(state.ledger, name) * power) for name, text in spent.items())
-        found.append(Balance(level=level, entries=entries, residual=state.ledger.relative_residual))
-    return tuple(found)
+        rows.append(Balance(level=level, entries=entries, residual=state.ledger.relative_residual))
+    return tuple(rows)
 
 
 def _chosen(record: Record) -> list[float]:

@@ -26,6 +26,7 @@ SPEED = 2.5e10  # real operations per second of the stator's algebra: one core o
 START, COMPILE = 0.3, 15.0  # s: imports; the contact's kernels when they are not there yet
 # s of a point with one contact, and the power of their number: 1, 4, 16 and 64 balls take 0.05, 0.04, 0.4 and 6 s
 POINT, CONTACTS = 0.02, 1.2
+AVERAGED_POINT = 3e-4  # s of a point of a sweep, its averaged contact in the compiled loop
 JOIN, MODES = 51, 100  # real operations over n^3 of joining two pieces, and of n guided modes
 BEAM, CUT_BEAM = 1.5e10, 1e11  # operations of the beam under the slider; where the lateral direction matters
 BAND = 10  # solutions that a band of frequencies is worth
@@ -86,7 +87,11 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
             facts.append(f"its kernels are compiled first, {kernels.how_often()}: about {COMPILE:g} s")
             seconds += COMPILE
         parts.append({"name": "contact", "facts": facts})
-    expected = {"seconds": seconds + operations / SPEED, "seconds_within": TIME_WITHIN}
+    expected = {
+        "seconds": seconds + operations / SPEED,
+        "stator_seconds": operations / SPEED,
+        "seconds_within": TIME_WITHIN,
+    }
     expected |= {"bytes": PROCESS + KEPT * kept, "bytes_within": MEMORY_WITHIN}
     return {
         "title": scene.title, "scene": scene.to_table(), "tolerance": tolerance, "parts": parts,
@@ -96,11 +101,28 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
 
 def long_wait(scene: Scene, *, tolerance: float) -> tuple[str, ...]:
     """Return a sentence on the expected time of a run that takes more than a minute; nothing for a shorter one."""
-    expected = plan(scene, tolerance=tolerance)["expected"]["seconds"]
+    return announced(plan(scene, tolerance=tolerance)["expected"]["seconds"], " (--explain tells of what)")
+
+
+def long_sweep(scene: Scene, *, tolerance: float, stators: int, points: int) -> tuple[str, ...]:
+    """Return the same for a sweep: ``scene`` is that of one point; averaged contacts cost next to nothing."""
+    parts = plan(scene, tolerance=tolerance)["expected"]
+    contacts = POINT * points if scene.burst is not None else AVERAGED_POINT * points
+    return announced(stators * parts["stator_seconds"] + contacts)
+
+
+def announced(expected: float, more: str = "") -> tuple[str, ...]:
+    """Return a sentence on an expected time in s that is more than a minute; nothing for a shorter one.
+
+    Examples
+    --------
+    >>> announced(59.0), announced(600.0)
+    ((), ('expected time: about 10 minutes, within a factor of 3',))
+    """
     if expected < MINUTE:
         return ()
     hours = f"{expected / 3600:.2g} hours" if expected > 2 * 3600 else f"{expected / MINUTE:.2g} minutes"
-    return (f"expected time: about {hours}, within a factor of {TIME_WITHIN:g} (--explain tells of what)",)
+    return (f"expected time: about {hours}, within a factor of {TIME_WITHIN:g}{more}",)
 
 
 def explanation(plan: dict) -> str:

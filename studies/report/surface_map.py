@@ -16,7 +16,7 @@ def draw_surface_map(beam, scene: Scene, ax):
     x, y, motion = surface_map(beam, scene.stator)
     size = abs(motion[2]).T * 1e9
     drawn = ax.pcolormesh(x * 1e3, y * 1e3, size, cmap="viridis", shading="gouraud", rasterized=True)
-    ax.figure.colorbar(drawn, ax=ax, label="|u_z| (nm per V)")
+    ax.figure.colorbar(drawn, ax=ax, label=quantity("normal_m_per_V").axis)
     for each in resolve.transducers(scene):
         ax.add_patch(Polygon(each.corners * 1e3, fill=False, edgecolor="white", linewidth=1.2))
     ball = {"color": COLOURS["intermittent"], "markeredgecolor": "white", "markersize": 6}
@@ -26,7 +26,7 @@ def draw_surface_map(beam, scene: Scene, ax):
         ax.axhline(side * y[-1] * 1e3, color=COLOURS["line"], linewidth=2)
     ax.set_aspect("equal" if scene.stator.length < 12 * scene.stator.width else "auto")
     title = f"{scene.title}: u_z of the beam; frames: apertures, points: balls"
-    return finished(ax, quantity("x_m").axis, "y (mm)", title, columns=0, grid=False)
+    return finished(ax, quantity("x_m").axis, quantity("y_m").axis, title, columns=0, grid=False)
 
 
 def pixels(stator) -> tuple[int, int]:

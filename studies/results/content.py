@@ -46,10 +46,10 @@ def provenance() -> dict:
     import platform
     from importlib.metadata import PackageNotFoundError, version
 
-    found = {}
+    versions = {}
     for package in ("sawmotor", *PACKAGES):
         try:
-            found[package] = version(package)
+            versions[package] = version(package)
         except PackageNotFoundError:
-            found[package] = "not installed"
-    return {"version": found.pop("sawmotor"), "python": platform.python_version(), **found}
+            versions[package] = "not installed"
+    return {"version": versions.pop("sawmotor"), "python": platform.python_version(), **versions}

@@ -103,10 +103,13 @@ class ResultDirectory:
 
 
 @contextmanager
-def result_directory(path: str | Path, origin: Origin, *, chosen: bool = True) -> Iterator[ResultDirectory]:
+def result_directory(
+    path: str | Path, origin: Origin, *, named_by_user: bool = True
+) -> Iterator[ResultDirectory]:
     """Lend a directory to write into; only what is committed stays.
 
-    ``chosen`` is False for a default directory: there a result of another origin is refused (SceneError), not replaced.
+    ``named_by_user`` is False for a default directory: there a result of another origin is refused (SceneError), not
+    replaced.
     RunError if the directory cannot be written or holds something that is no result, or another run writes there.
     """
     target = Path(path).absolute()
@@ -114,7 +117,7 @@ def result_directory(path: str | Path, origin: Origin, *, chosen: bool = True) -
     lock = None
     try:
         try:
-            _refuse_others(target, origin, chosen=chosen)
+            _refuse_others(target, origin, named_by_user=named_by_user)
             target = target.resolve()
             target.mkdir(parents=True, exist_ok=True)
             lock = locked(target / LOCK)
@@ -139,7 +142,7 @@ def result_directory(path: str | Path, origin: Origin, *, chosen: bool = True) -
                 folder.rmdir()  # only if empty
 
 
-def _refuse_others(target: Path, origin: Origin, *, chosen: bool) -> None:
+def _refuse_others(target: Path, origin: Origin, *, named_by_user: bool) -> None:
     """Refuse a directory that holds no result, and as a default one that holds another's."""
     if not target.exists():
         return
@@ -151,7 +154,7 @@ def _refuse_others(target: Path, origin: Origin, *, chosen: bool) -> None:
         raise RunError(
             f"the result directory {str(target)!r} holds something that is no former result; name another"
         )
-    if chosen:
+    if named_by_user:
         return
     if then and then != origin.described(target):
         choice = f"--out {relative(target, Path.cwd())} replaces it, another --out keeps both"

@@ -117,9 +117,9 @@ class Block:
             if name not in misspelt:  # else said already, with the word that stands for it
                 rule = f"is required and missing: give {known[name].rule.expected}"
                 problems.append(SceneError(f"{at}{name}", rule))
-        given = {name: table[name] for name in known if name in table} | {name: Unread() for name in absent}
+        values = {name: table[name] for name in known if name in table} | {name: Unread() for name in absent}
         try:
-            block = cls(**given)
+            block = cls(**values)
         except SceneError as error:
             problems.append(error.moved(cls.block, path))
         if problems:
@@ -152,12 +152,12 @@ def block_schema(kind: type[Block]) -> dict:
 
 def _meant(word: str, kind: type[Block]) -> tuple[str | None, str]:
     """Return the key of a block that was probably meant by an unknown one, and the hint to be given."""
-    found = meant(word, keys_of(kind))
+    key = meant(word, keys_of(kind))
     homes = [each.block for each in Block.__subclasses__() if word in keys_of(each) and each.block]
-    if found is None and homes:
+    if key is None and homes:
         return None, f"; {word} belongs in [{'] or ['.join(homes)}]"
-    found = found or suggestion(word, keys_of(kind))
-    return found, nearest(word, keys_of(kind)) if found is None else f"; did you mean {found}?"
+    key = key or suggestion(word, keys_of(kind))
+    return key, nearest(word, keys_of(kind)) if key is None else f"; did you mean {key}?"
 
 
 class Within(Rule):

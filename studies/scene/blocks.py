@@ -286,11 +286,11 @@ class Element(Block):
     ] = None
 
     def check_one(self) -> Any:
-        given = [name for name in keys_of(Element) if name != "Q" and getattr(self, name) is not None]
-        if len(given) != 1:
+        names = [name for name in keys_of(Element) if name != "Q" and getattr(self, name) is not None]
+        if len(names) != 1:
             known = ", ".join(name for name in keys_of(Element) if name != "Q")
-            yield "", f"must be a table of one element, one of {known}, got {', '.join(given) or 'none'}"
-        elif given[0].endswith("R") and self.Q is not None:
+            yield "", f"must be a table of one element, one of {known}, got {', '.join(names) or 'none'}"
+        elif names[0].endswith("R") and self.Q is not None:
             yield "Q", "must be absent with a resistance"
 
     @property
@@ -415,8 +415,8 @@ class Drive(Block):
 
     def check_sources(self) -> Any:
         if self.sources is not None and not any(amplitude for _, amplitude in self.sources):
-            given = shown(dict(self.sources))
-            yield "sources", f"must have at least one amplitude that is not 0, got {given}"
+            sources = shown(dict(self.sources))
+            yield "sources", f"must have at least one amplitude that is not 0, got {sources}"
 
     def __post_init__(self) -> None:
         super().__post_init__()

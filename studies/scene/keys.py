@@ -44,8 +44,8 @@ def unit_of(rule: Rule) -> str | None:
 
 def tolerances(scene: Scene) -> tuple[Tolerance, ...]:
     """Return the numbers of a resolved scene that are uncertain; refuse what is none, and ends that break a rule."""
-    found, table = [], scene.to_table()
-    for key, given in scene.uncertain or ():
+    numbers, table = [], scene.to_table()
+    for key, text in scene.uncertain or ():
         path = f"uncertain.{key}"
         if key in OPTIONS:
             continue
@@ -56,15 +56,15 @@ def tolerances(scene: Scene) -> tuple[Tolerance, ...]:
         if key in LEVELS:
             if getattr(scene, key.split(".")[0]) is None:
                 raise SceneError(path, "must be the key of a level that this scene has")
-            if not isinstance(given, str) or not given.rstrip().endswith("%"):
-                raise SceneError(path, f"must be a percentage, common to all levels, got {shown(given)}")
-            found.append(Tolerance(key, 1.0, half_width(path, given, 1.0, "")))
+            if not isinstance(text, str) or not text.rstrip().endswith("%"):
+                raise SceneError(path, f"must be a percentage, common to all levels, got {shown(text)}")
+            numbers.append(Tolerance(key, 1.0, half_width(path, text, 1.0, "")))
             continue
         value = value_at(table, key)
         if isinstance(rule.number, Count) or unit_of(rule) is None or not isinstance(value, (int, float)):
             raise SceneError(path, f"must be the key of a number that this scene has, got {shown(value)}")
-        size = half_width(path, given, value, unit_of(rule))
+        size = half_width(path, text, value, unit_of(rule))
         for end in (value - size, value + size):
             rule.read(f"{path}, an end of whose interval, {end:g},", end)
-        found.append(Tolerance(key, float(value), size))
-    return tuple(found)
+        numbers.append(Tolerance(key, float(value), size))
+    return tuple(numbers)

@@ -33,19 +33,19 @@ def key_lines(text: str) -> dict[str, int]:
         statement += f"{line}\n"
         for closing in CLOSINGS:
             try:
-                found = tomllib.loads(statement + closing)
+                table = tomllib.loads(statement + closing)
             except tomllib.TOMLDecodeError:
                 continue
             if line.lstrip().startswith("[") and statement == f"{line}\n":
                 block = ""
-                for key, counted in _header(found):
+                for key, counted in _header(table):
                     block += f".{key}" if block else key
                     lines.setdefault(block, number)
                     entries[block] += counted
                     block += f".{entries[block] - 1}" if entries[block] else ""
                 lines.setdefault(block, number)
             else:
-                for path, _ in walk(found, block):
+                for path, _ in walk(table, block):
                     lines.setdefault(path, number)
             statement = statement if closing else ""
             break

@@ -106,10 +106,10 @@ def parts_of(option: str, text: str, wanted: str) -> tuple[str, str]:
 
 def axes_given(settings: list[str]) -> dict[str, str]:
     """Return the axes of ``--over KEY=VALUES``, values by key."""
-    found = {}
+    axes = {}
     for setting in settings:
         key, text = parts_of("--over", setting, "KEY=START:STOP:N or KEY=LIST")
-        if key in found:
+        if key in axes:
             raise SceneError(f"--over {key}", "is given twice")
-        found[key] = text
-    return found
+        axes[key] = text
+    return axes

@@ -39,7 +39,7 @@ class Scene(Block):
         Uncertain(),
         "Tolerances (95 %) of the scene's numbers, from which follow bands of the velocity: linear (half the"
         " difference between the ends of each, added in quadrature) or sampled (percentiles of a Latin "
-        "hypercube).",
+        "hypercube). Without a method: linear, sampled where the answer bends and no stator is solved for it.",
     ] = None
 
     @classmethod

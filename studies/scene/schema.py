@@ -34,12 +34,12 @@ def schema() -> dict:
     ]
     computed = {"required": ["stator", "drive"], "properties": {"wave": False}}
     absent = dict.fromkeys(("stator", "transducer", "drive"), False)
-    given = {"required": ["wave", "slider"], "properties": absent}
+    with_wave = {"required": ["wave", "slider"], "properties": absent}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "A scene of sawmotor",
         **whole,
-        "anyOf": [computed, given],
+        "anyOf": [computed, with_wave],
     }
 
 

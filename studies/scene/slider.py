@@ -85,9 +85,9 @@ class Friction(Block):
 
     def check_pairs(self) -> Any:
         for one, other in (("sliding", "speed"), ("high_pressure", "pressure")):
-            for given, missing in ((one, other), (other, one)):
-                if getattr(self, given) is not None and getattr(self, missing) is None:
-                    yield missing, f"is required and missing: {given} is given"
+            for present, missing in ((one, other), (other, one)):
+                if getattr(self, present) is not None and getattr(self, missing) is None:
+                    yield missing, f"is required and missing: {present} is given"
         if (
             self.sliding is None
             and self.high_pressure is None
@@ -289,13 +289,13 @@ class Slider(Block):
             yield "law", 'must be "elastic" with shape = "punch", which slips as a whole'
 
     def check_friction(self) -> Any:
-        given = [
+        special = [
             *(["a table of friction_coefficient"] if isinstance(self.friction_coefficient, Friction) else []),
             *(["a law of one's own"] if isinstance(self.law, LawText) else []),
         ]
-        if len(given) == 2:
+        if len(special) == 2:
             yield "friction_coefficient", "must be a number with a law of one's own"
-        if given and (self.law == "hysteretic" or self.reciprocal or self.stick_band > 0):
+        if special and (self.law == "hysteretic" or self.reciprocal or self.stick_band > 0):
             keys = {
                 "law": self.law == "hysteretic",
                 "reciprocal": self.reciprocal,
@@ -303,7 +303,7 @@ class Slider(Block):
             }
             key = next(name for name, wrong in keys.items() if wrong)
             allowed = {"law": '"elastic"', "reciprocal": "false", "stick_band": "0"}[key]
-            yield key, f"must be {allowed} with {given[0]}"
+            yield key, f"must be {allowed} with {special[0]}"
 
     def check_heights(self) -> Any:
         if self.heights is None:

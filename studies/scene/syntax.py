@@ -61,14 +61,14 @@ def _value_advice(key: str, value: str) -> str | None:
         (r"(?<![\d.])\.\d+(?:[eE][+-]?\d+)?", "a number needs a digit before its point: write 0{}"),
         (r"\d+\.(?![\d])", "a number needs a digit after its point: write {}0"),
     ):
-        found = re.search(pattern, re.sub(r'"[^"]*"|\'[^\']*\'', "", value))
-        if found:
-            return advice.format(found[0])
+        match = re.search(pattern, re.sub(r'"[^"]*"|\'[^\']*\'', "", value))
+        if match:
+            return advice.format(match[0])
     if re.fullmatch(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?", value):
         return f"a decimal point, not a comma: write {value.replace(',', '.')}"
-    found = re.fullmatch(rf"({NUMBER})\s*([^\W\d][^\s,\"']*(?:\s+[^\W\d][^\s,\"']*)*)", value)
-    if found:
-        return f'a number with a unit stands between quotes: write {key} = "{found[1]} {found[2]}"'
+    match = re.fullmatch(rf"({NUMBER})\s*([^\W\d][^\s,\"']*(?:\s+[^\W\d][^\s,\"']*)*)", value)
+    if match:
+        return f'a number with a unit stands between quotes: write {key} = "{match[1]} {match[2]}"'
     if value.count('"') % 2 or (value.count("'") % 2 and '"' not in value):
         return "a text between quotes is not closed in its line"
     if value.count("[") > value.count("]"):

@@ -72,16 +72,16 @@ class Uncertain(Rule):
         return {"type": "object", "properties": options, "additionalProperties": tolerances}
 
 
-def half_width(path: str, given: float | str, value: float, unit: str) -> float:
+def half_width(path: str, stated: float | str, value: float, unit: str) -> float:
     """Return a tolerance in the unit of its value: a number, ``"+- 0.2 mN"`` or ``"+- 5 %"`` of the value."""
-    found = ALONE.fullmatch(given) if isinstance(given, str) else None
-    text = given if found is None else found[1]
+    match = ALONE.fullmatch(stated) if isinstance(stated, str) else None
+    text = stated if match is None else match[1]
     if isinstance(text, str) and text.endswith("%"):
         size = si_value(path, _number(text[:-1].strip()), "") / 100 * abs(value)
     else:
         size = si_value(path, text if unit else _number(text), unit)
     if size <= 0:
-        raise SceneError(path, f"must be positive, got {shown(given)} of {value:g} {unit}".rstrip())
+        raise SceneError(path, f"must be positive, got {shown(stated)} of {value:g} {unit}".rstrip())
     return size
 
 
@@ -106,7 +106,7 @@ def parted(table: dict) -> dict:
     >>> parted({"slider": {"preload": "5 +- 0.2 mN"}})
     {'slider': {'preload': '5 mN'}, 'uncertain': {'slider': {'preload': '+- 0.2 mN'}}}
     """
-    found = {}
+    tolerances = {}
     for key, value in walk({key: each for key, each in table.items() if key not in ("title", "uncertain")}):
         match = STATED.fullmatch(value) if isinstance(value, str) else None
         if match is None:
@@ -117,11 +117,13 @@ def parted(table: dict) -> dict:
             number = f"{number} {units[1]}"
         elif units[1] is None and units[0] is not None:
             size = f"{size} {units[0]}"
-        table, found[key] = replaced(table, key, _number(number)), f"+- {size}"
-    for key, _ in walk(table.get("uncertain")) if found else ():
-        if key in found:
+        table, tolerances[key] = replaced(table, key, _number(number)), f"+- {size}"
+    for key, _ in walk(table.get("uncertain")) if tolerances else ():
+        if key in tolerances:
             raise SceneError(f"uncertain.{key}", "is given twice: here and with the value itself")
-    return reduce(lambda table, pair: replaced(table, f"uncertain.{pair[0]}", pair[1]), found.items(), table)
+    return reduce(
+        lambda table, pair: replaced(table, f"uncertain.{pair[0]}", pair[1]), tolerances.items(), table
+    )
 
 
 def _number(text):

@@ -30,11 +30,11 @@ def run(scene: Scene, *, count: int | None = None, tolerance: float = 1e-2, prog
     tolerance : float
         Relative, of the admittances.
     """
-    chosen = passband.driven_scene(scene)
-    at = passband.frequencies(chosen, count, 81)
-    ports = port_admittances(chosen, at, tolerance, progress)
-    admittance = driving_point(ports, resolve.transducers(chosen), resolve.drive(chosen))
-    theory = passband.expected(chosen)
+    resolved = passband.driven_scene(scene)
+    at = passband.frequencies(resolved, count, 81)
+    ports = port_admittances(resolved, at, tolerance, progress)
+    admittance = driving_point(ports, resolve.transducers(resolved), resolve.drive(resolved))
+    theory = passband.expected(resolved)
     susceptance, conductance = 2 * np.pi * at * theory.capacitance, theory.conductance(at)
     findings = (
         judged("A transducer takes power and gives none.", "smallest conductance (S)", admittance.real.min(), low=0),
@@ -53,7 +53,7 @@ def run(scene: Scene, *, count: int | None = None, tolerance: float = 1e-2, prog
         "estimated_conductance_S": conductance, "capacitive_susceptance_S": susceptance,
         "relative_error": ports.relative_error,
     }  # fmt: skip
-    panel = Panel(name="admittance", title=f"{chosen.title}: {chosen.drive.transducer!r}", data=data)
+    panel = Panel(name="admittance", title=f"{resolved.title}: {resolved.drive.transducer!r}", data=data)
     model = fem.motional_model(at, admittance, 1)
     series, inductance, _ = model.branches[0]
     best = int(np.argmax(admittance.real))
@@ -75,4 +75,4 @@ def figure(record: Panel, ax):
         ("susceptance_S", ".-", "intermittent", "Im Y"),
         ("capacitive_susceptance_S", "--", "intermittent", "static capacitance (estimate)"),
     )
-    return lines(ax, record, "frequency_Hz", rows, "admittance (mS)", factor=1e3, columns=2)
+    return lines(ax, record, "frequency_Hz", rows, "admittance_S", columns=2)

@@ -18,6 +18,7 @@ import fem
 from studies.chain import passband, resolve
 from studies.chain.surface_motion import solved_motion
 from studies.record.plots import curve, draw_scan, finished
+from studies.record.quantities import quantity
 from studies.refusal import RunError
 from studies.scene import Scene
 from studies.stator.scan_panel import said, scan_file, scan_panel
@@ -44,15 +45,15 @@ def run(
     tolerance : float
         Relative, of the section's surface motion.
     """
-    chosen = whole = passband.driven_scene(scene)
+    row_scene = whole = passband.driven_scene(scene)
     scan = None if measured is None else scan_file(whole, measured, "place")
-    chosen, place = resolve.first_row(chosen, passband.place(chosen))
-    transducers, driven = resolve.transducers(chosen), resolve.driven(chosen)
-    section = replace(chosen, stator=replace(chosen.stator, diffraction=False))
+    row_scene, place = resolve.first_row(row_scene, passband.place(row_scene))
+    transducers, driven = resolve.transducers(row_scene), resolve.driven(row_scene)
+    section = replace(row_scene, stator=replace(row_scene.stator, diffraction=False))
     try:
         wave = solved_motion(section, [(place, 0.0)], tolerance=tolerance, progress=progress).wave
-        beam = fem.surface_beam(wave, mirror_width=chosen.stator.mirror_width)
-        x = _axis(chosen, transducers, driven, place, wave.phase_velocity / wave.frequency, count)
+        beam = fem.surface_beam(wave, mirror_width=row_scene.stator.mirror_width)
+        x = _axis(row_scene, transducers, driven, place, wave.phase_velocity / wave.frequency, count)
         y = np.linspace(-0.75, 0.75, count) * driven.aperture
         axis, across = beam.motion(x), beam.motion(place, y)
     except (fem.BeamError, fem.ConvergenceError) as error:
@@ -62,10 +63,10 @@ def run(
     known = np.polynomial.Polynomial.fit(x, np.log(abs(wave.rayleigh_motion(x)[1])), 1)
     slowness, distance = _slowness(beam, wave), abs(place - driven.center)
 
-    def panel(name, title, label, at, found, line_at, line, lateral) -> Panel:
+    def panel(name, title, label, at, motion, line_at, line, lateral) -> Panel:
         surface, away = np.exp(known(line)), line - driven.center
         return Panel(name=name, title=title, data={
-            "axis": label, "at": at * 1e3, "beam_m_per_V": abs(found[2]), "line_at": line_at * 1e3,
+            "axis": label, "at": at * 1e3, "beam_m_per_V": abs(motion[2]), "line_at": line_at * 1e3,
             "section_m_per_V": abs(wave.motion(line)[1]),
             "spectrum_m_per_V": surface * slowness.spectrum(driven.aperture, away, lateral),
         })  # fmt: skip
@@ -73,8 +74,8 @@ def run(
     panels = [
         panel("along", f"On the axis of {driven.name!r}", "from the transducer's centre (mm)", x - driven.center, axis,
               fine_x - driven.center, fine_x, np.zeros(FINE)),
-        panel("across", f"Across the beam, {distance * 1e3:.3g} mm from the transducer's centre", "y (mm)", y, across,
-              fine_y, np.full(FINE, place), fine_y),
+        panel("across", f"Across the beam, {distance * 1e3:.3g} mm from the transducer's centre", quantity("y_m").axis,
+              y, across, fine_y, np.full(FINE, place), fine_y),
     ]  # fmt: skip
     section, mean = abs(wave.motion(place)[1]), np.mean(across[2, abs(y) <= driven.aperture / 2])
     expected = float(slowness.spectrum(driven.aperture, np.array([distance]), np.zeros(1))[0])
@@ -124,4 +125,4 @@ def figure(record: Panel, ax):
     ):
         curve(ax, data["line_at"], data[f"{name}_m_per_V"] * 1e9, style, colour, label)
     curve(ax, data["at"], data["beam_m_per_V"] * 1e9, "o", "slip", "finite aperture", size=2.0)
-    return finished(ax, data["axis"], "|u_z| (nm per V)", record.title, columns=2)
+    return finished(ax, data["axis"], quantity("normal_m_per_V").axis, record.title, columns=2)

@@ -33,27 +33,27 @@ def run(scene: Scene, *, count: int = 61, tolerance: float = 1e-2, progress=None
     tolerance : float
         Of the stop bands' edges, relative to their width.
     """
-    chosen = passband.driven_scene(scene)
-    driven = chosen.driven_transducer
-    solid, above, m = resolve.solid(chosen.stator), chosen.stator.above, driven.metallisation
+    resolved = passband.driven_scene(scene)
+    driven = resolved.driven_transducer
+    solid, above, m = resolve.solid(resolved.stator), resolved.stator.above, driven.metallisation
     period = driven.wavelength / (2 if driven.split else 1)  # of two fingers and two gaps
     progress(f"gratings of {solid.name}")
     try:
-        found = fem.cell_parameters(solid, period=period, metallisation=m, above=above, tolerance=tolerance)
+        cell = fem.cell_parameters(solid, period=period, metallisation=m, above=above, tolerance=tolerance)
     except fem.ConvergenceError as error:
         raise RunError(str(error)) from None
     progress("Bloch waves")
     cells = fem.grating(
         solid, period=period, metallisation=m, above=above, resolution=fem.LEVELS[int(tolerance < 0.1)]
     )
-    bands, edges = {"shorted": found.shorted, "open": found.open}, (found.shorted.lower, found.open.upper)
+    bands, edges = {"shorted": cell.shorted, "open": cell.open}, (cell.shorted.lower, cell.open.upper)
     width = edges[1] - edges[0]
     at = np.linspace(edges[0] - REACH * width, edges[1] + REACH * width, count)
     data = {"frequency_Hz": at}
     for name in bands:
         factors = np.array([cells.surface_factor(float(f), open_fingers=name == "open") for f in at])
         data |= {f"{name}_phase_rad": abs(np.angle(factors)), f"{name}_decay": -np.log(abs(factors))}
-    change, cosine = 1 - found.metallised_velocity / found.free_velocity, np.cos(np.pi * m)
+    change, cosine = 1 - cell.metallised_velocity / cell.free_velocity, np.cos(np.pi * m)
     strips = {
         name: np.pi / 2 * change * abs(eval_legendre(0.5, c) / eval_legendre(-0.5, c) - c)
         for name, c in (("shorted", -cosine), ("open", cosine))
@@ -61,30 +61,30 @@ def run(scene: Scene, *, count: int = 61, tolerance: float = 1e-2, progress=None
     mapped = fem.surface_permittivity(solid, "open" if above == "none" else "vacuum")
     mapped *= ellipk(np.sin(np.pi * m / 2) ** 2) / ellipk(np.cos(np.pi * m / 2) ** 2)
     data |= {
-        "free_velocity_m_per_s": found.free_velocity, "metallised_velocity_m_per_s": found.metallised_velocity,
-        "coupling_K2": found.coupling, "grating_coupling_K2": found.grating_coupling,
-        "capacitance_F_per_m": found.capacitance, "relative_error": found.relative_error,
+        "free_velocity_m_per_s": cell.free_velocity, "metallised_velocity_m_per_s": cell.metallised_velocity,
+        "coupling_K2": cell.coupling, "grating_coupling_K2": cell.grating_coupling,
+        "capacitance_F_per_m": cell.capacitance, "relative_error": cell.relative_error,
     }  # fmt: skip
     for name, band in bands.items():
         data |= {f"{name}_lower_Hz": band.lower, f"{name}_upper_Hz": band.upper,
                  f"{name}_velocity_m_per_s": band.velocity, f"{name}_reflectivity": band.reflectivity}  # fmt: skip
-    speeds = found.metallised_velocity, found.shorted.velocity, found.open.velocity, found.free_velocity
+    speeds = cell.metallised_velocity, cell.shorted.velocity, cell.open.velocity, cell.free_velocity
     findings = (
         judged("Fingers slow the wave, connected ones more: v_metallised < v_shorted < v_open < v_free.",
                "share of the metallised slowing that connected fingers reach",
                (speeds[3] - speeds[1]) / change / speeds[3], holds=speeds[0] < speeds[1] < speeds[2] < speeds[3],
                expected="between 0 and 1, and above that of separate fingers",
-               remark=f"v = {', '.join(f'{each:.6g}' for each in speeds)} m/s; K2 = {100 * found.coupling:.4g} %"),
+               remark=f"v = {', '.join(f'{each:.6g}' for each in speeds)} m/s; K2 = {100 * cell.coupling:.4g} %"),
         judged("A standing wave that leaves the fingers without charge does not see their connection.",
                "distance of the common edge in both gratings, over the bands' width",
-               abs(found.shorted.upper - found.open.lower) / width, high=1e-6,
+               abs(cell.shorted.upper - cell.open.lower) / width, high=1e-6,
                expected="below 1e-6 where x -> -x is a symmetry"),
         *(judged(f"A finger of the {name} grating reflects as a strip of charge.",
                  f"|r| of a finger, against {strips[name]:.4g}", band.reflectivity,
                  low=0.8 * strips[name], high=1.2 * strips[name], expected="within 20 %")
           for name, band in bands.items()),
         judged("The capacitance is that of conformal mapping.",
-               f"pF per finger pair and mm, against {mapped * 1e9:.4g}", found.capacitance * 1e9,
+               f"pF per finger pair and mm, against {mapped * 1e9:.4g}", cell.capacitance * 1e9,
                low=0.99e9 * mapped, high=1.01e9 * mapped, expected="within 1 %"),
     )  # fmt: skip
     title = f"{solid.name}, {solid.frame}: period {period * 1e3:.4g} mm, metallisation {m:g}"
@@ -102,8 +102,8 @@ def figure(record: Panel, ax):
         shaded(ax, *edges, f"{name}: stop band", colour=colour)
         height, label = data[f"{name}_reflectivity"], f"{name}: |r| of a finger"
         decay.axhline(height, color=COLOURS[colour], linestyle=":", linewidth=1, label=label)
-    decay.set_ylabel("decay per finger (neper)")
+    decay.set_ylabel(quantity("finger_decay").axis)
     decay.set_ylim(0, 1.6 * max(data["shorted_reflectivity"], data["open_reflectivity"]))
-    finished(ax, quantity("frequency_Hz").axis, "phase per finger, below pi (rad)", record.title)
+    finished(ax, quantity("frequency_Hz").axis, quantity("finger_phase_rad").axis, record.title)
     legend_below(ax, [each for side in (ax, decay) for each in side.get_legend_handles_labels()[0]])
     return ax

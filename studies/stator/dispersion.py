@@ -67,7 +67,7 @@ def figure(record: Panel, ax):
     theory = data["line_Hz"] / 1e6, data["line_rad_per_m"] / 1e3
     curve(ax, *theory, "-", "line", "Rayleigh wave of the half-space (theory)")
     ax.set_ylim(bottom=0)
-    return finished(ax, quantity("frequency_Hz").axis, "wavenumber (rad/mm)", record.title)
+    return finished(ax, quantity("frequency_Hz").axis, quantity("wavenumber_rad_per_m").axis, record.title)
 
 
 def _propagating(stator, frequencies):

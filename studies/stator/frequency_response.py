@@ -43,40 +43,44 @@ def run(
     tolerance : float
         Relative, of the surface motion.
     """
-    chosen = passband.driven_scene(scene)
-    scan = None if measured is None else scan_file(chosen, measured, "frequency")
-    place, at = passband.place(chosen)[0], passband.frequencies(chosen, count, 161)
-    driven = chosen.driven_transducer
-    prepared = response(chosen, at[0], at[-1], places=(place,), tolerance=tolerance, progress=progress)
+    resolved = passband.driven_scene(scene)
+    scan = None if measured is None else scan_file(resolved, measured, "frequency")
+    place, at = passband.place(resolved)[0], passband.frequencies(resolved, count, 161)
+    driven = resolved.driven_transducer
+    prepared = response(resolved, at[0], at[-1], places=(place,), tolerance=tolerance, progress=progress)
     progress(f"stator: {len(at)} frequencies")
-    waves = prepared.waves(at, resolve.drive(chosen))
+    waves = prepared.waves(at, resolve.drive(resolved))
     normal = np.array([each.motion(place)[1] for each in waves])
     covered = any(each.covered(place) for each in waves)
     surface = normal if covered else np.array([each.rayleigh_motion(place)[1] for each in waves])
     way = abs(place - driven.place[0])
-    free = fem.free_wave(resolve.stator(chosen.stator), frequency=float(np.median(at)), tolerance=1e-4)
-    theory, late = passband.expected(chosen).normal(at) * np.exp(-free.attenuation * way), way / free.velocity
+    free = fem.free_wave(resolve.stator(resolved.stator), frequency=float(np.median(at)), tolerance=1e-4)
+    theory, late = (
+        passband.expected(resolved).normal(at) * np.exp(-free.attenuation * way),
+        way / free.velocity,
+    )
     delay = passband.group_delay(at, surface, late)
     band = np.array(_half_power(at, abs(surface)))
     inside = (at >= band[0]) & (at <= band[1])
-    given = {}
-    if passband.waves_return(chosen):
-        given = {
+    judgement = {}
+    if passband.waves_return(resolved):
+        judgement = {
             "holds": None,
             "remark": "other transducers or the ends send waves back, and the estimate has none",
         }
     findings = (
         judged("The amplitude is that of charges which send one Rayleigh wave.",
                "largest surface-mode amplitude over the estimate's", abs(surface).max() / theory.max(), low=0.5, high=2,
-               expected="between 0.5 and 2: the estimate knows no reflections and no bulk waves", **given),
+               expected="between 0.5 and 2: the estimate knows no reflections and no bulk waves", **judgement),
         judged("N finger pairs pass a band of 0.886 f/N.", "width of half power, in f/N",
-               np.ptp(band) / np.mean(band) * driven.finger_pairs, low=0.6, high=1.1, **given),
+               np.ptp(band) / np.mean(band) * driven.finger_pairs, low=0.6, high=1.1, **judgement),
         judged("The wave comes from the fingers' middle at the Rayleigh wave's velocity.",
                f"median group delay in that band over {late * 1e6:.4g} us",
-               np.median(delay[inside]) * free.velocity / way, low=0.9, high=1.1, expected="1, within 10 %", **given),
+               np.median(delay[inside]) * free.velocity / way, low=0.9, high=1.1, expected="1, within 10 %",
+               **judgement),
     )  # fmt: skip
-    aperture, spreading = _aperture(chosen, place, tolerance, progress)
-    title = f"{chosen.title}: x = {place * 1e3:g} mm, plane section"
+    aperture, spreading = _aperture(resolved, place, tolerance, progress)
+    title = f"{resolved.title}: x = {place * 1e3:g} mm, plane section"
     error = max(each.relative_error for each in waves)
     panels = [
         Panel(name="amplitude", title=title, data={
@@ -88,7 +92,7 @@ def run(
         }),
     ]  # fmt: skip
     if scan is not None:
-        panels.append(scan_panel(chosen, scan, tolerance=tolerance, progress=progress))
+        panels.append(scan_panel(resolved, scan, tolerance=tolerance, progress=progress))
     return panels, findings + spreading, said(panels)
 
 
@@ -99,14 +103,14 @@ def _aperture(scene: Scene, place: float, tolerance: float, progress) -> tuple[d
     progress("stator: the beam at the drive's frequency")
     at = (place, 0.0) if scene.slider is None else scene.slider.center
     motion = solved_motion(scene, [at], tolerance=tolerance, slider=True)
-    found = abs(motion.at([at])[2, 0])
+    amplitude = abs(motion.at([at])[2, 0])
     finding = judged(
         "The finite aperture changes the amplitude at the slider.",
         f"|u_z| in three dimensions over that of the plane section at {scene.frequency / 1e6:.5g} MHz",
-        found / abs(motion.wave.motion(place)[1]), low=0.3, high=2,
+        amplitude / abs(motion.wave.motion(place)[1]), low=0.3, high=2,
         remark="all curves are of the plane section, where the wave does not spread",
     )  # fmt: skip
-    return {"drive_frequency_Hz": scene.frequency, "finite_aperture_m_per_V": found}, (finding,)
+    return {"drive_frequency_Hz": scene.frequency, "finite_aperture_m_per_V": amplitude}, (finding,)
 
 
 @of_record
@@ -118,7 +122,7 @@ def figure(record: Panel, ax):
     if "group_delay_s" in data:
         ax.axhline(data["way_s"] * 1e6, color="black", linewidth=1, label="way over velocity (theory)")
         late = (("group_delay_s", "o", "slip", "surface mode"),)
-        return lines(ax, record, "frequency_Hz", late, "group delay (us)", factor=1e6)
+        return lines(ax, record, "frequency_Hz", late, "group_delay_s")
     rows = (
         ("normal_m_per_V", "-", "stick", "all modes"),
         ("surface_mode_m_per_V", "o", "slip", "surface mode"),
@@ -132,9 +136,7 @@ def figure(record: Panel, ax):
         at, label = data["drive_frequency_Hz"] / 1e6, "finite aperture, at the drive's frequency"
         curve(ax, [at], [sizes[-1] * 1e9], "D", "intermittent", label, size=6.0)
     ax.set_ylim(0, 1.05e9 * max(sizes))
-    return lines(
-        ax, record, "frequency_Hz", rows, "normal amplitude per volt, peak (nm/V)", factor=1e9, columns=2
-    )
+    return lines(ax, record, "frequency_Hz", rows, "normal_m_per_V", columns=2)
 
 
 def _half_power(at, size) -> tuple[float, float]:

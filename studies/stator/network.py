@@ -58,42 +58,42 @@ def run(
     tolerance : float
         Relative, of the admittances.
     """
-    chosen = passband.driven_scene(scene)
+    resolved = passband.driven_scene(scene)
     reference = reference_impedance(z0)
-    at = band_frequencies(chosen, band, count)
+    at = band_frequencies(resolved, band, count)
     lab_file = None
     if measured is not None:  # what is wrong with the file is said before anything is solved
-        number = sum(each.has_two_combs for each in chosen.transducer)
-        lab_file = _measured(Path(measured), chosen, number, reference)
-    names, ports, scattering = scattering_matrix(chosen, at, reference, tolerance, progress)
+        number = sum(each.has_two_combs for each in resolved.transducer)
+        lab_file = _measured(Path(measured), resolved, number, reference)
+    names, ports, scattering = scattering_matrix(resolved, at, reference, tolerance, progress)
     shared = {"frequency_Hz": at, "ports": names, "reference_ohm": reference, "scattering": scattering}
     if lab_file is not None:
         shared |= {"measured_frequency_Hz": lab_file.frequency, "measured_scattering": lab_file.scattering,
                    "measured_file": lab_file.name}  # fmt: skip
     panels = [
-        Panel(name=name, title=f"{chosen.title}: {what}, {reference:g} ohm", data=shared)
+        Panel(name=name, title=f"{resolved.title}: {what}, {reference:g} ohm", data=shared)
         for name, what in (("smith", "reflection"), ("magnitude", "S-parameters"))
     ]
     if len(names) > 1:
-        first, second = (each.place[0] for each in chosen.transducer if each.name in names[:2])
-        velocity = fem.rayleigh(resolve.solid(chosen.stator), "open").velocity
+        first, second = (each.place[0] for each in resolved.transducer if each.name in names[:2])
+        velocity = fem.rayleigh(resolve.solid(resolved.stator), "open").velocity
         way = abs(second - first) / velocity
         delay = passband.group_delay(at, scattering[:, 1, 0], way)
         data, title = (
             {"frequency_Hz": at, "group_delay_s": delay},
-            f"{chosen.title}: {names[0]} to {names[1]}",
+            f"{resolved.title}: {names[0]} to {names[1]}",
         )
         if lab_file is not None:
             data |= _measured_delay(lab_file, way)
         panels.append(Panel(name="group_delay", title=title, data=data))
     models = {}
     for name in names:
-        seen = driving_point(ports, resolve.transducers(chosen), name)
+        seen = driving_point(ports, resolve.transducers(resolved), name)
         models[name] = [fem.motional_model(at, seen, branches) for branches in (1, BRANCHES)]
         panels.append(_circuit_panel(name, at, seen, models[name]))
     answer = []
     if lab_file is not None:
-        _, _, own = scattering_matrix(chosen, lab_file.frequency, reference, tolerance, progress)
+        _, _, own = scattering_matrix(resolved, lab_file.frequency, reference, tolerance, progress)
         answer = deviations(lab_file, own, names)
         answer += [("", panel.data["not_drawn"]) for panel in panels if "not_drawn" in panel.data]
     gain = float(np.linalg.svd(scattering, compute_uv=False).max())
@@ -150,7 +150,7 @@ def figure(record: Panel, ax):
             curve(ax, at, data["measured_group_delay_s"] * 1e6, "o", "stick", "measured", size=2.5)
         title = record.title + (f"\n{data['not_drawn']}" if "not_drawn" in data else "")
         record = Panel(name=record.name, title=title, data=data)
-        return lines(ax, record, "frequency_Hz", rows, "group delay (us)", factor=1e6)
+        return lines(ax, record, "frequency_Hz", rows, "group_delay_s")
     if "spice" in data:
         for key, part, style in (
             ("admittance_S", "field", "o"),
@@ -160,7 +160,7 @@ def figure(record: Panel, ax):
             at, values = data["frequency_Hz"] / 1e6, data[key] * 1e3
             curve(ax, at, values.real, style, "slip", f"Re, {part}", size=2.0)
             curve(ax, at, values.imag, style, "stick", f"Im, {part}", size=2.0)
-        return finished(ax, across, "admittance (mS)", record.title, columns=3)
+        return finished(ax, across, quantity("admittance_S").axis, record.title, columns=3)
     for prefix, style, at, remark in _sources(data):
         for i, j in zip(
             *np.tril_indices(len(data["ports"])), strict=True
@@ -177,8 +177,8 @@ def _smith(record: Panel, ax):
     for r in CIRCLES:
         z = (r + circle) / (1 + r)
         ax.plot(z.real, z.imag, color=COLOURS["line"], linewidth=1 if r == 0 else 0.4)
-        given = {"textcoords": "offset points", "fontsize": "x-small", "alpha": 0.7}
-        ax.annotate(f"{r:g}", ((r - 1) / (r + 1), 0), (2, 2), **given)
+        options = {"textcoords": "offset points", "fontsize": "x-small", "alpha": 0.7}
+        ax.annotate(f"{r:g}", ((r - 1) / (r + 1), 0), (2, 2), **options)
     reactance = np.concatenate([[0], np.geomspace(1e-3, 1e3, 400)])
     for x in (*CIRCLES, *np.negative(CIRCLES)):
         z = reactance + 1j * x
@@ -219,12 +219,12 @@ def _measured(file: Path, scene: Scene, ports: int, reference: float) -> Network
         raise SceneError("--measured", f"must be a Touchstone file, and {str(file)!r} is none")
     if file.suffix.lower() != f".s{ports}p":
         raise SceneError("--measured", f"must be a file of {ports} ports, .s{ports}p, got {file.name!r}")
-    found = read_network(file, "--measured")
-    if found.reference != reference:
-        own = found.reference
+    data = read_network(file, "--measured")
+    if data.reference != reference:
+        own = data.reference
         raise SceneError("--measured", f"has the reference {own:g} ohm: give --z0 {own:g}, not {reference:g}")
-    refuse_other_range(scene, found, "--measured")
-    return found
+    refuse_other_range(scene, data, "--measured")
+    return data
 
 
 def _measured_delay(seen: NetworkData, way: float) -> dict:

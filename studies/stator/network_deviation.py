@@ -43,15 +43,15 @@ def _input(data: NetworkData, port: int) -> dict[str, float]:
     at, y = data.frequency, 1.0 / impedance
     top, edge = int(np.argmax(y.real)), max(1, round(EDGE * len(at)))
     susceptance = y.imag / (2.0 * np.pi * at)
-    found = {"resonance": float(at[top]), "G": float(y.real[top]),
+    circuit = {"resonance": float(at[top]), "G": float(y.real[top]),
              "C0": float(np.mean(np.concatenate([susceptance[:edge], susceptance[-edge:]])))}  # fmt: skip
     if len(at) < 8 or top in (0, len(at) - 1):
-        return found
+        return circuit
     try:
         model = fem.motional_model(at, y, 1)
     except (fem.ConvergenceError, ValueError):
-        return found
+        return circuit
     resistance, inductance, capacitance = model.branches[0]
     quality = np.sqrt(inductance / capacitance) / resistance
     ratio = capacitance / model.capacitance
-    return found | {"C0": float(model.capacitance), "K2": float(ratio), "loss": float(1.0 / quality)}
+    return circuit | {"C0": float(model.capacitance), "K2": float(ratio), "loss": float(1.0 / quality)}

@@ -17,6 +17,7 @@ import fem
 from studies.chain import passband, resolve
 from studies.chain.spectrum import port_admittances
 from studies.record.plots import COLOURS, curve, lines
+from studies.record.quantities import quantity
 from studies.refusal import RunError
 from studies.scene import Scene
 from studies.study import Answered, Panel, judged, of_record, study
@@ -35,13 +36,13 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None
     tolerance : float
         Of the P-matrices and of the admittances.
     """
-    chosen = passband.driven_scene(scene)
-    stator = resolve.whole_stator(chosen)
-    row = tuple(sorted(resolve.section_row(chosen), key=lambda each: each.center))
+    resolved = passband.driven_scene(scene)
+    stator = resolve.whole_stator(resolved)
+    row = tuple(sorted(resolve.section_row(resolved), key=lambda each: each.center))
     if len({each.aperture for each in row}) > 1:
-        chosen.refuse("transducer", "must have equal apertures for this study: their waves are one beam")
+        resolved.refuse("transducer", "must have equal apertures for this study: their waves are one beam")
     ports = [k for k, each in enumerate(row) if {"+", "-"} <= set(each.signs)]
-    at, known, first, cascade = passband.frequencies(chosen, count), {}, [], []
+    at, known, first, cascade = passband.frequencies(resolved, count), {}, [], []
     pieces: list[fem.Reflector] = []
     for f in at:
         progress(f"P-matrices at {f / 1e6:.5g} MHz")
@@ -64,7 +65,7 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None
         admittance = fem.cascade_admittance([part for _, part in together], distances)
         cascade.append(admittance[np.ix_(electrical, electrical)])
         first.append(parts[ports[0]])
-    plane = replace(chosen, stator=replace(chosen.stator, diffraction=False, sides="absorbing"))
+    plane = replace(resolved, stator=replace(resolved.stator, diffraction=False, sides="absorbing"))
     last = len(ports) - 1
     whole = port_admittances(plane, at, tolerance, progress).matrix[:, last, 0]
     joined = np.array(cascade)[:, last, 0]
@@ -73,7 +74,7 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None
     admittance = np.array([part.admittance for part in first])
     uneven = max(float(abs(p.detection + 2 * p.excitation).max() / abs(p.excitation).max()) for p in first)
     name = "transfer admittance" if last else "admittance"
-    reflects = chosen.stator.ends != "absorbing" or any(stator.placement.ends if stator.pieces else ())
+    reflects = resolved.stator.ends != "absorbing" or any(stator.placement.ends if stator.pieces else ())
     findings = (
         judged("A transducer receives as it sends: P31 = -2 P13.", "largest difference, relative", uneven, high=1e-9),
         judged("The surface wave takes no more than the source gives.",
@@ -85,16 +86,16 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None
                remark="the ends reflect, and the cascade has none" if reflects else ""),
     )  # fmt: skip
     panels = (
-        Panel(name="p_matrix", title=f"{chosen.title}: transducer {row[ports[0]].name!r} alone", data={
+        Panel(name="p_matrix", title=f"{resolved.title}: transducer {row[ports[0]].name!r} alone", data={
             "frequency_Hz": at, "reflection_shorted": np.array([abs(part.scattering[0, 0]) for part in first]),
             "reflection_open": np.array([abs(part.loaded(np.inf)[0, 0]) for part in first]),
             "excitation_squared_S": sent, "admittance_S": admittance,
         }),
-        Panel(name="cascade", title=f"{chosen.title}: {name}", data={
+        Panel(name="cascade", title=f"{resolved.title}: {name}", data={
             "frequency_Hz": at, "cascade_S": joined, "stator_S": whole,
         }),
     )  # fmt: skip
-    return panels + _of_pieces(chosen.title, at, pieces), findings
+    return panels + _of_pieces(resolved.title, at, pieces), findings
 
 
 def _of_pieces(title: str, at: np.ndarray, pieces: list[fem.Reflector]) -> tuple[Panel, ...]:
@@ -122,10 +123,10 @@ def figure(record: Panel, ax):
     data, at = record.data, record.data["frequency_Hz"] / 1e6
     if "cascade_S" in data:
         rows = (("stator_S", "o", "slip", "stator"), ("cascade_S", "-", "line", "cascade of P-matrices"))
-        return lines(ax, record, "frequency_Hz", rows, "size of the admittance (mS)", factor=1e3)
+        return lines(ax, record, "frequency_Hz", rows, "admittance_S")
     if "transmission" in data:
         rows = (("reflection", "-", "line", "|P11|"), ("transmission", "--", "slip", "|P21|"))
-        return lines(ax, record, "frequency_Hz", rows, "amplitude of the surface wave (1)")
+        return lines(ax, record, "frequency_Hz", rows, "reflection")
     curve(ax, at, data["admittance_S"].real * 1e3, "o", "slip", "Re P33 (mS)")
     sent = data["excitation_squared_S"] * 1e3
     curve(ax, at, sent, "-", "slip", "|P13|\u00b2 + |P23|\u00b2 (mS): the surface wave's part")
@@ -139,6 +140,6 @@ def figure(record: Panel, ax):
             [], [], style, color=COLOURS["intermittent"], label=name
         )  # its line in the legend of both axes
     reflection.set_ylim(0, 1)
-    reflection.set_ylabel("reflection of the surface wave (1)", color=COLOURS["intermittent"])
+    reflection.set_ylabel(quantity("reflection").axis, color=COLOURS["intermittent"])
     ax.set_ylim(bottom=0)
-    return lines(ax, record, "frequency_Hz", (), "conductance (mS)", columns=2)
+    return lines(ax, record, "frequency_Hz", (), "conductance_S", columns=2)

@@ -29,29 +29,29 @@ def run(scene: Scene, *, count: int = 11, tolerance: float = 1e-3, progress=None
     tolerance : float
         Of the amplitudes, over 1.
     """
-    chosen = resolve.resolved(scene)
-    if not chosen.piece:
-        chosen.refuse("piece", "is missing: this study asks what a meshed piece sends back")
-    stator, middle = resolve.whole_stator(chosen), chosen.frequency
+    resolved = resolve.resolved(scene)
+    if not resolved.piece:
+        resolved.refuse("piece", "is missing: this study asks what a meshed piece sends back")
+    stator, middle = resolve.whole_stator(resolved), resolved.frequency
     at = middle * np.linspace(1 - REACH, 1 + REACH, count) if count > 1 else np.array([middle])
-    found = []
+    answers = []
     for f in at:
         progress(f"reflection at {f / 1e6:.5g} MHz")
         try:
-            found.append(fem.reflector(stator, frequency=float(f), tolerance=tolerance))
+            answers.append(fem.reflector(stator, frequency=float(f), tolerance=tolerance))
         except fem.ConvergenceError as error:
             raise RunError(f"at {f / 1e6:.6g} MHz {error}") from None
-    center = found[len(found) // 2]
-    panels, answer, matrices = [], [], [each.scattering for each in found if each.scattering is not None]
+    center = answers[len(answers) // 2]
+    panels, answer, matrices = [], [], [each.scattering for each in answers if each.scattering is not None]
     if matrices:
         m = len(matrices[0]) // 2
         data = {
             "frequency_Hz": at,
-            "reflection": np.array([each.reflection for each in found]),
-            "transmission": np.array([each.transmission for each in found]),
-            "scattered_share": np.array([each.scattered for each in found]),
+            "reflection": np.array([each.reflection for each in answers]),
+            "transmission": np.array([each.transmission for each in answers]),
+            "scattered_share": np.array([each.scattered for each in answers]),
         }
-        panels.append(Panel(name="row", title=f"{chosen.title}: all pieces together", data=data))
+        panels.append(Panel(name="row", title=f"{resolved.title}: all pieces together", data=data))
         where = f"at {center.frequency / 1e6:.5g} MHz"
         answer += [
             ("reflection", f"{abs(center.reflection):.4f} {where}"),
@@ -59,19 +59,19 @@ def run(scene: Scene, *, count: int = 11, tolerance: float = 1e-3, progress=None
             ("scattered or lost", f"{center.scattered:.3g} of the power"),
         ]
         for index, (name, _) in enumerate(center.pieces if len(stator.placement.between) > 1 else ()):
-            own = [each.pieces[index][1].scattering for each in found]
+            own = [each.pieces[index][1].scattering for each in answers]
             data = {
                 "frequency_Hz": at,
                 "reflection": np.array([each[0, 0] for each in own]),
                 "transmission": np.array([each[m, 0] for each in own]),
                 "scattered_share": np.array([1 - np.sum(abs(each[:, 0]) ** 2) for each in own]),
             }
-            panels.append(Panel(name=f"piece_{index}", title=f"{chosen.title}: {name} alone", data=data))
+            panels.append(Panel(name=f"piece_{index}", title=f"{resolved.title}: {name} alone", data=data))
             answer.append((f"{name} alone", f"reflection {abs(own[len(own) // 2][0, 0]):.4f}"))
     for index, (name, reflection) in enumerate(center.ends):
-        sent = np.array([each.ends[index][1] for each in found])
+        sent = np.array([each.ends[index][1] for each in answers])
         data = {"frequency_Hz": at, "reflection": sent}
-        panels.append(Panel(name=f"end_{index}", title=f"{chosen.title}: {name}", data=data))
+        panels.append(Panel(name=f"end_{index}", title=f"{resolved.title}: {name}", data=data))
         answer.append((name, f"reflection {abs(reflection):.4f}"))
     findings = []
     if matrices:
@@ -92,4 +92,4 @@ def figure(record: Panel, ax):
     rows = [("reflection", "o-", "slip", "reflection")]
     if "transmission" in record.data:
         rows.append(("transmission", "-", "line", "transmission"))
-    return lines(ax, record, "frequency_Hz", tuple(rows), "size of the amplitude (1)", factor=1.0)
+    return lines(ax, record, "frequency_Hz", tuple(rows), "reflection")

@@ -18,10 +18,10 @@ def scan_file(scene: Scene, path: str, over: str) -> Scan:
     SceneError
         If the file holds no such scan.
     """
-    found = read_measured(path).scan
-    if found is None:
+    measured = read_measured(path).scan
+    if measured is None:
         raise SceneError("--measured", f"must be a vibrometer's scan for this study, got {path!r}")
-    scan = placed(scene, found)
+    scan = placed(scene, measured)
     if (scan.kind == "frequency") != (over == "frequency"):
         rule = f"must be a scan over {over} for this study, got one over {scan.kind}"
         raise SceneError("--measured", rule)

@@ -150,7 +150,7 @@ def sweep(
     RunError
         If the store cannot be written, another driver is at work, or the sweep was interrupted.
     """
-    begun = perf_counter()
+    start_time = perf_counter()
     tolerance = Quantity(below=1.0).read("tolerance", tolerance)
     design = designed(_table(scene), over, tolerance=tolerance, also=tuple(also))
     _refuse_hopeless(design)
@@ -166,7 +166,7 @@ def sweep(
                 ) from None
         return Sweep(
             path=store.path, points=len(design), counts=store.counts(), cost=store.cost(),
-            seconds=perf_counter() - begun, columns=store.columns, axes=design.axes,
+            seconds=perf_counter() - start_time, columns=store.columns, axes=design.axes,
         )  # fmt: skip
 
 

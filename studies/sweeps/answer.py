@@ -3,14 +3,19 @@
 import sys
 from argparse import Namespace
 from collections import Counter
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
+from studies.chain.predictor import Predictor
 from studies.progress import Progress, duration
 from studies.record.quantities import quantity
 from studies.record.text import labelled, print_json
 from studies.record.text import table as aligned
-from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER
+from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, RunError, SceneError
+from studies.report.explanation import long_sweep
 from studies.sweeps import Sweep, sweep
+from studies.sweeps.plan import designed
 
 REASONS = 5  # shown; all are in the rows
 SHOWN = ("velocity_m_per_s", "normal_amplitude_m", "thrust_N", "contact_efficiency", "motor_efficiency")
@@ -21,10 +26,13 @@ def run_sweep(arguments: Namespace, table: dict, over: dict, tolerance: float, o
     notice = _moving_periods(table, over)
     if notice:
         print(f"sawmotor: {notice}", file=sys.stderr)
+    axes = over if arguments.points is None else [Path(arguments.points), over]
+    for sentence in _expected_time(table, axes, tolerance):
+        print(f"sawmotor: {sentence}", file=sys.stderr, flush=True)
     with Progress() as progress:
         result = sweep(
             table,
-            over if arguments.points is None else [Path(arguments.points), over],
+            axes,
             tolerance=tolerance,
             also=tuple(word.strip() for word in arguments.also.split(",") if word.strip()),
             out=out,
@@ -91,6 +99,17 @@ def sweep_answer(result: Sweep, whole: dict) -> str:
     ]
     points = labelled([("points", f"{result.points}: {kinds}")])
     return "\n".join([*points, *(aligned(ranges) if ranges else []), *labelled(notes)])
+
+
+def _expected_time(table: dict, over: Any, tolerance: float) -> tuple[str, ...]:
+    """Return a sentence on the expected time of a sweep that takes more than a minute."""
+    with suppress(SceneError, RunError):  # which the sweep says itself
+        design = designed(table, over, tolerance=tolerance)
+        (first,) = design.values([0])
+        question = design.question
+        scene = Predictor(table, tolerance=tolerance).scene(dict(zip(question.keys, first, strict=True)))
+        return long_sweep(scene, tolerance=tolerance, stators=design.stators, points=len(design))
+    return ()
 
 
 def _moving_periods(table: dict, over: dict) -> str:

@@ -20,7 +20,7 @@ def solved_points(
 
     ``threads``: of the compiled loop, None for all processors.
     """
-    begun, predictor = time.perf_counter(), _predictor(question)
+    start_time, predictor = time.perf_counter(), _predictor(question)
     before = predictor.seconds
     if threads is not None:
         from fem import set_workers
@@ -33,7 +33,7 @@ def solved_points(
         (point, *(_kept(answer.get(name)) for name in question.outcomes))
         for point, answer in zip(points, answers, strict=True)
     ]
-    return rows, time.perf_counter() - begun, predictor.seconds - before
+    return rows, time.perf_counter() - start_time, predictor.seconds - before
 
 
 @lru_cache(2)

@@ -53,10 +53,10 @@ class Driver:
                     rows.append((batch.points[0], *batch.values[0], *blank, reason))
                     continue
                 own = dict(zip(batch.points, batch.values, strict=True))
-                found, seconds, of_stators = answer
-                rows += [(point, *own[point], *outcomes) for point, *outcomes in found]
-                batches.append((len(found), seconds))
-                self._adapt(len(found), seconds - of_stators, of_stators)
+                answered, seconds, of_stators = answer
+                rows += [(point, *own[point], *outcomes) for point, *outcomes in answered]
+                batches.append((len(answered), seconds))
+                self._adapt(len(answered), seconds - of_stators, of_stators)
             self.store.keep(rows, batches)
             kept += len(rows)
             failed += sum(row[-1] != "ok" for row in rows)
@@ -95,8 +95,8 @@ class Driver:
                 batch = again.popleft() if again else next(batches, None)
                 if batch is None:
                     break
-                asked = question, batch.points, batch.values, workers.threads
-                running[workers.submit(solved_points, *asked)] = batch
+                work = question, batch.points, batch.values, workers.threads
+                running[workers.submit(solved_points, *work)] = batch
             if not running:
                 return
             answers, lost = [], []

@@ -92,6 +92,15 @@ class Design:
     def __len__(self):
         return math.prod(len(each) for each in self.axes)
 
+    @property
+    def stators(self) -> int:
+        """Number of stators to be solved, a band of frequencies as one for each geometry."""
+        question, count = self.question, 1
+        for each in self.axes:
+            banded = question.frequencies and each.keys == ("drive.frequency",)
+            count *= len(each) if set(each.keys) & set(question.stator_keys) and not banded else 1
+        return count
+
     def values(self, points) -> list[tuple]:
         """Return the values of the keys at points, given by an array of their numbers."""
         if not self.axes:
@@ -184,13 +193,13 @@ def _places(table: dict, columns: dict) -> tuple[tuple[float, float], ...]:
     if math.prod(map(len, moved.values())) > PLACES:
         return ()
     predictor = Predictor(table, tolerance=1.0)
-    found: dict[tuple[float, float], None] = {}
+    places: dict[tuple[float, float], None] = {}
     first = {key: column[0] for key, column in columns.items()}
     for row in product(*moved.values()):
         with suppress(SceneError):  # said at its point
             slider = predictor.scene(first | dict(zip(moved, row, strict=True))).slider
-            found |= dict.fromkeys(() if slider is None else (slider.center, *slider.places))
-    return tuple(found)
+            places |= dict.fromkeys(() if slider is None else (slider.center, *slider.places))
+    return tuple(places)
 
 
 def _files(part):

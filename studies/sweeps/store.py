@@ -72,13 +72,13 @@ class Store:
 
     def done(self, count: int):
         """Return which of the first `count` points have a row that stands, an array of bool."""
-        found = np.zeros(count, bool)
+        stands = np.zeros(count, bool)
         rows = self.connection.execute(
             "select point from points where status not like ? and point < ?", (f"{LOST}%", count)
         )
         while some := rows.fetchmany(100_000):
-            found[np.array(some)[:, 0]] = True
-        return found
+            stands[np.array(some)[:, 0]] = True
+        return stands
 
     def keep(self, rows: list[tuple], batches: list[tuple[int, float]]) -> None:
         """Write rows (point, values, outcomes) and what they cost (points, seconds); durable on return."""
@@ -101,19 +101,24 @@ class Store:
     def _begin(self, design: Design, identity: dict[str, str]) -> None:
         """Compare the sweep with the one that the file holds, or write it down."""
         versions = {f"version of {name}": version for name, version in provenance().items()}
-        asked: dict[str, Any] = {"identity": identity | versions}
+        identity_of_sweep: dict[str, Any] = {"identity": identity | versions}
         for (text,) in self.connection.execute("select value from sweep where name = 'identity'"):
             held = json.loads(text)
             names = [
-                name for name in held | asked["identity"] if held.get(name) != asked["identity"].get(name)
+                name
+                for name in held | identity_of_sweep["identity"]
+                if held.get(name) != identity_of_sweep["identity"].get(name)
             ]
             if names:
                 what = f"its {', '.join(names)} {'differs' if len(names) == 1 else 'differ'}"
                 rule = f"{str(self.folder)!r} holds another sweep: {what}; name another directory"
                 raise SceneError("--out", rule)
         question = design.question
-        asked |= {"scene": question.table, "keys": question.keys, "tolerance": question.tolerance}
-        asked |= {"points": len(design), "driver": f"process {os.getpid()} on {socket.gethostname()}"}
+        identity_of_sweep |= {"scene": question.table, "keys": question.keys, "tolerance": question.tolerance}
+        identity_of_sweep |= {
+            "points": len(design),
+            "driver": f"process {os.getpid()} on {socket.gethostname()}",
+        }
         with self._explained(), self.connection:
             columns = ", ".join(f'"{name}"' for name in self._names)
             self.connection.execute(
@@ -121,7 +126,7 @@ class Store:
             )
             self.connection.executemany(
                 "insert or replace into sweep values (?, ?)",
-                ((name, json.dumps(value)) for name, value in asked.items()),
+                ((name, json.dumps(value)) for name, value in identity_of_sweep.items()),
             )
 
     @contextmanager
@@ -158,10 +163,10 @@ def _lock(folder: Path) -> FileLock:
 def _owner(folder: Path) -> str:
     try:
         with sqlite3.connect(f"file:{folder / FILE}?mode=ro", uri=True, timeout=0) as reader:
-            found = reader.execute("select value from sweep where name = 'driver'").fetchone()
+            owner = reader.execute("select value from sweep where name = 'driver'").fetchone()
     except sqlite3.Error:
         return ""
-    return "" if found is None else f", {json.loads(found[0])},"
+    return "" if owner is None else f", {json.loads(owner[0])},"
 
 
 def _stored(value):

@@ -87,21 +87,23 @@ def view(
 
 def _field_writers(record: Record, wanted: Wanted, show: str, progress, note) -> dict[str, Callable]:
     """Return what writes each option's file of a run's field, and what opens its window."""
-    found = run_field(record, progress=progress)
-    span = limits(found, wanted.span)
-    most = -float(found.field.z[0]) / (float(abs(found.field.displacement).max()) or 1.0)
+    field = run_field(record, progress=progress)
+    span = limits(field, wanted.span)
+    most = -float(field.field.z[0]) / (float(abs(field.field.displacement).max()) or 1.0)
     if wanted.factor is not None and wanted.factor > most:
         rule = f"must be at most {most:.3g}, where the displacement is drawn as large as the stator is thick"
         raise SceneError("--scale", f"{rule}, got {wanted.factor:g}")
-    given: dict[str, Any] = {"quantity": wanted.quantity, "phase": wanted.phase, "factor": wanted.factor}
+    drawn_as: dict[str, Any] = {"quantity": wanted.quantity, "phase": wanted.phase, "factor": wanted.factor}
 
     def still(file) -> None:
-        stretches = views(found) if span is None else chosen_views(found, span)
+        stretches = views(field) if span is None else chosen_views(field, span)
         stretches = () if show == "solid" else stretches
-        Picture(found, stretches, size=wanted.size or STILL_SIZE, **given).save(file, whole=bool(wanted.size))
+        Picture(field, stretches, size=wanted.size or STILL_SIZE, **drawn_as).save(
+            file, whole=bool(wanted.size)
+        )
 
     def film(file) -> None:
-        drawn = Picture(found, chosen_views(found, span), size=wanted.size or MOVIE_SIZE, **given)
+        drawn = Picture(field, chosen_views(field, span), size=wanted.size or MOVIE_SIZE, **drawn_as)
         count = wanted.frames or FRAMES
         movie.save(
             lambda number: drawn.image(wanted.phase + 2 * np.pi * number / count), count, file, rate=RATE,
@@ -109,15 +111,15 @@ def _field_writers(record: Record, wanted: Wanted, show: str, progress, note) ->
         )  # fmt: skip
 
     def page(file) -> None:
-        Path(file).write_text(wave_page.page(found, span=span, **given), encoding="utf-8")
+        Path(file).write_text(wave_page.page(field, span=span, **drawn_as), encoding="utf-8")
 
     def data(file) -> None:
         told = {"instants": wanted.frames or INSTANTS, "progress": progress, "note": note}
-        field_data.save(found, file, span=span, surface=wanted.surface, **told)
+        field_data.save(field, file, span=span, surface=wanted.surface, **told)
 
     def window() -> None:
-        stretch = () if show == "solid" else chosen_views(found, span or near(found))[-1:]
-        open_window(Picture(found, stretch, size=WINDOW_SIZE, framed=False, **given))
+        stretch = () if show == "solid" else chosen_views(field, span or near(field))[-1:]
+        open_window(Picture(field, stretch, size=WINDOW_SIZE, framed=False, **drawn_as))
 
     return {"screenshot": still, "movie": film, "html": page, "data": data, "window": window}
 

@@ -60,13 +60,13 @@ LETTERS = "abcdefgh"  # of the snapshots
 
 def contact_writers(record: Record, wanted, progress: Callable[[str], None]) -> dict[str, Callable]:
     """Return what writes each option's file of a run's contact, and what opens its window."""
-    found, title = contact_moments(record, level=wanted.level, progress=progress)
+    history, title = contact_moments(record, level=wanted.level, progress=progress)
 
     def film(file) -> None:
-        film_contact(found, title, wanted.frames or FRAMES, file, rate=RATE)
+        film_contact(history, title, wanted.frames or FRAMES, file, rate=RATE)
 
     def still(file) -> None:
-        strip(found, title=title).savefig(file, dpi=DPI)
+        strip(history, title=title).savefig(file, dpi=DPI)
 
     def page(file) -> None:
         with tempfile.TemporaryDirectory() as folder:
@@ -81,8 +81,8 @@ def contact_writers(record: Record, wanted, progress: Callable[[str], None]) -> 
         "screenshot": still,
         "movie": film,
         "html": page,
-        "data": lambda file: write_columns(Path(file), found),
-        "window": lambda: _window(found, title),
+        "data": lambda file: write_columns(Path(file), history),
+        "window": lambda: _window(history, title),
     }
 
 
@@ -117,20 +117,20 @@ def contact_moments(record: Record, *, level: float | None, progress: Callable[[
     return moments(history), f"{scene.title}: {driven.named(level)}, {said}"
 
 
-def film_contact(found, title: str, count: int, file, *, rate: float, dpi: float = 100) -> None:
+def film_contact(history, title: str, count: int, file, *, rate: float, dpi: float = 100) -> None:
     """Write a movie of the contact's first cycle, which repeats."""
-    motion = SlowMotion(found, title=title)
+    motion = SlowMotion(history, title=title)
     motion.figure.set_dpi(dpi)
     movie.save(lambda number: motion.image(round(number * INSTANTS / count)), count, file, rate=rate)
 
 
-def _window(found, title: str) -> None:
+def _window(history, title: str) -> None:
     """Show the slow motion until its window is closed."""
     from matplotlib import pyplot
 
     refuse_without_toolkit("a window of the contact", "--screenshot, --movie and --html FILE need none")
     figure = pyplot.figure(figsize=(9.0, 4.6), layout="constrained")
-    motion = SlowMotion(found, title=title, figure=figure)
+    motion = SlowMotion(history, title=title, figure=figure)
     _animation = FuncAnimation(  # the name keeps it while the window is open
         figure, motion.show, frames=range(0, INSTANTS, INSTANTS // FRAMES), interval=1000 / RATE
     )
@@ -196,8 +196,8 @@ def strip(table: dict, *, title: str):
     figure, _ = new_figure(11.0, 6.6, rows=0)
     top, bottom = figure.subfigures(2, 1, height_ratios=(1.0, 2.0))
     shots, axes = top.subplots(1, len(LETTERS)), traces(bottom, table)
-    chosen = np.linspace(0, len(table["time_s"]), len(LETTERS), endpoint=False).astype(int)
-    for letter, ax, index in zip(LETTERS, shots, chosen, strict=True):
+    instants = np.linspace(0, len(table["time_s"]), len(LETTERS), endpoint=False).astype(int)
+    for letter, ax, index in zip(LETTERS, shots, instants, strict=True):
         _draw(ax, table, index)
         ax.set(xticks=[], yticks=[])
         ax.set_title(f"{letter}: {table['regime'][index]}", fontsize="small")

@@ -53,7 +53,7 @@ GIVEN = ("wave_normal", "wave_tangential")
 
 def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
     """Draw the pictures of a gallery into a directory, and tell what is being done."""
-    run, record = gallery.found, gallery.record
+    run, record = gallery.wave_field, gallery.record
     title = record.scene.title
     places = (np.arange(ORBITS) + 0.5) / ORBITS * run.length
     energies = run.with_energies
@@ -68,7 +68,7 @@ def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
         ("start_stop", start_and_stop(gallery.bursts, acceleration=gallery.acceleration, title=title)),
         ("power", bars(power_rows(record.electrical), "mW per V^2", "power (mW per V^2 of the source, peak)",
                        f"{title}\npower of the driven transducer")),
-        ("power_flow", power_along(run.field.x, passing, covered=run.spans, given=power, title=title)),
+        ("power_flow", power_along(run.field.x, passing, covered=run.spans, fed=power, title=title)),
         ("ledger", bars(ledger, "pJ", "energy in one cycle of the wave (pJ); blue: from the wave, orange: to where",
                         f"{title}: {gallery.voltage:g} V\nledger of one contact, {balance}")),
     ):  # fmt: skip
@@ -225,12 +225,12 @@ def bars(rows, unit: str, across: str, title: str):
     return figure
 
 
-def power_along(x, power, *, covered, given: float, title: str):
+def power_along(x, power, *, covered, fed: float, title: str):
     """Draw the power (W per V^2) that passes each line of the stator, between the transducers that cover it."""
     figure, ax = new_figure(7.2, 3.4)
     curve(ax, x * MM, power * 1e3, "-", "slip", "through the section, mean of a cycle")
     for share, label in ((0.5e3, "half of what the source gives"), (-0.5e3, None)):
-        ax.axhline(share * given, color=COLOURS["line"], linestyle=":", linewidth=1, label=label)
+        ax.axhline(share * fed, color=COLOURS["line"], linestyle=":", linewidth=1, label=label)
     for span in covered:
         shaded(ax, *np.multiply(span, MM))
     ax.axhline(0, color=COLOURS["line"], linewidth=0.6)
@@ -262,14 +262,14 @@ def _depth(run):
         ("free wave of the section", free.depth, free.profile),
         (f"driven stator under the {name}, all modes", run.field.z, line),
     ):
-        chosen = z > -DEPTH * run.wavelength
-        computed[what] = -z[chosen] / run.wavelength, parts(u[chosen] / u[-1, 2])
+        shallow = z > -DEPTH * run.wavelength
+        computed[what] = -z[shallow] / run.wavelength, parts(u[shallow] / u[-1, 2])
     theory, title = fem.rayleigh(stator.solid, "open").profile(at)[0], "profile through the depth"
     return depth_profile(at, parts(theory), computed, title=f"{scene.title}\n{title}")
 
 
 def _films(gallery, folder: Path, progress) -> None:
-    run = gallery.found
+    run = gallery.wave_field
     progress("wave and contact in slow motion")
     moving = Picture(run, chosen_views(run, None), size=MOVIE, **GIVEN_FIELD)
     movie.save(

@@ -51,10 +51,10 @@ def _gif(pictures, file, rate: float, palette) -> None:
 
 def _mp4(pictures, file, rate: float) -> None:
     height, width, _ = pictures[0].shape
-    given = f"-y -loglevel error -f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {rate:g} -i -"
+    options = f"-y -loglevel error -f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {rate:g} -i -"
     # the format has sizes that are even
     written = "-vf pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white -c:v libx264 -pix_fmt yuv420p"
-    call = [ffmpeg(), *given.split(), *written.split(), str(Path(file).absolute())]
+    call = [ffmpeg(), *options.split(), *written.split(), str(Path(file).absolute())]
     done = subprocess.run(call, input=b"".join(each.tobytes() for each in pictures), capture_output=True)
     if done.returncode:
         raise RunError(
@@ -64,9 +64,9 @@ def _mp4(pictures, file, rate: float) -> None:
 
 def ffmpeg() -> str:
     """Return the program: the system's, or the one that the package imageio-ffmpeg carries."""
-    found = shutil.which("ffmpeg")
-    if found is not None:
-        return found
+    program = shutil.which("ffmpeg")
+    if program is not None:
+        return program
     try:
         import imageio_ffmpeg
     except ImportError:

@@ -76,7 +76,7 @@ class Wanted:
             raise SceneError("--show", f"must be one of {', '.join(OFFERED)}, got {arguments.show!r}")
         same = ("screenshot", "movie", "html", "data", "surface", "show", "quantity")
         number, positive = "a finite number ({})", "a finite number of at least 0 ({})"
-        asked: dict[str, tuple[str, Callable, Callable, str]] = {
+        texts: dict[str, tuple[str, Callable, Callable, str]] = {
             "phase": ("--phase", float, np.isfinite, number.format("degrees")),
             "span": ("--span", _span, lambda span: len(span) == 2 or span in WORDS, SPAN),
             "scale": ("--scale", float, lambda value: 0 <= value < np.inf, positive.format("times")),
@@ -84,7 +84,7 @@ class Wanted:
             "frames": ("--frames", int, lambda value: 2 <= value <= 2000, "a whole number from 2 to 2000"),
             "voltage": ("--voltage", float, lambda value: 0 <= value < np.inf, positive.format("V")),
         }
-        read = {name: _read(getattr(arguments, name), *each) for name, each in asked.items()}
+        read = {name: _read(getattr(arguments, name), *each) for name, each in texts.items()}
         return cls(
             **{name: getattr(arguments, name) for name in same},
             **{name: read[name] for name in ("span", "size", "frames")},

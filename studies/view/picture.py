@@ -324,8 +324,8 @@ class Picture:
             sphere = self.pyvista.Sphere(
                 radius=ball.radius * MM, center=centre, theta_resolution=90, phi_resolution=90
             )
-            given = {"smooth_shading": True, "ambient": 0.5} if self.solid else {"lighting": False}
-            self.plotter.add_mesh(sphere, color=description.BALL_COLOUR, **given)
+            options = {"smooth_shading": True, "ambient": 0.5} if self.solid else {"lighting": False}
+            self.plotter.add_mesh(sphere, color=description.BALL_COLOUR, **options)
 
 
 def said(run: RunField) -> str:

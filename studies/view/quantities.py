@@ -94,24 +94,24 @@ def present(run) -> list[str]:
 
 def shade(run, name: str) -> Shade:
     """Return how a quantity colours the field of a run; refuse an unknown name, or a field that this solid has not."""
-    chosen = quantity(name)
-    field = run.with_energies if chosen.turns == 2 else run.field
-    mean, amplitude = chosen.parts(field)
+    drawn = quantity(name)
+    field = run.with_energies if drawn.turns == 2 else run.field
+    mean, amplitude = drawn.parts(field)
     outside = ~run.near_transducer(field.x)
     if not np.any(amplitude):
         material = run.scene.stator.orientation
         raise SceneError(
             "--quantity", f"{name!r} is zero everywhere: uncoupled in this solid, orientation {material}"
         )
-    size = abs(amplitude[outside]) + (abs(mean[outside]) if chosen.turns == 2 else 0.0)
-    return shade_of(chosen, size, free=run.free)
+    size = abs(amplitude[outside]) + (abs(mean[outside]) if drawn.turns == 2 else 0.0)
+    return shade_of(drawn, size, free=run.free)
 
 
-def shade_of(chosen: Quantity, size, *, free: bool) -> Shade:
+def shade_of(drawn: Quantity, size, *, free: bool) -> Shade:
     """Return how a quantity colours values that are at most as large as ``size`` in SI units."""
-    scale = chosen.scales[free]
-    label, reach = f"{chosen.title} ({chosen.units[free]})", float(np.max(size)) * scale
-    return Shade(quantity=chosen, label=label, scale=scale, reach=reach)
+    scale = drawn.scales[free]
+    label, reach = f"{drawn.title} ({drawn.units[free]})", float(np.max(size)) * scale
+    return Shade(quantity=drawn, label=label, scale=scale, reach=reach)
 
 
 def palette(colour_map: str):

@@ -179,8 +179,8 @@ def motion_again(record: Record, *, progress) -> SurfaceMotion:
     level = [each for each in LEVELS if named == f"order {each.order}, {each.edge_layers} edge layers"]
     if not level:
         bare = replace(scene, slider=None)
-        found = run_chain(bare, tolerance=record.tolerance, progress=progress).surface_motion
-        return found if scene.crossed else SurfaceMotion(wave=found.wave)
+        motion = run_chain(bare, tolerance=record.tolerance, progress=progress).surface_motion
+        return motion if scene.crossed else SurfaceMotion(wave=motion.wave)
 
     def solve(stator, row, drive, _places=()):
         return surface_wave(

@@ -114,10 +114,10 @@ def beam_sheet(run: RunField, name: str, *, envelope: bool = False) -> tuple[Sha
     y = np.linspace(-half, half, int(stator.width * lines) + 1 if crossed else ACROSS)
     moved = np.moveaxis(run.beam.motion(x[:, None], y), 0, -1)
     size = moved[..., MOTIONS.index(name), None]
-    chosen = QUANTITIES[name]
+    drawn = QUANTITIES[name]
     if envelope:
-        chosen = chosen._replace(title=f"amplitude of {chosen.title}", signed=False)
-    shading = shade_of(chosen, abs(size), free=False)
+        drawn = drawn._replace(title=f"amplitude of {drawn.title}", signed=False)
+    shading = shade_of(drawn, abs(size), free=False)
     rest, amplitude = np.stack(np.meshgrid(x, y, 0.0, indexing="ij"), axis=-1), size * shading.scale
     mean = abs(amplitude) if envelope else 0.0 * amplitude.real
     sheet = Sheet("surface", rest, moved[:, :, None], mean, 0.0 * amplitude if envelope else amplitude)

@@ -35,8 +35,8 @@ def page(
     spacing = SPACING * run.wavelength
     lines = thinned(field.x, spacing, 0.0, run.length)
     rows = thinned(field.z, spacing, field.z[0], 0.0)
-    chosen = np.ix_(lines, rows)
-    moved = field.displacement[chosen][..., [0, 2]]
+    kept = np.ix_(lines, rows)
+    moved = field.displacement[kept][..., [0, 2]]
     parts = {"x": field.x[lines].astype("<f4"), "z": field.z[rows].astype("<f4")}
     largest = float(abs(moved).max()) or 1.0
     parts["moved"] = _short(np.stack([moved[..., k].real if part == 0 else moved[..., k].imag
@@ -44,7 +44,7 @@ def page(
     known = []
     for name in present(run):
         shading = shade(run, name)
-        mean, amplitude = (each[chosen] for each in shading.parts(field))
+        mean, amplitude = (each[kept] for each in shading.parts(field))
         values = np.stack([mean, amplitude.real, amplitude.imag, np.zeros_like(mean)], axis=-1)
         scale = float(abs(values).max()) or 1.0
         parts[name] = _short(values, scale)

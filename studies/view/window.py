@@ -19,17 +19,17 @@ class Controls:
     def __init__(self, picture: Picture):
         self.picture, self.names = picture, list(MOTIONS) if picture.spreads else present(picture.run)
         self.playing, self._last, self._rested, self._ready = True, time.perf_counter(), 0.0, False
-        plotter, given = picture.plotter, {"style": "modern", "color": "black"}
+        plotter, options = picture.plotter, {"style": "modern", "color": "black"}
         self.play_button = plotter.add_checkbox_button_widget(
             self.play, value=True, position=(20.0, 70.0), size=34, color_on="#0072B2", color_off="#999999"
         )
         self.phase_slider = plotter.add_slider_widget(
             self.pick_phase, (0, 360), value=np.degrees(picture.phase) % 360, title="phase (degrees)", fmt="%.0f",
-            pointa=(0.12, 0.13), pointb=(0.34, 0.13), interaction_event="always", title_height=0.015, **given,
+            pointa=(0.12, 0.13), pointb=(0.34, 0.13), interaction_event="always", title_height=0.015, **options,
         )  # fmt: skip
         plotter.add_text_slider_widget(
             self.pick_quantity, self.names, value=self.names.index(picture.shade.quantity.name),
-            pointa=(0.42, 0.13), pointb=(0.6, 0.13), **given,
+            pointa=(0.42, 0.13), pointb=(0.6, 0.13), **options,
         )  # fmt: skip
         plotter.add_text("play", position=(62.0, 76.0), font_size=8, color="black")
         self._ready = True  # setting a slider up calls it

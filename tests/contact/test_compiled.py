@@ -1,11 +1,13 @@
 """The kernels' machine code: broken on purpose in every way a machine may break it, the answer stays the same."""
 
+import gc
 import hashlib
 import os
 import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from types import FunctionType
 from typing import NamedTuple
 
 import llvmlite
@@ -285,3 +287,23 @@ def test_shapes_that_a_kernel_declares_are_looked_at_before_it_runs(places):
     assert kernel(np.arange(4.0), 2.5) == kernel(np.arange(4.0), 2.5) == 3
     with pytest.raises(ValueError, match=r"count: values has the shape \(3,\), but \(4\) is expected"):
         kernel(np.arange(3.0), 2.5)
+
+
+@pytest.mark.skipif(compiled._PLAIN, reason="needs numba")
+def test_a_law_that_is_gone_is_not_taken_for_a_new_one():
+    """Numba finds its types by the address of a function, which a new law's function may have again."""
+    import numba
+
+    code = compile("def sliding(force):\n    return 2.0 * force\n", "law.py", "exec").co_consts[0]
+
+    class Law(NamedTuple):
+        sliding: compiled.Formula
+
+    records = []
+    for _ in range(20):
+        kernel = compiled.formula(FunctionType(code, {"__name__": "law"}, "sliding"))
+        record = compiler._type_of("t", Law(kernel), iter(["t"] * 2), numba)
+        assert record.fields["sliding"].dispatcher is kernel.inner
+        records.append(record)
+        del kernel, record
+        gc.collect()

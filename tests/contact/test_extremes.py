@@ -34,7 +34,7 @@ def outcome(varied, value):
         ("friction_coefficient", 0.0, "right"),
         pytest.param("friction_coefficient", 5.0, "right", marks=pytest.mark.slow),
         ("radius", 1e-9, "right"),
-        ("frequency", 1.0, "right"),
+        ("frequency", 1.0, "flagged"),  # no witness can follow it
         ("frequency", 1e10, "right"),
         ("load", 1e3, "right"),
         pytest.param("normal_damping", 1e6, "right", marks=pytest.mark.slow),

@@ -11,6 +11,7 @@ from studies.chain import bridge, predictor, run, runs
 from studies.chain.bridge import DrivenContact
 from studies.chain.points import SliderAnswer
 from studies.chain.runs import _needed
+from studies.record.text import answer
 from studies.refusal import RunError
 from studies.results.content import plain
 from studies.scene import read_table
@@ -258,3 +259,8 @@ def test_a_stator_too_thick_to_solve_is_no_defect_of_the_program(capsys):
     auto = ("lithium-niobate-128yx", "--set", "transducer.0.period=auto", "--set", "stator.thickness=1 m")
     assert main(["run", *auto, "--no-plot"]) == 3
     assert capsys.readouterr().err.splitlines()[-1].startswith("sawmotor: stator.thickness, 1 m, is ")
+
+
+def test_a_load_above_friction_has_no_threshold():
+    sliding = Scene.load("twente-contact").replace(slider={"load": 0.9}, wave={"normal_amplitude": ["10 nm"]})
+    assert "threshold       none: the load exceeds friction" in answer(run(sliding, tolerance=1e-2))

@@ -241,4 +241,3 @@ def test_the_beam_is_the_default_in_any_cut_and_beside_the_axis():
     motor = Scene.load("twente-left").replace(stator={"ends": "free"})
     assert not resolve.diffracts(motor)
     assert resolve.diffracts(motor.replace(slider={"contacts": (("0 mm", "-3.5 mm"), ("0 mm", "3.5 mm"))}))
-

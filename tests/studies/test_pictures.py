@@ -195,7 +195,7 @@ def test_bars_are_as_long_as_the_powers_and_energies():
 
 def test_power_along_the_stator_is_drawn_in_milliwatt():
     x = np.linspace(0, 0.1, 11)
-    figure = gallery_pictures.power_along(x, 1e-3 * x, covered=[(0.01, 0.02)], given=2e-3, title="flow")
+    figure = gallery_pictures.power_along(x, 1e-3 * x, covered=[(0.01, 0.02)], fed=2e-3, title="flow")
     assert_legible(figure)
     assert labelled(figure)
     assert figure.axes[0].lines[0].get_ydata()[-1] == pytest.approx(0.1)

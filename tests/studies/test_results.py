@@ -222,13 +222,13 @@ def test_the_lock_of_a_dead_process_blocks_nobody(tmp_path):
 def test_a_default_directory_is_never_that_of_another_result(tmp_path):
     here, there = (tmp_path / name / "motor.toml" for name in ("a", "b"))
     first = Origin(kind="run", name="motor", source=here)
-    written(tmp_path / "results", {"run.json": "a"}, first, chosen=False)
-    written(tmp_path / "results", {"run.json": "again"}, first, chosen=False)
+    written(tmp_path / "results", {"run.json": "a"}, first, named_by_user=False)
+    written(tmp_path / "results", {"run.json": "again"}, first, named_by_user=False)
     second = Origin(kind="run", name="motor", source=there)
     study = Origin(kind="study", name="motor")
     for other in (second, study):
         with pytest.raises(SceneError, match=r"a.motor\.toml") as refusal:
-            written(tmp_path / "results", {"run.json": "b"}, other, chosen=False)
+            written(tmp_path / "results", {"run.json": "b"}, other, named_by_user=False)
         assert "--out" in str(refusal.value)
     assert (tmp_path / "results" / "run.json").read_text() == "again"
     said = written(tmp_path / "results", {"run.json": "b"}, second)
@@ -239,15 +239,15 @@ def test_a_default_directory_is_never_that_of_another_result(tmp_path):
 def test_a_default_directory_of_an_old_study_is_not_for_a_run(tmp_path):
     (tmp_path / "study.json").write_text("{}")
     with pytest.raises(SceneError, match="result of a study"):
-        written(tmp_path, {"run.json": "{}"}, chosen=False)
+        written(tmp_path, {"run.json": "{}"}, named_by_user=False)
 
 
 def test_a_moved_project_keeps_its_default_directories(tmp_path):
     origin = Origin(kind="run", name="motor", source=tmp_path / "old" / "motor.toml")
-    written(tmp_path / "old" / "results", {"run.json": "a"}, origin, chosen=False)
+    written(tmp_path / "old" / "results", {"run.json": "a"}, origin, named_by_user=False)
     (tmp_path / "old").rename(tmp_path / "new")
     moved = Origin(kind="run", name="motor", source=tmp_path / "new" / "motor.toml")
-    written(tmp_path / "new" / "results", {"run.json": "b"}, moved, chosen=False)
+    written(tmp_path / "new" / "results", {"run.json": "b"}, moved, named_by_user=False)
     assert (tmp_path / "new" / "results" / "run.json").read_text() == "b"
 
 

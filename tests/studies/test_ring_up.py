@@ -97,7 +97,7 @@ def test_the_error_knows_the_envelope_s(record):
     parts = [each.error["parts"]["stator"] for each in (record, longer)]
     scene = resolved(chip())
     own = ring_up(scene, scene.slider.center, progress=lambda text: None)
-    assert own.error == pytest.approx(own.found.relative_error * own.found.settling / 0.1e-3, rel=1e-12)
+    assert own.error == pytest.approx(own.response.relative_error * own.response.settling / 0.1e-3, rel=1e-12)
     assert parts[0] - parts[1] == pytest.approx(0.75 * own.error, rel=1e-2)
 
 

@@ -7,6 +7,7 @@ import warnings
 import numpy as np
 import pytest
 
+import fem
 from studies.evidence import left_out, stability
 from studies.evidence.omission import OMISSIONS
 from studies.evidence.stability import chain as stability_chain
@@ -51,7 +52,7 @@ def warned():
         (lambda: (1e-4, 1e-4, "the error is larger than asked for"), "flagged"),
         (raising(RunError("too thick")), "refused"),
         (raising(NoWitness("none")), "flagged"),
-        (raising(ValueError("stator.length must be positive")), "refused"),
+        (raising(fem.InputError("stator.length", "must be positive", 0.0, "m")), "refused"),
         (raising(ValueError("array must not contain infs")), "WRONG"),
         (raising(ZeroDivisionError("division")), "WRONG"),
         (warned, "WRONG"),

@@ -18,6 +18,7 @@ import pytest
 from studies.chain import predictor, run
 from studies.chain.predictor import Predictor
 from studies.refusal import RunError, SceneError
+from studies.report.explanation import long_sweep
 from studies.scene import Scene, read_table
 from studies.scene.override import replaced
 from studies.sweeps import driver, sweep
@@ -653,3 +654,20 @@ def test_five_balls_in_phase_have_five_times_the_thrust_at_the_same_efficiency()
     for key in ("thrust_N", "motor_efficiency"):
         assert one[key] > 0
         assert many[key] == pytest.approx(5 * one[key], rel=1e-3)
+
+
+def test_the_expected_time_of_a_long_sweep_is_said():
+    """As many stators as there are geometries, a band of frequencies as one for each."""
+    over = {
+        "stator.thickness": [1e-3 + 1e-6 * k for k in range(50)],
+        "drive.frequency": [2.1e6 + 1e4 * k for k in range(8)],
+        "slider.mass": [1e-5, 2e-5],
+    }
+    design = designed(SMALL, over, tolerance=1e-2)
+    assert (design.stators, len(design)) == (50, 800)
+    scene = Scene.from_table("", SMALL)
+    assert long_sweep(scene, tolerance=1e-2, stators=1, points=800) == ()
+    (sentence,) = long_sweep(scene, tolerance=1e-2, stators=100_000, points=800)
+    assert sentence.startswith("expected time: about")
+    (sentence,) = long_sweep(scene, tolerance=1e-2, stators=1, points=10_000_000)
+    assert "50 minutes" in sentence

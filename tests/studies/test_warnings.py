@@ -30,6 +30,9 @@ class Surface(SimpleNamespace):
         x = np.asarray(x)
         return np.array([0.7j * np.ones(x.shape), np.ones(x.shape)]) * 2.4e-10
 
+    def covered(self, x):
+        return False
+
 
 def scene(name, *settings) -> Scene:
     table = read_table(name)
@@ -50,6 +53,7 @@ def record(name, *settings, transfer_length=math.inf, points=(), summary=None) -
         phase_velocity=velocity,
         transfer_length=transfer_length,
         relative_error=2e-4,
+        circuit=SimpleNamespace(admittance=1e-3 + 1e-3j, voltage=1.0 + 0.0j),
     )
     return Record(
         scene=chosen,

@@ -7,10 +7,9 @@ tolerance, or a refusal with the reason; never NaN, never a traceback.  Run time
 """
 
 import math
-import time
-import warnings
 
 from studies.evidence.stability.case import Case, Outcome
+from studies.evidence.stability.verdict import NoWitness, judged
 
 __all__ = ["contact_cases", "judge"]
 
@@ -110,48 +109,23 @@ def corner(number: int) -> dict:
 
 def judge(case: Case) -> Outcome:
     """Return what becomes of a case."""
-    begun = time.process_time()
-    verdict, guard, error, estimate = _judged(case)
-    return Outcome(
-        verdict=verdict,
-        guard=guard,
-        relative_error=error,
-        relative_estimate=estimate,
-        seconds=time.process_time() - begun,
-    )
 
+    def posed():
+        import contact
+        from contact.drive import relative_to_reference
+        from studies.evidence.stability.second_opinion import second_opinion
 
-def _judged(case):
-    import contact
-    from contact.drive import relative_to_reference
-    from studies.evidence.stability.second_opinion import second_opinion
-
-    none = math.nan
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
+        slider, orbits = motor(case)
+        answer = contact.steady(slider, orbits, tolerance=TOLERANCE)
         try:
-            slider, orbits = motor(case)
-            found = contact.steady(slider, orbits, tolerance=TOLERANCE)
-        except (contact.ConvergenceError, ValueError) as refused:
-            return "refused", str(refused), none, none
-        except Exception as broken:  # whatever it is, it is what this study looks for
-            return "WRONG", f"{type(broken).__name__}: {broken}", none, none
-        if not (math.isfinite(found.velocity) and math.isfinite(found.relative_error)):
-            return "WRONG", "not finite", none, none
-        try:
-            other = second_opinion(found)
-        except contact.ConvergenceError as refused:
-            other, guard = None, f"no second way: {refused}"
-        except Exception as broken:
-            return "WRONG", f"second way: {type(broken).__name__}: {broken}", none, found.relative_error
-    verdict = "right" if found.status == "ok" else "flagged"
-    said = "" if found.status == "ok" else found.message
-    if other is None:
-        return verdict, said or guard, none, found.relative_error
-    error = relative_to_reference(other.velocity - found.velocity, found.velocity, orbits)
-    own = relative_to_reference(other.error, found.velocity, orbits)
-    if error > 2.0 * (found.relative_error + own) + 1e-9:
-        return "WRONG", f"{other.way} way finds {other.velocity:.6g} m/s, not {found.velocity:.6g}", error, (
-            found.relative_error
-        )  # fmt: skip
-    return verdict, said, error, found.relative_error
+            other = second_opinion(answer)
+        except contact.ConvergenceError as lacking:
+            raise NoWitness(str(lacking)) from None
+        error, own = (
+            relative_to_reference(each, answer.velocity, orbits)
+            for each in (other.velocity - answer.velocity, other.error)
+        )
+        # the witness is often coarser than the answer: what exceeds the errors of both counts
+        return max(error - 2.0 * own, 0.0), answer.relative_error, answer.status == "ok" or answer.message
+
+    return judged(posed, TOLERANCE)
