@@ -13,7 +13,7 @@ _PUBLIC = {
     "answers.load_line": "blocked_thrust load_line LoadLine mean_traction stall",
     "answers.steady": "steady SteadyState",
     "answers.steps": "cycles_for Step step",
-    "averaged.sweep": "mean_motion MeanMotion steady_sweep",
+    "averaged.sweep": "mean_forces mean_motion MeanForces MeanMotion steady_sweep",
     "answers.thresholds": "release release_amplitude release_factor threshold threshold_amplitude threshold_factor",
     "answers.transient": "burst Trajectory",
     "answers.waveforms": "contact_history History",

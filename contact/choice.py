@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from contact.convergence import ConvergenceError
+from contact.drive import relative_to_reference
+from contact.orbit import Orbit
 
 OK, ABOVE_TOLERANCE, NOT_REACHED = "ok", "above tolerance", "not reached"
 
@@ -65,6 +67,28 @@ class Answer:
         reason = f"estimated error {relative:.2g} exceeds {tolerance:.2g}{advice and f'; {advice}'}"
         status = ABOVE_TOLERANCE if self.status == OK else self.status
         return Answer(value=self.value, error=self.error, status=status, reasons=(*self.reasons, reason))
+
+
+class Answered:
+    """A result whose velocity is an answer: what its error is relative to, and what is to be known about it."""
+
+    answer: Answer
+    orbits: tuple[Orbit, ...]
+
+    @property
+    def relative_error(self) -> float:
+        """Estimated error of the velocity over max(|v|, omega |u_x|/10)."""
+        return relative_to_reference(self.answer.error, self.answer.value, self.orbits)
+
+    @property
+    def status(self) -> str:
+        """What `Answer.status` says."""
+        return self.answer.status
+
+    @property
+    def message(self) -> str:
+        """A sentence: how the answer was found, and what is to be known about it."""
+        return self.answer.message
 
 
 class Result(NamedTuple):

@@ -24,7 +24,7 @@ from contact.averaged.event_cycle import Balance, balanced, cycle_at
 from contact.averaged.run import STIFFEST_STEADY, refusals
 from contact.averaged.sweep import mean_motion
 from contact.averaged.sweep_rows import MAX_RATIO_HELD, MAX_THRESHOLD_ERROR, THRESHOLD_ERROR
-from contact.choice import Answer
+from contact.choice import Answer, Answered
 from contact.convergence import ConvergenceError
 from contact.drive import reference_speed, relative_to_reference, towards_plus
 from contact.orbit import Orbit, as_orbits
@@ -45,7 +45,7 @@ AVERAGING_ERROR = 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class SteadyState:
+class SteadyState(Answered):
     """The periodic motion of a slider on a continuous wave.
 
     Attributes
@@ -88,21 +88,6 @@ class SteadyState:
     def velocity(self) -> float:
         """Mean velocity over a cycle, m/s; exactly 0 when held."""
         return self.answer.value
-
-    @property
-    def relative_error(self) -> float:
-        """Estimated error of the velocity over max(|v|, omega |u_x|/10)."""
-        return relative_to_reference(self.answer.error, self.answer.value, self.orbits)
-
-    @property
-    def status(self) -> str:
-        """What `Answer.status` says."""
-        return self.answer.status
-
-    @property
-    def message(self) -> str:
-        """A sentence: how the answer was found, and what is to be known about it."""
-        return self.answer.message
 
 
 def steady(

@@ -21,7 +21,10 @@ p(z) is homogeneous: with equal heights the approach and the orbits grow by one 
 *Never*: without a load nothing moves a slider whose motion is its own mirror image a while later: waves that move the
 surface along one axis only, contacts in pairs that drive against each other. Then the threshold is infinite.
 
-The slider does answer within a cycle, by (f_n/f)^2 of the wave: that is the error of both factors (`AVERAGING_ERROR`).
+The slider does answer within a cycle, by (f_n/f)^2 of the wave. Up to the first release its normal motion, and up to
+the first slip its tangential one, is that of the full equations in harmonics of the wave (`periodic.sticking`):
+*release* of every law but the reciprocal one, and the *threshold* of the elastic law, are the factors at which a
+contact of that motion just parts or slips. The other factors keep the error of averaging (`AVERAGING_ERROR`).
 """
 
 import math
@@ -30,15 +33,23 @@ from dataclasses import replace
 import numpy as np
 
 from contact.averaged.event_cycle import balanced
-from contact.averaged.riding import mean_load, riding_height
+from contact.averaged.riding import mean_load, riding_approach, riding_height
 from contact.choice import Answer
+from contact.convergence import ConvergenceError
 from contact.drive import towards_plus
 from contact.law.elastic import tangential_force
+from contact.law.user import UserLaw
 from contact.orbit import Orbit, as_orbits
+from contact.periodic.sticking import least, normal_motion, room_to_stick
+from contact.problem import scaled
 from contact.roots import bracketed
 from contact.slider import Slider
 
 ACCURACY = 1e-5
+# phases of a cycle of the periodic motion; tolerance of its roots; how far from averaging they are looked for
+SAMPLES, ROOT, MAX_REACH = 256, 1e-10, 0.5
+# least relative error: bisection of the full motion at f_n/f = 0.2 differs by 5e-7
+SEEN = 1e-6
 # relative error of a factor over (f_n/f)^2; true: 0.5 to 1.4 (`tests/contact/test_threshold_answers.py`)
 AVERAGING_ERROR = 1.5
 # how far above the first slip of any contact a motion of the slider is looked for
@@ -64,7 +75,7 @@ def threshold(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
     ...                 effective_modulus=64e9, tangential_modulus=12e9, law="elastic", reciprocal=False,
     ...                 stick_band=0.0, contact_damping=0.0, normal_damping=0.5, tangential_damping=1e-4)
     >>> print(threshold(slider, Orbit(frequency=2.2e6, normal=1e-9, tangential=-0.7e-9j)))
-    0.706289 +- 2.4e-05 (ok: cycle means)
+    0.706283 +- 7.1e-07 (ok: periodic motion up to the first event)
     """
     listed = as_orbits(orbits)
     if all(orbit.normal == 0 and orbit.tangential == 0 for orbit in listed):
@@ -76,7 +87,8 @@ def threshold(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
     bent = bool(slider.tangential_law.bent)
     elastic = _elastic_threshold(_guess(slider) if slider.heights or bent else slider, listed)
     if slider.law == "elastic" and not (slider.reciprocal or slider.heights or bent) and _alike(listed):
-        return _averaged(slider, listed, elastic)
+        own_spring = isinstance(slider.friction, UserLaw)
+        return (_averaged if own_spring else _followed)(slider, listed, elastic)
     _, driven = towards_plus(listed)
     return _averaged(
         slider,
@@ -96,7 +108,10 @@ def release(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
     Inf without normal motion. Parameters as for `threshold`. Contacts that do not touch at rest do not count.
     """
     listed = as_orbits(orbits)
-    return _averaged(slider, listed, _released(slider, listed))
+    factor = _released(slider, listed)
+    if slider.reciprocal and slider.law == "elastic":
+        return _averaged(slider, listed, factor)
+    return _followed(slider, listed, factor, _touches)
 
 
 def release_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
@@ -111,6 +126,64 @@ def _averaged(slider, orbits, factor):
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
     relative = min(AVERAGING_ERROR * ratio**2, 1.0) + ACCURACY
     return Answer(value=factor, error=factor * relative, reasons=("cycle means",))
+
+
+def _followed(slider, orbits, first, margins=None):
+    """Return the answer of the periodic motion near the factor of first order, or that where there is none.
+
+    `margins(problem, motion, slider)` are two that fall through zero at the factor, the second not before the first:
+    the answer lies half-way, and the difference is its error. They are taken at different numbers of samples.
+    """
+    averaged, margins = _averaged(slider, orbits, first), margins or _sticks
+    if math.isinf(first) or first == 0.0:
+        return averaged
+    direction = -1.0 if sum(orbit.crest_velocity for orbit in orbits) < 0.0 else 1.0
+
+    def root(samples, which):
+        def margin(factor):
+            problem = scaled(slider, tuple(o.scaled(factor) for o in orbits), direction=direction, start=0.0)
+            motion = normal_motion(problem, riding_approach(problem), samples)
+            return margins(problem, motion, slider)[which]
+
+        reach = averaged.error
+        while not (margin(first - reach) > 0.0 > margin(first + reach)):
+            reach *= 2.0
+            if reach > MAX_REACH * first:
+                raise ConvergenceError(
+                    "not converged", "the periodic motion has no such factor near that of averaging"
+                )
+        return bracketed(margin, first - reach, first + reach, tolerance=ROOT * first)
+
+    try:
+        value, other = root(SAMPLES, 0), root(SAMPLES // 2, 1)
+    except ConvergenceError:
+        return averaged
+    error = abs(value - other) + SEEN * value
+    return Answer(
+        value=0.5 * (value + other), error=error, reasons=("periodic motion up to the first event",)
+    )
+
+
+def _touches(problem, motion, slider):
+    """Return the least approach of the contacts that touch at rest, twice."""
+    contacts = problem.contacts
+    touch = slider.rest_approach(contacts) + slider.offsets(contacts) > 0.0
+    margin = float(np.min(least(motion.approaches[touch])))
+    return margin, margin
+
+
+def _sticks(problem, motion, slider):
+    """Return the margins of the first and of the last contact to slip, of contacts that stick and carry the load.
+
+    Contacts that stick have the offsets of their history, the largest or the least ones or any between. As long as one
+    contact sticks it holds the slider.
+    """
+    rooms = [room_to_stick(problem, motion, side) for side in (1.0, -1.0)]
+    unit = problem.limit_slope * slider.rest_approach(problem.contacts) / problem.length
+    left = np.array([0.5 * (room.forward + room.backward) / unit for room in rooms])
+    scale = problem.friction * problem.preload
+    load = min((rooms[0].traction - problem.load) / scale, (problem.load - rooms[1].traction) / scale)
+    return min(float(np.min(left)), load), min(float(np.max(left)), load)
 
 
 def _own_mirror_image(slider, orbits):

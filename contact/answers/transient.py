@@ -19,8 +19,8 @@ import numpy as np
 from contact import bounds
 from contact.answers.ledger import Ledger, ledger, together
 from contact.answers.methods import METHODS, Burst, rest_problem, ring_down, run, silence
-from contact.choice import Answer
-from contact.drive import reference_speed, relative_to_reference, towards_plus
+from contact.choice import Answer, Answered
+from contact.drive import reference_speed, towards_plus
 from contact.envelope import Envelope
 from contact.events.segment import At, Column
 from contact.orbit import Orbit, as_orbits
@@ -28,7 +28,7 @@ from contact.slider import Slider
 
 
 @dataclass(frozen=True, kw_only=True)
-class Trajectory:
+class Trajectory(Answered):
     """Motion of the slider over a burst and after it.
 
     Attributes
@@ -81,21 +81,6 @@ class Trajectory:
     def velocity_at_burst_end(self) -> float:
         """Slider velocity at the end of the burst, m/s."""
         return self.answer.value
-
-    @property
-    def relative_error(self) -> float:
-        """Estimated error of `velocity_at_burst_end` over max(|v|, omega |u_x|/10)."""
-        return relative_to_reference(self.answer.error, self.answer.value, self.orbits)
-
-    @property
-    def status(self) -> str:
-        """What `Answer.status` says."""
-        return self.answer.status
-
-    @property
-    def message(self) -> str:
-        """A sentence: how the answer was found, and what is to be known about it."""
-        return self.answer.message
 
 
 def burst(

@@ -19,8 +19,10 @@ import numpy as np
 
 from contact import bounds
 from contact.averaged.closed_forms import closed_form
-from contact.averaged.equilibrium import Entry
+from contact.averaged.cycle_mean import Each, cycle, cycle_room
+from contact.averaged.equilibrium import FINE_NODES, Entry
 from contact.averaged.event_cycle import RUNAWAY
+from contact.averaged.riding import quadrature, riding_approach
 from contact.averaged.run import HARMONICS, STIFFEST_STEADY, refusals, refuse_unless_applicable
 from contact.averaged.sweep_rows import Given, states
 from contact.body import Paths
@@ -28,7 +30,7 @@ from contact.codes import Status, Steady
 from contact.convergence import ConvergenceError
 from contact.drive import towards_plus
 from contact.orbit import Orbit, as_orbits
-from contact.problem import numbers, paths_of
+from contact.problem import numbers, paths_of, scaled
 from contact.slider import Slider
 
 REGIMES = np.array([regime.name.lower() for regime in Steady])
@@ -136,6 +138,39 @@ def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion
         unreached = "not converged", "the averaged motion was not reached; use method exact"
         raise ConvergenceError(*REFUSALS.get(status, unreached))
     return _answer(row)
+
+
+@dataclass(frozen=True)
+class MeanForces:
+    """Forces of each contact on the slider in the averaged steady state: P = P_0 + Re P_1 exp(i omega t), Q likewise.
+
+    Attributes
+    ----------
+    normal, tangential : (n,) array
+        Means over a cycle, N.
+    first_normal, first_tangential : (n,) array, complex
+        First harmonics, N; time starts where the orbits' complex amplitudes say.
+    """
+
+    normal: np.ndarray
+    tangential: np.ndarray
+    first_normal: np.ndarray
+    first_tangential: np.ndarray
+
+
+def mean_forces(slider: Slider, orbits: Orbit | tuple[Orbit, ...], motion: MeanMotion) -> MeanForces:
+    """Return the forces of each contact in an averaged steady state of `mean_motion`, of first order.
+
+    A contact that sticks all the time at rest, and so keeps its history, counts as driven from below.
+    """
+    listed = as_orbits(orbits)
+    problem = scaled(slider, listed, direction=1.0, start=0.0)
+    work, rule = cycle_room(1, FINE_NODES, len(listed)), quadrature(FINE_NODES)
+    cycle(problem, riding_approach(problem), float(motion.first_order) / problem.speed, rule, work)
+    each = work.each * (slider.mass * problem.omega**2 * problem.length)
+    first_normal = each[:, Each.NORMAL_COS] - 1j * each[:, Each.NORMAL_SIN]
+    first_tangential = each[:, Each.TANGENTIAL_COS] - 1j * each[:, Each.TANGENTIAL_SIN]
+    return MeanForces(each[:, Each.NORMAL], each[:, Each.TANGENTIAL], first_normal, first_tangential)
 
 
 def _answer(rows):

@@ -269,11 +269,7 @@ def integrate(grid, state, nodes, segment):
     once, twice = grid.integrals[segment.map, 0], grid.integrals[segment.map, 1]
     slider, length, n = nodes.slider, segment.length, grid.sigma.size
     for j in range(0, n, 4):
-        b = min(j, n - 4)  # the last four nodes may overlap with those before
-        _four(once, b, slider[Row.NORMAL_ACCELERATION], slider[Row.NORMAL_ONCE])
-        _four(twice, b, slider[Row.NORMAL_ACCELERATION], slider[Row.NORMAL_TWICE])
-        _four(once, b, slider[Row.TANGENTIAL_ACCELERATION], slider[Row.TANGENTIAL_ONCE])
-        _four(twice, b, slider[Row.TANGENTIAL_ACCELERATION], slider[Row.TANGENTIAL_TWICE])
+        _four(once, twice, min(j, n - 4), slider)  # the last four nodes may overlap with those before
     change = 0.0
     z_s, z_rate, v = state.slider[At.POSITION], state.slider[At.NORMAL_VELOCITY], state.slider[At.VELOCITY]
     for j in range(n):
@@ -294,18 +290,41 @@ def integrate(grid, state, nodes, segment):
 
 
 @compiled
-def _four(columns, j, values, out):
-    """Fill four sums at once, sum_k columns[k, j..j+3] values[k]: the processor's width."""
-    a = b = c = d = 0.0
+def _four(once, twice, j, slider):
+    """Fill both integrals of both accelerations at four nodes, sum_k columns[k, j..j+3] acceleration[k].
+
+    Four is the processor's width, and the four sums of each step do not wait for each other.
+    """
+    normal, tangential = slider[Row.NORMAL_ACCELERATION], slider[Row.TANGENTIAL_ACCELERATION]
+    a0 = a1 = a2 = a3 = b0 = b1 = b2 = b3 = c0 = c1 = c2 = c3 = d0 = d1 = d2 = d3 = 0.0
     # unsigned places: no check for negative ones stands between the four
     j0, j1, j2, j3 = np.uint64(j), np.uint64(j + 1), np.uint64(j + 2), np.uint64(j + 3)
-    for k in range(values.size):
-        f = values[k]
-        a += columns[k, j0] * f
-        b += columns[k, j1] * f
-        c += columns[k, j2] * f
-        d += columns[k, j3] * f
-    out[j0], out[j1], out[j2], out[j3] = a, b, c, d
+    for k in range(normal.size):
+        f, g = normal[k], tangential[k]
+        a0 += once[k, j0] * f
+        a1 += once[k, j1] * f
+        a2 += once[k, j2] * f
+        a3 += once[k, j3] * f
+        b0 += twice[k, j0] * f
+        b1 += twice[k, j1] * f
+        b2 += twice[k, j2] * f
+        b3 += twice[k, j3] * f
+        c0 += once[k, j0] * g
+        c1 += once[k, j1] * g
+        c2 += once[k, j2] * g
+        c3 += once[k, j3] * g
+        d0 += twice[k, j0] * g
+        d1 += twice[k, j1] * g
+        d2 += twice[k, j2] * g
+        d3 += twice[k, j3] * g
+    out = slider[Row.NORMAL_ONCE]
+    out[j0], out[j1], out[j2], out[j3] = a0, a1, a2, a3
+    out = slider[Row.NORMAL_TWICE]
+    out[j0], out[j1], out[j2], out[j3] = b0, b1, b2, b3
+    out = slider[Row.TANGENTIAL_ONCE]
+    out[j0], out[j1], out[j2], out[j3] = c0, c1, c2, c3
+    out = slider[Row.TANGENTIAL_TWICE]
+    out[j0], out[j1], out[j2], out[j3] = d0, d1, d2, d3
 
 
 @compiled

@@ -1,8 +1,9 @@
 """Hankel functions of the second kind, H_n = J_n - i Y_n, on large arrays.
 
-`scipy.special` has them too; its import takes a tenth of a whole run.  H_n(z) = (2 / pi) i^(n + 1) K_n(i z), and
-exp(w) K_n(w) is entire in log w: Taylor series about the middles of cells of the plane of log w serve all arguments in
-them.  Their coefficients are a Fourier transform of values on a circle (Cauchy's integral), and these values
+`scipy.special` has them too; its import takes 0.2 s of processor time beyond NumPy's, a tenth of a whole run, of which
+nothing else needs SciPy.  H_n(z) = (2 / pi) i^(n + 1) K_n(i z), and exp(w) K_n(w) is entire in log w: Taylor series
+about the middles of cells of the plane of log w serve all arguments in them.  Their coefficients are a Fourier
+transform of values on a circle (Cauchy's integral), and these values
 
     exp(w) K_n(w) = int_0^oo exp(-2 w sinh(t / 2)^2) cosh(n t) dt
 

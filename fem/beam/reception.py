@@ -358,15 +358,15 @@ def _response(
     """Response of a transducer from the section's."""
     scatterer, moments = _by_fingers(plain, signs)
     modes, width = scatterer.modes, scatterer.piece.width
-    n, m, sheets = modes.section.size, len(kept), len(lengths)
+    at, m, sheets = scatterer.at, len(kept), len(lengths)
     fingers, ports = scatterer.potentials.shape
-    arriving = np.zeros((2 * n, 2 * m + fingers), dtype=complex)
-    arriving[:n, :m] = modes.right[:, kept]
-    arriving[n:, m : 2 * m] = modes.left[:, kept]
+    arriving = np.zeros((at.ports.start, 2 * m + fingers), dtype=complex)
+    arriving[at.left, :m] = modes.right[:, kept]
+    arriving[at.right, m : 2 * m] = modes.left[:, kept]
     potentials = np.eye(fingers, 2 * m + fingers, 2 * m)
     lines = scatterer.sides(arriving, potentials)
     sides = np.concatenate([lines, potentials])
-    reactions = scatterer.piece.matrix[2 * n :] @ sides
+    reactions = scatterer.piece.matrix[at.ports] @ sides
     by_waves, by_fingers = reactions[:, : 2 * m], reactions[:, 2 * m :]
     # one potential on all fingers of a floating section makes no charge
     gauge = abs(np.diag(by_fingers)).sum() / max(fingers, 1) ** 2 if modes.section.floating_potential else 0.0
@@ -410,7 +410,9 @@ def _response(
         np.exp(-1j * modes.wavenumbers[kept] * width), np.exp(1j * modes.backwards[kept] * width)
     )
     out = lines - arriving
-    leaving = np.concatenate([modes.right_amplitudes(out[n:])[kept], modes.left_amplitudes(out[:n])[kept]])
+    leaving = np.concatenate(
+        [modes.right_amplitudes(out[at.right])[kept], modes.left_amplitudes(out[at.left])[kept]]
+    )
     leaving[:, : 2 * m] -= np.diag(passed)
     sent = leaving[:, 2 * m :] @ found
     for sheet in range(sheets):

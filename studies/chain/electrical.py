@@ -62,12 +62,18 @@ def _recovered(scene: Scene, circuit) -> dict:
     return recovered | {"power_net_W_per_V2": float(circuit.power - kept)}
 
 
-def with_available_power(points: tuple[dict, ...], electrical: dict) -> tuple[dict, ...]:
-    """Return the points, with the power that a source with a resistance could give at each voltage."""
-    available = electrical.get("power_available_W_per_V2")
-    if available is None:
-        return points
-    return tuple(
-        {"voltage_V": point["voltage_V"], "available_power_W": available * point["voltage_V"] ** 2} | point
-        for point in points
-    )
+def with_powers(points: tuple[dict, ...], electrical: dict) -> tuple[dict, ...]:
+    """Return the points, with the power that a source with a resistance could give, and what is recovered, in W.
+
+    What is recovered is said where a slider takes part of the wave on its way to the receiver.
+    """
+    available, recovered = (electrical.get(f"power_{name}_W_per_V2") for name in ("available", "recovered"))
+    found = []
+    for point in points:
+        own, square = {}, point["voltage_V"] ** 2 if "voltage_V" in point else 0.0
+        if available is not None:
+            own = {"voltage_V": point["voltage_V"], "available_power_W": available * square}
+        if recovered is not None and "received_over_free" in point:
+            own["recovered_power_W"] = recovered * abs(point["received_over_free"]) ** 2 * square
+        found.append(own | point)
+    return tuple(found)

@@ -153,7 +153,7 @@ def _pillars(scene: Scene) -> Iterator[tuple[bool, str]]:
     if known and slider.loading is not False:
         overtones = "overtones that run back" if slider.loading == "harmonics" else "overtones of the wave"
         yield True, f"{overtones}, and what pillars scatter into other waves; sizes in model_error"
-        yield scene.stator is not None, "what the slider takes and reflects of the wave, at the transducers"
+        yield scene.stator is not None, "what transducers send back of the wave that the slider reflects"
     yield (
         not slider.pillars.interaction,
         "neighbours that stiffen a pillar: slider.pillars.interaction is false",

@@ -90,6 +90,27 @@ def point_of(motion) -> dict:
     return point | {"ledger_relative_residual": abs(motion.ledger_residual)}
 
 
+def at_the_transducers(body: PillarContact, motion, level: float) -> dict:
+    """Return what transducers see of the loaded wave: the driven one's change of admittance, and what is received.
+
+    A force F on the stator sends the current i omega F u/V into a transducer that moves its place by u at a voltage V
+    (reciprocity; tests/fem/solve/test_forced.py). The forces are those of the loaded wave, u is that of the wave
+    without them. Behind the slider what arrives is multiplied by `exit_over_entry`. Left out is what transducers
+    send back of the reflected wave: the next order in it.
+    """
+    wave, scene = motion.wave, body.driven.scene
+    if scene.stator is None or not motion.loading:
+        return {}
+    back, ahead = motion.backward[0] - wave.backward, motion.forward[-1] - wave.forward
+    taken = wave.forward * back + wave.backward * ahead  # sum (P_1 u_z + Q_1 u_x) i Gamma/w
+    found = {"admittance_change_S": -wave.omega * wave.strip_width / wave.compliance * taken / level**2}
+    side = 1.0 if abs(wave.forward) >= abs(wave.backward) else -1.0
+    centre, driven = scene.slider.center[0], scene.drive.driven
+    if any((each.place[0] - centre) * side > 0.0 and not driven.get(each.name) for each in scene.transducer):
+        found["received_over_free"] = motion.exit_over_entry
+    return found
+
+
 def tables(motion) -> tuple[dict, dict]:
     """Return the columns of pillars.csv and of slider_wave.csv."""
     body = motion.pillars
@@ -146,7 +167,7 @@ def _point(body: PillarContact, level: float, tolerance: float, bursting: bool):
             None,
         )
     motion = body.motion(level)
-    point, trajectory = point_of(motion), None
+    point, trajectory = point_of(motion) | at_the_transducers(body, motion, level), None
     sensitivity = body.sensitivity(level, motion)
     wave = motion.wave
     speed = max(abs(motion.velocity), wave.omega * abs(wave.ratio) * wave.amplitude / 10)

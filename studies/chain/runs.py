@@ -15,7 +15,7 @@ import fem
 from studies.chain import resolve
 from studies.chain.blocks import amplitude_blocks, node, surface_columns, wave_block
 from studies.chain.bridge import DrivenContact
-from studies.chain.electrical import electrical_block, with_available_power
+from studies.chain.electrical import electrical_block, with_powers
 from studies.chain.free_wave import free_wave_record
 from studies.chain.left_out import left_out
 from studies.chain.model_error import with_model_error
@@ -132,7 +132,7 @@ def _driven(scene: Scene, predictor: Predictor) -> Record:
     if motion.beam is not None:
         scene = replace(scene, stator=replace(scene.stator, diffraction=True))
     electrical = electrical_block(scene, motion)
-    blocks["points"] = with_available_power(blocks["points"], electrical)
+    blocks["points"] = with_powers(blocks["points"], electrical)
     record = Record(
         scene=scene,
         tolerance=tolerance,

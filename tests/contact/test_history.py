@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from contact import Orbit, contact_history, steady
+from contact.answers import waveforms
 from contact.codes import Shape
 from contact.law import elastic, normal
 from tests.contact.motors import orbit, slider
@@ -134,3 +135,22 @@ def test_what_is_drawn_as_steady_is_the_motion_that_is_reached():
     h = contact_history(s, motion, stage="steady", skip=0, cycles=600, points_per_cycle=20)
     touched = np.max(h.normal_force.reshape(600, 20), axis=1) > 0.0
     assert 0.0 < np.mean(touched) < 0.9, "the periodic motion touches in every cycle"
+
+
+@pytest.mark.parametrize("stage", ["start", "steady", "after"])
+def test_a_history_states_the_error_of_its_velocities(stage):
+    asked = {"stage": stage, "skip": 2.25, "cycles": 1.5, "points_per_cycle": 12}
+    history = contact_history(slider(), orbit(3e-9), **asked)
+    assert history.answer.value == history.slider_velocity[-1]
+    assert (history.status, history.answer.message) == ("ok", f"stage {stage}")
+    assert 0.0 < history.answer.error < 1e-9
+    # the true error, of the same instants at a third order, is no more than twice as much
+    other = contact_history_at(waveforms, asked, (14, 1e-11))
+    assert np.max(np.abs(other - history.slider_velocity)) <= 2.0 * history.answer.error
+
+
+def contact_history_at(module, asked, order):
+    """Return the slider's velocities at an order of one's own."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "FINE", order)
+        return contact_history(slider(), orbit(3e-9), **asked).slider_velocity

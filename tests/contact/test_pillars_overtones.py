@@ -154,6 +154,15 @@ def test_load_lines_and_tractions_have_the_overtones_of_the_free_motion():
     assert traction(line.velocity[1]) == pytest.approx(line.motions[1].load, rel=1e-8)
 
 
+def test_a_load_that_only_the_overtones_carry_is_carried():
+    slider, passing = grid(12, 2, heights=scatter(24, 20e-9, 8)), wave(strip_width=0.15e-3)
+    with pytest.raises(ValueError, match="its stall"):
+        pillar_motion(slider, passing, load=12.165e-3)
+    assert pillar_motion(slider, passing, load=12.165e-3, loading="harmonics").velocity < 0.0
+    with pytest.raises(ValueError, match="its stall"):
+        pillar_motion(slider, passing, load=12.25e-3, loading="harmonics")
+
+
 def test_a_soft_backing_has_no_overtones():
     with pytest.raises(ValueError, match='loading must not be "harmonics" with a soft backing'):
         pillar_motion(SCENES["soft backing"][0], wave(), loading="harmonics")

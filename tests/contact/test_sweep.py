@@ -70,6 +70,9 @@ def test_blocked_thrust_is_the_load_that_stalls():
         expected, _ = blocked_thrust(SLIDERS[s], tuple(each.scaled(factor) for each in WAVES[w]))
         assert found.blocked_thrust[k] == pytest.approx(expected, rel=1e-9)
     assert all(found.blocked_thrust[found.held] == 0.0)
+    # the error of averaging, 3 (f_n/f)^2, as `stall` states it
+    ratios = np.array([SLIDERS[s].normal_resonance(len(WAVES[w])) / WAVES[w][0].frequency for s, w, _ in ALL])
+    assert found.blocked_thrust_error == pytest.approx(3.0 * ratios**2 * found.blocked_thrust, rel=1e-9)
 
 
 def test_the_wave_that_runs_the_other_way_drives_the_other_way():

@@ -98,3 +98,23 @@ def test_a_mirrored_loaded_orbit_out_of_quadrature_has_the_same_threshold():
     moving = steady(body, wave.scaled(1.01 * factor), tolerance=1e-6)
     still = steady(body, wave.scaled(0.99 * factor), tolerance=1e-6)
     assert (moving.velocity != 0.0, still.velocity) == (True, 0.0)
+
+
+@pytest.mark.parametrize(
+    "changed", [{}, {"shape": "punch", "radius": 3e-6}, {"load": 9e-5}, {"contact_damping": 1e-6}]
+)
+def test_one_contact_parts_and_slips_where_the_full_motion_does(changed):
+    """To 2e-6 of the factor, where first-order averaging errs by some per cent."""
+    body = slider(
+        mass=2e-6, preload=2e-3, friction_coefficient=0.15, normal_damping=0.25, tangential_damping=0.0, **changed
+    )  # fmt: skip
+    wave = orbit(4e-9, -2.8e-9j, body.normal_resonance(1) / 0.2)
+    for question, event in ((threshold, "stick_to_slip"), (release, "release")):
+        answer = question(body, wave)
+        assert answer.error < 3e-6 * answer.value
+        below, above = (
+            steady(body, wave.scaled(answer.value * (1.0 + side * 4e-6)), tolerance=1e-6, method="exact")
+            for side in (-1.0, 1.0)
+        )
+        assert below.statistics[event] == 0
+        assert above.statistics[event] > 0

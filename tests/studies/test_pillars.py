@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -299,9 +300,39 @@ def test_the_motor_runs_towards_its_transducer_and_takes_less_than_the_wave_brin
     assert not any("slider's reaction" in each for each in driven.left_out)
 
 
-def test_the_size_of_first_order_in_the_load_is_that_of_the_exact_root(driven):
-    from dataclasses import replace
+def test_transducers_see_the_loaded_wave_by_reciprocity(driven):
+    # i omega F u/V, with the forces of the pillars and the stator's own motion below each of them
+    from studies.chain.bridge import DrivenContact
+    from studies.chain.pillar_points import PillarContact, at_the_transducers
 
+    body = PillarContact.of(DrivenContact.of_run(driven))
+    motion = body.motion(150.0)
+    u_x, u_z = driven.surface_wave.rayleigh_motion(18e-3 + motion.pillars.x)[:2]
+    forces = np.sum(motion.first_normal * u_z + motion.first_tangential * u_x)
+    expected = -1j * motion.wave.omega * forces / 150.0
+    change = driven.points[0]["admittance_change_S"]
+    assert change == pytest.approx(expected, rel=0.05)
+    # a thousandth of what the transducer takes by itself, for little comes back
+    assert 1e-4 < abs(change) / abs(driven.electrical["admittance_S"]) < 0.1
+    assert "received_over_free" not in driven.points[0]  # nothing stands behind the slider
+    receiver = replace(driven.scene.transducer[0], name="right", center=25e-3)
+    other = replace(
+        body.driven, scene=driven.scene.replace(transducer=[driven.scene.transducer[0], receiver])
+    )
+    seen = at_the_transducers(replace(body, driven=other), motion, 150.0)
+    assert seen["received_over_free"] == motion.exit_over_entry
+
+
+def test_what_is_recovered_behind_a_slider_is_what_it_leaves():
+    from studies.chain.electrical import with_powers
+
+    points = ({"voltage_V": 10.0, "received_over_free": 0.6 + 0.3j}, {"voltage_V": 10.0})
+    found = with_powers(points, {"power_recovered_W_per_V2": 2e-3})
+    assert found[0]["recovered_power_W"] == pytest.approx(2e-3 * 100 * 0.45)
+    assert found[1] == points[1]
+
+
+def test_the_size_of_first_order_in_the_load_is_that_of_the_exact_root(driven):
     from studies.chain.bridge import DrivenContact
     from studies.chain.pillar_budget import _leak
     from studies.chain.pillar_points import PillarContact
@@ -352,6 +383,30 @@ def test_a_datasheet_and_a_load_line_are_those_of_the_pillars():
     panel = load_line.run(table, points=5).panels[0]
     (loads,) = panel.data["load_N"].values()
     assert loads[-1] == pytest.approx(line.stall, rel=1e-9)
+
+
+def test_a_burst_keeps_the_momentum_with_damper_and_load():
+    """By the midpoint rule m v' = <Q>(v) - R v - load; then friction and load alone stop the slider."""
+    load, rate, mass = 5e-3, 4e-3, 1e-4
+    wave = {"normal_amplitude": 20e-9, "burst": 1e-3}
+    record = run(scene(wave=wave, load=load, damping={"tangential": rate, "normal": 0.5}))
+    ((_, motion),) = record.trajectories
+    body, passing = by_hand()
+    steady = contact.pillar_motion(body, passing, load=load)
+    traction = contact.pillar_traction(body, passing, load=load, near=steady)
+    steps, v = 60, 0.0
+    step = 1e-3 / steps
+
+    def slope(v):
+        return (traction(v, 1.0) - rate * v - load) / mass
+
+    for _ in range(steps):
+        v += step * slope(v + step / 2 * slope(v))
+    assert motion.velocity_at_burst_end == pytest.approx(v, rel=1e-3)
+    assert 1e-5 < motion.relative_error < 1e-2
+    after = (motion.time > motion.duration) & (motion.velocity != 0.0)
+    slowing = -np.polyfit(motion.time[after], motion.velocity[after], 1)[0] * math.copysign(1.0, v)
+    assert slowing == pytest.approx((0.18 * 0.18 + math.copysign(load, v)) / mass, rel=1e-6)
 
 
 def test_a_burst_reaches_the_steady_velocity_at_the_rate_of_the_mean_traction():
