@@ -12,7 +12,6 @@ import subprocess
 import sys
 import tempfile
 import zipfile
-from importlib.metadata import version
 from io import BytesIO
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
@@ -20,6 +19,7 @@ from xml.sax.saxutils import quoteattr
 from studies.export.averaged_motor import AveragedMotor
 from studies.export.c_source import description, header, source, source_text, token
 from studies.refusal import RunError
+from studies.results.content import provenance
 
 MODEL = "sawmotor"  # the identifier: name of the library
 STEP = 1e-5  # s, suggested to the importer
@@ -141,7 +141,7 @@ def _description(motor: AveragedMotor, fmi: str, compiled) -> str:
     text = quoteattr("; ".join(description(motor)))
     head = (
         f'fmiVersion="{fmi}.0" modelName={quoteattr(motor.title)} description={text} '
-        f'generationTool="sawmotor {version("sawmotor")}"'
+        f'generationTool="sawmotor {provenance()["version"]}"'
     )
     common = f'modelIdentifier="{MODEL}" canHandleVariableCommunicationStepSize="true"'
     step = f'<DefaultExperiment startTime="0" stopTime="0.3" stepSize="{STEP:g}"/>'

@@ -21,9 +21,10 @@ The wave follows its drive by the step response of the surface under the slider,
 piecewise constant, and the last `ENTRIES` changes of each drive are kept.  Where two drives act at the same time the
 larger wave alone counts.
 
-Integration: the explicit midpoint rule in steps of at most `MAX_STEP`, and of `FAST_STEP` while the bounce lives, the
-wave changes or the contact sticks; the approach by the classical Runge-Kutta method; the stick by Verlet's method, the
-stop of the slip located within its step.  Tables are read by cubic interpolation over four neighbours.
+Integration: slip by the explicit midpoint rule in steps of at most `MAX_STEP`; stick by Nystrom's method of order 4 in
+steps of `RING_STEP`; the approach by the classical Runge-Kutta method; `FAST_STEP` while the wave changes, and while
+the bounce lives on a surface at rest.  Ends of stick and slip are located within their step.  Tables are read by cubic
+interpolation over four neighbours; on a wave at rest (`glide`, `hold`) what does not change is read once.
 """
 
 from math import sqrt
@@ -221,14 +222,18 @@ def spring_share(u: float, exponent: float) -> float:
 
 
 @compiled
+def rest_approach(p: Array, load: float) -> float:
+    """Return the approach in m that carries a load in N on a surface at rest."""
+    z = max(load, 0.0) / p[STIFFNESS]
+    return z ** (2.0 / 3.0) if p[EXPONENT] > 1.25 else z
+
+
+@compiled
 def spring_force(p: Array, load: float, x: float) -> float:
     """Return Q in N of contacts that stick, deformed by x in m, under a normal force in N."""
     if load <= 0.0:
         return 0.0
-    z = load / p[STIFFNESS]
-    if p[EXPONENT] > 1.25:
-        z = z ** (2.0 / 3.0)
-    return p[FRICTION] * load * spring_share(x / (p[LIMIT_SLOPE] * z), p[EXPONENT])
+    return p[FRICTION] * load * spring_share(x / (p[LIMIT_SLOPE] * rest_approach(p, load)), p[EXPONENT])
 
 
 @compiled
@@ -236,21 +241,17 @@ def spring_deformation(p: Array, load: float, force: float) -> float:
     """Return x in m at which contacts that stick carry a force in N: the inverse of `spring_force`."""
     if load <= 0.0:
         return 0.0
-    z = load / p[STIFFNESS]
     left = max(1.0 - abs(force) / (p[FRICTION] * load), 0.0)
     if p[EXPONENT] > 1.25:
-        z = z ** (2.0 / 3.0)
         left = left ** (2.0 / 3.0)
-    x = p[LIMIT_SLOPE] * z * (1.0 - left)
+    x = p[LIMIT_SLOPE] * rest_approach(p, load) * (1.0 - left)
     return x if force > 0.0 else -x
 
 
 @compiled
 def riding(p: Array, tables: Array, drive: int, s: float, preload: float) -> float:
     """Return the mean approach in m at which <P> is the preload (false position, Illinois variant)."""
-    rest = preload / p[STIFFNESS]
-    if p[EXPONENT] > 1.25:
-        rest = rest ** (2.0 / 3.0)
+    rest = rest_approach(p, preload)
     if s <= 0.0:
         return rest
     low = -s
@@ -418,7 +419,7 @@ def begin(p: Array, tables: Array, state: Array, preload: float, force: float) -
     while i < STATE_SIZE:
         state[i] = 0.0
         i = i + 1
-    state[APPROACH] = riding(p, tables, 0, 0.0, preload)
+    state[APPROACH] = rest_approach(p, preload)
     state[STICKS] = 1.0
     limit = p[FRICTION] * preload
     held = bounded(-force, -limit, limit)
@@ -444,26 +445,22 @@ def stick_step(p: Array, tables: Array, state: Array, h: float, s: float, force:
         state[DEFORMATION] = x
         state[FORCE] = spring_force(p, load, x)
         return d
-    q = spring_force(p, load, x)
-    half = v + 0.5 * d * (q - p[TANGENTIAL_DAMPING] * v + force) / p[MASS]
-    new = x - d * half
+    limit = p[FRICTION] * load
+    inverse = 1.0 / (p[LIMIT_SLOPE] * rest_approach(p, load))
+    state[DEFORMATION] = x
+    ring(p, state, force, limit, inverse, d)
     share = 1.0
-    if new > high:
-        share = (high - x) / (new - x)
-        new = high
-    if new < low:
-        share = (low - x) / (new - x)
-        new = low
-    if share < 1.0:  # slip begins within the step
+    edge = bounded(state[DEFORMATION], low, high)
+    if edge != state[DEFORMATION]:  # slip begins within the step
+        share = (edge - x) / (state[DEFORMATION] - x)
+        state[DEFORMATION] = edge
+        state[VELOCITY] = v + share * (state[VELOCITY] - v)
+        if state[VELOCITY] * (x - edge) <= 0.0:
+            state[VELOCITY] = (x - edge) / d * 1e-12
         state[STICKS] = 0.0
-        state[PINNED] = 1.0 if half < 0.0 else -1.0
-    q = spring_force(p, load, new)
-    state[POSITION] = state[POSITION] + share * d * half
-    state[VELOCITY] = half + (share - 0.5) * d * (q - p[TANGENTIAL_DAMPING] * half + force) / p[MASS]
-    if share < 1.0 and state[VELOCITY] * half <= 0.0:
-        state[VELOCITY] = half * 1e-12
-    state[DEFORMATION] = new
-    state[FORCE] = q
+        state[PINNED] = 1.0 if edge > x else -1.0
+    state[POSITION] = state[POSITION] + x - state[DEFORMATION]
+    state[FORCE] = limit * spring_share(state[DEFORMATION] * inverse, p[EXPONENT])
     return (1.0 - share) * d
 
 
@@ -621,7 +618,7 @@ def hold(p: Array, tables: Array, state: Array, force: float, preload: float, du
         drive: int = int(state[ACTIVE])
         h = state[APPROACH]
         s = state[SURFACE]
-        state[DEPTH] = riding(p, tables, drive, 0.0, preload)
+        state[DEPTH] = rest_approach(p, preload)
         state[LOWEST] = spring_deformation(p, preload, stick_limit(p, tables, drive, h, s, preload, 1))
         state[HIGHEST] = spring_deformation(p, preload, stick_limit(p, tables, drive, h, s, preload, 0))
     limit = p[FRICTION] * preload

@@ -109,6 +109,12 @@ def test_an_error_is_relative_to_the_larger_of_velocity_and_a_tenth_of_the_surfa
     assert found.estimate == 0.2
 
 
+def test_a_converged_answer_that_is_not_known_well_enough_judges_nothing(monkeypatch):
+    answers = iter((answer(1.1, 0.2), answer(1.0, 0.07)))
+    monkeypatch.setattr("studies.chain.run", lambda scene, tolerance: next(answers))
+    assert "is known to 7.0e-02 only" in compared(SimpleNamespace(wave=None), 1e-2).refusal
+
+
 def test_a_refusal_is_no_comparison(monkeypatch):
     def refused(scene, tolerance):
         raise RunError("never moves")

@@ -385,6 +385,30 @@ def test_a_datasheet_and_a_load_line_are_those_of_the_pillars():
     assert loads[-1] == pytest.approx(line.stall, rel=1e-9)
 
 
+def test_a_burst_keeps_the_momentum_with_damper_and_load():
+    """By the midpoint rule m v' = <Q>(v) - R v - load; then friction and load alone stop the slider."""
+    load, rate, mass = 5e-3, 4e-3, 1e-4
+    wave = {"normal_amplitude": 20e-9, "burst": 1e-3}
+    record = run(scene(wave=wave, load=load, damping={"tangential": rate, "normal": 0.5}))
+    ((_, motion),) = record.trajectories
+    body, passing = by_hand()
+    steady = contact.pillar_motion(body, passing, load=load)
+    traction = contact.pillar_traction(body, passing, load=load, near=steady)
+    steps, v = 60, 0.0
+    step = 1e-3 / steps
+
+    def slope(v):
+        return (traction(v, 1.0) - rate * v - load) / mass
+
+    for _ in range(steps):
+        v += step * slope(v + step / 2 * slope(v))
+    assert motion.velocity_at_burst_end == pytest.approx(v, rel=1e-3)
+    assert 1e-5 < motion.relative_error < 1e-2
+    after = (motion.time > motion.duration) & (motion.velocity != 0.0)
+    slowing = -np.polyfit(motion.time[after], motion.velocity[after], 1)[0] * math.copysign(1.0, v)
+    assert slowing == pytest.approx((0.18 * 0.18 + math.copysign(load, v)) / mass, rel=1e-6)
+
+
 def test_a_burst_reaches_the_steady_velocity_at_the_rate_of_the_mean_traction():
     # m v' = <Q>(v) from rest: the time to half the speed by quadrature of dv/<Q>(v)
     table = scene(
