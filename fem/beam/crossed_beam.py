@@ -91,12 +91,8 @@ class CrossedBeam:
         """Sum of the beams' errors over max(|u_x|, |u_z|) at each place."""
         return self.motion_and_error(x, y)[1]
 
-    def oblique_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
-        """As of `SurfaceBeam`: zero, for all modes of solids isotropic about z take part."""
-        return np.zeros(np.broadcast_shapes(np.shape(x), np.shape(y)))
-
-    def motion_and_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0, *, oblique: bool = True):
-        """`motion` and `relative_error` at once; ``oblique`` as of `SurfaceBeam`."""
+    def motion_and_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0):
+        """`motion` and `relative_error` at once."""
         total: np.ndarray = np.zeros(())
         error: np.ndarray = np.zeros(())
         for row, beam in self._moving:

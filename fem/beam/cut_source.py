@@ -6,35 +6,35 @@ the response u = L(k)^-1 q e over k_x, e the surface's potential.  With all eige
     L(k)^-1 = sum_p v_p l_p^T / (k - k_p),    [V; V diag(k_p)] [l_p^T] = [0; K2^-1],
 
 so that the modes to the right are -i v_p (l_p . e) exp(-i k_p x), those to the left +i ... .  Reciprocity,
-L(k, k_y)^T = L(-k, -k_y), gives the response at -k_y from the same eigenpairs.
+L(k, k_y)^T = L(-k, -k_y), gives the response at -k_y from the same eigenpairs.  In a half-space they stand for the bulk
+waves too.
 
-Left out: what leaves a transducer at more than about 45 degrees, since the integral over k_y ends smoothly there;
-modes whose phase runs against their power; where the bottom absorbs in a matched layer, all but the surface wave, which
-is then followed from one k_y to the next.
+The eigenproblem is that of a reduced basis: the fields of loads on the surface at some wave vectors within a disc
+(`_basis`; Benner, Gugercin and Willcox, SIAM Review 57 (2015) 483), at a tenth of the cost of the whole section.
+
+Left out: waves whose phase runs against their power, and those whose power leaves at more than 45 degrees to the other
+side than their phase; the integral over k_y ends smoothly at the surface wave's wavenumber.
 """
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from fem.beam.lateral import LateralRule, lateral_rule
 from fem.beam.line_source import KEPT, LOCAL, Branch, charge_scale
-from fem.convergence import ConvergenceError
-from fem.discretize.absorber import absorber_kind
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.eigenproblem import companion_modes, even_odd_modes
-from fem.geometry import Stator
 from fem.waveguide.port_fields import PortFields
 
 FADE = (
-    0.6,
-    0.85,
+    0.8,
+    1.0,
 )  # of the surface wave's wavenumber: lateral wavenumbers between which the integral fades out
+NARROWER = 0.8  # times both: what that changes bounds what leaves still more obliquely
 NEARLY_ZERO = 1e-5  # of the same: k_y in the place of 0, which makes the constant potential a double root
 NEARLY_REAL = 0.3  # |Im k| / |Re k| below which a mode's power flux tells its direction
 NEAR = 0.02  # relative distance of k at which a mode's localisation counts half
@@ -42,13 +42,21 @@ TWIN_SHARE, TWIN_DISTANCE = (
     0.4,
     0.03,
 )  # localisation and k, relative, of a second mode of the surface wave in a plate
-MAX_ITERATIONS, FOLLOWED = 8, 1e-10  # of a followed mode; last relative step
-FITTED = 4  # places behind from which it is extrapolated
-COARSER = 1.25  # spacing of the rule: 1e-6, where what is left out is 1e-5 and more
-INTERPOLATED = 32  # nodes of a rule at which a mode is solved for, besides a few that check what lies between
-# Between them; all nodes are solved for where it is not reached.  It moves YZ's beam by 2e-4, of a stated 6e-3.
-ACCURACY = {"wavenumbers": 1e-5, "column": 5e-3}
-LOST = "the surface wave cannot be followed to oblique directions in this cut"
+# A wave whose power goes to one side while its lateral phase goes to the other grows along the contour by the tangent
+# of its power's angle; it is kept up to STEEPEST, and a growth by the layer's error over the surface wave's wavenumber
+STEEPEST, GROWTH = 1.0, 1e-3
+PARITY_SHARE = 0.1  # where x -> -x is a symmetry, and the modes cost a quarter
+COARSER = (1.6, 1.25)  # spacing of the rule, 2e-5, and from FINE_LEVEL on, 1e-6
+FINE_LEVEL = 2
+# Wave vectors of the reduced basis: directions over a half circle, sizes over the surface wave's, and their angle in
+# the complex plane, rad, which keeps them from the modes of a body without loss
+DIRECTIONS, SIZES, TILT = 7, (0.02, 1.2), 0.05
+ORDER, LAYER = 7, 3  # least resolution of the section
+DEPTH = 0.5  # wavelengths of the half-space above its absorbing layer; 2 change the motion by less than 1e-4
+# Least singular value, over the largest, of a field that is kept, by the section's level; the response between the wave
+# vectors that made the basis must err by less than ten times as much
+SINGULAR, TRIALS = (5e-5, 5e-5, 5e-5, 1e-5, 2e-6, 4e-7), 5
+MOST = 0.8  # of the section's unknowns, from which on the basis is taken as it is
 
 
 class _Poles(NamedTuple):
@@ -73,12 +81,14 @@ class CutSource:
     ----------
     section : Section
         With all fields; without the edge layers of the fingers.
+    reduced : _Reduced
+        Its matrices on a reduced basis.
     frequency : float
         Hz.
     wavenumber : float
         Of the surface wave at k_y = 0, rad/m.
-    followed : tuple of complex
-        Scaled wavenumbers at k_y = 0 of the modes that alone are followed; empty for all modes.
+    level : int
+        Of refinement, of the stator's section.
     surface_only : bool
         Whether the surface wave alone is wanted.
     static : float
@@ -86,12 +96,19 @@ class CutSource:
     """
 
     section: Section = field(repr=False)
+    reduced: "_Reduced" = field(repr=False)
     frequency: float
     wavenumber: float
-    followed: tuple[complex, ...] = ()
+    level: int
     surface_only: bool = False
     static: float = 0.0
+    rule_gain: ClassVar[float] = 1.0  # as of `LineSource`: a mode that is missed at a node errs by as much
     _spectra: dict = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def error(self) -> float:
+        """Of the reduced basis, relative."""
+        return self.reduced.error
 
     @property
     def surface_mode(self) -> "CutSource":
@@ -109,10 +126,13 @@ class CutSource:
     def branches(self, reach: float, distance: float, _resolved: float, mirror_width) -> Iterator[Branch]:
         """Waves to both sides at the nodes of a rule that serves points up to ``reach``."""
         rounded = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # so that few rules are needed
-        low, high = FADE
-        fade = low * self.wavenumber, high * self.wavenumber
-        coarser = 1.0 if self.section.floating_potential else COARSER  # u_x depends on |k_y| there
-        rule = lateral_rule(self.wavenumber, rounded, fade, mirror_width, coarser=coarser)
+        low, high = (each * self.wavenumber for each in FADE)
+        # u_x depends on |k_y| where the potential floats
+        coarser = 1.0 if self.section.floating_potential else COARSER[self.level >= FINE_LEVEL]
+        narrow = NARROWER * low, NARROWER * high
+        rule = lateral_rule(
+            self.wavenumber, rounded, (low, high), mirror_width, coarser=coarser, narrow=narrow
+        )
         yield from self._lasting(rule, distance)
 
     def plane(self, _resolved: float) -> Iterator[Branch]:
@@ -144,85 +164,28 @@ class CutSource:
                     k[: len(some), node], u[:, : len(some), node] = some, moved.T
                 yield Branch(side, rule, k, u, ((sign, np.ones(3)),))
 
-    @property
-    def _surface(self) -> list[int]:
-        """Unknowns u_x, u_y, u_z and phi at the surface."""
-        return [self.section.surface_dofs[name] for name in ("ux", "uy", "uz", "phi")]
-
     def _spectrum(self, nodes) -> list[_Poles]:
-        """Modes at every node; those that are followed are interpolated along the contour."""
-        if not self.followed or len(nodes) <= INTERPOLATED:
-            return self._solved(nodes)
-        number = np.arange(len(nodes))
-        some, between = (
-            np.unique(np.round(number[-1] * np.sin(np.pi / 2 * np.linspace(0, 1, count)) ** 2).astype(int))
-            for count in (INTERPOLATED, INTERPOLATED // 4)
-        )
-        between = np.setdiff1d(between + 1, [*some, len(nodes)])
-        solved = np.union1d(some, between)
-        fields = [np.stack(each) for each in zip(*self._solved(nodes[solved]), strict=True)]
-        near = np.stack([_barycentric(some, each) for each in number])
-        known, checked = np.isin(solved, some), np.isin(solved, between)
-        found = []
-        for name, each in zip(_Poles._fields, fields, strict=True):
-            if each.dtype == bool:
-                found.append(np.repeat(each[:1], len(nodes), axis=0))
-                continue
-            found.append(np.tensordot(near, each[known], 1))
-            missed = abs(found[-1][between] - each[checked]).max()
-            if missed > ACCURACY.get(name, ACCURACY["column"]) * abs(each).max():
-                return self._solved(nodes)
-        return [_Poles(*each) for each in zip(*found, strict=True)]
-
-    @cached_property
-    def _polynomials(self) -> list[tuple]:
-        """Matrices of `Section.lateral_matrices` at k_y = 0, and their first and second power of k_y in rad/m."""
-        step = self.wavenumber * self.section.length_unit
-        below, here, above = (
-            self.section.lateral_matrices(self.frequency, sign * step) for sign in (-1, 0, 1)
-        )
-        return [
-            (b, (c - a) / (2 * self.wavenumber), (a - 2 * b + c) / (2 * self.wavenumber**2))
-            for a, b, c in zip(below, here, above, strict=True)
-        ]
-
-    def _solved(self, nodes) -> list[_Poles]:
         """Modes at every node, which follow one another closely from 0 on."""
-        size = self.section.size
-        estimates = [(k, *np.random.default_rng(0).normal(size=(2, size))) for k in self.followed]
         out, surface = [], self.wavenumber
-        passed, history = [0.0], [np.array(self.followed)]
         for node in nodes:
             lateral = max(abs(node), NEARLY_ZERO * self.wavenumber) * (node / abs(node) if node else 1.0)
-            second, first, adjoint, zeroth = (
-                a + lateral * (b + lateral * c) for a, b, c in self._polynomials
-            )
-            skew = first - adjoint
-            if self.followed:
-                recent = _barycentric(np.array(passed[-FITTED:]), lateral) @ np.stack(history[-FITTED:])
-                found = [
-                    _tracked(second, skew, zeroth, k, *each[1:])
-                    for k, each in zip(recent, estimates, strict=True)
-                ]
-                estimates = found
-                passed, history = [*passed, lateral], [*history, np.array([each[0] for each in found])]
-                k, shapes, left = (np.stack(each, axis=-1) for each in zip(*found, strict=True))
-                left = left[self._surface]
-            else:
-                k, shapes, left = _all_pairs(second, skew, zeroth, self.section.lateral_odd, self._surface)
-            out.append(self._poles(k, shapes, left, first @ shapes - 1j * (second @ shapes) * k, surface))
+            allowed = STEEPEST * abs(np.imag(lateral)) + GROWTH * self.wavenumber
+            out.append(self._poles(*self.reduced.modes(lateral), surface, allowed * self.section.length_unit))
             surface = next(iter(out[-1].wavenumbers[out[-1].surface & out[-1].right]), surface)
         return out
 
-    def _poles(self, k, shapes, left, flux, expected: complex) -> _Poles:
-        """Forward modes that are not local, of eigenpairs with their left eigenvectors (4, m) and fluxes."""
+    def _poles(self, k, shapes, left, carried, expected: complex, allowed: float) -> _Poles:
+        """Forward modes that are not local, of wavenumbers, shapes, left shapes at the surface (4, m) and powers.
+
+        ``allowed``: growth in the direction of the power, radians per length unit.
+        """
         section, unit = self.section, self.section.length_unit
         nearly_real = abs(k.imag) < NEARLY_REAL * abs(k.real)
-        carried = -np.imag(np.sum(flux * shapes.conj(), axis=0))
         right = np.where(nearly_real, carried > 0, k.imag < 0)
         kept = (~nearly_real | (right == (k.real > 0))) & (
             abs(k.imag) < LOCAL * self.wavenumber * unit / (2 * np.pi)
         )
+        kept &= np.where(right, k.imag, -k.imag) < allowed
         surface = np.zeros(len(k), dtype=bool)
         for side in (
             right,
@@ -235,77 +198,149 @@ class CutSource:
         turn = np.ones((4, 1), dtype=complex)
         if section.solid.mirror_y is not None:  # fields that change sign under y -> -y are scaled by i
             turn[section.solid.mirror_y] = 1j
-        shapes, left = turn * shapes[self._surface], turn.conj() * left
+        shapes, left = turn * shapes[_surface(section)], turn.conj() * left
         scale = charge_scale(section.solid)
         column, row = scale * shapes[:3] * left[3], scale * shapes[3] * left[:3]
         return _Poles(k[kept] / unit, right[kept], surface[kept], column.T[kept], row.T[kept])
 
 
-def _all_pairs(second, skew, zeroth, odd, at) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """All wavenumbers of both directions, (2 n,), their shapes (n, 2 n) and some rows of the left ones."""
-    if odd is not None:
-        k, shapes = even_odd_modes(second, skew, zeroth, odd)
-        k, shapes = np.append(k, -k), np.hstack([shapes, np.where(odd, -1.0, 1.0)[:, None] * shapes])
-    else:
-        k, shapes = companion_modes(second, 1j * skew, zeroth)
-    shapes = shapes / np.linalg.norm(shapes, axis=0) / np.maximum(1.0, abs(k))
-    load = np.zeros((len(k), len(at)), dtype=complex)
-    load[len(second) :] = np.linalg.solve(second, np.eye(len(second))[:, at])
-    return k, shapes, np.linalg.solve(np.vstack([shapes, shapes * k]), load).T
+def _surface(section: Section) -> list[int]:
+    """Unknowns u_x, u_y, u_z and phi at the surface."""
+    return [section.surface_dofs[name] for name in ("ux", "uy", "uz", "phi")]
 
 
-def _tracked(second, skew, zeroth, k: complex, right: np.ndarray, left: np.ndarray):
-    """Eigenvalue and both eigenvectors of L next to an estimate: two-sided Rayleigh quotient iteration."""
-    from scipy.linalg import lu_factor, lu_solve
+class _Polynomials(NamedTuple):
+    """K2, K1, K1t and K0 - omega^2 M as polynomials of k_y in rad/m, three coefficients each."""
 
-    for _ in range(MAX_ITERATIONS):
-        matrix, slope = k**2 * second + 1j * k * skew + zeroth, 2 * k * second + 1j * skew
-        factor = lu_factor(matrix, check_finite=False)
-        right = lu_solve(factor, slope @ right, check_finite=False)
-        left = lu_solve(factor, slope.T @ left, trans=1, check_finite=False)
-        right, left = right / np.linalg.norm(right), left / np.linalg.norm(left)
-        step = (left @ matrix @ right) / (left @ slope @ right)
-        k -= step
-        if abs(step) < FOLLOWED * abs(k):
-            return k, right, left / (left @ slope @ right)
-    raise ConvergenceError(LOST)
+    coefficients: list[tuple]
+
+    @classmethod
+    def of(cls, section: Section, frequency: float, wavenumber: float) -> "_Polynomials":
+        step = wavenumber * section.length_unit
+        matrices = (section.lateral_matrices(frequency, sign * step) for sign in (-1, 0, 1))
+        return cls(
+            [
+                (b, (c - a) / (2 * wavenumber), (a - 2 * b + c) / (2 * wavenumber**2))
+                for a, b, c in zip(*matrices, strict=True)
+            ]
+        )
+
+    def at(self, lateral: complex) -> list[np.ndarray]:
+        """The four matrices."""
+        return [a + lateral * (b + lateral * c) for a, b, c in self.coefficients]
+
+    def projected(self, basis: np.ndarray) -> "_Polynomials":
+        """The matrices on a basis."""
+        return _Polynomials([tuple(basis.T @ each @ basis for each in parts) for parts in self.coefficients])
+
+    def operator(self, along: complex, lateral: complex) -> np.ndarray:
+        """L at a wave vector: k_x in radians per length unit, k_y in rad/m."""
+        second, first, adjoint, zeroth = self.at(lateral)
+        return along**2 * second + 1j * along * (first - adjoint) + zeroth
 
 
-def _barycentric(places: np.ndarray, at: complex) -> np.ndarray:
-    """Weights of values at some places for the polynomial through them elsewhere, shape of the places."""
-    here = abs(at - places) < 1e-14 * abs(places).max()
-    if here.any() or len(places) == 1:
-        return here.astype(float) if here.any() else np.ones(1)
-    spread = np.ptp(places)
-    apart = (places[:, None] - places) / spread + np.eye(len(places))
-    weights = 1 / (np.prod(apart, axis=1) * (at - places))
-    return weights / weights.sum()
+class _Reduced(NamedTuple):
+    """The section on a real basis (n, r), which keeps reciprocity and the sign of every loss."""
+
+    basis: np.ndarray
+    matrices: _Polynomials
+    surface: np.ndarray  # (4, r): u_x, u_y, u_z and phi at the surface
+    odd: np.ndarray | None  # (r,): parity of the columns under x -> -x, where that is a symmetry
+    error: float  # of the response at wave vectors between those that made the basis, relative
+
+    def response(self, along: complex, lateral: complex) -> np.ndarray:
+        """Fields at the surface of loads there, (4, 4)."""
+        return self.surface @ np.linalg.solve(self.matrices.operator(along, lateral), self.surface.T)
+
+    def modes(self, lateral: complex) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Wavenumbers of both directions (m,), shapes (n, m), left shapes at the surface (4, m), powers (m,)."""
+        second, first, adjoint, zeroth = self.matrices.at(lateral)
+        if self.odd is not None:
+            k, shapes = even_odd_modes(second, first - adjoint, zeroth, self.odd)
+            k = np.append(k, -k)
+            shapes = np.hstack([shapes, np.where(self.odd, -1.0, 1.0)[:, None] * shapes])
+        else:
+            k, shapes = companion_modes(second, 1j * (first - adjoint), zeroth)
+        shapes = shapes / np.linalg.norm(shapes, axis=0) / np.maximum(1.0, abs(k))
+        load = np.zeros((len(k), 4), dtype=complex)
+        load[len(second) :] = np.linalg.solve(second, self.surface.T)
+        left = np.linalg.solve(np.vstack([shapes, shapes * k]), load).T
+        flux = first @ shapes - 1j * (second @ shapes) * k
+        return k, self.basis @ shapes, left, -np.imag(np.sum(flux * shapes.conj(), axis=0))
 
 
-def follows_one_mode(stator: Stator) -> bool:
-    """True if the surface wave alone is followed: below it modes of oblique waves grow in the absorbing layer.
+def _reduced(section: Section, frequency: float, wavenumber: float, singular: float) -> _Reduced:
+    """The section on the fields of loads on its surface, at wave vectors of a disc.
 
-    In a selective layer none grows (tests/fem/discretize/test_absorber.py): all modes together are the half-space.
+    More take part until the response between them is that of the section.
     """
-    return stator.absorbs_below and absorber_kind(stator.solid) != "selective"
+    whole, surface, seen = _Polynomials.of(section, frequency, wavenumber), _surface(section), []
+    loads, odd = np.eye(section.size)[:, surface], section.lateral_odd
+    groups = [np.ones(section.size, dtype=bool)] if odd is None else [odd, ~odd]
+    scale = wavenumber * np.exp(1j * TILT)
+    if odd is not None:
+        singular *= PARITY_SHARE
+
+    def vector(size: float, angle: float) -> tuple[complex, complex]:
+        return size * scale * np.cos(angle) * section.length_unit, size * scale * np.sin(angle)
+
+    trials = np.random.default_rng(0).uniform([SIZES[0], 0], [SIZES[1], np.pi], (TRIALS, 2))
+    count = int(np.ceil(3 + np.ptp(section.breakpoints)))
+    while True:
+        sizes = SIZES[0] + (SIZES[1] - SIZES[0]) * (np.arange(count) + 0.5) / count
+        for number, size in enumerate(sizes):
+            for angle in (np.arange(DIRECTIONS) + (number % 3 + 0.5) / 3) * np.pi / DIRECTIONS:
+                found = np.linalg.solve(whole.operator(*vector(size, angle)), loads)
+                found /= abs(found).max(axis=0)
+                seen += [found.real, found.imag]
+        columns = [_singular_vectors(np.hstack(seen), group, section, singular) for group in groups]
+        basis = np.hstack(columns)
+        parity = None if odd is None else np.arange(basis.shape[1]) < columns[0].shape[1]
+        reduced = _Reduced(basis, whole.projected(basis), basis[surface], parity, np.inf)
+        missed = 0.0
+        for trial in trials:
+            true = np.linalg.solve(whole.operator(*vector(*trial)), loads)[surface]
+            off = abs(reduced.response(*vector(*trial)) - true).max(axis=0) / abs(true).max(axis=0)
+            missed = max(missed, float(off.max()))
+        if missed < 10 * singular or basis.shape[1] > MOST * section.size:
+            return reduced._replace(error=missed)
+        count *= 2
+
+
+def _singular_vectors(fields: np.ndarray, group: np.ndarray, section: Section, singular: float) -> np.ndarray:
+    """Orthonormal vectors that span the fields in columns as far as they count, in a group of their unknowns.
+
+    A floating potential that is constant, which is a mode at k = 0, is one of them.
+    """
+    own, exact = fields[group], section.constant_potential[group, None] * section.floating_potential
+    exact = exact[:, np.any(exact, axis=0)]
+    exact = exact / np.linalg.norm(exact, axis=0)
+    own = own - exact @ (exact.T @ own)
+    vectors, values, _ = np.linalg.svd(np.linalg.qr(own.T, mode="r").T, full_matrices=False)
+    kept = np.hstack([exact, vectors[:, values > singular * values[0]]])
+    out = np.zeros((len(fields), kept.shape[1]))
+    out[group] = kept
+    return out
 
 
 def cut_source(fields: PortFields) -> CutSource:
     """Source of a solved stator, from the solution's resolution without its edge layers."""
-    modes = fields.modes
+    modes, given, stator = fields.modes, fields.resolution, fields.stator
+    if stator.absorbs_below:  # any thickness is the same half-space
+        stator = replace(stator, thickness=np.inf)
     section = discretise(
-        fields.stator,
-        Resolution(order=fields.resolution.order, edge_layers=0, absorber=fields.resolution.absorber),
+        stator,
+        Resolution(order=max(given.order, ORDER), edge_layers=0, absorber=max(given.absorber, LAYER)),
         wavelength=modes.section.length_unit,
         surface_scale=np.inf,
         lateral=True,
+        least_depth=DEPTH,
     )
-    surface = modes.rayleigh
-    ratio = section.length_unit / modes.section.length_unit
-    followed = (modes.wavenumbers[surface[0]] * ratio, modes.backwards[surface[0]] * ratio)
+    wavenumber = float(np.mean(modes.wavenumbers[modes.rayleigh].real) / modes.section.length_unit)
     return CutSource(
         section=section,
+        reduced=_reduced(section, modes.frequency, wavenumber, SINGULAR[given.absorber]),
         frequency=modes.frequency,
-        wavenumber=float(np.mean(modes.wavenumbers[surface].real) / modes.section.length_unit),
-        followed=followed if follows_one_mode(fields.stator) else (),
+        wavenumber=wavenumber,
+        level=given.absorber,
     )

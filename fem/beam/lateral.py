@@ -31,15 +31,18 @@ class LateralRule:
     ----------
     nodes, weights : ndarray, shape (n,)
         rad/m, complex; n odd, so that every second node is a rule too, with twice the weights.
+    share : ndarray, shape (n,)
+        Of the weights that is left where the integral fades out earlier; all without such a rule.
     """
 
     nodes: np.ndarray = field(repr=False)
     weights: np.ndarray = field(repr=False)
+    share: np.ndarray | float = field(default=1.0, repr=False)
 
     @property
     def conjugate(self) -> "LateralRule":
         """The same rule below the real axis."""
-        return LateralRule(nodes=self.nodes.conj(), weights=self.weights.conj())
+        return LateralRule(nodes=self.nodes.conj(), weights=self.weights.conj(), share=self.share)
 
 
 def lateral_rule(
@@ -49,6 +52,7 @@ def lateral_rule(
     mirror_width: float | None = None,
     *,
     coarser: float = 1.0,
+    narrow: tuple[float, float] | None = None,
 ) -> LateralRule:
     """Nodes and weights of the integral over k_y.
 
@@ -64,6 +68,8 @@ def lateral_rule(
         Distance in m of two faces y = const that reflect; the rule is then the exact sum and has no coarser one.
     coarser : float
         Factor of the nodes' spacing, where a node is dear.
+    narrow : tuple of float, optional
+        As ``fade``, of the rule's narrower weights.
 
     Returns
     -------
@@ -73,7 +79,9 @@ def lateral_rule(
         nodes = np.arange(int(fade[1] * mirror_width / (2 * np.pi)) + 1) * (2 * np.pi / mirror_width)
         weights = 2 / mirror_width * _faded(nodes, *fade)
         weights[0] *= 0.5
-        return LateralRule(nodes=nodes, weights=weights)
+        return LateralRule(
+            nodes=nodes, weights=weights, share=1.0 if narrow is None else _faded(nodes, *narrow)
+        )
     offset = min(GROWTH / reach, MAX_TILT * highest)
     scale = 3.0 * offset
     start, stop = (each + scale for each in fade)
@@ -83,7 +91,9 @@ def lateral_rule(
     weights[0] *= 0.5
     tilt = np.tanh(t / scale)
     return LateralRule(
-        nodes=t + 1j * offset * tilt, weights=weights * (1.0 + 1j * (offset / scale) * (1.0 - tilt**2))
+        nodes=t + 1j * offset * tilt,
+        weights=weights * (1.0 + 1j * (offset / scale) * (1.0 - tilt**2)),
+        share=1.0 if narrow is None else _faded(t, *(each + scale for each in narrow)),
     )
 
 

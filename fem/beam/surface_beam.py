@@ -42,17 +42,8 @@ GROUPS = (
     1.0,
     8.0,
 )  # wavelengths from the charges between which points share a rule; nothing nearer is resolved in y
-UNLIKE = (
-    0.25  # of what is not followed; half as much fails beside one finger pair on PZT-8 (test_cut_source.py)
-)
 # of the difference to fewer steps along the fingers that is left; 0.2 to 0.4 seen (test_finger_ends.py)
 COARSER_SHARE = 0.5
-# Of the section's amplitude at a wavelength from an end of the aperture, and the power of the distance with which it
-# falls: bulk waves sent obliquely, of u_x and u_z and of u_y (test_oblique_bulk.py)
-# FADED: where all modes take part, what leaves at more than about 45 degrees (cut_source.py), within 10 mm of fingers.
-FADED = (0.02, 1.25)
-OBLIQUE, OBLIQUE_LATERAL = (0.24, 1.25), (0.15, 0.75)
-RULE_GAIN = 1.5  # power of the coarse rule's error that bounds the fine one's; 1.8 measured, 2 in theory
 CHUNK = 2000  # points at a time whose distances to all fingers, or whose spectra, are tabulated
 FULL_GRID = 4  # points of the grid of all x and y per point asked for, up to which the whole grid is computed
 SAME_STEP = 1e-15  # m: steps from node to node that differ by less share their phases
@@ -118,83 +109,33 @@ class SurfaceBeam:
         BeamError
             Outside the stator.
         """
-        return self._both_rules(x, y)[0]
+        return self._by_rules(x, y)[0]
 
     def relative_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
         """Estimate of the error over max(|u_x|, |u_z|) at each point: the integral's, the section's, the modes'.
 
-        The integral's follows from half as many nodes.  The section's error is relative to the section's amplitude,
-        which interference may make larger than the beam's.  The modes' is what the sum of the modes at k_y = 0 leaves
-        of the section's motion; nearer than a wavelength to the fingers the field contains it as far as the aperture
-        goes.  Where the surface wave alone is followed, the field contains it with the surface wave's spreading, and
-        the error is the share of it that spreads otherwise: by what the surface wave changes, and `UNLIKE` more.
-        `oblique_error` is added.
+        The integral's follows from half as many nodes and, in cuts whose integral ends before all waves are evanescent
+        along x, from what an earlier end changes.  The section's error is relative to the section's amplitude,
+        which interference may make larger than the beam's.  The modes' is what their sum at k_y = 0 leaves of the
+        section's motion; nearer than a wavelength to the fingers the field contains it as far as the aperture goes.
         """
         return self.motion_and_error(x, y)[1]
 
-    def motion_and_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0, *, oblique: bool = True):
-        """`motion` and `relative_error` at once; ``oblique``: with `oblique_error`, a model error."""
-        fine, coarse = self._both_rules(x, y)
+    def motion_and_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0):
+        """`motion` and `relative_error` at once."""
+        fine, coarse, narrow = self._by_rules(x, y)
         size = abs(fine[[0, 2]]).max(axis=0)
         largest = float(size.max())
-        rule = (abs(fine - coarse).max(axis=0) / largest) ** RULE_GAIN * largest / size
+        rule = (abs(fine - coarse).max(axis=0) / largest) ** self.source.rule_gain * largest / size
+        rule = rule + abs(fine - narrow).max(axis=0) / size
         if self.faces is not None:  # whose static part depends on |k_y|
             static = self._returned(*(each.ravel() for each in np.broadcast_arrays(x, y)), self.faces.static)
             rule = rule + abs(static[0, 0]).reshape(size.shape) / size
-        x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        section, left_out = self._left_out(x, y, fine)
-        if not oblique and self._follows_one_mode:
-            left_out = 0.0
-        if oblique and not self._follows_one_mode and isinstance(self.source, CutSource):
-            left_out = left_out + section * self._oblique(x, y, *FADED)
+        places, where = np.unique(np.broadcast_to(x, size.shape), return_inverse=True)
+        of_places = (self.wave.motion(places), self._beyond_the_modes(places))
+        section, left_out = (abs(each).max(axis=0)[where.reshape(size.shape)] for each in of_places)
+        left_out = np.maximum(left_out, self.source.error * section)
         return fine, rule + (np.maximum(size, section) * self.wave.relative_error + left_out) / size
-
-    def _left_out(self, x: np.ndarray, y: np.ndarray, motion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Amplitude of the section, m per V, and what the modes leave out of the beam's ``motion``, at each point."""
-        places, where = np.unique(x, return_inverse=True)
-        where = where.reshape(x.shape)
-        in_section = self.wave.motion(places)
-        section = abs(in_section).max(axis=0)[where]
-        left_out = abs(self._beyond_the_modes(places)).max(axis=0)[where]
-        if self._follows_one_mode:
-            change = abs(motion[2] / in_section[1][where] - 1)
-            far = self._distances(x) > self._resolved
-            left_out = left_out * np.where(far, np.minimum(1.0, UNLIKE + change), 1.0)
-            left_out = left_out + section * self._oblique(x, y, *OBLIQUE)
-        return section, left_out
-
-    def oblique_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
-        """Estimate of what the modes that are not followed change in u_x and u_z, over max(|u_x|, |u_z|).
-
-        Zero where all modes of the section take part.  Where the surface wave alone is followed, what the section has
-        beyond it spreads otherwise, and the ends of the fingers send bulk waves to all sides, which the section has
-        not.  Against the whole response of half-spaces of
-        128YX and YZ lithium niobate (tests/fem/beam/test_oblique_bulk.py) 19 of 20 places are within twice the
-        estimate: amplitudes that fall from the ends of the aperture in the transducer's middle, as d^-5/4.
-        """
-        x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        if not self._follows_one_mode:
-            return np.zeros(x.shape)
-        motion = self.motion(x, y)
-        return self._left_out(x, y, motion)[1] / abs(motion[[0, 2]]).max(axis=0)
-
-    def lateral_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
-        """The same of u_y, over max(|u_x|, |u_z|): it falls as d^-3/4 only."""
-        x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        motion = self.motion(x, y)
-        section, _ = self._left_out(x, y, motion)
-        return self._oblique(x, y, *OBLIQUE_LATERAL) * section / abs(motion[[0, 2]]).max(axis=0)
-
-    def _oblique(self, x: np.ndarray, y: np.ndarray, share: float, power: float) -> np.ndarray:
-        """Sum over the ends of the apertures of ``share`` (wavelength / distance)^power, at most one each."""
-        total = np.zeros(x.shape)
-        wavelength = abs(self.wave.phase_velocity) / self.wave.frequency
-        for each, charges in zip(self.wave.solution.fields.transducers, self.charges, strict=True):
-            if np.any(charges.charge):
-                for side in (1, -1):
-                    distance = np.hypot(x - each.center, y - each.center_y - side * each.aperture / 2)
-                    total += share * (wavelength / np.maximum(distance, wavelength)) ** power
-        return total
 
     @property
     def length(self) -> float:
@@ -273,25 +214,24 @@ class SurfaceBeam:
     def _section_charges(self) -> tuple[ElectrodeCharges, ...]:
         return _charges_of(self.wave.solution)
 
-    def _both_rules(self, x, y) -> tuple[np.ndarray, np.ndarray]:
+    def _by_rules(self, x, y) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Motion by the rule, by half its nodes, and by one that ends at smaller lateral wavenumbers."""
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         shape, x, y = x.shape, x.ravel(), y.ravel()
         self._refuse(x, y)
         distance = self._distances(x)
         group = np.searchsorted(np.divide(GROUPS, GROUPS[0]) * self._resolved, distance)
-        total = np.empty((2, 3, len(x)), dtype=complex)
+        total = np.empty((3, 3, len(x)), dtype=complex)
         for number in set(group.tolist()):
             some = group == number
             total[..., some] = self._modal(x[some], y[some], float(distance[some].min()))
             if self.complete and number == 0:
                 total[..., some] += self._local(x[some], y[some])
-            elif self.complete and self._follows_one_mode:
-                total[..., some] += self._spread_alike(x[some], total[0, 2, some])
         if self.mirror_width is None:
             total += self._static(x, y)
         if self.faces is not None:
             total += self._returned(x, y, self.faces.wanted)
-        return tuple(total.reshape(2, 3, *shape))
+        return tuple(total.reshape(3, 3, *shape))
 
     def _refuse(self, x, y):
         if not np.all((x >= 0) & (x <= self.wave.length)):
@@ -301,10 +241,10 @@ class SurfaceBeam:
             raise BeamError(f"y must be finite and lie between the side faces, +-{limit:g} m")
 
     def _modal(self, x, y, distance: float) -> np.ndarray:
-        """Sum of the modes at points that are at least a distance from all charges, by both rules, (2, 3, points)."""
+        """Sum of the modes at points that are at least a distance from all charges, by all rules, (3, 3, points)."""
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
-        total = np.zeros((2, 3, len(x)), dtype=complex)
+        total = np.zeros((3, 3, len(x)), dtype=complex)
         for branch in self.source.branches(self._reach(y), distance, self._resolved, self.mirror_width):
             total += self._inverse(
                 branch,
@@ -316,7 +256,7 @@ class SurfaceBeam:
         return total
 
     def _returned(self, x, y, modes) -> np.ndarray:
-        """What the faces send back in some modes, by both rules, (2, 3, points)."""
+        """What the faces send back in some modes, by all rules, (3, 3, points)."""
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
         found = self.faces.returned(self._reach(y), _sources(self._sheets), self.mirror_width)
@@ -330,29 +270,34 @@ class SurfaceBeam:
         return float((abs(spans) + np.divide(self.apertures, 2)).max())
 
     def _inverse(self, waves, sent_by, lines, column, row) -> np.ndarray:
-        """Fields at points (``column`` of the places, ``row`` of the lines y) of waves, by both rules, (2, 3, points).
+        """Fields at points (``column`` of the places, ``row`` of the lines y) of waves, by all rules, (3, 3, points).
 
         ``sent_by``: spectra of u at the places, (places, 3, n), from those of the apertures, (transducers, n).
         """
         count, sent = len(column), None
         lateral, weights = waves.rule.nodes, waves.rule.weights / 2
+        narrow = None if np.all(waves.rule.share == 1.0) else weights * waves.rule.share
         lengths, centers = (
             np.array([getattr(each, name) for each in self._sheets]) for name in ("length", "center")
         )
         uniform = lengths[:, None] * np.sinc(np.outer(lengths, lateral / (2 * np.pi)))
-        total = np.zeros((2, 3, count), dtype=complex)
+        total = np.zeros((3, 3, count), dtype=complex)
         for sign, factors in waves.signs:
             if sent is None or centers.any():
                 sent = sent_by(uniform * np.exp(1j * sign * np.outer(centers, lateral)))
             phases = np.exp(-1j * sign * np.outer(lateral, lines))
-            for coarse, step in ((0, 1), (1, 1 if self.mirror_width is not None else 2)):
-                weighted = factors[:, None] * sent[..., ::step] * (step * weights[::step])
+            half = 1 if self.mirror_width is not None else 2
+            for rule, step, own in ((0, 1, weights), (1, half, half * weights), (2, 1, narrow)):
+                if own is None:
+                    total[rule] = total[0]
+                    continue
+                weighted = factors[:, None] * sent[..., ::step] * own[::step]
                 if len(sent) * len(lines) <= FULL_GRID * count:
-                    total[coarse] += (weighted @ phases[::step])[column, :, row].T
+                    total[rule] += (weighted @ phases[::step])[column, :, row].T
                 else:
                     for start in range(0, count, CHUNK):
                         some = slice(start, start + CHUNK)
-                        total[coarse][:, some] += np.einsum(
+                        total[rule][:, some] += np.einsum(
                             "pcn,np->cp", weighted[column[some]], phases[::step, row[some]]
                         )
         return total
@@ -365,13 +310,6 @@ class SurfaceBeam:
         owner = nearest[column]
         within = abs(y - np.array(self.centers)[owner]) < np.divide(self.apertures, 2)[owner]
         return np.insert(self._beyond_the_modes(places), 1, 0.0, axis=0)[:, column] * within
-
-    def _spread_alike(self, x, normal) -> np.ndarray:
-        """What the section has beyond the mode that is followed, spread as that mode's ``normal`` is, (3, points)."""
-        places, column = np.unique(x, return_inverse=True)
-        rest = self._beyond_the_modes(places)
-        ratio = normal / (self.wave.motion(places)[1] - rest[1])[column]
-        return np.insert(rest, 1, 0.0, axis=0)[:, column] * ratio
 
     def _distances(self, x) -> np.ndarray:
         """Of places to the nearest charge, m."""
@@ -390,10 +328,6 @@ class SurfaceBeam:
         rest = self.wave.motion(places) - sent.T[[0, 2]]
         rest[0] -= source.static * (2 * to_the_left - nodes.charge.sum())
         return rest
-
-    @property
-    def _follows_one_mode(self) -> bool:
-        return isinstance(self.source, CutSource) and bool(self.source.followed)
 
     @property
     def _resolved(self) -> float:

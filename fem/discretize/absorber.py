@@ -17,7 +17,7 @@ from fem.discretize.graded_medium import graded_medium
 from fem.discretize.stability import layer_growth
 from fem.materials.christoffel import slowness_sheets, stretch_absorbs
 from fem.materials.medium import Medium, damped, medium
-from fem.materials.rotation import fields
+from fem.materials.rotation import fields, isotropic_about_normal
 from fem.materials.solids import Solid
 
 Kind = Literal["matched", "selective", "viscous"]
@@ -69,12 +69,17 @@ DEPTHS = (
 Layer = list[tuple[float, complex, Medium]]
 
 
-def absorber(solid: Solid, body: Medium, order: int, level: int) -> Layer:
+def absorber(solid: Solid, body: Medium, order: int, level: int, *, lateral: bool = False) -> Layer:
     """Elements below the solid from the bottom up: height in wavelengths, mean complex stretching factor, medium.
 
-    ``body``: medium of the solid in the fields that take part; ``level``: of refinement, a number of `DEPTHS`.
+    ``body``: medium of the solid in the fields that take part; ``level``: of refinement, a number of `DEPTHS`;
+    ``lateral``: the waves will have a lateral wavenumber.  A matched layer that absorbs the waves of the sagittal plane
+    lets oblique ones grow (ST-X quartz: 6e-3 rad per wavelength; LiNbO3 rotated by 41 degrees: 3e-4); over a selective
+    layer none does (tests/fem/discretize/test_absorber.py).
     """
     kind = absorber_kind(solid)
+    if kind == "matched" and lateral and not isotropic_about_normal(solid):
+        kind = "selective"
     if kind == "matched":
         return _matched(body, DEPTHS[level].static)
     if kind == "viscous":

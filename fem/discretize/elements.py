@@ -26,7 +26,13 @@ VACUUM_HEIGHT = 64.0
 
 
 def discretise(
-    stator: Stator, resolution: Resolution, *, wavelength: float, surface_scale: float, lateral: bool = False
+    stator: Stator,
+    resolution: Resolution,
+    *,
+    wavelength: float,
+    surface_scale: float,
+    lateral: bool = False,
+    least_depth: float = HALF_SPACE_DEPTH,
 ) -> Section:
     """Elements and unknowns through the depth of a stator.
 
@@ -39,6 +45,8 @@ def discretise(
         where there is no electrode.
     lateral : bool
         The fields will have a lateral wavenumber: all displacements, and phi of a piezoelectric solid, take part.
+    least_depth : float
+        Wavelengths of ordinary solid above an absorbing layer, all that a half-space has.
     """
     names = lateral_fields(stator.solid) if lateral else coupled_fields(stator.solid)
     body = medium(stator.solid, names)
@@ -53,10 +61,10 @@ def discretise(
             'or more and is not begun: take a thinner one, or bottom = "absorbing" where the bottom does not matter'
         )
     layers = resolution.edge_layers if np.isfinite(surface_scale) else 0
-    depth = stator.thickness / unit if np.isfinite(stator.thickness) else HALF_SPACE_DEPTH
+    depth = stator.thickness / unit if np.isfinite(stator.thickness) else least_depth
     if stator.absorbs_below:
         # Any thickness is the same half-space; too near the surface the layer errs by 1e-4.
-        depth = min(max(depth, HALF_SPACE_DEPTH), MAX_DEPTH)
+        depth = min(max(depth, least_depth), MAX_DEPTH)
     scale = surface_scale / unit
     top = min(max(scale, FINGER_SCALE), depth / 2, largest) if layers else min(depth, largest)
     layers = edge_layers(resolution, top, min(scale, top)) if layers else 0
@@ -70,7 +78,7 @@ def discretise(
     complex_heights = heights.astype(complex) if stator.absorbs_below else heights
     below = []
     if stator.absorbs_below:
-        below = absorber(stator.solid, body, resolution.order, resolution.absorber)
+        below = absorber(stator.solid, body, resolution.order, resolution.absorber, lateral=lateral)
     heights = np.concatenate([[each.real for each, _, _ in below], heights])
     complex_heights = np.concatenate([[each * stretch for each, stretch, _ in below], complex_heights])
     solid_elements = len(heights)

@@ -117,10 +117,6 @@ def _aperture(record: Record) -> Rows:
     if record.scene.crossed:
         yield from _crossed(record, places)
         return
-    oblique = float(motion.beam.oblique_error(*zip(*places, strict=True)).max())
-    if oblique:
-        how = "bulk waves from the fingers' ends, in proportion to those of lithium niobate half-spaces"
-        yield "bulk waves sent obliquely", "u_z", oblique, how
     other = replace(motion.beam, mirror_width=None if block.mirror_width else block.width)
     ratios = abs(other.motion(*zip(*places, strict=True))[2] / motion.at(places)[2])
     worst = max((float(each) - 1 for each in ratios), key=abs)

@@ -196,8 +196,11 @@ def _needed(
     own: no finer section makes these smaller.
     """
     parts = [stator for stator, contact in answer.parts if stator + contact > tolerance]
-    room = 0.5 * tolerance - ringing
-    if not parts or max(parts) <= ringing or room <= 0 or beam_share * min(parts) > HOPELESS * tolerance:
+    if not parts or max(parts) <= ringing:
         return None
-    goal = reached * room / (max(parts) - ringing)
+    beam = beam_share * (max(parts) - ringing)
+    room = 0.5 * (tolerance - beam) - ringing
+    if room <= 0 or beam_share * min(parts) > HOPELESS * tolerance:
+        return None
+    goal = reached * room / (max(parts) - ringing - beam)
     return goal if goal < reached else None

@@ -80,7 +80,7 @@ class SurfaceMotion:
 
     def _both(self, x, y):
         if self.beam is not None:
-            return self.beam.motion_and_error(x, y, oblique=False)  # which is a model error
+            return self.beam.motion_and_error(x, y)
         tangential, normal = self.wave.motion(np.asarray(x, dtype=float))
         return np.array([tangential, np.zeros_like(normal), normal]), np.full(
             np.shape(normal), self.wave.relative_error
@@ -173,8 +173,6 @@ def surface_motion(wave, block: Stator, places, *, slider: bool = True) -> Surfa
         here, there = spread.at(places)[[0, 2]], wave.motion(np.array([x for x, _ in places]))
         changed = float((abs(here - there).max(axis=0) / abs(here).max(axis=0)).max())
         added = spread.relative_error(places) - wave.relative_error
-        x, y = np.array(places, dtype=float).T
-        added += float(spread.beam.oblique_error(x, y).max())
         if added > changed:
             reason = f"the beam's own error, {added:.1e}, would exceed what it changes, {changed:.1e}"
             return SurfaceMotion(

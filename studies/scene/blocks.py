@@ -111,9 +111,8 @@ class Stator(Block):
     diffraction: Annotated[
         bool | None,
         FLAG,
-        "true: the finite aperture spreads the beam; false: plane section. Absent: true under a slider in "
-        "solids isotropic about z with absorbing ends, and wherever a ball lies beside the axis, if it can "
-        "be computed.",
+        "true: the finite aperture spreads the beam; false: plane section. Absent: true under a slider with "
+        "absorbing ends, and wherever a ball lies beside the axis, if it can be computed.",
     ] = None
     sides: Annotated[
         str,

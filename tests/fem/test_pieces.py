@@ -155,7 +155,7 @@ def _reference_stator(tmp_path, case):
         position = 4.9e-3
     else:
         groups = ("left", "right", "bottom", "electrode:strip")
-        path = rectangle(tmp_path / "strip.msh", 1.0, 1.1, size=0.35, strip=(0.35, 0.3, 0.1), groups=groups)
+        path = rectangle(tmp_path / "strip.msh", 1.0, 1.1, size=0.25, strip=(0.35, 0.3, 0.1), groups=groups)
         position, rest = 4.85e-3, {"solids": (("strip", material("aluminium")),)}
     piece = MeshPiece(name=case, mesh=read_mesh(path, 1e-3), position=position, **rest)
     solid = cut("PZT-4", "Z")

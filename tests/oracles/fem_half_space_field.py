@@ -51,11 +51,11 @@ class HalfSpaceField:
 
     def motion(self, x, y, *, places, charges, aperture, surface_wavenumber):
         """u_x, u_y, u_z in m at points, of lines of charge (C/m) at places x along |y| < aperture / 2, (3, points)."""
-        highest, reach = 1.75 * surface_wavenumber, float(np.hypot(x, y).max())
-        epsilon = 3.0 / (surface_wavenumber * reach)
+        highest, reach = 4.0 * surface_wavenumber, float(np.hypot(x, y).max())
+        epsilon = min(3.0 / (surface_wavenumber * reach), 0.04)
         turn, radial = 1 + 1j * epsilon, int(2.5 * highest / (epsilon * surface_wavenumber))
         size = (np.arange(radial) + 0.5) * highest / radial
-        fade = [0.5 * math.erfc(5 * (2 * (k / surface_wavenumber - 1.2) / 0.55 - 1)) for k in size]
+        fade = [0.5 * math.erfc(5 * (2 * (k / surface_wavenumber - 2.5) / 1.5 - 1)) for k in size]
         angles = int(2 * highest * reach + 200) // 2
         total = np.zeros((3, len(x)), dtype=complex)
         for angle in (np.arange(angles) + 0.5) * np.pi / angles - np.pi / 2:

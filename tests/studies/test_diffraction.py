@@ -235,8 +235,9 @@ def test_side_faces_that_reflect_make_the_beam_of_its_images(small):
         given.replace(stator={"sides": "mirror", "diffraction": False})
 
 
-def test_balls_beside_the_axis_ask_for_the_beam_in_any_cut():
+def test_the_beam_is_the_default_in_any_cut_and_beside_the_axis():
     """The section does not know y: on 128YX it made the velocity of outer balls 2.4 times too large."""
-    motor = Scene.load("lithium-niobate-128yx")
+    assert resolve.diffracts(Scene.load("lithium-niobate-128yx"))
+    motor = Scene.load("twente-left").replace(stator={"ends": "free"})
     assert not resolve.diffracts(motor)
     assert resolve.diffracts(motor.replace(slider={"contacts": (("0 mm", "-3.5 mm"), ("0 mm", "3.5 mm"))}))

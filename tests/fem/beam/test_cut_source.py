@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import fresnel
 
-from fem.beam.cut_source import cut_source
-from fem.beam.lateral import lateral_rule
+from fem.beam.cut_source import _Polynomials, _surface, cut_source
 from fem.beam.surface_beam import surface_beam
 from tests.fem.stators import comb, cut, lossless, plate, solution, wave_of
 
@@ -33,33 +32,12 @@ def test_modes_at_each_lateral_wavenumber_are_the_rotated_ones():
     np.testing.assert_allclose(solved.motion(left, y), expected, atol=5e-3 * abs(expected).max())
     lateral = np.array([-0.3, 0.1, 0.3]) * turned.source.wavenumbers[turned.source.surface].mean().real
     np.testing.assert_allclose(
-        solved.surface_wavenumbers(lateral), turned.surface_wavenumbers(lateral), rtol=1e-8
+        solved.surface_wavenumbers(lateral), turned.surface_wavenumbers(lateral), rtol=3e-7
     )
     expected = turned.surface_mode.motion(right, y)
     np.testing.assert_allclose(
         solved.surface_mode.motion(right, y), expected, atol=1e-3 * abs(expected).max()
     )
-
-
-def test_what_is_not_followed_spreads_as_the_surface_wave():
-    """Over an absorbing bottom: against all modes, within the stated error, and at most half of what is left out."""
-    aperture = 12e-3
-    turned = beam_in(
-        cut("PZT-8", "Z", quality=300.0), thickness=np.inf, aperture=aperture, length=30.0, pairs=1, order=5
-    )
-    exact_section = replace(turned.wave, relative_error=0.0)
-    solved = replace(turned, source=cut_source(turned.wave.solution.fields), wave=exact_section)
-    assert len(solved.source.followed) > 0
-    x = turned.charges[0].x[-1] + np.array([2e-3, 4e-3, 8e-3, 16e-3])[:, None]
-    y = np.array([0.0, 0.2, 0.35, 0.6]) * aperture
-    expected = turned.motion(x, y)
-    found, stated = solved.motion_and_error(x, y)
-    size = abs(expected).max(axis=0)
-    missed = abs(found - expected).max(axis=0) / size
-    assert np.all(missed < stated)
-    left_out = abs(solved._beyond_the_modes(x[:, 0])).max(axis=0)[:, None] / size
-    assert np.all(missed[2:] < 0.5 * left_out[2:])
-    assert np.all(stated[2:, :3] < 0.9 * left_out[2:, :3])
 
 
 CUTS = {
@@ -69,21 +47,29 @@ CUTS = {
 }
 
 
-@pytest.mark.parametrize("name", ["128YX", pytest.param("ST-X", marks=pytest.mark.slow)])
-def test_followed_modes_are_interpolated(name, monkeypatch):
-    """Against the solution at every node; at ST-X, whose wave changes fast with the angle, by that solution."""
-    monkeypatch.setattr("fem.beam.cut_source.follows_one_mode", lambda stator: True)
-    beam = beam_in(lossless(*CUTS[name]), thickness=np.inf, length=14.0, pairs=1, order=4)
-    fade = (0.6 * beam.source.wavenumber, 0.85 * beam.source.wavenumber)
-    nodes = lateral_rule(beam.source.wavenumber, 6e-3, fade).nodes
-    found = beam.source._spectrum(nodes)
-    expected = beam.source._solved(nodes)
-    exact = sum(np.array_equal(a.column, b.column) for a, b in zip(found, expected, strict=True))
-    assert (exact < 40) == (name == "128YX")
-    assert len(nodes) > 60
-    for of, accuracy in (("wavenumbers", 2e-6), ("column", 2e-3), ("row", 2e-3)):
-        ours, theirs = (np.stack([getattr(each, of) for each in poles]) for poles in (found, expected))
-        np.testing.assert_allclose(ours, theirs, atol=accuracy * abs(theirs).max())
+@pytest.mark.parametrize("name", CUTS)
+def test_response_of_the_reduced_basis(name):
+    """Fields at the surface of loads there, at wave vectors of its own disc, against the whole section."""
+    source = beam_in(lossless(*CUTS[name]), thickness=np.inf, length=14.0, pairs=1, order=5).source
+    whole, surface = (
+        _Polynomials.of(source.section, source.frequency, source.wavenumber),
+        _surface(source.section),
+    )
+    loads = np.eye(source.section.size)[:, surface]
+    for along, lateral in ((0.93, 0.2), (-0.4, 0.7), (0.1, 0.03)):
+        k = source.wavenumber * np.array([along * source.section.length_unit, lateral]) * (1 + 0.07j)
+        expected = np.linalg.solve(whole.operator(*k), loads)[surface]
+        off = abs(source.reduced.response(*k) - expected).max(axis=0) / abs(expected).max(axis=0)
+        assert off.max() < 1e-3
+
+
+def test_no_kept_mode_grows_faster_than_a_wave_at_45_degrees():
+    """YZ: beyond that the sum of the modes fails, by 1e4 at 8 mm."""
+    source = beam_in(lossless(*CUTS["YZ"]), thickness=np.inf, length=14.0, pairs=1, order=5).source
+    node = (0.9 + 0.04j) * source.wavenumber
+    (poles,) = source._spectrum(np.array([node]))
+    growth = np.where(poles.right, poles.wavenumbers.imag, -poles.wavenumbers.imag)
+    assert growth.max() < 1.03 * node.imag
 
 
 @pytest.mark.parametrize("name", CUTS)
@@ -110,9 +96,9 @@ def test_reciprocity_gives_the_opposite_lateral_wavenumber(name):
     (here,), (there,) = (source._spectrum(np.array([sign * k_y])) for sign in (1, -1))
     for mode in np.flatnonzero(here.surface):
         other = np.argmin(abs(there.wavenumbers + here.wavenumbers[mode]))
-        assert there.wavenumbers[other] == pytest.approx(-here.wavenumbers[mode], rel=1e-9)
+        assert there.wavenumbers[other] == pytest.approx(-here.wavenumbers[mode], rel=1e-6)
         scale = abs(there.column[other]).max()
-        np.testing.assert_allclose(there.column[other], -here.row[mode], atol=1e-6 * scale)
+        np.testing.assert_allclose(there.column[other], -here.row[mode], atol=1e-4 * scale)
 
 
 @pytest.mark.parametrize(("name", "gamma"), [("128YX", -0.34), ("YZ", -1.10), ("ST-X", 0.378)])

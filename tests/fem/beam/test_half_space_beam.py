@@ -19,4 +19,4 @@ def test_beam_on_128yx_has_the_bulk_waves_of_the_half_space():
     wave = driven_wave(stator, (transducer,), frequency=10e6, drive="a", tolerance=2e-3, places=(0.015,))
     motion, error = surface_beam(wave, mirror_width=None).motion_and_error(0.015, -2e-3)
     assert abs(abs(motion[2]) / TRUTH - 1) < 1.5e-3
-    assert error < 2.5e-3
+    assert error < 3e-3

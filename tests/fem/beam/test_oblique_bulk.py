@@ -1,4 +1,4 @@
-"""What the surface wave alone leaves out of a beam on lithium niobate: against the whole response of the half-space."""
+"""Beams on half-spaces of lithium niobate: against Stroh's problem at every wave vector."""
 
 from dataclasses import replace
 
@@ -24,10 +24,10 @@ def beam_and_field(cut: str, pairs: int, aperture: float, x, y):
     one = fem.Transducer(
         name="a", center=0.01, finger_pairs=pairs, period=period, metallisation=0.5, aperture=aperture
     )
-    solved = solve_driven(stator, (one,), frequency=frequency, drive="a", resolution=LEVELS[2])
+    solved = solve_driven(stator, (one,), frequency=frequency, drive="a", resolution=LEVELS[1])
     beam = surface_beam(wave_of(solved))
-    beam = replace(beam, wave=replace(beam.wave, relative_error=1e-4))
-    solid, (places, charges) = stator.solid, beam.charges[0].sheets(aperture, 0.0)[0].lumps
+    beam = replace(beam, wave=replace(beam.wave, relative_error=1e-5))  # the oracle has its charges
+    solid, charges = stator.solid, beam.charges[0]
     field = HalfSpaceField(
         stiffness=solid.stiffness_lossy,
         coupling=solid.coupling,
@@ -38,33 +38,40 @@ def beam_and_field(cut: str, pairs: int, aperture: float, x, y):
     expected = field.motion(
         x - one.center,
         y,
-        places=places - one.center,
-        charges=charges,
+        places=charges.x - one.center,
+        charges=charges.charge,
         aperture=aperture,
         surface_wavenumber=2 * np.pi * frequency / beam.wave.phase_velocity,
     )
     return beam, expected
 
 
-def test_a_place_near_the_edge_of_a_beam():
-    """Ten pairs of 5 mm on 128YX, 5 mm away: |u_z| is 7.198e-11 m/V (an independent program)."""
-    x, y = np.array([0.015, 0.015]), np.array([-2e-3, 0.0])
-    beam, expected = beam_and_field("128YX", 10, 5e-3, x, y)
-    assert abs(expected[2, 0]) == pytest.approx(7.198e-11, rel=3e-3)
-    motion = beam.motion(x, y)
-    assert abs(motion - expected)[[0, 2]].max() < 5e-3 * abs(expected).max()
+def errors(beam, expected, x, y) -> tuple[np.ndarray, np.ndarray]:
+    """Of u_x, u_y and u_z over max(|u_x|, |u_z|), and the stated ones."""
+    motion, stated = beam.motion_and_error(x, y)
+    return abs(motion - expected) / abs(motion[[0, 2]]).max(axis=0), stated
+
+
+def test_beside_and_before_a_short_transducer():
+    """Two pairs of 2 mm on YZ: all three components, at up to 45 degrees from the fingers' ends."""
+    x, y = np.array([0.0117, 0.012, 0.012]), np.array([0.3e-3, 0.0, 1.1e-3])
+    beam, expected = beam_and_field("YZ", 2, 2e-3, x, y)
+    off, stated = errors(beam, expected, x, y)
+    assert abs(expected[1]).max() > 0.02 * abs(expected).max()
+    assert off.max() < 5e-4
+    assert np.all(off.max(axis=0) < 2 * stated + 1e-4)  # the oracle's fading out
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("cut", "pairs", "aperture"), [("YZ", 10, 12e-3), ("YZ", 5, 2e-3)])
-def test_nineteen_of_twenty_places(cut, pairs, aperture):
-    rng = np.random.default_rng(pairs)
-    x = 0.01 + rng.uniform((pairs / 2 + 1.5) * CUTS[cut][2], 9e-3, 40)
-    y = rng.uniform(-0.6, 0.6, 40) * aperture
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("cut", CUTS)
+def test_nineteen_of_twenty_places(cut, seed):
+    """Transducers drawn at random: 34 places each, 272 together."""
+    rng = np.random.default_rng(100 + seed)
+    pairs, aperture = int(rng.integers(3, 16)), rng.uniform(2e-3, 20e-3)
+    x = 0.01 + rng.uniform((pairs / 2 + 2) * CUTS[cut][2], 15e-3, 34)
+    y = rng.uniform(-0.7, 0.7, 34) * aperture
     beam, expected = beam_and_field(cut, pairs, aperture, x, y)
-    motion, stated = beam.motion_and_error(x, y)
-    size = abs(motion[[0, 2]]).max(axis=0)
-    off = abs(motion - expected) / size
-    assert np.mean(off[[0, 2]].max(axis=0) < 2 * stated) >= 0.9
-    assert np.mean(off[1] < 2 * (stated + beam.lateral_error(x, y))) >= 0.95
-    assert np.median(stated) < 4 * np.median(off[[0, 2]].max(axis=0)) + 0.02
+    off, stated = errors(beam, expected, x, y)
+    assert np.mean(off.max(axis=0) < 2 * stated) >= 0.95
+    assert np.median(off) < 2e-3
