@@ -17,7 +17,8 @@ from studies.study import Finding, Panel, StudyRecord, judged, of_record
 
 __all__ = ["figure", "run", "tables"]
 
-ONE = ("--set", "drive.voltage=10")
+# the plane section with and without a slider: under one the beam would be the default
+ONE = ("--set", "drive.voltage=10", "--set", "stator.diffraction=false")
 COMMANDS = {
     "whole chain": ("twente-left", *ONE),
     "no slider": ("twente-left", *ONE, "--tolerance", "2.5e-4", "-slider"),
