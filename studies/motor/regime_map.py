@@ -25,6 +25,7 @@ from studies.study import Answered, Panel, driven_contact, judged, of_record, st
 
 QUICK = {"amplitudes": 8, "preloads": 5, "checked": 2}
 KINDS = ("stick", "slip", "intermittent", "hopping")
+AVERAGING_ERROR = 1.5  # relative error of an averaged threshold or release over (f_n/f)^2
 HALF_WAVE = math.gamma(1.25) / (2.0 * math.sqrt(math.pi) * math.gamma(1.75))  # cycle mean of max(cos, 0)^1.5
 
 
@@ -67,6 +68,9 @@ def run(
     below = [at[None, :] < line[:, None] for line in lines.values()]
     # where a point lies within the error of a line, either side is right
     error = np.array([factor.error / factor.value for factor in factors["release"]])[:, None]
+    # the simulated points are averaged, the lines are those of the full motion
+    bounce = np.array([s.normal_resonance(len(per_metre)) / per_metre[0].frequency for s in loaded])[:, None]
+    error = np.maximum(error, AVERAGING_ERROR * bounce**2)
     close = [abs(at[None, :] / line[:, None] - 1.0) <= error for line in lines.values()]
     known, expected = (kind != "unknown") & ~np.any(close, axis=0), np.select(below, KINDS[:3], KINDS[3])
     # a load can only move the threshold, not the lines of the normal motion

@@ -52,13 +52,14 @@ def test_a_bounce_that_lives_contradicts_no_motor():
 
 
 def test_the_datasheet_s_numbers_hold_within_their_errors():
-    """Truths: bisections of an independent integrator (thrust), 0.44 and 1 % above the full motion (thresholds)."""
+    """Truths: bisections of an independent integrator (thrust) and of the exact motion (threshold and release)."""
     rows = {row.name: row for row in datasheet(scene(LIGHT)).rows}
     thrust = rows["blocked thrust"]
     assert thrust.value == pytest.approx(63.72e-6, abs=0.005e-6)
     assert thrust.error < 1e-3
-    for name, above in (("threshold", 0.0044), ("release", 0.0075)):
-        assert above < 2.0 * rows[name].error < 0.03
+    for name, truth in (("threshold", 2.2288625e-9 / 1.0044), ("release", 7.2507837e-9 / 1.0075)):
+        assert rows[name].value == pytest.approx(truth, rel=5e-4)
+        assert rows[name].error < 1e-5
     assert rows["load held on the wave"].value >= thrust.value
     (line, *_) = load_line.run(scene(LIGHT), points=3).panels
     assert line.data["blocked_thrust_N"]["4 nm"] == pytest.approx(thrust.value, rel=1e-12)

@@ -119,7 +119,8 @@ def test_the_numbers_of_the_seed_figures_are_those_of_the_closed_forms(seed):
     found = {finding["quantity"]: finding["found"] for finding in record["findings"]}
     assert found["frequency of the ring (Hz)"] == pytest.approx(6581, rel=2e-3)  # design.md
     release = found["release amplitude (nm); 1 % below slip, 1 % above intermittent"]
-    assert release == pytest.approx(4.17258, rel=1e-5)  # design.md
+    # design.md; the full motion parts from the surface (f_n/f)^2 = 1.6e-5 earlier than the averaged one
+    assert 4.17258 - release == pytest.approx(6.3e-5, abs=1e-5)
 
 
 def test_the_elements_give_the_wave_of_the_half_space(studied):
