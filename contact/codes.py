@@ -82,10 +82,10 @@ class Status(IntEnum):
 
     DONE = 0
     STICKS = 1  # a contact sticks through whole cycles
-    UNSETTLED = 2
+    UNSETTLED = 2  # no equilibrium or no finite motion was reached
     RUNAWAY = 3  # no velocity balances the load
     NEAR_THRESHOLD = 4  # held, but so near the threshold that averaging cannot tell
     NOT_FINITE = 5
     TOO_MANY = 6  # events
     FULL = 7  # memory
-    STIFF = 8
+    STIFF = 8  # Picard's iteration does not converge, however short the segment

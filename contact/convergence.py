@@ -7,7 +7,8 @@ class ConvergenceError(RuntimeError):
     Attributes
     ----------
     status : str
-        One word: "runaway", "unstable", "stiff", "not finite", "too many events", "not converged".
+        What kept the answer away, in a few words, such as "runaway", "unstable", "stiff", "not finite", "too many
+        events", "not converged"; the functions that raise it name others.
     """
 
     def __init__(self, status: str, message: str):

@@ -35,7 +35,7 @@ class Problem(NamedTuple):
     # mu and c, the slip limit over the approach; of a law without one such number a typical mu, and the largest c
     friction: float
     limit_slope: float
-    stick_band: float  # The seed's DV
+    stick_band: float  # `slider.stick_band`, DV in Feenstra and Breedveld
     longest: float  # Longest segment of the event-driven solver
     shape: int  # Of each contact, one of `codes.Shape`
     paths: Paths  # Of the contacts

@@ -45,12 +45,12 @@ class Slider:
     effective_modulus, tangential_modulus : float
         E and G of the pair, Pa, positive.
     law : str
-        "elastic" (the seed's eq. 2) or "hysteretic" (Mindlin-Deresiewicz). A `UserLaw`, a module or the path of a file
-        becomes `friction`, with the elastic law's stick and slip.
+        "elastic" (Feenstra and Breedveld, eq. 2) or "hysteretic" (Mindlin-Deresiewicz). A `UserLaw`, a module
+        or the path of a file becomes `friction`, with the elastic law's stick and slip.
     reciprocal : bool
         True: the tangential spring acts back on the normal motion.
     stick_band : float
-        The seed's DV, m/s; 0 for none.
+        DV in Feenstra and Breedveld, m/s: slower slip counts as stick; 0 for none.
     contact_damping : float
         R_n1, Hunt-Crossley's chi, s/m: the force chi P dz/dt; the friction limit uses the elastic P.
     normal_damping, tangential_damping : float

@@ -27,11 +27,11 @@ from contact.problem import Problem, largest_resonance, scaled, without_wave
 from contact.slider import Slider
 from contact.stepping.time_stepping import steps
 
-# up to here "auto" follows every event, whatever the tolerance
+# largest number of cycles for which `auto` follows every event, whatever the tolerance
 EXACT_CYCLES = 3000
 # of the velocity, per cycle that is followed exactly
 ROUNDING = 1e-15
-# up to here it takes over from another method that misses the tolerance, some ten seconds
+# largest number of cycles for which the exact method takes over from one that misses the tolerance; some ten seconds
 MAX_EXACT_CYCLES = 100_000
 # cycles of a longer burst in which the errors of the other methods are calibrated
 WINDOW = 1000
@@ -46,7 +46,8 @@ STEPS = ((24, 2e-3), (32, 4e-4), (56, 4e-5), (80, 1e-5), (128, 1.5e-6), (192, 2e
 ORDER = 1.0
 # instants in the second half of a burst at which two runs are compared
 COMPARED = 24
-# share of the tolerance down to which a step size serves that no comparison takes away
+# added to every estimate of fixed steps: this share of the tolerance for which the step size serves (`STEPS`), so that
+# two runs that agree by chance do not claim a vanishing error
 FLOOR = 0.01
 # Nodes per segment, truncation of a segment, its longest length over that of the problem, and the tolerance down to
 # which each serves. Neighbours differ in all three: where events set the segments' lengths the truncation changes
@@ -332,10 +333,20 @@ class Window(NamedTuple):
 
 
 def _refined(burst, follow, error, levels, least):
-    """Return (level, run, result) of the first level of resolution whose run agrees with that of the level before.
+    """Return (level, run, result) of the first level of resolution whose estimated error keeps the tolerance.
 
-    A run begins with the velocities to compare, of which the last is that at the end; a level ends with the tolerance
-    down to which it serves.
+    The error is estimated from the difference to the run of the level before. Of the last level the run is returned
+    whatever its error.
+
+    Parameters
+    ----------
+    follow : callable
+        Level to run: a tuple whose first entry holds the velocities to compare, the one at the end last.
+    error : callable
+        (level, run, largest difference of these velocities, reference speed) to the estimated error; scaled.
+    levels : tuple of tuple
+        Resolutions from coarse to fine, such as `STEPS`; the last entry of each is the tolerance down to which it
+        serves. The first that serves, but at least number `least`, is run first.
     """
     serving = (k for k, (*_, down_to) in enumerate(levels) if burst.tolerance >= down_to)
     level = max(next(serving, len(levels) - 1), least)
@@ -350,7 +361,7 @@ def _refined(burst, follow, error, levels, least):
 
 
 def _both(work, first, second):
-    """Return what some work gives for two arguments, at the same time: the kernels let other threads run."""
+    """Return work(first) and work(second), from two threads: kernels release the interpreter's lock."""
     if os.environ.get("SAWMOTOR_THREADS") == "1":
         return work(first), work(second)
     with ThreadPoolExecutor(1) as aside:

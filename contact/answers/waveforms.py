@@ -1,4 +1,4 @@
-r"""What happens at the contact points, instant by instant: the quantities of the seed paper's Figs 6 and 7.
+r"""What happens at the contact points, instant by instant: the quantities of Feenstra and Breedveld's Figs 6 and 7.
 
 Three stages: "start", after a number of cycles from rest; "steady", in the periodic motion; "after", after the wave
 has stopped in the periodic motion, where one "cycle" is still a period of the wave that was.

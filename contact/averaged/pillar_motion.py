@@ -14,7 +14,7 @@ from contact.averaged.pillars import PassingWave, Pillars
 from contact.convergence import ConvergenceError
 from contact.input_error import InputError
 
-LOADED = 0.05  # loading number above which a slider acts back on the wave, where nobody decides
+LOADED = 0.05  # loading number above which a slider acts back on the wave, where `loading` is None
 FULL_SLIP = 1.001  # of the velocity beyond which every contact slips all the time
 MAX_HALVINGS = 60
 HARMONICS = "harmonics"  # the word for a load on the wave with its overtones
@@ -107,7 +107,9 @@ class PillarMotion:
     relative_error: float
     truncation: float
     sweeps: int
-    state: tuple = field(repr=False)  # unknowns and the wave at the rows, from which a near motion begins
+    # From which a near motion begins: unknowns of `Equilibrium`, amplitudes of U+ and of U- at the rows, mean
+    # approaches of the pillars, w = v/omega in m, sign of the motion from which a velocity of zero comes
+    state: tuple = field(repr=False)
 
     @property
     def ledger_residual(self) -> float:
@@ -208,7 +210,7 @@ class PillarLoadLine:
 
 
 class _Slider:
-    """The equilibria of one slider on one wave, each begun at the last."""
+    """The equilibria of one slider on one wave, each begun at the last; w = v/omega is the velocity, m."""
 
     def __init__(self, pillars, wave, loading, harmonics=1):
         if loading is None:
@@ -311,7 +313,9 @@ class _Slider:
         ends = []
         for side in (way, -way):
             load = 0.0
-            for _ in range(40):  # the load at its height tips the slider, whatever else it does not
+            # a load at a height tilts the slider and so changes the traction: repeat with load = traction until both
+            # agree
+            for _ in range(40):
                 found = self.rest(side, load)
                 if (
                     self.pillars.load_height == 0.0

@@ -1,13 +1,13 @@
-r"""The averaged way: a slider that is heavy on the wave's time scale, many cycles at once.
+r"""The averaged method: a slider that is heavy on the wave's time scale, many cycles at once.
 
-The bounce equation and the velocity equation (`equilibrium`, `transient`) take the event-exact mean
-of the tangential force over a cycle. First order errs by O((f_n/f)^2); with the slider's fast motion fed back (second
+The bounce equation and the velocity equation (`equilibrium`, `transient`) take the event-exact mean of the tangential
+force over a cycle. First order errs by O((f_n/f)^2); with the slider's fast motion fed back (second
 order) the steady state is the full periodic motion but for the harmonics left out, and v(t) is a hundred times closer.
-The first and the last cycle of a run are followed event by event: the start from rest is no cycle that repeats, and the
-end wants deformations.
+The first and the last cycle of a run are followed event by event: the start from rest is no cycle that repeats, and
+averaging does not give the deformations of the contacts at the end.
 
-It does not apply to a stiff contact (f_n/f above 0.1), to a stick band, to other laws than the seed's, or where a
-contact sticks through whole cycles, for its traction then remembers how it got there.
+It does not apply to a stiff contact (f_n/f above 0.1), to a `slider.stick_band`, to other laws than the elastic
+one, or where a contact sticks through whole cycles, because its traction then depends on its history.
 """
 
 import math
@@ -115,7 +115,8 @@ def averaged_run(burst, begin):
     rows = np.zeros((ends.size, 2))
     rows[ends <= 1] = begin.state[2], begin.state[0]
     rows[inner] = found[np.searchsorted(phases, at)]
-    # a cycle forgets its deformations: one for those it starts with, one for the motion
+    # A cycle of slip forgets the deformations at its start. The first turn, from deformations of 0, gives those at
+    # phase 0; the second, from the averaged motion with these, is the last cycle of the run.
     begin.place(*state, 0.0)
     begin.turn(1)
     begin.place(*state, begin.state[3:])

@@ -22,8 +22,9 @@ from contact.jit.compiled import compiled, native
 from contact.law.protocol import Law, with_numbers
 from contact.problem import Own, changed, in_units
 
-# Relative error of the threshold amplitude over (f_n/f)^2: at 0.75 nm, just above the seed's threshold, first order
-# errs by 12 (f_n/f)^2 in velocity (`tests/benchmarks/contact_ways.py`). At most half the amplitude is added.
+# Relative error of the threshold amplitude over (f_n/f)^2: at 0.75 nm, just above the threshold of Feenstra and
+# Breedveld's slider, first order errs by 12 (f_n/f)^2 in velocity (`tests/benchmarks/contact_ways.py`).
+# At most half the amplitude is added.
 THRESHOLD_ERROR, MAX_THRESHOLD_ERROR = 12.0, 0.5
 # f_n/f up to which a slider that moves at the larger amplitude is called held, with that velocity as its error.
 # Beyond, averaging cannot tell.

@@ -1,4 +1,4 @@
-r"""The averaged way through time: first the bounce with the velocity, then the velocity alone.
+r"""The averaged equations through time: first the bounce with the velocity, then the velocity alone.
 
 While the bounce lives, Runge-Kutta's classical method follows it in fixed steps, and the velocity takes the mean
 traction at the middle of each (it moves by 1e-4 of its range in one). Once the bounce's share in the mean traction,
@@ -77,7 +77,7 @@ class Span(NamedTuple):
     stop: float  # A whole number of cycles, as phase
     tolerance: float  # In V; also the largest squared bounce that counts as dead
     per_period: int  # Steps per period of the bounce
-    rule: Rule  # Quadrature of a smooth piece, of at most `averaged.FINE_NODES` nodes
+    rule: Rule  # Quadrature of a smooth piece, of at most `equilibrium.FINE_NODES` nodes
     corrected: int  # 1: with the correction of second order
     # (k,), (k, 2) arrays: Phases to report, rising; v and z_s there
     at: np.ndarray
@@ -141,7 +141,7 @@ def bounce(problem, state, span, work):
 
 @compiled
 def _rate(problem, h, v, rule, work, most):
-    """Return (V', h) at V; after so many rounds of settling height and fast motion, if any."""
+    """Return (V', h) at velocity V; height and fast motion are first settled in at most `most` rounds (0: kept)."""
     if most > 0:
         h, _ = settled(problem, rule, h, v, work, most)
     cycle(problem, h, v, rule, work)
@@ -209,6 +209,7 @@ def _response(problem, state, span, work, k):
     rule, second, speed = span.rule, work.second, state[At.VELOCITY]
     rest(second.fast)
     h, w, v = -state[At.POSITION], -state[At.NORMAL_VELOCITY], speed
+    # the mean motion at phase 0 is the state less the fast motion, which depends on the mean motion: three rounds
     for _ in range(3):
         cycle(problem, h, v, rule, second)
         if second.counts[Counted.STUCK] > 0:

@@ -76,7 +76,10 @@ class Following(NamedTuple):
 
 @compiled
 def attempt(problem, grid, state, work, task, memory, course):
-    """Lay out the next segment; return what became of it. Where it is accepted the contacts are at its end."""
+    """Lay out the next segment; return what became of it. Where it is accepted the contacts are at its end.
+
+    `work`, `task`, `course`: a `Work`, `Task` and `Course` of `event_driven`.
+    """
     span = work.span
     outer = seg.next_segment(course.phase, course.length, task.stop, SMOOTH)
     _remember(state, span)
@@ -150,7 +153,8 @@ def _iterated(problem, grid, state, work, task, outer, memory):
             for k in range(n - 2, n):
                 normal = max(normal, abs(span.series[Row.NORMAL_ACCELERATION, k]))
                 along = max(along, abs(span.series[Row.TANGENTIAL_ACCELERATION, k]))
-            # of a position between the ends; its impulse is as much again smaller, for it changes sign n times
+            # Error of the position between the ends, (L/2)^2/n^2 of the last coefficients; it changes sign about n
+            # times, so its integral over the segment is smaller by another L/n.
             return Status.DONE, max(normal, along) * outer.length**3 / (4.0 * n**3)
         last = change
     return Status.STIFF, 0.0

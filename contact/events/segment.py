@@ -86,9 +86,9 @@ class State(NamedTuple):
     slider: np.ndarray  # (3,): z_s, z_s' and v
     deformation: np.ndarray  # (contacts,): x
     sign: np.ndarray  # (contacts,): of deformation or slip
-    regime: np.ndarray  # (contacts,) int: see `law.elastic`
-    tally: np.ndarray  # (TALLY,) int: events and work, see `event_driven`
-    sums: np.ndarray  # (SUMS,): integrals, see `energy`
+    regime: np.ndarray  # (contacts,) int: `codes.Regime`
+    tally: np.ndarray  # (event_driven.TALLY,) int: how many of each `codes.Event` and `codes.Count`
+    sums: np.ndarray  # (len(energy.Sum),): integrals, see `energy.Sum`
 
 
 class Nodes(NamedTuple):
@@ -104,7 +104,7 @@ class Segment(NamedTuple):
 
     phase: float  # of its start
     length: float  # so far; 0 where an event falls on its start
-    longest: float  # the length that it had before an event was found on it
+    longest: float  # length before an event shortened it: the upper bound of Newton's method for the event
     map: int  # of the collocation
     contact: int  # whose guard vanishes at its end, -1 without an event
     guard: int  # and which
@@ -247,7 +247,7 @@ def contact_forces(problem, grid, state, nodes, i, memory):
 
 @compiled
 def _moments(problem, grid, state, nodes, segment, memory):
-    """Fill the moment M at the nodes of contacts that grow without slip."""
+    """Fill the moment M (LEVEL) at the nodes of contacts that grow without slip; FRONT holds dM/dt on the way."""
     own, n = nodes.contact, grid.sigma.size
     for i in range(state.regime.size):
         if state.regime[i] != Regime.GROW:

@@ -1,7 +1,8 @@
-"""Machine code of a kernel that stands alone: numba types and lowers it, llvmlite optimises it once and for all.
+"""Ahead-of-time machine code of a kernel: numba types and lowers it, LLVM (by llvmlite) optimises it once as a whole.
 
-Numba would optimise every function by itself and again inside each that calls it, and wrap each for Python.  Here that
-is put off: one module, one entry, everything inlined that pays.  The entry takes a table of 64-bit words (addresses,
+Numba would optimise every function by itself and again inside each that calls it, and wrap each for Python.  Here
+optimisation waits until all functions are linked into one module with one entry, so that LLVM runs once and inlines
+across them.  The entry takes a table of 64-bit words (addresses,
 lengths, numbers).  Reference counts are left out, for nothing is allocated.
 """
 
@@ -9,17 +10,24 @@ import hashlib
 import re
 from functools import cache
 
-# what a kernel may call beyond itself: the C library's mathematics
+# the only outside functions that a kernel may call: LLVM's intrinsics, mathematics and memory functions of the C
+# library, and complex arithmetic of the compiler's runtime
 _LIBRARY = re.compile(
     r"llvm\..*|sin|cos|tan|sqrt|asin|acos|atan|atan2|hypot|pow|exp|log|floor|ceil|fmod|cbrt|mem(set|cpy|move)|__\w+c3"
 )
+# numba's functions that count references, replaced by empty ones
 _COUNTING = re.compile(r"^define [^\n]*@NRT_(in|de)cref\([^{]*\{.*?^\}", re.MULTILINE | re.DOTALL)
 
 
 def machine_code(kernel, words: list[str], arguments: tuple, numba) -> bytes:
-    """Return the object file of a kernel for arguments of these type words, its entry named `kernel`.
+    """Return the object file of a kernel, its entry named `kernel`.
 
-    `arguments`: an example, for the classes of the named tuples among them.
+    Parameters
+    ----------
+    kernel : the kernel as decorated by `contact.jit.compiled.native`.
+    words : types of the arguments' leaves in order: "f", "i", "c" for a float, int or complex number, with the number
+        of axes behind it ("f2") for an array.
+    arguments : an example, for the classes of the named tuples among them.
     """
     from numba.core.compiler_lock import global_compiler_lock
     from numba.core.registry import cpu_target

@@ -17,7 +17,7 @@ multiple of 2 pi.  The contour keeps its distance D but near the origin: a lossl
 answer, with loss the poles are k / Q^(1/2) or more from there.  All modes take the contour of those whose phase runs
 along their power: a mode with phase and power opposed that propagates would be on the wrong sheet beyond its own k.
 Where nothing grounds the section, what the faces send back of the pole at k = 0 depends on |k_y|: the rule's error is
-less than this part (1e-5 to 5e-5 of the amplitude on the seed's stator).
+less than this part (1e-5 to 5e-5 of the amplitude on Feenstra and Breedveld's stator).
 """
 
 from collections.abc import Callable

@@ -19,7 +19,7 @@ import numpy as np
 
 GROWTH = 4.0  # D r; half or twice as much takes 1.5 times as many nodes
 MAX_TILT = 0.04  # D over the largest wavenumber, where the aperture is a few wavelengths only
-SPACING = 0.36  # h / D: 1e-8 on the seed's stator; half as many nodes give 1e-4
+SPACING = 0.36  # h / D: 1e-8 on Feenstra and Breedveld's stator; half as many nodes give 1e-4
 EVANESCENT = (13.0, 20.0)  # exponents between which evanescent k_y are faded out
 
 

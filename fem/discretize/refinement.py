@@ -17,7 +17,7 @@ from fem.discretize.grading import Resolution
 from fem.geometry import Stator
 from fem.mesh.quads import SLENDER, corner_aspect
 
-# From coarse to fine: measured on the seed's stator (admittance and surface motion move together).
+# From coarse to fine: measured on Feenstra and Breedveld's stator (admittance and surface motion move together).
 LEVELS = (
     Resolution(order=5, edge_layers=0, absorber=0),
     Resolution(order=6, edge_layers=1, absorber=1),

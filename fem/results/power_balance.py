@@ -1,7 +1,7 @@
 """Where the power of a driven stator goes.
 
 The flux through the lines of each piece is taken from what arrives and leaves there, the loss between them from
-the imaginary moduli, element by element (recovery.py), and the power in from circuit and charge: three numbers of
+the imaginary moduli, element by element (`Piece.recover`), and the power in from circuit and charge: three numbers of
 different origin that must balance.  A line force gives what the waves carry away on both of its sides.
 
 With finite apertures (fem.beam.reception) the lines carry the mean waves over each transducer's aperture.  What one
@@ -88,7 +88,8 @@ def power_balance(solution: Solution) -> PowerBalance:
     for side, end in enumerate(fields.network.ends):
         if end == "absorbing":
             continue
-        # what leaves towards an end is lost on the way there and back, or behind a step of thickness
+        # nothing is radiated at a reflecting end: what leaves towards it counts as lost, but for what passes a step of
+        # thickness, which counts as radiated
         behind = 0.0
         if isinstance(end, Wall) and end.beyond is not None:
             behind = section_width * _behind(solution, side)

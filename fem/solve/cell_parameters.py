@@ -1,7 +1,7 @@
 """The free, the metallised and the fingered cell of one material: velocity, K2, reflectivity, capacitance.
 
 The first two are half-spaces without a mesh (half_space.py), the third an endless grating, its fingers shorted and open
-(gratings.py).  The error is that of the stop bands' edges, from two discretisations.
+(grating.py).  The error is that of the stop bands' edges, from two discretisations.
 """
 
 from dataclasses import dataclass

@@ -47,7 +47,7 @@ def driven_wave(
         Name of the driven transducer, or sources at several.
     tolerance : float
         Relative, of the surface motion at ``places``; infinite: the coarsest discretisation alone, whose error is not
-        estimated (1.7 to 4.5 % on the seed's stator of 3.6 to 6.7 mm).
+        estimated (1.7 to 4.5 % on Feenstra and Breedveld's stator of 3.6 to 6.7 mm).
     places : tuple of float
         m from the left end; mid-stator if empty.
     progress : callable, optional

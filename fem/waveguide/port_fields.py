@@ -1,7 +1,7 @@
 """A stator solved for unit voltage at every port: the fields, and the admittance matrix that belongs to them.
 
 A port is a transducer with two electrodes: its voltage is that between them.  The problem is linear, so the fields for
-unit voltage at each port in turn, the other ports at zero, hold the answer for every circuit (circuit.py).  Every
+unit voltage at each port in turn, the other ports at zero, hold the answer for every circuit (`fem.circuit`).  Every
 transducer is condensed once (equal ones share their superelement); the uniform segments are sums of guided modes.
 
 A transducer carries no net charge: its electrodes are a pair of terminals.  Where the section floats, the mean of the

@@ -7,7 +7,7 @@ charge is a sum of Chebyshev polynomials over the square root that it has at the
     transform: sum_n q_n i^n J_n(k a) exp(i k x_f),
 
 and the potential at one strip of a charge on another, tested with a charge, an integral over k of G(k), the plate's
-potential per charge (plate_response.py).  Real axis up to K, beyond all propagating modes, which loss keeps off it;
+potential per charge (fem_plate_response.py).  Real axis up to K, beyond all propagating modes, which loss keeps off it;
 from there obliquely down (exp(-i k d)) and up (exp(i k d)), where the integrand dies exponentially; for a strip with
 itself on along the real axis, the tail c / k of G in closed form.  The pole c / k^2 of G at k = 0 (the plate conducts
 D along x) is taken out under a Gaussian and put back as a function of x; charges that sum to zero do not see its

@@ -2,7 +2,7 @@
 
 Method: every quantity of the free wave, the driven stator, the contact and the whole chain taken to both ends of its
 range, and random corners of the contact's ranges together; each answer held against another way to it
-(stability_free.py, stability_stator.py, stability_contact.py, stability_chain.py say which).  An answer is WRONG if it
+(free.py, stator.py, contact.py, chain.py say which).  An answer is WRONG if it
 is off by more than twice its stated error, if it is not a number or ends in a defect or a warning of the arithmetic.
 The contact's witness is a run in time, often coarser than the answer: there the error is what exceeds the witness's.
 Expected: at least 150 cases, none WRONG.  Run time: about 6 min of one processor.
