@@ -183,6 +183,19 @@ class SurfaceBeam:
         here = self.motion(x, y)[2]
         return COARSER_SHARE * abs(abs(self.coarser.motion(x, y)[2]) - abs(here)) / abs(here)
 
+    def unresolved(self, x: float, y: float) -> bool:
+        """Return whether a place (m) is beside fingers or within a wavelength of their ends, in a cut of `CutSource`.
+
+        What leaves at more than 45 degrees is left out there, which the error does not contain: 0.06 to 6 of the motion
+        on YZ lithium niobate, 0.01 from a wavelength before the fingers on.
+        """
+        near = abs(self._resolved)
+        return isinstance(self.source, CutSource) and any(
+            each.extent[0] - near < x < each.extent[1] + near
+            and abs(y - each.center_y) > each.aperture / 2 - near
+            for each in self.solution.fields.transducers
+        )
+
     @property
     def surface_mode(self) -> "SurfaceBeam":
         """The part of the field that the surface wave alone carries."""

@@ -51,6 +51,21 @@ def node(motion: SurfaceMotion, places) -> str:
     )
 
 
+def unresolved(motion: SurfaceMotion, places) -> str:
+    """Return why there is no answer where the beam does not know the field under a contact; else nothing."""
+    from fem import SurfaceBeam
+
+    beam = motion.beam
+    if isinstance(beam, SurfaceBeam) and (hidden := [place for place in places if beam.unresolved(*place)]):
+        (x, y), *_ = hidden
+        wavelength = abs(motion.wave.phase_velocity) / motion.wave.frequency
+        return (
+            f"no answer: in this cut the field beside the fingers and within a wavelength, {wavelength:.4g} m, of "
+            f"their ends is not known, and a contact lies there, at ({x:g}, {y:g}) m: another slider.position"
+        )
+    return ""
+
+
 def amplitude_blocks(
     scene: Scene, motion: SurfaceMotion, place: tuple[float, float], tolerance: float
 ) -> dict:

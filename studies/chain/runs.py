@@ -13,7 +13,7 @@ from pathlib import Path
 
 import fem
 from studies.chain import resolve
-from studies.chain.blocks import amplitude_blocks, node, surface_columns, wave_block
+from studies.chain.blocks import amplitude_blocks, node, surface_columns, unresolved, wave_block
 from studies.chain.bridge import DrivenContact
 from studies.chain.electrical import electrical_block, with_powers
 from studies.chain.free_wave import free_wave_record
@@ -127,7 +127,7 @@ def _driven(scene: Scene, predictor: Predictor) -> Record:
     else:
         motion, answer, ringing, seconds["contact"] = _with_contact(scene, predictor)
         blocks = answer.blocks(tolerance)
-        if still := node(motion, places):
+        if still := node(motion, places) or unresolved(motion, places):
             blocks["shortfall"] = still
     if motion.beam is not None:
         scene = replace(scene, stator=replace(scene.stator, diffraction=True))

@@ -52,8 +52,12 @@ def errors(beam, expected, x, y) -> tuple[np.ndarray, np.ndarray]:
     return abs(motion - expected) / abs(motion[[0, 2]]).max(axis=0), stated
 
 
+@pytest.mark.slow
 def test_beside_and_before_a_short_transducer():
-    """Two pairs of 2 mm on YZ: all three components, at up to 45 degrees from the fingers' ends."""
+    """Two pairs of 2 mm on YZ: all three components, at up to 45 degrees from the fingers' ends.
+
+    The fast guard: test_half_space_beam.py, |u_z| at one place in 128YX.
+    """
     x, y = np.array([0.0117, 0.012, 0.012]), np.array([0.3e-3, 0.0, 1.1e-3])
     beam, expected = beam_and_field("YZ", 2, 2e-3, x, y)
     off, stated = errors(beam, expected, x, y)
