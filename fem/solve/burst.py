@@ -25,10 +25,10 @@ from typing import Protocol
 import numpy as np
 
 from fem.circuit import Drive
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.discretize.refinement import refine
 from fem.input_error import InputError
-from fem.results.surface_wave import SurfaceWave
+from fem.results.driven_answer import SurfaceWave
 
 FLAT = 0.5  # of the way from the drive's frequency to either end of the band: up to here G = 1
 NARROWER = 0.5
