@@ -11,16 +11,16 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem.circuit import Drive
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.discretize.refinement import LEVELS, first_level
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.input_error import InputError
 from fem.mesh.layout import is_step
 from fem.reduce.model import ReducedModel
 from fem.reduce.projection import BandProblem, NodeSolutions, project, solve_at_nodes
+from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
 from fem.results.solution import Solution, driven_solution
-from fem.results.surface_wave import SurfaceWave, surface_wave
 from fem.solve.full_band import FullModel
 from fem.solve.harmonic import check_driven, driven_wave, solution_differences
 from fem.threads import one_blas_thread, side_by_side

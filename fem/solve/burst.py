@@ -27,10 +27,10 @@ from typing import Protocol
 import numpy as np
 
 from fem.circuit import Drive
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.discretize.refinement import refine
 from fem.input_error import InputError
-from fem.results.surface_wave import SurfaceWave
+from fem.results.driven_answer import SurfaceWave
 
 FLAT = 0.5  # G = 1 up to this fraction of the distance from the drive's frequency to either end of the band
 NARROWER = 0.5  # width of the band for comparison over that of the band

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.analytic.half_space import rayleigh
-from fem.convergence import refuse_above
+from fem.convergence_error import refuse_above
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import LEVELS, refine
 from fem.materials import Solid

@@ -9,14 +9,14 @@ its received current produces across its termination.
 import numpy as np
 
 from fem.circuit import Drive
-from fem.convergence import refuse_above
+from fem.convergence_error import refuse_above
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import refine_stator
 from fem.geometry import Stator, Transducer, check_layout
 from fem.input_error import InputError
+from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
 from fem.results.solution import Solution, forced_solution
-from fem.results.surface_wave import SurfaceWave, surface_wave
 from fem.solve.harmonic import motion_difference
 from fem.threads import one_blas_thread
 from fem.waveguide.force import LineForce

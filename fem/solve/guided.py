@@ -14,7 +14,7 @@ from functools import cache
 
 import numpy as np
 
-from fem.convergence import refuse_above
+from fem.convergence_error import refuse_above
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import absorbs_slowly, refine

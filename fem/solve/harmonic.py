@@ -10,16 +10,16 @@ from functools import cache
 import numpy as np
 
 from fem.circuit import Drive
-from fem.convergence import refuse_above
+from fem.convergence_error import refuse_above
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import refine_stator
 from fem.geometry import Stator, Transducer, check_layout
 from fem.input_error import InputError
 from fem.materials import fields
+from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
 from fem.results.power_balance import power_balance
 from fem.results.solution import Solution, driven_solution
-from fem.results.surface_wave import SurfaceWave, surface_wave
 from fem.threads import one_blas_thread
 from fem.waveguide.port_fields import solve_ports
 

@@ -21,7 +21,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fem.convergence import refuse_above
+from fem.convergence_error import refuse_above
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import refine_stator
 from fem.discretize.section import FIELD_COLUMN

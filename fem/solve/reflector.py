@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.condense.piece import Piece
-from fem.convergence import refuse_above
+from fem.convergence_error import refuse_above
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import refine_stator
