@@ -157,7 +157,8 @@ def frequency_band(
         places=np.array(places or (stator.length / 2,)),
     )
     placed = stator.placement
-    if any(each is not None and is_step(each, stator.thickness) for each in placed.ends):
+    steps = any(each is not None and is_step(each, stator.thickness) for each in placed.ends)
+    if steps or placed.whole is not None:
         return _solved_anew(problem)
     share = (1 - REDUCTION_SHARE) * tolerance  # of the discretisation
     asked = tolerance
@@ -176,7 +177,7 @@ def frequency_band(
 
 
 def _solved_anew(problem: BandProblem) -> Band:
-    """A band of a stator with a step of thickness: each frequency is solved on its own."""
+    """A band of a stator with a step of thickness, or of one mesh: each frequency is solved on its own."""
     (low, high), drive = problem.limits, problem.drive
     waves = [
         driven_wave(

@@ -1,7 +1,7 @@
 """A band of frequencies without a reduced model: every frequency is solved on full lines.
 
-For stators with a step of thickness, which the reduced model does not hold.  The discretisation is the finest that
-three frequencies of the band ask for; a frequency takes the time of one solution.
+For stators with a step of thickness or of one mesh, which the reduced model does not hold.  The discretisation is the
+finest that three frequencies of the band ask for; a frequency takes the time of one solution.
 """
 
 from dataclasses import dataclass
