@@ -78,8 +78,7 @@ def power_balance(solution: Solution) -> PowerBalance:
             by_forces += crossings[-1].taken
         if index < len(fields.network.scatterers):
             crossings.append(_at_piece(solution, index))
-            name = _transducer_of(fields, index)
-            into_loads -= 0.0 if not name or name in circuit.driven else crossings[-1].taken
+            into_loads += _into_loads(solution, index, crossings[-1].taken)
     section_width = fields.section.solid.stress_unit * circuit.aperture
     leaving = [-(crossings[0].left - crossings[0].beyond / 2), crossings[-1].right + crossings[-1].beyond / 2]
     between = sum(
@@ -117,6 +116,18 @@ def _transducer_of(fields: PortFields, index: int) -> str:
     return next((port.name[:-1] for port in fields.network.scatterers[index].piece.ports), "")
 
 
+def _into_loads(solution: Solution, index: int, taken: float) -> float:
+    """Power that a piece of the row gives to terminations, W; ``taken``: what its ports take in all."""
+    fields, circuit = solution.fields, solution.circuit
+    if fields.network.scatterers[index].piece.size:
+        name = _transducer_of(fields, index)
+        return 0.0 if not name or name in circuit.driven else -taken
+    powers = 0.5 * np.real(circuit.voltages * np.conj(circuit.currents))
+    return -sum(
+        float(each) for name, each in zip(circuit.names, powers, strict=True) if name not in circuit.driven
+    )
+
+
 def _at_piece(solution: Solution, index: int) -> _Crossing:
     fields, circuit, scatterer = solution.fields, solution.circuit, solution.fields.network.scatterers[index]
     modes, at, frequency = fields.modes, scatterer.at, fields.frequency
@@ -124,9 +135,14 @@ def _at_piece(solution: Solution, index: int) -> _Crossing:
     aperture = fields.transducers[owner].aperture if fields.own_apertures else circuit.aperture
     width = fields.section.solid.stress_unit * aperture
     sides, arriving = solution.sides(index), solution.incoming(index)
-    leaving = sides[at.lines] - arriving
-    left = modes.right_impedance @ arriving[at.left] - modes.left_impedance @ leaving[at.left]
-    right = modes.right_impedance @ leaving[at.right] - modes.left_impedance @ arriving[at.right]
+    crossing = [0.0, 0.0]
+    if at.size:
+        leaving = sides[at.lines] - arriving
+        left = modes.right_impedance @ arriving[at.left] - modes.left_impedance @ leaving[at.left]
+        right = modes.right_impedance @ leaving[at.right] - modes.left_impedance @ arriving[at.right]
+        crossing = [
+            float(power(sides[line], flux, frequency)) for line, flux in ((at.left, left), (at.right, right))
+        ]
     reaction = scatterer.piece.matrix[at.ports] @ sides
     taken = width * np.pi * frequency * float(np.imag(np.sum(reaction * np.conj(sides[at.ports]))))
     beyond = 0.0
@@ -137,8 +153,8 @@ def _at_piece(solution: Solution, index: int) -> _Crossing:
             at_port = 0.5 * float(np.real(circuit.voltages[port] * np.conj(circuit.currents[port])))
         beyond, taken = at_port - taken, at_port
     return _Crossing(
-        left=width * float(power(sides[at.left], left, frequency)),
-        right=width * float(power(sides[at.right], right, frequency)),
+        left=width * crossing[0],
+        right=width * crossing[1],
         taken=taken,
         lost=width * recovered(solution, index).loss(),
         beyond=beyond,
