@@ -2,8 +2,8 @@
 
 An element in series has an impedance Z, one across the line an admittance 1/Z; L: i omega L (1 - i/Q), C:
 (1 + i/Q) / (i omega C), both with a series resistance; R.  Voltage and current are transformed from the transducer's
-electrodes to the source, element by element, with the power lost in each (Pozar, *Microwave Engineering*, 4th ed., 2012,
-section 4.4; matching by an L-section: section 5.1).
+electrodes to the source, element by element, with the power lost in each (Pozar, *Microwave Engineering*, 4th ed.,
+2012, section 4.4; matching by an L-section: section 5.1).
 """
 
 from dataclasses import dataclass
