@@ -33,6 +33,7 @@ class ReducedPiece:
     width: float
     ports: tuple[Port, ...]
     floating_potential: bool
+    grounded: bool  # as of `fem.condense.mesh.MeshedPiece`
     unknowns: int  # of the mesh
     recover: Callable[[np.ndarray], RecoveredField] = field(repr=False)
 
@@ -73,6 +74,7 @@ class RationalPiece:
             width=(high - low) / self.assembly.space.unit,
             ports=self.assembly.ports,
             floating_potential=self.assembly.floating_potential,
+            grounded=self.assembly.grounded,
             unknowns=self.unknowns,
             recover=lambda sides: self.assembly.condensed(frequency).recover(self.frame @ sides),
         )

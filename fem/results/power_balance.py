@@ -80,8 +80,7 @@ def power_balance(solution: Solution) -> PowerBalance:
             force_power += crossings[-1].taken
         if index < len(fields.network.scatterers):
             crossings.append(_at_piece(solution, index))
-            name = _transducer_of(fields, index)
-            load_power -= 0.0 if not name or name in circuit.driven else crossings[-1].taken
+            load_power += _load_power(solution, index, crossings[-1].taken)
     section_width = fields.section.solid.stress_unit * circuit.aperture
     radiated = [
         -(crossings[0].left - crossings[0].excess / 2),
@@ -122,6 +121,18 @@ def _transducer_of(fields: PortFields, index: int) -> str:
     return next((port.name[:-1] for port in fields.network.scatterers[index].piece.ports), "")
 
 
+def _load_power(solution: Solution, index: int, taken: float) -> float:
+    """Power from a piece of the row into terminations, W; ``taken``: power that enters the piece at its ports."""
+    fields, circuit = solution.fields, solution.circuit
+    if fields.network.scatterers[index].piece.size:
+        name = _transducer_of(fields, index)
+        return 0.0 if not name or name in circuit.driven else -taken
+    powers = 0.5 * np.real(circuit.voltages * np.conj(circuit.currents))
+    return -sum(
+        float(each) for name, each in zip(circuit.names, powers, strict=True) if name not in circuit.driven
+    )
+
+
 def _at_piece(solution: Solution, index: int) -> _Crossing:
     fields, circuit, scatterer = solution.fields, solution.circuit, solution.fields.network.scatterers[index]
     modes, at, frequency = fields.modes, scatterer.at, fields.frequency
@@ -129,9 +140,14 @@ def _at_piece(solution: Solution, index: int) -> _Crossing:
     aperture = fields.transducers[owner].aperture if fields.own_apertures else circuit.aperture
     width = fields.section.solid.stress_unit * aperture
     sides, incident = solution.sides(index), solution.incoming(index)
-    outgoing = sides[at.lines] - incident
-    left = modes.right_impedance @ incident[at.left] - modes.left_impedance @ outgoing[at.left]
-    right = modes.right_impedance @ outgoing[at.right] - modes.left_impedance @ incident[at.right]
+    crossing = [0.0, 0.0]
+    if at.size:
+        outgoing = sides[at.lines] - incident
+        left = modes.right_impedance @ incident[at.left] - modes.left_impedance @ outgoing[at.left]
+        right = modes.right_impedance @ outgoing[at.right] - modes.left_impedance @ incident[at.right]
+        crossing = [
+            float(power(sides[line], flux, frequency)) for line, flux in ((at.left, left), (at.right, right))
+        ]
     reaction = scatterer.piece.matrix[at.ports] @ sides
     taken = width * np.pi * frequency * float(np.imag(np.sum(reaction * np.conj(sides[at.ports]))))
     excess = 0.0
@@ -142,8 +158,8 @@ def _at_piece(solution: Solution, index: int) -> _Crossing:
             port_power = 0.5 * float(np.real(circuit.voltages[port] * np.conj(circuit.currents[port])))
         excess, taken = port_power - taken, port_power
     return _Crossing(
-        left=width * float(power(sides[at.left], left, frequency)),
-        right=width * float(power(sides[at.right], right, frequency)),
+        left=width * crossing[0],
+        right=width * crossing[1],
         taken=taken,
         lost=width * recovered(solution, index).loss(),
         excess=excess,
