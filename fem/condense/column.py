@@ -25,7 +25,7 @@ from functools import cached_property
 import numpy as np
 
 from fem.condense.piece import Blocks, Port
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.discretize.forms import element_matrix
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.materials.medium import Medium

@@ -18,7 +18,7 @@ import numpy as np
 from fem.condense.fronts import Dissection, Factor
 from fem.condense.interface import line_projection
 from fem.condense.piece import Port
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.discretize.grading import Resolution
 from fem.discretize.quads import QuadSpace, medium_block, medium_tables
 from fem.discretize.section import FIELD_COLUMN, Section

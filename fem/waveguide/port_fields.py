@@ -20,7 +20,7 @@ import numpy as np
 from fem.condense.columns import FingerColumns
 from fem.condense.piece import Port
 from fem.condense.transducer import Condensation, transducer_superelements
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
