@@ -267,20 +267,28 @@ def waves_of(modes: GuidedModes, chosen: np.ndarray, per_area: float) -> ScaledW
     )
     right = np.diag(np.sqrt(0.5 / (power(shape, flux, modes.frequency) * per_area))).astype(complex)
     one = np.flatnonzero(abs(modes.wavenumbers[chosen] / modes.wavenumbers[modes.rayleigh[0]] - 1) < ONE_WAVE)
-    top = (modes.section.surface_rows @ shape)[1]
     if len(one) > 1:
         crossed = shape[:, one].conj().T @ flux[:, one]
         carried = 0.5j * omega * per_area * (crossed - crossed.conj().T)  # Hermitian: 2 W of any sum of them
         orthonormal = np.linalg.inv(np.linalg.cholesky(carried)).conj().T
-        turn, _ = np.linalg.qr((top[one] @ orthonormal).conj()[:, None], mode="complete")
+        top = (modes.section.surface_rows @ shape[:, one])[1]
+        turn, _ = np.linalg.qr((top @ orthonormal).conj()[:, None], mode="complete")
         right[np.ix_(one, one)] = orthonormal @ turn
-    moved = top @ right
-    if len(one) > 1:
-        bottom = modes.section.full.on_nodes(modes.section.lift(shape))[:, 0, FIELD_COLUMN["uz"]]
-        moved[one[1:]] = (bottom @ right)[one[1:]]
-    right = right * np.exp(-1j * np.angle(moved))
+
+    def moved(shapes: np.ndarray, mixture: np.ndarray) -> np.ndarray:
+        """u_z of every wave on the upper face; on the lower one of the waves that do not move the upper."""
+        both = modes.section.full.on_nodes(modes.section.lift(shapes))[..., FIELD_COLUMN["uz"]]
+        top, bottom = (modes.section.surface_rows @ shapes)[1] @ mixture, both[:, 0] @ mixture
+        top[one[1:]] = bottom[one[1:]]
+        return top
+
+    right = right * np.exp(-1j * np.angle(moved(shape, right)))
     products = 0.5j * omega * per_area * (backward.T @ flux - backward_flux.T @ shape) @ right
-    return ScaledWaves(section_modes=modes, modes=chosen, right=right, left=np.linalg.inv(products).T)
+    left = np.linalg.inv(products).T
+    # With loss the scale is shared between both, so that a reflection is the ratio of two equal waves' motion.
+    apart = moved(backward, left) / moved(shape, right)
+    share = np.sqrt(np.where(apart.real < 0, -apart, apart))
+    return ScaledWaves(section_modes=modes, modes=chosen, right=right * share, left=left / share)
 
 
 def _difference(fine: PMatrix, coarse: PMatrix) -> tuple[float]:
