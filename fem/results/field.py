@@ -12,11 +12,11 @@ import numpy as np
 from fem.condense.columns import ColumnsField
 from fem.discretize.spectral import gll_nodes, lagrange
 from fem.results.densities import Densities, densities, shared, upward_slope
+from fem.results.driven_answer import SurfaceWave
 from fem.results.evaluation import ENDS, columns_in_row, recovered
 from fem.results.segment_modes import FreeWave
 from fem.results.solution import Solution
 from fem.results.surface import CondensedPiece, UniformSegment
-from fem.results.surface_wave import SurfaceWave
 
 SAME_LINE = 1e-6  # of the lines' distance: places nearer than this are one
 
