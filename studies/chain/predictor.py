@@ -19,7 +19,7 @@ import fem
 from studies.chain import resolve
 from studies.chain.bridge import DrivenContact, wave_along
 from studies.chain.free_wave import free_wave_record
-from studies.chain.outcomes import also_asked, amplitudes
+from studies.chain.outcomes import FREE, also_asked, amplitudes
 from studies.chain.points import SliderAnswer, slider_answer
 from studies.chain.ring_up import RingUp, ring_up
 from studies.chain.solved_stator import SolvedStator, at_one_volt, places_of, stator_alone
@@ -31,7 +31,6 @@ from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.scene.block import keys_of
 from studies.scene.blocks import Drive, Stator
-from studies.scene.consistency import refuse_endless_burst
 from studies.scene.override import replaced
 
 LOGGER = logging.getLogger("studies.run")
@@ -318,7 +317,7 @@ class Predictor:
             on = None if scene.slider.ball is None else scene.stator
             blocks["slider"] = self._slider(scene.slider, on)
             if scene.burst is not None:
-                refuse_endless_burst(scene, float((stator or scene).frequency))
+                resolve.refuse_endless_burst(scene, float((stator or scene).frequency))
         same = all(getattr(scene, key) == each for key, each in blocks.items())
         return scene if same else replace(scene, **blocks), stator
 
@@ -382,10 +381,10 @@ def reason(error: Exception) -> str:
 def _free_answer(scene: Scene, tolerance: float) -> dict:
     """Return the answer of a scene without transducers: its free wave."""
     record = free_wave_record(resolve.resolved(scene), tolerance)
-    values = {
-        name: record.wave[name] for name in ("phase_velocity_m_per_s", "surface_ratio", "attenuation_per_m")
+    return {name: record.wave[name] for name in FREE} | {
+        "relative_error": record.error["relative"],
+        "status": "ok",
     }
-    return values | {"relative_error": record.error["relative"], "status": "ok"}
 
 
 def _silent(text: str) -> None:

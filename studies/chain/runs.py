@@ -29,8 +29,6 @@ from studies.record import Record
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 
-__all__ = ["SHARE", "run"]
-
 LOGGER = logging.getLogger("studies.run")
 SHARE = 0.25  # of the tolerance, for the stator at first and for the contact
 # of the motion's error: what is left then is the beam's own, which no finer section makes smaller

@@ -7,8 +7,6 @@ from studies.chain.points import STEADY_METHODS
 from studies.chain.runs import SHARE
 from studies.record import Record
 
-__all__ = ["LEDGER", "Balance", "balances"]
-
 MOST = 3  # points: the first that moves, one between, the last
 LEDGER = {
     "wave_normal": "wave, normal force",

@@ -19,8 +19,6 @@ from studies.refusal import RunError
 from studies.report.contents import section
 from studies.scene import Scene
 
-__all__ = ["MEMORY_WITHIN", "TIME_WITHIN", "explanation", "plan"]
-
 TIME_WITHIN, MEMORY_WITHIN = 3.0, 2.0  # factors within which the predictions have been seen to hold
 SPEED = 2.5e10  # real operations per second of the stator's algebra: one core of an x86_64 machine of 2026
 START, COMPILE = 0.3, 15.0  # s: imports; the contact's kernels when they are not there yet
