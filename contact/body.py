@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.codes import Slips
 from contact.jit.compiled import compiled, formula
 
 
@@ -105,6 +106,23 @@ def at_phase(paths, i, cos, sin):
 def slip_speed(sign, z_rate, x_rate, c):
     """Return the speed of slip of a sign at the slip limit; negative where the contact sticks."""
     return sign * x_rate - c * z_rate
+
+
+@compiled
+def slip_window(sign, a, b, d, e, v, c):
+    """Return (start, end, kind) of the phases at which a contact at its limit slips towards a side; see `codes.Slips`.
+
+    Of u_z = a cos phi + b sin phi, u_x = d cos phi + e sin phi and a slider's velocity v, `slip_speed` is
+    across cos phi + along sin phi - sign v.
+    """
+    across, along = sign * e - c * b, c * a - sign * d
+    size = np.hypot(across, along)
+    if sign * v >= size:
+        return 0.0, 0.0, Slips.NEVER
+    if sign * v <= -size:
+        return 0.0, 0.0, Slips.ALWAYS
+    centre, half = np.arctan2(along, across), np.arccos(sign * v / size)
+    return centre - half, centre + half, Slips.WINDOW
 
 
 @formula

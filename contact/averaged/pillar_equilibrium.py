@@ -138,10 +138,7 @@ class Equilibrium:
         for _ in range(MAX_SWEEPS):
             residual = self._evaluate(unknowns, side)[list(active)]
             self.residual = float(np.max(np.abs(residual), initial=0.0))
-            if self.slope is None:
-                self.change = self.cycle.advance(self.forces)
-            else:
-                self.change = self.cycle.newton(self.forces, self.slope)
+            self.change = self.cycle.advance(self.forces, self.slope)
             if self.change <= max(0.1 * CLOSE, INNER * self.residual):
                 return residual
             # short contacts answer a change of the amplitude many times over: sweeps alone swing to and fro
