@@ -7,7 +7,8 @@ Contact i has the height h_i (positive: nearer to the surface) and meets a harmo
     travel    x_i = u_x,i - travel,         x_i' = u_x,i' - v     while it sticks,     u = a cos phi + b sin phi,
 
 and the body has the forces of its own -d_n z_s' - p and -d_t v - q. Every solver takes approach, travel and these
-forces from here; another coordinate, such as a tilt, is a field of `Coordinates` and a term of these functions.
+forces from here. A slider that tilts (many contacts, averaged motion) has coordinates of its own at each place,
+z_s - theta x - psi y (`tilted`).
 Slip of sign s goes on while s x' - c z' > 0 (Feenstra and Breedveld, eq. 3, with the sign that the paper leaves out).
 """
 
@@ -50,6 +51,11 @@ class Point(NamedTuple):
 def approach(paths, i, u_z, q):
     """Return the approach of contact i above a surface displaced by u_z."""
     return u_z + paths.height[i] - q.normal
+
+
+def tilted(q, pitch, roll, x, y):
+    """Return the coordinates at places from a tilted slider's centre; positive tilts, rad: approach grows with x, y."""
+    return Coordinates(q.normal - pitch * x - roll * y, q.along)
 
 
 @formula

@@ -169,29 +169,29 @@ def flat_cycle(h, A, d, e, w, c, side, out):
 
 
 @native(
-    "f1 c1 c1 f1 f f f2", {"height": "n", "normal": "n", "tangential": "n", "limit_slope": "n", "out": "n 7"}
+    "f1 f1 f1 f1 f1 f f f2", {name: "n" for name in ("height", "A", "d", "e", "limit_slope")} | {"out": "n 7"}
 )
-def flat_cycles(height, normal, tangential, limit_slope, w, side, out):
+def flat_cycles(height, A, d, e, limit_slope, w, side, out):
     """Fill the columns of many contacts; returns 0.
 
-    `height`: mean approach h of each, m; `normal`, `tangential`: complex amplitudes of u_z and u_x, m; `limit_slope`:
-    c; `w`: slider velocity over omega, m; `side`: see `flat_cycle`.
+    `height`: mean approach h of each, m; `A`, `d`, `e`: amplitudes of u_z = A cos phi and u_x = d cos phi + e sin phi,
+    m; `limit_slope`: c; `w`: slider velocity over omega, m; `side`: see `flat_cycle`.
     """
     for i in range(height.size):
-        a, b = normal[i], tangential[i]
-        A = np.hypot(a.real, a.imag)
-        if A > 0.0:
-            co, si = a.real / A, a.imag / A
-        else:
-            co, si = 1.0, 0.0
-        flat_cycle(
-            height[i],
-            A,
-            b.real * co + b.imag * si,
-            b.real * si - b.imag * co,
-            w,
-            limit_slope[i],
-            side,
-            out[i],
-        )
+        flat_cycle(height[i], A[i], d[i], e[i], w, limit_slope[i], side, out[i])
     return 0
+
+
+@native("f1 f1 f2", {"height": "n", "A": "n", "out": "n 7"})
+def _normal_parts(height, A, out):
+    for i in range(height.size):
+        if height[i] > -A[i]:
+            _normal(out[i], height[i], A[i])
+    return 0
+
+
+def mean_normal(height, A):
+    """Return <z> of contacts at mean approaches on amplitudes, arrays, and its derivative in the approach."""
+    out = np.zeros((height.size, COLUMNS))
+    _normal_parts(np.ascontiguousarray(height), np.ascontiguousarray(A), out)
+    return out[:, MEAN_APPROACH], out[:, SHARE]

@@ -4,20 +4,37 @@ Pillars at the same x are a row. Those of a row with equal height and stiffness 
 are computed once, with a weight.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
+from contact import body
+from contact.averaged import ball_cycle, flat_cycle
 from contact.averaged import flat_cycle as columns
-from contact.averaged.flat_cycle import COLUMNS, flat_cycles
 from contact.averaged.march import march, passed, real_form
 from contact.averaged.pillars import PassingWave, Pillars
+from contact.body import Coordinates, tilted
 
 SAME_ROW = 1e-9  # of the slider's length: places that a file rounds differently
 STEP = 1e-7  # of finite differences, of the incident amplitude
 MAX_STEP = 0.5  # of the wave's amplitudes, over the incident one
 # The stiffness that the tangential force shows the wave is taken from |u_x| above this share of its scale
 TANGENTIAL_SHARE = 0.3
+
+
+class CycleMeans(NamedTuple):
+    """Where the means over a cycle come from."""
+
+    cycles: Callable  # fills the columns of `flat_cycle`: of each contact, over its stiffnesses
+    mean_normal: Callable  # the mean of P/k_n alone, and its derivative in the approach
+    exponent: float  # of P = k_n z^exponent
+
+
+MEANS = {
+    "punch": CycleMeans(flat_cycle.flat_cycles, flat_cycle.mean_normal, 1.0),
+    "sphere": CycleMeans(ball_cycle.ball_cycles, ball_cycle.mean_normal, 1.5),
+}
 
 
 class Forces(NamedTuple):
@@ -34,7 +51,7 @@ class PillarCycle:
     """The contacts in classes and rows, with the wave's amplitudes at the rows as they stand."""
 
     def __init__(self, pillars: Pillars, wave: PassingWave, loading: bool):
-        self.pillars, self.wave = pillars, wave
+        self.pillars, self.wave, self.means = pillars, wave, MEANS[pillars.shape]
         self.g = wave.compliance / wave.strip_width if loading else 0.0
         x, y = pillars.x, pillars.y
         heights = pillars.heights - 0.5 * pillars.curvature * (x**2 + y**2)
@@ -59,7 +76,7 @@ class PillarCycle:
         self.row_count = self.sums(np.ones_like(self.x))
         self.incident = np.array([wave.forward, wave.backward])
         self.evaluations = 0
-        self._out = np.empty((self.x.size, COLUMNS))
+        self._out = np.empty((self.x.size, columns.COLUMNS))
         self.reset()
 
     def reset(self):
@@ -83,16 +100,26 @@ class PillarCycle:
     def approaches(self, height, pitch: float, roll: float):
         """Return the mean approach of each class, of a plane's height (or one for each row) and tilts in rad."""
         own = height[self.row] if np.ndim(height) else height
-        return own + pitch * self.x + roll * self.y + self.height
+        plane = tilted(Coordinates(-own, 0.0), pitch, roll, self.x, self.y)
+        return body.approach(self, slice(None), 0.0, plane)
+
+    def mean_normal(self, height):
+        """Return <P> of each class and its derivative in the approach, of an untilted plane, N and N/m."""
+        (u_z, _) = self.amplitudes()
+        own = height[self.row] if np.ndim(height) else height
+        return (self.k_n * each for each in self.means.mean_normal(own + self.height, abs(u_z)[self.row]))
 
     def forces(self, approach, w: float, side: float) -> Forces:
         """Return the forces at mean approaches in m and a velocity over omega in m."""
         self.evaluations += 1
         u_z, u_x = (each[self.row] for each in self.amplitudes())
-        out = self._out
-        flat_cycles(np.ascontiguousarray(approach), u_z, u_x, self.limit_slope, float(w), float(side), out)
-        size = abs(u_z)
+        out, size = self._out, abs(u_z)
         crest = np.divide(u_z, size, out=np.ones_like(u_z), where=size > 0.0)
+        along = u_x * crest.conj()
+        self.means.cycles(
+            np.ascontiguousarray(approach), size, np.ascontiguousarray(along.real), -along.imag, self.limit_slope,
+            float(w), float(side), out,
+        )  # fmt: skip
         stretch = out[:, columns.COS_STRETCH] - 1j * out[:, columns.SIN_STRETCH]
         return Forces(
             out, self.k_n * out[:, columns.MEAN_APPROACH], self.k_t * out[:, columns.MEAN_STRETCH],

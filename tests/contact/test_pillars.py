@@ -39,9 +39,9 @@ def scatter(count, sigma, seed):
 
 def cycles(h, a, b, c, w):
     """Return the columns of many contacts."""
-    out = np.empty((len(h), COLUMNS))
+    out, size, along = np.empty((len(h), COLUMNS)), abs(a), b * a.conj() / abs(a)
     for i in range(len(h)):
-        one = [np.array([each[i]]) for each in (h, a, b, c)]
+        one = [np.array([float(each[i])]) for each in (h, size, along.real, -along.imag, c)]
         flat_cycles(*one, float(w[i]), 0.0, out[i : i + 1])
     return out
 
