@@ -158,7 +158,9 @@ def frequency_band(
         tolerance=tolerance,
         places=np.array(places or (stator.length / 2,)),
     )
-    if any(end is not None and is_step(end, stator.thickness) for end in stator.placement.ends):
+    placed = stator.placement
+    steps = any(end is not None and is_step(end, stator.thickness) for end in placed.ends)
+    if steps or placed.whole is not None:
         return _unreduced_band(problem)
     level_share = (1 - REDUCTION_SHARE) * tolerance
     level_tolerance = tolerance
@@ -177,7 +179,7 @@ def frequency_band(
 
 
 def _unreduced_band(problem: BandProblem) -> Band:
-    """Band of a stator with a step of thickness, which the reduced model cannot hold: no reduction."""
+    """Band of a stator with a step of thickness, or of one mesh, which the reduced model cannot hold: no reduction."""
     (low, high), drive = problem.limits, problem.drive
     waves = [
         driven_wave(

@@ -103,6 +103,10 @@ def reflector(stator: Stator, *, frequency: float, tolerance: float) -> Reflecto
     """
     if not stator.pieces:
         raise InputError("piece", "is missing: a reflection needs at least one meshed piece")
+    if stator.placement.whole is not None:
+        raise InputError(
+            "piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there"
+        )
 
     def at_level(resolution: Resolution) -> Reflector:
         unit = slowest_wavelength(stator.solid, frequency)
