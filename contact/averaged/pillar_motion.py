@@ -277,10 +277,15 @@ class _Slider:
 
     def _bracketed(self, load):
         """Return the equilibrium from the sign of the forces at given velocities."""
-        high, low = self.rest(-1.0, load), self.rest(1.0, load)
+        side = -1.0 if load <= 0.0 else 1.0
+        other = self.rest(-side, load)
+        held = self.rest(
+            side, load
+        )  # the last: forces and amplitudes as they stand are those of a slider that is held
+        low, high = (other, held) if side < 0.0 else (held, other)
         rounding = 1e-12 * self.equilibrium.friction
         if low.traction - load <= rounding and high.traction - load >= -rounding:
-            return replace(high if load <= 0.0 else low, traction=load)
+            return replace(held, traction=load)
         way = 1.0 if low.traction > load else -1.0
         reach = abs(self.wave.forward) + abs(self.wave.backward)
         fastest = FULL_SLIP * reach * (abs(self.wave.orbit) + float(self.cycle.limit_slope.max()))
