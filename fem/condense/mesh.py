@@ -211,25 +211,37 @@ class MeshField:
 
         Values and their derivatives along x and z, (m, 4) each, zero outside the mesh; and whether a point lies in it.
         """
-        space, _names = self.assembly.space, self.assembly.fields
-        shift = np.array([self.assembly.piece.mesh.extent[0] / space.unit, 0.0])
-        owner, places = space.locate(np.asarray(points) + shift)
+        space = self.assembly.space
+        owner, places = space.locate(np.asarray(points) + self._origin)
+        order = np.argsort(owner, kind="stable")
+        first = np.searchsorted(owner[order], np.arange(space.elements + 1))
         out = np.zeros((3, len(points), 4), dtype=complex)
         for own, elements, values in self.piece.elements(self.skeleton[:, None]):
-            columns = [FIELD_COLUMN[name] for name in own.fields]
+            columns = np.array([FIELD_COLUMN[name] for name in own.fields])
             for element, nodal in zip(elements, values[..., 0], strict=True):
-                here = np.flatnonzero(owner == element)
-                if not len(here):
-                    continue
-                value, by_first, by_second = space.local_values(places[here])
-                slopes = space.slopes(element, places[here])
-                reference = np.stack([by_first @ nodal, by_second @ nodal], axis=1)
-                out[0][np.ix_(here, columns)] = value @ nodal
-                for axis in (0, 1):
-                    out[1 + axis][np.ix_(here, columns)] = np.einsum(
-                        "mr,mrf->mf", slopes[:, :, axis], reference
-                    )
+                here = order[first[element] : first[element + 1]]
+                if len(here):
+                    out[:, here[:, None], columns] = _local_fields(space, element, places[here], nodal)
         return *out, owner >= 0
+
+    @property
+    def _origin(self) -> np.ndarray:
+        """The left edge at the surface in the mesh's own axes, length units."""
+        return np.array([self.assembly.piece.mesh.extent[0] / self.assembly.space.unit, 0.0])
+
+    def on_elements(self, places: np.ndarray):
+        """Yield elements of one solid in parts, at reference places (m, 2) in each of them.
+
+        The solid's group; points from the left edge and the surface, length units, (elements, m, 2); scaled u_x, u_y,
+        u_z and phi and their derivatives along x and z, (3, elements, m, 4).
+        """
+        space = self.assembly.space
+        for own, elements, values in self.piece.elements(self.skeleton[:, None]):
+            out = np.zeros((3, len(elements), len(places), 4), dtype=complex)
+            out[..., [FIELD_COLUMN[name] for name in own.fields]] = _local_fields(
+                space, elements, places, values[..., 0]
+            )
+            yield space.mesh.solids[elements[0]], space.positions(elements, places) - self._origin, out
 
     def loss(self) -> float:
         """Power lost inside, scaled, (omega / 2) sum u^H Im(A) u, from the imaginary moduli element by element."""
@@ -242,6 +254,17 @@ class MeshField:
             forms = values.conj().swapaxes(1, 2)[:, None] @ (scalars @ values[:, None])
             total += float(np.einsum("mpij,ijp->", forms, tables).real)
         return np.pi * self.piece.frequency * total
+
+
+def _local_fields(space: QuadSpace, elements, places: np.ndarray, nodal: np.ndarray) -> np.ndarray:
+    """Fields and their derivatives along x and z at reference places (m, 2) of elements: (3, ..., m, fields).
+
+    ``elements``: a number or some; ``nodal``: their unknowns, (..., functions, fields).
+    """
+    value, by_first, by_second = space.local_values(places)
+    slopes = np.stack([by_first @ nodal, by_second @ nodal], axis=-2)  # (..., m, reference, fields)
+    along = np.moveaxis(space.slopes(elements, places).swapaxes(-1, -2) @ slopes, -2, 0)
+    return np.concatenate([(value @ nodal)[None], along])
 
 
 class _TopEdges:

@@ -11,8 +11,8 @@ from typing import Any
 
 from studies.chain import resolve
 from studies.chain.left_out import left_out
+from studies.chain.points import SHARE
 from studies.chain.ring_up import RingUp
-from studies.chain.runs import SHARE
 from studies.chain.surface_motion import wanted_diffraction
 from studies.record.text import labelled, table
 from studies.refusal import RunError

@@ -12,12 +12,15 @@ from hypothesis import strategies as st
 from studies import SceneError, shipped_scenes
 from studies.scene import Scene, blocks, read_table
 from studies.scene.block import keys_of
-from studies.scene.blocks import Drive, IsotropicSolid, PiezoelectricSolid, Stator, Transducer
+from studies.scene.blocks import Drive, IsotropicSolid, Piece, PiezoelectricSolid, Stator, Transducer
 from studies.scene.numbers import Quantity
+from studies.scene.pillars import Pillars
 from studies.scene.quantity import POWERS, si_value
-from studies.scene.slider import Damping, Slider, Wave
+from studies.scene.slider import Damping, Friction, Slider, Wave
 
-BLOCKS = (Scene, Stator, PiezoelectricSolid, IsotropicSolid, Transducer, Drive, Wave, Slider, Damping)
+BLOCKS = (
+    Scene, Stator, PiezoelectricSolid, IsotropicSolid, Transducer, Piece, Drive, Wave, Slider, Damping, Friction, Pillars,
+)  # fmt: skip
 KEYS = sorted({name for block in BLOCKS for name in keys_of(block)})
 WORDS = (
     "auto center weight half-space free grounded clamped absorbing none vacuum open short elastic hysteretic exact "
