@@ -19,7 +19,8 @@ from studies.scene.quantity import POWERS, si_value
 from studies.scene.slider import Damping, Friction, Slider, Wave
 
 BLOCKS = (
-    Scene, Stator, PiezoelectricSolid, IsotropicSolid, Transducer, Piece, Drive, Wave, Slider, Damping, Friction, Pillars,
+    Scene, Stator, PiezoelectricSolid, IsotropicSolid, Transducer, Piece, Drive, Wave, Slider, Damping, Friction,
+    Pillars,
 )  # fmt: skip
 KEYS = sorted({name for block in BLOCKS for name in keys_of(block)})
 WORDS = (
@@ -325,8 +326,11 @@ def extreme_tables(draw, start: list[dict], most: int = 4) -> dict:
     """A table whose keys are sound and whose values are not all sensible."""
     table = json.loads(json.dumps(draw(st.sampled_from(start))))
     for _ in range(draw(st.integers(1, most))):
-        holder = draw(st.sampled_from([each for each in holders(table) if isinstance(each, dict) and each]))
-        key = draw(st.sampled_from(sorted(holder)))
+        known = [each for each in holders(table) if isinstance(each, dict) and KNOWN.keys() & each.keys()]
+        holder = draw(st.sampled_from(known))
+        key = draw(
+            st.sampled_from(sorted(KNOWN.keys() & holder.keys()))
+        )  # the keys of [drive.sources] are names
         rule, value = KNOWN[key], holder[key]
         if key in CHOICES and draw(st.booleans()):
             holder[key] = draw(st.sampled_from(CHOICES[key]))
