@@ -20,7 +20,7 @@ _PUBLIC = {
     "averaged.pillar_motion": "pillar_load_line pillar_motion pillar_traction PillarLoadLine PillarMotion",
     "averaged.pillars": "PassingWave Pillars",
     "choice": "Answer",
-    "convergence": "ConvergenceError",
+    "convergence_error": "ConvergenceError",
     "envelope": "Envelope",
     "input_error": "InputError",
     "jit": "kernels",

@@ -26,7 +26,7 @@ from contact.answers.methods import (
 )
 from contact.choice import Answer
 from contact.codes import Event, Regime
-from contact.convergence import ConvergenceError
+from contact.convergence_error import ConvergenceError
 from contact.drive import towards_plus
 from contact.envelope import Envelope
 from contact.events.energy import Sum

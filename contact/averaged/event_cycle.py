@@ -14,7 +14,7 @@ from contact.averaged.equilibrium import balanced_speed, force_left, way_out
 from contact.averaged.riding import riding_approach
 from contact.body import normal_amplitude
 from contact.codes import Status, Tangential
-from contact.convergence import ConvergenceError
+from contact.convergence_error import ConvergenceError
 from contact.events.collocation import collocation
 from contact.events.energy import Sum
 from contact.events.motion import Motion

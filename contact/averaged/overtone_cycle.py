@@ -11,7 +11,7 @@ from contact.averaged.flat_cycle import COLUMNS
 from contact.averaged.march import Waves
 from contact.averaged.overtone_march import Classes, Spectrum, overtone_march, samples
 from contact.averaged.pillar_cycle import Forces, PillarCycle
-from contact.convergence import ConvergenceError
+from contact.convergence_error import ConvergenceError
 
 SAMPLES, FEWEST = 4, 32  # of a cycle: for each harmonic, and at least
 MEMORY, MAX_STEP = 16, 0.3  # sweeps that are combined, and the largest step of one, of the incident amplitude

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from contact.averaged.pillar_cycle import Forces, PillarCycle
-from contact.convergence import ConvergenceError
+from contact.convergence_error import ConvergenceError
 
 CLOSE = 1e-12  # of the scaled residuals, and of the wave's amplitudes
 INNER = 1e-3  # change of the wave's amplitudes over the residual, at which the unknowns are moved

@@ -11,7 +11,7 @@ from contact.averaged.overtone_cycle import OvertoneCycle
 from contact.averaged.pillar_cycle import PillarCycle
 from contact.averaged.pillar_equilibrium import Balance, Equilibrium
 from contact.averaged.pillars import PassingWave, Pillars
-from contact.convergence import ConvergenceError
+from contact.convergence_error import ConvergenceError
 from contact.input_error import InputError
 
 LOADED = 0.05  # loading number above which a slider acts back on the wave, where `loading` is None

@@ -27,7 +27,7 @@ from contact.averaged.run import HARMONICS, STIFFEST_STEADY, refusals, refuse_un
 from contact.averaged.sweep_rows import Given, states
 from contact.body import Paths
 from contact.codes import Status, Steady
-from contact.convergence import ConvergenceError
+from contact.convergence_error import ConvergenceError
 from contact.drive import towards_plus
 from contact.orbit import Orbit, as_orbits
 from contact.problem import numbers, paths_of, scaled

@@ -88,6 +88,14 @@ class SectionMesh:
         """Smallest and largest x of the mesh in m."""
         return float(self.points[:, 0].min()), float(self.points[:, 0].max())
 
+    @property
+    def depth(self) -> tuple[float, float]:
+        """Smallest and largest z of the stator's own material in m."""
+        z = self.points[
+            np.concatenate([each.nodes.ravel() for each in self.cells if each.solid == "stator"]), 1
+        ]
+        return float(z.min()), float(z.max())
+
     def interface(self, side: str) -> tuple[float, float, float] | None:
         """Place x, height and upper end z of a vertical line of the interface, m; None where the piece is an end."""
         if side not in self.lines:

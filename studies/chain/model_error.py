@@ -8,7 +8,7 @@ the finite aperture is the size of a ripple, whose sign may be wrong in cuts tha
 Sources: side faces: `fem.surface_beam`; finite aperture: `fem.Slowness`, the angular spectrum of a slit.  Load of a
 contact on the wave, mass of the electrodes: reciprocity with the surface wave and perturbation (Auld, Acoustic Fields
 and Waves in Solids, vol. 2, 1973, chapters 10 and 12).
-Radiation of a contact: load on a half-space (Miller and Pursey, Proc. R. Soc. A 223 (1954) 521, nu = 1/4).
+Radiation of a contact: `studies.chain.radiation`.
 """
 
 import math
@@ -19,6 +19,7 @@ import numpy as np
 
 import fem
 from studies.chain import bridge, resolve
+from studies.chain.radiation import point_admittance
 from studies.record import Record
 
 # of |u_z|, where the charge is taken as uniform along the fingers: combs of 3 to 30 pairs and 5 to 30 wavelengths in
@@ -26,7 +27,6 @@ from studies.record import Record
 UNIFORM_CHARGE = 0.05
 # wavelengths over the aperture, of the power that given charges lose: 0.3 for 3 pairs, 0.4 for 10
 OWN_APERTURE = 0.4
-POINT_ADMITTANCE = 0.93  # of Re(v / F) 2 pi mu c_T / omega^2, all waves together, nu = 1/4
 ALUMINIUM, FILM = 2700.0, 100e-9  # kg/m3, m
 
 
@@ -220,7 +220,7 @@ def _contact(record: Record) -> Rows:
     body, places = bridge.contact_slider(slider), 1 if isinstance(slider.contacts, int) else count
     stiffness = (2 * math.pi * body.normal_resonance(places)) ** 2 * body.mass / places
     shear = float(solid.stiffness[4, 4])
-    sent = stiffness * POINT_ADMITTANCE * omega / (2 * math.pi * shear * math.sqrt(shear / solid.density))
+    sent = stiffness * point_admittance(omega, shear, math.sqrt(shear / solid.density)) / omega
     effect, how = "radiation of a contact into the stator", "point load on an isotropic half-space, nu = 1/4"
     yield effect, "the contact's elastic force", sent, how
     constant = _amplitude_per_power(record)

@@ -19,7 +19,7 @@ from studies.chain.electrical import electrical_block, with_powers
 from studies.chain.free_wave import free_wave_record
 from studies.chain.left_out import left_out
 from studies.chain.model_error import with_model_error
-from studies.chain.points import SliderAnswer
+from studies.chain.points import SHARE, SliderAnswer
 from studies.chain.predictor import Predictor
 from studies.chain.ring_up import RingUp
 from studies.chain.solved_stator import SolvedStator, places_of, stator_alone
@@ -29,10 +29,7 @@ from studies.record import Record
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 
-__all__ = ["SHARE", "run"]
-
 LOGGER = logging.getLogger("studies.run")
-SHARE = 0.25  # of the tolerance, for the stator at first and for the contact
 # of the motion's error: what is left then is the beam's own, which no finer section makes smaller
 STALLED = 0.7
 HOPELESS = 3  # tolerances of the beam's own error at the best point, beyond which no finer section is tried

@@ -20,7 +20,7 @@ from studies.scene.blocks import Stator
 if TYPE_CHECKING:
     from fem.beam.crossed_beam import CrossedBeam
     from fem.beam.surface_beam import SurfaceBeam
-    from fem.results.surface_wave import SurfaceWave
+    from fem.results.driven_answer import SurfaceWave
 
 # places where the beam's standing wave is looked at; a minimum between them is missed by 1 %
 PER_WAVELENGTH = 24

@@ -206,9 +206,6 @@ def averaged_motor(
     if slider.friction is not None:
         rule = "must be a number without a law of one's own: the tables of the averaged motor take one coefficient"
         chosen.refuse("slider.friction_coefficient", rule)
-    if getattr(slider, "friction", None) is not None:
-        rule = "must be one number here: the tables of the averaged motor take Coulomb's friction"
-        driven.scene.refuse("slider.friction_coefficient", rule)
     left_out = ["the wave is that at the slider's place: its change along the way is not followed"]
     drives = [_drive(driven, progress, left_out)]
     for other in _other_scenes(chosen):
@@ -220,9 +217,11 @@ def averaged_motor(
         drives.append(replace(drives[0], name="wave from the other side", orbits=opposite, mirrored=True))
     if len(drives) == 2:
         left_out.append("where the waves of both drives overlap the larger one alone counts")
-    left_out.append(
-        "below the threshold, with a wave, sticking contacts have the spring of a surface at rest"
-    )
+    left_out += [
+        "below the threshold, with a wave, sticking contacts have the spring of a surface at rest",
+        f"a slider that has stopped rings in its contacts at up to {ring_speed(slider, len(driven.orbits)):.2g} m/s; "
+        "the phase of the ring is lost within some 10 ms, so that a burst may begin with up to twice that wrong",
+    ]
     progress("tables of mean forces")
     try:
         tables = [None if drive.mirrored else _tables(slider, drive) for drive in drives]
@@ -386,6 +385,19 @@ def _steady(slider, drive: Drive, levels) -> list[tuple[float, float, float, flo
         if not mean.held:
             known.append((level, float(mean.velocity), float(mean.first_order), scale))
     return known
+
+
+def ring_speed(slider, contacts: int) -> float:
+    """Return the largest velocity in m/s of a slider that rings in contacts which stick on a surface at rest.
+
+    The energy that the contacts hold at the limit of slip, e/(e + 1) mu P x_max with x_max = c z and e = 3/2 for
+    spheres, 1 for flat punches, becomes kinetic energy m v^2/2.
+    """
+    exponent = 1.5 if slider.shape == "sphere" else 1.0
+    energy = (
+        slider.friction_coefficient * slider.preload * slider.limit_slope * slider.rest_approach(contacts)
+    )
+    return float(np.sqrt(2.0 * exponent / (exponent + 1.0) * energy / slider.mass))
 
 
 def _kick(motor: AveragedMotor, levels) -> float:

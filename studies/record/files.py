@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from studies.record import Record
 
-__all__ = ["Motion", "read_run", "write_run", "write_table"]
-
 
 def write_run(record: "Record", folder: Path, *, field: bool) -> None:
     """Write a run's files into a directory.

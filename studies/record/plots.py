@@ -18,12 +18,6 @@ from studies.refusal import RunError
 if TYPE_CHECKING:
     from studies.record import Record
 
-__all__ = [
-    "COLOURS", "PALETTE", "arrow", "as_uri", "curve", "data_uri", "draw_run", "errors", "family",
-    "finished", "legend_below", "lines", "logarithmic", "new_figure", "own", "pictures",
-    "refuse_without_toolkit", "saved", "shaded", "show", "titled", "velocity",
-]  # fmt: skip
-
 # Okabe and Ito's palette: told apart by the colour-blind and in grey
 COLOURS = {
     "stick": "#999999",

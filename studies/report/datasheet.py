@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from contact.answers.transient import Trajectory
     from studies.chain.pillar_points import PillarBurst
 
-__all__ = ["Datasheet", "Row", "datasheet"]
-
 LOGGER = logging.getLogger("studies.datasheet")
 LOADS = 13  # of a load line
 LINES = (0.5, 0.75, 1.0)  # of the rated level: the scene's nearest levels have a load line

@@ -8,8 +8,6 @@ from studies.report.intermediate import si
 from studies.report.page import rendered
 from studies.results.content import provenance
 
-__all__ = ["GROUPS", "PICTURE", "load_lines", "page", "speed", "start_and_stop", "table"]
-
 TEMPLATE = "datasheet.html"
 GROUPS = {
     "speed": "Speed",

@@ -15,8 +15,6 @@ from pathlib import Path
 from studies.record import Record
 from studies.refusal import RunError
 
-__all__ = ["Drawing", "serve"]
-
 PROGRAM = "import sys; sys.path[:] = {path!r}; from studies.report.drawing import serve; serve()"
 
 

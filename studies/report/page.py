@@ -16,8 +16,6 @@ from studies.report.intermediate import intermediate_numbers, si
 from studies.results.content import provenance
 from studies.scene.toml import document
 
-__all__ = ["rendered", "report", "write_report"]
-
 TEMPLATE = "report.html"
 CAPTIONS = {
     "velocity": "Slider velocity; marks are computed, lines are closed forms.",

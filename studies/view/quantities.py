@@ -103,6 +103,7 @@ def shade(run, name: str) -> Shade:
         raise SceneError(
             "--quantity", f"{name!r} is zero everywhere: uncoupled in this solid, orientation {material}"
         )
+    outside |= not outside.any()  # fingers all over the stator
     size = abs(amplitude[outside]) + (abs(mean[outside]) if drawn.turns == 2 else 0.0)
     return shade_of(drawn, size, free=run.free)
 

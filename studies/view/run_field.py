@@ -19,7 +19,7 @@ from studies.scene import Scene
 
 if TYPE_CHECKING:
     from fem.beam.crossed_beam import CrossedBeam
-    from fem.results.surface_wave import SurfaceWave
+    from fem.results.driven_answer import SurfaceWave
 
 __all__ = ["NO_STATOR", "RunField", "left_run", "motion_again", "run_field"]
 

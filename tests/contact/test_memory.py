@@ -11,7 +11,7 @@ from contact import burst, contact_history, steady
 from contact.answers.ledger import ledger
 from contact.body import Point
 from contact.codes import Regime, Status
-from contact.convergence import ConvergenceError
+from contact.convergence_error import ConvergenceError
 from contact.events.collocation import collocation
 from contact.events.motion import Motion
 from contact.law import hysteretic

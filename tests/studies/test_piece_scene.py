@@ -1,5 +1,9 @@
 """Scenes with [[piece]]: what a run gives, and every fault of a mesh in one sentence."""
 
+import base64
+import gzip
+import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +14,12 @@ import studies
 from studies import Scene, SceneError, run
 from studies.chain.resolve import resolved, whole_stator
 from studies.sweeps.plan import designed
+from studies.view import wave_page
+from studies.view.picture import Picture
+from studies.view.quantities import shade
+from studies.view.run_field import run_field
+from studies.view.section import mesh_sheets, piece, sheets
+from studies.view.views import views
 from tests.fem.drawings import rectangle, write_msh
 
 STATOR = {
@@ -71,6 +81,36 @@ def test_a_groove_runs_from_the_scene_to_the_surface(tmp_path):
     assert abs(changed) > 1e-2
     again = run(Scene.from_table("", record.scene.to_table()), tolerance=1e-2)
     assert again.electrical["admittance_S"] == record.electrical["admittance_S"]
+    _drawn_with_its_groove(run_field(record, progress=lambda text: None), 6e-3, (6.4e-3, 6.6e-3), -0.15e-3)
+
+
+def _drawn_with_its_groove(found, start, groove, foot):
+    """In a picture the piece stands on its own elements in the place of the grid; page and solid leave the groove."""
+    shading = shade(found, "u_z")
+    drawn = piece(found, shading, span=(0.0, found.length), bottom=-1.1e-3, spacing=0.05e-3)
+    (section,) = sheets(found, drawn, solid=False)
+    middle = (drawn.x[1:] + drawn.x[:-1]) / 2
+    assert np.array_equal(section.hidden.all(axis=1), (middle > start) & (middle < start + 1e-3))
+    (mesh,) = mesh_sheets(found, drawn, shading, solid=False)
+    x, z = mesh.rest[mesh.quads, 0, 0][..., [0, 2]].mean(axis=1).T
+    assert (x.min() > start) & (x.max() < start + 1e-3)
+    assert not ((x > groove[0]) & (x < groove[1]) & (z > foot)).any()
+    _, surface, _ = sheets(found, drawn, solid=True)
+    step = np.diff(drawn.x).max()
+    assert surface.hidden[(middle > groove[0]) & (middle < groove[1])].all()
+    assert not surface.hidden[(middle < groove[0] - step) | (middle > groove[1] + step)].any()
+    drawing = Picture(found, views(found), size=(900, 600), quantity="u_z", phase=0.0, factor=None)
+    assert drawing.image(0.3).std() > 5
+    drawing.plotter.close()
+    page = wave_page.page(found, quantity="u_z", phase=0.0, factor=None, span=None)
+    meta = json.loads(re.search(r'<script id="meta"[^>]*>(.*?)</script>', page, re.S).group(1))
+    raw = gzip.decompress(base64.b64decode(re.search(r'<script id="data"[^>]*>(.*?)<', page, re.S).group(1)))
+    offset = 4 * (meta["nx"] + meta["nz"])  # behind x and z
+    inside = np.frombuffer(raw, dtype="u1", count=meta["nx"] * meta["nz"], offset=offset)
+    x = np.frombuffer(raw, dtype="<f4", count=meta["nx"])
+    empty = ~inside.reshape(meta["nx"], -1).astype(bool)
+    assert empty.any()
+    assert not empty[(x < groove[0]) | (x > groove[1])].any()
 
 
 def test_places_of_one_file(plain):

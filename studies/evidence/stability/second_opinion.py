@@ -16,7 +16,7 @@ from contact.answers.methods import rest_problem, stepped_refusals
 from contact.answers.steady import SteadyState
 from contact.body import normal_amplitude, tangential_amplitude
 from contact.codes import Tangential
-from contact.convergence import ConvergenceError
+from contact.convergence_error import ConvergenceError
 from contact.drive import reference_speed, towards_plus
 
 # steps per cycle, the last for the answer and all for its error, and nodes of the exact way
