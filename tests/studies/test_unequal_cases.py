@@ -17,7 +17,8 @@ from studies.chain.model_error import model_error
 from studies.chain.ring_up import RingUp
 from studies.chain.surface_motion import SurfaceMotion
 from studies.chain.warnings import breakdown_voltage, warnings_of
-from studies.record.plots import new_figure, velocity
+from studies.record.plots import new_figure
+from studies.record.run_pictures import velocity
 from studies.refusal import SceneError
 from studies.view import movie
 from studies.view.quantities import QUANTITIES, shade_of
@@ -39,7 +40,8 @@ def test_three_balls_load_the_wave_threefold(plane):
     slider = plane.scene.slider
     several = replace(slider, contacts=(-0.004, 0.0, 0.005), preload=3 * slider.preload, mass=3 * slider.mass)
     one, three = load(plane), load(replace(plane, scene=replace(plane.scene, slider=several)))
-    assert three[0] == pytest.approx(3 * one[0], rel=1e-12)
+    # their own phases: the jumps add up as numbers without one, and each meets the wave behind the others
+    assert three[0] == pytest.approx(3 * one[0], rel=1e-3)
     assert three[1] == pytest.approx(one[1], rel=1e-12)
 
 
