@@ -336,7 +336,8 @@ def test_a_mesh_that_is_too_fine(tmp_path):
     fine = rectangle(tmp_path / "fine.msh", 1.0, 1.1, size=0.0122)
     words = refused(fine)
     assert (
-        'piece.0.file ("fine") has 14760 elements, about 0.013 mm wide, and at least 2.1e+06 unknowns' in words
+        'piece.0.file ("fine") has 14760 elements, about 0.013 mm wide, and at least 2.1e+06 unknowns'
+        in words
     )
     assert "draw elements of 0.013 mm or more" in words
 
@@ -424,3 +425,11 @@ def test_the_shipped_meshes(tmp_path):
         found = fem.reflector(stator, frequency=2.17e6, tolerance=0.1)
         sent = abs(found.ends[0][1]) if end else abs(found.reflection)
         assert 1e-3 < sent < 1 + 1e-6
+    block = {"length": "12 mm", "thickness": "1 mm", "ends": "free"}
+    given = scene(
+        meshes / "chip.msh", block, position="0 mm", electrodes={"plus": "t+", "minus": "t-"}
+    ).to_table()
+    given["transducer"][0] |= {"center": "3.875 mm", "finger_pairs": 4}
+    record = run(Scene.from_table("", given), tolerance=0.1)
+    assert not [line for line in record.warnings if "mesh draws" in line]
+    assert 0 < record.electrical["admittance_S"].imag
