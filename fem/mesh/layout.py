@@ -278,13 +278,13 @@ def _check_electrodes(piece: MeshPiece, transducers: dict, placed: Placement) ->
 
 def _check_electrode_lines(piece: MeshPiece, solid: Solid) -> None:
     """Refuse electrodes that touch each other or an interface, or no piezoelectric solid."""
-    mesh, owner = piece.mesh, {}
+    mesh, owner = piece.mesh, dict[int, str]()
     solids = {"stator": solid} | dict(piece.solids)
     coupled = {
         int(n) for each in mesh.cells if solids[each.solid].is_piezoelectric for n in np.unique(each.nodes)
     }
 
-    def refuse(rule: str, at: set[int] = frozenset()) -> None:
+    def refuse(rule: str, at: set[int] | None = None) -> None:
         where = " at ({:.4g}, {:.4g}) mm".format(*mesh.points[min(at)] * 1e3) if at else ""
         raise InputError("piece.file", rule.format(where), owner=piece.name)
 
