@@ -63,10 +63,10 @@ class ResultDirectory:
         into = [(self.folder / name, self.target / name) for name in reversed(sorted(new, key=_marks_first))]
         try:
             for source, place in away:
-                _move(source, place)
+                move(source, place)
             write_manifest(self.target, about)
             for source, place in into:
-                _move(source, place)
+                move(source, place)
         except BaseException:
             for source, place in reversed(away + into):
                 if exists(place) and not exists(source):
@@ -202,7 +202,8 @@ def _recover(target: Path) -> None:
     shutil.rmtree(target / FORMER, ignore_errors=True)
 
 
-def _move(source: Path, place: Path) -> None:
+def move(source: Path, place: Path) -> None:
+    """Move a file, the folder that it goes to made if absent."""
     place.parent.mkdir(parents=True, exist_ok=True)
     source.rename(place)
 
