@@ -10,7 +10,7 @@ from studies.__main__ import main
 from studies.chain import bridge, predictor, run, runs
 from studies.chain.bridge import DrivenContact
 from studies.chain.points import SliderAnswer
-from studies.chain.runs import _needed
+from studies.chain.runs import needed_section_tolerance
 from studies.record.text import answer
 from studies.refusal import RunError
 from studies.results.content import plain
@@ -245,7 +245,7 @@ def test_what_is_not_finite_never_leaves(value):
 def test_a_finer_stator_is_asked_for_only_where_it_helps():
     def needed(*parts, ringing=0.0):
         answer = SliderAnswer(points=(), parts=parts, summary={}, trajectories=())
-        return _needed(answer, 1e-4, 1e-3, ringing)
+        return needed_section_tolerance(answer, 1e-4, 1e-3, ringing)
 
     assert needed((2e-3, 1e-6), (5e-4, 0.0)) == pytest.approx(1e-4 * 0.5e-3 / 2e-3, rel=1e-12, abs=0)
     assert needed((9e-4, 0.0)) is None

@@ -30,4 +30,4 @@ def test_a_sweep_says_how_many_points_are_kept(monkeypatch):
     progress = Progress()
     progress.points(100, 10, 1, 0.0)
     progress.points(100, 30, 2, 75.0)
-    assert progress._text == "30 of 100 points kept: 10 points/s, 7.0 s left, 2 failed, 1 min 15 s of work"
+    assert progress.text == "30 of 100 points kept: 10 points/s, 7.0 s left, 2 failed, 1 min 15 s of work"
