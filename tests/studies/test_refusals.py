@@ -160,7 +160,7 @@ drive.frequency=1 | wave ... [drive]
 NO_MODULI; slider.ball=steel | slider.ball must not be given with [wave]
 wave.burst=1e6 | wave.burst ... at most ... 2.2e+12 cycles ... hours ... 1e+06 s
 wave.burst=4; slider.law=hysteretic | wave.burst ... 2.73 s ... got 4 s
-slider.friction_coefficient={static=0.3, sliding=0.1, speed="3 m"} | slider.friction_coefficient.speed must be a velocity
+slider.friction_coefficient={static=1, sliding=0.1, speed="3 m"} | slider.friction_coefficient.speed must be a velocity
 slider.friction_coefficient={static=0.3, sliding=0.1} | slider.friction_coefficient.speed is required and missing
 slider.friction_coefficient={static=0.3} | slider.friction_coefficient.static alone is a number
 slider.friction_coefficient={sliding=0.3, speed=1.0} | slider.friction_coefficient.static is required and missing
