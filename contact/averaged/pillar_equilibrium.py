@@ -34,7 +34,7 @@ HEIGHT, PITCH, ROLL, SPEED = range(4)
 class Balance:
     """An equilibrium."""
 
-    height: object  # H, m; with a soft backing one for each row
+    height: float | np.ndarray  # H, m; with a soft backing one for each row
     pitch: float  # rad, about y: approach grows towards +x
     roll: float  # rad, about x: approach grows towards +y
     w: float  # velocity over omega, m
@@ -72,7 +72,8 @@ class Equilibrium:
         sign = abs(wave.forward) ** 2 - abs(wave.backward) ** 2
         self.unknowns[SPEED] = -0.6 * wave.orbit.imag * sign / max(wave.amplitude, 1e-300)
         self.residual = self.change = np.inf
-        self.forces = self.slope = None
+        self.forces: Forces | None = None
+        self.slope: np.ndarray | None = None  # derivatives of the rows' forces, where sweeps are too slow
 
     def _own_height(self, height: float) -> float:
         """Return H of the untilted slider on the wave as it stands (Newton's method from one that is too large)."""

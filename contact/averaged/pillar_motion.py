@@ -279,9 +279,8 @@ class _Slider:
         """Return the equilibrium from the sign of the forces at given velocities."""
         side = -1.0 if load <= 0.0 else 1.0
         other = self.rest(-side, load)
-        held = self.rest(
-            side, load
-        )  # the last: forces and amplitudes as they stand are those of a slider that is held
+        # the last, so that the wave's amplitudes are those of its forces if the slider is held
+        held = self.rest(side, load)
         low, high = (other, held) if side < 0.0 else (held, other)
         rounding = 1e-12 * self.equilibrium.friction
         if low.traction - load <= rounding and high.traction - load >= -rounding:
@@ -342,9 +341,9 @@ class _Slider:
         forces, classes, weight = found.forces, cycle.classes, cycle.weight
         passed, velocity = cycle.passed(forces), found.w * wave.omega
         order = np.arange(passed.shape[2]) + 1
-        ahead = abs(wave.forward) >= abs(wave.backward)
-        entry, other = (wave.forward, wave.backward) if ahead else (wave.backward, wave.forward)
-        gone, back = (passed[0, -1], passed[1, 0]) if ahead else (passed[1, 0], passed[0, -1])
+        forward_drives = abs(wave.forward) >= abs(wave.backward)
+        entry, other = (wave.forward, wave.backward) if forward_drives else (wave.backward, wave.forward)
+        gone, back = (passed[0, -1], passed[1, 0]) if forward_drives else (passed[1, 0], passed[0, -1])
         entry = entry if entry != 0 else 1.0
         friction = cycle.k_t * wave.omega * forces.cycles[:, columns.FRICTION]
         share = forces.cycles[:, columns.SHARE]
@@ -361,7 +360,7 @@ class _Slider:
             wave_power_in=wave.power(wave.forward) + wave.power(wave.backward),
             wave_power_out=sum(n * (wave.power(a) + wave.power(b)) for n, a, b in zip(order, gone, back, strict=True)),
             loading_number=wave.loading_number(pillars.preload), loading=self.loading, harmonics=order.size,
-            overtones=passed[0 if ahead else 1, :, 1:], wave_work=wave.omega * float(work.imag.sum()),
+            overtones=passed[0 if forward_drives else 1, :, 1:], wave_work=wave.omega * float(work.imag.sum()),
             apparent_power=wave.omega * float(np.abs(work).sum()),
             normal_force=forces.normal[classes],
             friction=friction[classes], first_normal=forces.first_normal[classes],

@@ -76,7 +76,7 @@ def states(given: Given, out, todo, harmonics: int, first: int, stride: int) -> 
     A row that is not reached keeps its regime and says why in its status; `harmonics` of the slider's fast motion.
     """
     key = harmonics, given.paths.height.shape[1]
-    rooms = vars(_ROOMS)
+    rooms = vars(_ROOMS).setdefault("rooms", {})
     if key not in rooms:
         paths, spare = (Paths(*np.zeros((5, key[1]))) for _ in range(2))
         rooms[key] = Room(room(harmonics), np.zeros(len(Entry)), paths, spare)
