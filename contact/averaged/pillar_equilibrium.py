@@ -1,13 +1,18 @@
-r"""The averaged equilibrium of a slider on pillars, together with the wave that they load.
+r"""The averaged equilibrium of a slider on many contacts, together with the wave that they load.
 
-Unknowns: the plane's height H, its tilts about y and x, and the velocity v, so that
+Unknowns: the plane's height H, its tilts theta about y and psi about x, and the velocity v, so that
 
-    sum <P> = F,  sum <P> x = F x_F,  sum <P> y = F y_F,  sum <Q> = load + R_t v,
+    sum <P> = F,  sum <P> x = F x_F,  sum <P> y = F y_F,  sum <Q> = load + R_t v.
 
-by Newton's method with Broyden's updates. The wave's amplitudes at the rows belong to the same fixed point: each
-evaluation moves them as well, until they change by less than `INNER` of the residual. A load at a height b above the
-surface tips the slider: x_F moves by -b load/F, load the mean of sum Q that balances it. At v = 0 a contact that never
-slips keeps its history, and sum <Q> has two limits, from either side: between them the slider is held.
+The means come from `pillar_cycle`, weights included; contacts may differ in place, height, radius and stiffness.
+A load at a height b above the surface tips the slider: x_F moves by -b load/F, load the mean of sum Q that balances it.
+
+`equilibrium` finds H first and then searches v alone. That is not possible here: the wave's amplitudes at the rows
+depend on v, and H, theta and psi on the amplitudes. All unknowns are therefore found together by Newton's method with
+Broyden's updates, and each evaluation moves the amplitudes too, until they change by less than `INNER` of the residual.
+The search for v alone (`equilibrium.balanced_speed`) serves where Newton's method fails and tells a held slider: at
+v = 0 a contact that never slips keeps its history, and sum <Q> has two limits, from either side of v = 0, between which
+the slider is held.
 """
 
 from dataclasses import dataclass, field
@@ -21,10 +26,10 @@ CLOSE = 1e-12  # of the scaled residuals, and of the wave's amplitudes
 INNER = 1e-3  # change of the wave's amplitudes over the residual, at which the unknowns are moved
 MAX_STEPS, MAX_SWEEPS = 80, 200
 SLOW = 0.5  # ratio of successive changes above which the forces' derivatives are computed (anew)
-# Change of the wave below which it need not shrink any more, and sweeps without a halving after which it does not: a
-# wave of many turns, 10^5 forces
+# Rounding keeps the wave's change above CLOSE where it turns many times or 10^5 forces add up: it is accepted below
+# ROUNDING once it has not halved in STALE sweeps
 ROUNDING, STALE = 1e-10, 12
-PATIENCE = 12  # steps in which the residual should fall to a third: at a kink, such as v = 0, it does not
+PATIENCE = 12  # steps in which the residual must fall to a third: at a kink, such as v = 0, it does not
 STEP = 1e-6  # of finite differences, of the scaled unknowns
 MAX_MOVE = 1.0  # of a scaled unknown in one step
 HEIGHT, PITCH, ROLL, SPEED = range(4)
@@ -104,7 +109,7 @@ class Equilibrium:
         return heights
 
     def _evaluate(self, unknowns, side: float):
-        """Return the scaled residuals (4,) at the wave's amplitudes as they stand."""
+        """Return the residuals of the four equations over F, F arm, F arm, mu F, at the amplitudes as they stand."""
         cycle, pillars = self.cycle, self.cycle.pillars
         if self.soft:
             self.rows = self._row_heights()
@@ -129,7 +134,7 @@ class Equilibrium:
         )  # fmt: skip
 
     def _settled(self, unknowns, side: float, active):
-        """Return the residuals with the wave's amplitudes settled as far as the residual is worth."""
+        """Return the residuals once the wave's amplitudes change by less than `INNER` of them."""
         last, best, stale, self.at_rounding = np.inf, np.inf, 0, False
         for _ in range(MAX_SWEEPS):
             residual = self._evaluate(unknowns, side)[list(active)]
@@ -230,7 +235,7 @@ class Equilibrium:
         )
 
     def _left(self, jacobian, residual):
-        """Return what the residuals and the wave's last change leave of the error of w, m."""
+        """Return the error of w, m, by the last residuals and the wave's last change."""
         if jacobian is None:
             return max(self.residual, self.change) * self.scale[SPEED]
         with np.errstate(all="ignore"):

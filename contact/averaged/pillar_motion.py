@@ -1,4 +1,4 @@
-"""How fast a slider on pillars runs on a wave that it loads, what it takes from the wave, and its load line."""
+"""How fast a slider on many contacts runs on a wave that it loads, what it takes from the wave, and its load line."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -26,7 +26,7 @@ OVERTONE_ERROR = 1e-3
 
 @dataclass(frozen=True, kw_only=True)
 class PillarMotion:
-    """Steady motion of a slider on pillars, averaged over the wave's cycle.
+    """Steady motion of a slider on pillars or balls, averaged over the wave's cycle.
 
     Attributes
     ----------
@@ -52,7 +52,8 @@ class PillarMotion:
     share_in_contact, duty : float
         Part of the pillars that touch at all, and the mean part of the cycle for which these do.
     friction_power, thrust_power, damping_power : float
-        Of slip, of the load, and of the viscous damper, W.
+        Of slip, of the load, and of the viscous damper, W. The elastic law's spring of a ball is not conservative: what
+        it loses or gains counts as friction.
     wave_power_in, wave_power_out : float
         Of both waves within the strip, W; 0 without Gamma.
     loading_number : float
@@ -252,10 +253,6 @@ class _Slider:
         """Return the equilibrium at v = 0 of a slider that came from a motion of this sign."""
         return self.equilibrium.solve(load, 0.0, side)
 
-    def free(self) -> Balance:
-        """Return the equilibrium without a load."""
-        return self.under(0.0)
-
     def under(self, load: float) -> Balance:
         """Return the equilibrium under a load with its sign, which may be held."""
         kept = self.equilibrium.unknowns.copy()
@@ -276,7 +273,7 @@ class _Slider:
         return abs(found.w) > 1e-9 * self.equilibrium.speed
 
     def _bracketed(self, load):
-        """Return the equilibrium from the sign of the forces at given velocities."""
+        """Return the equilibrium by a search for the velocity alone: at rest, or where the mean force changes sign."""
         side = -1.0 if load <= 0.0 else 1.0
         other = self.rest(-side, load)
         # the last, so that the wave's amplitudes are those of its forces if the slider is held
@@ -312,7 +309,7 @@ class _Slider:
         """Return a load with the sign of the motion that it opposes."""
         if load == 0.0:
             return 0.0
-        free = self.free()
+        free = self.under(0.0)
         if self._is_moving(free):
             return math.copysign(load, free.w)
         return math.copysign(load, -1.0 if self.rest(-1.0).traction < 0.0 else 1.0)

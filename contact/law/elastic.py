@@ -32,7 +32,7 @@ import numpy as np
 from contact.body import slip_speed
 from contact.codes import Event, Regime
 from contact.jit.compiled import formula
-from contact.law.normal import energy, load, slope
+from contact.law.normal import approach, energy, load, slope
 from contact.law.protocol import Law, limit_bend
 
 # Added to every guard, scaled: a guard counts as passed when it is below minus this, so that one which starts at zero
@@ -46,14 +46,26 @@ def limit_slope(friction_coefficient, effective_modulus, tangential_modulus):
 
 
 @formula
-def friction_load(z, stick, shape):
-    """Return |Q|/(mu K); `stick` is z_s = z - |x|/c, negative in full slip."""
-    return load(z, shape) - load(stick, shape)
+def spring_force(z, x, friction, c, shape):
+    """Return Q of 0 <= x <= c z; `friction` is mu K, with c that of this approach."""
+    return friction * (load(z, shape) - load(z - x / c, shape))
+
+
+@formula
+def spring_deformation(z, force, friction, c, shape):
+    """Return x at which the spring carries a force, at most c z: the inverse of `spring_force`."""
+    return c * (z - approach(max(load(z, shape) - force / friction, 0.0), shape))
+
+
+@formula
+def spring_work(z, x, friction, c, shape):
+    """Return the integral of `spring_force` from 0 to x."""
+    return friction * c * friction_energy(z, z - x / c, shape)
 
 
 @formula
 def friction_energy(z, stick, shape):
-    """Return W/(mu K c), W the integral of Q dx from 0 to |x| = c (z - z_s) at constant z."""
+    """Return W/(mu K c), W the integral of Q dx from 0 to x at constant z; `stick` is z_s = z - x/c."""
     return (z - stick) * load(z, shape) - energy(z, shape) + energy(stick, shape)
 
 
@@ -68,7 +80,7 @@ def tangential_force(x, z, friction, c, shape):
     """Return Q for any x, held at the friction limit beyond c z; `friction` is mu K. Numbers or arrays."""
     if c == 0.0:
         return 0.0 * x
-    return np.sign(x) * friction * friction_load(z, z - abs(x) / c, shape)
+    return np.sign(x) * spring_force(z, abs(x), friction, c, shape)
 
 
 @formula
@@ -86,7 +98,7 @@ def limit_rate(problem, z):
 @formula
 def stuck(problem, z, x):
     """Return Q in stick."""
-    return problem.friction * friction_load(z, z - x / problem.limit_slope, problem.shape)
+    return spring_force(z, x, problem.friction, problem.limit_slope, problem.shape)
 
 
 @formula
@@ -104,8 +116,7 @@ def deformation(problem, z, force):
 @formula
 def spring_energy(problem, z, x):
     """Return the spring's energy."""
-    c = problem.limit_slope
-    return problem.friction * c * friction_energy(z, z - x / c, problem.shape)
+    return spring_work(z, x, problem.friction, problem.limit_slope, problem.shape)
 
 
 @formula
