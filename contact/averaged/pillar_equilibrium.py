@@ -73,40 +73,37 @@ class Equilibrium:
         self.unknowns = np.zeros(4)
         self.rows = np.zeros(cycle.turn.size)
         if not self.soft:
-            self.unknowns[HEIGHT] = self._own_height(rest - float(cycle.height.min()))
+            start = rest - float(cycle.height.min())
+            self.unknowns[HEIGHT] = self._carrying(self.preload, start, lambda each: cycle.weight @ each)
         sign = abs(wave.forward) ** 2 - abs(wave.backward) ** 2
         self.unknowns[SPEED] = -0.6 * wave.orbit.imag * sign / max(wave.amplitude, 1e-300)
         self.residual = self.change = np.inf
         self.forces: Forces | None = None
         self.slope: np.ndarray | None = None  # derivatives of the rows' forces, where sweeps are too slow
 
-    def _own_height(self, height: float) -> float:
-        """Return H of the untilted slider on the wave as it stands (Newton's method from one that is too large)."""
-        cycle = self.cycle
+    def _carrying(self, load, heights, sums):
+        """Return H at which the untilted contacts carry a load in N, on the wave as it stands.
+
+        `sums`: over all contacts, or over those of each row, which then have their own loads and H. Newton from heights
+        that are too large: <P> is convex in H.
+        """
         for _ in range(100):
-            force, rate = (float(np.sum(cycle.weight * each)) for each in cycle.mean_normal(height))
-            step = (force - self.preload) / rate
-            height -= step
-            if abs(step) < 1e-13 * self.length:
+            force, rate = (sums(each) for each in self.cycle.mean_normal(heights))
+            step = (force - load) / rate
+            heights = heights - step
+            if np.max(np.abs(step)) < 1e-13 * self.length:
                 break
-        return height
+        return heights
 
     def _row_heights(self):
-        """Return H of each row under its own share of the preload (Newton's method from heights that are too large)."""
+        """Return H of each row under its own share of the preload."""
         cycle = self.cycle
-        count = np.maximum.reduceat(-cycle.height, cycle.first)
-        rest = self.row_load / cycle.sums(cycle.k_n)
-        heights = rest ** (1.0 / cycle.means.exponent) + count
+        rest = (self.row_load / cycle.sums(cycle.k_n)) ** (1.0 / cycle.means.exponent)
+        heights = rest - np.minimum.reduceat(cycle.height, cycle.first)
         if self.forces is not None:  # where the last ones carry at least the load, they are nearer
             force = cycle.sums(next(cycle.mean_normal(self.rows)))
             heights = np.where(force >= self.row_load, self.rows, heights)
-        for _ in range(100):
-            force, rate = (cycle.sums(each) for each in cycle.mean_normal(heights))
-            step = (force - self.row_load) / rate
-            heights = heights - step
-            if abs(step).max() < 1e-14 * self.length:
-                break
-        return heights
+        return self._carrying(self.row_load, heights, cycle.sums)
 
     def _evaluate(self, unknowns, side: float):
         """Return the residuals of the four equations over F, F arm, F arm, mu F, at the amplitudes as they stand."""
