@@ -84,8 +84,8 @@ class Equilibrium:
     def _carrying(self, load, heights, sums):
         """Return H at which the untilted contacts carry a load in N, on the wave as it stands.
 
-        `sums`: over all contacts, or over those of each row, which then have their own loads and H. Newton from heights
-        that are too large: <P> is convex in H.
+        `sums`: over all contacts, or over those of each row, which then have their own loads and H. Newton's method
+        converges from heights that are too large, for <P> is convex in H.
         """
         for _ in range(100):
             force, rate = (sums(each) for each in self.cycle.mean_normal(heights))
