@@ -13,6 +13,7 @@ import fem
 import studies
 from studies import Scene, SceneError, run
 from studies.chain.resolve import resolved, whole_stator
+from studies.study import module
 from studies.sweeps.plan import designed
 from studies.view import wave_page
 from studies.view.picture import Picture
@@ -20,7 +21,7 @@ from studies.view.quantities import shade
 from studies.view.run_field import run_field
 from studies.view.section import mesh_sheets, piece, sheets
 from studies.view.views import views
-from tests.fem.drawings import rectangle, write_msh
+from tests.fem.drawings import bevelled_end, chip, rectangle, write_msh
 
 STATOR = {
     "material": "PZT-4",
@@ -111,6 +112,92 @@ def _drawn_with_its_groove(found, start, groove, foot):
     empty = ~inside.reshape(meta["nx"], -1).astype(bool)
     assert empty.any()
     assert not empty[(x < groove[0]) | (x > groove[1])].any()
+
+
+def test_a_left_end_is_the_mirror_image_of_a_right_end(tmp_path):
+    """A file with ``right`` alone and one with ``left`` alone: the same motion from the other side, and power lost."""
+    place, length = np.array([5.3e-3, 6.1e-3, 1e-3]), 12e-3
+    records = []
+    for mirrored in (False, True):
+        file = bevelled_end(tmp_path / f"end{mirrored}.msh", 1.0, 0.6, 1.1, size=0.35, mirrored=mirrored)
+        table = scene(file, {"ends": "free"}, position="1 mm" if mirrored else "11 mm").to_table()
+        table["transducer"][0]["center"] = 9.5e-3 if mirrored else 2.5e-3
+        records.append(run(Scene.from_table("", table), tolerance=1e-2))
+    right, left = (record.surface_motion.wave for record in records)
+    assert records[0].electrical["admittance_S"] == pytest.approx(
+        records[1].electrical["admittance_S"], rel=1e-6
+    )
+    # the fingers stand in the other order: the mirror image has the other sign, and u_x changes it again
+    expected = -left.motion(length - place) * np.array([[-1], [1]])
+    assert abs(right.motion(place) - expected).max() < 1e-6 * abs(expected).max()
+    assert not any("ends at x" in line for record in records for line in record.warnings)
+    drawn = [run_field(record, progress=lambda text: None).field for record in records]
+    (right_piece,), (left_piece,) = (each.pieces for each in drawn)
+    assert right_piece.span == pytest.approx((11e-3, 12e-3))
+    assert left_piece.span == pytest.approx((0, 1e-3), abs=1e-9)
+    at = np.lexsort(np.round(right_piece.points, 9).T), np.lexsort(np.round(left_piece.points * [-1, 1], 9).T)
+    u_z, mirrored_u_z = (p.displacement[k, 2] for p, k in zip((right_piece, left_piece), at, strict=True))
+    assert abs(u_z + mirrored_u_z).max() < 1e-6 * abs(u_z).max()
+
+
+def whole(tmp_path, stator=None, electrodes=None, position="0 mm", drawn=None, row=ROW):
+    """A scene whose stator is one mesh, with the fingers of its transducer drawn."""
+    fingers = {"p": [[1.625, 1.875], [2.625, 2.875]], "m": [[2.125, 2.375], [3.125, 3.375]]}
+    file = chip(tmp_path / "chip.msh", 6.0, 1.1, drawn or fingers, size=0.5)
+    piece = {"file": str(file), "length_unit": "mm", "position": position}
+    piece["electrodes"] = electrodes or {"p": "t+", "m": "t-"}
+    blocks = {"stator": STATOR | {"length": "6 mm", "ends": "free"} | (stator or {}), "drive": DRIVE}
+    return Scene.from_table("", blocks | {"transducer": [row], "piece": [piece]})
+
+
+def test_a_stator_that_is_one_mesh(tmp_path):
+    """Run, its field and a warning where the block's fingers are others; what no such stator has is refused."""
+    given = whole(tmp_path)
+    record = run(given, tolerance=1e-2)
+    assert not [line for line in record.warnings if "mesh draws" in line]
+    field = run_field(record, progress=lambda text: None).field
+    assert field.pieces[0].span == pytest.approx((0, 6e-3))
+    moved = record.surface_motion.wave.motion(field.x.clip(0, 6e-3))
+    assert abs(field.displacement[:, -1, [0, 2]].T - moved).max() < 1e-6 * abs(moved).max()
+    for name in ("p_matrix", "reflector"):
+        with pytest.raises(SceneError, match="piece must leave some uniform stator: this piece is all of it"):
+            module(name).run(given, progress=lambda text: None)
+    wider = ROW | {"metallisation": 0.6}
+    (said,) = [
+        line for line in run(whole(tmp_path, row=wider), tolerance=0.5).warnings if "mesh draws" in line
+    ]
+    assert said == (
+        'transducer "t": the mesh draws 2 fingers "+" from 1.625 to 2.875 mm and 2 "-" from 2.125 to 3.375 mm, the '
+        "block has 2 from 1.6 to 2.9 mm and 2 from 2.1 to 3.4 mm: the mesh counts, but for masks"
+    )
+
+
+WHOLE_FAULTS = {
+    "place": (
+        {"position": "1 mm"},
+        "without them it must be the whole stator, 0 to 6 mm, it reaches from 1 to 7 mm",
+    ),
+    "length": ({"stator": {"length": "6 m"}}, r"is the file's length unit m\?"),
+    "thickness": (
+        {"stator": {"thickness": "1 mm"}},
+        r"must reach from z = -1 mm \(minus stator.thickness\) to 0, it reaches from -1.1 to 0 mm",
+    ),
+    "ends": (
+        {"stator": {"ends": "absorbing"}},
+        "stator.ends must be free with piece \"chip\".*got 'absorbing'",
+    ),
+    "comb": (
+        {"electrodes": {"p": "t+"}},
+        "piece.0.electrodes must connect a line group electrode:NAME to t-",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WHOLE_FAULTS)
+def test_a_faulty_whole_stator_is_refused(tmp_path, name):
+    given, sentence = WHOLE_FAULTS[name]
+    with pytest.raises(SceneError, match=sentence):
+        resolved(whole(tmp_path, **given))
 
 
 def test_places_of_one_file(plain):
