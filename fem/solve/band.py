@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem.circuit import Drive
+from fem.condense.mesh import MeshedPiece
 from fem.condense.reduced import PieceSample, rational_piece
 from fem.convergence_error import ConvergenceError
 from fem.discretize.refinement import LEVELS, first_level
@@ -229,8 +230,10 @@ def _closed_amplification(nodes: list[PortFields]) -> tuple[list[float], float]:
     |p / (p - omega^2)| times the effect.
     """
     scatterers = [each.network.scatterers[0] for each in nodes]
-    samples = [PieceSample.of(each.piece, each.potentials) for each in scatterers]
-    resonances = rational_piece(scatterers[0].piece, scatterers[0].potentials, 0, samples).resonances
+    pieces = [each.piece for each in scatterers if isinstance(each.piece, MeshedPiece)]
+    frame = scatterers[0].potentials
+    samples = [PieceSample.of(each, frame) for each in pieces]
+    resonances = rational_piece(pieces[0], frame, 0, samples).resonances
     squares = np.array([(2 * np.pi * each.frequency) ** 2 for each in nodes])
     nearest = np.clip(resonances.real, squares.min(), squares.max())
 
