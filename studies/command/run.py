@@ -72,7 +72,8 @@ def call(arguments: argparse.Namespace) -> int:
         print_answer(arguments, planned, explanation(planned))
         return 0
     if arguments.plot:
-        from studies.record.plots import pictures, refuse_without_toolkit, show
+        from studies.record.plots import refuse_without_toolkit, show
+        from studies.record.run_pictures import pictures
 
         refuse_without_toolkit("--plot", "without it the same pictures are files in the result directory")
     for option in ("report", "field"):

@@ -1,7 +1,8 @@
 """A motor's datasheet as one self-contained page, A4 when printed: table, characteristics, limits."""
 
-from studies.record.plots import COLOURS, as_uri, curve, family, finished, velocity
+from studies.record.plots import COLOURS, as_uri, curve, family, finished
 from studies.record.quantities import quantity
+from studies.record.run_pictures import velocity
 from studies.record.text import sentences
 from studies.report.datasheet import SETTLED, Datasheet, Row
 from studies.report.intermediate import si

@@ -43,7 +43,7 @@ class Drawing:
     def draw(self, record: Record, folder: Path) -> None:
         """Draw the pictures that a record has, into a directory; raises what the drawing raised."""
         if self._process is None:
-            from studies.record.plots import draw_run
+            from studies.record.run_pictures import draw_run
 
             return draw_run(record, folder)
         needed = pickle.dumps((replace(record, surface_motion=None), folder.resolve()))
@@ -62,7 +62,7 @@ def serve() -> None:
     import matplotlib.backends.backend_agg
     import matplotlib.figure  # noqa: F401
 
-    from studies.record.plots import draw_run
+    from studies.record.run_pictures import draw_run
 
     request = sys.stdin.buffer.read()
     if not request:  # the run ended without pictures, and nobody reads an answer

@@ -23,10 +23,9 @@ from studies.record.plots import (
     new_figure,
     saved,
     shaded,
-    surface,
     titled,
-    velocity,
 )
+from studies.record.run_pictures import surface, velocity
 from studies.report.energies import LEDGER
 from studies.view import movie
 from studies.view.contact_view import film_contact, strip

@@ -139,7 +139,7 @@ def test_a_sweep_over_power_is_the_runs():
 def test_the_answer_and_the_picture_show_the_power():
     from matplotlib.figure import Figure
 
-    from studies.record.plots import velocity
+    from studies.record.run_pictures import velocity
     from studies.record.text import answer
 
     record = run(motor(power=["1 W", "4 W"], match="auto"), tolerance=1e-2)

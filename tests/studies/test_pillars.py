@@ -437,7 +437,7 @@ def test_a_study_of_balls_says_that_it_knows_no_pillars():
 def test_the_pictures_show_the_tables():
     from matplotlib.figure import Figure
 
-    from studies.record.plots import pictures
+    from studies.record.run_pictures import pictures
 
     record = run(scene(pillars={"height_scatter": 5e-9, "seed": 3}))
     drawn = pictures(record)

@@ -17,7 +17,8 @@ from studies.chain.model_error import model_error
 from studies.chain.ring_up import RingUp
 from studies.chain.surface_motion import SurfaceMotion
 from studies.chain.warnings import breakdown_voltage, warnings_of
-from studies.record.plots import new_figure, velocity
+from studies.record.plots import new_figure
+from studies.record.run_pictures import velocity
 from studies.refusal import SceneError
 from studies.view import movie
 from studies.view.quantities import QUANTITIES, shade_of
