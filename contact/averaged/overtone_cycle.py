@@ -8,7 +8,7 @@ import numpy as np
 
 from contact.averaged import flat_cycle as columns
 from contact.averaged.flat_cycle import COLUMNS
-from contact.averaged.march import passed
+from contact.averaged.march import march, passed
 from contact.averaged.overtone_march import Classes, Spectrum, Waves, overtone_march, samples
 from contact.averaged.pillar_cycle import Forces, PillarCycle
 from contact.convergence_error import ConvergenceError
@@ -100,19 +100,18 @@ class OvertoneCycle(PillarCycle):
         Contacts in touch are springs to it: the forces F of a row follow F_0 + S (U - U_0), S the sum of their normal
         stiffnesses, each for its share of the cycle. What this leaves out shrinks by about ten times in each sweep.
         """
-        upstream = slice(None, None, -1) if self.forward_drives else slice(None)
-        other, entry = (self.backward, 1) if self.forward_drives else (self.forward, 0)
-        other, turn = other[upstream, 0], (self.turn.conj() if self.forward_drives else self.turn)[upstream]
+        side, m = (1 if self.forward_drives else 0), self.turn.size  # of the wave against, in (U+, U-)
+        other = (self.forward, self.backward)[side][:, 0]
         orbit = self.wave.orbit if self.forward_drives else self.wave.orbit.conjugate()
-        force = self._forces()[upstream, :, 0]
-        spring = 0.5j * self.g * self.sums(forces.cycles[:, columns.SHARE] * self.k_n)[upstream]
-        # U behind a row, as it meets them, is that before it times (1 + spring)/(1 - spring), and a source
-        phase = np.cumprod((1.0 + spring) / (1.0 - spring))
-        source = 1j * self.g * (force[:, 0] + orbit * force[:, 1]) - 2.0 * spring * other
-        source *= turn.conj() / (1.0 - spring)
-        behind = phase * (self.incident[entry] + np.cumsum(source / phase))
-        before = np.concatenate([self.incident[entry : entry + 1], behind[:-1]])
-        step = 0.5 * (before + behind) * turn - other
+        normal, tangential = self._forces()[:, 0, 0], self._forces()[:, 1, 0]
+        force, amplitude, slope = (
+            np.zeros((m, 2), complex),
+            np.zeros((m, 2), complex),
+            np.zeros((m, 2, 2), complex),
+        )
+        force[:, side], amplitude[:, side] = normal + orbit * tangential, other
+        slope[:, side, side] = self.sums(forces.cycles[:, columns.SHARE] * self.k_n)
+        step = march(self.turn, force, slope, amplitude, self.g, self.incident)[:, side] - other
         change = float(np.abs(step).max()) / max(self.wave.amplitude, 1e-300)
         # D. G. Anderson, J. ACM 12 (1965) 547: of the last sweeps the combination with the smallest step
         self.sweeps = [*self.sweeps[1 - MEMORY :], (other.copy(), step)]
