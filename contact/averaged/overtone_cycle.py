@@ -8,7 +8,7 @@ import numpy as np
 
 from contact.averaged import flat_cycle as columns
 from contact.averaged.flat_cycle import COLUMNS
-from contact.averaged.march import march, passed
+from contact.averaged.march import march
 from contact.averaged.overtone_march import Classes, Spectrum, Waves, overtone_march, samples
 from contact.averaged.pillar_cycle import Forces, PillarCycle
 from contact.convergence_error import ConvergenceError
@@ -103,7 +103,7 @@ class OvertoneCycle(PillarCycle):
         side, m = (1 if self.forward_drives else 0), self.turn.size  # of the wave against, in (U+, U-)
         other = (self.forward, self.backward)[side][:, 0]
         orbit = self.wave.orbit if self.forward_drives else self.wave.orbit.conjugate()
-        normal, tangential = self._forces()[:, 0, 0], self._forces()[:, 1, 0]
+        normal, tangential = self.row_forces(forces)[..., 0].T
         force, amplitude, slope = (
             np.zeros((m, 2), complex),
             np.zeros((m, 2), complex),
@@ -126,26 +126,26 @@ class OvertoneCycle(PillarCycle):
     def tangent(self, *_):
         """Return None: there is no step of Newton's, the sweeps go on."""
 
-    def _forces(self):
+    def row_forces(self, _forces: Forces):
         """Return sum P_n and sum Q_n of the rows from left to right, shape (m, 2, N)."""
         return self.spectrum.force[self.downstream]
 
-    def passed(self, _forces: Forces):
-        """Return U+ behind each row and U- before it, shape (2, m, N); the one against has no overtones."""
-        force = self._forces()
-        found = passed(self.turn, force[:, 0], force[:, 1], self.wave.orbit, self.g, self.incident)
+    def passed(self, forces: Forces):
+        """Return U+ behind each row and U- before it, shape (2, m, N); the wave against has no overtones."""
+        found = super().passed(forces)
         found[1 if self.forward_drives else 0, :, 1:] = 0.0
         return found
 
     def radiated(self, g: float, approach, w: float, side: float) -> complex:
         """Return the last overtone at the exit that contacts on the amplitudes as they stand send along with them."""
-        self.forces(approach, w, side)
+        forces = self.forces(approach, w, side)
         self.g = g
-        return complex(self.passed(None)[0, -1, -1] if self.forward_drives else self.passed(None)[1, 0, -1])
+        found = self.passed(forces)
+        return complex(found[0, -1, -1] if self.forward_drives else found[1, 0, -1])
 
-    def work(self, _forces: Forces):
+    def work(self, forces: Forces):
         """Return the complex power over omega of the surface on each row and in each harmonic."""
-        force, (u_z, u_x) = self._forces(), self.amplitudes()
+        force, (u_z, u_x) = self.row_forces(forces), self.amplitudes()
         driving, orbit = (
             (self.forward, self.wave.orbit)
             if self.forward_drives
