@@ -32,6 +32,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from contact.averaged.equilibrium import load_direction
 from contact.averaged.event_cycle import balanced
 from contact.averaged.riding import mean_load, riding_approach, riding_height
 from contact.choice import Answer
@@ -137,11 +138,10 @@ def _followed(slider, orbits, first, margins=None):
     averaged, margins = _averaged(slider, orbits, first), margins or _sticks
     if math.isinf(first) or first == 0.0:
         return averaged
-    direction = -1.0 if sum(orbit.crest_velocity for orbit in orbits) < 0.0 else 1.0
 
     def root(samples, which):
         def margin(factor):
-            problem = scaled(slider, tuple(o.scaled(factor) for o in orbits), direction=direction, start=0.0)
+            problem = scaled(slider, tuple(o.scaled(factor) for o in orbits), direction=1.0, start=0.0)
             motion = normal_motion(problem, riding_approach(problem), samples)
             return margins(problem, motion, slider)[which]
 
@@ -181,9 +181,14 @@ def _sticks(problem, motion, slider):
     rooms = [room_to_stick(problem, motion, side) for side in (1.0, -1.0)]
     unit = problem.limit_slope * slider.rest_approach(problem.contacts) / problem.length
     left = np.array([0.5 * (room.forward + room.backward) / unit for room in rooms])
-    scale = problem.friction * problem.preload
-    load = min((rooms[0].traction - problem.load) / scale, (problem.load - rooms[1].traction) / scale)
-    return min(float(np.min(left)), load), min(float(np.max(left)), load)
+    held = _held_load(rooms[1].traction, rooms[0].traction, problem.load, problem.friction * problem.preload)
+    return min(float(np.min(left)), held), min(float(np.max(left)), held)
+
+
+def _held_load(least, largest, load, friction):
+    """Return how far a load lies between the mean forces that contacts can hold, over the friction; < 0 outside."""
+    load *= load_direction(least, largest, friction)
+    return min(largest - load, load - least) / friction
 
 
 def _own_mirror_image(slider, orbits):
@@ -288,7 +293,6 @@ def _holding_margin(slider, orbits, factor):
     c, mu, shape = slider.limit_slope, slider.static_coefficient, slider.contact_shape
     scaled = tuple(orbit.scaled(factor) for orbit in orbits)
     h = riding_height(slider, scaled)
-    load = math.copysign(slider.load, sum(orbit.crest_velocity for orbit in orbits))
     room, highest, lowest = math.inf, 0.0, 0.0
     for orbit in scaled:
         up = c * h - abs(orbit.tangential - c * orbit.normal)
@@ -298,8 +302,7 @@ def _holding_margin(slider, orbits, factor):
         friction = mu * slider.normal_stiffness
         highest += float(np.mean(tangential_force(u_x + up, z, friction, c, shape)))
         lowest += float(np.mean(tangential_force(u_x - down, z, friction, c, shape)))
-    scale = mu * slider.preload
-    return min(room, (highest - load) / scale, (load - lowest) / scale)
+    return min(room, _held_load(lowest, highest, slider.load, mu * slider.preload))
 
 
 def _falling_root(function, slider, orbits):

@@ -158,15 +158,23 @@ def full_slip_speed(problem):
 
 
 @formula
+def load_direction(least, largest, friction):
+    """Return +1 or -1, the direction of motion that a load opposes: that in which the wave drives the unloaded slider.
+
+    `least` and `largest` bound the mean tangential force of a cycle at rest, `friction` is mu times the preload. While
+    both signs occur the unloaded slider is held; the larger one tells which way it will start. +1 where they are equal.
+    """
+    return -1.0 if largest < 0.0 or least + largest < -1e-9 * friction else 1.0
+
+
+@formula
 def way_out(least, largest, load, friction):
     """Return (way, load) of a slider at rest: +1, -1 or 0 where it is held, and the load with its sign.
 
-    `least` and `largest` bound the mean tangential force of a cycle at rest; the load opposes the unloaded motion, so
-    its sign is turned where the wave drives against its crests. `friction` is mu times the preload.
+    Arguments as for `load_direction`; the load is zero or positive.
     """
     rounding = 1e-13 * friction
-    if largest < 0.0 and load > 0.0:
-        load = -load
+    load *= load_direction(least, largest, friction)
     if least - load > rounding:
         return 1.0, load
     return (-1.0 if largest - load < -rounding else 0.0), load
