@@ -66,7 +66,7 @@ def pillar_rows(record: Record) -> Rows:
             yield OVERTONES, "velocity", motion.overtone, how
         yield from _scattering(motion)
     yield from _compliance(body, motion, slider, level)
-    yield from _leak(record, motion)
+    yield from leak(record, motion)
     if slider.pillars.height_scatter > 0.0:
         share = SAMPLE / math.sqrt(motion.pillars.number)
         yield "another seed of the heights", "velocity", share, "0.18 over the root of the number, rms"
@@ -109,7 +109,7 @@ def _scattering(motion) -> Rows:
         yield "scattering by unequal pillars", "velocity", -power / motion.wave_power_in / 4, how
 
 
-def _leak(record: Record, motion) -> Rows:
+def leak(record: Record, motion) -> Rows:
     """Yield how much of the advance that makes the wave leak is reached, and how exact that advance is."""
     length = float(np.ptp(motion.row_x))
     if record.scene.stator is None or not motion.loading or length == 0.0:

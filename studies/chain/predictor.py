@@ -153,7 +153,7 @@ class Predictor:
         scene, stator = self._resolved(changes)
         if stator is None:
             return DrivenContact.given(scene)
-        places, shared = self._places(scene)
+        places, shared = self.own_and_shared_places(scene)
         try:
             solved = self._answer(stator, shared, step)
         except RunError:  # a place in a node of the wave must not cost the others
@@ -201,7 +201,7 @@ class Predictor:
         """Take the stator's answer from a run of the scene."""
         scene, stator = self._resolved({})
         if stator is not None:
-            places = self._places(scene)[0]
+            places = self.own_and_shared_places(scene)[0]
             self._answers[stator, places, 0] = SolvedStator.of(record.surface_motion, places)
 
     def ring_up(self, driven: DrivenContact) -> RingUp | None:
@@ -221,7 +221,7 @@ class Predictor:
         for changes in many if self.limits else ():
             with suppress(SceneError):  # said when it is its turn
                 scene, stator = self._resolved(changes)
-                places = self._places(scene)[1]
+                places = self.own_and_shared_places(scene)[1]
                 if self._in_band(stator, places) and (stator, places, step) not in self._answers:
                     fixed = replace(stator, drive=replace(stator.drive, frequency=self.limits[0]))
                     groups.setdefault((fixed, places), {})[stator.frequency] = stator
@@ -321,7 +321,7 @@ class Predictor:
         same = all(getattr(scene, key) == each for key, each in blocks.items())
         return scene if same else replace(scene, **blocks), stator
 
-    def _places(self, scene: Scene) -> tuple[tuple, tuple]:
+    def own_and_shared_places(self, scene: Scene) -> tuple[tuple, tuple]:
         """Return the places of a scene, and those that one solution of the stator serves."""
         places = places_of(scene)
         if scene.slider is None:

@@ -171,7 +171,9 @@ def _with_contact(
     for _ in range(ROUNDS - 1):
         section, whole = motion.wave.relative_error, motion.relative_error(places)
         rings = 0.0 if ringing is None else ringing.error
-        goal = _needed(answer, section, predictor.tolerance, rings, beam_share=1 - section / whole)
+        goal = needed_section_tolerance(
+            answer, section, predictor.tolerance, rings, beam_share=1 - section / whole
+        )
         if goal is None:
             break
         try:
@@ -184,7 +186,7 @@ def _with_contact(
     return motion, answer, ringing, seconds
 
 
-def _needed(
+def needed_section_tolerance(
     answer: SliderAnswer, reached: float, tolerance: float, ringing: float, beam_share: float = 0.0
 ) -> float | None:
     """Return the section's tolerance that would do, or None where it is good enough or cannot help.

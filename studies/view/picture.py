@@ -24,8 +24,6 @@ from studies.view.run_field import RunField
 from studies.view.section import Piece, Sheet, beam_sheet, magnification, mesh_sheets, piece, sheets, strips
 from studies.view.views import BELOW, Frame, frames
 
-__all__ = ["Picture"]
-
 MM = 1e3
 BARE, EDGE = "#D9D9D9", "#606060"
 LINES = 24  # per wavelength, of what is drawn of a solid

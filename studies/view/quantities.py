@@ -15,11 +15,6 @@ from PIL import Image
 
 from studies.refusal import SceneError, nearest
 
-__all__ = [
-    "DIVERGING", "QUANTITIES", "SEQUENTIAL", "Quantity", "Shade", "palette", "present", "quantity", "shade",
-    "shade_of",
-]  # fmt: skip
-
 NM = 1e9
 MARK_COLOURS = ("#CC79A7", "#E69F00", "#009E73")  # of `description`; the others are black, grey and white
 SCALE = 192  # colours of a map in a palette of 256

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from fem.beam.crossed_beam import CrossedBeam
     from fem.results.driven_answer import SurfaceWave
 
-__all__ = ["NO_STATOR", "RunField", "left_run", "motion_again", "run_field"]
 
 LINES = 16  # per wavelength in the stretches of a driven stator
 FREE_WAVELENGTHS = 10  # of a free wave are shown

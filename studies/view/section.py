@@ -17,19 +17,6 @@ from studies.refusal import SceneError
 from studies.view.quantities import QUANTITIES, Shade, shade_of
 from studies.view.run_field import LINES, RunField
 
-__all__ = [
-    "MOTIONS",
-    "Piece",
-    "Sheet",
-    "beam_sheet",
-    "magnification",
-    "mesh_sheets",
-    "piece",
-    "sheets",
-    "strips",
-    "thinned",
-]
-
 AMPLITUDE = 0.08  # of a wavelength: as large as the largest displacement is drawn
 FACET = 4.0  # largest distance of drawn points over the smallest
 BEAM_LINES, ACROSS = 12, 81  # of the surface of a beam: per wavelength along x, and across the width

@@ -7,8 +7,6 @@ from studies.refusal import SceneError
 from studies.view import description
 from studies.view.run_field import RunField
 
-__all__ = ["Frame", "View", "chosen_views", "frames", "limits", "near", "views"]
-
 MM = 1e3
 CLOSE = 7.0  # wavelengths either side, in the close views
 NARROWEST = 0.05  # wavelengths

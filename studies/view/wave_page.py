@@ -20,8 +20,6 @@ from studies.view.quantities import Shade, present, shade
 from studies.view.run_field import RunField
 from studies.view.section import magnification, thinned
 
-__all__ = ["page"]
-
 SPACING = 1 / 30  # wavelengths
 SHORT = 32767
 CYCLE = 2.5  # s that one period of the wave takes

@@ -64,6 +64,8 @@ def _motion(solution):
         ("PZT-4", "Z", {"ends": "absorbing", "bottom": "free"}, 1e-8),
         ("PZT-4", "Z", {"ends": "free", "bottom": "grounded"}, 1e-8),
         ("PZT-5H", "X", {"ends": "absorbing", "bottom": "clamped"}, 1e-8),
+        # the line is graded towards the clamped bottom: 7e-5 where the projection is tested with functions held there
+        ("PZT-4", "Z", {"ends": "free", "bottom": "clamped"}, 1e-8),
         # one element through 0.8 wavelengths: the section's own error
         ("LiNbO3 (Kovacs)", "128YX", {"ends": "absorbing", "bottom": "free"}, 3e-7),
     ],
@@ -82,7 +84,7 @@ def test_a_meshed_plain_stretch_is_invisible(tmp_path, name, orientation, sides,
     before, after = plain.fields.admittances, meshed.fields.admittances
     assert abs(after - before).max() < bound * abs(before).max()
     # between free ends rounding is amplified by the resonances
-    assert abs(after - after.T).max() < 5e-11 * abs(after).max()
+    assert abs(after - after.T).max() < 5e-11 * abs(after).max() + 3 * abs(before - before.T).max()
     assert power_balance(meshed).residual < 1e-11
 
 

@@ -66,12 +66,12 @@ def test_bursts_with_a_wave_that_grows_and_fades_are_those_of_fixed_steps():
     time = np.linspace(0.0, 2e-5, 81)
     factor = 1.0 - np.cos(0.5 * np.pi * time / 2e-5) ** 2 + 0j
     whole = motor()
-    from studies.export import reduced_motor as model
+    from studies.export.reduced_motor import index
 
     parameters = whole.parameters.copy()
-    own = model.FIRST_DRIVE
-    parameters[own + model.RESPONSE_NODES], parameters[own + model.RESPONSE_STEP] = len(factor), time[1]
-    parameters[own + model.RESPONSE] = len(whole.tables)
+    own = index.FIRST_DRIVE
+    parameters[own + index.RESPONSE_NODES], parameters[own + index.RESPONSE_STEP] = len(factor), time[1]
+    parameters[own + index.RESPONSE] = len(whole.tables)
     first = replace(whole.drives[0], response=factor, response_step=float(time[1]))
     shaped = replace(
         whole, parameters=parameters, tables=np.concatenate([whole.tables, factor.view(float)]),

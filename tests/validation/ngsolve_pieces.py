@@ -14,10 +14,8 @@ from itertools import pairwise
 import numpy as np
 
 RATIO = 0.15  # of the geometric layers
-STRETCH = 1 - 2j
 STRAINS = {0: {0: 0, 2: 4}, 1: {0: 5, 2: 3}, 2: {0: 4, 2: 2}}  # displacement: derivative: Voigt number
 SAME = 1e-9  # mm
-ABSORBER = "absorber of "
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,19 +25,23 @@ class Drawing:
     Attributes
     ----------
     regions : list of (str, list)
-        Name of the solid, behind ``ABSORBER`` where it absorbs, and corners (x, z).
+        Name of the solid or of an absorber, and corners (x, z).
     electrodes : dict
         Name to its straight segments ((x, z), (x, z)).
     clamped : list
         Straight segments without displacement.
     singular : list
         Points that the mesh is refined towards besides the ends of electrodes.
+    absorbers : dict
+        Name to the solid and the stretching s.  A mode k = a - i b that goes right must decay in its layer too, Im(k s)
+        < 0: -Im s / Re s must stay below b / |a| of all modes with a < 0, or the layer is wrong at any depth.
     """
 
     regions: list
     electrodes: dict
     clamped: list = field(default_factory=list)
     singular: list = field(default_factory=list)
+    absorbers: dict = field(default_factory=dict)
 
     @property
     def vertices(self) -> list:
@@ -90,7 +92,7 @@ class Reference:
         self.potential = float(np.sqrt(self.stress / first.permittivity.max()))
 
     def _solid(self, name: str):
-        return self.solids[name.removeprefix(ABSORBER)]
+        return self.solids[self.drawing.absorbers.get(name, (name,))[0]]
 
     def _geometry(self):
         from netgen.occ import Face, Glue, OCCGeometry, Segment, Wire
@@ -130,7 +132,7 @@ class Reference:
         form = ng.BilinearForm(self.space, symmetric=True, condense=condense)
         inertia = (2 * np.pi * frequency * 1e-3) ** 2 / self.stress
         for name in self.mesh.GetMaterials():
-            solid, s = self._solid(name), STRETCH if name.startswith(ABSORBER) else 1.0
+            solid, s = self._solid(name), self.drawing.absorbers.get(name, (name, 1.0))[1]
 
             def slopes(w, s=s):
                 return {0: ng.grad(w)[0] / s, 2: ng.grad(w)[1]}
