@@ -32,7 +32,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from contact.averaged.equilibrium import load_direction
 from contact.averaged.event_cycle import balanced
 from contact.averaged.riding import mean_load, riding_approach, riding_height
 from contact.choice import Answer
@@ -78,7 +77,7 @@ def threshold(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
     >>> print(threshold(slider, Orbit(frequency=2.2e6, normal=1e-9, tangential=-0.7e-9j)))
     0.706283 +- 7.1e-07 (ok: periodic motion up to the first event)
     """
-    listed = as_orbits(orbits)
+    _, listed = towards_plus(as_orbits(orbits))
     if all(orbit.normal == 0 and orbit.tangential == 0 for orbit in listed):
         return Answer(value=math.inf, error=0.0, reasons=("there is no wave",))
     if slider.static_friction(len(listed)) <= slider.load:
@@ -90,12 +89,8 @@ def threshold(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
     if slider.law == "elastic" and not (slider.reciprocal or slider.heights or bent) and _alike(listed):
         own_spring = isinstance(slider.friction, UserLaw)
         return (_averaged if own_spring else _followed)(slider, listed, elastic)
-    _, driven = towards_plus(listed)
-    return _averaged(
-        slider,
-        listed,
-        _edge(lambda k: not balanced(slider, tuple(o.scaled(k) for o in driven)).held, elastic),
-    )
+    held = _edge(lambda k: not balanced(slider, tuple(o.scaled(k) for o in listed)).held, elastic)
+    return _averaged(slider, listed, held)
 
 
 def threshold_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
@@ -108,7 +103,7 @@ def release(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
 
     Inf without normal motion. Parameters as for `threshold`. Contacts that do not touch at rest do not count.
     """
-    listed = as_orbits(orbits)
+    _, listed = towards_plus(as_orbits(orbits))
     factor = _released(slider, listed)
     if slider.reciprocal and slider.law == "elastic":
         return _averaged(slider, listed, factor)
@@ -186,8 +181,10 @@ def _sticks(problem, motion, slider):
 
 
 def _held_load(least, largest, load, friction):
-    """Return how far a load lies between the mean forces that contacts can hold, over the friction; < 0 outside."""
-    load *= load_direction(least, largest, friction)
+    """Return how far a load lies between the mean forces that contacts can hold, over the friction; < 0 outside.
+
+    No threshold is reached before, so that the wave does not move the unloaded slider and the load is positive.
+    """
     return min(largest - load, load - least) / friction
 
 
@@ -234,10 +231,9 @@ def _released(slider, listed):
     friction = slider.static_friction(len(listed))
     if not slider.reciprocal or slider.law != "elastic" or friction <= slider.load:
         return elastic
-    _, driven = towards_plus(listed)
 
     def parts(factor):
-        found = balanced(slider, tuple(orbit.scaled(factor) for orbit in driven))
+        found = balanced(slider, tuple(orbit.scaled(factor) for orbit in listed))
         return np.min(found.height * found.problem.length + heights - factor * reach) < 0.0
 
     return _edge(parts, elastic)

@@ -158,23 +158,24 @@ def full_slip_speed(problem):
 
 
 @formula
-def load_direction(least, largest, friction):
-    """Return +1 or -1, the direction of motion that a load opposes: that in which the wave drives the unloaded slider.
+def load_direction(largest):
+    """Return +1 or -1, the direction of motion that a load opposes, of `drive.towards_plus` orbits.
 
-    `least` and `largest` bound the mean tangential force of a cycle at rest, `friction` is mu times the preload. While
-    both signs occur the unloaded slider is held; the larger one tells which way it will start. +1 where they are equal.
+    It is that of the unloaded slider: -1 where even the largest mean force of a cycle at rest is negative. The load on
+    a slider that the wave does not move without it acts against the crests.
     """
-    return -1.0 if largest < 0.0 or least + largest < -1e-9 * friction else 1.0
+    return -1.0 if largest < 0.0 else 1.0
 
 
 @formula
 def way_out(least, largest, load, friction):
     """Return (way, load) of a slider at rest: +1, -1 or 0 where it is held, and the load with its sign.
 
-    Arguments as for `load_direction`; the load is zero or positive.
+    `least` and `largest` bound the mean tangential force of a cycle at rest, `friction` is mu times the preload; the
+    load is zero or positive.
     """
     rounding = 1e-13 * friction
-    load *= load_direction(least, largest, friction)
+    load *= load_direction(largest)
     if least - load > rounding:
         return 1.0, load
     return (-1.0 if largest - load < -rounding else 0.0), load

@@ -126,12 +126,12 @@ def _held(problem, height, rest):
 
 
 def opposed(slider: Slider, orbits: tuple[Orbit, ...]) -> float:
-    """Return the `equilibrium.load_direction` of a slider on a wave."""
+    """Return the direction of motion that a load opposes (`equilibrium.load_direction`)."""
     if slider.load == 0.0 or slider.static_coefficient * slider.preload == 0.0:
         return 1.0
     problem = scaled(slider, orbits, direction=1.0, start=0.0)
-    (least, _), (largest, _) = _rest_cycles(problem, riding_approach(problem))
-    return load_direction(least, largest, problem.friction * problem.preload)
+    _, (largest, _) = _rest_cycles(problem, riding_approach(problem))
+    return load_direction(largest)
 
 
 def traction(problem, height, speed, deformations):
