@@ -275,6 +275,7 @@ def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
         ends=stator.ends,
         above=stator.above,
         absorbs_below=stator.absorbs_below,
+        solid=stator.solid,
         transducers={each.name: (*each.extent, each.signs) for each in transducers},
     )
 

@@ -188,7 +188,7 @@ WHOLE_FAULTS = {
     ),
     "comb": (
         {"electrodes": {"p": "t+"}},
-        "piece.0.electrodes must connect a line group electrode:NAME to t-",
+        r"piece.0.electrodes \(\"chip\"\) must connect a line group electrode:NAME to t-",
     ),
 }
 
@@ -305,15 +305,52 @@ def test_materials_and_electrodes(tmp_path):
         strip, electrodes={"strip": "left+"}, **given
     )
     resolved(scene(strip, electrodes={"strip": "t+"}, **given))
+    assert 'piece.0.materials ("s") must not name "stator"' in refused(
+        strip, materials={"stator": "aluminium", "strip": "aluminium"}
+    )
+
+
+def test_electrodes_in_the_wrong_place(tmp_path):
+    """Refused before anything is solved: at an interface, on another electrode, on a solid without coupling."""
+    sides = {"left": [(3, 0)], "right": [(1, 2)]}
+    file = square(tmp_path / "p.msh", lines=sides | {"electrode:e": [(2, 3)]})
+    assert 'piece.0.file ("p") "electrode:e" reaches the interface left at (0, 0) mm' in refused(file)
+    points = [(0, -1.1), (0.5, -1.1), (1, -1.1), (1, 0), (0.7, 0), (0.5, 0), (0.3, 0), (0, 0)]
+    triangles = [(0, 1, 7), (1, 6, 7), (1, 5, 6), (1, 4, 5), (1, 3, 4), (1, 2, 3)]
+    sides = {"left": [(7, 0)], "right": [(2, 3)]}
+    file = square(
+        tmp_path / "q.msh", points, triangles, sides | {"electrode:a": [(6, 5)], "electrode:b": [(5, 4)]}
+    )
+    assert '"electrode:a" and "electrode:b" touch at (0.5, 0) mm: give them one name' in refused(file)
+    points = [(0, -1.1), (1, -1.1), (1, 0), (0.6, 0), (0.4, 0), (0, 0), (0.5, 0.1)]
+    solids = {"stator": [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)], "strip": [(4, 3, 6)]}
+    sides = {"left": [(5, 0)], "right": [(1, 2)], "electrode:e": [(3, 6)]}
+    file = write_msh(tmp_path / "r.msh", points, solids, sides)
+    assert 'must draw the line group "electrode:e" on a piezoelectric solid' in refused(
+        file, materials={"strip": "aluminium"}
+    )
+
+
+def test_a_mesh_that_is_too_fine(tmp_path):
+    """A file whose coarsest discretisation is too large: refused at once, with the size that would do."""
+    fine = rectangle(tmp_path / "fine.msh", 1.0, 1.1, size=0.0122)
+    words = refused(fine)
+    assert (
+        'piece.0.file ("fine") has 14760 elements, about 0.013 mm wide, and at least 2.1e+06 unknowns'
+        in words
+    )
+    assert "draw elements of 0.013 mm or more" in words
 
 
 def test_files_that_are_no_mesh(tmp_path, plain):
-    assert "cannot be read: No such file" in refused(tmp_path / "none.msh")
+    assert '"none.msh": the file cannot be read from' in refused(tmp_path / "none.msh")
     (tmp_path / "text.msh").write_text("a groove")
-    assert "the file 'text.msh' is no mesh of gmsh, format 2.2 or 4.1" in refused(tmp_path / "text.msh")
+    assert '"text.msh": the file is no mesh of gmsh, format 2.2 or 4.1' in refused(tmp_path / "text.msh")
     text = plain.read_text()
     (tmp_path / "deep.msh").write_text(text.replace(" 0.0 0\n", " 0.0 0.5\n"))
     assert "the file's third coordinate is not constant: a section has two" in refused(tmp_path / "deep.msh")
+    (tmp_path / "nan.msh").write_text(text.replace("1 0.0 -1.1 0", "1 nan -1.1 0"))
+    assert "the file has a coordinate that is no finite number" in refused(tmp_path / "nan.msh")
     lines = text.split("$Elements\n")
     count, *rest = lines[1].split("\n")
     cubic = f"{int(count)}\n" + "\n".join(rest).replace("1 1 2 1 1 1 2", "1 26 2 1 1 1 2 3 4", 1)
@@ -388,3 +425,11 @@ def test_the_shipped_meshes(tmp_path):
         found = fem.reflector(stator, frequency=2.17e6, tolerance=0.1)
         sent = abs(found.ends[0][1]) if end else abs(found.reflection)
         assert 1e-3 < sent < 1 + 1e-6
+    block = {"length": "12 mm", "thickness": "1 mm", "ends": "free"}
+    given = scene(
+        meshes / "chip.msh", block, position="0 mm", electrodes={"plus": "t+", "minus": "t-"}
+    ).to_table()
+    given["transducer"][0] |= {"center": "3.875 mm", "finger_pairs": 4}
+    record = run(Scene.from_table("", given), tolerance=0.1)
+    assert not [line for line in record.warnings if "mesh draws" in line]
+    assert 0 < record.electrical["admittance_S"].imag
