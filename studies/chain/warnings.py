@@ -179,7 +179,8 @@ def _left_out(record: Record) -> Iterator[str]:
 
 def _contact(record: Record, driven: DrivenContact) -> Iterator[str]:
     """Yield warnings where a ball is moved sideways, or presses harder than it or the stator bears."""
-    if abs(record.wave["normal_m_per_V"]) < NODE * abs(record.wave["tangential_m_per_V"]):
+    normal, tangential = (abs(record.wave.get(f"{way}_m_per_V", 1.0)) for way in ("normal", "tangential"))
+    if normal < NODE * tangential:
         yield (
             "u_z vanishes at the slider's centre: the amplitudes of the points are taken "
             "at the centre and say nothing about the wave under the balls: another slider.position"
