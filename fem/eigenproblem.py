@@ -62,18 +62,18 @@ def opposite_modes(second, skew, zeroth):
     adjoint, reduced = np.empty_like(vectors), np.zeros((size, size), dtype=complex)
     new = np.random.default_rng(0).normal(size=2 * size) + 0j
     for number in range(size):
-        new /= np.linalg.norm(new)
+        length = np.linalg.norm(new)
+        if number:
+            reduced[number, number - 1] = length
+        new = new / length
         last = slice(2 * number, 2 * number + 2)
         vectors[:, last] = np.transpose([new, np.append(new[size:], -new[:size]).conj()])
         adjoint[last] = vectors[:, last].conj().T
-        if number:
-            reduced[number, number - 1] = length
         new, so_far = operator @ new, slice(0, last.stop)
         for _ in range(2):  # the second time removes what rounding has left
             parts = adjoint[so_far] @ new
             new = new - vectors[:, so_far] @ parts
             reduced[: number + 1, number] += parts[::2]
-        length = np.linalg.norm(new)
     inverses, combinations = np.linalg.eig(reduced)
     wavenumbers = np.sqrt(shift**2 + 1 / inverses)
     mixed = vectors[:, ::2] @ combinations  # of the two eigenvectors of each pair, which H +- k tells apart

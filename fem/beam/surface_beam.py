@@ -118,9 +118,10 @@ class SurfaceBeam:
 
         The integral's follows from half and a quarter of the nodes, whose errors e_2 and e_4 make e_2^2 / e_4 probable:
         right where errors fall by a power of the spacing, stay or, with e_4 near 1, fall exponentially.  In cuts whose
-        integral ends before all waves are evanescent along x, what an earlier end changes is added.  The section's error is relative to the section's amplitude,
-        which interference may make larger than the beam's.  The modes' is what their sum at k_y = 0 leaves of the
-        section's motion; nearer than a wavelength to the fingers the field contains it as far as the aperture goes.
+        integral ends before all waves are evanescent along x, what an earlier end changes is added.  The section's
+        error is relative to the section's amplitude, which interference may make larger than the beam's.  The modes' is
+        what their sum at k_y = 0 leaves of the section's motion; nearer than a wavelength to the fingers the field
+        contains it as far as the aperture goes.
         """
         return self.motion_and_error(x, y)[1]
 
@@ -236,7 +237,7 @@ class SurfaceBeam:
         return _charges_of(self.wave.solution)
 
     def _by_rules(self, x, y) -> tuple[np.ndarray, ...]:
-        """Motion by the rule, by half and a quarter of its nodes, and by one that ends at smaller lateral wavenumbers."""
+        """Motion by the rule, by half and a quarter of its nodes, and by one that ends at smaller k_y."""
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         shape, x, y = x.shape, x.ravel(), y.ravel()
         self._refuse(x, y)
@@ -262,7 +263,7 @@ class SurfaceBeam:
             raise BeamError(f"y must be finite and lie between the side faces, +-{limit:g} m")
 
     def _modal(self, x, y, distance: float) -> np.ndarray:
-        """Sum of the modes at points that are at least a distance from all charges, by all rules, (rules, 3, points)."""
+        """Sum of the modes at points at least a distance from all charges, by all rules, (RULES, 3, points)."""
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
         total = np.zeros((RULES, 3, len(x)), dtype=complex)
@@ -277,7 +278,7 @@ class SurfaceBeam:
         return total
 
     def _returned(self, x, y, modes) -> np.ndarray:
-        """What the faces send back in some modes, by all rules, (rules, 3, points)."""
+        """What the faces send back in some modes, by all rules, (RULES, 3, points)."""
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
         found = self.faces.returned(self._reach(y), _sources(self._sheets), self.mirror_width)
@@ -291,7 +292,7 @@ class SurfaceBeam:
         return float((abs(spans) + np.divide(self.apertures, 2)).max())
 
     def _inverse(self, waves, sent_by, lines, column, row) -> np.ndarray:
-        """Fields at points (``column`` of the places, ``row`` of the lines y) of waves, by all rules, (rules, 3, points).
+        """Fields of waves at points, by all rules, (RULES, 3, points); ``column`` of the places, ``row`` of y.
 
         ``sent_by``: spectra of u at the places, (places, 3, n), from those of the apertures, (transducers, n).
         """
