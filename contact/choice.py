@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from contact.convergence import ConvergenceError
+from contact.convergence_error import ConvergenceError
 from contact.drive import relative_to_reference
 from contact.orbit import Orbit
 

@@ -39,9 +39,9 @@ _PUBLIC = {
         "rectifier_resistance solve_circuit touchstone"
     ),
     "results.evaluation": "surface_of",
-    "results.surface_wave": "surface_wave SurfaceWave",
+    "results.driven_answer": "surface_wave SurfaceWave",
     "results.segment_modes": "FreeWave SegmentModes",
-    "results.field": "free_field wave_field WaveField",
+    "results.field": "free_field PieceField wave_field WaveField",
     "results.densities": "Densities",
     "results.files": "write_instant write_surface write_vtu",
     "solve.harmonic": "driven_wave solve_driven",
@@ -58,7 +58,7 @@ _PUBLIC = {
     "beam.crossed_beam": "crossed_beam CrossedBeam",
     "beam.rows": "rows_of",
     "direct": "direct_solution sparse_solution",
-    "convergence": "ConvergenceError",
+    "convergence_error": "ConvergenceError",
     "input_error": "InputError",
     "threads": "blas_on_one_thread one_blas_thread set_workers side_by_side",
 }

@@ -106,7 +106,7 @@ def _by_port(by_strip: _Strips, transducers: tuple[Transducer, ...], frequency: 
     total, columns, uncharged = len(by_strip.charges), [], []
     at = 0
     for transducer in transducers:
-        own = electrode_potentials(transducer, transducer_ports(transducer, floating=True))
+        own = electrode_potentials(transducer, transducer_ports(transducer, mean=False))
         column = np.zeros((total, own.shape[1]))
         column[at : at + 2] = own
         columns.append(column)

@@ -16,7 +16,7 @@ class Progress:
 
     def __init__(self):
         self._begun = time.perf_counter()
-        self._text = "starting"
+        self.text = "starting"
         self._lock = threading.Lock()
         self._live = self._first = None
         self._shown = False
@@ -27,7 +27,7 @@ class Progress:
     def __call__(self, text: str) -> None:
         """Say what is being done now."""
         with self._lock:
-            self._text = text
+            self.text = text
             self._show()
 
     def points(self, total: int, done: int, failed: int, cost: float) -> None:
@@ -61,7 +61,7 @@ class Progress:
             if sys.stderr.isatty():
                 from rich.console import Console
 
-                self._live = Console(stderr=True).status(self._text)
+                self._live = Console(stderr=True).status(self.text)
                 self._live.start()
             self._show()
 
@@ -69,10 +69,10 @@ class Progress:
         if not self._shown:
             return
         if self._live is not None:
-            self._live.update(self._text)
+            self._live.update(self.text)
         elif (now := time.perf_counter()) > self._printed + max(PATIENCE, BETWEEN * (now - self._begun)):
             self._printed = now
-            print(f"{self._text} ({now - self._begun:.1f} s)", file=sys.stderr, flush=True)
+            print(f"{self.text} ({now - self._begun:.1f} s)", file=sys.stderr, flush=True)
 
 
 def duration(seconds: float) -> str:

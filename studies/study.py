@@ -27,27 +27,37 @@ from studies.scene import Scene
 COMMON_ARGUMENTS = """\
 ``scene`` is a path, a shipped name or a `Scene` that has what the study asks about; ``progress`` is a callable that is
 told what is being done."""
-# every study, in the order of the list that a user sees, after the package that holds it
-_HOMES = """
-    motor.voltage_to_velocity evidence.rayleigh papers.seed_figures stator.admittance stator.beam
-    stator.frequency_response stator.dispersion motor.regime_map motor.load_line motor.stroke motor.step_planner
-    motor.positioning
-    motor.design_map inverse.sensitivity stator.cell_parameters stator.p_matrix
-    stator.reflector
-    stator.network motor.gallery papers.published_motors papers.published_stators
-    evidence.error_vs_time evidence.calibration evidence.stability evidence.left_out
-"""
-STUDIES = {name: package for package, name in (each.split(".") for each in _HOMES.split())}
+# Every study, in the order of the list that a user sees: the package that holds it, and the seconds that it takes on
+# its default scene, or on all its own scenes, on one processor
+STUDIES = {
+    "voltage_to_velocity": ("motor", 3),
+    "rayleigh": ("evidence", 20),
+    "seed_figures": ("papers", 15),
+    "admittance": ("stator", 15),
+    "beam": ("stator", 10),
+    "frequency_response": ("stator", 8),
+    "dispersion": ("stator", 5),
+    "regime_map": ("motor", 1),
+    "load_line": ("motor", 2),
+    "stroke": ("motor", 30),
+    "step_planner": ("motor", 5),
+    "positioning": ("motor", 20),
+    "design_map": ("motor", 5),
+    "sensitivity": ("inverse", 60),
+    "cell_parameters": ("stator", 10),
+    "p_matrix": ("stator", 15),
+    "reflector": ("stator", 30),
+    "network": ("stator", 15),
+    "gallery": ("motor", 60),
+    "published_motors": ("papers", 40),
+    "published_stators": ("papers", 5),
+    "error_vs_time": ("evidence", 120),
+    "calibration": ("evidence", 300),
+    "stability": ("evidence", 360),
+    "left_out": ("evidence", 60),
+}
 # former names of studies: each is a part of another now
 ALIASES = {"contact_error_vs_time": "error_vs_time", "fem_error_vs_time": "error_vs_time"}
-# s on its own default scene, or of all its scenes, on one processor
-SECONDS = {
-    "voltage_to_velocity": 3, "rayleigh": 20, "seed_figures": 15, "admittance": 15, "beam": 10, "frequency_response": 8,
-    "dispersion": 5, "regime_map": 1, "load_line": 2, "stroke": 30, "step_planner": 5, "positioning": 20,
-    "design_map": 5, "sensitivity": 60, "contact_error_vs_time": 30, "cell_parameters": 10, "p_matrix": 15,
-    "reflector": 30, "network": 15, "fem_error_vs_time": 60, "gallery": 60, "published_motors": 40,
-    "published_stators": 5, "error_vs_time": 120, "calibration": 300, "stability": 360, "left_out": 60,
-}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -189,12 +199,12 @@ def module(name: str):
     name = ALIASES.get(name, name)
     if name not in STUDIES:
         raise SceneError("study", f"{name!r} does not exist{nearest(name, STUDIES)}")
-    return import_module(f"studies.{STUDIES[name]}.{name}")
+    return import_module(f"studies.{STUDIES[name][0]}.{name}")
 
 
 def question(name: str) -> str:
     """Return the question of a study: the first line of its docstring, read without running the module."""
-    folder = Path(__file__).parent / STUDIES[name]
+    folder = Path(__file__).parent / STUDIES[name][0]
     (file,) = (each for each in (folder / f"{name}.py", folder / name / "__init__.py") if each.is_file())
     return file.read_text(encoding="utf-8").partition("\n")[0].strip('"')
 
@@ -202,14 +212,15 @@ def question(name: str) -> str:
 def expected_seconds(name: str, scene: str | None) -> float:
     """Return how long a study takes, s: as long as on its default scene, times the ratio of the stators' work."""
     default = signature(module(name).run).parameters.get("scene")
+    _, seconds = STUDIES[ALIASES.get(name, name)]
     if scene is None or default is None:
-        return SECONDS[name]
+        return seconds
     from studies.report.explanation import plan
 
     own, usual = (
         plan(Scene.load(each), tolerance=1e-3)["expected"]["seconds"] for each in (scene, default.default)
     )
-    return SECONDS[name] * own / usual
+    return seconds * own / usual
 
 
 def of_record(draw: Callable) -> Callable:
@@ -237,22 +248,24 @@ def of_record(draw: Callable) -> Callable:
     return figure
 
 
-def study(default: str) -> Callable[[Callable[..., Answered]], Callable[..., StudyRecord]]:
-    """Return the decorator of a study's ``run``, which takes a `Scene` and ``progress`` and returns what was found.
+def study(default: str | None = None) -> Callable[[Callable[..., Answered]], Callable[..., StudyRecord]]:
+    """Return the decorator of a study's ``run``, which makes a `StudyRecord` of what the function answers.
 
-    The decorated function takes a path, a shipped name or a scene, first the ``default``, and an optional ``progress``;
-    it returns a `StudyRecord`, named as the module, with the time it took.  Its docstring says so.
+    The record is named as the module and holds the time that the study took.  With a ``default`` the study takes a
+    scene: a path, a shipped name or a `Scene`, the default when absent; the function gets it loaded.  Without a default
+    the study has its own scenes.  ``progress`` is optional for the caller and always there for the function.
     """
 
     def decorated(run: Callable[..., Answered]) -> Callable[..., StudyRecord]:
         @wraps(run)
         def timed(
-            scene: str | Scene = default, *, progress: Callable[[str], None] | None = None, **options: Any
+            *scene: str | Scene, progress: Callable[[str], None] | None = None, **options: Any
         ) -> StudyRecord:
             start_time = time.perf_counter()
-            loaded = Scene.load(scene)
+            if default is not None:
+                scene = (Scene.load(scene[0] if scene else options.pop("scene", default)),)
             try:
-                panels, findings, *answer = run(loaded, progress=progress or (lambda text: None), **options)
+                panels, findings, *answer = run(*scene, progress=progress or (lambda text: None), **options)
             except contact.ConvergenceError as error:
                 raise RunError(" ".join(str(error).split())) from None
             return StudyRecord(
@@ -260,10 +273,11 @@ def study(default: str) -> Callable[[Callable[..., Answered]], Callable[..., Stu
                 seconds=time.perf_counter() - start_time, answer=tuple(answer[0]) if answer else (),
             )  # fmt: skip
 
-        timed.__doc__ = f"{cleandoc(run.__doc__)}\n\n{COMMON_ARGUMENTS}"
-        first, *others = signature(run).parameters.values()
-        first = first.replace(default=default, annotation=str | Scene)
-        timed.__signature__ = Signature([first, *others], return_annotation=StudyRecord)  # type: ignore[attr-defined]
+        parameters = list(signature(run).parameters.values())
+        if default is not None:
+            timed.__doc__ = f"{cleandoc(run.__doc__ or '')}\n\n{COMMON_ARGUMENTS}"
+            parameters[0] = parameters[0].replace(default=default, annotation=str | Scene)
+        timed.__signature__ = Signature(parameters, return_annotation=StudyRecord)  # type: ignore[attr-defined]
         return timed
 
     return decorated

@@ -19,7 +19,7 @@ from contact.averaged.run import STIFFEST_STEADY, refuse_unless_applicable
 from contact.averaged.sweep import mean_motion
 from contact.averaged.sweep_rows import STALL_ERROR
 from contact.choice import Answer
-from contact.convergence import ConvergenceError
+from contact.convergence_error import ConvergenceError
 from contact.drive import towards_plus
 from contact.orbit import Orbit, as_orbits
 from contact.problem import scaled

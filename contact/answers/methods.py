@@ -16,7 +16,7 @@ from contact.averaged.event_cycle import opposed
 from contact.averaged.run import averaged_run, refusals
 from contact.body import Paths
 from contact.choice import Choice, Method, Result, choose, refused
-from contact.convergence import ConvergenceError
+from contact.convergence_error import ConvergenceError
 from contact.drive import reference_speed
 from contact.events.collocation import collocation
 from contact.events.motion import Motion

@@ -25,7 +25,7 @@ from contact.averaged.run import STIFFEST_STEADY, refusals
 from contact.averaged.sweep import mean_motion
 from contact.averaged.sweep_rows import MAX_RATIO_HELD, MAX_THRESHOLD_ERROR, THRESHOLD_ERROR
 from contact.choice import Answer, Answered
-from contact.convergence import ConvergenceError
+from contact.convergence_error import ConvergenceError
 from contact.drive import reference_speed, relative_to_reference, towards_plus
 from contact.orbit import Orbit, as_orbits
 from contact.periodic.settling import long_run, mean_from_rest, reached

@@ -15,7 +15,7 @@ from contact.averaged.event_cycle import balanced
 from contact.averaged.sweep_rows import MAX_RATIO_HELD
 from contact.body import at_phase
 from contact.choice import Answer, Answered
-from contact.convergence import ConvergenceError
+from contact.convergence_error import ConvergenceError
 from contact.drive import towards_plus
 from contact.events.segment import Sample
 from contact.orbit import Orbit, as_orbits

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from contact.averaged.riding import riding_height
-from contact.convergence import ConvergenceError
+from contact.convergence_error import ConvergenceError
 from contact.drive import drive_direction
 from contact.law.elastic import back_load
 from contact.law.normal import load

@@ -10,7 +10,7 @@ import numpy as np
 
 from contact.body import Coordinates, Point, approach, approach_rate, travel
 from contact.codes import Count, Event, Regime, Status
-from contact.convergence import ConvergenceError
+from contact.convergence_error import ConvergenceError
 from contact.events import event_driven, segment
 from contact.events.collocation import Collocation
 from contact.events.energy import Sum

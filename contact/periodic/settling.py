@@ -21,7 +21,7 @@ import numpy as np
 from contact.averaged.event_cycle import Balance
 from contact.body import at_phase, tangential_amplitude
 from contact.codes import Count, Tangential
-from contact.convergence import ConvergenceError
+from contact.convergence_error import ConvergenceError
 from contact.events.collocation import collocation
 from contact.events.energy import Sum
 from contact.events.motion import Motion

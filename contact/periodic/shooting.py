@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.averaged.event_cycle import Balance
-from contact.convergence import ConvergenceError
+from contact.convergence_error import ConvergenceError
 from contact.events.collocation import collocation
 from contact.events.energy import Sum
 from contact.events.motion import Motion

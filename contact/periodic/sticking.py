@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from contact.body import Coordinates, approach, approach_rate, at_phase, contact_force
-from contact.convergence import ConvergenceError
+from contact.convergence_error import ConvergenceError
 from contact.law.elastic import tangential_force
 from contact.law.normal import load, slope
 from contact.problem import Problem

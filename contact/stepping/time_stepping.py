@@ -28,7 +28,7 @@ from contact.body import (
     slip_speed,
     travel,
 )
-from contact.convergence import ConvergenceError
+from contact.convergence_error import ConvergenceError
 from contact.events.segment import At, Column
 from contact.jit.compiled import compiled, native
 from contact.law.normal import force as elastic_force

@@ -22,7 +22,7 @@ Barnett 1976).
 
 import numpy as np
 
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.materials import VACUUM_PERMITTIVITY
 from fem.materials.christoffel import christoffel
 from fem.materials.medium import Medium

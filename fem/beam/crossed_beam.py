@@ -22,9 +22,9 @@ from fem.beam.surface_beam import BeamError, SurfaceBeam, aperture_beam
 from fem.circuit import Circuit, Drive, as_drive, solve_circuit
 from fem.geometry import Stator, Transducer, check_plan, turn
 from fem.materials import isotropic_about_normal
+from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.solution import Solution
-from fem.results.surface_wave import SurfaceWave, surface_wave
 
 # Places in a row at an oblique angle, where each has an s of its own, beyond which a grid in s and t is interpolated by
 # splines of order 5: its lines per wavelength, lines beyond the places, and wavelengths from the fingers' charges

@@ -34,9 +34,9 @@ from fem.beam.reception import refuse_short_apertures, with_apertures
 from fem.circuit import Circuit
 from fem.geometry import Stator
 from fem.materials import isotropic_about_normal
+from fem.results.driven_answer import SurfaceWave
 from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.solution import Solution, driven_solution
-from fem.results.surface_wave import SurfaceWave
 
 GROUPS = (
     1.0,

@@ -8,7 +8,7 @@ in absorber.py.
 import numpy as np
 
 from fem.analytic.half_space import rayleigh
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.discretize.absorber import absorber
 from fem.discretize.grading import CORNER_RATIO, Resolution, bottom_corners, edge_layers, graded
 from fem.discretize.section import FIELD_COLUMN, Section

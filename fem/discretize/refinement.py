@@ -11,7 +11,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.discretize.absorber import absorber_kind, backwardness
 from fem.discretize.grading import Resolution
 from fem.geometry import Stator

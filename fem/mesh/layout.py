@@ -3,9 +3,17 @@
 import itertools
 from dataclasses import dataclass
 
-from fem.input_error import InputError
-from fem.mesh.piece import FLOATING, GROUNDED, SAME, MeshPiece
+import numpy as np
 
+from fem.input_error import InputError
+from fem.materials.solids import Solid
+from fem.mesh.piece import FLOATING, GROUNDED, SAME, MeshPiece
+from fem.mesh.section_mesh import ELECTRODE
+from fem.mesh.shapes import CORNERS
+
+MAX_UNKNOWNS = 2_000_000  # of one piece
+# Unknowns of a quadrilateral at the coarsest level, at the least: order 4 (fem.condense.mesh), u_x, u_z and phi.
+LEAST_PER_QUAD = 3 * 4**2
 UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "inch": 0.0254}  # m
 
 
@@ -15,6 +23,7 @@ class Placement:
 
     between: tuple[MeshPiece, ...]  # from left to right, with an interface on both sides
     ends: tuple[MeshPiece | None, MeshPiece | None]  # the left and the right end, where they are meshes
+    whole: MeshPiece | None  # the stator from end to end: it has no interface
     # start, stop: where the uniform stator begins and ends, m
     start: float
     stop: float
@@ -30,11 +39,15 @@ def is_step(piece: MeshPiece, thickness: float) -> bool:
 
 
 def placement(pieces: tuple[MeshPiece, ...], *, length: float, thickness: float) -> Placement:
-    """Sort pieces by their part in the row: between uniform segments, or an end of the stator."""
+    """Sort pieces by their part in the row: between uniform segments, an end of the stator, or all of it."""
+    whole = None
     between: list[MeshPiece] = []
     ends: list[MeshPiece | None] = [None, None]
     for piece in sorted(pieces, key=lambda each: each.extent[0]):
         left, right = piece.interface("left"), piece.interface("right")
+        if left is None and right is None:
+            whole = piece
+            continue
         if is_step(piece, thickness):
             side = 1 if piece.fits("left", thickness) else 0
         elif left is None and right is not None:
@@ -51,7 +64,7 @@ def placement(pieces: tuple[MeshPiece, ...], *, length: float, thickness: float)
         ends[side] = piece
     start = 0.0 if ends[0] is None else ends[0].interface("right")[0]
     stop = length if ends[1] is None else ends[1].interface("left")[0]
-    return Placement(between=tuple(between), ends=(ends[0], ends[1]), start=start, stop=stop)
+    return Placement(between=tuple(between), ends=(ends[0], ends[1]), whole=whole, start=start, stop=stop)
 
 
 def check_pieces(
@@ -63,6 +76,7 @@ def check_pieces(
     ends: str,
     above: str,
     absorbs_below: bool,
+    solid: Solid,
     transducers: dict[str, tuple[float, float, str]],
 ) -> None:
     """Refuse pieces that do not fit the stator or each other; ``transducers``: edges (m) and signs by name.
@@ -81,10 +95,14 @@ def check_pieces(
             f"must be {'none' if above != 'none' else 'free, grounded or clamped'} with a meshed piece, got {value!r}",
         )
     placed = placement(pieces, length=length, thickness=thickness)
+    if placed.whole is not None:
+        _check_whole(placed.whole, len(pieces), length, thickness, ends, transducers)
     for piece in pieces:
         _check_heights(piece, thickness)
+        _check_size(piece)
         _check_materials(piece)
         _check_electrodes(piece, transducers, placed)
+        _check_electrode_lines(piece, solid)
         if bottom in ("grounded", "clamped") and "bottom" not in piece.mesh.lines:
             raise InputError(
                 "piece", f"has no line group bottom, and stator.bottom is {bottom}", owner=piece.name
@@ -111,12 +129,6 @@ def _where(piece: MeshPiece) -> str:
 
 def _check_heights(piece: MeshPiece, thickness: float) -> None:
     lines = {side: piece.interface(side) for side in ("left", "right") if piece.interface(side) is not None}
-    if not lines:
-        raise InputError(
-            "piece",
-            "has no line group left or right: there the mesh meets the uniform stator",
-            owner=piece.name,
-        )
     wrong = [side for side in lines if not piece.fits(side, thickness)]
     if len(wrong) < len(lines) or not wrong:
         return
@@ -128,19 +140,89 @@ def _check_heights(piece: MeshPiece, thickness: float) -> None:
             f"must end at the surface z = 0: the upper end of the group {side} is at z = {top * 1e3:.6g} mm",
             owner=piece.name,
         )
-    meant = piece.mesh.unit * thickness / height
-    hint = next((name for name, unit in UNITS.items() if abs(meant / unit - 1) < 0.02), "")
-    advice = f": is the file's length unit {hint}?" if hint else ""
     raise InputError(
         "piece",
         f"must be as thick as the stator at its interface: the group {side} is {height * 1e3:.6g} mm high, the stator "
-        f"is {thickness * 1e3:.6g} mm thick{advice}",
+        f"is {thickness * 1e3:.6g} mm thick{_unit_question(piece, height, thickness)}",
+        owner=piece.name,
+    )
+
+
+def _unit_question(piece: MeshPiece, drawn: float, meant: float) -> str:
+    """Ask for another length unit of the file if it makes a drawn length what is meant."""
+    unit = piece.mesh.unit * meant / drawn
+    hint = next((name for name, each in UNITS.items() if abs(unit / each - 1) < 0.02), "")
+    return f": is the file's length unit {hint}?" if hint else ""
+
+
+def _check_whole(
+    piece: MeshPiece, pieces: int, length: float, thickness: float, ends: str, transducers: dict
+) -> None:
+    """Refuse a piece without interface that is not the stator from end to end."""
+
+    def refuse(rule: str, key: str = "piece") -> None:
+        raise InputError(key, rule, owner=piece.name)
+
+    low, high = piece.extent
+    if max(abs(low), abs(high - length)) > SAME * length:
+        refuse(
+            "has no line group left or right, where a mesh meets the uniform stator; without them it must be the whole "
+            f"stator, 0 to {length * 1e3:.6g} mm, it reaches from {_where(piece)}"
+            f"{_unit_question(piece, high - low, length)}"
+        )
+    if pieces > 1:
+        refuse(
+            f"has no line group left or right and is the whole stator: it must be the only piece, got {pieces}"
+        )
+    bottom, top = (each * 1e3 for each in piece.mesh.depth)
+    if max(abs(bottom + thickness * 1e3), abs(top)) > SAME * thickness * 1e3:
+        refuse(
+            f"is the whole stator: its surface group stator must reach from z = -{thickness * 1e3:.6g} mm (minus "
+            f"stator.thickness) to 0, it reaches from {bottom:.6g} to {top:.6g} mm"
+            f"{_unit_question(piece, (top - bottom) * 1e-3, thickness)}"
+        )
+    if ends != "free":
+        refuse(
+            f'must be free with piece "{piece.name}", which is the whole stator: its line group clamped says what is '
+            f"held, and a mesh does not absorb; got {ends!r}",
+            key="stator.ends",
+        )
+    connected = {connection for _, connection in piece.electrodes}
+    for name, (_, _, signs) in transducers.items():
+        for sign in "+-":
+            if sign in signs and name + sign not in connected:
+                refuse(
+                    f"must connect a line group electrode:NAME to {name}{sign}: the piece is the whole stator, and the "
+                    f'fingers of transducer "{name}" are those that the mesh draws',
+                    key="piece.electrodes",
+                )
+
+
+def _check_size(piece: MeshPiece) -> None:
+    """Refuse a mesh that is too fine for the coarsest level."""
+    quads = sum(CORNERS[cells.kind] * len(cells.nodes) for cells in piece.mesh.cells)
+    least = quads * LEAST_PER_QUAD
+    if least <= MAX_UNKNOWNS:
+        return
+    count = sum(len(cells.nodes) for cells in piece.mesh.cells)
+    size = np.median(
+        [np.median(np.ptp(piece.mesh.points[cells.nodes, 0], axis=1)) for cells in piece.mesh.cells]
+    )
+    raise InputError(
+        "piece.file",
+        f"has {count} elements, about {size * 1e3:.2g} mm wide, and at least {least:.2g} unknowns, at most "
+        f"{MAX_UNKNOWNS:.0g} are solved for: draw elements of {size * 1e3 * np.sqrt(least / MAX_UNKNOWNS):.2g} mm or "
+        "more; the program refines corners itself and raises the order",
         owner=piece.name,
     )
 
 
 def _check_materials(piece: MeshPiece) -> None:
     known = ["stator", *(name for name, _ in piece.solids)]
+    if "stator" in known[1:]:
+        raise InputError(
+            "piece.materials", 'must not name "stator", whose material is stator.material', owner=piece.name
+        )
     for name in piece.mesh.solids:
         if name not in known:
             raise InputError(
@@ -194,7 +276,36 @@ def _check_electrodes(piece: MeshPiece, transducers: dict, placed: Placement) ->
             )
 
 
+def _check_electrode_lines(piece: MeshPiece, solid: Solid) -> None:
+    """Refuse electrodes that touch each other or an interface, or no piezoelectric solid."""
+    mesh, owner = piece.mesh, dict[int, str]()
+    solids = {"stator": solid} | dict(piece.solids)
+    coupled = {
+        int(n) for each in mesh.cells if solids[each.solid].is_piezoelectric for n in np.unique(each.nodes)
+    }
+
+    def refuse(rule: str, at: set[int] | None = None) -> None:
+        where = " at ({:.4g}, {:.4g}) mm".format(*mesh.points[min(at)] * 1e3) if at else ""
+        raise InputError("piece.file", rule.format(where), owner=piece.name)
+
+    for name in mesh.electrodes:
+        nodes = set(mesh.lines[ELECTRODE + name].ravel().tolist())
+        if len(nodes & coupled) < 2:  # a corner alone is no contact
+            refuse(f'must draw the line group "electrode:{name}" on a piezoelectric solid')
+        if shared := nodes & owner.keys():
+            refuse(
+                f'"electrode:{owner[min(shared)]}" and "electrode:{name}" touch{{}}: give them one name',
+                shared,
+            )
+        for side in ("left", "right"):
+            if shared := nodes.intersection(mesh.lines.get(side, np.empty(0)).ravel().tolist()):
+                refuse(f'"electrode:{name}" reaches the interface {side}{{}}: it must end before it', shared)
+        owner |= dict.fromkeys(nodes, name)
+
+
 def _check_overlaps(placed: Placement, length: float, transducers: dict) -> None:
+    if placed.whole is not None:
+        return
     spans = [(each.extent, f'piece "{each.name}"') for each in placed.between]
     for side, piece in enumerate(placed.ends):
         if piece is not None:

@@ -19,7 +19,6 @@ Example: one mode, k = 2 pi, a segment of length 0.25 (a quarter of its wave) wi
 """
 
 from collections.abc import Callable
-from itertools import pairwise
 
 import numpy as np
 
@@ -52,11 +51,10 @@ def surface_of(solution: Solution, solve: Callable[[], Solution] | None = None) 
 def _pieces(solution: Solution, solve: Callable[[], Solution]) -> tuple:
     """Pieces of the surface from left to right, in m and m per volt."""
     fields = solution.fields
-    network, length = fields.network, fields.stator.length
+    network, length, unit = fields.network, fields.stator.length, fields.section.length_unit
     segments = [[_segment(solution, part) for part in parts] for parts in fields.segments]
 
     def condensed(start: float, stop: float, index: int, **rest) -> CondensedPiece:
-        unit = fields.section.length_unit
         origin = start if np.isfinite(start) else stop
         return CondensedPiece(
             start=start,
@@ -67,9 +65,10 @@ def _pieces(solution: Solution, solve: Callable[[], Solution]) -> tuple:
         )
 
     pieces: list = [*segments[0]]
-    for index, (before, after) in enumerate(pairwise(segments)):
-        transducer = fields.owners[index] is not None
-        pieces += [condensed(before[-1].stop, after[0].start, index, transducer=transducer), *after]
+    for index, scatterer in enumerate(network.scatterers):
+        start, transducer = network.places[index], fields.owners[index] is not None
+        stop = start + scatterer.piece.width
+        pieces += [condensed(start * unit, stop * unit, index, transducer=transducer), *segments[index + 1]]
     for side, wall in enumerate(network.ends):
         if not isinstance(wall, Wall):
             continue

@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.input_error import InputError
 
 MAX_SAMPLES = 50_000  # along the whole surface

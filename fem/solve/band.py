@@ -1,9 +1,9 @@
 """A band of frequencies: full solutions at a few of them, a reduced model, and its error at the worst frequency.
 
-Two errors add: that of the discretisation, from two levels at one frequency, and that of the reduction, against full
-solutions of the same discretisation between and at the nodes.  Between reflecting ends both grow with the resonances:
-small errors have 1 / |1 - mu| times the effect, mu an eigenvalue of the segments' coupling (port_fields.py), so that
-what is seen at the frequencies of the check is scaled to the sharpest resonance that the band can hold.
+Two errors add: the discretisation's, estimated from two levels at one frequency, and the reduction's, measured against
+full solutions of the same discretisation at the nodes and between them.  Between reflecting ends resonances amplify
+both by 1 / |1 - mu|, where mu is an eigenvalue of the segments' coupling (port_fields.py).  The errors measured at the
+checked frequencies are therefore scaled to the sharpest resonance that the band can hold.
 """
 
 from dataclasses import dataclass, field
@@ -11,29 +11,31 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem.circuit import Drive
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.discretize.refinement import LEVELS, first_level
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.input_error import InputError
 from fem.mesh.layout import is_step
 from fem.reduce.model import ReducedModel
 from fem.reduce.projection import BandProblem, NodeSolutions, project, solve_at_nodes
+from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
 from fem.results.solution import Solution, driven_solution
-from fem.results.surface_wave import SurfaceWave, surface_wave
 from fem.solve.full_band import FullModel
 from fem.solve.harmonic import check_driven, driven_wave, solution_differences
 from fem.threads import one_blas_thread, side_by_side
 from fem.waveguide.port_fields import PortFields, Solve, solve_ports
 
-# Shares of the tolerance below which a singular value of the lines' fields is left out: at first, at last, and from
-# one attempt to the next.
+# Singular values of the lines' fields below a share of the tolerance are dropped.  The share at the first attempt, at
+# the last one, and the factor from one attempt to the next:
 FIRST_TRUNCATION, LAST_TRUNCATION, TRUNCATION_STEP = 5e-2, 2e-3, 0.5
-MAX_TRUNCATION = 1e-4  # whatever the tolerance
-REDUCTION_SHARE = 0.5  # of the tolerance
-# Least ratio of the reduction's error elsewhere in the band to that where it is checked
-REDUCTION_SAFETY = 2.0
-# Stated over true error of two levels where they are checked, at least: a level divides by 11 to 25, not by GAIN.
+MAX_TRUNCATION = 1e-4  # relative singular value, for loose tolerances
+REDUCTION_SHARE = 0.5  # of the tolerance, for the reduction's error; the rest is the discretisation's
+REDUCTION_SAFETY = (
+    2.0  # the reduction may err more by this factor elsewhere in the band than where it is checked
+)
+# The estimate from two levels exceeds the true error by at least this factor: a level divides the error by 11 to 25,
+# and the estimate counts on GAIN = 8 only.
 ESTIMATE_EXCESS = 2.0
 MAX_ROUNDS = 3  # discretisations that are tried
 
@@ -46,7 +48,7 @@ class Band:
     ----------
     model : ReducedModel
     relative_error, admittance_error : float
-        Of the surface motion at the places asked for and of the admittance, at the worst frequency of the band.
+        Of the surface motion at the requested places and of the admittance, at the worst frequency of the band.
     """
 
     model: ReducedModel | FullModel = field(repr=False)
@@ -66,8 +68,8 @@ class Band:
     def wave(self, frequency: float, drive: str | Drive) -> SurfaceWave:
         """Surface motion at a frequency of the band (Hz).
 
-        Places under a transducer and beside a free or clamped end, the interior and the power balance take the time
-        of a condensation when they are first asked for.
+        The motion under a transducer or beside a free or clamped end, the interior field and the power balance are
+        computed on first access, which takes the time of one condensation.
         """
         return surface_wave(
             driven_solution(self._port_fields(frequency), drive),
@@ -83,7 +85,7 @@ class Band:
     def admittances(self, frequencies: np.ndarray, solve: Solve | None = None) -> np.ndarray:
         """Admittance matrix of all ports in S at frequencies of the band (Hz), shape (frequencies, ports, ports).
 
-        ``solve``: what solves the section's network, for instance `fem.beam.reception.aperture_solver`'s.
+        ``solve`` replaces the solver of the section's network, for instance by `fem.beam.reception.aperture_solver`.
         """
         return np.array(
             side_by_side(
@@ -92,7 +94,7 @@ class Band:
         )
 
     def _port_fields(self, frequency: float, solve: Solve | None = None) -> PortFields:
-        """Fields of the reduced model or, where its few lines cannot close the ends, of the full discretisation."""
+        """Fields of the reduced model or, if its few lines cannot represent the ends, of the full discretisation."""
         model = self.model
         try:
             return model.port_fields(frequency, solve)
@@ -119,11 +121,11 @@ def frequency_band(
     ----------
     stator : Stator
     transducers : tuple of Transducer
-        Their outer gaps must be whole: half a gap of bare surface on either side.
+        Each needs half a gap of bare surface on either side.
     lowest, highest : float
         Hz.
     drive : str or Drive
-        What the error is estimated with; any other drive may be asked for later.
+        The error is estimated for this drive; `Band.wave` takes any other.
     tolerance : float
         Relative, of the surface motion at ``places`` at every frequency of the band.
     places : tuple of float
@@ -132,7 +134,7 @@ def frequency_band(
     Raises
     ------
     ConvergenceError
-        If the tolerance is not met; the band comes with it, with the error that it has.
+        If the tolerance is not met; its ``reached`` is the band with the error that it has.
     """
     if not 0 < lowest < highest < np.inf:
         raise InputError(
@@ -157,17 +159,18 @@ def frequency_band(
         places=np.array(places or (stator.length / 2,)),
     )
     placed = stator.placement
-    if any(each is not None and is_step(each, stator.thickness) for each in placed.ends):
-        return _solved_anew(problem)
-    share = (1 - REDUCTION_SHARE) * tolerance  # of the discretisation
-    asked = tolerance
+    steps = any(end is not None and is_step(end, stator.thickness) for end in placed.ends)
+    if steps or placed.whole is not None:
+        return _unreduced_band(problem)
+    level_share = (1 - REDUCTION_SHARE) * tolerance
+    level_tolerance = tolerance
     for _ in range(MAX_ROUNDS):
-        band, of_levels = _attempt(problem, asked)
+        band, level_error = _attempt(problem, level_tolerance)
         if band.relative_error <= tolerance:
             return band
-        if of_levels <= share:
-            break  # no finer discretisation would help
-        asked *= share / of_levels
+        if level_error <= level_share:
+            break  # a finer discretisation would not help
+        level_tolerance *= level_share / level_error
     raise ConvergenceError(
         f"the stator's surface motion in the band is known to {band.relative_error:.1e} only, {tolerance:.1e} was "
         "asked for: ask for less, give the solid a lower mechanical_quality, or solve one frequency at a time",
@@ -175,8 +178,8 @@ def frequency_band(
     )
 
 
-def _solved_anew(problem: BandProblem) -> Band:
-    """A band of a stator with a step of thickness: each frequency is solved on its own."""
+def _unreduced_band(problem: BandProblem) -> Band:
+    """Band of a stator with a step of thickness, or of one mesh, which the reduced model cannot hold: no reduction."""
     (low, high), drive = problem.limits, problem.drive
     waves = [
         driven_wave(
@@ -209,9 +212,9 @@ def _solved_anew(problem: BandProblem) -> Band:
     return band
 
 
-def _attempt(problem: BandProblem, asked: float) -> tuple[Band, float]:
-    """A band whose discretisation is good to ``asked`` where it is checked, and that discretisation's error."""
-    expected = LEVELS[first_level(asked) + 1]
+def _attempt(problem: BandProblem, level_tolerance: float) -> tuple[Band, float]:
+    """Band on the discretisation that meets a tolerance at one frequency, and that discretisation's largest error."""
+    expected = LEVELS[first_level(level_tolerance) + 1]
 
     def reference():
         return driven_wave(
@@ -219,7 +222,7 @@ def _attempt(problem: BandProblem, asked: float) -> tuple[Band, float]:
             problem.transducers,
             frequency=problem.between_nodes,
             drive=problem.drive,
-            tolerance=asked,
+            tolerance=level_tolerance,
             places=tuple(problem.places),
         )
 
@@ -230,23 +233,25 @@ def _attempt(problem: BandProblem, asked: float) -> tuple[Band, float]:
     checks = [_Check.of(problem, solution) for solution in (wave.solution, *nodes.solutions)]
     worst = max(check.worst for check in checks)
     growth = max(1.0, worst / checks[0].here / ESTIMATE_EXCESS)
-    of_levels = growth * wave.relative_error
-    model, of_motion, of_admittance = _reduced(problem, nodes, checks, worst, problem.tolerance - of_levels)
-    # in the worst case, waves that return from the pieces
-    of_pieces = max(1.0, worst / checks[0].here) * model.piece_error
+    level_error = growth * wave.relative_error
+    model, motion_error, admittance_error = _reduced(
+        problem, nodes, checks, worst, problem.tolerance - level_error
+    )
+    # an error of a piece's matrix acts through the waves that the piece sends back
+    piece_error = max(1.0, worst / checks[0].here) * model.piece_error
     band = Band(
         model=model,
-        relative_error=of_levels + of_motion + of_pieces,
-        admittance_error=growth * wave.admittance_error + of_admittance + of_pieces,
+        relative_error=level_error + motion_error + piece_error,
+        admittance_error=growth * wave.admittance_error + admittance_error + piece_error,
     )
-    return band, of_levels
+    return band, level_error
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Check:
-    """A full solution that the reduced model must give again.
+    """A full solution that the reduced model must reproduce.
 
-    ``here`` and ``worst``: resonant amplification at its frequency and at the worst one near it.
+    ``here`` and ``worst``: resonant amplification at its frequency and at the worst frequency near it.
     """
 
     solution: Solution
@@ -257,32 +262,33 @@ class _Check:
     @classmethod
     def of(cls, problem: BandProblem, solution: Solution) -> "_Check":
         surface, (low, high) = surface_of(solution), problem.limits
-        # Checks stand in the middle and near both ends of the band, none farther from a frequency than a third of it.
-        swing = 2 * np.pi * (high - low) / 3 * problem.stator.length / surface.phase_velocity
-        here, worst = solution.fields.amplification(min(swing, np.pi))
+        # The checks lie in the middle and near both ends: no frequency is farther than a third of the band from one.
+        phase_range = 2 * np.pi * (high - low) / 3 * problem.stator.length / surface.phase_velocity
+        here, worst = solution.fields.amplification(min(phase_range, np.pi))
         return cls(solution=solution, motion=surface.motion(problem.places), here=here, worst=worst)
 
 
 def _reduced(
-    problem: BandProblem, nodes: NodeSolutions, checks: list[_Check], worst: float, left: float
+    problem: BandProblem, nodes: NodeSolutions, checks: list[_Check], worst: float, motion_allowance: float
 ) -> tuple[ReducedModel, float, float]:
-    """Project on as few fields as give the full solutions again; the errors of motion and admittance that it leaves.
+    """Project on as few fields as reproduce the checks; returns the model, its errors of motion and of admittance.
 
-    ``left``: what the discretisation leaves of the tolerance; if nothing, another discretisation will follow.
+    ``motion_allowance``: the tolerance less the discretisation's error; if that is not positive, a finer
+    discretisation will follow and the usual share of the tolerance does.
     """
     share = REDUCTION_SHARE * problem.tolerance
-    enough = np.array([left if left > 0 else share, share])
+    allowed = np.array([motion_allowance if motion_allowance > 0 else share, share])
     truncation = min(FIRST_TRUNCATION * problem.tolerance, MAX_TRUNCATION)
     while True:
         last = truncation <= LAST_TRUNCATION * min(problem.tolerance, 1e-3)
         model = project(problem, nodes, truncation)
         try:
             errors = _errors(model, problem, checks, worst)
-        except ConvergenceError:  # too few fields to close the ends with
+        except ConvergenceError:  # too few fields to represent the ends
             if last:
                 raise
             errors = np.inf, np.inf
-        if last or np.all(errors <= enough):
+        if last or np.all(errors <= allowed):
             return model, *errors
         truncation *= TRUNCATION_STEP
 
@@ -291,11 +297,12 @@ def _errors(
     model: ReducedModel, problem: BandProblem, checks: list[_Check], worst: float
 ) -> tuple[float, float]:
     """Errors of a reduced model's motion and admittance at the worst frequency of the band."""
-    seen = []
+    unamplified = []
     for check in checks:
         solution = model.solution(check.solution.fields.frequency, problem.drive)
-        own = solution, surface_of(solution).motion(problem.places)
-        differences = solution_differences(own, (check.solution, check.motion))
-        seen.append([difference / min(check.here, worst / REDUCTION_SAFETY) for difference in differences])
-    of_motion, of_admittance = (float(worst * error) for error in np.max(seen, axis=0))
-    return of_motion, of_admittance
+        reduced = solution, surface_of(solution).motion(problem.places)
+        differences = solution_differences(reduced, (check.solution, check.motion))
+        amplification = min(check.here, worst / REDUCTION_SAFETY)
+        unamplified.append([difference / amplification for difference in differences])
+    motion_error, admittance_error = (float(worst * error) for error in np.max(unamplified, axis=0))
+    return motion_error, admittance_error

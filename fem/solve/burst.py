@@ -1,19 +1,21 @@
-"""Ring-up and ring-down of the surface where a burst arrives: complex envelope over time, from a band of frequencies.
+"""Ring-up and ring-down of the surface during and after a burst: complex envelope over time, from a frequency band.
 
-The source's voltage is cos(omega0 t + phase) from 0 to the burst's end and nothing else.  With the response H(f) per
+The source's voltage is cos(omega0 t + phase) from 0 to the burst's end and zero otherwise.  With the response H(f) per
 volt the surface moves as Re(U(t) exp(i omega0 t + i phase)),
 
     U(t) = S(t, phase) - S(t - duration, phase + omega0 duration),
     S(t, phase) = sum_k G_k H_k df [ (exp(i x t) - exp(-i x a)) / (i x) + exp(i x t - 2 i phase) / (i (x + 2 omega0)) ],
 
-x = 2 pi (f_k - f0): the response to a switched wave, its counter-rotating half included (it kicks where the switch is),
-integrated in closed form from -a, before which nothing is.  S settles at H(f0), which is one of the frequencies.
+x = 2 pi (f_k - f0).  S is the response to a voltage switched on at t = 0, its counter-rotating half included (which
+matters close to the switch), integrated in closed form from t = -a; the motion before -a is taken as zero.  S tends to
+H(f0), and f0 is one of the frequencies.
 
-Two things are cut off.  The band: G falls smoothly to zero at its ends, which rounds corners over one over its width
-and lets a little come early.  The time: steps df fold what rings longer than 1 / df back to the beginning; they are
-halved until that no longer matters.  Both are measured: by a band half as wide (corners err as one over the width, so
-that the difference is the error), and by every second frequency and frequencies between the steps, where the motion
-that has been found, transformed back, must give the response again.
+Two truncations cause errors.
+Band: the window G falls smoothly to zero at the band's ends, which rounds corners over a time of 1 / width and lets a
+small part of the motion precede its cause.  A band half as wide doubles that error, so the difference measures it.
+Time: a frequency step df aliases whatever rings longer than 1 / df to the beginning; df is halved until this no longer
+matters.  The error is measured with every second frequency, and at frequencies between the steps, where the transform
+of S back to frequencies must reproduce the response.
 """
 
 import math
@@ -25,22 +27,22 @@ from typing import Protocol
 import numpy as np
 
 from fem.circuit import Drive
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.discretize.refinement import refine
 from fem.input_error import InputError
-from fem.results.surface_wave import SurfaceWave
+from fem.results.driven_answer import SurfaceWave
 
-FLAT = 0.5  # of the way from the drive's frequency to either end of the band: up to here G = 1
-NARROWER = 0.5
-PROBES = 6
-GOLDEN = 0.6180339887498949
-LEAD = 0.125  # of 1 / df, before the switch
-FIRST_FREQUENCIES, MAX_FREQUENCIES = 32, 4096  # about
-PER_BAND = 4  # instants in one over the band's width
+FLAT = 0.5  # G = 1 up to this fraction of the distance from the drive's frequency to either end of the band
+NARROWER = 0.5  # width of the band for comparison over that of the band
+PROBES = 6  # frequencies between the steps where the response is checked
+GOLDEN = 0.6180339887498949  # spreads the probes evenly between two steps
+LEAD = 0.125  # the time -a before the switch, over 1 / df
+FIRST_FREQUENCIES, MAX_FREQUENCIES = 32, 4096  # approximate numbers of frequencies in the band
+PER_BAND = 4  # instants of the envelope per 1 / width of the band
 
 
 class Response(Protocol):
-    """What gives the surface's motion at any frequency of a range in Hz: `fem.Band`, or anything like it."""
+    """The surface's motion at any frequency of a range in Hz, for instance `fem.Band`."""
 
     limits: tuple[float, float]
 
@@ -61,23 +63,23 @@ class BurstEnvelope:
     duration : float
         Of the burst, s.
     time : ndarray, shape (k,)
-        s from the beginning of the burst, rising: finely where the motion changes, a long burst's middle left out.
+        s from the beginning of the burst, increasing; fine where the motion changes, without a long burst's middle.
     normal, tangential : ndarray, shape (k,)
         Complex envelopes of u_z and u_x, m per V.
     steady_normal, steady_tangential : complex
-        Of a drive without beginning and end, m per V.
+        Motion under continuous drive, m per V.
     settling : float
         From the burst's beginning until u_z stays within 1 % of the steady state, s.
     early : float
-        Largest |u_z| before the burst over the steady one: what the band's width leaves of causality.
+        Largest |u_z| before the burst over the steady one, an artefact of the band's finite width.
     band_error, step_error, response_error : float
-        Largest change of the envelopes, over the steady one, by a narrower band and by wider steps (or of the
-        response between the steps); the response's own.
+        Relative to the steady envelope: largest change with a narrower band; with wider frequency steps or at
+        frequencies between them; error of the response itself.
     frequencies : int
-        Solved.
+        Number of frequencies solved.
     lasting : callable
-        Of a duration in s: the `BurstEnvelope` of a burst so long, of the same solution. With ``share`` below 1 of that
-        share of the band, which shows what the band's width does to an answer.
+        ``lasting(duration)`` is the `BurstEnvelope` of a burst of another duration in s from the same solutions;
+        ``share`` below 1 uses that share of the band, to show the effect of the band's width on an answer.
     """
 
     place: float
@@ -98,7 +100,7 @@ class BurstEnvelope:
 
     @property
     def relative_error(self) -> float:
-        """Sum of the three errors; at the corners of the envelope: between them it is known far better."""
+        """Sum of the three errors.  It occurs at the corners of the envelope; elsewhere the error is far smaller."""
         return self.band_error + self.step_error + self.response_error
 
 
@@ -113,17 +115,19 @@ class _Line:
     frequency: float
 
     def taper(self, share: float) -> np.ndarray:
-        """G with the band cut to a share of its reach either side."""
-        way = np.where(self.offsets < 0, self.offsets / self.reach[0], self.offsets / self.reach[1]) / share
-        return np.cos(np.pi / 2 * np.clip((abs(way) - FLAT) / (1 - FLAT), 0.0, 1.0)) ** 2
+        """Window G of a band narrowed to a share of its reach on either side."""
+        relative = (
+            np.where(self.offsets < 0, -self.offsets / self.reach[0], self.offsets / self.reach[1]) / share
+        )
+        return np.cos(np.pi / 2 * np.clip((relative - FLAT) / (1 - FLAT), 0.0, 1.0)) ** 2
 
     @property
     def tick(self) -> float:
-        """Between the instants of an envelope, s."""
+        """Time between two instants of an envelope, s."""
         return 1 / (PER_BAND * (self.reach[0] + self.reach[1]))
 
     def switched(self, first: float, count: int, phase: float, share: float = 1.0) -> np.ndarray:
-        """S at instants one tick apart from a first one, shape (2, count), with the band cut to a share either side."""
+        """S at ``count`` instants from ``first`` on, one tick apart, shape (2, count); ``share`` narrows the band."""
         lead = LEAD / self.step
         last = (1 - LEAD) / self.step
         time = first + self.tick * np.arange(count)
@@ -135,25 +139,25 @@ class _Line:
         out = np.where(time >= last, steady, 0.0 * steady)
         rotating = np.where(x == 0, 0.0, weights / (1j * safe))
         counter = weights * np.exp(-2j * phase) / (1j * (x + 4 * np.pi * self.frequency))
-        # the waves exp(i x t) at offsets and instants that are both evenly spaced: a Fourier transform
+        # sum of exp(i x t) over offsets and instants that are both evenly spaced: a discrete Fourier transform
         period = round(1 / (self.step * self.tick))
         lines = np.zeros((2, period), complex)
         lines[:, np.round(self.offsets / self.step).astype(int) % period] = (rotating + counter) * np.exp(
             1j * x * first
         )
         waves = period * np.fft.ifft(lines)[:, np.arange(count) % period]
-        found = waves - (rotating @ np.exp(-1j * x * lead))[:, None] + steady * self.step * (time + lead)
-        out[:, inside] = found[:, inside]
+        switched = waves - (rotating @ np.exp(-1j * x * lead))[:, None] + steady * self.step * (time + lead)
+        out[:, inside] = switched[:, inside]
         return out
 
     def probes(self) -> np.ndarray:
-        """Offsets in Hz between the steps, in the flat part of the band, at irrational places."""
+        """Offsets in Hz between the steps, in the flat part of the band, at irrational fractions of a step."""
         spread = (np.arange(PROBES) + 0.5) / PROBES * 2 - 1
         offsets = FLAT * np.where(spread < 0, spread * self.reach[0], spread * self.reach[1])
         return (np.floor(offsets / self.step) + GOLDEN * np.arange(1, PROBES + 1) % 1.0) * self.step
 
     def between(self, offsets: np.ndarray) -> np.ndarray:
-        """Response (u_z, u_x) that the impulse response from -lead to 1 / step - lead has at other offsets."""
+        """Response (u_z, u_x) at other offsets, from the impulse response between -lead and 1 / step - lead."""
         share = np.subtract.outer(self.offsets, offsets) / self.step
         kernel = np.sinc(share) * np.exp(2j * np.pi * share * (0.5 - LEAD))
         return (self.motion * self.taper(1.0)) @ kernel
@@ -175,7 +179,7 @@ def burst_response(
     Parameters
     ----------
     band : Response
-        For instance of `fem.frequency_band`; the wider, the sharper the corners.
+        For instance from `fem.frequency_band`; a wider band resolves sharper corners.
     place, duration : float
         m from the left end; s.
     drive : str or Drive
@@ -183,18 +187,18 @@ def burst_response(
     frequency : float
         Hz, well inside the band.
     tolerance : float
-        Of what is folded back in time, over the steady amplitude.
+        Of the aliased motion, relative to the steady amplitude.
     phase : float
         Of the voltage's cosine at the beginning, rad.
     max_frequencies : int
-        About how many frequencies to solve before giving up.
+        Approximate number of frequencies after which the search ends with an error.
 
     Raises
     ------
     ValueError
         If the frequency does not lie in the band or the duration is not positive.
     ConvergenceError
-        If the surface rings for too long to be followed.
+        If the surface rings longer than the largest number of frequencies can resolve.
     """
     low, high = band.limits
     if not low < frequency < high:
@@ -220,8 +224,8 @@ def burst_response(
         )
         return line, float(rows[:, 2].real.max())
 
-    def folded(fine: tuple[_Line, float], coarse: tuple[_Line, float]) -> tuple[float]:
-        """Part of the steady motion that is folded back in time, by twice the steps and between the steps."""
+    def aliased(fine: tuple[_Line, float], coarse: tuple[_Line, float]) -> tuple[float]:
+        """Aliased part of the steady motion, estimated with steps twice as wide and at frequencies between them."""
         line = fine[0]
         count = math.ceil((1 - LEAD) / (2 * line.step * line.tick))
         change = abs(line.switched(0.0, count, phase) - coarse[0].switched(0.0, count, phase)).max()
@@ -229,18 +233,18 @@ def burst_response(
         steady = abs(line.motion[0, line.offsets == 0])[0]
         return (float(max(change, abs(line.between(line.probes()) - exact).max()) / steady),)
 
-    # half as many steps are among them: the difference itself, and not a part of it, is the error (gain 2)
+    # Gain 2: the coarse level uses every second frequency of the fine one, so the whole difference is the error.
     divisions = [FIRST_FREQUENCIES // 2, FIRST_FREQUENCIES]
     while 2 * divisions[-1] <= max_frequencies:
         divisions.append(2 * divisions[-1])
-    refined = refine(at_divisions, divisions, differences=folded, gain=2.0, tolerance=tolerance)
+    refined = refine(at_divisions, divisions, differences=aliased, gain=2.0, tolerance=tolerance)
     (line, response), error = refined.answer, refined.errors[0]
     if error > tolerance:
         raise ConvergenceError(
             f"the surface still rings {1 / line.step:.1e} s after the switch, by {error:.1e} of its amplitude: "
             "give the solid a mechanical_quality, or ask for less"
         )
-    return _envelope(duration, line, place, phase, (error, response, len(known)))
+    return _envelope(duration, line, place, phase, (error, response), len(known))
 
 
 def _refuse_endless(duration: float) -> None:
@@ -249,9 +253,15 @@ def _refuse_endless(duration: float) -> None:
 
 
 def _envelope(
-    duration: float, line: _Line, place: float, phase: float, found: tuple, share: float = 1.0
+    duration: float,
+    line: _Line,
+    place: float,
+    phase: float,
+    errors: tuple[float, float],
+    frequencies: int,
+    share: float = 1.0,
 ) -> BurstEnvelope:
-    """Return the envelopes of a burst; ``found``: error folded back in time, that of the response, frequencies."""
+    """Envelopes of a burst; ``errors``: by the frequency step, of the response; ``frequencies``: number solved."""
     _refuse_endless(duration)
     span = np.arange(0.0, 1 / line.step, line.tick)
     during = int(np.count_nonzero(span < duration))
@@ -284,8 +294,10 @@ def _envelope(
         settling=float(span[unsettled[-1]] if len(unsettled) else 0.0),
         early=float(abs(before).max() / abs(steady[0])),
         band_error=float(abs(whole - narrower).max() / abs(steady[0])),
-        step_error=found[0],
-        response_error=found[1],
-        frequencies=found[2],
-        lasting=partial(_envelope, line=line, place=place, phase=phase, found=found),
+        step_error=errors[0],
+        response_error=errors[1],
+        frequencies=frequencies,
+        lasting=partial(
+            _envelope, line=line, place=place, phase=phase, errors=errors, frequencies=frequencies
+        ),
     )

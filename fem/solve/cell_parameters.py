@@ -1,7 +1,7 @@
-"""The free, the metallised and the fingered cell of one material: velocity, K2, reflectivity, capacitance.
+"""Free, metallised and periodically fingered surface of one material: velocity, K2, reflectivity, capacitance.
 
-The first two are half-spaces without a mesh (half_space.py), the third an endless grating, its fingers shorted and open
-(grating.py).  The error is that of the stop bands' edges, from two discretisations.
+The first two are half-spaces without a mesh (half_space.py), the third an infinite grating with its fingers shorted and
+open (grating.py).  The error is that of the stop bands' edges, from two discretisations.
 """
 
 from dataclasses import dataclass
@@ -9,24 +9,26 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.analytic.half_space import rayleigh
-from fem.convergence import refuse_above
+from fem.convergence_error import refuse_above
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import LEVELS, refine
 from fem.materials import Solid
 from fem.waveguide.grating import Grating, StopBand, grating
 
-GAIN = 6.0  # a level divides the error of the edges by more than this: 8 to 10 seen, by 40 from the first
+GAIN = (
+    6.0  # a level divides the error of the edges by at least this: 8 to 10 measured, 40 from the first level
+)
 
 
 @dataclass(frozen=True, kw_only=True)
 class CellParameters:
-    """What the free, the metallised and the fingered cell of one material say together.
+    """Parameters of the free, the metallised and the fingered surface of one material.
 
     Attributes
     ----------
     solid : Solid
     period : float
-        Of two fingers and two gaps, m.
+        Width of two fingers and two gaps, m.
     metallisation : float
     above : str
         "none": D_n = 0 on the bare surface; "vacuum".
@@ -58,7 +60,7 @@ class CellParameters:
 
     @property
     def grating_coupling(self) -> float:
-        """The same of the gratings: 2 (v_open - v_shorted) / v_open."""
+        """K2 of the gratings, 2 (v_open - v_shorted) / v_open."""
         return 2 * (self.open.velocity - self.shorted.velocity) / self.open.velocity
 
 
@@ -79,14 +81,14 @@ def cell_parameters(
     ConvergenceError
         If the cut guides no Rayleigh wave, or the finest discretisation does not reach the tolerance.
     """
-    surface = "open" if above == "none" else "vacuum"
-    free, metallised = (rayleigh(solid, each).velocity for each in (surface, "metallised"))
+    free_surface = "open" if above == "none" else "vacuum"
+    free, metallised = (rayleigh(solid, surface).velocity for surface in (free_surface, "metallised"))
 
     def at_level(resolution: Resolution) -> tuple[Grating, list[StopBand]]:
         cells = grating(solid, period=period, metallisation=metallisation, above=above, resolution=resolution)
         return cells, [cells.stop_band(open_fingers=each) for each in (False, True)]
 
-    refined = refine(at_level, LEVELS, differences=_edges_apart, gain=GAIN, tolerance=tolerance)
+    refined = refine(at_level, LEVELS, differences=_edge_difference, gain=GAIN, tolerance=tolerance)
     (cells, bands), error = refined.answer, refined.errors[0]
     refuse_above(error, tolerance, "the stop bands' edges are, over their width,")
     return CellParameters(
@@ -103,7 +105,7 @@ def cell_parameters(
     )
 
 
-def _edges_apart(
+def _edge_difference(
     fine: tuple[Grating, list[StopBand]], coarse: tuple[Grating, list[StopBand]]
 ) -> tuple[float]:
     """Largest difference of the stop bands' edges, over the wider band's width."""

@@ -1,22 +1,22 @@
 """Line forces on a stator's bare surface: the motion that they make along the whole stator, with its error.
 
-A force per metre along y acts on the surface at one place, along it or normal to it - the push of a slider's contact,
-or, by reciprocity, a vibrometer: the current into a shorted transducer per newton at a place is the velocity there per
-volt.  The response is that of the row with its transducers, pieces and ends; the transducers' voltages are those
-that the currents which they receive make across their terminations.
+A force per metre along y acts on the surface at one place, tangential or normal to it.  It stands for a slider's
+contact or, by reciprocity, for a vibrometer: the current into a shorted transducer per newton at a place equals the
+velocity there per volt.  The response includes transducers, pieces and ends.  Each transducer's voltage is the one that
+its received current produces across its termination.
 """
 
 import numpy as np
 
 from fem.circuit import Drive
-from fem.convergence import refuse_above
+from fem.convergence_error import refuse_above
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import refine_stator
 from fem.geometry import Stator, Transducer, check_layout
 from fem.input_error import InputError
+from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
 from fem.results.solution import Solution, forced_solution
-from fem.results.surface_wave import SurfaceWave, surface_wave
 from fem.solve.harmonic import motion_difference
 from fem.threads import one_blas_thread
 from fem.waveguide.force import LineForce
@@ -40,15 +40,15 @@ def forced_wave(
     ----------
     stator : Stator
     transducers : tuple of Transducer
-        Terminated; there may be none.
+        Each with its termination; may be empty.
     forces : tuple of LineForce
-        All act together, each with its amplitude.
+        They act together, each with its amplitude.
     frequency : float
         Hz.
     tolerance : float
         Relative, of the surface motion at ``places``.
     drive : str or Drive, optional
-        Its sources are silent; their impedances terminate their transducers.
+        Its source voltages are set to zero; its impedances terminate their transducers.
     places : tuple of float
         m from the left end, away from the forces: under a line force the motion is infinite.
 
@@ -57,7 +57,7 @@ def forced_wave(
     InputError
         For a force that does not stand on the bare surface.
     ConvergenceError
-        If the finest discretisation does not reach the tolerance; what was reached comes with it.
+        If the finest discretisation does not reach the tolerance; its ``reached`` is the best answer.
 
     Examples
     --------

@@ -1,7 +1,7 @@
-"""A band of frequencies without a reduced model: every frequency is solved on full lines.
+"""A band of frequencies without a reduced model: every frequency takes the time of one full solution.
 
-For stators with a step of thickness, which the reduced model does not hold.  The discretisation is the finest that
-three frequencies of the band ask for; a frequency takes the time of one solution.
+For stators with a step of thickness, or of one mesh, which the reduced model cannot represent.  The discretisation is
+the finest that three frequencies of the band need to meet the tolerance.
 """
 
 from dataclasses import dataclass

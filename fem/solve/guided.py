@@ -1,20 +1,20 @@
 """Guided modes of a bare section at a frequency and a lateral wavenumber, and its free wave, each with its error.
 
-A finite aperture is a sum of fields exp(-i k_y y) over the lateral wavenumber k_y.  At each of them a uniform segment
-has modes exp(-i k_x x); k_x against k_y at one frequency is the slowness curve, and its normal is the direction in
-which the mode carries its energy.  The free wave is the mode at k_y = 0 whose motion is concentrated at the surface.
-In a block of several wavelengths it is the Rayleigh wave of the half-space up to a splitting that decays exponentially
-with the thickness.
+The field of a finite aperture is an integral of fields exp(-i k_y y) over the lateral wavenumber k_y.  At each k_y a
+uniform segment has modes exp(-i k_x x); k_x against k_y at one frequency is the slowness curve, and its normal is the
+direction in which the mode carries its energy.  The free wave is the mode at k_y = 0 whose motion is concentrated at
+the surface.  In a block of several wavelengths it is the Rayleigh wave of the half-space, up to a splitting that decays
+exponentially with the thickness.
 
-Limits: a bare surface.  Which layer stands for an absorbing bottom is decided by the bulk waves of the sagittal plane:
-at a large lateral wavenumber other modes than the surface wave may be reflected there, or grow (YZ LiNbO3: 2e-3 of k).
+Limits: a bare surface.  The kind of absorbing layer at the bottom is selected by the bulk waves of the sagittal plane.
+At a large lateral wavenumber modes other than the surface wave may be reflected there, or grow (YZ LiNbO3: 2e-3 of k).
 """
 
 from functools import cache
 
 import numpy as np
 
-from fem.convergence import refuse_above
+from fem.convergence_error import refuse_above
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import absorbs_slowly, refine
@@ -35,7 +35,7 @@ SLOW_GAIN = 1.4  # where the depth of an absorbing layer decides (`absorbs_slowl
 def _refined_modes(
     stator: Stator, frequency: float, lateral_wavenumber: float, tolerance: float, orders, difference
 ) -> tuple[GuidedModes, GuidedModes, float]:
-    """Modes of the finest section that was needed, of the one before, and the error by their ``difference``."""
+    """Modes of the finest section that was needed, of the one before, and the error from their ``difference``."""
     if not (np.isfinite(tolerance) and tolerance > 0):
         raise InputError("tolerance", "must be positive and finite", tolerance)
     unit = slowest_wavelength(stator.solid, frequency)
@@ -67,26 +67,26 @@ def _refined_modes(
 def _surface_wavenumber(modes: GuidedModes) -> complex:
     """Mean of the surface wave's modes, weighted by their share at the surface, rad/m.
 
-    Two like faces guide two modes of equal shares; of unlike ones (vacuum above alone) each guides its own wave, and
-    that of the lower face has hardly any share at the surface.
+    Two equal faces guide two modes with equal shares.  Unequal faces (vacuum above only) guide one wave each, and the
+    lower face's wave has almost no share at the upper surface.
     """
     waves = modes.wavenumbers[modes.rayleigh]
     share = modes.section.surface_share(modes.right[:, modes.rayleigh])
     return complex(share @ waves / share.sum() / modes.section.length_unit)
 
 
-def _velocities_apart(fine: GuidedModes, coarse: GuidedModes) -> float:
+def _velocity_difference(fine: GuidedModes, coarse: GuidedModes) -> float:
     """Relative difference of the surface waves' velocities."""
     return abs(_surface_wavenumber(coarse).real / _surface_wavenumber(fine).real - 1)
 
 
-def _surface_waves_apart(fine: GuidedModes, coarse: GuidedModes) -> float:
+def _surface_wave_difference(fine: GuidedModes, coarse: GuidedModes) -> float:
     """Difference of the surface waves' k_x over the wavenumber."""
     k, before = _surface_wavenumber(fine), _surface_wavenumber(coarse)
     return float(abs(k - before) / np.hypot(k.real, fine.lateral_wavenumber / fine.section.length_unit))
 
 
-def _propagating_apart(fine: GuidedModes, coarse: GuidedModes) -> float:
+def _propagating_difference(fine: GuidedModes, coarse: GuidedModes) -> float:
     """Largest difference of the propagating modes' k_x over the surface wave's wavenumber."""
     k = fine.wavenumbers[fine.propagating]
     nearest = abs(k[:, None] - coarse.wavenumbers).min(axis=1)
@@ -111,9 +111,9 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
     ConvergenceError
         If the highest order does not reach the tolerance.
     """
-    modes, _, error = _refined_modes(stator, frequency, 0.0, tolerance, FREE_ORDERS, _velocities_apart)
+    modes, _, error = _refined_modes(stator, frequency, 0.0, tolerance, FREE_ORDERS, _velocity_difference)
     section, wavenumber = modes.section.full, _surface_wavenumber(modes)
-    shape = _at_the_upper_face(modes.right[:, modes.rayleigh], section)
+    shape = _upper_face_wave(modes.right[:, modes.rayleigh], section)
     profile = section.on_nodes(shape[:, None])[0] * section.field_units
     profile /= profile[-1, FIELD_COLUMN["uz"]]
     return FreeWave(
@@ -130,16 +130,16 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
     )
 
 
-def _at_the_upper_face(twins: np.ndarray, section: Section) -> np.ndarray:
-    """Return the sum of one or two modes of (nearly) one velocity with u_z = 1 at the surface and the least motion.
+def _upper_face_wave(shapes: np.ndarray, section: Section) -> np.ndarray:
+    """Combination of one or two modes of (nearly) equal velocity with u_z = 1 at the surface and the least motion.
 
-    Two like faces guide two such modes, and any mixture of them is as good a solution: this one leaves the lower face
-    at rest.
+    Two equal faces guide two such modes, and any linear combination of them is a solution.  The one of least motion
+    leaves the lower face at rest.
     """
-    top = twins[section.surface_dofs["uz"]]
-    moved = twins[section.mechanical]
-    towards = np.linalg.solve(moved.conj().T @ moved, top.conj())
-    return twins @ (towards / (top @ towards))
+    top = shapes[section.surface_dofs["uz"]]
+    motion = shapes[section.mechanical]
+    weights = np.linalg.solve(motion.conj().T @ motion, top.conj())
+    return shapes @ (weights / (top @ weights))
 
 
 @one_blas_thread
@@ -151,7 +151,7 @@ def guided_modes(
     tolerance: float,
     propagating: bool = False,
 ) -> SegmentModes:
-    """Modes of a uniform segment of a stator, as many as two discretisations agree on.
+    """Modes of a uniform segment of a stator: those on which two discretisations agree.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def guided_modes(
     tolerance : float
         Of the surface wave's k_x, relative to its sqrt(k_x^2 + k_y^2).
     propagating : bool
-        The tolerance bounds the error of every mode that propagates, not of the surface wave alone.
+        If true, the tolerance bounds the error of every propagating mode, not only of the surface wave.
 
     Raises
     ------
@@ -198,12 +198,12 @@ def guided_modes(
         lateral_wavenumber,
         tolerance,
         ORDERS,
-        _propagating_apart if propagating else _surface_waves_apart,
+        _propagating_difference if propagating else _surface_wave_difference,
     )
     section, unit, lateral = modes.section.full, modes.section.length_unit, modes.lateral_wavenumber
-    certain = modes.propagating if propagating else modes.rayleigh
-    chosen = _known(modes, coarse, max(tolerance, 10 * error), certain)
-    shapes = section.on_nodes(modes.right[:, chosen]) * section.field_units
+    checked = modes.propagating if propagating else modes.rayleigh
+    resolved = _resolved(modes, coarse, max(tolerance, 10 * error), checked)
+    shapes = section.on_nodes(modes.right[:, resolved]) * section.field_units
     if lateral and section.solid.mirror_y is not None:
         odd = [
             FIELD_COLUMN[name]
@@ -211,26 +211,26 @@ def guided_modes(
             if changes
         ]
         shapes[..., odd] *= 1j
-    moved = shapes[..., :3].reshape(len(chosen), -1)
-    largest = moved[np.arange(len(chosen)), abs(moved).argmax(axis=1)]
+    motion = shapes[..., :3].reshape(len(resolved), -1)
+    largest = motion[np.arange(len(resolved)), abs(motion).argmax(axis=1)]
     return SegmentModes(
         frequency=float(modes.frequency),
         lateral_wavenumber=float(lateral / unit),
-        wavenumbers=modes.wavenumbers[chosen] / unit,
-        surface=np.flatnonzero(np.isin(chosen, modes.rayleigh)),
+        wavenumbers=modes.wavenumbers[resolved] / unit,
+        surface=np.flatnonzero(np.isin(resolved, modes.rayleigh)),
         depth=section.nodes[section.body],
         shapes=shapes / np.where(largest == 0, 1.0, largest)[:, None, None],
-        surface_share=section.surface_share(modes.right[:, chosen]) / unit,
+        surface_share=section.surface_share(modes.right[:, resolved]) / unit,
         solid=stator.solid,
         relative_error=error,
         unknowns=section.size,
     )
 
 
-def _known(modes: GuidedModes, coarse: GuidedModes, tolerance: float, certain: np.ndarray) -> np.ndarray:
-    """Modes that are certain or that the coarser discretisation has too, those that decay least first."""
+def _resolved(modes: GuidedModes, coarse: GuidedModes, tolerance: float, checked: np.ndarray) -> np.ndarray:
+    """Modes whose error is ``checked`` and those that the coarser discretisation has too, least decaying first."""
     k = modes.wavenumbers
     scale = np.sqrt(abs(k) ** 2 + modes.lateral_wavenumber**2)
     nearest = abs(k[:, None] - coarse.wavenumbers).min(axis=1)
-    known = np.flatnonzero((nearest <= tolerance * scale) | np.isin(np.arange(len(k)), certain))
-    return known[np.lexsort((-abs(k.real[known]), -k.imag[known].round(9)))]
+    resolved = np.flatnonzero((nearest <= tolerance * scale) | np.isin(np.arange(len(k)), checked))
+    return resolved[np.lexsort((-abs(k.real[resolved]), -k.imag[resolved].round(9)))]

@@ -1,7 +1,7 @@
 """The driven stator at one frequency: from the scene's geometry to the surface motion per volt, with its error.
 
-The problem is solved on two discretisations, one a level finer than the other.  Their difference, less the gain that a
-level is sure to bring, is the error reported.
+The problem is solved on two discretisations, one a level finer than the other.  Their difference divided by g - 1 is
+the error reported, where a level divides the error by at least g (`fem.discretize.refinement`).
 """
 
 from collections.abc import Callable
@@ -10,16 +10,16 @@ from functools import cache
 import numpy as np
 
 from fem.circuit import Drive
-from fem.convergence import refuse_above
+from fem.convergence_error import refuse_above
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import refine_stator
 from fem.geometry import Stator, Transducer, check_layout
 from fem.input_error import InputError
 from fem.materials import fields
+from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
 from fem.results.power_balance import power_balance
 from fem.results.solution import Solution, driven_solution
-from fem.results.surface_wave import SurfaceWave, surface_wave
 from fem.threads import one_blas_thread
 from fem.waveguide.port_fields import solve_ports
 
@@ -51,14 +51,14 @@ def driven_wave(
     places : tuple of float
         m from the left end; mid-stator if empty.
     progress : callable, optional
-        Told in a few words what is being done.
+        Called with a short text before each discretisation is solved.
 
     Raises
     ------
     ValueError
         For a geometry or a solid that cannot be driven.
     ConvergenceError
-        If the finest discretisation does not reach the tolerance; what was reached comes with it.
+        If the finest discretisation does not reach the tolerance; its ``reached`` is the best answer.
     """
     check_driven(stator, transducers, frequency, tolerance)
     at = np.array(places or (stator.length / 2,))
@@ -77,7 +77,8 @@ def driven_wave(
         admittance_error=refined.errors[1],
         balance=cache(lambda: power_balance(solution)),
     )
-    finer = f"finer, {refined.obstacle}" if refined.obstacle else "make the fingers less extreme"
+    shapes = "draw the meshes evener at corners" if stator.pieces else "make the fingers less extreme"
+    finer = f"finer, {refined.obstacle}" if refined.obstacle else shapes
     what, advice = "the stator's surface motion is", f"ask for less, or {finer}"
     refuse_above(wave.relative_error, tolerance, what, advice=advice, reached=wave)
     return wave
@@ -100,7 +101,7 @@ def solve_driven(
 def check_driven(
     stator: Stator, transducers: tuple[Transducer, ...], frequency: float, tolerance: float
 ) -> None:
-    """Refuse a layout, a solid, a frequency (Hz) or a tolerance that no driven stator can have, by a ValueError."""
+    """Raise an InputError for a layout, solid, frequency (Hz) or tolerance with which no stator can be driven."""
     check_layout(stator, transducers)
     if "phi" not in fields(stator.solid):
         why = "uncouples phi in this orientation" if stator.solid.is_piezoelectric else "is not piezoelectric"
@@ -114,15 +115,12 @@ def check_driven(
 def solution_differences(
     fine: tuple[Solution, np.ndarray], coarse: tuple[Solution, np.ndarray]
 ) -> tuple[float, float]:
-    """Relative differences of the motion at the places and of the admittances that the sources see."""
-    ours, theirs = fine[0].circuit, coarse[0].circuit
-    of_admittance = np.max(abs(ours.source_admittances / theirs.source_admittances - 1))
-    return motion_difference(fine[1], coarse[1]), float(of_admittance)
+    """Relative differences of the motion at the requested places and of the admittances at the sources."""
+    ratios = fine[0].circuit.source_admittances / coarse[0].circuit.source_admittances
+    return motion_difference(fine[1], coarse[1]), float(np.max(abs(ratios - 1)))
 
 
-def motion_difference(ours: np.ndarray, theirs: np.ndarray) -> float:
-    """Largest relative difference of orbits, u_x and u_z by place, shape (2, places), but for a common phase."""
-    turn = np.exp(1j * np.angle(np.sum(np.conj(theirs) * ours, axis=0)))
-    size = abs(ours).max(axis=0)
-    change = abs(ours - turn * theirs).max(axis=0)
-    return float(np.max(change / size))
+def motion_difference(fine: np.ndarray, coarse: np.ndarray) -> float:
+    """Largest relative difference of orbits (u_x, u_z), shape (2, places), after their common phase is removed."""
+    phase = np.exp(1j * np.angle(np.sum(np.conj(coarse) * fine, axis=0)))
+    return float(np.max(abs(fine - phase * coarse).max(axis=0) / abs(fine).max(axis=0)))

@@ -1,19 +1,19 @@
-"""P-matrix of a transducer or of meshed pieces from their field: waves that arrive and leave, voltage and current.
+"""P-matrix of a transducer or of meshed pieces from their field: incident and outgoing waves, voltage and current.
 
-The transducer stands alone between uniform segments that continue without end.  For waves of amplitude a that arrive at
-the outer edges of its outer gaps and a voltage V, the waves b that leave and the current I into it are
+The transducer stands alone between uniform semi-infinite segments.  For waves of amplitude a incident on the outer
+edges of its outer gaps and a voltage V, the outgoing waves b and the current I into it are
 
     b = S a + p V,    I = -2 p^T a + Y V,
 
 the P-matrix of Tobolka (IEEE Ultrasonics Symp. 1979, 676) in the form of Morgan (*Surface Acoustic Wave Filters*, 2nd
-ed., 2007, appendix D): amplitudes are such that a wave carries |a|^2 / 2, peak values.  Every propagating mode may be
-kept, or those of the surface wave alone; bulk waves are then left out, as by coupled modes (COM).  Modes
-that decay are left out in both cases, the field beside the fingers included.
+ed., 2007, appendix D): amplitudes are such that a wave carries the power |a|^2 / 2, peak values.  Either all
+propagating modes are kept or only those of the surface wave; bulk waves are then left out, as in coupled-mode (COM)
+theory.  Decaying modes are left out in both cases, the near field of the fingers included.
 
 Waves are scaled by the reciprocity of the field, i omega (l_i^T F_rj - F_li^T r_j) = 2 delta_ij per aperture (r, l:
 shapes to the right and to the left, F their fluxes), so that S is symmetric with losses too.  In a thick plate the
-surface waves of both faces have one wavenumber to rounding, and the eigensolver may return any two mixtures of them.
-The waves are therefore the mixture of which the first alone moves the surface, whatever the solver returned.
+surface waves of both faces have equal wavenumbers up to rounding, and the eigensolver may return any two combinations
+of them.  The waves used here are the combinations of which only the first moves the upper surface.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fem.convergence import refuse_above
+from fem.convergence_error import refuse_above
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import refine_stator
 from fem.discretize.section import FIELD_COLUMN
@@ -42,15 +42,15 @@ class PMatrix:
     frequency : float
         Hz.
     wavenumbers : ndarray, shape (modes,)
-        Of the modes to the right on the bare surface, rad/m.
+        Of the modes travelling to the right on the bare surface, rad/m.
     mixture : ndarray, shape (modes, modes)
-        The waves, in columns, as sums of modes; diagonal but for modes that are one surface wave.
+        The waves, in columns, as sums of modes; diagonal except for the two modes of equal faces.
     surface_motion : ndarray, shape (modes,)
         |u_z| of a wave of amplitude 1 at the bare surface, m / W^1/2.
     scattering : ndarray, shape (2 modes, 2 modes)
         S: waves at the left edge first, then those at the right edge; electrodes short-circuited.
     excitation, detection : ndarray, shape (2 modes,)
-        p in W^1/2 per V and, computed by itself, -2 p^T.
+        p in W^1/2 per V, and -2 p^T, computed independently.
     admittance : complex
         Y in S; 0 without electrodes of both signs.
     length : float
@@ -78,7 +78,7 @@ class PMatrix:
         return self.scattering - np.outer(self.excitation, self.detection) / (self.admittance + load)
 
     def travelled(self, distance: float) -> np.ndarray:
-        """Return waves to the right after a distance in m, (modes, modes); the transpose is for waves to the left."""
+        """Propagation over a distance in m: waves to the right, (modes, modes); its transpose for waves to the left."""
         return np.linalg.solve(
             self.mixture, np.exp(-1j * self.wavenumbers * distance)[:, None] * self.mixture
         )
@@ -93,9 +93,9 @@ def p_matrix(
     Parameters
     ----------
     stator : Stator
-        Its length and ends are not read.
+        Its length and ends are ignored.
     transducer : Transducer
-        Its place is not read.
+        Its position is ignored.
     frequency : float
         Hz.
     tolerance : float
@@ -117,8 +117,8 @@ def p_matrix(
     >>> from fem import Stator, Transducer, material, p_matrix, rotated
     >>> stator = Stator(solid=rotated(material("PZT-8"), "Z"), length=1.0, thickness=6e-4, ends="absorbing")
     >>> row = Transducer(name="t", center=0.5, finger_pairs=2, period=1e-3, metallisation=0.5, aperture=9e-3)
-    >>> found = p_matrix(stator, row, frequency=2.2e6, tolerance=0.3)
-    >>> bool(abs(found.detection + 2 * found.excitation).max() < 1e-9 * abs(found.excitation).max())
+    >>> p = p_matrix(stator, row, frequency=2.2e6, tolerance=0.3)
+    >>> bool(abs(p.detection + 2 * p.excitation).max() < 1e-9 * abs(p.excitation).max())
     True
     """
     length = (len(transducer.signs) + 4) * transducer.pitch
@@ -129,9 +129,9 @@ def p_matrix(
         return _on_level(alone, row, frequency, resolution, every_mode)
 
     refined = refine_stator(stator, at_level, differences=_difference, tolerance=tolerance)
-    found = replace(refined.answer, relative_error=refined.errors[0])
-    refuse_above(found.relative_error, tolerance, "the P-matrix is", reached=found)
-    return found
+    result = replace(refined.answer, relative_error=refined.errors[0])
+    refuse_above(result.relative_error, tolerance, "the P-matrix is", reached=result)
+    return result
 
 
 def cascade_admittance(parts: Sequence[PMatrix], distances: Sequence[float]) -> np.ndarray:
@@ -140,7 +140,7 @@ def cascade_admittance(parts: Sequence[PMatrix], distances: Sequence[float]) -> 
     Parameters
     ----------
     parts : sequence of PMatrix
-        From left to right, of the same modes; nothing comes back from the outer sides.
+        From left to right, all with the same modes.  No wave returns from beyond the outermost parts.
     distances : sequence of float
         m of bare surface between the edges of neighbours.
 
@@ -173,7 +173,7 @@ def _on_level(
 ) -> PMatrix:
     """P-matrix on one discretisation of a lone transducer between absorbing ends."""
 
-    def chosen(modes: GuidedModes) -> np.ndarray:
+    def port_modes(modes: GuidedModes) -> np.ndarray:
         return modes.propagating if every_mode else modes.rayleigh
 
     fields = solve_ports(
@@ -181,10 +181,10 @@ def _on_level(
         (transducer,),
         frequency=frequency,
         resolution=resolution,
-        solve=lambda network, _: (network, network.solve(chosen(network.modes))),
+        solve=lambda network, _: (network, network.solve(port_modes(network.modes))),
     )
     waves = waves_of(
-        fields.modes, chosen(fields.modes), fields.section.solid.stress_unit * transducer.aperture
+        fields.modes, port_modes(fields.modes), fields.section.solid.stress_unit * transducer.aperture
     )
     port = bool(fields.names)
     return of_segments(
@@ -204,9 +204,9 @@ def of_segments(
     received: np.ndarray | None = None,
     admittance: complex = 0j,
 ) -> PMatrix:
-    """P-matrix of a row between endless segments, by the amplitudes in them for a voltage and for arriving modes.
+    """P-matrix of a row between semi-infinite segments, from the segments' amplitudes for a voltage and incident modes.
 
-    ``length`` in length units; ``received``: current per arriving mode, A, of a row with a port; ``admittance`` in S.
+    ``length`` in length units; ``received``: current per incident mode, A, of a row with a port; ``admittance`` in S.
     """
     modes, m = waves.section_modes, len(waves.modes)
     leaving = waves.leaving(segments)
@@ -227,15 +227,15 @@ def of_segments(
 
 @dataclass(frozen=True, kw_only=True)
 class ScaledWaves:
-    """Waves of amplitude 1 (|a|^2 / 2 their power) as sums of modes of a section.
+    """Waves of amplitude 1 (power |a|^2 / 2) as sums of modes of a section.
 
     Attributes
     ----------
     section_modes : GuidedModes
     modes : ndarray of int
-        Those that the waves are made of.
+        Indices of the modes in the sums.
     right, left : ndarray, shape (modes, waves)
-        Going right and going left, in columns.
+        Waves travelling to the right and to the left, in columns.
     """
 
     section_modes: GuidedModes
@@ -245,7 +245,7 @@ class ScaledWaves:
 
     @property
     def arriving(self) -> np.ndarray:
-        """Amplitudes of the modes that arrive from the left, then from the right, for unit waves."""
+        """Amplitudes of the modes incident from the left, then from the right, for unit waves."""
         return _block_diagonal(self.right, self.left)
 
     def leaving(self, segments: tuple[tuple[SegmentWaves, ...], ...]) -> np.ndarray:
@@ -259,36 +259,48 @@ def _block_diagonal(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return np.block([[first, nothing], [nothing.T, second]])
 
 
-def waves_of(modes: GuidedModes, chosen: np.ndarray, per_area: float) -> ScaledWaves:
-    """Return the waves of amplitude 1 that some modes make."""
+def waves_of(modes: GuidedModes, indices: np.ndarray, per_area: float) -> ScaledWaves:
+    """Waves of amplitude 1 made of the modes with these indices; ``per_area``: unit of stress times aperture, N/m."""
     omega = 2 * np.pi * modes.frequency
     shape, backward, flux, backward_flux = (
-        each[:, chosen] for each in (modes.right, modes.left, modes.right_flux, modes.left_flux)
+        each[:, indices] for each in (modes.right, modes.left, modes.right_flux, modes.left_flux)
     )
     right = np.diag(np.sqrt(0.5 / (power(shape, flux, modes.frequency) * per_area))).astype(complex)
-    one = np.flatnonzero(abs(modes.wavenumbers[chosen] / modes.wavenumbers[modes.rayleigh[0]] - 1) < ONE_WAVE)
-    top = (modes.section.surface_rows @ shape)[1]
-    if len(one) > 1:
-        crossed = shape[:, one].conj().T @ flux[:, one]
-        carried = 0.5j * omega * per_area * (crossed - crossed.conj().T)  # Hermitian: 2 W of any sum of them
-        orthonormal = np.linalg.inv(np.linalg.cholesky(carried)).conj().T
-        turn, _ = np.linalg.qr((top[one] @ orthonormal).conj()[:, None], mode="complete")
-        right[np.ix_(one, one)] = orthonormal @ turn
-    moved = top @ right
-    if len(one) > 1:
-        bottom = modes.section.full.on_nodes(modes.section.lift(shape))[:, 0, FIELD_COLUMN["uz"]]
-        moved[one[1:]] = (bottom @ right)[one[1:]]
-    right = right * np.exp(-1j * np.angle(moved))
+    k_ratio = modes.wavenumbers[indices] / modes.wavenumbers[modes.rayleigh[0]]
+    both_faces = np.flatnonzero(abs(k_ratio - 1) < ONE_WAVE)
+    if len(both_faces) > 1:
+        # Orthonormal in the power (Hermitian matrix of 2 W), then turned so that only the first moves the upper face
+        mutual = shape[:, both_faces].conj().T @ flux[:, both_faces]
+        power_matrix = 0.5j * omega * per_area * (mutual - mutual.conj().T)
+        orthonormal = np.linalg.inv(np.linalg.cholesky(power_matrix)).conj().T
+        top = (modes.section.surface_rows @ shape[:, both_faces])[1]
+        rotation, _ = np.linalg.qr((top @ orthonormal).conj()[:, None], mode="complete")
+        right[np.ix_(both_faces, both_faces)] = orthonormal @ rotation
+
+    def face_motion(shapes: np.ndarray, mixture: np.ndarray) -> np.ndarray:
+        """u_z of each wave at the upper face; at the lower one for the wave that leaves the upper at rest."""
+        upper = (modes.section.surface_rows @ shapes)[1] @ mixture
+        if len(both_faces) > 1:
+            nodal = modes.section.full.on_nodes(modes.section.lift(shapes))
+            lower = nodal[:, 0, FIELD_COLUMN["uz"]] @ mixture
+            upper[both_faces[1:]] = lower[both_faces[1:]]
+        return upper
+
+    right = right * np.exp(-1j * np.angle(face_motion(shape, right)))
     products = 0.5j * omega * per_area * (backward.T @ flux - backward_flux.T @ shape) @ right
-    return ScaledWaves(section_modes=modes, modes=chosen, right=right, left=np.linalg.inv(products).T)
+    left = np.linalg.inv(products).T
+    # With loss both directions share the scale, so that a reflection is the ratio of the motions of two equal waves.
+    ratio = face_motion(backward, left) / face_motion(shape, right)
+    share = np.sqrt(np.where(ratio.real < 0, -ratio, ratio))
+    return ScaledWaves(section_modes=modes, modes=indices, right=right * share, left=left / share)
 
 
 def _difference(fine: PMatrix, coarse: PMatrix) -> tuple[float]:
     if len(fine.wavenumbers) != len(coarse.wavenumbers):
         return (1.0,)
-    apart = [abs(fine.scattering - coarse.scattering).max()]
-    for each in ("excitation", "admittance"):
-        size = np.max(abs(getattr(fine, each)))
+    differences = [abs(fine.scattering - coarse.scattering).max()]
+    for name in ("excitation", "admittance"):
+        size = np.max(abs(getattr(fine, name)))
         if size > 0:
-            apart.append(np.max(abs(getattr(fine, each) - getattr(coarse, each))) / size)
-    return (float(max(apart)),)
+            differences.append(np.max(abs(getattr(fine, name) - getattr(coarse, name))) / size)
+    return (float(max(differences)),)

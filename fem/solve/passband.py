@@ -1,13 +1,15 @@
 """The period, or the frequency, at which a transducer radiates the strongest surface wave.
 
-The transducer stands alone on the stator's section, which continues without end on both sides.  The power per volt that
-leaves it in the surface wave is largest near the product of frequency and period that coupled modes (coupled_modes.py;
-the charges of quasistatic.py where fingers do not simply alternate) give for the half-space.  Modes of a plate and
-unusual patterns split the passband, so that of the discretised stator is scanned two bandwidths 1/N to either side of
-there, and Brent's method follows the highest maxima of the scan.  The power is the whole conductance but for the loss
-in the solid and for bulk waves, which in rows of few fingers would draw the maximum to much longer periods.  A coarse
-level serves for the scan and for the place of a maximum: the next one moves it by 4e-4; from MANY_PAIRS on, where the
-passband is narrower, that next level is taken, whose place is known to 1e-5 (PZT-8 and LiNbO3).
+The transducer stands alone on the stator's section, which is taken as infinite on both sides.  Coupled-mode theory for
+the half-space (coupled_modes.py; the charges of quasistatic.py if the fingers do not simply alternate) gives a first
+guess of the product of frequency and period at which the power per volt in the surface wave is largest.  Modes of a
+plate and unusual patterns split the passband.  The power of the discretised stator is therefore scanned two bandwidths
+1/N to either side of the guess, and Brent's method refines the highest maxima of the scan.
+
+Only the power of the surface wave counts, not the whole conductance: loss in the solid and bulk waves would shift the
+maximum of a transducer with few fingers to much longer periods.  The coarsest level gives the maximum to 4e-4, which
+suffices for few pairs; from MANY_PAIRS on, where the passband is narrower, the next level gives it to 1e-5 (PZT-8 and
+LiNbO3).
 """
 
 from collections.abc import Callable
@@ -29,13 +31,13 @@ from fem.threads import one_blas_thread
 from fem.waveguide.modes import GuidedModes, guided_modes, power
 from fem.waveguide.port_fields import PortFields, joined_fields, solve_ports
 
-MANY_PAIRS = 25
-SCAN, STEP = 2.0, 0.2  # of the scan to either side, and its step, over the relative width 1/N of the passband
-SHORTEST = 0.25  # of the first guess: where the scan of a few fingers begins
-RIVAL = 0.9  # of the scan's highest value: a second local maximum above it is followed too
-ACCURACY = 1e-4  # of the place of the maximum, over that width: the power is flat there
-WIDEST = 0.45  # relative range in which the first guess is sought, for transducers of few fingers
-GRID = 801  # places of the guess in that range
+MANY_PAIRS = 25  # finger pairs from which the finer level is used
+SCAN, STEP = 2.0, 0.2  # half-width of the scan and its step, over the relative width 1/N of the passband
+MIN_SCAN = 0.25  # lower limit of the scan over the first guess, for few fingers
+RIVAL = 0.9  # a second local maximum of the scan is refined too if it exceeds this share of the highest
+ACCURACY = 1e-4  # of the position of the maximum, over the width of the passband: the power is flat there
+MAX_GUESS_RANGE = 0.45  # relative range in which the first guess is sought, for few fingers
+GRID = 801  # points in that range
 
 
 def best_period(stator: Stator, transducer: Transducer, frequency: float) -> float:
@@ -46,7 +48,7 @@ def best_period(stator: Stator, transducer: Transducer, frequency: float) -> flo
     stator : Stator
         Its ends are taken as absorbing.
     transducer : Transducer
-        Alone on it, with fingers of both electrodes; its period is not read.
+        With fingers of both electrodes; its period is ignored.
     frequency : float
         Hz.
 
@@ -84,47 +86,50 @@ def _best_period(stator: Stator, transducer: Transducer, frequency: float) -> fl
     scale = replace(transducer, period=guess).finger_width / 2
 
     @cache
-    def of_level(level) -> tuple[Condensation, GuidedModes]:
+    def section_at(level: Resolution) -> tuple[Condensation, GuidedModes]:
         section = discretise(stator, level, wavelength=unit, surface_scale=scale)
         return Condensation(section, frequency), guided_modes(section, frequency)
 
-    def power_at(period: float, level) -> float:
-        make, modes = of_level(level)
+    def power_at(period: float, level: Resolution) -> float:
+        condensation, modes = section_at(level)
         alone, row = _alone(stator, replace(transducer, period=period))
-        pieces = transducer_superelements(make, alone, (row,), level)
+        pieces = transducer_superelements(condensation, alone, (row,), level)
         return surface_power(joined_fields(alone, (row,), pieces, modes=modes, resolution=level))
 
-    return _largest(power_at, guess, transducer)
+    return _maximise(power_at, guess, transducer)
 
 
 @lru_cache(256)
 @one_blas_thread
 def _best_frequency(stator: Stator, transducer: Transducer) -> float:
-    def power_at(frequency: float, level) -> float:
+    def power_at(frequency: float, level: Resolution) -> float:
         return surface_power(solve_ports(stator, (transducer,), frequency=frequency, resolution=level))
 
-    return _largest(power_at, _guess(stator, transducer) / transducer.period, transducer)
+    return _maximise(power_at, _guess(stator, transducer) / transducer.period, transducer)
 
 
 def surface_power(fields: PortFields) -> float:
-    """Power in W per V^2 (peak) and metre of aperture that a lone transducer sends out in the surface wave."""
-    modes, chosen = fields.modes, fields.modes.rayleigh
+    """Power in W per V^2 (peak) and metre of aperture that a transducer alone radiates in the surface wave."""
+    modes, surface = fields.modes, fields.modes.rayleigh
     (before,), (after,) = fields.segments
-    right, left = after.right[chosen], before.left[chosen]
-    outward = power(modes.right[:, chosen] @ right, modes.right_flux[:, chosen] @ right, fields.frequency)
-    outward -= power(modes.left[:, chosen] @ left, modes.left_flux[:, chosen] @ left, fields.frequency)
+    right, left = after.right[surface], before.left[surface]
+    outward = power(modes.right[:, surface] @ right, modes.right_flux[:, surface] @ right, fields.frequency)
+    outward -= power(modes.left[:, surface] @ left, modes.left_flux[:, surface] @ left, fields.frequency)
     return float(outward[0]) * fields.section.solid.stress_unit
 
 
 def _alone(stator: Stator, transducer: Transducer) -> tuple[Stator, Transducer]:
-    """Return the transducer in the middle of a section without ends; equal for transducers of one kind."""
+    """Place the transducer in the middle of a section with absorbing ends.
+
+    Name, position and aperture are normalised, so that equal transducers share an entry of the cache.
+    """
     length = (transducer.finger_pairs + 2) * transducer.period
     return replace(stator, length=length, ends="absorbing", pieces=()), replace(
         transducer, name="alone", center=length / 2, aperture=1.0, termination="open"
     )
 
 
-def _level(transducer: Transducer):
+def _level(transducer: Transducer) -> Resolution:
     return LEVELS[int(transducer.finger_pairs >= MANY_PAIRS)]
 
 
@@ -132,8 +137,8 @@ def _guess(stator: Stator, transducer: Transducer) -> float:
     """Return the product of frequency and period in m/s for a half-space."""
     solid, surface = stator.solid, stator.bare_surface
     velocity = automatic_period(solid, 1.0, transducer.metallisation)
-    reach = min(1 / transducer.finger_pairs, WIDEST)
-    products = velocity * np.linspace(1 - reach, 1 + reach, GRID)
+    half_range = min(1 / transducer.finger_pairs, MAX_GUESS_RANGE)
+    products = velocity * np.linspace(1 - half_range, 1 + half_range, GRID)
     row = replace(transducer, period=1.0)
     if transducer.pattern is None and not transducer.split:
         power = relative_amplitude(solid, row, products, surface=surface)
@@ -142,24 +147,24 @@ def _guess(stator: Stator, transducer: Transducer) -> float:
     return float(products[np.argmax(power)])
 
 
-def _largest(power_at: Callable[[float, Resolution], float], guess: float, transducer: Transducer) -> float:
-    """Return where the power is largest within SCAN / N of a guess (and above SHORTEST of it)."""
+def _maximise(power_at: Callable[[float, Resolution], float], guess: float, transducer: Transducer) -> float:
+    """Return the argument of the largest power within SCAN / N of a guess and above MIN_SCAN times the guess."""
     from scipy.optimize import minimize_scalar
 
     pairs, level = transducer.finger_pairs, _level(transducer)
     count = 2 * round(SCAN / STEP) + 1
-    scan = guess * np.linspace(max(1 - SCAN / pairs, SHORTEST), 1 + SCAN / pairs, count)
-    power = np.array([power_at(float(at), LEVELS[0]) for at in scan])
-    beside = np.concatenate([[-np.inf], power, [-np.inf]])
-    peaks = np.flatnonzero((power >= beside[:-2]) & (power >= beside[2:]) & (power >= RIVAL * power.max()))
+    scan = guess * np.linspace(max(1 - SCAN / pairs, MIN_SCAN), 1 + SCAN / pairs, count)
+    power = np.array([power_at(float(value), LEVELS[0]) for value in scan])
+    padded = np.concatenate([[-np.inf], power, [-np.inf]])
+    peaks = np.flatnonzero((power >= padded[:-2]) & (power >= padded[2:]) & (power >= RIVAL * power.max()))
     highest = peaks[np.argsort(-power[peaks])][:2]
-    found = [
+    maxima = [
         minimize_scalar(
-            lambda at: -power_at(float(at), level),
+            lambda value: -power_at(float(value), level),
             bounds=(scan[max(peak - 1, 0)], scan[min(peak + 1, count - 1)]),
             method="bounded",
             options={"xatol": ACCURACY / pairs * guess},
         )
         for peak in highest
     ]
-    return float(min(found, key=lambda each: each.fun).x)
+    return float(min(maxima, key=lambda maximum: maximum.fun).x)

@@ -1,4 +1,4 @@
-"""The admittance matrix of a stator's ports with its error, at one frequency or over a band, and its S-parameters."""
+"""Admittance matrix of a stator's ports with its error, at one frequency or over a band, and its S-parameters."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -7,7 +7,7 @@ import numpy as np
 
 from fem.beam.reception import aperture_solver
 from fem.circuit import Drive
-from fem.convergence import refuse_above
+from fem.convergence_error import refuse_above
 from fem.discretize.refinement import refine_stator
 from fem.geometry import Stator, Transducer
 from fem.input_error import InputError
@@ -26,13 +26,13 @@ class PortAdmittance:
     Attributes
     ----------
     names : tuple of str
-        Transducers with two electrodes, from left to right: the ports.
+        The ports, from left to right: transducers with two electrodes.
     frequency : ndarray, shape (...)
         Hz.
     matrix : ndarray, shape (..., ports, ports)
         Y in S, symmetric.
     relative_error : float
-        Largest, of any entry over the largest entry.
+        Largest error of an entry over the largest entry.
     """
 
     names: tuple[str, ...]
@@ -59,7 +59,7 @@ def port_admittance(
     finite_apertures: bool = False,
     mirror_width: float | None = None,
 ) -> PortAdmittance:
-    """Admittance matrix of the ports, whatever drives or terminates them.
+    """Admittance matrix of the ports; it does not depend on sources and terminations.
 
     Parameters
     ----------
@@ -69,11 +69,12 @@ def port_admittance(
     frequency : float or sequence of float
         Hz; several are solved as one band.
     tolerance : float
-        Relative, of the entries, over the largest of them.
+        Of every entry, relative to the largest one.
     finite_apertures : bool
-        Whether transducers receive the mean of one another's beams (`fem.surface_beam`), not the section's waves.
+        If true, a transducer receives the mean of another's beam over its aperture (`fem.surface_beam`), not the plane
+        wave of the section.
     mirror_width : float, optional
-        Of the beams' two reflecting side faces, m.
+        Distance of the beams' two reflecting side faces, m.
 
     Raises
     ------
@@ -89,29 +90,28 @@ def port_admittance(
     >>> left = Transducer(
     ...     name="left", center=2e-3, finger_pairs=2, period=1e-3, metallisation=0.5, aperture=20e-3
     ... )
-    >>> found = port_admittance(stator, (left,), frequency=2.2e6, tolerance=1e-2)
-    >>> found.names, found.matrix.shape, bool(found.matrix[0, 0].real > 0)
+    >>> ports = port_admittance(stator, (left,), frequency=2.2e6, tolerance=1e-2)
+    >>> ports.names, ports.matrix.shape, bool(ports.matrix[0, 0].real > 0)
     (('left',), (1, 1), True)
     """
-    at = np.asarray(frequency, dtype=float)
-    limits = (float(at.min()), float(at.max())) if at.size > 1 else None
+    frequencies = np.asarray(frequency, dtype=float)
+    limits = (float(frequencies.min()), float(frequencies.max())) if frequencies.size > 1 else None
     solve = aperture_solver(stator, mirror_width, limits=limits) if finite_apertures else None
-    if at.size > 1:
-        return _over_band(stator, transducers, at, tolerance, solve)
-    check_driven(stator, transducers, float(at.item()), tolerance)
+    if frequencies.size > 1:
+        return _over_band(stator, transducers, frequencies, tolerance, solve)
+    (single,) = frequencies.reshape(-1).tolist()
+    check_driven(stator, transducers, single, tolerance)
     _check_ports(transducers)
 
     def at_level(resolution) -> PortFields:
-        return solve_ports(
-            stator, transducers, frequency=float(at.item()), resolution=resolution, solve=solve
-        )
+        return solve_ports(stator, transducers, frequency=single, resolution=resolution, solve=solve)
 
     refined = refine_stator(stator, at_level, differences=_difference, tolerance=tolerance)
     fields, error = refined.answer, refined.errors[0]
-    matrix = fields.admittances.reshape(*at.shape, *fields.admittances.shape)
-    found = PortAdmittance(names=fields.names, frequency=at, matrix=matrix, relative_error=error)
-    refuse_above(error, tolerance, "the admittances are", reached=found)
-    return found
+    matrix = fields.admittances.reshape(*frequencies.shape, *fields.admittances.shape)
+    result = PortAdmittance(names=fields.names, frequency=frequencies, matrix=matrix, relative_error=error)
+    refuse_above(error, tolerance, "the admittances are", reached=result)
+    return result
 
 
 def _difference(fine: PortFields, coarse: PortFields) -> tuple[float]:
@@ -126,20 +126,26 @@ def _check_ports(transducers: tuple[Transducer, ...]) -> tuple[str, ...]:
     return names
 
 
-def _over_band(stator, transducers, at: np.ndarray, tolerance: float, solve) -> PortAdmittance:
+def _over_band(stator, transducers, frequencies: np.ndarray, tolerance: float, solve) -> PortAdmittance:
     drive = Drive(sources=dict.fromkeys(_check_ports(transducers), 1.0))
-    goal, limits = tolerance, {"lowest": float(at.min()), "highest": float(at.max())}
-    for _ in range(BAND_ROUNDS):  # a band promises its motion; the admittances may ask for more
-        band = frequency_band(stator, transducers, **limits, drive=drive, tolerance=goal)
+    limits = {"lowest": float(frequencies.min()), "highest": float(frequencies.max())}
+    motion_tolerance = tolerance
+    for _ in range(
+        BAND_ROUNDS
+    ):  # the band's tolerance bounds the motion; the admittances may need a smaller one
+        band = frequency_band(stator, transducers, **limits, drive=drive, tolerance=motion_tolerance)
         if band.admittance_error <= tolerance:
             break
-        goal *= 0.5 * tolerance / band.admittance_error
-    found = PortAdmittance(
+        motion_tolerance *= 0.5 * tolerance / band.admittance_error
+    matrices = band.admittances(frequencies.reshape(-1), solve)
+    result = PortAdmittance(
         names=band.port_names,
-        frequency=at,
-        matrix=band.admittances(at.reshape(-1), solve).reshape(*at.shape, len(band.port_names), -1),
+        frequency=frequencies,
+        matrix=matrices.reshape(*frequencies.shape, *matrices.shape[1:]),
         relative_error=band.admittance_error,
     )
     advice = "ask for less, or solve one frequency at a time"
-    refuse_above(band.admittance_error, tolerance, "the band's admittances are", advice=advice, reached=found)
-    return found
+    refuse_above(
+        band.admittance_error, tolerance, "the band's admittances are", advice=advice, reached=result
+    )
+    return result

@@ -1,9 +1,9 @@
 """Reflection and transmission of the surface wave at meshed pieces: one piece, a row of them, an end of the stator.
 
-The pieces stand between uniform segments that continue without end.  Waves are scaled as in `fem.solve.p_matrix`, a
-wave of amplitude a carries |a|^2 / 2 per metre of y, so that |R|^2 + |T|^2 is the share of the power that stays in the
+The pieces stand between uniform semi-infinite segments.  Waves are scaled as in `fem.solve.p_matrix`: a wave of
+amplitude a carries the power |a|^2 / 2 per metre of y.  |R|^2 + |T|^2 is then the share of the power that stays in the
 surface wave; the rest goes into other modes of the section (bulk waves) or is lost in the solid.  Phases refer to the
-outer interfaces of the pieces.  In a row all modes that survive the shortest gap are followed from piece to piece.
+outer interfaces of the pieces.  A row couples its pieces by all modes that do not decay within the shortest gap.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.condense.piece import Piece
-from fem.convergence import refuse_above
+from fem.convergence_error import refuse_above
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import refine_stator
@@ -30,7 +30,7 @@ from fem.waveguide.row import CondensedPieces, condensed_pieces
 
 @dataclass(frozen=True, kw_only=True)
 class Reflector:
-    """What the pieces of a stator do to its surface wave at one frequency.
+    """Reflection and transmission of the surface wave by the pieces of a stator at one frequency.
 
     Attributes
     ----------
@@ -39,13 +39,13 @@ class Reflector:
     wavelength : float
         Of the surface wave, m.
     row : PMatrix or None
-        Of all pieces between uniform segments together, from the left interface of the first to the right one of the
-        last, their electrodes short-circuited; in a plate of two like faces there are two waves, the first that of the
-        surface.  None without such pieces.
+        Of all pieces between uniform segments as one row, from the left interface of the first to the right one of the
+        last, with short-circuited electrodes.  A plate with two equal faces has two waves; the first is that of the
+        upper surface.  None without such pieces.
     pieces : tuple of (str, PMatrix)
-        Of each different piece alone, with its name.
+        Name and P-matrix of each distinct piece alone.
     places : tuple of (float, int)
-        Of all pieces from left to right: left interface in m, and number among ``pieces``.
+        For every piece from left to right: its left interface in m and its index in ``pieces``.
     ends : tuple of (str, complex)
         Reflection of the surface wave at the ends that are meshes.
     relative_error : float
@@ -62,28 +62,28 @@ class Reflector:
 
     @property
     def scattering(self) -> np.ndarray | None:
-        """Of the whole row, (2 waves, 2 waves): surface waves at its left edge, then at its right one."""
+        """S of the whole row, (2 waves, 2 waves): surface waves at its left edge first, then at its right one."""
         return None if self.row is None else self.row.scattering
 
     @property
     def reflection(self) -> complex:
-        """Amplitude that the row sends back of a surface wave from the left."""
+        """Reflected amplitude for a surface wave of amplitude 1 from the left."""
         return complex(self.scattering[0, 0])
 
     @property
     def transmission(self) -> complex:
-        """Amplitude that passes the row."""
+        """Transmitted amplitude for a surface wave of amplitude 1 from the left."""
         return complex(self.scattering[len(self.scattering) // 2, 0])
 
     @property
     def scattered(self) -> float:
-        """Share of the power of a surface wave from the left that leaves in no surface wave: scattered or lost."""
+        """Share of the incident power, from the left, that is scattered into bulk waves or lost in the solid."""
         return float(1 - np.sum(abs(self.scattering[:, 0]) ** 2))
 
 
 @one_blas_thread
 def reflector(stator: Stator, *, frequency: float, tolerance: float) -> Reflector:
-    """Reflection of the surface wave at a stator's meshed pieces; its transducers are not looked at.
+    """Reflection of the surface wave at a stator's meshed pieces, without its transducers.
 
     Parameters
     ----------
@@ -103,6 +103,10 @@ def reflector(stator: Stator, *, frequency: float, tolerance: float) -> Reflecto
     """
     if not stator.pieces:
         raise InputError("piece", "is missing: a reflection needs at least one meshed piece")
+    if stator.placement.whole is not None:
+        raise InputError(
+            "piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there"
+        )
 
     def at_level(resolution: Resolution) -> Reflector:
         unit = slowest_wavelength(stator.solid, frequency)
@@ -146,10 +150,11 @@ def _of_row(stator: Stator, modes: GuidedModes, row: CondensedPieces) -> Reflect
     for side, (piece, wall) in enumerate(zip(stator.placement.ends, row.ends, strict=True)):
         if piece is None or not isinstance(wall, Wall):
             continue
-        sent = wall.sent_back(modes, side, waves.modes)[waves.modes]
-        away, towards = (waves.right, waves.left) if side == 0 else (waves.left, waves.right)
+        reflected = wall.sent_back(modes, side, waves.modes)[waves.modes]
+        outgoing, incident = (waves.right, waves.left) if side == 0 else (waves.left, waves.right)
         kind = "step" if is_step(piece, stator.thickness) else "end"
-        ends.append((f"{piece.name} ({kind})", complex(np.linalg.solve(away, sent @ towards)[0, 0])))
+        reflection = np.linalg.solve(outgoing, reflected @ incident)[0, 0]
+        ends.append((f"{piece.name} ({kind})", complex(reflection)))
     surface = modes.wavenumbers[waves.modes].real.mean() / modes.section.length_unit
     return Reflector(
         frequency=modes.frequency,
@@ -163,9 +168,9 @@ def _of_row(stator: Stator, modes: GuidedModes, row: CondensedPieces) -> Reflect
 
 
 def _difference(fine: Reflector, coarse: Reflector) -> tuple[float]:
-    apart = [abs(one[1] - other[1]) for one, other in zip(fine.ends, coarse.ends, strict=True)]
+    differences = [abs(one[1] - other[1]) for one, other in zip(fine.ends, coarse.ends, strict=True)]
     if fine.scattering is not None and coarse.scattering is not None:
         if fine.scattering.shape != coarse.scattering.shape:
             return (1.0,)
-        apart.append(abs(fine.scattering - coarse.scattering).max())
-    return (float(max(apart)),)
+        differences.append(abs(fine.scattering - coarse.scattering).max())
+    return (float(max(differences)),)

@@ -26,7 +26,7 @@ import numpy as np
 from fem.analytic.half_space import automatic_period
 from fem.condense.columns import FingerColumns
 from fem.condense.transducer import Condensation, FingerShape, finger_cell, half_cells
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section

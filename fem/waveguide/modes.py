@@ -19,7 +19,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.discretize.section import LineSpace
 from fem.eigenproblem import companion_modes, even_odd_modes
 

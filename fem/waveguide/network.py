@@ -249,6 +249,8 @@ class Network:
         waves : ndarray of int
             Modes that arrive at the first line of the row, then at its last one; the ends are absorbing.
         """
+        if any(scatterer.piece.size == 0 for scatterer in self.scatterers):
+            return self._solve_whole(waves)
         modes, ports, at = self.modes, len(self.ports), Blocks(self.modes.section.size)
         segments, excitations = self._followed(waves), len(self.ports) + 2 * len(waves)
         sent_back = [self._sent_back(side, segments[-side].kept) for side in (0, 1)]
@@ -303,6 +305,25 @@ class Network:
             reactions=reactions,
             coupling=solved.coupling,
             waves=np.concatenate([np.tile(each.kept, 2) for each in segments]),
+        )
+
+    def _solve_whole(self, waves: np.ndarray) -> "PortSolution":
+        """Fields of a stator that is one piece from end to end: the potentials are all that acts on it."""
+        (scatterer,), (mine,), ports = self.scatterers, self.numbers, len(self.ports)
+        if self.forces or len(waves):
+            raise InputError(
+                "piece", "must leave some uniform stator for a line force or a wave from outside"
+            )
+        potentials = scatterer.potentials @ np.eye(ports)[mine]
+        reactions = np.zeros((ports, ports), dtype=complex)
+        reactions[mine] = scatterer.reactions(potentials)
+        return PortSolution(
+            sides=(potentials,),
+            incoming=(potentials[:0],),
+            segments=((), ()),
+            reactions=reactions,
+            coupling=np.zeros((0, 0)),
+            waves=NO_WAVES,
         )
 
     def _sent_back(self, side: int, arriving: np.ndarray) -> np.ndarray:

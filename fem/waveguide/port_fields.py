@@ -20,7 +20,7 @@ import numpy as np
 from fem.condense.columns import FingerColumns
 from fem.condense.piece import Port
 from fem.condense.transducer import Condensation, transducer_superelements
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
@@ -107,12 +107,30 @@ class PortFields:
         return float(1 / abs(1 - factors).min()), float(1 / abs(1 - turned).min())
 
 
-def transducer_ports(transducer: Transducer, floating: bool) -> tuple[Port, ...]:
-    """Ports of a transducer: the voltage of two electrodes and, unless the potential is floating, the mean of any."""
+def transducer_ports(transducer: Transducer, mean: bool) -> tuple[Port, ...]:
+    """Ports of a transducer: the voltage of two electrodes, and the mean of any unless it is a matter of gauge."""
     electrodes = {"+", "-"} & set(transducer.signs)
-    voltage = (Port(kind="voltage", name=transducer.name),) if len(electrodes) == 2 else ()
-    mean = (Port(kind="mean", name=transducer.name),) if electrodes and not floating else ()
-    return voltage + mean
+    own = (Port(kind="voltage", name=transducer.name),) if len(electrodes) == 2 else ()
+    return (*own, Port(kind="mean", name=transducer.name)) if electrodes and mean else own
+
+
+def _means(transducers: tuple[Transducer, ...], pieces: CondensedPieces, floating: bool) -> set[str]:
+    """Transducers whose mean potential is no matter of gauge: something refers it to another one or to the ground.
+
+    On a section whose potential is floating these are the transducers with electrodes in a meshed piece that is
+    grounded, and all but one of those that meshed pieces connect.
+    """
+    names = {each.name for each in transducers}
+    if not (floating or pieces.whole):
+        return names
+    group = {name: name for name in names}  # by one of the transducers that it is connected to
+    grounded: set[str] = set()
+    for _, piece in pieces.between:
+        own = {group[port.name[:-1]] for port in piece.ports}
+        group = {name: min(own) if each in own else each for name, each in group.items()}
+        if own & grounded or (own and piece.grounded):
+            grounded.add(min(own))
+    return {name for name, one in group.items() if name != one or one in grounded}
 
 
 def electrode_potentials(transducer: Transducer, ports: tuple[Port, ...]) -> np.ndarray:
@@ -137,17 +155,20 @@ def solve_ports(
     A ConvergenceError says that there are too many fingers, or that a mode is at its cut-off.
     """
     transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
-    fingers = sum(len(transducer.signs) for transducer in transducers)
+    drawn = stator.placement.whole is not None  # by a mesh: all fingers
+    fingers = 0 if drawn else sum(len(transducer.signs) for transducer in transducers)
     if fingers * (resolution.edge_layers + 1) > MAX_COLUMNS:
         raise ConvergenceError(
             f"{fingers} fingers with {resolution.edge_layers} edge layers have more columns of elements than can be "
             "walked through in minutes: take fewer finger_pairs, or ask for a looser tolerance"
         )
     unit = slowest_wavelength(stator.solid, frequency)
-    scale = min((transducer.finger_width / 2 for transducer in transducers), default=np.inf)
+    scale = min((each.finger_width / 2 for each in transducers if not drawn), default=np.inf)
     section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
-    superelements = transducer_superelements(
-        Condensation(section, frequency), stator, transducers, resolution
+    superelements = (
+        []
+        if drawn
+        else transducer_superelements(Condensation(section, frequency), stator, transducers, resolution)
     )
     modes = guided_modes(section, frequency)
     if modes.nearest_cut_off < CUT_OFF:
@@ -182,8 +203,8 @@ def joined_fields(
     """Tie superelements, uniform segments and ends together.
 
     ``superelements``: one for each transducer from left to right, the same object for equal ones, from the outer gap's
-    beginning to its end; ``pieces``: the stator's meshed pieces and its ends, by default none and the plain ones;
-    ``solve``: by default `Network.solve`; ``forces``: on the bare surface.
+    beginning to its end, or none where one mesh is the whole stator; ``pieces``: the stator's meshed pieces and its
+    ends, by default none and the plain ones; ``solve``: by default `Network.solve`; ``forces``: on the bare surface.
     """
     section = modes.section
     unit, gaps, pieces = (
@@ -191,12 +212,13 @@ def joined_fields(
         outer_gaps(stator, transducers),
         pieces or no_pieces(stator, section.length_unit),
     )
-    own_ports = [transducer_ports(each, section.floating_potential) for each in transducers]
+    means = _means(transducers, pieces, section.floating_potential)
+    own_ports = [transducer_ports(each, each.name in means) for each in transducers]
     ports = tuple(port for own in own_ports for port in own)
     potentials = [electrode_potentials(each, own) for each, own in zip(transducers, own_ports, strict=True)]
     scatterers = {
         id(superelement): Scatterer(piece=superelement, modes=modes, potentials=own)
-        for superelement, own in zip(superelements, potentials, strict=True)
+        for superelement, own in zip(superelements, potentials, strict=not pieces.whole)
     }
     first = np.cumsum([0, *map(len, own_ports)])
     row = [  # place, scatterer, its ports of the network, its transducer
@@ -206,7 +228,9 @@ def joined_fields(
             np.arange(*first[index : index + 2]),
             index,
         )
-        for index, (each, gap, superelement) in enumerate(zip(transducers, gaps, superelements, strict=True))
+        for index, (each, gap, superelement) in enumerate(
+            zip(transducers, gaps, superelements, strict=not pieces.whole)
+        )
     ]
     by_electrode = {
         f"{each.name}{sign}": np.eye(len(ports))[first[index] : first[index + 1]].T @ potentials[index][k]

@@ -1,4 +1,4 @@
-"""The meshed pieces of a row: those between uniform segments, and the stator's ends.
+"""The meshed pieces of a row: those between uniform segments, and the stator's ends; or one that is all of it.
 
 Pieces of equal mesh, materials and electrodes are assembled and condensed once.
 """
@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.condense.mesh import Assembly, MeshedPiece, assembled
-from fem.condense.piece import Piece
+from fem.condense.reduced import ReducedPiece
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
@@ -23,11 +23,16 @@ from fem.waveguide.modes import GuidedModes, guided_modes
 class CondensedPieces:
     """Meshed pieces at one frequency; lengths in the section's unit."""
 
-    between: tuple[tuple[float, Piece], ...] = field(repr=False)  # place of the left line, piece
+    between: tuple[tuple[float, MeshedPiece | ReducedPiece], ...] = field(repr=False)  # left line, piece
     ends: tuple[End, End] = field(repr=False)
     # start, stop: where the uniform stator begins and ends
     start: float
     stop: float
+
+    @property
+    def whole(self) -> bool:
+        """Whether one piece is the stator from end to end: it has no lines."""
+        return bool(self.between) and self.between[0][1].size == 0
 
 
 def no_pieces(stator: Stator, unit: float) -> CondensedPieces:
@@ -45,7 +50,7 @@ class PieceRow:
             return
         both, placed = (("left", section), ("right", section)), stator.placement
         ends = [(piece, (both[1 - side],)) for side, piece in enumerate(placed.ends)]
-        for piece, sections in [*((piece, both) for piece in placed.between), *ends]:
+        for piece, sections in [*((piece, both) for piece in placed.between), *ends, (placed.whole, ())]:
             if (
                 piece is not None
                 and not is_step(piece, stator.thickness)
@@ -76,8 +81,9 @@ class PieceRow:
                 ends[side] = Wall(
                     matrix=end.matrix, recover=end.recover, floating_potential=end.floating_potential
                 )
+        inner = placed.between if placed.whole is None else (placed.whole,)
         return CondensedPieces(
-            between=tuple((piece.extent[0] / unit, condensed[piece.contents]) for piece in placed.between),
+            between=tuple((piece.extent[0] / unit, condensed[piece.contents]) for piece in inner),
             ends=(ends[0], ends[1]),
             start=placed.start / unit,
             stop=placed.stop / unit,

@@ -8,7 +8,7 @@ the finite aperture is the size of a ripple, whose sign may be wrong in cuts tha
 Sources: side faces: `fem.surface_beam`; finite aperture: `fem.Slowness`, the angular spectrum of a slit.  Load of a
 contact on the wave, mass of the electrodes: reciprocity with the surface wave and perturbation (Auld, Acoustic Fields
 and Waves in Solids, vol. 2, 1973, chapters 10 and 12).
-Radiation of a contact: load on a half-space (Miller and Pursey, Proc. R. Soc. A 223 (1954) 521, nu = 1/4).
+Radiation of a contact: `studies.chain.radiation`.
 """
 
 import math
@@ -17,8 +17,10 @@ from dataclasses import replace
 
 import numpy as np
 
+import contact
 import fem
 from studies.chain import bridge, resolve
+from studies.chain.radiation import point_admittance
 from studies.record import Record
 
 # of |u_z|, where the charge is taken as uniform along the fingers: combs of 3 to 30 pairs and 5 to 30 wavelengths in
@@ -26,9 +28,10 @@ from studies.record import Record
 UNIFORM_CHARGE = 0.05
 # wavelengths over the aperture, of the power that given charges lose: 0.3 for 3 pairs, 0.4 for 10
 OWN_APERTURE = 0.4
-POINT_ADMITTANCE = 0.93  # of Re(v / F) 2 pi mu c_T / omega^2, all waves together, nu = 1/4
 ALUMINIUM, FILM = 2700.0, 100e-9  # kg/m3, m
 
+
+NO_FRICTION = 1e-9  # a coefficient that stands for none where one is required
 
 Rows = Iterator[tuple[str, str, float, str]]
 SHARED = (
@@ -220,20 +223,45 @@ def _contact(record: Record) -> Rows:
     if slider is None or slider.pillars is not None or not slider.preload_force > 0:
         return
     solid, count = resolve.solid(record.scene.stator), len(slider.offsets)
-    share, omega = slider.preload_force / count, 2 * math.pi * record.wave["frequency_Hz"]
+    omega = 2 * math.pi * record.wave["frequency_Hz"]
     body, places = bridge.contact_slider(slider), 1 if isinstance(slider.contacts, int) else count
     stiffness = (2 * math.pi * body.normal_resonance(places)) ** 2 * body.mass / places
     shear = float(solid.stiffness[4, 4])
-    sent = stiffness * POINT_ADMITTANCE * omega / (2 * math.pi * shear * math.sqrt(shear / solid.density))
+    sent = stiffness * point_admittance(omega, shear, math.sqrt(shear / solid.density)) / omega
     effect, how = "radiation of a contact into the stator", "point load on an isotropic half-space, nu = 1/4"
     yield effect, "the contact's elastic force", sent, how
-    constant = _amplitude_per_power(record)
-    moved = [size for point in record.points if (size := point["normal_amplitude_m"]) > 0]
-    if constant is not None and moved:
-        most = max(count * min(stiffness * size, 2 * share) / size for size in moved)
-        load = math.pi / 2 * most * constant**2 / record.scene.driven_transducer.aperture
-        how = "reciprocity with the surface wave; first harmonic of the force at most twice the preload"
+    moved = [point for point in record.points if point["normal_amplitude_m"] > 0]
+    if moved and _amplitude_per_power(record) is not None:
+        how = "averaged equilibrium of the contacts on a wave that they load (elastic law)"
+        load = max(_loaded(record, point) for point in (moved[0], moved[-1]))
         yield "load of the slider on the wave", "u_z", load, how
+
+
+def _loaded(record: Record, point: dict) -> float:
+    """Return by how much the slider changes the wave that passes below it, of a strip as wide as the aperture.
+
+    Where the equilibrium is not reached: the loading number, about the phase that the contacts add.
+    """
+    slider, stator = record.scene.slider, resolve.stator(record.scene.stator)
+    body = bridge.contact_slider(slider)
+    body = replace(
+        body, law="elastic", reciprocal=False, stick_band=0.0, friction=None,
+        friction_coefficient=body.static_coefficient or NO_FRICTION,
+    )  # fmt: skip
+    equal = isinstance(slider.contacts, int)
+    places = [0.0] if equal else [x - slider.center[0] for x, _ in slider.places]
+    count = len(slider.offsets) if equal else 1
+    balls = contact.balls_of(replace(body, preload=body.preload * count), places, weights=count)
+    wave = contact.PassingWave(
+        frequency=record.wave["frequency_Hz"], wavelength=_wavelength(record), forward=point["normal_amplitude_m"],
+        ratio=point["tangential_amplitude_m"] / point["normal_amplitude_m"],
+        compliance=fem.wave_compliance(stator.solid, stator.bare_surface),
+        strip_width=record.scene.driven_transducer.aperture,
+    )  # fmt: skip
+    try:
+        return abs(contact.pillar_motion(balls, wave, loading=True).exit_over_entry - 1.0)
+    except contact.ConvergenceError:
+        return wave.loading_number(balls.preload)
 
 
 def _travel(record: Record) -> Rows:

@@ -16,13 +16,14 @@ import contact
 from studies.chain import pillars
 from studies.chain.bridge import DrivenContact
 from studies.chain.pillar_points import PillarContact, bounce_ratio
+from studies.chain.radiation import point_admittance
 from studies.record import Record
 
 # Compliance of silicon and 128YX niobate to a pressure that travels with the wave, over the static 2/(E* k)
 TRAVELLING = 1.62
 # Change of the velocity for one of the mean plane's dent over the amplitude: a free slider, and one at half its stall
 DENT_FREE, DENT_HALF_STALL = 0.24, 0.65
-POINT_ADMITTANCE, RAYLEIGH_OVER_SHEAR, ISOTROPIC = 0.93, 0.919402, 0.183486  # nu = 1/4
+RAYLEIGH_OVER_SHEAR, ISOTROPIC = 0.919402, 0.183486  # nu = 1/4
 SAMPLE = 0.18  # rms difference of a sample of pillars from their distribution, times the root of their number
 ADHESION = 0.05  # J/m^2, of clean oxides in air
 MAX_COMPARED = 20_000  # pillars whose motion is computed once more with their neighbours
@@ -65,7 +66,7 @@ def pillar_rows(record: Record) -> Rows:
             yield OVERTONES, "velocity", motion.overtone, how
         yield from _scattering(motion)
     yield from _compliance(body, motion, slider, level)
-    yield from _leak(record, motion)
+    yield from leak(record, motion)
     if slider.pillars.height_scatter > 0.0:
         share = SAMPLE / math.sqrt(motion.pillars.number)
         yield "another seed of the heights", "velocity", share, "0.18 over the root of the number, rms"
@@ -98,7 +99,7 @@ def _scattering(motion) -> Rows:
     """Yield what the unequal forces scatter, as if each of them radiated by itself."""
     wave = motion.wave
     shear, speed = ISOTROPIC / wave.compliance, wave.frequency * wave.wavelength / RAYLEIGH_OVER_SHEAR
-    admittance = POINT_ADMITTANCE * wave.omega**2 / (2 * math.pi * shear * speed)
+    admittance = point_admittance(wave.omega, shear, speed)
     size = np.abs(motion.first_normal)
     power = 0.5 * admittance * float(np.sum((size - size.mean()) ** 2))
     if motion.wave_power_in > 0.0:
@@ -108,7 +109,7 @@ def _scattering(motion) -> Rows:
         yield "scattering by unequal pillars", "velocity", -power / motion.wave_power_in / 4, how
 
 
-def _leak(record: Record, motion) -> Rows:
+def leak(record: Record, motion) -> Rows:
     """Yield how much of the advance that makes the wave leak is reached, and how exact that advance is."""
     length = float(np.ptp(motion.row_x))
     if record.scene.stator is None or not motion.loading or length == 0.0:

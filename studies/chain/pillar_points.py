@@ -1,7 +1,6 @@
 """The points of a run whose slider stands on pillars: velocity, wave, powers and shares at each level of drive."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -10,6 +9,7 @@ import numpy as np
 import contact
 from studies.chain import pillars
 from studies.chain.bridge import DrivenContact
+from studies.chain.propagation import judged
 from studies.refusal import SceneError
 
 SENSITIVITY_STEP = 1e-3  # of the amplitude
@@ -111,7 +111,7 @@ def at_the_transducers(body: PillarContact, motion, level: float) -> dict:
     return found
 
 
-def tables(motion) -> tuple[dict, dict]:
+def pillar_tables(motion) -> tuple[dict, dict]:
     """Return the columns of pillars.csv and of slider_wave.csv."""
     body = motion.pillars
     own = {
@@ -123,71 +123,28 @@ def tables(motion) -> tuple[dict, dict]:
     return own, along | {f"overtone_{n}_m": each for n, each in enumerate(shown, start=2)}
 
 
-def pillar_answer(driven: DrivenContact, *, tolerance: float, progress: Callable[[str], None]) -> dict:
-    """Return the fields of the `SliderAnswer` of a scene whose slider stands on pillars."""
-    body, scene = PillarContact.of(driven), driven.scene
-    points, parts, trajectories, last = [], [], [], None
-    for number, level in enumerate(scene.levels, start=1):
-        progress(f"pillars: point {number} of {len(scene.levels)}")
-        point = {} if scene.wave is not None else {"voltage_V": level}
-        for side, amplitude in zip(("normal", "tangential"), driven.amplitudes, strict=True):
-            point[f"{side}_amplitude_m"] = amplitude * level
-        values, part, motion, trajectory = _answered(body, level, tolerance, bursting=True)
-        last = motion or last
-        trajectories += [] if trajectory is None else [(level, trajectory)]
-        points.append(point | values)
-        parts.append(part)
-    own, along = ({}, {}) if last is None else tables(last)
-    return dict(
-        points=tuple(points), parts=tuple(parts), summary={}, trajectories=tuple(trajectories), pillars=own,
-        slider_wave=along,
-    )  # fmt: skip
-
-
-def pillar_point(driven: DrivenContact, level: float, tolerance: float, *, bursting: bool):
-    """Return what `studies.chain.points.point_answer` does, for a slider on pillars."""
-    values, part, _, trajectory = _answered(PillarContact.of(driven), level, tolerance, bursting=bursting)
-    return values, part, trajectory
-
-
-def _answered(body: PillarContact, level: float, tolerance: float, *, bursting: bool):
-    """Return the values of a point, the parts of its error, its motion and its trajectory; a failure is its status."""
-    try:
-        return _point(body, level, tolerance, bursting)
-    except contact.ConvergenceError as error:
-        return {"status": " ".join(str(error).split())}, (0.0, 0.0), None, None
-
-
-def _point(body: PillarContact, level: float, tolerance: float, bursting: bool):
+def pillar_point(driven: DrivenContact, level: float, tolerance: float, *, bursting: bool) -> tuple:
+    """Return the values of a point, the parts of its error, its trajectory and its `contact.PillarMotion`."""
     if level == 0.0:
-        return (
-            {"velocity_m_per_s": 0.0, "regime": "stick", "relative_error": 0.0, "status": "ok"},
-            (0.0, 0.0),
-            None,
-            None,
-        )
+        values = {"velocity_m_per_s": 0.0, "regime": "stick", "relative_error": 0.0, "status": "ok"}
+        return values, (0.0, 0.0), None, None
+    body = PillarContact.of(driven)
     motion = body.motion(level)
     point, trajectory = point_of(motion) | at_the_transducers(body, motion, level), None
-    sensitivity = body.sensitivity(level, motion)
-    wave = motion.wave
+    wave, sensitivity = motion.wave, body.sensitivity(level, motion)
     speed = max(abs(motion.velocity), wave.omega * abs(wave.ratio) * wave.amplitude / 10)
     share = abs(motion.velocity) / speed
-    from_stator = body.driven.stator_error * sensitivity * share
+    from_stator = driven.stator_error * sensitivity * share
     from_contact = motion.relative_error
-    if bursting and body.driven.scene.burst is not None:
-        trajectory = burst(body, level, motion, body.driven.scene.burst)
+    if bursting and driven.scene.burst is not None:
+        trajectory = burst(body, level, motion, driven.scene.burst)
         point["velocity_at_burst_end_m_per_s"] = trajectory.velocity_at_burst_end
         point["displacement_m"] = float(np.trapezoid(trajectory.velocity, trajectory.time))
-        point["burst_method"] = "averaged"
+        point["burst_method"] = trajectory.method
         from_contact = max(from_contact, trajectory.relative_error)
-    error = from_stator + from_contact
-    point |= {"relative_error": error, "amplitude_sensitivity": sensitivity * share}
-    point["status"] = (
-        "ok"
-        if error <= tolerance
-        else f"above tolerance: stator {from_stator:.1e}, contact {from_contact:.1e}"
-    )
-    return point, (from_stator, from_contact), motion, trajectory
+    point["amplitude_sensitivity"] = sensitivity * share
+    point |= judged(tolerance, from_stator, from_contact)
+    return point, (from_stator, from_contact), trajectory, motion
 
 
 @dataclass(frozen=True, kw_only=True)

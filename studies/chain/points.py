@@ -3,12 +3,13 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
 import contact
 from studies.chain.bridge import DrivenContact
-from studies.chain.propagation import velocity_sensitivities
+from studies.chain.propagation import judged, reference_speed, velocity_sensitivities
 from studies.chain.tally import burst_tally, steady_tally
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -16,7 +17,7 @@ from studies.scene import Scene
 SAMPLES = 2000  # instants of a trajectory: it is drawn and kept, not integrated
 STEADY_METHODS, BURST_METHODS = ("auto", "exact", "averaged"), ("auto", "exact", "stepped")
 SHAPED_METHODS = ("auto", "stepped")  # which may follow an envelope
-CONTACT_SHARE = 0.25  # of the tolerance, asked of the contact's solvers
+SHARE = 0.25  # of the tolerance, for the contact and, at first, for the stator
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,77 +58,101 @@ class SliderAnswer:
 def slider_answer(
     driven: DrivenContact, *, tolerance: float, progress: Callable[[str], None]
 ) -> SliderAnswer:
-    """Solve the contact at every level of its scene; its solvers are asked for a quarter of the tolerance."""
-    scene = driven.scene
-    if scene.slider.pillars is not None:
-        from studies.chain.pillar_points import pillar_answer
-
-        return SliderAnswer(**pillar_answer(driven, tolerance=tolerance, progress=progress))
-    slider = _refusing(lambda: driven.slider)
-    points, parts, trajectories = [], [], []
-    summary, threshold = _summary(driven)
-    waiting = "" if contact.kernels.ready() else f", compiling {contact.kernels.how_often()}"
+    """Solve the contact at every level of its scene; its solvers are asked for a share of the tolerance."""
+    scene, on_pillars = driven.scene, driven.scene.slider.pillars is not None
+    summary: dict = {}
+    threshold, waiting = math.inf, ""
+    if not on_pillars:
+        _refusing(lambda: driven.slider)
+        summary, threshold = _summary(driven)
+        waiting = "" if contact.kernels.ready() else f", compiling {contact.kernels.how_often()}"
+    points, parts, trajectories, last = [], [], [], None
     for number, level in enumerate(scene.levels, start=1):
         progress(f"contact: point {number} of {len(scene.levels)}{waiting if number == 1 else ''}")
-        here = driven.at(level)
         point = {} if scene.wave is not None else {"voltage_V": level}
         for side, amplitude in zip(("normal", "tangential"), driven.amplitudes, strict=True):
             point[f"{side}_amplitude_m"] = amplitude * level
-        values, part, trajectory = point_answer(driven, level, tolerance)
-        points.append(point | values | contact_load(slider, here, threshold / level if level else math.inf))
-        parts.append(part)
-        trajectories += [] if trajectory is None else [(level, trajectory)]
+        answer = point_answer(driven, level, tolerance)
+        point |= answer.values
+        if not on_pillars:
+            margin = threshold / level if level else math.inf
+            point |= contact_load(driven.slider, driven.at(level), margin)
+        points.append(point)
+        parts.append(answer.parts)
+        trajectories += [] if answer.trajectory is None else [(level, answer.trajectory)]
+        last = answer.motion or last
+    pillars: dict = {}
+    slider_wave: dict = {}
+    if last is not None:
+        from studies.chain.pillar_points import pillar_tables
+
+        pillars, slider_wave = pillar_tables(last)
     return SliderAnswer(
-        points=tuple(points), parts=tuple(parts), summary=summary, trajectories=tuple(trajectories)
-    )
+        points=tuple(points), parts=tuple(parts), summary=summary, trajectories=tuple(trajectories),
+        pillars=pillars, slider_wave=slider_wave,
+    )  # fmt: skip
 
 
-def point_answer(driven: DrivenContact, level: float, tolerance: float, *, bursting: bool = True):
-    """Return the point's values, the parts of its error and its trajectory; a failure is its status.
+class PointAnswer(NamedTuple):
+    """The slider's answer at one level."""
+
+    values: dict  # as in run.json; the status alone where there is no answer
+    parts: tuple[float, float] = (0.0, 0.0)  # of the error: stator, contact
+    trajectory: Any = None  # of a burst
+    motion: Any = None  # contact.PillarMotion of a slider on pillars
+
+
+def point_answer(
+    driven: DrivenContact, level: float, tolerance: float, *, bursting: bool = True
+) -> PointAnswer:
+    """Return the answer at a level; a solver that does not converge is the status of the point.
 
     ``bursting``: whether a burst of the scene is followed, and not its steady state alone.
     """
-    if driven.scene.slider.pillars is not None:
+    try:
+        if driven.scene.slider.pillars is None:
+            return _point_on_balls(driven, level, tolerance, bursting)
         from studies.chain.pillar_points import pillar_point
 
-        return pillar_point(driven, level, tolerance, bursting=bursting)
-    orbits, goal = driven.at(level), CONTACT_SHARE * tolerance
+        return PointAnswer(*pillar_point(driven, level, tolerance, bursting=bursting))
+    except contact.ConvergenceError as error:
+        return PointAnswer({"status": " ".join(str(error).split())})
+
+
+def _point_on_balls(driven: DrivenContact, level: float, tolerance: float, bursting: bool) -> PointAnswer:
+    orbits, goal = driven.at(level), SHARE * tolerance
     method = _method(driven.scene, "the steady state", STEADY_METHODS)
 
     def steady(some: tuple):
         return contact.steady(driven.slider, some, tolerance=goal, method=method)
 
-    try:
-        state = _refusing(lambda: steady(orbits))
-        nearby = _nearby(driven.slider, state, steady)
-        sensitivities = velocity_sensitivities(state.velocity, orbits, driven.stator_error, nearby)
-        from_stator = driven.stator_error * math.hypot(*sensitivities)
-        from_contact, status, message = state.relative_error, state.status, state.message
-        values, trajectory = {"velocity_m_per_s": state.velocity, "regime": state.regime}, None
-        if driven.stator_error > 0:
-            values["amplitude_sensitivity"] = sensitivities[0]
-        tally = steady_tally(state)
-        if bursting and driven.scene.burst is not None:
-            trajectory = followed_burst(driven, orbits, state.velocity, goal)
-            if driven.along is not None and driven.scene.slider.travel is not False:
-                trajectory, moved = _along(driven, trajectory, level)
-                values |= moved
-            values["velocity_at_burst_end_m_per_s"] = trajectory.velocity_at_burst_end
-            values["displacement_m"] = float(np.trapezoid(trajectory.velocity, trajectory.time))
-            tally |= burst_tally(trajectory)
-            from_stator += 0.0 if driven.ringing is None else driven.ringing.error
-            if trajectory.relative_error > from_contact or status == "ok":
-                from_contact = max(from_contact, trajectory.relative_error)
-                status, message = trajectory.status, trajectory.message
-    except contact.ConvergenceError as error:
-        return {"status": " ".join(str(error).split())}, (0.0, 0.0), None
-    total = values["relative_error"] = from_stator + from_contact
-    if status == "above tolerance" and total <= tolerance:
+    state = _refusing(lambda: steady(orbits))
+    nearby = _nearby(driven.slider, state, steady)
+    sensitivities = velocity_sensitivities(state.velocity, orbits, driven.stator_error, nearby)
+    from_stator = driven.stator_error * math.hypot(*sensitivities)
+    from_contact, status, message = state.relative_error, state.status, state.message
+    values, trajectory = {"velocity_m_per_s": state.velocity, "regime": state.regime}, None
+    if driven.stator_error > 0:
+        values["amplitude_sensitivity"] = sensitivities[0]
+    tally = steady_tally(state)
+    if bursting and driven.scene.burst is not None:
+        trajectory = followed_burst(driven, orbits, state.velocity, goal)
+        if driven.along is not None and driven.scene.slider.travel is not False:
+            trajectory, moved = _along(driven, trajectory, level)
+            values |= moved
+        values["velocity_at_burst_end_m_per_s"] = trajectory.velocity_at_burst_end
+        values["displacement_m"] = float(np.trapezoid(trajectory.velocity, trajectory.time))
+        tally |= burst_tally(trajectory)
+        from_stator += 0.0 if driven.ringing is None else driven.ringing.error
+        if trajectory.relative_error > from_contact or status == "ok":
+            from_contact = max(from_contact, trajectory.relative_error)
+            status, message = trajectory.status, trajectory.message
+    if status == "above tolerance" and from_stator + from_contact <= tolerance:
         status = "ok"  # the contact missed its share, the sum of both parts keeps the tolerance
-    elif total > tolerance and status == "ok":
-        status, message = "above tolerance", f"stator {from_stator:.1e}, contact {from_contact:.1e}"
-    values["status"] = status if status == "ok" else f"{status}: {message}"
-    return values | tally, (from_stator, from_contact), trajectory
+    elif status != "ok":
+        status = f"{status}: {message}"
+    values |= judged(tolerance, from_stator, from_contact, status)
+    return PointAnswer(values | tally, (from_stator, from_contact), trajectory)
 
 
 def _nearby(slider, state, steady):
@@ -176,7 +201,6 @@ def followed_burst(
 
 def _along(driven: DrivenContact, trajectory, level: float):
     """Return the trajectory along the field, and what the point says of it; unchanged where the slider hardly moves."""
-    from studies.chain.propagation import reference_speed
     from studies.chain.travel import LEAST_TRAVEL, travelled, with_travel
 
     on = trajectory.time <= trajectory.duration * (1 + 1e-12)

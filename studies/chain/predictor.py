@@ -19,19 +19,18 @@ import fem
 from studies.chain import resolve
 from studies.chain.bridge import DrivenContact, wave_along
 from studies.chain.free_wave import free_wave_record
-from studies.chain.outcomes import also_asked, amplitudes
-from studies.chain.points import SliderAnswer, slider_answer
+from studies.chain.outcomes import FREE, also_asked, amplitudes
+from studies.chain.points import SHARE, SliderAnswer, slider_answer
 from studies.chain.ring_up import RingUp, ring_up
 from studies.chain.solved_stator import SolvedStator, at_one_volt, places_of, stator_alone
 from studies.chain.spectrum import response
-from studies.chain.steady import SHARE, averaged_answers, judged
+from studies.chain.steady import averaged_answers, rated, steady_answer
 from studies.chain.surface_motion import SurfaceMotion, solved_motion, surface_motion
 from studies.record import Record
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.scene.block import keys_of
 from studies.scene.blocks import Drive, Stator
-from studies.scene.consistency import refuse_endless_burst
 from studies.scene.override import replaced
 
 LOGGER = logging.getLogger("studies.run")
@@ -154,7 +153,7 @@ class Predictor:
         scene, stator = self._resolved(changes)
         if stator is None:
             return DrivenContact.given(scene)
-        places, shared = self._places(scene)
+        places, shared = self.own_and_shared_places(scene)
         try:
             solved = self._answer(stator, shared, step)
         except RunError:  # a place in a node of the wave must not cost the others
@@ -202,7 +201,7 @@ class Predictor:
         """Take the stator's answer from a run of the scene."""
         scene, stator = self._resolved({})
         if stator is not None:
-            places = self._places(scene)[0]
+            places = self.own_and_shared_places(scene)[0]
             self._answers[stator, places, 0] = SolvedStator.of(record.surface_motion, places)
 
     def ring_up(self, driven: DrivenContact) -> RingUp | None:
@@ -222,7 +221,7 @@ class Predictor:
         for changes in many if self.limits else ():
             with suppress(SceneError):  # said when it is its turn
                 scene, stator = self._resolved(changes)
-                places = self._places(scene)[1]
+                places = self.own_and_shared_places(scene)[1]
                 if self._in_band(stator, places) and (stator, places, step) not in self._answers:
                     fixed = replace(stator, drive=replace(stator.drive, frequency=self.limits[0]))
                     groups.setdefault((fixed, places), {})[stator.frequency] = stator
@@ -267,28 +266,28 @@ class Predictor:
         side_by_side = dict(zip(steady, rows, strict=True))
         for at, driven in ready.items():
             try:
-                answer = side_by_side.get(at) or self._alone(driven, step)
+                if at in side_by_side:
+                    answer = side_by_side[at] or steady_answer(driven, driven.level, self.tolerance)
+                else:
+                    answer = self._alone(driven, step)
                 answers[at] = amplitudes(driven) | also_asked(also, tolerance, driven, answer)
             except Exception as error:
                 answers[at] = {"status": reason(error)}
         return answers
 
     def _alone(self, driven: DrivenContact, step: int) -> dict:
-        """Return the answer of a contact solved by itself, as in a run."""
+        """Return the answer of a burst, or of a stator without a slider, as in a run."""
         scene, error = driven.scene, driven.stator_error
         if scene.slider is None:
             missed = error > self.tolerance
             status = f"above tolerance: the stator's error is {error:.1e}" if missed else "ok"
             return {"relative_error": error if driven.level else 0.0, "status": status}
         motion = None
-        if scene.burst is not None and driven.solved is not None and scene.slider.travel is not False:
+        if driven.solved is not None and scene.slider.travel is not False:
             stator, places = stator_alone(scene), tuple(driven.solved.at)
             motion = self.motion(stator, places, self._goal(stator, places, step))
         answer = self.slider_answer(driven, motion)
-        point, parts = dict(answer.points[0]), answer.parts[0]
-        if "relative_error" not in point:
-            return {"status": f"no answer: {point['status']}"}
-        return point | judged(self.tolerance, *parts, point["status"])
+        return rated(answer.points[0], answer.parts[0], self.tolerance)
 
     def _read(self, name: str, changes: tuple) -> Any:
         """Return a block with some keys changed, or why it is refused."""
@@ -318,11 +317,11 @@ class Predictor:
             on = None if scene.slider.ball is None else scene.stator
             blocks["slider"] = self._slider(scene.slider, on)
             if scene.burst is not None:
-                refuse_endless_burst(scene, float((stator or scene).frequency))
+                resolve.refuse_endless_burst(scene, float((stator or scene).frequency))
         same = all(getattr(scene, key) == each for key, each in blocks.items())
         return scene if same else replace(scene, **blocks), stator
 
-    def _places(self, scene: Scene) -> tuple[tuple, tuple]:
+    def own_and_shared_places(self, scene: Scene) -> tuple[tuple, tuple]:
         """Return the places of a scene, and those that one solution of the stator serves."""
         places = places_of(scene)
         if scene.slider is None:
@@ -382,10 +381,10 @@ def reason(error: Exception) -> str:
 def _free_answer(scene: Scene, tolerance: float) -> dict:
     """Return the answer of a scene without transducers: its free wave."""
     record = free_wave_record(resolve.resolved(scene), tolerance)
-    values = {
-        name: record.wave[name] for name in ("phase_velocity_m_per_s", "surface_ratio", "attenuation_per_m")
+    return {name: record.wave[name] for name in FREE} | {
+        "relative_error": record.error["relative"],
+        "status": "ok",
     }
-    return values | {"relative_error": record.error["relative"], "status": "ok"}
 
 
 def _silent(text: str) -> None:

@@ -20,6 +20,14 @@ def reference_speed(velocity: float, orbits: tuple) -> float:
     return max(abs(velocity), *(orbit.omega * abs(orbit.tangential) / 10 for orbit in orbits))
 
 
+def judged(tolerance: float, of_stator: float, of_contact: float, status: str = "ok") -> dict:
+    """Return ``relative_error`` and ``status`` of a velocity whose error has two parts, over the reference speed."""
+    error = of_stator + of_contact
+    if error > tolerance and status == "ok":
+        status = f"above tolerance: stator {of_stator:.1e}, contact {of_contact:.1e}"
+    return {"relative_error": error, "status": status}
+
+
 def velocity_error(
     velocity: float, orbits: tuple, relative_error: float, solve: Callable[[tuple], float]
 ) -> float:

@@ -15,10 +15,12 @@ from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.scene.block import keys_of
 from studies.scene.blocks import LENGTHS, Element, IsotropicSolid, PiezoelectricSolid, Stator, Transducer
-from studies.scene.consistency import refuse_endless_burst
 from studies.scene.keys import tolerances
 from studies.scene.slider import Slider
 
+MAX_BURST_SECONDS = 3600.0  # of computation for one burst, on one processor
+# s of computation for a cycle of the wave, by method, measured on a 2-core x86_64 machine
+CYCLE_SECONDS = {"hysteretic": 6e-4, "exact": 1.4e-4, "stepped": 4.5e-6, "averaged": 5e-7}
 MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 of the power
 
 
@@ -383,6 +385,28 @@ def refuse_covered(scene: Scene) -> None:
                 )
 
 
+def refuse_endless_burst(scene: Scene, frequency: float) -> None:
+    """Refuse a burst that takes longer than an hour to follow, naming the longest that is; ``frequency``: Hz."""
+    slider = scene.slider
+    every_event = slider.remembers or slider.reciprocal or slider.stick_band > 0
+    method = (
+        slider.method
+        if slider.method in CYCLE_SECONDS
+        else "averaged"
+        if scene.wave is not None
+        else "stepped"
+    )
+    if every_event and method != "stepped":
+        method = "hysteretic" if slider.remembers else "exact"
+    longest = MAX_BURST_SECONDS / CYCLE_SECONDS[method] / frequency
+    if scene.burst > longest:
+        block = "wave" if scene.wave is not None else "drive"
+        cycles = scene.burst * frequency
+        hours = cycles * CYCLE_SECONDS[method] / 3600
+        rule = f"must be at most {longest:.3g} s: {cycles:.3g} cycles would take {hours:.3g} hours"
+        raise SceneError(f"{block}.burst", f"{rule}, got {scene.burst:g} s; the steady state needs no burst")
+
+
 def _given(block, *names: str) -> dict:
     """Return the keys of a block that were given."""
     return {name: getattr(block, name) for name in names if getattr(block, name) is not None}
@@ -401,13 +425,14 @@ def _refused(path: str, names=(), pieces=()):
     except ConvergenceError as error:
         raise RunError(str(error)) from None
     except InputError as error:
-        key = error.key
+        key, rule = error.key, error.rule
         if error.owner in names:
             key = key.replace("transducer", f"transducer.{names.index(error.owner)}", 1)
         if key.startswith("piece") and error.owner in pieces:
             key = key.replace("piece", f"piece.{pieces.index(error.owner)}", 1)
+            rule = f'("{error.owner}") {rule}'
         if not key.startswith(("stator.", "transducer", "piece")):
             key = path if path.endswith(f".{key}") else f"{path}.{key}"
-        raise SceneError(key, error.rule) from None
+        raise SceneError(key, rule) from None
     except ValueError as error:
         raise SceneError(path, str(error).splitlines()[0]) from None

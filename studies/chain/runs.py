@@ -19,7 +19,7 @@ from studies.chain.electrical import electrical_block, with_powers
 from studies.chain.free_wave import free_wave_record
 from studies.chain.left_out import left_out
 from studies.chain.model_error import with_model_error
-from studies.chain.points import SliderAnswer
+from studies.chain.points import SHARE, SliderAnswer
 from studies.chain.predictor import Predictor
 from studies.chain.ring_up import RingUp
 from studies.chain.solved_stator import SolvedStator, places_of, stator_alone
@@ -29,10 +29,7 @@ from studies.record import Record
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 
-__all__ = ["SHARE", "run"]
-
 LOGGER = logging.getLogger("studies.run")
-SHARE = 0.25  # of the tolerance, for the stator at first and for the contact
 # of the motion's error: what is left then is the beam's own, which no finer section makes smaller
 STALLED = 0.7
 HOPELESS = 3  # tolerances of the beam's own error at the best point, beyond which no finer section is tried
@@ -174,7 +171,9 @@ def _with_contact(
     for _ in range(ROUNDS - 1):
         section, whole = motion.wave.relative_error, motion.relative_error(places)
         rings = 0.0 if ringing is None else ringing.error
-        goal = _needed(answer, section, predictor.tolerance, rings, beam_share=1 - section / whole)
+        goal = needed_section_tolerance(
+            answer, section, predictor.tolerance, rings, beam_share=1 - section / whole
+        )
         if goal is None:
             break
         try:
@@ -187,7 +186,7 @@ def _with_contact(
     return motion, answer, ringing, seconds
 
 
-def _needed(
+def needed_section_tolerance(
     answer: SliderAnswer, reached: float, tolerance: float, ringing: float, beam_share: float = 0.0
 ) -> float | None:
     """Return the section's tolerance that would do, or None where it is good enough or cannot help.

@@ -6,9 +6,9 @@ run. Every answer at other values comes from here: one rule decides between both
 
 import contact
 from studies.chain.bridge import DrivenContact
-from studies.chain.points import point_answer
+from studies.chain.points import SHARE, point_answer
+from studies.chain.propagation import judged
 
-SHARE = 0.25  # of the tolerance, for the contact and, at first, for the stator
 AVERAGED_METHODS = ("auto", "averaged")  # of a scene, for which the compiled loop may stand
 
 
@@ -32,12 +32,21 @@ def steady_answers(
     answers = averaged_answers(states, tolerance, threads=threads)
     for at, (driven, level) in enumerate(states):
         if answers[at] is None:
-            point, (of_stator, of_contact), _ = point_answer(driven, level, tolerance, bursting=False)
-            if "relative_error" in point:
-                answers[at] = point | judged(tolerance, of_stator, of_contact, point["status"])
-            else:
-                answers[at] = {"status": f"no answer: {point['status']}"}
+            answers[at] = steady_answer(driven, level, tolerance)
     return answers
+
+
+def steady_answer(driven: DrivenContact, level: float, tolerance: float) -> dict:
+    """Return the steady state of one contact at a level, solved as in a run."""
+    point, parts, *_ = point_answer(driven, level, tolerance, bursting=False)
+    return rated(point, parts, tolerance)
+
+
+def rated(point: dict, parts: tuple[float, float], tolerance: float) -> dict:
+    """Return a point's values, and whether a better stator would help; the status alone where there is no answer."""
+    if "relative_error" not in point:
+        return {"status": f"no answer: {point['status']}"}
+    return point | {"finer": point["relative_error"] > tolerance and parts[0] > SHARE * tolerance}
 
 
 def averaged_answers(
@@ -63,19 +72,9 @@ def averaged_answers(
         )
         good = regime != "unknown" and of_contact <= SHARE * tolerance
         state = {"velocity_m_per_s": velocity, "regime": regime, "thrust_N": thrust}
-        answers.append(state | judged(tolerance, of_stator, of_contact, "ok") if good else None)
+        state |= judged(tolerance, of_stator, of_contact)
+        answers.append(rated(state, (of_stator, of_contact), tolerance) if good else None)
     return answers
-
-
-def judged(tolerance: float, of_stator: float, of_contact: float, status: str) -> dict:
-    """Return an answer's error and status, and whether a better stator would help."""
-    error = of_stator + of_contact
-    above = error > tolerance
-    if above and status == "ok":
-        parts = f"stator {of_stator:.1e}, contact {of_contact:.1e}"
-        status = f"above tolerance: the velocity's error is {error:.1e} ({parts})"
-    finer = above and of_stator > SHARE * tolerance
-    return {"relative_error": error, "status": status, "finer": finer}
 
 
 def averaged(contacts: list[tuple], threads: int | None = None) -> list[tuple]:

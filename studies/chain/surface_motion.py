@@ -20,7 +20,7 @@ from studies.scene.blocks import Stator
 if TYPE_CHECKING:
     from fem.beam.crossed_beam import CrossedBeam
     from fem.beam.surface_beam import SurfaceBeam
-    from fem.results.surface_wave import SurfaceWave
+    from fem.results.driven_answer import SurfaceWave
 
 # places where the beam's standing wave is looked at; a minimum between them is missed by 1 %
 PER_WAVELENGTH = 24
@@ -34,7 +34,8 @@ class SurfaceMotion:
     # Of the finite aperture; None where the section stands for it
     beam: "SurfaceBeam | CrossedBeam | None" = field(default=None, repr=False)
     reason: str = ""  # why there is no beam; empty where there is one, or none is wanted
-    _known: dict = field(default_factory=dict, init=False, repr=False)
+    # Motion and error by place (x, y): what has been evaluated
+    known: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def circuit(self):
@@ -72,11 +73,11 @@ class SurfaceMotion:
 
     def _known_at(self, places) -> list:
         """Return motion and error at each place; those that are new are computed together."""
-        new = [place for place in dict.fromkeys(places) if place not in self._known]
+        new = [place for place in dict.fromkeys(places) if place not in self.known]
         if new:
             motions, errors = self._both(*zip(*new, strict=True))
-            self._known.update(zip(new, zip(motions.T, map(float, errors), strict=True), strict=True))
-        return [self._known[place] for place in places]
+            self.known.update(zip(new, zip(motions.T, map(float, errors), strict=True), strict=True))
+        return [self.known[place] for place in places]
 
     def _both(self, x, y):
         if self.beam is not None:

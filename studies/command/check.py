@@ -3,7 +3,7 @@
 import argparse
 
 from studies.command.given_scene import changed_file
-from studies.command.options import add_changes, add_scene, add_voltage
+from studies.command.options import add_shared
 from studies.command.output import warn
 from studies.scene import Scene
 
@@ -12,9 +12,7 @@ HELP = "a scene's text, material and layout, without running it"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add_scene(parser)
-    add_voltage(parser)
-    add_changes(parser)
+    add_shared(parser, "scene", "--voltage", "--set")
 
 
 def call(arguments: argparse.Namespace) -> int:

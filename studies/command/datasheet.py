@@ -3,7 +3,7 @@
 import argparse
 
 from studies.command.given_scene import changed_scene, tolerance
-from studies.command.options import add_changes, add_scene, add_tolerance, add_voltage
+from studies.command.options import add_shared
 from studies.command.output import committed_pictures, print_answer, results_of, warn
 from studies.progress import Progress
 
@@ -12,10 +12,7 @@ HELP = "a motor's datasheet: one page with speed, force, steps, power and limits
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add_scene(parser)
-    add_voltage(parser)
-    add_changes(parser)
-    add_tolerance(parser)
+    add_shared(parser, "scene", "--voltage", "--set", "--tolerance")
     parser.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-datasheet)")
     parser.add_argument("--json", action="store_true", help="the numbers on stdout; files only with --out")
 

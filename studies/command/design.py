@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from studies.command.given_scene import changed_scene, tolerance
-from studies.command.options import add_changes, add_scene, add_voltage, add_workers
+from studies.command.options import add_shared
 from studies.command.output import print_answer
 from studies.progress import Progress
 from studies.scene import scene_path
@@ -14,7 +14,7 @@ HELP = "the best motor within ranges: a search that can be interrupted and goes 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add_scene(parser)
+    add_shared(parser, "scene")
     parser.add_argument(
         "--maximise",
         action="append",
@@ -40,10 +40,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--evaluations", type=int, metavar="N", help="of each search (60 for each number)")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the random numbers (0)")
-    add_voltage(parser)
-    add_changes(parser)
+    add_shared(parser, "--voltage", "--set")
     parser.add_argument("--tolerance", metavar="T", help="of the velocity at each evaluation (3e-2)")
-    add_workers(parser)
+    add_shared(parser, "--workers")
     parser.add_argument(
         "--out", metavar="DIR", help="where evaluations and results are kept (results/NAME-design)"
     )

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from studies.command.given_scene import changed_scene, tolerance
-from studies.command.options import add_changes, add_no_plot, add_tolerance, add_voltage
+from studies.command.options import add_shared
 from studies.command.output import committed_pictures, say
 from studies.export.exported import Exported
 from studies.progress import Progress
@@ -40,15 +40,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="uff, csv, touchstone: standard deviation over the largest value, e.g. 1e-2 or 1%%",
     )
     parser.add_argument("--seed", type=int, metavar="N", help="of the noise")
-    add_voltage(parser)
-    add_changes(parser)
-    add_tolerance(parser)
+    parser.add_argument(
+        "--bandwidth",
+        metavar="FREQUENCY",
+        help='csv, of a burst: low-pass filter of the encoder, e.g. "500 Hz"',
+    )
+    parser.add_argument(
+        "--sampling",
+        metavar="TIME",
+        help='csv, of a burst: time over which each reading is averaged, e.g. "1 ms"',
+    )
+    add_shared(parser, "--voltage", "--set", "--tolerance")
     parser.add_argument(
         "--out",
         metavar="PATH",
         help="a directory, or the file where there is one (results/NAME-export-FORMAT)",
     )
-    add_no_plot(parser)
+    add_shared(parser, "--no-plot")
 
 
 def call(arguments: argparse.Namespace) -> int:
@@ -87,7 +95,8 @@ def call(arguments: argparse.Namespace) -> int:
 # by format: ending of its file, and the options of the command that it takes beside the scene's own
 FORMATS = {
     "fmu": (".fmu", ("fmi",)), "c": ("", ()), "gds": (".gds", ("size",)), "dxf": (".dxf", ("size",)),
-    "uff": (".uff", ("scan", "band", "noise", "seed")), "csv": ("", ("scan", "band", "noise", "seed")),
+    "uff": (".uff", ("scan", "band", "noise", "seed")), 
+    "csv": ("", ("scan", "band", "noise", "seed", "bandwidth", "sampling")),
     "touchstone": (".snp", ("band", "z0", "noise", "seed")), "vtu": (".vtu", ()),
 }  # fmt: skip
 

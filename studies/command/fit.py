@@ -3,7 +3,7 @@
 import argparse
 
 from studies.command.given_scene import changed_scene, tolerance
-from studies.command.options import add_changes, add_no_plot, add_scene, add_tolerance, add_voltage
+from studies.command.options import add_shared
 from studies.command.output import committed_pictures, print_answer, results_of
 from studies.progress import Progress
 
@@ -12,7 +12,7 @@ HELP = "numbers of a scene from measured curves, and what the data cannot tell"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add_scene(parser)
+    add_shared(parser, "scene")
     parser.add_argument(
         "--data",
         action="append",
@@ -29,12 +29,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="KEY=LOW:HIGH",
         help="a number to be fitted; also amplitude_per_volt (m/V, given wave), amplitude_factor (computed)",
     )
-    add_voltage(parser)
-    add_changes(parser)
-    add_tolerance(parser)
+    add_shared(parser, "--voltage", "--set", "--tolerance")
     parser.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-fit)")
     parser.add_argument("--json", action="store_true", help="fit.json on stdout; files only with --out")
-    add_no_plot(parser)
+    add_shared(parser, "--no-plot")
 
 
 def call(arguments: argparse.Namespace) -> int:

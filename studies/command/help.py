@@ -1,8 +1,44 @@
-"""``sawmotor help``: what a word of the output means, or without one the words that are explained."""
+"""``sawmotor help``: what a word of the output means, from ``studies/glossary.md``, the only list of these words."""
 
 import argparse
+import re
+from importlib.resources import files
+
+from studies.refusal import SceneError, nearest
 
 HELP = "what a word of the output means, or without one the words that are explained"
+ENTRY = re.compile(r"^- \*\*(?P<word>[^*]+)\*\*: (?P<text>.*?)(?=^- \*\*|\Z)", re.MULTILINE | re.DOTALL)
+
+
+def entries() -> dict[str, str]:
+    """Return every word of the glossary with its meaning on one line.
+
+    Examples
+    --------
+    >>> entries()["aperture"]
+    'length of a finger along y, across the beam.'
+    """
+    text = (files("studies") / "glossary.md").read_text(encoding="utf-8")
+    return {entry["word"]: " ".join(entry["text"].split()) for entry in ENTRY.finditer(text)}
+
+
+def meaning(word: str) -> str:
+    """Return the entry of a word, in capitals or not, or of the entries that contain it.
+
+    Raises
+    ------
+    SceneError
+        For a word that no entry has, with the nearest one.
+    """
+    known, key = entries(), word.strip().lower()
+    several = [name for name in known if key == name.lower()] or [
+        name
+        for name in known
+        if key in re.split(r"\W+", name.lower()) or (" " in key and key in name.lower())
+    ]
+    if not several:
+        raise SceneError("help", f"knows no word {word!r}{nearest(key, known)} (sawmotor help lists them)")
+    return "\n".join(f"{name}: {known[name]}" for name in several)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -12,7 +48,5 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def call(arguments: argparse.Namespace) -> int:
     """Print what a word of the output means, or the list of the words."""
-    from studies.command.glossary import entries, meaning
-
     print(", ".join(entries()) if arguments.word is None else meaning(arguments.word))
     return 0

@@ -5,7 +5,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 
 from studies.command.given_scene import changed_scene, tolerance
-from studies.command.options import add_changes, add_no_plot, add_voltage
+from studies.command.options import add_shared
 from studies.command.output import committed_pictures, print_answer, results_of, say, warn
 from studies.progress import Progress
 from studies.refusal import SceneError
@@ -18,8 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "scene", nargs="?", default="twente", metavar="SCENE", help="a path or a shipped name (twente)"
     )
-    add_voltage(parser)
-    add_changes(parser)
+    add_shared(parser, "--voltage", "--set")
     parser.add_argument(
         "--tolerance", metavar="T", help="bound of the relative error of the last quantity (1e-3)"
     )
@@ -32,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="keep the whole wave field in field.vtu, and the surface in surface_map.vtu and .csv",
     )
-    add_no_plot(parser)
+    add_shared(parser, "--no-plot")
     parser.add_argument(
         "--plot", action="store_true", help="show the pictures in windows when the run has ended"
     )
@@ -73,7 +72,8 @@ def call(arguments: argparse.Namespace) -> int:
         print_answer(arguments, planned, explanation(planned))
         return 0
     if arguments.plot:
-        from studies.record.plots import pictures, refuse_without_toolkit, show
+        from studies.record.plots import refuse_without_toolkit, show
+        from studies.record.run_pictures import pictures
 
         refuse_without_toolkit("--plot", "without it the same pictures are files in the result directory")
     for option in ("report", "field"):

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from studies.command.given_scene import without_bands
-from studies.command.options import add_axes
+from studies.command.options import add_shared
 from studies.command.output import committed_pictures, origin_of, say
 from studies.progress import Progress
 from studies.results import Origin, result_directory
@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "scene", nargs="?", metavar="SCENE", help="a path or a shipped name, for studies of a scene"
     )
-    add_axes(parser)
+    add_shared(parser, "--over")
     parser.add_argument("--band", metavar="START:STOP:N", help="network: frequencies in MHz")
     parser.add_argument("--z0", metavar="OHM", help="network: reference impedance (50)")
     parser.add_argument(

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from studies.command.given_scene import changed_file, tolerance
-from studies.command.options import add_axes, add_changes, add_scene, add_voltage, add_workers
+from studies.command.options import add_shared
 from studies.scene import scene_path
 from studies.scene.override import axes_given
 
@@ -13,10 +13,7 @@ HELP = "many points of one scene, here, on processes or on a Dask cluster"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add_scene(parser)
-    add_voltage(parser)
-    add_changes(parser)
-    add_axes(parser)
+    add_shared(parser, "scene", "--voltage", "--set", "--over")
     parser.add_argument("--points", metavar="FILE", help="a CSV file of points, keys in its first line")
     parser.add_argument(
         "--also",
@@ -28,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--tolerance", metavar="T", help="bound of the relative error of the last quantity (1e-3)"
     )
-    add_workers(parser)
+    add_shared(parser, "--workers")
     parser.add_argument(
         "--scheduler", metavar="ADDRESS", help="of a Dask scheduler, e.g. tcp://127.0.0.1:8786"
     )

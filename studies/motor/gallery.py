@@ -18,7 +18,7 @@ from studies.chain import run as run_chain
 from studies.chain.bridge import DrivenContact
 from studies.motor import regime_map
 from studies.record import Record
-from studies.record.plots import velocity
+from studies.record.run_pictures import velocity
 from studies.scene import Scene
 from studies.stator import admittance
 from studies.study import Panel, StudyRecord

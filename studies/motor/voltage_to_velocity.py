@@ -36,6 +36,6 @@ def run(
 
 def figure(record: Record, ax):
     """Draw velocity against voltage, or against amplitude where the wave is given."""
-    from studies.record.plots import velocity
+    from studies.record.run_pictures import velocity
 
     return velocity(record, ax)

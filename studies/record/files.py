@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from studies.record.surface_map import surface_map
 from studies.refusal import RunError
+from studies.results.content import write_json
 from studies.scene import Scene
 from studies.scene.toml import document
 
@@ -15,8 +16,6 @@ if TYPE_CHECKING:
     import numpy as np
 
     from studies.record import Record
-
-__all__ = ["Motion", "read_run", "write_run", "write_table"]
 
 
 def write_run(record: "Record", folder: Path, *, field: bool) -> None:
@@ -30,8 +29,7 @@ def write_run(record: "Record", folder: Path, *, field: bool) -> None:
     field : bool
         Whether the interior field is rebuilt and kept.
     """
-    text = json.dumps(record.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
-    (folder / "run.json").write_text(text + "\n", encoding="utf-8")
+    write_json(folder / "run.json", record.to_dict())
     remark = f"as resolved; sawmotor run scene.toml --tolerance {record.tolerance!r} gives the same numbers"
     scene = document(record.scene.to_table(), remarks=(remark,))
     (folder / "scene.toml").write_text(scene, encoding="utf-8")

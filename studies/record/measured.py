@@ -12,7 +12,7 @@ analysers' files by `studies.lab.network`.
 import csv
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from studies.lab.heads import DISPLACEMENTS, TIMES, Heads
 from studies.lab.network import TOUCHSTONE, NetworkData, read_network
@@ -22,8 +22,6 @@ from studies.refusal import SceneError
 
 if TYPE_CHECKING:
     from studies.scene import Scene
-
-__all__ = ["MeasuredTable", "Measurement", "compared", "comparison", "read_measured", "refuse_incomparable"]
 
 VOLTAGES, LENGTHS = {"V": 1.0}, {"m": 1.0, "nm": 1e-9}  # units of a column's name, in SI units
 SPEEDS = {"m_per_s": 1.0, "mm_per_s": 1e-3}
@@ -295,36 +293,3 @@ def compared(measured: Measurement, predicted: list[float | None]) -> dict:
         block["within_one_error"] = int(np.sum(abs(ratios) <= 1))
         block["chi_square_per_point"] = float(np.mean(ratios**2))
     return block
-
-
-def comparison(block: dict) -> Any:
-    """Yield what a run prints of a comparison, as rows of a name and a line."""
-    if not block:
-        return
-    if "scan" in block:
-        from studies.record.scan_comparison import scan_comparison
-
-        yield from scan_comparison(block)
-        return
-    if "trace" in block:
-        yield "measured", f"{block['compared']} instants of {block['file']} compared, {block['quantity']}"
-        yield "", f"deviation {100 * block['rms_deviation_relative']:.3g} % rms of the largest predicted"
-        yield (
-            "",
-            f"measured / predicted {block['measured_over_predicted']:.4g}, begins at {block['time_offset_s']:.4g} s",
-        )
-        return
-    rms, mean = (block[f"{kind}_deviation_m_per_s"] * 1e3 for kind in ("rms", "mean"))
-    relative = block.get("rms_deviation_relative")
-    share = "" if relative is None else f" ({100 * relative:.2g} % of the largest predicted)"
-    yield "measured", f"{block['compared']} of {len(block['points'])} points of {block['file']} compared"
-    yield "", f"deviation {rms:.3g} mm/s rms{share}, mean {mean:+.3g} mm/s"
-    if "measured_over_predicted" in block:
-        ratio = abs(block["measured_over_predicted"])
-        unit = "" if not any(0.3 < ratio / power < 3 for power in (1e-3, 1e3)) else "; is the file in m/s?"
-        yield "", f"measured / predicted {block['measured_over_predicted']:.3g} (least squares){unit}"
-    if "within_one_error" in block:
-        within = f"{block['within_one_error']} of {block['compared']} within their error"
-        yield "", f"{within}, chi^2 per point {block['chi_square_per_point']:.3g}"
-    if block["sign_of_prediction_given"]:
-        yield "", "measured without a sign: taken to run as predicted"

@@ -254,7 +254,7 @@ class Record:
         -------
         matplotlib Axes
         """
-        from studies.record.plots import pictures
+        from studies.record.run_pictures import pictures
 
         if ax is None:
             from matplotlib import pyplot
@@ -284,7 +284,7 @@ class Record:
             If the directory cannot be written, holds something else, or another run writes there.
         """
         from studies.record.files import write_run
-        from studies.record.plots import draw_run
+        from studies.record.run_pictures import draw_run
 
         with result_directory(folder, Origin(kind="run", name=self.scene.title or "untitled")) as result:
             write_run(self, result.folder, field=field)

@@ -3,15 +3,13 @@
 import codecs
 import json
 import sys
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from studies.record.measured import comparison
 from studies.record.quantities import quantity
 
 if TYPE_CHECKING:
     from studies.record import Record
-
-__all__ = ["answer", "labelled", "notebook_table", "points_table", "print_json", "table"]
 
 COLUMNS = (
     "voltage_V", "available_power_W", "normal_amplitude_m", "tangential_amplitude_m", "velocity_m_per_s",
@@ -75,6 +73,18 @@ def labelled(rows, width: int = 16) -> list[str]:
         for name, lines in rows
         for k, line in enumerate((lines,) if isinstance(lines, str) else lines)
     ]
+
+
+def markdown(head: Iterable[str], rows: Iterable[Iterable[str]]) -> list[str]:
+    """Return a table as lines of Markdown.
+
+    Examples
+    --------
+    >>> markdown(["a", "b"], [["1", "2"]])
+    ['| a | b |', '|---|---|', '| 1 | 2 |']
+    """
+    head, *body = (f"| {' | '.join(row)} |" for row in (head, *rows))
+    return [head, "|" + "---|" * (head.count(" | ") + 1), *body]
 
 
 def table(rows: list[list[str]]) -> list[str]:
@@ -193,6 +203,39 @@ def sentences(record: "Record") -> tuple[str, ...]:
         else:
             lines.append(f"{each['effect']}: {100 * each['size']:+.2g} % of {each['quantity']}")
     return tuple(lines + ([f"below the tolerance: {', '.join(small)}"] if small else []))
+
+
+def comparison(block: dict):
+    """Yield what a run prints of a comparison, as rows of a name and a line."""
+    if not block:
+        return
+    if "scan" in block:
+        from studies.record.scan_comparison import scan_comparison
+
+        yield from scan_comparison(block)
+        return
+    if "trace" in block:
+        yield "measured", f"{block['compared']} instants of {block['file']} compared, {block['quantity']}"
+        yield "", f"deviation {100 * block['rms_deviation_relative']:.3g} % rms of the largest predicted"
+        yield (
+            "",
+            f"measured / predicted {block['measured_over_predicted']:.4g}, begins at {block['time_offset_s']:.4g} s",
+        )
+        return
+    rms, mean = (block[f"{kind}_deviation_m_per_s"] * 1e3 for kind in ("rms", "mean"))
+    relative = block.get("rms_deviation_relative")
+    share = "" if relative is None else f" ({100 * relative:.2g} % of the largest predicted)"
+    yield "measured", f"{block['compared']} of {len(block['points'])} points of {block['file']} compared"
+    yield "", f"deviation {rms:.3g} mm/s rms{share}, mean {mean:+.3g} mm/s"
+    if "measured_over_predicted" in block:
+        ratio = abs(block["measured_over_predicted"])
+        unit = "" if not any(0.3 < ratio / power < 3 for power in (1e-3, 1e3)) else "; is the file in m/s?"
+        yield "", f"measured / predicted {block['measured_over_predicted']:.3g} (least squares){unit}"
+    if "within_one_error" in block:
+        within = f"{block['within_one_error']} of {block['compared']} within their error"
+        yield "", f"{within}, chi^2 per point {block['chi_square_per_point']:.3g}"
+    if block["sign_of_prediction_given"]:
+        yield "", "measured without a sign: taken to run as predicted"
 
 
 def _limits(summary: dict):

@@ -9,8 +9,6 @@ from studies.chain.resolve import solid
 from studies.scene import Scene
 from studies.scene.blocks import Stator
 
-__all__ = ["contents", "section"]
-
 
 def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
     """Yield the rows, name and lines, of a resolved scene."""

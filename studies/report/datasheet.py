@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from contact.answers.transient import Trajectory
     from studies.chain.pillar_points import PillarBurst
 
-__all__ = ["Datasheet", "Row", "datasheet"]
-
 LOGGER = logging.getLogger("studies.datasheet")
 LOADS = 13  # of a load line
 LINES = (0.5, 0.75, 1.0)  # of the rated level: the scene's nearest levels have a load line
@@ -112,92 +110,73 @@ def datasheet(
     if record.shortfall:
         raise RunError(record.shortfall)
     driven = DrivenContact.of_run(record)
-    if record.scene.slider.pillars is not None:
-        return _of_pillars(record, driven, say)
-    moving = driven.above(1.0)
+    on_pillars = record.scene.slider.pillars is not None
+    moving = _moving_levels(record, driven) if on_pillars else driven.above(1.0)
     rated = moving[-1]
+    picked = sorted({min(moving, key=lambda level: abs(level - part * rated)) for part in LINES})
     try:
-        say("load lines")
-        picked = sorted({min(moving, key=lambda level: abs(level - part * rated)) for part in LINES})
-        lines = {
-            driven.named(level): contact.load_line(
-                driven.slider, driven.at(level), points=LOADS, tolerance=CONTACT_TOLERANCE
-            )
-            for level in picked
-        }
-        say("start and stop")
-        start_stop = _start_stop(driven, rated)
-        say("steps")
-        bursts = Steps.of(driven, progress=say)
-        steps = tuple(bursts.reaching(rated, size)[1] for size in STEPS)
+        answer = (_of_pillars if on_pillars else _of_balls)(driven, rated, picked, say)
     except contact.ConvergenceError as error:
         raise RunError(f"the datasheet is incomplete: {' '.join(str(error).split())}") from None
-    balls = record.scene.slider.preload / driven.slider.preload
-    line = lines[driven.named(rated)]
+    line = answer["lines"][driven.named(rated)]
     rows = (
         *_speeds(record, driven, rated),
-        *_forces(driven, rated, line, balls),
-        *_positioning(bursts, rated, steps, start_stop),
-        *_powers(record, driven, rated, line, balls),
+        *answer.pop("rows"),
+        *_powers(record, driven, rated, line, answer["balls"]),
+        *answer.pop("powers", ()),
         *_resonances(record, driven, say),
     )
-    return Datasheet(
-        record=record, driven=driven, rated=rated, rows=rows, lines=lines, balls=balls, start_stop=start_stop,
-        steps=steps,
-    )  # fmt: skip
+    return Datasheet(record=record, driven=driven, rated=rated, rows=rows, **answer)
 
 
-def _of_pillars(record: Record, driven: DrivenContact, say: Any) -> Datasheet:
-    """Return the datasheet of a slider on pillars: no steps, for its bounce is not followed."""
-    body = PillarContact.of(driven)
-    moving = sorted(
-        {
-            each[record.level]
-            for each in record.points
-            if each.get("velocity_m_per_s") and each[record.level] > 0
-        }
+def _of_balls(driven: DrivenContact, rated: float, picked: list[float], say: Any) -> dict:
+    """Return load lines, start and stop, steps, and the rows of forces and positions of a slider on balls."""
+    say("load lines")
+    options = {"points": LOADS, "tolerance": CONTACT_TOLERANCE}
+    lines = {
+        driven.named(level): contact.load_line(driven.slider, driven.at(level), **options) for level in picked
+    }
+    say("start and stop")
+    start_stop = _start_stop(driven, rated)
+    say("steps")
+    bursts = Steps.of(driven, progress=say)
+    steps = tuple(bursts.reaching(rated, size)[1] for size in STEPS)
+    balls = driven.scene.slider.preload_force / driven.slider.preload
+    rows = (
+        *_forces(driven, rated, lines[driven.named(rated)], balls),
+        *_positioning(bursts, rated, steps, start_stop),
     )
-    if not moving:
-        record.scene.refuse(driven.level_key, "must hold a value at which the slider moves")
-    rated = moving[-1]
-    try:
-        say("load lines")
-        picked = sorted({min(moving, key=lambda level: abs(level - part * rated)) for part in LINES})
-        lines = {driven.named(level): body.load_line(level, LOADS) for level in picked}
-        line = lines[driven.named(rated)]
-        say("start and stop")
-        slider, free = record.scene.slider, line.motions[0]
-        friction = slider.friction_coefficient
-        if not isinstance(friction, float):
-            record.scene.refuse("slider.friction_coefficient", "must be a number with [slider.pillars]")
-        acceleration = friction * float(slider.preload) / slider.mass
-        start_stop = pillar_burst(body, rated, free, LONG * abs(free.velocity) / acceleration)
-    except contact.ConvergenceError as error:
-        raise RunError(f"the datasheet is incomplete: {' '.join(str(error).split())}") from None
+    return {"lines": lines, "start_stop": start_stop, "steps": steps, "balls": balls, "rows": rows}
+
+
+def _of_pillars(driven: DrivenContact, rated: float, picked: list[float], say: Any) -> dict:
+    """Return the same of a slider on pillars, but for steps: its bounce is not followed."""
+    body, slider = PillarContact.of(driven), driven.scene.slider
+    say("load lines")
+    lines = {driven.named(level): body.load_line(level, LOADS) for level in picked}
+    line = lines[driven.named(rated)]
+    say("start and stop")
+    free, holding = line.motions[0], slider.static_coefficient * slider.preload_force
+    start_stop = pillar_burst(body, rated, free, LONG * abs(free.velocity) / (holding / slider.mass))
     relative = 2.0 * driven.stator_error + CONTACT_TOLERANCE
     rows = (
-        *_speeds(record, driven, rated),
         Row("force", "blocked thrust", line.stall, "N", relative, "load at which the motor stalls"),
         Row("force", "load held on the wave", line.held_up_to, "N", relative, "against the drive, at rest"),
-        Row("force", "holding force", acceleration * slider.mass, "N",
-            condition="drive off: friction coefficient times preload"),
-        Row("force", "largest acceleration", acceleration, "m/s\u00b2",
-            condition="that friction can give: holding force over mass"),
+        *_friction_forces(holding, slider.mass),
         *_start_and_stop(start_stop, ""),
-        *_powers(record, driven, rated, line, 1.0),
-        Row("power", "friction power", free.friction_power, "W", relative, "no load, all pillars"),
-        *_resonances(record, driven, say),
-    )  # fmt: skip
-    return Datasheet(
-        record=record,
-        driven=driven,
-        rated=rated,
-        rows=rows,
-        lines=lines,
-        balls=1.0,
-        start_stop=start_stop,
-        steps=(),
     )
+    rubbed = Row("power", "friction power", free.friction_power, "W", relative, "no load, all pillars")
+    return {
+        "lines": lines, "start_stop": start_stop, "steps": (), "balls": 1.0, "rows": rows, "powers": (rubbed,),
+    }  # fmt: skip
+
+
+def _moving_levels(record: Record, driven: DrivenContact) -> list[float]:
+    """Return the levels at which a slider on pillars moves; refuse if there is none."""
+    moving = sorted({each[record.level] for each in record.points if each.get("velocity_m_per_s")})
+    if not moving:
+        record.scene.refuse(driven.level_key, "must hold a value at which the slider moves")
+    return moving
 
 
 def _start_stop(driven: DrivenContact, rated: float) -> Any:
@@ -245,10 +224,14 @@ def _forces(driven: DrivenContact, rated: float, line: Any, balls: float) -> Any
         error += abs(stall.value / averaged - 1.0)
     held = max(held, stall.value)
     yield Row("force", "load held on the wave", balls * held, "N", error, "against the drive, at rest")
+    yield from _friction_forces(balls * friction, balls * slider.mass)
+
+
+def _friction_forces(holding: float, mass: float) -> Any:
     condition = "drive off: friction coefficient times preload"
-    yield Row("force", "holding force", balls * friction, "N", condition=condition)
+    yield Row("force", "holding force", holding, "N", condition=condition)
     condition = "that friction can give: holding force over mass"
-    yield Row("force", "largest acceleration", friction / slider.mass, "m/s\u00b2", condition=condition)
+    yield Row("force", "largest acceleration", holding / mass, "m/s\u00b2", condition=condition)
 
 
 def _positioning(bursts: Steps, rated: float, steps: Any, start_stop: Any) -> Any:

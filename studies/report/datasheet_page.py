@@ -1,14 +1,13 @@
 """A motor's datasheet as one self-contained page, A4 when printed: table, characteristics, limits."""
 
-from studies.record.plots import COLOURS, as_uri, curve, family, finished, velocity
+from studies.record.plots import COLOURS, as_uri, curve, family, finished
 from studies.record.quantities import quantity
+from studies.record.run_pictures import velocity
 from studies.record.text import sentences
 from studies.report.datasheet import SETTLED, Datasheet, Row
 from studies.report.intermediate import si
 from studies.report.page import rendered
 from studies.results.content import provenance
-
-__all__ = ["GROUPS", "PICTURE", "load_lines", "page", "speed", "start_and_stop", "table"]
 
 TEMPLATE = "datasheet.html"
 GROUPS = {

@@ -15,8 +15,6 @@ from pathlib import Path
 from studies.record import Record
 from studies.refusal import RunError
 
-__all__ = ["Drawing", "serve"]
-
 PROGRAM = "import sys; sys.path[:] = {path!r}; from studies.report.drawing import serve; serve()"
 
 
@@ -25,10 +23,10 @@ class Drawing:
 
     def __enter__(self):
         """Start the process, apart from the terminal's interrupt: whoever started it ends it."""
-        self._process = None
+        self.process = None
         if "matplotlib.figure" in sys.modules:
             return self
-        self._process = subprocess.Popen(
+        self.process = subprocess.Popen(
             [sys.executable, "-P", "-c", PROGRAM.format(path=sys.path)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
@@ -38,21 +36,21 @@ class Drawing:
 
     def __exit__(self, *raised):
         """End the process."""
-        if self._process is not None:
-            self._process.kill()
-            self._process.communicate()
+        if self.process is not None:
+            self.process.kill()
+            self.process.communicate()
 
     def draw(self, record: Record, folder: Path) -> None:
         """Draw the pictures that a record has, into a directory; raises what the drawing raised."""
-        if self._process is None:
-            from studies.record.plots import draw_run
+        if self.process is None:
+            from studies.record.run_pictures import draw_run
 
             return draw_run(record, folder)
         needed = pickle.dumps((replace(record, surface_motion=None), folder.resolve()))
-        answer, _ = self._process.communicate(needed)
-        if self._process.returncode:
+        answer, _ = self.process.communicate(needed)
+        if self.process.returncode:
             raise RunError(
-                f"the pictures were not drawn: their process ended with code {self._process.returncode}"
+                f"the pictures were not drawn: their process ended with code {self.process.returncode}"
             )
         failure = pickle.loads(answer)
         if failure is not None:
@@ -64,7 +62,7 @@ def serve() -> None:
     import matplotlib.backends.backend_agg
     import matplotlib.figure  # noqa: F401
 
-    from studies.record.plots import draw_run
+    from studies.record.run_pictures import draw_run
 
     request = sys.stdin.buffer.read()
     if not request:  # the run ended without pictures, and nobody reads an answer

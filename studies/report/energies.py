@@ -3,11 +3,8 @@
 from dataclasses import dataclass
 
 from studies.chain.bridge import DrivenContact
-from studies.chain.points import STEADY_METHODS
-from studies.chain.runs import SHARE
+from studies.chain.points import SHARE, STEADY_METHODS
 from studies.record import Record
-
-__all__ = ["LEDGER", "Balance", "balances"]
 
 MOST = 3  # points: the first that moves, one between, the last
 LEDGER = {

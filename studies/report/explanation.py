@@ -11,15 +11,13 @@ from typing import Any
 
 from studies.chain import resolve
 from studies.chain.left_out import left_out
+from studies.chain.points import SHARE
 from studies.chain.ring_up import RingUp
-from studies.chain.runs import SHARE
 from studies.chain.surface_motion import wanted_diffraction
 from studies.record.text import labelled, table
 from studies.refusal import RunError
 from studies.report.contents import section
 from studies.scene import Scene
-
-__all__ = ["MEMORY_WITHIN", "TIME_WITHIN", "explanation", "plan"]
 
 TIME_WITHIN, MEMORY_WITHIN = 3.0, 2.0  # factors within which the predictions have been seen to hold
 SPEED = 2.5e10  # real operations per second of the stator's algebra: one core of an x86_64 machine of 2026

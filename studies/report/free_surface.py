@@ -14,8 +14,6 @@ from studies.refusal import RunError, SceneError
 from studies.results.content import plain
 from studies.scene.blocks import ORIENTATION
 
-__all__ = ["axes", "axes_figure", "half_space_answer", "half_space_wave", "save_axes", "tables_text"]
-
 DEPTHS = tuple(k / 20 for k in range(61))  # wavelengths
 FORMATS = (".png", ".jpg", ".jpeg", ".pdf", ".svg", ".tif", ".tiff")
 VOIGT = ("11", "22", "33", "23", "13", "12")

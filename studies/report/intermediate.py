@@ -6,8 +6,6 @@ from typing import NamedTuple
 from studies.chain import bridge
 from studies.record import Record
 
-__all__ = ["Number", "intermediate_numbers", "prefixed", "si"]
-
 PREFIXES = {-18: "a", -15: "f", -12: "p", -9: "n", -6: "\u00b5", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 CLOSED = "closed form"
 GIVEN = "as given or resolved"

@@ -9,14 +9,12 @@ from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 
-from studies.record import Record, plots
+from studies.record import Record, plots, run_pictures
 from studies.record.text import points_table, sentences
 from studies.report import energies
 from studies.report.intermediate import intermediate_numbers, si
 from studies.results.content import provenance
 from studies.scene.toml import document
-
-__all__ = ["rendered", "report", "write_report"]
 
 TEMPLATE = "report.html"
 CAPTIONS = {
@@ -24,7 +22,7 @@ CAPTIONS = {
     "trajectory": "Velocity during the bursts and after them.",
     "surface": "Motion of the surface per volt; grey: transducers.",
     "errors": "Estimated error of each point, and what was asked for.",
-}  # of `plots.pictures`
+}  # of `run_pictures.pictures`
 
 
 def write_report(record: Record, folder: Path) -> None:
@@ -70,9 +68,9 @@ def report(record: Record) -> str:
 
 
 def _pictures(record: Record) -> list[dict]:
-    drawn = plots.pictures(record)
+    drawn = run_pictures.pictures(record)
     if len([point for point in record.points if point.get("relative_error")]) > 1:
-        drawn["errors"] = partial(plots.errors, record)
+        drawn["errors"] = partial(run_pictures.errors, record)
     captions = CAPTIONS if record.scene.transducer else CAPTIONS | {"surface": "The wave against depth."}
     return [{"data": plots.as_uri(draw), "caption": captions[name]} for name, draw in drawn.items()]
 

@@ -6,8 +6,6 @@ from studies.record.quantities import quantity
 from studies.record.surface_map import surface_map
 from studies.scene import Scene
 
-__all__ = ["draw_surface_map", "pixels"]
-
 
 def draw_surface_map(beam, scene: Scene, ax):
     """Draw the size of u_z on the surface, with the transducers' apertures, the balls and the side faces."""

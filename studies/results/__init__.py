@@ -1,16 +1,9 @@
 """Directories of results: nothing that somebody put there is lost, and the numbers are whole or absent."""
 
-from studies.results.directory import MARKS, ResultDirectory, result_directory
-from studies.results.lock import DirectoryInUseError, locked
+from studies.results.directory import MARKS, DirectoryInUseError, ResultDirectory, locked, result_directory
 from studies.results.manifest import MANIFEST, Origin, read_manifest
 
 __all__ = [
-    "MANIFEST",
-    "MARKS",
-    "DirectoryInUseError",
-    "Origin",
-    "ResultDirectory",
-    "locked",
-    "read_manifest",
+    "MANIFEST", "MARKS", "DirectoryInUseError", "Origin", "ResultDirectory", "locked", "read_manifest",
     "result_directory",
-]
+]  # fmt: skip

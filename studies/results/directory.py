@@ -8,12 +8,12 @@ that has one is whole.
 
 import shutil
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from studies.refusal import RunError, SceneError
-from studies.results.lock import DirectoryInUseError, locked
 from studies.results.manifest import (
     FORMER,
     HIDDEN,
@@ -21,6 +21,7 @@ from studies.results.manifest import (
     WORK,
     Origin,
     digest,
+    exists,
     files_below,
     free_name,
     named,
@@ -29,6 +30,9 @@ from studies.results.manifest import (
     relative,
     write_manifest,
 )
+
+if TYPE_CHECKING:
+    from filelock import FileLock
 
 MARKS = {"run.json": "run", "study.json": "study"}  # file whose presence makes a directory a result: kind
 NAMES_SHOWN = 6  # in a message
@@ -47,30 +51,35 @@ class ResultDirectory:
 
     def commit(self) -> None:
         """Move all files of the work folder into place; the first commit replaces the former result."""
-        manifest = read_manifest(self.target)
+        former = read_manifest(self.target)
         new = {name: digest(self.folder / name) for name in files_below(self.folder)}
-        replaced, foreign = self._in_the_way(new, manifest.get("files", {}))
+        replaced, foreign = self._in_the_way(new, former.get("files", {}))
         about = {"program": "sawmotor", **self.origin.described(self.target), "files": self._written | new}
-        renamed = {}
-        with ExitStack() as undo:  # what an exception leaves, last thing first
-            undo.callback(_recover, self.target)
-            undo.callback(write_manifest, self.target, manifest)
-            for name in sorted(replaced, key=lambda each: (each not in MARKS, each)):
-                _move(self.target / name, self.target / FORMER / name, undo)
-            for name in foreign:
-                kept = free_name(self.target / name)
-                _move(self.target / name, kept, undo)
-                renamed[name] = kept.name
+        renamed = {name: free_name(self.target / name) for name in foreign}
+        away = [
+            (self.target / name, self.target / FORMER / name) for name in sorted(replaced, key=_marks_first)
+        ]
+        away += [(self.target / name, place) for name, place in renamed.items()]
+        into = [(self.folder / name, self.target / name) for name in reversed(sorted(new, key=_marks_first))]
+        try:
+            for source, place in away:
+                move(source, place)
             write_manifest(self.target, about)
-            for name in sorted(new, key=lambda each: (each in MARKS, each)):
-                _move(self.folder / name, self.target / name, undo)
-            undo.pop_all()
+            for source, place in into:
+                move(source, place)
+        except BaseException:
+            for source, place in reversed(away + into):
+                if exists(place) and not exists(source):
+                    place.rename(source)
+            write_manifest(self.target, former)
+            _recover(self.target)
+            raise
         shutil.rmtree(self.target / FORMER, ignore_errors=True)
         for name in replaced:
             with suppress(OSError):  # a folder that is not empty stays
                 for folder in list(Path(name).parents)[:-1]:
                     (self.target / folder).rmdir()
-        self._note(manifest, about, replaced, renamed)
+        self._note(former, about, replaced, {name: place.name for name, place in renamed.items()})
         self._written |= new
 
     def _in_the_way(self, new: dict, former: dict) -> tuple[list[str], list[str]]:
@@ -79,7 +88,7 @@ class ResultDirectory:
         replaced, foreign = [], []
         for name in sorted(new | stale):
             place = self.target / name
-            if not place.exists() and not place.is_symlink():
+            if not exists(place):
                 continue
             ours = name in former and place.is_file() and not place.is_symlink()
             if ours and digest(place) == former[name]:
@@ -100,6 +109,25 @@ class ResultDirectory:
         others = sorted(each.name for each in self.target.iterdir() if each.name not in known)
         if others and not self._written and (replaced or renamed):
             self.notes.append(f"left as they were in {self.target}: {_listed(others)}")
+
+
+class DirectoryInUseError(Exception):
+    """Another process holds the lock."""
+
+
+def locked(file: Path) -> "FileLock":
+    """Return the held lock of a file, made if absent, until it is released or its process ends, however it ends.
+
+    Raises DirectoryInUseError if somebody else holds it, OSError if the file cannot be written.
+    """
+    from filelock import FileLock, Timeout  # brings asyncio along, 20 ms: a run with --json needs neither
+
+    lock = FileLock(file, timeout=0)
+    try:
+        lock.acquire()
+    except Timeout:
+        raise DirectoryInUseError(str(file)) from None
+    return lock
 
 
 @contextmanager
@@ -167,21 +195,21 @@ def _recover(target: Path) -> None:
     """Put back what a commit that did not end had moved away."""
     for name in files_below(target / FORMER):
         place = target / name
-        if place.exists() or place.is_symlink():
+        if exists(place):
             place = free_name(place)
         place.parent.mkdir(parents=True, exist_ok=True)
         (target / FORMER / name).rename(place)
     shutil.rmtree(target / FORMER, ignore_errors=True)
 
 
-def _move(source: Path, place: Path, undo: ExitStack) -> None:
-    def back() -> None:
-        if not source.exists() and not source.is_symlink():
-            place.rename(source)
-
+def move(source: Path, place: Path) -> None:
+    """Move a file, the folder that it goes to made if absent."""
     place.parent.mkdir(parents=True, exist_ok=True)
-    undo.callback(back)  # before the move: an interrupt between the two must find it
     source.rename(place)
+
+
+def _marks_first(name: str) -> tuple[bool, str]:
+    return name not in MARKS, name
 
 
 def _listed(names: list[str]) -> str:

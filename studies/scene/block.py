@@ -41,11 +41,6 @@ def keys_of(kind: type) -> dict[str, Key]:
     return keys
 
 
-def checks_of(kind: "type[Block]") -> list[Callable[["Block"], Iterator[tuple[str, str]]]]:
-    """Return the methods ``check_...``; each yields key and rule of what single keys allow but together contradict."""
-    return [method for name, method in vars(kind).items() if name.startswith("check_")]
-
-
 class UnreadError(Exception):
     """A check asked for a key that was refused already."""
 
@@ -67,7 +62,13 @@ for operation in OPERATIONS.split():
 class Block:
     """Base of the blocks: reads every field by its rule, then checks them together."""
 
-    block: ClassVar[str]
+    block: ClassVar[str]  # its path in a scene
+    # Each yields key and rule of what single keys allow but together contradict; by default the methods ``check_...``
+    checks: ClassVar[tuple[Callable[["Block"], Iterator[tuple[str, str]]], ...]] = ()
+
+    def __init_subclass__(cls) -> None:
+        own = tuple(method for name, method in vars(cls).items() if name.startswith("check_"))
+        cls.checks = own or cls.checks
 
     def __post_init__(self):
         problems = []
@@ -81,7 +82,7 @@ class Block:
                 problems += error.problems
                 value = Unread()
             object.__setattr__(self, name, value)
-        for check in checks_of(type(self)):
+        for check in type(self).checks:
             with suppress(UnreadError):
                 for path, rule in check(self):
                     problems.append(SceneError(self._path(path), rule))

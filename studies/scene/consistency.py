@@ -3,12 +3,9 @@
 import math
 from collections.abc import Iterator
 
-from studies.refusal import SceneError, nearest, shown
+from studies.refusal import nearest, shown
 
 ALONG = 0.7  # cosine of the angle from x up to which a driven transducer may stand alone
-MAX_SECONDS = 3600.0  # s of one burst on one processor
-# Seconds per cycle of the wave, measured on a 2-core x86_64 machine.
-CYCLE = {"hysteretic": 6e-4, "exact": 1.4e-4, "stepped": 4.5e-6, "averaged": 5e-7}
 NOT_DRIVEN = "must be absent without a [[transducer]]: nothing is driven"
 Refused = Iterator[tuple[str, str]]
 
@@ -209,17 +206,15 @@ def check_pieces(scene) -> Refused:
             yield f"piece.{index}.position", f"must name different places, got {shown(list(each.position))}"
 
 
-def refuse_endless_burst(scene, frequency: float) -> None:
-    """Refuse a burst that takes longer than an hour to follow, naming the longest that is; ``frequency``: Hz."""
-    slider = scene.slider
-    every_event = slider.remembers or slider.reciprocal or slider.stick_band > 0
-    method = slider.method if slider.method in CYCLE else "averaged" if scene.wave is not None else "stepped"
-    if every_event and method != "stepped":
-        method = "hysteretic" if slider.remembers else "exact"
-    longest = MAX_SECONDS / CYCLE[method] / frequency
-    if scene.burst > longest:
-        block = "wave" if scene.wave is not None else "drive"
-        cycles = scene.burst * frequency
-        hours = cycles * CYCLE[method] / 3600
-        rule = f"must be at most {longest:.3g} s: {cycles:.3g} cycles would take {hours:.3g} hours"
-        raise SceneError(f"{block}.burst", f"{rule}, got {scene.burst:g} s; the steady state needs no burst")
+CHECKS = (
+    check_uncertain,
+    check_given_wave,
+    check_drive,
+    check_recovery,
+    check_transducers,
+    check_combs,
+    check_turned,
+    check_direction,
+    check_slider,
+    check_pieces,
+)  # in the order in which their refusals are told

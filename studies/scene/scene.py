@@ -93,16 +93,7 @@ class Scene(Block):
         """Build the scene from its TOML document; ``"0.08 +- 0.02"`` at a key is a tolerance of [uncertain]."""
         return super().from_table(path, parted(table) if isinstance(table, dict) else table)
 
-    check_uncertain = consistency.check_uncertain
-    check_given_wave = consistency.check_given_wave
-    check_drive = consistency.check_drive
-    check_recovery = consistency.check_recovery
-    check_transducers = consistency.check_transducers
-    check_combs = consistency.check_combs
-    check_turned = consistency.check_turned
-    check_direction = consistency.check_direction
-    check_slider = consistency.check_slider
-    check_pieces = consistency.check_pieces
+    checks = consistency.CHECKS
 
     @property
     def crossed(self) -> bool:

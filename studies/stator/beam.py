@@ -17,8 +17,9 @@ import numpy as np
 import fem
 from studies.chain import passband, resolve
 from studies.chain.surface_motion import solved_motion
-from studies.record.plots import curve, draw_scan, finished
+from studies.record.plots import curve, finished
 from studies.record.quantities import quantity
+from studies.record.run_pictures import draw_scan
 from studies.refusal import RunError
 from studies.scene import Scene
 from studies.stator.scan_panel import said, scan_file, scan_panel

@@ -15,7 +15,8 @@ import fem
 from studies.chain import passband, resolve
 from studies.chain.spectrum import response
 from studies.chain.surface_motion import solved_motion
-from studies.record.plots import curve, draw_scan, lines, shaded
+from studies.record.plots import curve, lines, shaded
+from studies.record.run_pictures import draw_scan
 from studies.scene import Scene
 from studies.stator.scan_panel import said, scan_file, scan_panel
 from studies.study import Answered, Finding, Panel, judged, of_record, study

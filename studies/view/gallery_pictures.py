@@ -23,21 +23,15 @@ from studies.record.plots import (
     new_figure,
     saved,
     shaded,
-    surface,
     titled,
-    velocity,
 )
+from studies.record.run_pictures import surface, velocity
 from studies.report.energies import LEDGER
 from studies.view import movie
 from studies.view.contact_view import film_contact, strip
 from studies.view.picture import Picture
 from studies.view.quantities import DIVERGING, SEQUENTIAL, palette
 from studies.view.views import chosen_views, views
-
-__all__ = [
-    "amplitude", "anticlockwise", "bars", "depth_profile", "depth_weights", "draw_all", "ledger_rows",
-    "orbits", "power_along", "power_rows", "start_and_stop",
-]  # fmt: skip
 
 NM, MM = 1e9, 1e3
 TURN = np.linspace(0.0, 2 * np.pi, 121)

@@ -11,7 +11,7 @@ from contact import burst, contact_history, steady
 from contact.answers.ledger import ledger
 from contact.body import Point
 from contact.codes import Regime, Status
-from contact.convergence import ConvergenceError
+from contact.convergence_error import ConvergenceError
 from contact.events.collocation import collocation
 from contact.events.motion import Motion
 from contact.law import hysteretic
@@ -244,6 +244,6 @@ def test_the_ring_after_the_burst_is_damped_by_the_law_itself():
 
 def test_a_full_memory_is_said():
     motion = motion_of(slider(law="hysteretic"), 3e-9)
-    motion.memory.count[0] = hysteretic.PIECES
+    motion.memory.number[0] = hysteretic.PIECES
     with pytest.raises(ConvergenceError, match="memory full"):
         motion.turn(1)

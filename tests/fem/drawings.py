@@ -1,5 +1,6 @@
 """Meshes of pieces for tests: made without a mesh generator, and written as gmsh 2.2 text."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -89,8 +90,13 @@ def rectangle(
     )
 
 
-def bevelled_end(path: Path, foot: float, top: float, depth: float, *, size: float) -> Path:
-    """The right end of a plate from x = 0 on, a trapezoid: ``foot`` wide at the bottom, ``top`` at the surface."""
+def bevelled_end(
+    path: Path, foot: float, top: float, depth: float, *, size: float, mirrored: bool = False
+) -> Path:
+    """The right end of a plate from x = 0 on, a trapezoid: ``foot`` wide at the bottom, ``top`` at the surface.
+
+    ``mirrored``: the left end, up to x = 0.
+    """
     across, down = 1 + round(foot / size), 1 + round(depth / size)
     share, z = np.meshgrid(np.linspace(0, 1, across), np.linspace(-depth, 0, down), indexing="ij")
     x = share * (foot + (top - foot) * (1 + z / depth))
@@ -99,7 +105,32 @@ def bevelled_end(path: Path, foot: float, top: float, depth: float, *, size: flo
     c, d = node[1:, 1:].ravel(), node[:-1, 1:].ravel()
     triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
     lines = {
-        "left": np.stack([node[0, :-1], node[0, 1:]], axis=1),
+        "right" if mirrored else "left": np.stack([node[0, :-1], node[0, 1:]], axis=1),
         "bottom": np.stack([node[:-1, 0], node[1:, 0]], axis=1),
     }
-    return write_msh(path, np.stack([x.ravel(), z.ravel()], axis=1), {"stator": triangles}, lines)
+    points = np.stack([-x.ravel() if mirrored else x.ravel(), z.ravel()], axis=1)
+    return write_msh(path, points, {"stator": triangles}, lines)
+
+
+def chip(
+    path: Path, length: float, depth: float, electrodes: dict, *, size: float, groups=("bottom",)
+) -> Path:
+    """A whole plate section of triangles with strips on its surface; ``electrodes``: name to edges (n, 2)."""
+    edges = np.unique(np.round(np.concatenate([[[0, length]], *electrodes.values()]), 12))
+    parts = [np.linspace(a, b, 1 + max(1, round((b - a) / size)))[:-1] for a, b in pairwise(edges)]
+    across, down = np.append(np.concatenate(parts), length), np.linspace(-depth, 0, 1 + round(depth / size))
+    node = np.arange(len(across) * len(down)).reshape(len(across), -1)
+    a, b, c, d = node[:-1, :-1], node[1:, :-1], node[1:, 1:], node[:-1, 1:]
+    triangles = np.concatenate(
+        [np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)]
+    )
+    middle = (across[1:] + across[:-1]) / 2
+    top, foot = (np.stack([row[:-1], row[1:]], axis=1) for row in (node[:, -1], node[:, 0]))
+    lines = {
+        f"electrode:{name}": top[np.any([(low < middle) & (middle < high) for low, high in strips], axis=0)]
+        for name, strips in electrodes.items()
+    }
+    points = np.stack(np.meshgrid(across, down, indexing="ij"), axis=-1).reshape(-1, 2)
+    return write_msh(
+        path, points, {"stator": triangles}, {each: {"bottom": foot}[each] for each in groups} | lines
+    )

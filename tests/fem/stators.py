@@ -10,8 +10,8 @@ from fem.discretize.section import Section
 from fem.geometry import Stator, Transducer
 from fem.materials import Solid, material, rotated
 from fem.materials.christoffel import slowest_wavelength
+from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.solution import Solution
-from fem.results.surface_wave import SurfaceWave, surface_wave
 from fem.solve.harmonic import solve_driven
 
 FREQUENCY = 2.3e6

@@ -11,6 +11,7 @@ from fem.circuit import Drive
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import level_gain
 from fem.geometry import Stator, Transducer
+from fem.input_error import InputError
 from fem.materials import material
 from fem.mesh.piece import MeshPiece
 from fem.mesh.section_mesh import read_mesh
@@ -18,10 +19,13 @@ from fem.results.evaluation import surface_of
 from fem.results.field import wave_field
 from fem.results.files import write_vtu
 from fem.results.power_balance import power_balance
-from fem.solve.harmonic import driven_wave, solve_driven
+from fem.solve.band import frequency_band
+from fem.solve.forced import forced_wave
+from fem.solve.harmonic import driven_wave, motion_difference, solve_driven
 from fem.solve.p_matrix import cascade_admittance, p_matrix
 from fem.solve.reflector import reflector
-from tests.fem.drawings import bevelled_end, rectangle
+from fem.waveguide.force import LineForce
+from tests.fem.drawings import bevelled_end, chip, rectangle
 from tests.fem.stators import comb, cut, plate, wave_of
 
 LEVEL = Resolution(order=8, edge_layers=3)
@@ -60,6 +64,8 @@ def _motion(solution):
         ("PZT-4", "Z", {"ends": "absorbing", "bottom": "free"}, 1e-8),
         ("PZT-4", "Z", {"ends": "free", "bottom": "grounded"}, 1e-8),
         ("PZT-5H", "X", {"ends": "absorbing", "bottom": "clamped"}, 1e-8),
+        # the line is graded towards the clamped bottom: 7e-5 where the projection is tested with functions held there
+        ("PZT-4", "Z", {"ends": "free", "bottom": "clamped"}, 1e-8),
         # one element through 0.8 wavelengths: the section's own error
         ("LiNbO3 (Kovacs)", "128YX", {"ends": "absorbing", "bottom": "free"}, 3e-7),
     ],
@@ -78,7 +84,7 @@ def test_a_meshed_plain_stretch_is_invisible(tmp_path, name, orientation, sides,
     before, after = plain.fields.admittances, meshed.fields.admittances
     assert abs(after - before).max() < bound * abs(before).max()
     # between free ends rounding is amplified by the resonances
-    assert abs(after - after.T).max() < 5e-11 * abs(after).max()
+    assert abs(after - after.T).max() < 5e-11 * abs(after).max() + 3 * abs(before - before.T).max()
     assert power_balance(meshed).residual < 1e-11
 
 
@@ -213,7 +219,8 @@ def test_the_field_inside_a_mesh_joins_its_neighbours(tmp_path, groove):
     """Displacement and potential on the grid are those of the section where the mesh is plain, and zero in a groove."""
     stator = plate(cut("PZT-4", "Z", quality=300), length=9.0)
     path = rectangle(tmp_path / "piece.msh", 0.9, 0.8, size=0.3, groove=groove)
-    solved = _solved(_with_pieces(stator, path, (4.2,)), level=Resolution(order=7, edge_layers=1))
+    places = (4.2, 5.3) if groove else (4.2,)
+    solved = _solved(_with_pieces(stator, path, places), level=Resolution(order=7, edge_layers=1))
     unit = stator.thickness / 0.8
     field = wave_field(wave_of(solved), span=(4.25 * unit, 5.05 * unit), energies=True)
     if groove is None:
@@ -226,13 +233,40 @@ def test_the_field_inside_a_mesh_joins_its_neighbours(tmp_path, groove):
             (field.densities.power_flow, exact.densities.power_flow[same]),
         ):
             assert abs(one - other).max() < 5e-4 * abs(other).max()
+        (piece,) = field.pieces
+        some = piece.quads[::29, 0]
+        x, z = piece.points[some].T
+        exact = wave_field(plain, span=piece.span, places=tuple(x), energies=True)
+        line = abs(exact.x - x[:, None]).argmin(axis=1)
+        assert abs(exact.x[line] - x).max() < 1e-3 * unit / 16
+        basis = exact.depth_basis(z)
+        for own, on_grid in (
+            (piece.displacement, exact.displacement),
+            (piece.potential, exact.potential),
+            (piece.densities.power_flow, exact.densities.power_flow),
+        ):
+            expected = np.einsum("pj,pj...->p...", basis, on_grid[line])
+            assert abs(own[some] - expected).max() < 1e-3 * abs(expected).max()
         return
     hole = (field.x[:, None] > 4.56 * unit) & (field.x[:, None] < 4.74 * unit) & (field.z > -0.115 * unit)
     assert not field.inside[hole].any()
     assert not field.displacement[~field.inside].any()
     assert field.inside[~(field.x[:, None] > 4.54 * unit) & (field.z < 0)].all()
-    write_vtu(field, tmp_path / "field.vtu")
-    assert len(meshio.read(tmp_path / "field.vtu").cells[0]) < (len(field.x) - 1) * (len(field.z) - 1)
+    whole = wave_field(wave_of(solved), span=(4.0 * unit, 6.3 * unit))
+    write_vtu(whole, tmp_path / "field.vtu")
+    written = meshio.read(tmp_path / "field.vtu")
+    x, z = np.moveaxis(written.points[written.cells[0].data][..., [0, 2]], -1, 0)
+    area = 0.5 * np.sum(x * np.roll(z, -1, axis=1) - np.roll(x, -1, axis=1) * z)
+    assert area == pytest.approx(
+        (2.3 * 0.8 - 2 * 0.2 * 0.12) * unit**2, rel=1e-9
+    )  # each place is covered once
+    for place in places:
+        left = np.flatnonzero(abs(written.points[:, 0] - place * unit) < 1e-9 * unit)
+        order = left[np.lexsort([written.points[left, 2]])]
+        moved = written.point_data["displacement_m_per_V_real"][order]
+        same = np.flatnonzero(np.diff(written.points[order, 2]) < 1e-9 * unit)  # of the grid and of the mesh
+        assert len(same) > 2
+        assert abs(moved[same] - moved[same + 1]).max() < 1e-3 * abs(moved).max()
 
 
 def test_reflection_of_a_groove_and_of_a_row(tmp_path):
@@ -322,3 +356,93 @@ def test_the_p_matrix_of_a_plain_mesh_is_a_distance(tmp_path):
     assert not with_piece[1].any()
     assert with_piece[np.ix_([0, 2], [0, 2])] == pytest.approx(plain, abs=1e-4 * abs(plain[0, 1]))
     assert abs(plain[0, 1]) > 0.01 * abs(plain[0, 0])
+
+
+CHIP = {"length": 7e-3, "thickness": 1.1e-3, "ends": "free"}
+CHIP_ROW = (
+    Transducer(name="a", center=2.5e-3, finger_pairs=2, period=1e-3, metallisation=0.5, aperture=10e-3),
+    Transducer(
+        name="b",
+        center=5.5e-3,
+        finger_pairs=1,
+        period=1e-3,
+        metallisation=0.5,
+        aperture=10e-3,
+        termination=50.0,
+    ),
+)
+
+
+def _whole(tmp_path, *, bottom="free", grounded=(), **rest):
+    """A stator as one mesh with the fingers of both transducers; ``grounded``: line groups drawn besides."""
+    strips = {each.name + sign: each.strips(sign) * 1e3 for each in CHIP_ROW for sign in "+-"} | dict(
+        grounded
+    )
+    path = chip(tmp_path / "chip.msh", 7.0, 1.1, strips, size=0.5)
+    electrodes = tuple((name, name if name[0] in "ab" else "grounded") for name in strips)
+    piece = MeshPiece(name="chip", mesh=read_mesh(path, 1e-3), position=0.0, electrodes=electrodes)
+    return Stator(solid=cut("PZT-4", "Z", quality=200), bottom=bottom, pieces=(piece,), **(CHIP | rest))
+
+
+@pytest.mark.parametrize("bottom", ["free", "grounded"])
+def test_a_whole_stator_as_a_mesh_is_the_built_in_one(tmp_path, bottom):
+    """The same small chip drawn and built in: motion and admittances agree within the two stated errors."""
+    meshed = _whole(tmp_path, bottom=bottom)
+    plain = replace(meshed, pieces=())
+    places = (0.3e-3, 2.5e-3, 4e-3, 6.9e-3)
+    drawn, built = (
+        driven_wave(each, CHIP_ROW, frequency=2.17e6, drive="a", tolerance=1e-3, places=places)
+        for each in (meshed, plain)
+    )
+    stated = drawn.relative_error + built.relative_error
+    assert stated < 1.5e-3
+    assert motion_difference(drawn.motion(np.array(places)), built.motion(np.array(places))) < stated
+    assert abs(drawn.admittance / built.admittance - 1) < drawn.admittance_error + built.admittance_error
+    for name in ("input", "solid", "loads"):
+        assert getattr(drawn.power, name) == pytest.approx(getattr(built.power, name), rel=2 * stated)
+    assert drawn.power.radiated == 0
+    assert drawn.power_residual < 1e-11
+
+
+def test_a_grounded_electrode_takes_no_net_charge_from_the_transducers(tmp_path):
+    """On a plate without ground a grounded strip refers both means to it: no comb's pair has a net charge then.
+
+    A strip that is grounded and nothing else is one that floats.
+    """
+    stator = _whole(tmp_path, grounded={"ground": [[4.3, 4.6]]})
+    (piece,) = stator.pieces
+    afloat = replace(piece, electrodes=tuple(each for each in piece.electrodes if each[0] != "ground"))
+    solutions = [
+        solve_driven(
+            replace(stator, pieces=(each,)),
+            CHIP_ROW,
+            frequency=2.17e6,
+            drive="a",
+            resolution=Resolution(order=6, edge_layers=1),
+        )
+        for each in (piece, afloat)
+    ]
+    kinds = [[port.kind for port in each.fields.network.ports] for each in solutions]
+    assert kinds == [["voltage", "mean", "voltage", "mean"], ["voltage", "voltage", "mean"]]
+    one, other = (each.fields.admittances for each in solutions)
+    assert abs(one - other).max() < 1e-9 * abs(other).max()
+
+
+def test_a_band_of_a_whole_stator(tmp_path):
+    """Each frequency is solved anew, and a wave from outside or a force on it is refused."""
+    stator = _whole(tmp_path)
+    band = frequency_band(stator, CHIP_ROW, lowest=2.16e6, highest=2.18e6, drive="a", tolerance=5e-2)
+    alone = driven_wave(stator, CHIP_ROW, frequency=2.165e6, drive="a", tolerance=1e-3)
+    wave = band.wave(2.165e6, "a")
+    assert abs(wave.admittance / alone.admittance - 1) < band.admittance_error
+    with pytest.raises(InputError, match="this piece is all of it"):
+        reflector(stator, frequency=2.17e6, tolerance=0.1)
+    with pytest.raises(InputError, match="must leave some uniform stator for a line force"):
+        forced_wave(
+            stator,
+            CHIP_ROW,
+            (LineForce(name="tip", position=4e-3, component="z"),),
+            frequency=2.17e6,
+            tolerance=0.1,
+            places=(1e-3,),
+        )

@@ -5,7 +5,6 @@ import pytest
 import contact
 from studies import Scene, run, sweep
 from studies.chain import bridge
-from studies.refusal import SceneError
 
 THREE = {"contacts": ["-5 mm", "0 mm", "5 mm"]}
 
@@ -59,17 +58,3 @@ def test_heights_go_to_the_contacts_in_their_order():
         slider=THREE | {"heights": ["0 nm", "-3 nm", "2 nm"], "preload": "1 mN"}
     )
     assert bridge.contact_slider(scene.slider).heights == (0.0, -3e-9, 2e-9)
-
-
-@pytest.mark.parametrize(
-    ("changes", "sentence"),
-    [
-        ({"heights": ["1 nm"]}, r"slider\.heights needs slider\.contacts as a list of places"),
-        (THREE | {"heights": ["1 nm"]}, r"slider\.heights must hold one height for each of the 3 contacts, got 1"),
-        ({"shape": "punch", "law": "hysteretic"}, r'slider\.law must be "elastic" with shape = "punch"'),
-        ({"shape": "cone"}, r"slider\.shape"),
-    ],
-)  # fmt: skip
-def test_what_no_contact_can_be_is_refused(changes, sentence):
-    with pytest.raises(SceneError, match=sentence):
-        Scene.load("twente").replace(slider=changes)

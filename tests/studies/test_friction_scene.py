@@ -9,7 +9,6 @@ import contact
 from studies import Scene, run
 from studies.__main__ import main
 from studies.chain import bridge
-from studies.refusal import SceneError
 from studies.scene.toml import document
 
 TABLE = {"static": 0.3, "sliding": 0.15, "speed": "50 mm/s", "high_pressure": 0.2, "pressure": "80 MPa"}
@@ -65,23 +64,3 @@ def test_a_law_file_is_found_beside_the_scene_and_its_text_kept(tmp_path, monkey
     assert Scene.load(written) == scene
     assert Scene.load(file) != scene
     assert main(["check", "twente-contact", "--set", "slider.law=here/law.py"]) == 0
-
-
-@pytest.mark.parametrize(
-    ("changes", "sentence"),
-    [
-        ({"friction_coefficient": TABLE | {"speed": "3 mm"}}, r"friction_coefficient\.speed must be a velocity"),
-        ({"friction_coefficient": {"static": 0.3, "sliding": 0.1}}, r"coefficient\.speed is required and missing"),
-        ({"friction_coefficient": {"static": 0.3}}, r"coefficient\.static alone is a number"),
-        ({"friction_coefficient": {"sliding": 0.3, "speed": 1.0}}, r"coefficient\.static is required and missing"),
-        ({"friction_coefficient": TABLE, "law": "hysteretic"}, r'slider\.law must be "elastic" with a table'),
-        ({"friction_coefficient": TABLE, "reciprocal": True}, r"slider\.reciprocal must be false with a table"),
-        ({"friction_coefficient": TABLE, "stick_band": 0.1}, r"slider\.stick_band must be 0 with a table"),
-        ({"law": "no_law.py"}, r"slider\.law names the file 'no_law\.py', which cannot be read"),
-        ({"law": {"name": "law.py", "source": LAW}, "friction_coefficient": TABLE},
-         r"slider\.friction_coefficient must be a number with a law of one's own"),
-    ],
-)  # fmt: skip
-def test_what_does_not_go_together_is_refused(changes, sentence):
-    with pytest.raises(SceneError, match=sentence):
-        contact_only(**changes)

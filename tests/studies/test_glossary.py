@@ -3,7 +3,7 @@
 import pytest
 
 from studies.__main__ import main
-from studies.command.glossary import entries, meaning
+from studies.command.help import entries, meaning
 
 WORDS = (
     "plane section", "comb", "level", "release", "stick margin", "stick band", "chi", "reciprocal", "ledger",

@@ -10,8 +10,9 @@ from studies.__main__ import main
 from studies.chain import run
 from studies.chain.resolve import resolved
 from studies.record import Record
-from studies.record.measured import compared, comparison, read_measured, refuse_incomparable
-from studies.record.plots import velocity
+from studies.record.measured import compared, read_measured, refuse_incomparable
+from studies.record.run_pictures import velocity
+from studies.record.text import comparison
 from studies.refusal import SceneError
 from studies.scene import Scene
 

@@ -7,7 +7,6 @@ from studies.__main__ import main
 from studies.chain.left_out import left_out
 from studies.chain.moduli import direction_dependence, pair_moduli
 from studies.chain.resolve import resolved
-from studies.refusal import SceneError
 from studies.scene import Scene, read_table
 from tests.oracles import fem_surface_compliance as oracle
 
@@ -59,11 +58,3 @@ def test_the_average_is_stated_where_there_is_one(capsys):
     assert any(said in line for line in left_out(resolved(Scene.load("lithium-niobate-yz"))))
     assert main(["check", "lithium-niobate-yz"]) == 0
     assert said in capsys.readouterr().out
-
-
-@pytest.mark.parametrize(
-    ("ball", "words"), [("steal", "steel"), ("PZT-4", "isotropic"), ("LiNbO3 (Ogi)", "isotropic")]
-)
-def test_a_ball_that_is_no_isotropic_solid_is_refused(ball, words):
-    with pytest.raises(SceneError, match=rf"^slider\.ball .*{words}"):
-        pair_moduli(ball, fem.material("PZT-8"))

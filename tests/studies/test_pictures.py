@@ -9,7 +9,8 @@ from matplotlib.text import Text
 from contact import Orbit, Slider, burst, contact_history, steady
 from studies.chain import resolve
 from studies.record import Record
-from studies.record.plots import new_figure, pictures
+from studies.record.plots import new_figure
+from studies.record.run_pictures import pictures
 from studies.scene import Scene
 from studies.view import gallery_pictures
 from studies.view.contact_view import SlowMotion, moments, strip
@@ -211,7 +212,7 @@ def test_weights_of_the_depth_integrate_polynomials():
 @pytest.mark.parametrize("levels", [[0.3e-9, 0.5e-9], [0.5e-9, 3e-9, 10e-9]])
 def test_the_picture_of_the_velocity_says_when_nothing_moves(levels):
     from studies.chain import run
-    from studies.record.plots import velocity
+    from studies.record.run_pictures import velocity
     from studies.scene import Scene, read_table
     from studies.scene.override import replaced
 

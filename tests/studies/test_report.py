@@ -162,7 +162,7 @@ def test_a_report_without_a_place_is_refused(capsys):
 def test_a_title_is_drawn_as_it_stands(contact, tmp_path):
     from dataclasses import replace
 
-    from studies.record.plots import draw_run
+    from studies.record.run_pictures import draw_run
 
     scene = replace(contact.scene, title=r"costs $5 \frac{ and $6")
     draw_run(replace(contact, scene=scene), tmp_path)

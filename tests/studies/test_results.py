@@ -113,7 +113,7 @@ def test_an_interrupt_within_the_commit_changes_nothing(tmp_path, monkeypatch, m
     written(tmp_path, {"run.json": "old", "velocity.csv": "old", "gone.csv": "old"})
     (tmp_path / "velocity.csv").write_text("edited")
     before = {path.name: path.read_text() for path in tmp_path.iterdir()}
-    original, left = directory._move, [moves]
+    original, left = directory.move, [moves]
 
     def move(*arguments):
         if left[0] == 0:
@@ -121,7 +121,7 @@ def test_an_interrupt_within_the_commit_changes_nothing(tmp_path, monkeypatch, m
         left[0] -= 1
         original(*arguments)
 
-    monkeypatch.setattr(directory, "_move", move)
+    monkeypatch.setattr(directory, "move", move)
     if moves < 6:  # two replaced, one kept aside, three new
         with pytest.raises(KeyboardInterrupt):
             written(tmp_path, {"run.json": "new", "velocity.csv": "new", "scene.toml": "new"})
@@ -311,7 +311,7 @@ def test_what_the_drawing_raises_is_raised_here(record, tmp_path, monkeypatch):
 def test_a_drawing_process_that_ends_is_said(record, tmp_path, monkeypatch):
     monkeypatch.delitem(sys.modules, "matplotlib.figure", raising=False)
     with Drawing() as drawing:
-        drawing._process.kill()
+        drawing.process.kill()
         with pytest.raises(RunError, match="pictures were not drawn"):
             drawing.draw(record, tmp_path)
 

@@ -561,7 +561,7 @@ def test_a_ball_beside_the_axis_changes_no_other_point():
     for y, expected in ((0.0, {0.0}), (0.004, {0.0, 0.004})):
         moved = predictor.scene({"slider.position": [0.007, y], "slider.contacts": 1})
         assert moved.stator.length == length
-        assert {across for _, across in predictor._places(moved)[1]} == expected
+        assert {across for _, across in predictor.own_and_shared_places(moved)[1]} == expected
 
 
 def test_a_table_is_a_value_like_others():

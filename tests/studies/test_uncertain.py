@@ -9,7 +9,7 @@ import pytest
 from studies import Record, Scene, run
 from studies.__main__ import main
 from studies.chain.resolve import resolved
-from studies.record import plots
+from studies.record import run_pictures
 from studies.record.plots import new_figure
 from studies.record.text import answer
 from studies.refusal import SceneError
@@ -124,7 +124,7 @@ def test_a_run_shows_its_bands_everywhere(tmp_path, capsys):
     assert again.uncertainty == record.uncertainty
     assert "+- 0.01" in answer(again)
     ax = new_figure(6.0, 4.0)[1]
-    plots.velocity(record, ax)
+    run_pictures.velocity(record, ax)
     assert "95 % of the tolerances (linear)" in ax.get_legend_handles_labels()[1]
 
 

@@ -17,7 +17,8 @@ from studies.chain.model_error import model_error
 from studies.chain.ring_up import RingUp
 from studies.chain.surface_motion import SurfaceMotion
 from studies.chain.warnings import breakdown_voltage, warnings_of
-from studies.record.plots import new_figure, velocity
+from studies.record.plots import new_figure
+from studies.record.run_pictures import velocity
 from studies.refusal import SceneError
 from studies.view import movie
 from studies.view.quantities import QUANTITIES, shade_of
@@ -39,7 +40,8 @@ def test_three_balls_load_the_wave_threefold(plane):
     slider = plane.scene.slider
     several = replace(slider, contacts=(-0.004, 0.0, 0.005), preload=3 * slider.preload, mass=3 * slider.mass)
     one, three = load(plane), load(replace(plane, scene=replace(plane.scene, slider=several)))
-    assert three[0] == pytest.approx(3 * one[0], rel=1e-12)
+    # their own phases: the jumps add up as numbers without one, and each meets the wave behind the others
+    assert three[0] == pytest.approx(3 * one[0], rel=1e-3)
     assert three[1] == pytest.approx(one[1], rel=1e-12)
 
 
@@ -87,8 +89,7 @@ def test_the_error_of_the_wave_is_that_of_the_worst_ball(plane):
     (x, y), sizes = slider.center, (1e-4, 3e-4, 7e-3)
     places = [(x, y), *slider.places]
     known = {place: (np.array([1e-10j, 0, 1e-10]), size) for place, size in zip(places, sizes, strict=True)}
-    motion = SurfaceMotion(wave=plane.surface_wave)
-    motion._known.update(known)
+    motion = SurfaceMotion(wave=plane.surface_wave, known=known)
     assert wave_block(scene, motion, (x, y), None)["relative_error"] == 7e-3
     assert motion.relative_error(places[:2]) == 3e-4
 

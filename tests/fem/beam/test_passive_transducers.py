@@ -9,7 +9,7 @@ from fem.beam.charges import ElectrodeCharges
 from fem.beam.crossed_beam import _interpolated
 from fem.beam.reception import aperture_solver
 from fem.beam.surface_beam import aperture_beam, surface_beam
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.discretize.grading import Resolution
 from fem.input_error import InputError
 from fem.solve.band import Band, frequency_band

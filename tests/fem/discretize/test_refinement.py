@@ -2,7 +2,7 @@
 
 import pytest
 
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.discretize.refinement import refine
 
 

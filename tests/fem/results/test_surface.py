@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.results.evaluation import recovered
 from fem.results.surface import CondensedPiece, UniformSegment
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.discretize.refinement import LEVELS
 from fem.geometry import Stator, Transducer
 from fem.materials import material, rotated

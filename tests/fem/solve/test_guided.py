@@ -11,7 +11,7 @@ import pytest
 
 import fem
 from fem.analytic.half_space import rayleigh
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.geometry import Stator

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.discretize.refinement import EXPECTED, LEVELS
 from fem.geometry import Stator, Transducer
 from fem.materials import material

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fem import Stator, Transducer, best_period, driven_wave, material, p_matrix, rotated
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.discretize.refinement import LEVELS
 from fem.reduce.basis import bases_of
 from fem.solve.p_matrix import _difference

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fem.analytic.half_space import rayleigh
-from fem.convergence import ConvergenceError
+from fem.convergence_error import ConvergenceError
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.geometry import Stator

@@ -12,7 +12,7 @@ A = Transducer(name="a", center=0.1, finger_pairs=1, period=1e-3, metallisation=
 
 
 def potentials_of(transducer, floating):
-    return electrode_potentials(transducer, transducer_ports(transducer, floating))
+    return electrode_potentials(transducer, transducer_ports(transducer, not floating))
 
 
 def test_electrodes():

@@ -1,0 +1,313 @@
+"""The pictures of a run, each drawn from its record on an Axes; files are named by `pictures`."""
+
+import math
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from studies.record.plots import COLOURS, curve, finished, legend_below, saved, shaded
+from studies.record.quantities import quantity
+
+if TYPE_CHECKING:
+    from studies.record import Record
+
+MAX_WAVELENGTHS = 40  # of a surface whose ripple a picture of this width resolves
+WINDOW, WINDOW_ROOM = 12, 2.4  # wavelengths about the slider that are drawn larger; height of the axes for it
+MARKS = {"stick": "s", "slip": "o", "intermittent": "^"}
+MAX_DOTS = 20_000  # pillars drawn; of more, evenly chosen ones
+# of the wave's power under a slider on pillars: key of a point, label, colour
+POWERS = (
+    ("friction_power_W", "friction", "intermittent"),
+    ("thrust_power_W", "thrust", "second"),
+    ("wave_power_out_W", "carried on by the wave", "slip"),
+)
+
+
+def pictures(record: "Record") -> dict[str, Callable]:
+    """Return what draws the pictures of a run on an Axes, by the name of their file; the main result first."""
+    drawings = {"velocity": velocity} if record.scene.slider is not None else {}
+    if record.trajectories:
+        drawings["trajectory"] = trajectories
+    if record.surface:
+        drawings["surface"] = surface if record.scene.transducer else profile
+    if "scan" in record.measured or "trace" in record.measured:
+        drawings["measured"] = measured_picture
+    if record.pillars:
+        drawings |= {"slider_wave": slider_wave, "pressure": pressure}
+        if any(point.get("wave_power_in_W") for point in record.points):
+            drawings["power"] = power
+    return {name: partial(draw, record) for name, draw in drawings.items()}
+
+
+def measured_picture(record: "Record", ax):
+    """Draw a scan or a trace over the run's own field or motion."""
+    block = record.measured
+    if "scan" in block:
+        return draw_scan(block, ax)
+    trace, unit, up = block["trace"], "m_per_s", quantity("velocity_m_per_s")
+    if "measured_m" in trace:
+        unit, up = "m", quantity("travelled_m")
+    time = trace["time_s"] * quantity("time_s").scale
+    curve(ax, time, trace[f"predicted_{unit}"] * up.scale, "-", "slip", "computed")
+    curve(ax, time, trace[f"measured_{unit}"] * up.scale, "o", "line", f"measured, {block['file']}", size=2.5)
+    title = f"Measured over computed: {block['quantity']}"
+    return finished(ax, quantity("time_s").axis, up.axis, title, columns=2)
+
+
+def draw_scan(block: dict, ax):
+    """Draw a scan over its prediction: magnitudes over the place or the frequency."""
+    points = block["scan"]
+    by_frequency = "frequency_Hz" in points and np.ptp(points["frequency_Hz"]) > 0.0
+    key = "frequency_Hz" if by_frequency else "y_m" if np.ptp(points["x_m"]) == 0.0 else "x_m"
+    along, up = quantity(key), quantity("amplitude_m_per_V")
+    at = np.asarray(points[key]) * along.scale
+    order = np.argsort(at, kind="stable")
+    computed, measured = (
+        np.abs(points[f"{name}_m_per_V"])[order] * up.scale for name in ("predicted", "measured")
+    )
+    curve(ax, at[order], computed, "-", "slip", "computed")
+    curve(ax, at[order], measured, "o", "line", f"measured, {block['file']}", size=2.5)
+    return finished(ax, along.axis, up.axis, f"Measured over computed: {block['quantity']}", columns=2)
+
+
+def draw_run(record: "Record", folder: Path) -> None:
+    """Draw the pictures that a record has, into a directory."""
+    for name, draw in pictures(record).items():
+        saved(folder / f"{name}.png", draw)
+
+
+def velocity(record: "Record", ax):
+    """Draw steady velocity against voltage or amplitude, by regime, with threshold and release."""
+    unit, scale = quantity(record.level).axis, quantity(record.level).scale
+    for regime, mark in MARKS.items():
+        points = [point for point in record.points if point.get("regime") == regime]
+        if points:
+            at = [point[record.level] * scale for point in points]
+            speeds = [point["velocity_m_per_s"] * 1e3 for point in points]
+            ax.plot(at, speeds, mark, color=COLOURS[regime], label=regime)
+    missed = [point for point in record.points if point.get("relative_error", 0.0) > record.tolerance]
+    if missed:
+        at = [point[record.level] * scale for point in missed]
+        speeds = [point["velocity_m_per_s"] * 1e3 for point in missed]
+        ring = {"markersize": 11, "fillstyle": "none", "color": COLOURS["line"]}
+        ax.plot(at, speeds, "o", label=f"error above {record.tolerance:g}", **ring)
+    banded = sorted((p[record.level] * scale, p["velocity_low_m_per_s"] * 1e3, p["velocity_high_m_per_s"] * 1e3)
+                    for p in record.points if "velocity_low_m_per_s" in p)  # fmt: skip
+    if banded:
+        label = f"95 % of the tolerances ({record.uncertainty['method']})"
+        ax.fill_between(
+            *zip(*banded, strict=True), color=COLOURS["slip"], alpha=0.2, linewidth=0, label=label
+        )
+    for name, style in (("threshold", ":"), ("release", "--")):
+        limit = record.summary.get(f"{name}_{record.level.removeprefix('normal_')}")
+        if limit is not None and limit <= 1.2 * max(record.scene.levels):
+            options = {"linestyle": style, "linewidth": 1, "label": f"{name} (theory)"}
+            ax.axvline(limit * scale, color=COLOURS["line"], **options)
+    speeds = [point["velocity_m_per_s"] for point in record.points if "velocity_m_per_s" in point]
+    if speeds and not any(speeds) and not record.measured:
+        ax.set_ylim(-1.0, 1.0)
+        ax.text(0.5, 0.75, "at rest: the slider sticks at every level", transform=ax.transAxes, ha="center")
+    if "points" in record.measured:
+        _measured(record, ax, scale)
+    _power_axis(record, ax)
+    return finished(ax, unit, quantity("velocity_m_per_s").axis, record.scene.title, columns=3)
+
+
+def _power_axis(record: "Record", ax) -> None:
+    """Put the source's available power on the upper axis, where it has a resistance."""
+    available = record.electrical.get("power_available_W_per_V2")
+    if available is None or not any(record.scene.levels):
+        return
+    from matplotlib.ticker import MaxNLocator
+
+    upper = ax.secondary_xaxis(
+        "top",
+        functions=(
+            lambda voltage: available * np.maximum(voltage, 0.0) ** 2,
+            lambda power: np.sqrt(np.maximum(power, 0.0) / available),
+        ),
+    )
+    upper.xaxis.set_major_locator(MaxNLocator(6))
+    upper.set_xlabel(quantity("available_power_W").axis)
+
+
+def _measured(record: "Record", ax, scale: float) -> None:
+    """Draw measured points with their errors, and a line through the prediction that they are compared with."""
+    points = record.measured["points"]
+    known = {p[record.level]: p["velocity_m_per_s"] for p in record.points if "velocity_m_per_s" in p}
+    known |= {p[record.level]: p["predicted_m_per_s"] for p in points if "predicted_m_per_s" in p}
+    at, speeds = zip(*sorted(known.items()), strict=True)
+    curve(ax, [x * scale for x in at], [v * 1e3 for v in speeds], "-", "line", "predicted")
+    bars = [point["error_m_per_s"] * 1e3 for point in points] if "error_m_per_s" in points[0] else None
+    at, speeds = zip(*((p[record.level] * scale, p["velocity_m_per_s"] * 1e3) for p in points), strict=True)
+    style = {"markersize": 5, "markerfacecolor": "none", "capsize": 3, "label": "measured"}
+    ax.errorbar(at, speeds, yerr=bars, fmt="D", color=COLOURS["second"], **style)
+
+
+def trajectories(record: "Record", ax):
+    """Draw v(t) of a burst at each level."""
+    import matplotlib
+
+    unit, scale = ("nm", 1e9) if record.level == "normal_amplitude_m" else ("V", 1.0)
+    colours = matplotlib.colormaps["cividis"]
+    count = max(len(record.trajectories) - 1, 1)
+    for index, (level, motion) in enumerate(record.trajectories):
+        label = f"{level * scale:g} {unit}" if index in (0, count) else None
+        ax.plot(
+            motion.time * 1e3, motion.velocity * 1e3, color=colours(index / count), linewidth=1, label=label
+        )
+    return finished(ax, quantity("time_s").axis, quantity("velocity_m_per_s").axis, record.scene.title)
+
+
+def surface(record: "Record", ax, *, curves: bool = False):
+    """Draw |u_z| and |u_x| per volt along the surface, with transducers and slider.
+
+    Where the surface is many wavelengths long the ripple of a standing wave cannot be told apart: the range within
+    each wavelength is shaded, and a window shows the curves about the slider (without one, the middle); ``curves``
+    draws these alone.
+    """
+    columns, scene = record.surface, record.scene
+    label, scale = quantity("x_m").axis, quantity("x_m").scale
+    x = columns["x_m"] * scale
+    what = "y = 0" if scene.driven_obliquely else "plane section"
+    wavelength = scale * record.wave.get("phase_velocity_m_per_s", math.inf) / record.wave["frequency_Hz"]
+    rippled = not curves and x[-1] - x[0] > MAX_WAVELENGTHS * wavelength
+    sizes = [abs(columns[f"u_{axis}_m_per_V"]) * 1e9 for axis in "zx"]
+    for size, colour, name in zip(sizes, ("slip", "intermittent"), (f"|u_z|, {what}", "|u_x|"), strict=True):
+        if rippled:
+            at, low, high = _ranges(x, size, wavelength)
+            ax.fill_between(
+                at, low, high, color=COLOURS[colour], alpha=0.5, linewidth=0.5, label=f"{name}, range"
+            )
+        else:
+            curve(ax, x, size, "-", colour, name)
+    if rippled:
+        _window(record, ax, x, sizes, wavelength)
+    for each in scene.transducer:
+        if each.angle % 180 == 0:  # in the section
+            half, center = each.half_length, each.place[0]
+            shaded(ax, (center - half) * scale, (center + half) * scale)
+    if scene.slider is not None:
+        top = 1 / WINDOW_ROOM if rippled else 1.0
+        ax.axvline(
+            scene.slider.center[0] * scale, ymax=top, color=COLOURS["line"], linestyle=":", label="slider"
+        )
+    if "section_normal_m_per_V" in record.wave and scene.slider is not None:
+        place = [scene.slider.center[0] * scale]
+        for part, colour, what in (
+            ("normal", "slip", "finite aperture"),
+            ("tangential", "intermittent", None),
+        ):
+            curve(ax, place, [abs(record.wave[f"{part}_m_per_V"]) * 1e9], "D", colour, what, size=6.0)
+    ax.set_ylim(bottom=0, top=WINDOW_ROOM * max(size.max() for size in sizes) if rippled else None)
+    title = f"{scene.title}: {record.wave['frequency_Hz'] / 1e6:g} MHz"
+    return finished(ax, label, quantity("amplitude_m_per_V").axis, title, columns=3, grid=False)
+
+
+def _ranges(x, size, width: float):
+    """Return the middles of intervals of a width along x, and the smallest and largest of ``size`` in each."""
+    starts = np.searchsorted(x, np.arange(x[0], x[-1] - 0.5 * width, width))
+    ends = np.append(starts[1:], len(x) - 1)
+    return x[(starts + ends) // 2], np.minimum.reduceat(size, starts), np.maximum.reduceat(size, starts)
+
+
+def _window(record: "Record", ax, x, sizes, wavelength: float) -> None:
+    """Draw the curves within some wavelengths of the slider, or of the middle, above the whole surface."""
+    scale, slider = quantity("x_m").scale, record.scene.slider
+    middle = 0.5 * (x[0] + x[-1]) if slider is None else slider.center[0] * scale
+    near = abs(x - middle) <= 0.5 * WINDOW * wavelength
+    window = ax.inset_axes([0.07, 0.58, 0.9, 0.37])
+    for size, colour in zip(sizes, ("slip", "intermittent"), strict=True):
+        curve(window, x[near], size[near], "-", colour)
+    if slider is not None:
+        window.axvline(middle, color=COLOURS["line"], linestyle=":")
+    window.set_ylim(bottom=0)
+    window.tick_params(labelsize="small")
+    about = "the middle" if slider is None else "the slider"
+    window.text(
+        0.01, 0.06, f"{WINDOW} wavelengths about {about}", transform=window.transAxes, fontsize="small"
+    )
+    ax.axvspan(x[near][0], x[near][-1], ymax=1 / WINDOW_ROOM, fill=False, linestyle="--", linewidth=0.8)
+
+
+def profile(record: "Record", ax):
+    """Draw the free wave's displacements against depth."""
+    columns = record.surface
+    depth = -columns["z_m"] * 1e3
+    for name, colour in (("u_z", "slip"), ("u_x", "intermittent"), ("u_y", "second")):
+        values = columns[f"{name}_per_m_of_u_z"]
+        if abs(values).max() > 1e-9:
+            part, label = (values.imag, f"Im {name}") if name == "u_x" else (values.real, f"Re {name}")
+            curve(ax, depth, part, ".-", colour, label)
+    title = f"{record.scene.title}: {record.wave['phase_velocity_m_per_s']:.2f} m/s"
+    return finished(ax, quantity("depth_m").axis, "displacement over u_z at the surface", title)
+
+
+def errors(record: "Record", ax):
+    """Draw the estimated error of each point, with what was asked for."""
+    unit, scale = quantity(record.level).axis, quantity(record.level).scale
+    known = [point for point in record.points if point.get("relative_error")]
+    at, sizes = zip(*((p[record.level] * scale, p["relative_error"]) for p in known), strict=True)
+    curve(ax, at, sizes, "o", "slip", "estimated error", size=5.0)
+    ax.axhline(record.tolerance, color=COLOURS["line"], linestyle="--", linewidth=1, label="asked for")
+    ax.set_yscale("log")
+    return finished(ax, unit, quantity("relative_error").axis, record.scene.title)
+
+
+def slider_wave(record: "Record", ax):
+    """Draw amplitude and phase of the waves along the slider, the phase on an axis of its own."""
+    table = record.slider_wave
+    x = np.asarray(table["x_m"]) * 1e3
+    ahead = np.abs(table["forward_m"]).max() >= np.abs(table["backward_m"]).max()
+    names = ("forward_m", "backward_m") if ahead else ("backward_m", "forward_m")
+    main, other = (np.asarray(table[name]) for name in names)
+    ax.plot(x, np.abs(main) * 1e9, color=COLOURS["slip"], label="wave that drives, amplitude")
+    ax.plot(x, np.abs(other) * 1e9, color=COLOURS["stick"], label="wave against it, amplitude")
+    for style, n in zip(("--", "-.", ":"), (2, 3, 4), strict=True):
+        if f"overtone_{n}_m" in table:
+            size = np.abs(np.asarray(table[f"overtone_{n}_m"])) * 1e9
+            ax.plot(x, size, style, color=COLOURS["second"], label=f"its overtone {n}, amplitude")
+    ax.set_ylim(bottom=0.0)
+    right = ax.twinx()
+    phase = np.unwrap(np.angle(main))
+    right.plot(
+        x, phase - phase[0 if ahead else -1], dashes=(8, 3), color=COLOURS["intermittent"], label="phase"
+    )
+    right.set_ylabel(quantity("phase_rad").axis)
+    legend_below(ax, [each for axis in (ax, right) for each in axis.get_lines()], columns=3)
+    title = f"{record.scene.title}: wave under the slider"
+    return finished(ax, quantity("offset_m").axis, quantity("normal_amplitude_m").axis, title, columns=0)
+
+
+def pressure(record: "Record", ax):
+    """Draw the mean force on each pillar as a dot at its place."""
+    table = record.pillars
+    step = -(-len(table["x_m"]) // MAX_DOTS)
+    x, y, force = (np.asarray(table[name])[::step] for name in ("x_m", "y_m", "normal_force_N"))
+    size = float(np.clip(6e4 / x.size, 2.0, 200.0))
+    dots = ax.scatter(x * 1e3, y * 1e3, c=force * 1e3, s=size, marker="s", cmap="viridis", linewidths=0)
+    ax.set_aspect("equal", adjustable="box")
+    ax.figure.colorbar(dots, ax=ax, label=quantity("normal_force_N").axis)
+    title = f"{record.scene.title}: forces on the pillars"
+    return finished(ax, quantity("offset_m").axis, quantity("y_m").axis, title, columns=0, grid=False)
+
+
+def power(record: "Record", ax):
+    """Draw where the power of the waves below the slider goes at each level, as stacked bars."""
+    points = [point for point in record.points if "wave_power_in_W" in point]
+    scale = quantity(record.level).scale
+    places, bottom = np.arange(len(points)), np.zeros(len(points))
+    for key, label, colour in POWERS:
+        values = np.array([100 * point[key] / point["wave_power_in_W"] for point in points])
+        if values.any():
+            ax.bar(places, values, bottom=bottom, color=COLOURS[colour], label=label)
+            bottom = bottom + values
+    for place, point in zip(places, points, strict=True):
+        ax.text(place, 101.0, f"{point['wave_power_in_W']:.3g} W", ha="center", fontsize="small")
+    ax.set_xticks(places, [f"{point[record.level] * scale:.4g}" for point in points])
+    ax.set_ylim(0.0, 108.0)
+    across, up = quantity(record.level).axis, quantity("power_share").axis
+    return finished(ax, across, up, f"{record.scene.title}: power of the wave", columns=3, grid=False)
