@@ -271,7 +271,7 @@ def study(default: str) -> Callable[[Callable[..., Answered]], Callable[..., Stu
                 seconds=time.perf_counter() - start_time, answer=tuple(answer[0]) if answer else (),
             )  # fmt: skip
 
-        timed.__doc__ = f"{cleandoc(run.__doc__)}\n\n{COMMON_ARGUMENTS}"
+        timed.__doc__ = f"{cleandoc(run.__doc__ or '')}\n\n{COMMON_ARGUMENTS}"
         first, *others = signature(run).parameters.values()
         first = first.replace(default=default, annotation=str | Scene)
         timed.__signature__ = Signature([first, *others], return_annotation=StudyRecord)  # type: ignore[attr-defined]

@@ -10,7 +10,7 @@ as one.
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -114,9 +114,9 @@ class DrivenContact:
     stator_error: float = 0.0  # of the orbits, relative
     ringing: "RingUp | None" = None  # how they grow during a burst
     # the waves under a slider on pillars per volt, a contact.PassingWave, and their misfit
-    passing: tuple | None = field(default=None, repr=False)
-    along: "WaveAlong | None" = None  # how they change with the slider's place
-    record: Record | None = field(default=None, repr=False)  # of the run that solved the stator
+    passing: tuple | Any = field(default=None, repr=False)
+    along: "WaveAlong | Any" = None  # how they change with the slider's place
+    record: Record | Any = field(default=None, repr=False)  # of the run that solved the stator
     solved: SolvedStator | None = field(
         default=None, repr=False
     )  # what is kept of it; None with a given wave

@@ -67,7 +67,7 @@ class Predictor:
         self.seconds = 0.0  # spent on stators
         self._rules, self._count = rules, 0
         self._answers: dict[tuple, SolvedStator | Exception] = {}
-        self._latest: tuple[tuple | None, SurfaceMotion | None] = (None, None)
+        self._latest: tuple[tuple | None, SurfaceMotion | Any] = (None, None)
         self._block, self._slider = lru_cache(KEPT)(self._read), lru_cache(KEPT)(resolve.resolved_slider)
         self._ring_up = lru_cache(64)(ring_up)
         self._stator, self._band = lru_cache(64)(_resolved_stator), lru_cache(4)(response)
@@ -299,7 +299,7 @@ class Predictor:
         except SceneError as error:
             return error.with_traceback(None)
 
-    def _resolved(self, changes: dict) -> tuple[Scene, Scene | None]:
+    def _resolved(self, changes: dict) -> tuple[Scene, Scene | Any]:
         """Return the scene with its automatic values found, and its stator alone at 1 V; None for a given wave."""
         scene, stator = self.scene(changes), None
         blocks: dict[str, Any] = {}

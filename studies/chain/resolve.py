@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
@@ -47,7 +48,7 @@ def resolved(scene: Scene, *, spread: bool | None = None) -> Scene:
     return scene
 
 
-def resolved_slider(slider: Slider, stator: Stator | None) -> Slider:
+def resolved_slider(slider: Slider, stator: Stator | Any) -> Slider:
     """Return a slider with its preload and its moduli as numbers, those of a named ball on this stator."""
     slider = replace(slider, preload=slider.preload_force)
     if slider.pillars is not None:

@@ -7,7 +7,7 @@ end the surface rings down under the slider as the same envelope goes on, until 
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -39,7 +39,7 @@ class RingUp:
     ring_down: "Envelope | None" = field(
         default=None, repr=False
     )  # the same from the burst's end on, time from there
-    response: "BurstEnvelope | None" = field(default=None, repr=False)  # fem's answer
+    response: "BurstEnvelope | Any" = field(default=None, repr=False)  # fem's answer
 
     @classmethod
     def of(cls, burst_envelope) -> "RingUp":

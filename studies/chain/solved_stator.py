@@ -46,7 +46,7 @@ class SolvedStator:
 
         return tuple(
             Orbit(frequency=self.frequency, tangential=tangential, normal=normal)
-            for tangential, normal, _, _ in map(self.at.get, places)
+            for tangential, normal, _, _ in (self.at[place] for place in places)
         )
 
 

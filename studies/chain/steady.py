@@ -30,10 +30,10 @@ def steady_answers(
         ``velocity_m_per_s``, ``regime``, ``relative_error`` and ``status``; the status alone where there is no answer.
     """
     answers = averaged_answers(states, tolerance, threads=threads)
-    for at, (driven, level) in enumerate(states):
-        if answers[at] is None:
-            answers[at] = steady_answer(driven, level, tolerance)
-    return answers
+    return [
+        steady_answer(driven, level, tolerance) if answer is None else answer
+        for answer, (driven, level) in zip(answers, states, strict=True)
+    ]
 
 
 def steady_answer(driven: DrivenContact, level: float, tolerance: float) -> dict:

@@ -32,7 +32,7 @@ BEND = 0.1
 
 def with_bands(record: Record, *, progress: Callable[[str], None] | None = None) -> Record:
     """Return the record of a scene with [uncertain] with its bands: two more values of each point, one more block."""
-    own = {key: value for key, value in record.scene.uncertain if key in DEFAULTS}
+    own = {key: value for key, value in record.scene.uncertain or () if key in DEFAULTS}
     options, numbers = DEFAULTS | own, tolerances(record.scene)
     predictor = Predictor.of_record(record, progress=progress)
     # changes of the answers at the upper and the lower end of each tolerance, (numbers, 2, answers)

@@ -147,7 +147,7 @@ def block_schema(kind: type[Block]) -> dict:
         if not key.required and key.default not in (None, ()) and not isinstance(key.default, Block):
             properties[name]["default"] = key.rule.written(key.default)
     required = [name for name, key in keys_of(kind).items() if key.required]
-    schema = {"type": "object", "description": kind.__doc__.splitlines()[0], "properties": properties}
+    schema = {"type": "object", "description": (kind.__doc__ or "").splitlines()[0], "properties": properties}
     return schema | ({"required": required} if required else {}) | {"additionalProperties": False}
 
 

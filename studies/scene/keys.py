@@ -60,10 +60,10 @@ def tolerances(scene: Scene) -> tuple[Tolerance, ...]:
                 raise SceneError(path, f"must be a percentage, common to all levels, got {shown(text)}")
             numbers.append(Tolerance(key, 1.0, half_width(path, text, 1.0, "")))
             continue
-        value = value_at(table, key)
-        if isinstance(rule.number, Count) or unit_of(rule) is None or not isinstance(value, (int, float)):
+        value, unit = value_at(table, key), unit_of(rule)
+        if isinstance(rule.number, Count) or unit is None or not isinstance(value, (int, float)):
             raise SceneError(path, f"must be the key of a number that this scene has, got {shown(value)}")
-        size = half_width(path, text, value, unit_of(rule))
+        size = half_width(path, text, value, unit)
         for end in (value - size, value + size):
             rule.read(f"{path}, an end of whose interval, {end:g},", end)
         numbers.append(Tolerance(key, float(value), size))

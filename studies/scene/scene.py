@@ -18,22 +18,25 @@ from studies.scene.uncertain import Uncertain, parted
 
 @dataclass(frozen=True, kw_only=True)
 class Scene(Block):
-    """A stator with its transducers and drive, or a given wave, and perhaps a slider."""
+    """A stator with its transducers and drive, or a given wave, and perhaps a slider.
+
+    A block that is absent is None; its type says Any instead, for what needs a block refuses the scene before it asks.
+    """
 
     block: ClassVar[str] = ""
     title: Annotated[str, TEXT, "Shown on results."] = ""
-    stator: Annotated[Stator | None, Within(Stator), "The block of material that carries the wave."] = None
+    stator: Annotated[Stator | Any, Within(Stator), "The block of material that carries the wave."] = None
     transducer: Annotated[
         tuple[Transducer, ...],
         Blocks(Transducer),
         "The transducers on its surface; none: the free wave of the section is the result.",
     ] = ()
     piece: Annotated[tuple[Piece, ...], Blocks(Piece), "Parts of the stator's section given as meshes."] = ()
-    drive: Annotated[Drive | None, Within(Drive), "The source; required with a stator."] = None
+    drive: Annotated[Drive | Any, Within(Drive), "The source; required with a stator."] = None
     wave: Annotated[
-        Wave | None, Within(Wave), "A given surface motion, instead of stator, transducers and drive."
+        Wave | Any, Within(Wave), "A given surface motion, instead of stator, transducers and drive."
     ] = None
-    slider: Annotated[Slider | None, Within(Slider), "The slider; absent: the wave is the result."] = None
+    slider: Annotated[Slider | Any, Within(Slider), "The slider; absent: the wave is the result."] = None
     uncertain: Annotated[
         tuple | None,
         Uncertain(),
@@ -125,7 +128,7 @@ class Scene(Block):
         return frequency
 
     @property
-    def burst(self) -> float | None:
+    def burst(self) -> float | Any:
         """Length of the driven interval in s; None for the steady state alone."""
         return (self.wave or self.drive).burst
 
