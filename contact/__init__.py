@@ -18,7 +18,7 @@ _PUBLIC = {
     "answers.transient": "burst Trajectory",
     "answers.waveforms": "contact_history History",
     "averaged.pillar_motion": "pillar_load_line pillar_motion pillar_traction PillarLoadLine PillarMotion",
-    "averaged.pillars": "PassingWave Pillars",
+    "averaged.pillars": "balls_of PassingWave Pillars",
     "choice": "Answer",
     "convergence_error": "ConvergenceError",
     "envelope": "Envelope",

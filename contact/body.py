@@ -7,7 +7,8 @@ Contact i has the height h_i (positive: nearer to the surface) and meets a harmo
     travel    x_i = u_x,i - travel,         x_i' = u_x,i' - v     while it sticks,     u = a cos phi + b sin phi,
 
 and the body has the forces of its own -d_n z_s' - p and -d_t v - q. Every solver takes approach, travel and these
-forces from here; another coordinate, such as a tilt, is a field of `Coordinates` and a term of these functions.
+forces from here. A slider that tilts (many contacts, averaged motion) has coordinates of its own at each place,
+z_s - theta x - psi y (`tilted`).
 Slip of sign s goes on while s x' - c z' > 0 (Feenstra and Breedveld, eq. 3, with the sign that the paper leaves out).
 """
 
@@ -15,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.codes import Slips
 from contact.jit.compiled import compiled, formula
 
 
@@ -49,6 +51,11 @@ class Point(NamedTuple):
 def approach(paths, i, u_z, q):
     """Return the approach of contact i above a surface displaced by u_z."""
     return u_z + paths.height[i] - q.normal
+
+
+def tilted(q, pitch, roll, x, y):
+    """Return the coordinates at places from a tilted slider's centre; positive tilts, rad: approach grows with x, y."""
+    return Coordinates(q.normal - pitch * x - roll * y, q.along)
 
 
 @formula
@@ -105,6 +112,23 @@ def at_phase(paths, i, cos, sin):
 def slip_speed(sign, z_rate, x_rate, c):
     """Return the speed of slip of a sign at the slip limit; negative where the contact sticks."""
     return sign * x_rate - c * z_rate
+
+
+@compiled
+def slip_window(sign, a, b, d, e, v, c):
+    """Return (start, end, kind) of the phases at which a contact at its limit slips towards a side; see `codes.Slips`.
+
+    Of u_z = a cos phi + b sin phi, u_x = d cos phi + e sin phi and a slider's velocity v, `slip_speed` is
+    across cos phi + along sin phi - sign v.
+    """
+    across, along = sign * e - c * b, c * a - sign * d
+    size = np.hypot(across, along)
+    if sign * v >= size:
+        return 0.0, 0.0, Slips.NEVER
+    if sign * v <= -size:
+        return 0.0, 0.0, Slips.ALWAYS
+    centre, half = np.arctan2(along, across), np.arccos(sign * v / size)
+    return centre - half, centre + half, Slips.WINDOW
 
 
 @formula

@@ -41,7 +41,7 @@ _PUBLIC = {
     "results.evaluation": "surface_of",
     "results.driven_answer": "surface_wave SurfaceWave",
     "results.segment_modes": "FreeWave SegmentModes",
-    "results.field": "free_field wave_field WaveField",
+    "results.field": "free_field PieceField wave_field WaveField",
     "results.densities": "Densities",
     "results.files": "write_instant write_surface write_vtu",
     "solve.harmonic": "driven_wave solve_driven",

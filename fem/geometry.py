@@ -25,6 +25,7 @@ Bottom = Literal["free", "grounded", "clamped", "absorbing"]
 Ends = Literal["absorbing", "free", "clamped"]
 Above = Literal["none", "vacuum"]
 SIGNS = "+-0o"
+SAME_FINGER = 1e-3  # of the pitch: edges of fingers nearer than this are one
 SAME_END = 1e-4  # of the length: an end piece that ends nearer than this to the stator's end ends there
 CLEARANCE = 0.45  # of the bare surface between two transducers that one of them may take for its outer gap
 
@@ -76,7 +77,7 @@ class Stator:
         """Meshed pieces by their part in the row, and where the uniform stator begins and ends."""
         return placement(self.pieces, length=self.length, thickness=self.thickness)
 
-    def piece_warnings(self, frequency: float) -> tuple[str, ...]:
+    def piece_warnings(self, frequency: float, transducers: tuple["Transducer", ...] = ()) -> tuple[str, ...]:
         """Sentences about the meshed pieces that a user should know, at a frequency in Hz."""
         found, placed = [], self.placement
         for piece in self.pieces:
@@ -90,6 +91,8 @@ class Stator:
                     f'the end piece "{piece.name}" ends at x = {end * 1e3:.6g} mm, the stator at {meant * 1e3:.6g} '
                     "mm: the piece counts"
                 )
+        if placed.whole is not None:
+            found += [each for one in transducers for each in _other_fingers(placed.whole, one)]
         return tuple(dict.fromkeys(found))
 
     @property
@@ -213,6 +216,30 @@ class Transducer:
         return self.fingers[[each == sign for each in self.signs]]
 
 
+def _other_fingers(piece: MeshPiece, transducer: Transducer) -> list[str]:
+    """Warn of a mesh that draws other fingers than a transducer has."""
+    drawn = [piece.strips(transducer.name + sign) for sign in "+-"]
+    meant = [transducer.strips(sign) for sign in "+-"]
+    if all(
+        len(a) == len(b) and np.allclose(a, b, rtol=0, atol=SAME_FINGER * transducer.pitch)
+        for a, b in zip(drawn, meant, strict=True)
+    ):
+        return []
+
+    def listed(strips: list[np.ndarray], names: tuple[str, str]) -> str:
+        return " and ".join(
+            f"{len(each)}{name} from {each.min() * 1e3:.4g} to {each.max() * 1e3:.4g} mm"
+            for each, name in zip(strips, names, strict=True)
+            if len(each)
+        )
+
+    here = listed(drawn, (' fingers "+"', ' "-"'))
+    return [
+        f'transducer "{transducer.name}": the mesh draws {here}, the block has {listed(meant, ("", ""))}: the mesh '
+        "counts, but for masks"
+    ]
+
+
 def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
     """Refuse transducers of a section that leave the stator, overlap, are turned or share a name.
 
@@ -248,6 +275,7 @@ def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
         ends=stator.ends,
         above=stator.above,
         absorbs_below=stator.absorbs_below,
+        solid=stator.solid,
         transducers={each.name: (*each.extent, each.signs) for each in transducers},
     )
 

@@ -248,22 +248,24 @@ def of_record(draw: Callable) -> Callable:
     return figure
 
 
-def study(default: str) -> Callable[[Callable[..., Answered]], Callable[..., StudyRecord]]:
-    """Return the decorator of a study's ``run``, which takes a `Scene` and ``progress`` and returns what was found.
+def study(default: str | None = None) -> Callable[[Callable[..., Answered]], Callable[..., StudyRecord]]:
+    """Return the decorator of a study's ``run``, which makes a `StudyRecord` of what the function answers.
 
-    The decorated function takes a path, a shipped name or a scene, first the ``default``, and an optional ``progress``;
-    it returns a `StudyRecord`, named as the module, with the time it took.  Its docstring says so.
+    The record is named as the module and holds the time that the study took.  With a ``default`` the study takes a
+    scene: a path, a shipped name or a `Scene`, the default when absent; the function gets it loaded.  Without a default
+    the study has its own scenes.  ``progress`` is optional for the caller and always there for the function.
     """
 
     def decorated(run: Callable[..., Answered]) -> Callable[..., StudyRecord]:
         @wraps(run)
         def timed(
-            scene: str | Scene = default, *, progress: Callable[[str], None] | None = None, **options: Any
+            *scene: str | Scene, progress: Callable[[str], None] | None = None, **options: Any
         ) -> StudyRecord:
             start_time = time.perf_counter()
-            loaded = Scene.load(scene)
+            if default is not None:
+                scene = (Scene.load(scene[0] if scene else options.pop("scene", default)),)
             try:
-                panels, findings, *answer = run(loaded, progress=progress or (lambda text: None), **options)
+                panels, findings, *answer = run(*scene, progress=progress or (lambda text: None), **options)
             except contact.ConvergenceError as error:
                 raise RunError(" ".join(str(error).split())) from None
             return StudyRecord(
@@ -271,10 +273,11 @@ def study(default: str) -> Callable[[Callable[..., Answered]], Callable[..., Stu
                 seconds=time.perf_counter() - start_time, answer=tuple(answer[0]) if answer else (),
             )  # fmt: skip
 
-        timed.__doc__ = f"{cleandoc(run.__doc__ or '')}\n\n{COMMON_ARGUMENTS}"
-        first, *others = signature(run).parameters.values()
-        first = first.replace(default=default, annotation=str | Scene)
-        timed.__signature__ = Signature([first, *others], return_annotation=StudyRecord)  # type: ignore[attr-defined]
+        parameters = list(signature(run).parameters.values())
+        if default is not None:
+            timed.__doc__ = f"{cleandoc(run.__doc__ or '')}\n\n{COMMON_ARGUMENTS}"
+            parameters[0] = parameters[0].replace(default=default, annotation=str | Scene)
+        timed.__signature__ = Signature(parameters, return_annotation=StudyRecord)  # type: ignore[attr-defined]
         return timed
 
     return decorated

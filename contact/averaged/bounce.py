@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.averaged.cycle_mean import Cycle, Mean, cycle, cycle_room
-from contact.averaged.equilibrium import balanced_speed, force_left, way_out
+from contact.averaged.equilibrium import balanced_speed, force_left, full_slip_speed, way_out
 from contact.averaged.riding import Rule, quadrature
 from contact.codes import Status
 from contact.events.collocation import SMOOTH, collocation
@@ -73,7 +73,8 @@ def _speed(problem, means):
     way, load = way_out(least, largest, problem.load, problem.friction * problem.preload)
     if way == 0.0:
         return 0.0
-    found = balanced_speed(problem._replace(load=load), means, way, least if way > 0.0 else largest, 1e-9)
+    at_rest = least if way > 0.0 else largest
+    found = balanced_speed(problem._replace(load=load), means, way, at_rest, full_slip_speed(problem), 1e-9)
     return found.velocity if found.status == Status.DONE else math.nan
 
 

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.body import Coordinates, approach, circle, slip_speed
+from contact.body import Coordinates, approach, circle, slip_speed, slip_window
 from contact.codes import Slips
 from contact.jit.compiled import compiled, native, summed
 from contact.law.normal import load
@@ -164,24 +164,26 @@ def _crossing(path, alpha, beta, anchor, low, high, rises):
 
 @compiled
 def _window(path, c, s):
-    """Return (start, end, kind) of slip towards s."""
-    wave = path.wave
-    across = s * wave.tangential_sin[0] - c * wave.normal_sin[0]
-    along = c * wave.normal_cos[0] - s * wave.tangential_cos[0]
-    size = np.hypot(across, along)
-    if s * path.v >= size:
-        return 0.0, 0.0, Slips.NEVER
-    if s * path.v <= -size:
-        return 0.0, 0.0, Slips.ALWAYS
-    centre, half = np.arctan2(along, across), np.arccos(s * path.v / size)
-    return _edge(path, c, s, centre, -half, size), _edge(path, c, s, centre, half, size), Slips.WINDOW
+    """Return (start, end, kind) of slip towards s: of the first harmonic, then of all."""
+    a, b, d, e = path.wave
+    start, end, kind = slip_window(s, a[0], b[0], d[0], e[0], path.v, c)
+    if kind == Slips.WINDOW and a.size > 1:
+        return _edge(path, c, s, start), _edge(path, c, s, end), kind
+    return start, end, kind
 
 
 @compiled
-def _edge(path, c, s, centre, half, size):
-    """Return the phase at which slip towards s begins or ends: of the first harmonic, then of all."""
-    phi, rate = centre + half, -size * np.sin(half)
-    if path.wave.normal_cos.size > 1 and abs(rate) > 1e-3 * size:
+def _edge(path, c, s, phi):
+    """Return the phase near phi at which slip towards s begins or ends."""
+    a, b, d, e = (
+        path.wave.normal_cos[0],
+        path.wave.normal_sin[0],
+        path.wave.tangential_cos[0],
+        path.wave.tangential_sin[0],
+    )
+    across, along = s * e - c * b, c * a - s * d
+    rate = along * np.cos(phi) - across * np.sin(phi)
+    if abs(rate) > 1e-3 * np.hypot(across, along):
         for _ in range(12):
             _, zr, _, yr = _place(path, phi)
             step = -slip_speed(s, zr, yr, c) / rate

@@ -6,10 +6,13 @@ In the units of `problem`, with h the mean approach, V the mean velocity and <> 
     V'  = <sum Q>(h, V) - d_t V - q                 the velocity.
 
 At rest h follows from <sum P> = p (`riding`) and V from <sum Q>(V) = d_t V + q, which `balanced_speed` searches between
-rest and the velocity at which every contact slips all the time. Where the mean comes from is no matter to it: from
-cycles in closed form between exact events (`cycle_mean`, here), from cycles of the event-driven solver for laws that
-these do not know (`event_cycle`), or from several heights of a bounce (`bounce`). Each is a named tuple whose field
-`left(problem, means, v)` returns the mean force that is left to accelerate the slider.
+rest and the velocity at which every contact slips all the time. The search takes the mean from any provider with a
+function `left(problem, means, v)`, the mean force that is left to accelerate the slider:
+
+    `ClosedForm`               cycles in closed form between exact events (`cycle_mean`), here
+    `event_cycle.EventCycles`  cycles of the event-driven solver, for laws that the closed form does not know
+    `bounce.Heights`           several heights of a bounce
+    `pillar_motion`            many contacts with their own places, stiffnesses and weights, on a wave that they load
 
 All this is first-order averaging, error O((f_n/f)^2). The correction of second order feeds the fast part of the
 slider's own motion, the answer to the harmonics of the forces, back into the cycle (`cycle_mean.respond`); at a steady
@@ -180,14 +183,16 @@ class Speed(NamedTuple):
 
 
 @formula
-def balanced_speed(problem, means, way, at_rest, close):
+def balanced_speed(problem, means, way, at_rest, fastest, close):
     """Return the velocity of sign `way` at which no force is left, as a `Speed`.
 
-    `at_rest` is the mean force at rest on that side; the search ends where a step is below `close` of its range.
+    `at_rest` is the mean force at rest on that side, `fastest` the speed beyond which every contact slips all the time;
+    the search ends where a step is below `close` of its range. Of `problem` the friction coefficient, preload, load and
+    tangential damping are asked.
     """
     friction = problem.friction * problem.preload
     a, fa = 0.0, at_rest - problem.load
-    b = way * full_slip_speed(problem)
+    b = way * fastest
     fb = means.left(problem, means, b)
     if fb * way >= 0.0:  # full friction does not balance the load: the damper has to
         if problem.tangential_damping == 0.0:
@@ -259,7 +264,7 @@ def _first_order(problem, h, way, close, work, out):
     """
     at_rest = out[Entry.LEAST_AT_REST] if way > 0.0 else out[Entry.LARGEST_AT_REST]
     status, v, left, slope, top = balanced_speed(
-        problem, ClosedForm(work.rule, h, work, _left), way, at_rest, close
+        problem, ClosedForm(work.rule, h, work, _left), way, at_rest, full_slip_speed(problem), close
     )
     if status != Status.DONE:
         return status, 0.0, 0.0

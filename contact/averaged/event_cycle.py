@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.averaged.equilibrium import balanced_speed, force_left, way_out
+from contact.averaged.equilibrium import balanced_speed, force_left, full_slip_speed, way_out
 from contact.averaged.riding import riding_approach
 from contact.body import normal_amplitude
 from contact.codes import Status, Tangential
@@ -104,7 +104,8 @@ def _at_height(problem, height):
     if way == 0.0:
         return _held(problem, height, rest)
     means = EventCycles(height)
-    found = balanced_speed(problem, means, way, least if way > 0.0 else largest, CLOSE)
+    at_rest = least if way > 0.0 else largest
+    found = balanced_speed(problem, means, way, at_rest, full_slip_speed(problem), CLOSE)
     if found.status == Status.RUNAWAY:
         raise ConvergenceError("runaway", RUNAWAY)
     return Balance(problem=problem, height=height, speed=found.velocity, held=False, motion=means.motion)

@@ -17,6 +17,8 @@ therefore checks it. `cycle_mean` takes the same cycle for any profile, by quadr
 
 import numpy as np
 
+from contact.body import slip_window
+from contact.codes import Slips
 from contact.jit.compiled import compiled, native
 
 TURN = 2.0 * np.pi
@@ -26,21 +28,7 @@ TURN = 2.0 * np.pi
 #   FRICTION: <c z |slip|>, the power is k_t omega times this;  SHARE: part of the cycle in contact, also d<z>/dh
 MEAN_APPROACH, FIRST_APPROACH, MEAN_STRETCH, COS_STRETCH, SIN_STRETCH, FRICTION, SHARE = range(7)
 COLUMNS = 7
-NEVER, WINDOW, ALWAYS = 0, 1, 2
 ROOT = 1e-9  # rad; forces are continuous at an event, so the integrals err by the square of it
-
-
-@compiled
-def _window(A, d, e, w, c, s):
-    """Return (start, end, kind) of the phases at which a contact at its limit slips towards s."""
-    beta, gamma = s * e, c * A - s * d
-    size = np.hypot(beta, gamma)
-    if -s * w >= size:
-        return 0.0, 0.0, ALWAYS
-    if -s * w <= -size:
-        return 0.0, 0.0, NEVER
-    centre, half = np.arctan2(gamma, beta), np.arccos(s * w / size)
-    return centre - half, centre + half, WINDOW
 
 
 @compiled
@@ -48,9 +36,9 @@ def _slip_start(path, c, s, window, x0, phi0, start, stop):
     """Return the first phase in (start, stop) at which stick from (x0, phi0) ends by slip towards s; stop if none."""
     h, A, d, e, w = path
     low, high, kind = window
-    if kind == NEVER:
+    if kind == Slips.NEVER:
         return stop
-    if kind == ALWAYS:
+    if kind == Slips.ALWAYS:
         low, high = start, stop
     else:
         shift = TURN * np.ceil((start + 1e-12 - high) / TURN)
@@ -138,7 +126,7 @@ def flat_cycle(h, A, d, e, w, c, side, out):
         return
     p = _normal(out, h, A)
     path = h, A, d, e, w
-    windows = _window(A, d, e, w, c, 1.0), _window(A, d, e, w, c, -1.0)
+    windows = slip_window(1.0, A, 0.0, d, e, w, c), slip_window(-1.0, A, 0.0, d, e, w, c)
     x = slip = 0.0
     if h < A:
         phi, stop = -p, p
@@ -150,17 +138,17 @@ def flat_cycle(h, A, d, e, w, c, side, out):
         # the drift stretches the contact backwards, so it slips that way up to the end of that window
         back = 1.0 if (w < 0.0 or (w == 0.0 and side < 0.0)) else -1.0
         _, phi, kind = windows[0] if back > 0.0 else windows[1]
-        if kind != WINDOW:
+        if kind != Slips.WINDOW:
             phi = 0.0
         stop, x = phi + TURN, back * c * (h + A * np.cos(phi))
-        if kind == ALWAYS:
+        if kind == Slips.ALWAYS:
             slip = back
     for _ in range(60):
         if slip != 0.0:
             _, end, kind = windows[0] if slip > 0.0 else windows[1]
-            if kind == WINDOW:
+            if kind == Slips.WINDOW:
                 end += TURN * np.ceil((phi + 1e-13 - end) / TURN)
-            if kind != WINDOW or end > stop:
+            if kind != Slips.WINDOW or end > stop:
                 end = stop
             _add(out, path, c, slip, 0.0, 0.0, phi, end)
             x, slip = slip * c * max(h + A * np.cos(end), 0.0), 0.0
@@ -181,29 +169,29 @@ def flat_cycle(h, A, d, e, w, c, side, out):
 
 
 @native(
-    "f1 c1 c1 f1 f f f2", {"height": "n", "normal": "n", "tangential": "n", "limit_slope": "n", "out": "n 7"}
+    "f1 f1 f1 f1 f1 f f f2", {name: "n" for name in ("height", "A", "d", "e", "limit_slope")} | {"out": "n 7"}
 )
-def flat_cycles(height, normal, tangential, limit_slope, w, side, out):
+def flat_cycles(height, A, d, e, limit_slope, w, side, out):
     """Fill the columns of many contacts; returns 0.
 
-    `height`: mean approach h of each, m; `normal`, `tangential`: complex amplitudes of u_z and u_x, m; `limit_slope`:
-    c; `w`: slider velocity over omega, m; `side`: see `flat_cycle`.
+    `height`: mean approach h of each, m; `A`, `d`, `e`: amplitudes of u_z = A cos phi and u_x = d cos phi + e sin phi,
+    m; `limit_slope`: c; `w`: slider velocity over omega, m; `side`: see `flat_cycle`.
     """
     for i in range(height.size):
-        a, b = normal[i], tangential[i]
-        A = np.hypot(a.real, a.imag)
-        if A > 0.0:
-            co, si = a.real / A, a.imag / A
-        else:
-            co, si = 1.0, 0.0
-        flat_cycle(
-            height[i],
-            A,
-            b.real * co + b.imag * si,
-            b.real * si - b.imag * co,
-            w,
-            limit_slope[i],
-            side,
-            out[i],
-        )
+        flat_cycle(height[i], A[i], d[i], e[i], w, limit_slope[i], side, out[i])
     return 0
+
+
+@native("f1 f1 f2", {"height": "n", "A": "n", "out": "n 7"})
+def _normal_parts(height, A, out):
+    for i in range(height.size):
+        if height[i] > -A[i]:
+            _normal(out[i], height[i], A[i])
+    return 0
+
+
+def mean_normal(height, A):
+    """Return <z> of contacts at mean approaches on amplitudes, arrays, and its derivative in the approach."""
+    out = np.zeros((height.size, COLUMNS))
+    _normal_parts(np.ascontiguousarray(height), np.ascontiguousarray(A), out)
+    return out[:, MEAN_APPROACH], out[:, SHARE]

@@ -3,89 +3,90 @@ r"""Rows of contacts on a surface wave that they load: the wave's two amplitudes
 With the forces on the slider P = P_0 + Re P_1 exp(i omega t), Q likewise, C = u_x/u_z of the forward wave and
 g = Gamma/w, reciprocity gives
 
-    dU+/dx = +i g sum_i (P_1 + C* Q_1) exp(+i k x) delta(x - x_i),        U+ given on the left,
-    dU-/dx = -i g sum_i (P_1 + C Q_1) exp(-i k x) delta(x - x_i),         U- given on the right,
+    dU+/dx = +i g sum_i (P_1 + C* Q_1) exp(+i k x) delta(x - x_i),        U+ given on the left,         (1)
+    dU-/dx = -i g sum_i (P_1 + C Q_1) exp(-i k x) delta(x - x_i),         U- given on the right,        (2)
 
-(C = i r of a Rayleigh wave, the backward wave's is C*). At a row the forces belong to the amplitude half-way through
+(C = i r of a Rayleigh wave, the backward wave's is C*). At a row the forces belong to the amplitudes half-way through
 its jump (implicit midpoint): the change of |U+|^2 + |U-|^2 is then the power that the contacts take, to rounding.
-"""
 
-from typing import NamedTuple
+The forces F = (sum P_1 + C* Q_1, sum P_1 + C Q_1) of a row depend on its own amplitudes
+q = (U+ exp(-i k x), U- exp(+i k x)) alone. `march` takes F_0 + J (q - q_0), with which (1) and (2) are a linear chain
+of rows: a step of Newton's method where J is the derivative. J is a real matrix, 4 x 4, because contacts that touch for
+a short time answer a change of the amplitude by many times what their forces over the amplitude say, and a change of
+the phase by another factor.
+"""
 
 import numpy as np
 
-from contact.jit.compiled import native
+BAND = 7  # a row's four real equations reach from U+ before it to U- behind it
 
 
-class Waves(NamedTuple):
-    """What comes in, and how the rows see it."""
-
-    turn: np.ndarray  # exp(-i k x) of the rows, from left to right, (n,)
-    orbit: np.ndarray  # C, (1,)
-    g: float  # Gamma/w, 1/(Pa m)
-    incident: np.ndarray  # U+ on the left and U- on the right, m, (2,)
+def real_form(matrix):
+    """Return complex matrices (m, n, n) as real ones (m, 2n, 2n), real and imaginary parts in turn."""
+    m, n, _ = matrix.shape
+    parts = np.array([[matrix.real, -matrix.imag], [matrix.imag, matrix.real]])
+    return parts.transpose(2, 3, 0, 4, 1).reshape(m, 2 * n, 2 * n)
 
 
-class Followed(NamedTuple):
-    """How the forces follow the amplitudes at each row: exact where contacts stick all the time."""
+def march(turn, force, slope, amplitude, g, incident):
+    """Return the amplitudes half-way through each row that linear forces leave, shape (m, 2), complex.
 
-    normal: np.ndarray  # sum P_1/u_z, N/m
-    tangential: np.ndarray  # sum Q_1/u_x
-
-
-@native(
-    "t c1 c1 t c1 c1 c2",
-    {"waves.turn": "n", "waves.orbit": "1", "waves.incident": "2", "forward_force": "n", "backward_force": "n",
-     "followed.normal": "n", "followed.tangential": "n", "forward": "n", "backward": "n", "work": "n 4"},
-)  # fmt: skip
-def march(waves, forward_force, backward_force, followed, forward, backward, work):
-    """Replace the amplitudes half-way through each row by those that the forces leave; returns 0.
-
-    `forward`, `backward`: U+ exp(-i k x) and U- exp(i k x) at the rows, with which the forces sum (P_1 + C* Q_1) and
-    sum (P_1 + C Q_1) were taken.
-
-    With these stiffnesses the rows are a linear chain. What lies to the right of a row answers U- = rho U+ + tau, which
-    is carried from the right end to the left; then the amplitudes follow from left to right.
+    Parameters
+    ----------
+    turn : (m,) array, complex
+        exp(-i k x) of the rows, from left to right.
+    force, amplitude : (m, 2) array, complex
+        F_0 and q_0 of each row.
+    slope : (m, 4, 4) array
+        J, for real and imaginary parts in turn.
+    g : float
+        Gamma/w, 1/(Pa m).
+    incident : (2,) array, complex
+        U+ on the left and U- on the right, m.
     """
-    turn, half, n, c = waves.turn, 0.5j * waves.g, waves.turn.size, waves.orbit[0]
-    rho, tau = 0.0j, waves.incident[1]
-    for m in range(n):
-        j = n - 1 - m
-        normal, tangential = followed.normal[j], followed.tangential[j]
-        own = normal + (c.real * c.real + c.imag * c.imag) * tangential
-        across, back = normal + c.conjugate() * c.conjugate() * tangential, normal + c * c * tangential
-        right = half * (forward_force[j] - own * forward[j] - across * backward[j])
-        left = half * (backward_force[j] - back * forward[j] - own * backward[j])
-        # behind the row, in its frame: p-_in = rho p+_out + tau, p+_out = 2 p+ - p+_in
-        after = turn[j].conjugate()
-        seen, rest = rho * after * after, tau * after
-        # p+ (1 - half own) - half across p- = p+_in + right
-        # -(half back + 2 seen) p+ + (1 - half own) p- = rest - seen p+_in + left
-        diagonal, upper, lower = 1.0 - half * own, -half * across, -(half * back + 2.0 * seen)
-        determinant = diagonal * diagonal - upper * lower
-        # p+ = work0 p+_in + work1, p- = work2 p+_in + work3
-        plus, plus_rest = (
-            (diagonal + upper * seen) / determinant,
-            (diagonal * right - upper * (rest + left)) / determinant,
-        )
-        minus = (-diagonal * seen - lower) / determinant
-        minus_rest = (diagonal * (rest + left) - lower * right) / determinant
-        work[j, 0], work[j, 1], work[j, 2], work[j, 3] = plus, plus_rest, minus, minus_rest
-        # before the row: p-_out = 2 p- - p-_in
-        out = 2.0 * minus - seen * (2.0 * plus - 1.0)
-        out_rest = 2.0 * minus_rest - seen * 2.0 * plus_rest - rest
-        rho, tau = out * turn[j] * turn[j], out_rest * turn[j]
-    here = waves.incident[0]
-    for j in range(n):
-        before = here * turn[j]
-        forward[j] = work[j, 0] * before + work[j, 1]
-        backward[j] = work[j, 2] * before + work[j, 3]
-        here = (2.0 * forward[j] - before) * turn[j].conjugate()
-    return 0
+    from scipy.linalg import solve_banded
+
+    m = turn.size
+    to_wave = np.zeros(
+        (m, 2, 2), complex
+    )  # from the row's frame: jumps of U+ and -U- are i g times this times F
+    to_wave[:, 0, 0], to_wave[:, 1, 1] = turn.conj(), turn
+    to_row, half = real_form(to_wave.conj()), real_form(0.5j * g * to_wave)
+    answer = half @ slope @ to_row
+    source = np.empty((m, 2), complex)
+    source.view(float)[:] = 2.0 * np.einsum(
+        "jab,jb->ja", half, force.view(float) - np.einsum("jab,jb->ja", slope, amplitude.view(float))
+    )
+    # unknowns of row j are U+ behind it and U- before it:
+    # (U+_j+1 - U+_j, U-_j - U-_j+1) - answer (U+_j + U+_j+1, U-_j + U-_j+1) = source
+    own, neighbours = np.eye(4) - answer, -np.eye(4) - answer
+    source.view(float)[0] -= neighbours[0, :, :2] @ incident[:1].view(float)
+    source.view(float)[-1] -= neighbours[-1, :, 2:] @ incident[1:].view(float)
+    bands = np.zeros((2 * BAND + 1, 4 * m))
+    for row in range(4):
+        for column in range(4):
+            bands[BAND + row - column, column::4] = own[:, row, column]
+            if column < 2:  # U+ before row j is that behind row j - 1
+                bands[BAND + row - column + 4, column : 4 * (m - 1) : 4] = neighbours[1:, row, column]
+            else:
+                bands[BAND + row - column - 4, 4 + column :: 4] = neighbours[:-1, row, column]
+    found = solve_banded((BAND, BAND), bands, source.view(float).ravel()).view(complex).reshape(m, 2)
+    forward = np.append(incident[0], found[:, 0])
+    backward = np.append(found[:, 1], incident[1])
+    return 0.5 * np.stack(
+        [turn * (forward[:-1] + forward[1:]), turn.conj() * (backward[:-1] + backward[1:])], axis=1
+    )
 
 
-def ends(turn, forward_force, backward_force, g, first, last):
-    """Return (U+, U-) at the right and at the left of each row, shape (2, n): U+ behind it, U- before it."""
-    forward = first + 1j * g * np.cumsum(forward_force * turn.conj())
-    backward = last + 1j * g * np.cumsum((backward_force * turn)[::-1])[::-1]
-    return np.array([forward, backward])
+def passed(turn, normal, tangential, orbit, g, incident):
+    """Return U+ behind each row and U- before it, shape (2, m, N), of forces P_n, Q_n of shape (m, N); (1) and (2).
+
+    `incident`: U+ on the left and U- on the right, of the fundamental alone.
+    """
+    turn = turn[:, None] ** (np.arange(normal.shape[1]) + 1)
+    jump = 1j * g * np.array(
+        [(normal + orbit.conjugate() * tangential) / turn, (normal + orbit * tangential) * turn]
+    )  # fmt: skip
+    jump[0, 0, 0] += incident[0]
+    jump[1, -1, 0] += incident[1]
+    return np.array([np.cumsum(jump[0], axis=0), np.cumsum(jump[1, ::-1], axis=0)[::-1]])

@@ -8,8 +8,8 @@ import numpy as np
 
 from contact.averaged import flat_cycle as columns
 from contact.averaged.flat_cycle import COLUMNS
-from contact.averaged.march import Waves
-from contact.averaged.overtone_march import Classes, Spectrum, overtone_march, samples
+from contact.averaged.march import passed
+from contact.averaged.overtone_march import Classes, Spectrum, Waves, overtone_march, samples
 from contact.averaged.pillar_cycle import Forces, PillarCycle
 from contact.convergence_error import ConvergenceError
 
@@ -34,7 +34,7 @@ class OvertoneCycle(PillarCycle):
             self.k_t, self.limit_slope,
         )  # fmt: skip
         self.met = np.ascontiguousarray((self.turn if self.ahead else self.turn.conj())[self.way])
-        self.met_orbit = self.orbit if self.ahead else self.orbit.conj()
+        self.met_orbit = np.array([wave.orbit if self.ahead else wave.orbit.conjugate()])
 
     def begin(self, forward, backward):
         """Take the amplitudes at the rows from a search with any number of harmonics."""
@@ -88,7 +88,7 @@ class OvertoneCycle(PillarCycle):
             self.k_n * spectrum.first[:, 0], self.k_t * spectrum.first[:, 1],
         )  # fmt: skip
 
-    def advance(self, forces: Forces) -> float:
+    def advance(self, forces: Forces, _slope=None) -> float:
         """Move the wave against the driving one to what the forces leave; return its change over the incident one.
 
         Contacts in touch are springs to it, which turn its phase: F follows F_0 + S (U - U_0) with S the sum of their
@@ -127,14 +127,10 @@ class OvertoneCycle(PillarCycle):
 
     def passed(self, _forces: Forces):
         """Return U+ behind each row and U- before it, shape (2, m, N); the one against has no overtones."""
-        force, orbit, turn = self._forces(), self.wave.orbit, self.turn[:, None] ** self.order
-        jump = 1j * self.g * np.array(
-            [(force[:, 0] + orbit.conjugate() * force[:, 1]) / turn, (force[:, 0] + orbit * force[:, 1]) * turn]
-        )  # fmt: skip
-        jump[1 if self.ahead else 0, :, 1:] = 0.0
-        jump[0, 0, 0] += self.incident[0]
-        jump[1, -1, 0] += self.incident[1]
-        return np.array([np.cumsum(jump[0], axis=0), np.cumsum(jump[1, ::-1], axis=0)[::-1]])
+        force = self._forces()
+        found = passed(self.turn, force[:, 0], force[:, 1], self.wave.orbit, self.g, self.incident)
+        found[1 if self.ahead else 0, :, 1:] = 0.0
+        return found
 
     def radiated(self, g: float, approach, w: float, side: float) -> complex:
         """Return the last overtone at the exit that contacts on the amplitudes as they stand send along with them."""

@@ -35,6 +35,15 @@ class Classes(NamedTuple):
     limit_slope: np.ndarray  # c
 
 
+class Waves(NamedTuple):
+    """What comes in, and how the rows see it."""
+
+    turn: np.ndarray  # exp(-i k x) of the rows as the wave meets them, (m,)
+    orbit: np.ndarray  # C, (1,)
+    g: float  # Gamma/w, 1/(Pa m)
+    incident: np.ndarray  # U_n where the wave comes in, m, (N,)
+
+
 class Spectrum(NamedTuple):
     """Amplitudes in m half-way through each row, in its frame, shape (m, N), and forces in N, shape (m, 2, N)."""
 
@@ -167,7 +176,7 @@ def _row(classes, j, approach, w, back, spectrum, room, out):
 def overtone_march(classes, waves, approach, w, side, spectrum, room, out):
     """Follow the wave through all rows; fill its amplitudes, the forces and the columns of `flat_cycle`.
 
-    `waves`: `march.Waves` with U_n where the wave comes in; g = 0 keeps `spectrum.along` as it is. `w`, `side`: see
+    g = 0 keeps `spectrum.along` as it is. `w`, `side`: see
     `flat_cycle`. The forces that are there begin the search for each row's midpoint. Returns the rows whose midpoint
     did not settle.
     """

@@ -4,21 +4,37 @@ Pillars at the same x are a row. Those of a row with equal height and stiffness 
 are computed once, with a weight.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
+from contact import body
+from contact.averaged import ball_cycle, flat_cycle
 from contact.averaged import flat_cycle as columns
-from contact.averaged.flat_cycle import COLUMNS, flat_cycles
-from contact.averaged.march import Followed, Waves, ends, march
+from contact.averaged.march import march, passed, real_form
 from contact.averaged.pillars import PassingWave, Pillars
-from contact.averaged.tangent_march import tangent_march
+from contact.body import Coordinates, tilted
 
 SAME_ROW = 1e-9  # of the slider's length: places that a file rounds differently
 STEP = 1e-7  # of finite differences, of the incident amplitude
 MAX_STEP = 0.5  # of the wave's amplitudes, over the incident one
 # The stiffness that the tangential force shows the wave is taken from |u_x| above this share of its scale
 TANGENTIAL_SHARE = 0.3
+
+
+class CycleMeans(NamedTuple):
+    """Where the means over a cycle come from."""
+
+    cycles: Callable  # fills the columns of `flat_cycle`: of each contact, over its stiffnesses
+    mean_normal: Callable  # the mean of P/k_n alone, and its derivative in the approach
+    exponent: float  # of P = k_n z^exponent
+
+
+MEANS = {
+    "punch": CycleMeans(flat_cycle.flat_cycles, flat_cycle.mean_normal, 1.0),
+    "sphere": CycleMeans(ball_cycle.ball_cycles, ball_cycle.mean_normal, 1.5),
+}
 
 
 class Forces(NamedTuple):
@@ -35,7 +51,7 @@ class PillarCycle:
     """The contacts in classes and rows, with the wave's amplitudes at the rows as they stand."""
 
     def __init__(self, pillars: Pillars, wave: PassingWave, loading: bool):
-        self.pillars, self.wave = pillars, wave
+        self.pillars, self.wave, self.means = pillars, wave, MEANS[pillars.shape]
         self.g = wave.compliance / wave.strip_width if loading else 0.0
         x, y = pillars.x, pillars.y
         heights = pillars.heights - 0.5 * pillars.curvature * (x**2 + y**2)
@@ -58,11 +74,9 @@ class PillarCycle:
         self.row_x = self.x[self.first]
         self.turn = np.exp(-1j * wave.wavenumber * self.row_x)
         self.row_count = self.sums(np.ones_like(self.x))
-        self.orbit = np.array([wave.orbit])
         self.incident = np.array([wave.forward, wave.backward])
         self.evaluations = 0
-        self._out = np.empty((self.x.size, COLUMNS))
-        self._chain = np.empty((self.turn.size, 4), dtype=complex)
+        self._out = np.empty((self.x.size, columns.COLUMNS))
         self.reset()
 
     def reset(self):
@@ -86,89 +100,91 @@ class PillarCycle:
     def approaches(self, height, pitch: float, roll: float):
         """Return the mean approach of each class, of a plane's height (or one for each row) and tilts in rad."""
         own = height[self.row] if np.ndim(height) else height
-        return own + pitch * self.x + roll * self.y + self.height
+        plane = tilted(Coordinates(-own, 0.0), pitch, roll, self.x, self.y)
+        return body.approach(self, slice(None), 0.0, plane)
+
+    def mean_normal(self, height):
+        """Return <P> of each class and its derivative in the approach, of an untilted plane, N and N/m."""
+        (u_z, _) = self.amplitudes()
+        own = height[self.row] if np.ndim(height) else height
+        return (self.k_n * each for each in self.means.mean_normal(own + self.height, abs(u_z)[self.row]))
 
     def forces(self, approach, w: float, side: float) -> Forces:
         """Return the forces at mean approaches in m and a velocity over omega in m."""
         self.evaluations += 1
         u_z, u_x = (each[self.row] for each in self.amplitudes())
-        out = self._out
-        flat_cycles(np.ascontiguousarray(approach), u_z, u_x, self.limit_slope, float(w), float(side), out)
-        size = abs(u_z)
+        out, size = self._out, abs(u_z)
         crest = np.divide(u_z, size, out=np.ones_like(u_z), where=size > 0.0)
+        along = u_x * crest.conj()
+        self.means.cycles(
+            np.ascontiguousarray(approach), size, np.ascontiguousarray(along.real), -along.imag, self.limit_slope,
+            float(w), float(side), out,
+        )  # fmt: skip
         stretch = out[:, columns.COS_STRETCH] - 1j * out[:, columns.SIN_STRETCH]
         return Forces(
             out, self.k_n * out[:, columns.MEAN_APPROACH], self.k_t * out[:, columns.MEAN_STRETCH],
             self.k_n * out[:, columns.FIRST_APPROACH] * crest, self.k_t * stretch * crest,
         )  # fmt: skip
 
-    def advance(self, forces: Forces) -> float:
-        """Move the wave's amplitudes to those that the forces leave; return the change over the incident one."""
+    def advance(self, forces: Forces, slope=None) -> float:
+        """Move the wave's amplitudes to those that the forces leave; return the change over the incident one.
+
+        `slope`: derivatives of the rows' forces from `tangent`, for a step of Newton's method of at most half the
+        incident amplitude; None: the forces stay proportional to the amplitudes.
+        """
         if self.g == 0.0:
             return 0.0
-        along, against, normal, tangential = self._row_forces(forces)
-        u_z, u_x = self.amplitudes()
+        amplitude, size = np.stack([self.forward, self.backward], axis=1), max(self.wave.amplitude, 1e-300)
+        given = self._proportional(forces) if slope is None else slope
+        step = march(self.turn, self._row_forces(forces), given, amplitude, self.g, self.incident) - amplitude
+        change = float(np.abs(step).max()) / size
+        if slope is not None and change > MAX_STEP:
+            step *= MAX_STEP / change
+        self.forward, self.backward = self.forward + step[:, 0], self.backward + step[:, 1]
+        return change
+
+    def _proportional(self, forces):
+        """Return the slope of forces P_1 = s_n u_z and Q_1 = s_t u_x: exact where contacts stick all the time."""
+        normal, tangential = self.sums(forces.first_normal), self.sums(forces.first_tangential)
+        (u_z, u_x), c = self.amplitudes(), self.wave.orbit
         reach = abs(self.forward) + abs(self.backward)
-        seen = abs(u_x) > TANGENTIAL_SHARE * abs(self.wave.orbit) * reach
-        followed = Followed(
-            np.divide(normal, u_z, out=np.zeros_like(u_z), where=abs(u_z) > 1e-9 * reach),
-            np.divide(tangential, u_x, out=np.zeros_like(u_x), where=seen),
-        )
-        old = np.concatenate([self.forward, self.backward])
-        march(self._waves(), along, against, followed, self.forward, self.backward, self._chain)
-        change = np.abs(np.concatenate([self.forward, self.backward]) - old).max()
-        return float(change) / max(self.wave.amplitude, 1e-300)
+        seen = abs(u_x) > TANGENTIAL_SHARE * abs(c) * reach
+        normal = np.divide(normal, u_z, out=np.zeros_like(u_z), where=abs(u_z) > 1e-9 * reach)
+        tangential = np.divide(tangential, u_x, out=np.zeros_like(u_x), where=seen)
+        # u_z = q_0 + q_1 and u_x = C q_0 + C* q_1 in F = (P_1 + C* Q_1, P_1 + C Q_1)
+        shares = np.array([[abs(c) ** 2, c.conjugate() ** 2], [c**2, abs(c) ** 2]])
+        return real_form(normal[:, None, None] + shares * tangential[:, None, None])
 
     def tangent(self, approach, w: float, side: float, forces: Forces):
-        """Return the derivatives of the rows' forces by their amplitudes, shape (m, 4, 4); see `tangent_march`."""
-        here, size = self._stacked(forces), max(self.wave.amplitude, 1e-300)
+        """Return the derivatives of the rows' forces by their amplitudes, shape (m, 4, 4); see `march`."""
+        here, size = self._row_forces(forces).view(float), max(self.wave.amplitude, 1e-300)
         slope = np.empty((self.turn.size, 4, 4))
         kept = self.forward, self.backward
         for k, step in enumerate((STEP, 1j * STEP, STEP, 1j * STEP)):
             moved = list(kept)
             moved[k // 2] = kept[k // 2] + step * size
             self.forward, self.backward = moved
-            slope[:, :, k] = (self._stacked(self.forces(approach, w, side)) - here) / (STEP * size)
+            there = self._row_forces(self.forces(approach, w, side)).view(float)
+            slope[:, :, k] = (there - here) / (STEP * size)
         self.forward, self.backward = kept
         return slope
-
-    def newton(self, forces: Forces, slope) -> float:
-        """Move the wave's amplitudes by a step of Newton's method, at most half the incident one; return its size."""
-        size, n = max(self.wave.amplitude, 1e-300), self.turn.size
-        old = np.stack([self.forward, self.backward], axis=1)
-        new = np.ascontiguousarray(old).view(float).reshape(n, 4).copy()
-        room = np.empty((n, 4, 3)), np.empty((4, 7)), np.empty((2, 3))
-        tangent_march(self._waves(), self._stacked(forces), slope, new, *room)
-        step = new.view(complex) - old
-        change = float(np.abs(step).max()) / size
-        step *= min(1.0, MAX_STEP / change) if change > 0.0 else 0.0
-        self.forward, self.backward = self.forward + step[:, 0], self.backward + step[:, 1]
-        return change
-
-    def _stacked(self, forces: Forces):
-        """Return the forces that drive both waves at each row, real and imaginary parts in turn, shape (m, 4)."""
-        along, against, *_ = self._row_forces(forces)
-        return np.stack([along, against], axis=1).view(float)
 
     def passed(self, forces: Forces):
         """Return U+ behind each row and U- before it, with the forces that belong to the amplitudes as they stand.
 
         Shape (2, m, number of harmonics).
         """
-        along, against, *_ = self._row_forces(forces)
-        return ends(self.turn, along, against, self.g, *self.incident)[..., None]
+        normal, tangential = self.sums(forces.first_normal), self.sums(forces.first_tangential)
+        return passed(self.turn, normal[:, None], tangential[:, None], self.wave.orbit, self.g, self.incident)
 
     def work(self, forces: Forces):
         """Return the complex power over omega of the surface on each row; what it takes is the imaginary part."""
-        _, _, normal, tangential = self._row_forces(forces)
+        normal, tangential = self.sums(forces.first_normal), self.sums(forces.first_tangential)
         u_z, u_x = self.amplitudes()
         return 0.5 * (normal * u_z.conj() + tangential * u_x.conj())
 
-    def _waves(self) -> Waves:
-        return Waves(self.turn, self.orbit, self.g, self.incident)
-
     def _row_forces(self, forces):
-        """Return sum (P_1 + C* Q_1), sum (P_1 + C Q_1), sum P_1 and sum Q_1 of each row."""
+        """Return (sum P_1 + C* Q_1, sum P_1 + C Q_1) of each row, shape (m, 2)."""
         normal, tangential = self.sums(forces.first_normal), self.sums(forces.first_tangential)
         orbit = self.wave.orbit
-        return normal + orbit.conjugate() * tangential, normal + orbit * tangential, normal, tangential
+        return np.stack([normal + orbit.conjugate() * tangential, normal + orbit * tangential], axis=1)

@@ -54,8 +54,9 @@ class Equilibrium:
         self.cycle = cycle
         self.load = 0.0  # sum <Q> that balances it, N
         self.preload, self.friction = pillars.preload, pillars.friction_coefficient * pillars.preload
-        mean_stiffness = float(np.sum(cycle.weight * cycle.k_n))
-        self.length = max(wave.amplitude, self.preload / mean_stiffness)
+        stiffness = float(np.sum(cycle.weight * cycle.k_n))
+        rest = (self.preload / stiffness) ** (1.0 / cycle.means.exponent)
+        self.length = max(wave.amplitude, rest)
         self.speed = max(abs(wave.orbit) * wave.amplitude, 1e-3 * self.length)
         self.arm = np.array([max(float(np.ptp(each)), 1e-300) / 2.0 for each in (pillars.x, pillars.y)])
         tilts = {"held": (), "pitch": (PITCH,), "free": (PITCH, ROLL)}[pillars.tilt]
@@ -64,44 +65,38 @@ class Equilibrium:
         self.scale = np.array([self.length, *(self.length / self.arm), self.speed])
         share = cycle.sums(np.ones_like(cycle.x)) / pillars.number
         self.row_load = self.preload * share
-        mean_height = float(np.sum(cycle.weight * cycle.height)) / pillars.number
         self.unknowns = np.zeros(4)
         self.rows = np.zeros(cycle.turn.size)
-        if self.soft:
-            self.unknowns[HEIGHT] = 0.0
-        else:  # every contact in touch: too low; then Newton's method on <P>, convex in H
-            self.unknowns[HEIGHT] = self._own_height(self.preload / mean_stiffness - mean_height)
+        if not self.soft:
+            self.unknowns[HEIGHT] = self._own_height(rest - float(cycle.height.min()))
         sign = abs(wave.forward) ** 2 - abs(wave.backward) ** 2
         self.unknowns[SPEED] = -0.6 * wave.orbit.imag * sign / max(wave.amplitude, 1e-300)
         self.residual = self.change = np.inf
         self.forces = self.slope = None
 
     def _own_height(self, height: float) -> float:
-        """Return H of the untilted slider on the wave as it stands, from one that is too large."""
-        cycle, (u_z, _) = self.cycle, self.cycle.amplitudes()
-        size = abs(u_z)[cycle.row]
+        """Return H of the untilted slider on the wave as it stands (Newton's method from one that is too large)."""
+        cycle = self.cycle
         for _ in range(100):
-            mean, slope = mean_approach(height + cycle.height, size)
-            force, rate = np.sum(cycle.weight * cycle.k_n * mean), np.sum(cycle.weight * cycle.k_n * slope)
+            force, rate = (float(np.sum(cycle.weight * each)) for each in cycle.mean_normal(height))
             step = (force - self.preload) / rate
             height -= step
             if abs(step) < 1e-13 * self.length:
                 break
-        return float(height)
+        return height
 
     def _row_heights(self):
-        """Return H of each row under its own share of the preload."""
-        cycle, (u_z, _) = self.cycle, self.cycle.amplitudes()
-        size = abs(u_z)[cycle.row]
-        stiffness = cycle.sums(cycle.k_n)
-        heights = (self.row_load - cycle.sums(cycle.k_n * cycle.height)) / stiffness
+        """Return H of each row under its own share of the preload (Newton's method from heights that are too large)."""
+        cycle = self.cycle
+        count = np.maximum.reduceat(-cycle.height, cycle.first)
+        rest = self.row_load / cycle.sums(cycle.k_n)
+        heights = rest ** (1.0 / cycle.means.exponent) + count
         if self.forces is not None:  # where the last ones carry at least the load, they are nearer
-            mean, slope = mean_approach(self.rows[cycle.row] + cycle.height, size)
-            force = cycle.sums(cycle.k_n * mean)
+            force = cycle.sums(next(cycle.mean_normal(self.rows)))
             heights = np.where(force >= self.row_load, self.rows, heights)
         for _ in range(100):
-            mean, slope = mean_approach(heights[cycle.row] + cycle.height, size)
-            step = (cycle.sums(cycle.k_n * mean) - self.row_load) / cycle.sums(cycle.k_n * slope)
+            force, rate = (cycle.sums(each) for each in cycle.mean_normal(heights))
+            step = (force - self.row_load) / rate
             heights = heights - step
             if abs(step).max() < 1e-14 * self.length:
                 break
@@ -138,10 +133,7 @@ class Equilibrium:
         for _ in range(MAX_SWEEPS):
             residual = self._evaluate(unknowns, side)[list(active)]
             self.residual = float(np.max(np.abs(residual), initial=0.0))
-            if self.slope is None:
-                self.change = self.cycle.advance(self.forces)
-            else:
-                self.change = self.cycle.newton(self.forces, self.slope)
+            self.change = self.cycle.advance(self.forces, self.slope)
             if self.change <= max(0.1 * CLOSE, INNER * self.residual):
                 return residual
             # short contacts answer a change of the amplitude many times over: sweeps alone swing to and fro
@@ -243,14 +235,3 @@ class Equilibrium:
         with np.errstate(all="ignore"):
             left = float(np.max(np.abs(np.linalg.pinv(jacobian) @ residual)))
         return (left + self.change) * self.scale[SPEED]
-
-
-def mean_approach(h, A):
-    """Return <z> of contacts at mean approaches h on amplitudes A, arrays, and its derivative in h."""
-    inside = np.abs(h) < A
-    p = np.where(h >= A, np.pi, 0.0)
-    ratio = np.divide(h + A, 2.0 * A, out=np.zeros_like(h), where=inside)
-    p[inside] = 2.0 * np.arcsin(np.sqrt(ratio[inside]))
-    mean = np.where(h >= A, h, 0.0)
-    mean[inside] = (h[inside] * p[inside] + A[inside] * np.sin(p[inside])) / np.pi
-    return mean, p / np.pi

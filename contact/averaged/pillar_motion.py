@@ -2,21 +2,23 @@
 
 import math
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from contact import bounds
 from contact.averaged import flat_cycle as columns
+from contact.averaged.equilibrium import balanced_speed
 from contact.averaged.overtone_cycle import OvertoneCycle
 from contact.averaged.pillar_cycle import PillarCycle
-from contact.averaged.pillar_equilibrium import Balance, Equilibrium
+from contact.averaged.pillar_equilibrium import SPEED, Balance, Equilibrium
 from contact.averaged.pillars import PassingWave, Pillars
+from contact.codes import Status
 from contact.convergence_error import ConvergenceError
 from contact.input_error import InputError
 
 LOADED = 0.05  # loading number above which a slider acts back on the wave, where `loading` is None
 FULL_SLIP = 1.001  # of the velocity beyond which every contact slips all the time
-MAX_HALVINGS = 60
 HARMONICS = "harmonics"  # the word for a load on the wave with its overtones
 NUMBERS = (8, 16, 32, 64)  # harmonics, until the last doubling leaves the velocity an error below
 OVERTONE_ERROR = 1e-3
@@ -135,9 +137,12 @@ class PillarMotion:
 
     @property
     def overtone(self) -> float:
-        """|U_2| at the exit over the incident |U_1|; of a motion without overtones what its contacts would radiate."""
+        """|U_2| at the exit over the incident |U_1|; of a motion without overtones what its contacts would radiate.
+
+        0 for balls, for which it is not computed.
+        """
         wave = self.wave
-        if wave.compliance == 0.0 or wave.amplitude == 0.0:
+        if wave.compliance == 0.0 or wave.amplitude == 0.0 or self.pillars.shape != "punch":
             return 0.0
         if self.harmonics > 1:
             second = self.exit_overtones[0]
@@ -209,6 +214,15 @@ class PillarLoadLine:
         return self.stall
 
 
+class Asked(NamedTuple):
+    """What `balanced_speed` asks of a problem, velocities over omega."""
+
+    friction: float
+    preload: float
+    load: float
+    tangential_damping: float
+
+
 class _Slider:
     """The equilibria of one slider on one wave, each begun at the last; w = v/omega is the velocity, m."""
 
@@ -263,41 +277,37 @@ class _Slider:
 
     def _bracketed(self, load):
         """Return the equilibrium from the sign of the forces at given velocities."""
-        high, low = self.rest(-1.0, load), self.rest(1.0, load)
+        side = -1.0 if load <= 0.0 else 1.0
+        other = self.rest(-side, load)
+        held = self.rest(
+            side, load
+        )  # the last: forces and amplitudes as they stand are those of a slider that is held
+        low, high = (other, held) if side < 0.0 else (held, other)
         rounding = 1e-12 * self.equilibrium.friction
         if low.traction - load <= rounding and high.traction - load >= -rounding:
-            return replace(high if load <= 0.0 else low, traction=load)
+            return replace(held, traction=load)
         way = 1.0 if low.traction > load else -1.0
-        reach = (abs(self.wave.forward) + abs(self.wave.backward)) * (
-            abs(self.wave.orbit) + float(self.cycle.limit_slope.max())
+        reach = abs(self.wave.forward) + abs(self.wave.backward)
+        fastest = FULL_SLIP * reach * (abs(self.wave.orbit) + float(self.cycle.limit_slope.max()))
+        asked = Asked(
+            self.pillars.friction_coefficient, self.pillars.preload, load,
+            self.pillars.tangential_damping * self.wave.omega,
+        )  # fmt: skip
+        found = balanced_speed(
+            asked, self, way, (low if way > 0.0 else high).traction, max(fastest, 1e-300), 1e-6
         )
-        a, fa = 0.0, (low if way > 0.0 else high).traction - load
-        b = way * FULL_SLIP * max(reach, 1e-300)
-        fb = self._excess(b, load)
-        if fb * way > 0.0:
-            damping = self.pillars.tangential_damping * self.wave.omega
-            if damping == 0.0:
-                raise ConvergenceError(
-                    "runaway",
-                    f"friction of {self.equilibrium.friction:.4g} N cannot balance the load of {abs(load):.4g} N",
-                )
-            b += 1.000001 * fb / damping
-            fb = self._excess(b, load)
-        for count in range(MAX_HALVINGS):
-            w = b - fb * (b - a) / (fb - fa) if count % 3 else 0.5 * (a + b)
-            f = self._excess(w, load)
-            if f * fa > 0.0:
-                a, fa = w, f
-            else:
-                b, fb = w, f
-            if abs(b - a) < 1e-5 * abs(b) + 1e-12 * self.equilibrium.speed:
-                break
-        self.equilibrium.unknowns[3] = w
+        if found.status == Status.RUNAWAY:
+            raise ConvergenceError(
+                "runaway",
+                f"friction of {self.equilibrium.friction:.4g} N cannot balance the load of {abs(load):.4g} N",
+            )
+        self.equilibrium.unknowns[SPEED] = found.velocity
         return self.equilibrium.solve(load)
 
-    def _excess(self, w, load):
-        found = self.equilibrium.solve(load, w)
-        return found.traction - load - self.pillars.tangential_damping * w * self.wave.omega
+    @staticmethod
+    def left(asked, slider, w):
+        """Return the mean tangential force that is left to accelerate the slider at a velocity over omega."""
+        return slider.equilibrium.solve(asked.load, w).traction - asked.load - asked.tangential_damping * w
 
     def directed(self, load: float) -> float:
         """Return a load with the sign of the motion that it opposes."""
@@ -419,8 +429,8 @@ def pillar_motion(
     load = bounds.non_negative("load", load, "N")
     if loading != HARMONICS:
         return _motion(pillars, wave, load, loading, near, 1)
-    if pillars.backing == "soft":
-        raise InputError("loading", 'must not be "harmonics" with a soft backing', loading)
+    if pillars.backing == "soft" or pillars.shape != "punch":
+        raise InputError("loading", 'must not be "harmonics" with a soft backing or with balls', loading)
     if near is not None and near.harmonics > 1:
         return _motion(pillars, wave, load, True, near, near.harmonics)
     try:

@@ -1,4 +1,4 @@
-"""A slider on flat pillars and the surface wave that passes below it: what the averaged equilibrium is asked about."""
+"""A slider on many contacts and the surface wave that passes below it: what the averaged equilibrium is asked about."""
 
 import math
 from dataclasses import dataclass, field
@@ -7,20 +7,26 @@ import numpy as np
 
 from contact import bounds
 from contact.input_error import InputError
+from contact.law.normal import stiffness
+from contact.slider import Slider
 
+SHAPE_NAMES = ("punch", "sphere")
 TILTS, BACKINGS = ("held", "pitch", "free"), ("rigid", "soft")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Pillars:
-    """A rigid slider, heavy on the wave's time scale, on flat pillars with their own places, heights and stiffnesses.
+    """A rigid slider, heavy on the wave's time scale, on contacts with their own places, heights and stiffnesses.
+
+    The contacts are flat pillars, or balls (`balls_of` makes them from a `Slider`).
 
     Attributes
     ----------
     x, y : array_like, shape (n,)
         Places from the slider's centre, m: along the wave and across.
     normal_stiffness, tangential_stiffness : float or array_like, shape (n,)
-        k_n and k_t of each pillar, N/m, positive.
+        k_n and k_t of each pillar, N/m, positive. Of a ball P = k_n z^(3/2), in N/m^1.5, and k_t = 4 (G/E) k_n, so
+        that the slip limit is c = mu k_n/k_t times the approach in both cases.
     heights : float or array_like, shape (n,)
         How much further each pillar stands out towards the surface than one of height 0, m.
     weights : float or array_like, shape (n,)
@@ -41,6 +47,8 @@ class Pillars:
         "rigid": one plane; "soft": every row along the wave bears the same force per pillar.
     curvature : float
         Of the slider's face, 1/m; positive: its middle stands out, a pillar at (x, y) lies (x^2 + y^2)/2 times it back.
+    shape : str
+        "punch" (flat pillars, default) or "sphere" (balls).
 
     Examples
     --------
@@ -66,6 +74,7 @@ class Pillars:
     load_height: float = 0.0
     backing: str = "rigid"
     curvature: float = 0.0
+    shape: str = "punch"
 
     def __post_init__(self):
         x = np.atleast_1d(np.asarray(self.x, dtype=float))
@@ -95,6 +104,7 @@ class Pillars:
             object.__setattr__(self, name, rule(f"pillars.{name}", getattr(self, name), unit))
         at = tuple(bounds.finite("pillars.preload_at", each, "m") for each in self.preload_at)
         object.__setattr__(self, "preload_at", at)
+        bounds.choice("pillars.shape", self.shape, SHAPE_NAMES)
         bounds.choice("pillars.tilt", self.tilt, TILTS)
         bounds.choice("pillars.backing", self.backing, BACKINGS)
         if self.backing == "soft" and self.tilt != "held":
@@ -142,6 +152,47 @@ class Pillars:
     def limit_slope(self) -> np.ndarray:
         """Slip limit over the approach, c = mu k_n/k_t, of each pillar."""
         return self.friction_coefficient * self.normal_stiffness / self.tangential_stiffness
+
+
+def balls_of(slider: Slider, x, y=0.0, *, radius=None, weights=1.0) -> Pillars:
+    """Return the contacts of a `Slider` at their own places, balls or punches of one material.
+
+    Parameters
+    ----------
+    slider : Slider
+        With the elastic law and Coulomb's friction; its preload is carried by all of them.
+    x, y : array_like, shape (n,)
+        Places from the slider's centre, m.
+    radius : float or array_like, shape (n,), optional
+        Of each contact, m; None: `slider.radius`.
+    weights : float or array_like, shape (n,)
+        How many equal contacts each of them stands for.
+
+    Examples
+    --------
+    >>> slider = Slider(
+    ...     radius=1e-3, mass=8.9e-5, preload=8.7e-4, load=0.0, friction_coefficient=0.08, effective_modulus=64e9,
+    ...     tangential_modulus=12e9, law="elastic", reciprocal=False, stick_band=0.0, contact_damping=0.0,
+    ...     normal_damping=0.5, tangential_damping=1e-4,
+    ... )
+    >>> float(balls_of(slider, x=[0.0, 1e-3], radius=[1e-3, 4e-3]).normal_stiffness @ [-0.5, 0.25])
+    0.0
+    """
+    if slider.law != "elastic" or slider.reciprocal or slider.stick_band > 0.0 or slider.friction is not None:
+        raise InputError(
+            "slider.law", 'must be "elastic", not reciprocal, with Coulomb\'s friction and no stick band'
+        )
+    x = np.atleast_1d(np.asarray(x, dtype=float))
+    radii = np.broadcast_to(np.asarray(slider.radius if radius is None else radius, dtype=float), x.shape)
+    for each in radii:
+        bounds.positive("radius", each, "m")
+    k_n = stiffness(radii, slider.effective_modulus, slider.contact_shape)
+    return Pillars(
+        x=x, y=np.broadcast_to(np.asarray(y, dtype=float), x.shape), normal_stiffness=k_n,
+        tangential_stiffness=4.0 * slider.tangential_modulus / slider.effective_modulus * k_n,
+        heights=slider.offsets(x.size), weights=weights, friction_coefficient=slider.friction_coefficient,
+        preload=slider.preload, tangential_damping=slider.tangential_damping, shape=slider.shape,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -49,16 +49,21 @@ def _mean_loads(z, a, half, rule, shape):
 
 @formula
 def arc(z, a):
-    """Return half of the arc of a cycle in which z + a cos phi is positive; z > -a."""
-    return np.pi if z >= a else np.arccos(-z / a)
+    """Return half of the arc of a cycle in which z + a cos phi is positive; z > -a. Numbers, or arrays in Python."""
+    return np.arccos(-np.minimum(z / np.maximum(a, 1e-300), 1.0))
 
 
-def mean_load(z, a, shape):
-    """Return the cycle mean of p(z + a cos phi); numbers."""
-    if z <= -a:
-        return 0.0
-    half, rule = arc(z, a), quadrature(NODES)
-    return half / np.pi * float(rule.weight @ load(z + a * np.cos(half * rule.place), shape))
+def mean_loads(z, a, shape):
+    """Return the cycle means of p(z + a cos phi) and of its derivative in z; arrays (n,)."""
+    z, a = np.atleast_1d(z), np.atleast_1d(a)
+    half, rule = arc(np.maximum(z, -a), a)[:, None], quadrature(NODES)
+    places = z[:, None] + a[:, None] * np.cos(half * rule.place)
+    return tuple((half * of(places, shape)) @ rule.weight / np.pi for of in (load, slope))
+
+
+def mean_load(z: float, a: float, shape: int) -> float:
+    """Return the cycle mean of p(z + a cos phi)."""
+    return float(mean_loads(z, a, shape)[0][0])
 
 
 @compiled

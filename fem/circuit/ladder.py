@@ -1,9 +1,9 @@
 """Ladders of lumped elements between a source and a transducer, and the L-section that matches the two.
 
 An element in series has an impedance Z, one across the line an admittance 1/Z; L: i omega L (1 - i/Q), C:
-(1 + i/Q) / (i omega C), both with a series resistance; R.  Voltage and current are carried from the transducer's
-electrodes to the source, element by element, each with the power that it takes (Pozar, *Microwave Engineering*, 4th
-ed., 2012, section 4.4; matching by an L-section: section 5.1).
+(1 + i/Q) / (i omega C), both with a series resistance; R.  Voltage and current are transformed from the transducer's
+electrodes to the source, element by element, with the power lost in each (Pozar, *Microwave Engineering*, 4th ed.,
+2012, section 4.4; matching by an L-section: section 5.1).
 """
 
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ class Element:
     value : float
         H, F or ohm; positive.
     quality : float
-        Reactance over series resistance, at the frequency in question; of L and C.
+        Reactance over series resistance of L or C, at the frequency of evaluation.
     """
 
     place: str
@@ -54,7 +54,7 @@ Ladder = tuple[Element, ...]
 
 
 def carried(ladder: Ladder, omega: float, voltage, current) -> tuple:
-    """Carry voltage and current (V, A; scalars or arrays) from the transducer's end of a ladder to the source's.
+    """Transform voltage and current (V, A; scalars or arrays) from the transducer's end of a ladder to the source's.
 
     Returns
     -------
@@ -79,10 +79,10 @@ def carried(ladder: Ladder, omega: float, voltage, current) -> tuple:
 def best_match(source: complex, admittance: complex, frequency: float) -> Ladder:
     """Return the lossless L-section that matches a source to a load at one frequency.
 
-    Of the up to four sections that let the load take all available power, the one that stores the least energy: it has
-    the widest band and loses least in real elements.  Equal ones are frequent: two sections of inductors alone (or of
-    capacitors alone) both store exactly what source and load have in excess, and between two resistances each section
-    has a dual.  Of these, one without a series capacitor (it suppresses harmonics), then that of the smaller elements.
+    Up to four sections deliver all available power to the load.  The one that stores the least energy is chosen: it has
+    the widest band and loses least in real elements.  Ties are frequent: two sections of inductors alone (or of
+    capacitors alone) both store exactly the excess of source and load, and between two resistances each section has a
+    dual.  A tie goes to a section without a series capacitor, which suppresses harmonics, then to the smaller elements.
 
     Parameters
     ----------
@@ -115,35 +115,36 @@ def best_match(source: complex, admittance: complex, frequency: float) -> Ladder
         raise InputError("match", "needs a source with a resistance", source, "ohm")
     if not admittance.real > 0:
         raise InputError("match", f"needs a load that takes power, got an admittance of {admittance:g} S")
-    omega, found = 2 * np.pi * frequency, []
-    # Seen towards the load the section must be the conjugate of the source's impedance.
-    for susceptance in _partners(admittance.real, source.real):  # shunt at the load, then series
-        seen = 1 / complex(admittance.real, susceptance)
-        found.append((("series", -source.imag - seen.imag), ("shunt", susceptance - admittance.imag)))
-    load, inner = 1 / admittance, 1 / source
-    for reactance in _partners(load.real, inner.real):  # series at the load, then shunt
-        seen = 1 / complex(load.real, reactance)
-        found.append((("shunt", -inner.imag - seen.imag), ("series", reactance - load.imag)))
-    stored = {each: _stored(each, omega, admittance) for each in (_ladder(pair, omega) for pair in found)}
+    omega, sections = 2 * np.pi * frequency, []
+    # The input impedance of section and load must be the conjugate of the source's impedance.
+    for susceptance in _imaginary_parts(admittance.real, source.real):  # shunt at the load, then series
+        inner = 1 / complex(admittance.real, susceptance)
+        sections.append((("series", -source.imag - inner.imag), ("shunt", susceptance - admittance.imag)))
+    load, source_admittance = 1 / admittance, 1 / source
+    for reactance in _imaginary_parts(load.real, source_admittance.real):  # series at the load, then shunt
+        inner = 1 / complex(load.real, reactance)
+        sections.append((("shunt", -source_admittance.imag - inner.imag), ("series", reactance - load.imag)))
+    ladders = [_ladder(section, omega) for section in sections]
+    stored = {ladder: _stored(ladder, omega, admittance) for ladder in ladders}
     least = min(stored.values())
-    equal = [each for each in stored if stored[each] <= least * (1 + EQUAL)]
-    return min(equal, key=_awkwardness)
+    tied = [ladder for ladder in stored if stored[ladder] <= least * (1 + EQUAL)]
+    return min(tied, key=_tie_breaker)
 
 
-def _awkwardness(ladder: Ladder) -> tuple[bool, float]:
-    """Return what decides between sections that store the same: a series capacitor, then the largest element."""
+def _tie_breaker(ladder: Ladder) -> tuple[bool, float]:
+    """Sort key of sections that store the same energy: a series capacitor, then the largest element."""
     capacitor = any((each.place, each.kind) == ("series", "C") for each in ladder)
     return capacitor, max((each.value for each in ladder), default=0.0)
 
 
-def _partners(part: float, wanted: float) -> tuple[float, ...]:
-    """Return x of both signs with Re 1/(part + i x) = wanted, or none."""
-    square = part / wanted - part**2
+def _imaginary_parts(real: float, inverse_real: float) -> tuple[float, ...]:
+    """Return x of both signs with Re 1/(real + i x) = inverse_real; empty if there is none."""
+    square = real / inverse_real - real**2
     return () if square < 0 else (np.sqrt(square), -np.sqrt(square))
 
 
 def _ladder(pair, omega: float) -> Ladder:
-    """Return the elements of reactances (series, ohm) and susceptances (shunt, S); vanishing ones are left out."""
+    """Elements with these reactances (series, ohm) and susceptances (shunt, S); those of value 0 are left out."""
     elements = []
     for place, value in pair:
         if value == 0:

@@ -2,20 +2,18 @@
 
     Y = i omega C0 + 1/R0 + sum_k 1 / (R_k + i omega L_k + 1 / (i omega C_k))
 
-With one branch it is the Butterworth-Van Dyke circuit (Van Dyke, Proc. IRE 16, 1928, 742), which has the resonance but
-not the sidelobes of a row of fingers; a few branches follow the whole passband (Foster's sum of resonances, with
-losses).  Elements are fitted by least squares of |Y - Y_fitted|, in logarithms, so that they stay positive and the
-circuit passive.
+With one branch it is the Butterworth-Van Dyke circuit (Van Dyke, Proc. IRE 16, 1928, 742), which has the main resonance
+but not the sidelobes of a row of fingers; a few branches represent the whole passband (Foster's sum of resonances, with
+losses).  Least squares of |Y - Y_fitted| in the logarithms of the elements keep them positive and the circuit passive.
 """
 
 from dataclasses import dataclass, field
 
 import numpy as np
 
-SPREADS = (
-    1.0,
-    1.5,
-)  # half widths about the middle over which the branches start; each may end in a minimum of its own
+# Initial resonances of several branches cover this many half widths about the middle.  Each start may lead to another
+# local minimum; the best one is kept.
+SPREADS = (1.0, 1.5)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,45 +82,48 @@ def motional_model(frequency: np.ndarray, admittance: np.ndarray, branches: int 
     width = _half_width(f, y.real)
 
     def parts(parameters: np.ndarray):
-        """Static capacitance's and leak's admittances at the middle; conductance, place and rate of each branch."""
-        static, across = np.exp(parameters[:2])
+        """|i omega C0| at the middle and 1/R0; peak conductance 1/R, resonance and R/L of each branch (rad/s)."""
+        static, leak = np.exp(parameters[:2])
         peak, rate = np.exp(parameters[2::3]), 2 * np.pi * width * np.exp(parameters[4::3])
-        return static, across, peak, 2 * np.pi * (middle + parameters[3::3] * width), rate
+        return static, leak, peak, 2 * np.pi * (middle + parameters[3::3] * width), rate
 
     def columns(parameters: np.ndarray) -> np.ndarray:
-        """Y as a sum, and its derivatives: shape (2 + 3 branches, frequencies); a branch is peak / (1 + i q)."""
-        static, across, peak, resonance, rate = (np.reshape(each, (-1, 1)) for each in parts(parameters))
+        """Terms of Y and their derivatives by the parameters, shape (2 + 3 branches, frequencies).
+
+        A branch is Y_k = peak / (1 + i q); the first two terms are their own derivatives, as is Y_k that by log(peak).
+        """
+        static, leak, peak, resonance, rate = (np.reshape(each, (-1, 1)) for each in parts(parameters))
         q = (omega - resonance**2 / omega) / rate
-        one = peak / (1 + 1j * q)
-        steep = -1j * one / (1 + 1j * q)  # dY/dq
-        moved = -2 * resonance / (omega * rate) * 2 * np.pi * width
-        branches = np.stack([one, steep * moved, -steep * q], axis=1).reshape(-1, len(f))
-        return np.concatenate([1j * omega * static / (2 * np.pi * middle), across + 0j * f, branches])
+        branch = peak / (1 + 1j * q)
+        by_q = -1j * branch / (1 + 1j * q)
+        q_by_place = -2 * resonance / (omega * rate) * 2 * np.pi * width
+        terms = np.stack([branch, by_q * q_by_place, -by_q * q], axis=1).reshape(-1, len(f))
+        return np.concatenate([1j * omega * static / (2 * np.pi * middle), leak + 0j * f, terms])
 
     def residual(parameters: np.ndarray) -> np.ndarray:
-        own = columns(parameters)
-        apart = (own[0] + own[1] + own[2::3].sum(axis=0) - y) / scale
-        return np.concatenate([apart.real, apart.imag])
+        terms = columns(parameters)
+        difference = (terms[0] + terms[1] + terms[2::3].sum(axis=0) - y) / scale
+        return np.concatenate([difference.real, difference.imag])
 
-    def slope(parameters: np.ndarray) -> np.ndarray:
-        own = columns(parameters).T / scale
-        return np.concatenate([own.real, own.imag])
+    def jacobian(parameters: np.ndarray) -> np.ndarray:
+        terms = columns(parameters).T / scale
+        return np.concatenate([terms.real, terms.imag])
 
-    tries = []
+    fits = []
     for spread in SPREADS if branches > 1 else (0.0,):
         start = [np.log(abs(np.median(y.imag))), np.log(1e-3 * scale)]
         for place in np.linspace(-spread, spread, branches):
             start += [np.log(y.real.max() / branches), place, np.log(1.0 / branches)]
-        tries.append(least_squares(residual, start, jac=slope, method="trf", max_nfev=400))
-    found = min(tries, key=lambda each: each.cost)
-    static, across, peak, resonance, rate = parts(found.x)
+        fits.append(least_squares(residual, start, jac=jacobian, method="trf", max_nfev=400))
+    best = min(fits, key=lambda fit: fit.cost)
+    static, leak, peak, resonance, rate = parts(best.x)
     inductance = 1 / (peak * rate)
     return MotionalModel(
         capacitance=float(static / (2 * np.pi * middle)),
-        resistance=float(1 / across),
+        resistance=float(1 / leak),
         branches=np.stack([1 / peak, inductance, 1 / (inductance * resonance**2)], axis=1),
         limits=(float(f[0]), float(f[-1])),
-        error=float(np.hypot(*found.fun.reshape(2, -1)).max()),
+        error=float(np.hypot(*best.fun.reshape(2, -1)).max()),
     )
 
 

@@ -1,10 +1,10 @@
 """The electrical circuit of a stator: sources, terminations and impedances at the ports of its admittance matrix.
 
 With I = Y V (currents into the positive electrodes), a source of voltage S behind an impedance Z obeys V + Z I = S, a
-loaded transducer V + Z I = 0, a short one V = 0, an open one I = 0.  Behind a ladder with V' = A V + B I and
-I' = C V + D I at the source's end it is V' + Z I' = S.  Seen from the electrodes the source is then the impedance
-(B + Z D) / (A + Z C).  This is the only module that knows which transducers are
-driven: everything below it solves for unit voltage at every port.
+loaded transducer V + Z I = 0, a short-circuited one V = 0, an open one I = 0.  A ladder between source and transducer
+transforms voltage and current to V' = A V + B I and I' = C V + D I at the source's end, where V' + Z I' = S; its
+impedance at the electrodes is then (B + Z D) / (A + Z C).  Only this module knows which transducers are driven:
+everything below it solves for unit voltage at every port.
 """
 
 from collections.abc import Mapping
@@ -16,9 +16,8 @@ from fem.circuit.ladder import Ladder, carried
 from fem.geometry import Transducer
 from fem.input_error import InputError
 
-MATCHING_ROUNDS = (
-    200  # load and source in turn; each round multiplies the error by the gain to and fro, below 1
-)
+# Load and source are matched in turn; each round multiplies the error by the power gain there and back, below 1.
+MATCHING_ROUNDS = 200
 MATCHING_TOLERANCE = 1e-13  # relative change of the source's impedance
 
 
@@ -58,7 +57,7 @@ class Drive:
 
 
 def as_drive(drive: "str | Drive") -> Drive:
-    """Return a drive; a transducer's name stands for a source of the full voltage there, without impedance."""
+    """Return a `Drive`; a transducer's name means an ideal source of the full drive voltage there."""
     return Drive(sources={drive: 1.0}) if isinstance(drive, str) else drive
 
 
@@ -69,9 +68,9 @@ class SourcePowers:
     Attributes
     ----------
     available : float
-        The largest that the sources can give to anything; infinite for one without resistance.
+        Largest power that the sources can deliver to any load; infinite for a source without resistance.
     given : float
-        By the voltage sources.
+        Delivered by the voltage sources.
     in_sources, in_ladders : float
         Lost in the sources' impedances and in the elements of the ladders; the rest enters the transducers.
     """
@@ -95,10 +94,10 @@ class Circuit:
     sources : tuple of int
         Ports with a source, those of amplitude 0 last; the first is that of ``admittance`` and ``voltage``.
     aperture : float
-        Of its transducer, m; without a source the narrowest one, or 1 m.
+        Of the first source's transducer, m; without a source the narrowest transducer's, or 1 m.
     drive : Drive or None
     network : SourcePowers
-        What the sources give and lose on the way.
+        Powers delivered by the sources and lost before the transducers.
     """
 
     names: tuple[str, ...]
@@ -216,17 +215,17 @@ def receiving_circuit(
     received : ndarray, shape (ports,)
         Current into each port while all are shorted, A.
     drive : str or Drive, optional
-        Its sources are silent; their impedances and ladders terminate their transducers.
+        Its source voltages are set to zero; its impedances and ladders terminate their transducers.
     """
-    silent = None if drive is None else as_drive(drive)
-    voltages = _voltages(admittances, names, transducers, silent, frequency, received)
+    terminating = None if drive is None else as_drive(drive)
+    voltages = _voltages(admittances, names, transducers, terminating, frequency, received)
     return Circuit(
         names=names,
         voltages=voltages,
         currents=admittances @ voltages + received,
         sources=(),
         aperture=min((each.aperture for each in transducers), default=1.0),
-        drive=silent,
+        drive=terminating,
         network=SourcePowers(available=0.0, given=0.0, in_sources=0.0, in_ladders=0.0),
     )
 
@@ -234,7 +233,7 @@ def receiving_circuit(
 def _voltages(
     admittances, names, transducers, drive: Drive | None, frequency: float, received=None
 ) -> np.ndarray:
-    """Voltages with across V + along I = source at every port; without sources where a current is received."""
+    """Solve ``across * V + along * I = source`` at every port; with a received current all sources are zero."""
     terminations = {each.name: each.termination for each in transducers}
     across, along = np.ones(len(names), dtype=complex), np.zeros(len(names), dtype=complex)
     source = np.zeros(len(names), dtype=complex)
@@ -261,7 +260,7 @@ def matched_load(
     *,
     source_matched: bool = False,
 ) -> complex:
-    """Return the impedance in ohm that takes most power out of a transducer: the conjugate of what it shows.
+    """Return the impedance in ohm that takes the most power from a transducer: its conjugate output impedance.
 
     Parameters
     ----------
@@ -270,17 +269,17 @@ def matched_load(
     receiver : str
         A transducer of two electrodes without a source.
     source_matched : bool
-        Whether a lossless network will match the (one) source to its transducer with this load in place: both ends
-        are then matched at once, which gives the load the largest share of the power that the transducers take.
+        If true, a lossless network matches the single source to its transducer with this load in place.  Both ends are
+        then matched simultaneously, which gives the load the largest share of the power that the transducers take.
 
     Raises
     ------
     ValueError
-        If the receiver shows no resistance: its load could take any power.
+        If the receiver's output impedance has no resistance: its load could take any power.
     """
     drive = as_drive(drive)
 
-    def shown(name: str, terminations: dict) -> complex:
+    def output_admittance(name: str, terminations: dict) -> complex:
         row = tuple(
             replace(each, termination=terminations.get(each.name, each.termination)) for each in transducers
         )
@@ -289,23 +288,24 @@ def matched_load(
     across, along = _source_rows(drive, 2 * np.pi * frequency)
     source = along / across
     for _ in range(MATCHING_ROUNDS):
-        own = shown(receiver, dict.fromkeys(drive.sources, source))
+        own = output_admittance(receiver, dict.fromkeys(drive.sources, source))
         if not own.real > 0:
             raise InputError("matched_load", f"needs a transducer that shows a resistance, got {own:g} S")
         load = 1 / own.conjugate()
         if not source_matched:
             break
-        before, source = source, 1 / shown(next(iter(drive.sources)), {receiver: load}).conjugate()
+        driven = output_admittance(next(iter(drive.sources)), {receiver: load})
+        before, source = source, 1 / driven.conjugate()
         if abs(source - before) < MATCHING_TOLERANCE * abs(source):
             break
     return complex(load)
 
 
 def rectifier_resistance(resistance: float) -> float:
-    """Return the resistance in ohm that a full bridge with a capacitor across a resistance is for a sinusoidal current.
+    """Return the equivalent resistance in ohm of a full-bridge rectifier with a smoothing capacitor and a resistance.
 
-    Its voltage is a square wave, of which the fundamental alone takes power: R_ac = 8 R / pi^2 (R. L. Steigerwald,
-    IEEE Trans. Power Electron. 3, 1988, 174).  Without the drop of its diodes.
+    For a sinusoidal current its voltage is a square wave whose fundamental alone takes power: R_ac = 8 R / pi^2
+    (R. L. Steigerwald, IEEE Trans. Power Electron. 3, 1988, 174).  The diodes' forward voltage is neglected.
     """
     return 8 / np.pi**2 * resistance
 

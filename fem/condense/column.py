@@ -1,4 +1,4 @@
-"""A column of elements: condensed to its two sides and its electrode, and the field in it from these.
+"""A column of elements: condensation to its two sides and its electrode, and recovery of the field inside.
 
 A column is one element wide and the whole section deep.  Its matrix is a sum of Kronecker products; the unknowns
 inside an element, then those on the faces between elements, are eliminated (static condensation, Guyan 1965), so
@@ -10,13 +10,13 @@ displacements and potentials there:
 g is the outward nodal flux (-f on the left, +f on the right) and q = int grad psi . D = -Q, the charge with its sign
 reflected.  A finger is equipotential: phi on its surface nodes, corners included, is the potential of its electrode.
 
-On the way back the faces follow from the sides and the electrode, the inside of an element from its own boundary.  The
-loss is summed element by element from the imaginary parts of the moduli (c'' |S|^2 and eps'' |E|^2), apart from
-everything the solution was made with, so that
+Recovery goes backwards: the faces follow from the sides and the electrode, the inside of an element from its boundary.
+The loss is summed element by element from the imaginary parts of the moduli (c'' |S|^2 and eps'' |E|^2), independently
+of the matrices used in the solution.  The balance
 
     power in at the electrodes = power out through the two lines + power lost between them
 
-is an audit of the whole solve, and not an identity of one matrix.
+is therefore a check of the whole solution, not an identity of one matrix.
 """
 
 from dataclasses import dataclass, field
@@ -32,12 +32,12 @@ from fem.materials.medium import Medium
 
 # Ports of every column of a row of fingers: the potentials of its two electrodes.
 ELECTRODES = (Port(kind="voltage", name="+"), Port(kind="voltage", name="-"))
-MAX_AMPLIFICATION = 1e9  # of a piece's fields over those at its sides, up to which seven digits are left
+MAX_AMPLIFICATION = 1e9  # of the field inside a piece over that at its sides: seven digits are left
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Column:
-    """One column of elements, condensed, and what the condensation leaves for the way back."""
+    """One condensed column of elements, with the matrices that recover the field inside."""
 
     section: Section
     width: float  # length units
@@ -50,19 +50,19 @@ class Column:
     faces: np.ndarray = field(repr=False)
     # shape (face unknowns, 2 n + 2): faces from sides and electrode potentials
     faces_from: np.ndarray = field(repr=False)
-    inside_from: dict = field(repr=False)  # by kind of element (height, medium): inside from its rim
-    # shape (order + 1, 2 n + 2 + face unknowns): reactions of the potential at the surface's nodes, from left to right,
-    # by sides and faces before the electrode is tied; None without a potential
+    inside_from: dict = field(repr=False)  # by kind of element (height, medium): its inside from its boundary
+    # shape (order + 1, 2 n + 2 + face unknowns): electric reactions at the surface nodes, from left to right, as
+    # functions of sides and faces, before the nodes are tied to the electrode; None without a potential
     surface_rows: np.ndarray | None = field(repr=False)
 
     @property
     def unknowns(self) -> int:
-        """Unknowns that it adds to a row."""
+        """Unknowns that the column adds to a row."""
         return self.section.order * self.section.size
 
     @cached_property
     def surface_reactions(self) -> np.ndarray:
-        """Scaled reactions of the potential at the surface's nodes by the sides, shape (order + 1, 2 n + 2)."""
+        """Scaled electric reactions at the surface nodes as functions of the sides, shape (order + 1, 2 n + 2)."""
         first = Blocks(self.section.size).ports.start
         sides = first + len(ELECTRODES)
         out, rest = self.surface_rows[:, :sides].copy(), self.surface_rows[:, sides:]
@@ -74,7 +74,7 @@ class Column:
 
 
 class ElementSets:
-    """Numbers of an element's unknowns, ``fields`` a node: sides, faces, all of its rim, inside."""
+    """Indices of an element's unknowns, ``fields`` at each node: on its four edges, all of these, inside."""
 
     def __init__(self, order: int, fields: int):
         grid = np.arange((order + 1) ** 2 * fields).reshape(order + 1, order + 1, fields)
@@ -95,7 +95,7 @@ def condensed_column(section: Section, frequency: float, *, width: float, electr
         left, right, *between = electrode_dofs(section, faces)
         surface_rows = skeleton[[left, *between, right]]
     if electrode is not None:
-        # The corners stay behind as empty rows of the sides: their line knows them as the electrode's.
+        # The corners remain as empty rows of the sides; their potential is that of the electrode.
         tied = electrode_dofs(section, faces)
         skeleton = folded(skeleton, tied, at.ports.start + electrode)
         drop = drop[~np.isin(drop, tied)]
@@ -118,7 +118,7 @@ def condensed_column(section: Section, frequency: float, *, width: float, electr
 
 
 def _skeleton(section: Section, width: float, frequency: float) -> tuple[np.ndarray, np.ndarray, dict]:
-    """Matrix of a column over its sides, two empty ports and its faces; the faces; the way back inside."""
+    """Matrix of a column over its sides, two empty ports and its faces; the faces; recovery inside the elements."""
     order, sides = section.order, Blocks(section.size).ports.start + len(ELECTRODES)
     faces = _face_dofs(section, first=sides)
     dtype = np.result_type(section.heights, *(medium.xx for medium in section.media))
@@ -139,7 +139,7 @@ def _skeleton(section: Section, width: float, frequency: float) -> tuple[np.ndar
 
 
 def element_kind(height: complex, medium: Medium) -> tuple:
-    """Key under which equal elements of a column share their condensation."""
+    """Key of an element: elements with equal keys have equal matrices."""
     return round(complex(height).real, 12), round(complex(height).imag, 12), id(medium)
 
 
@@ -170,7 +170,7 @@ def electrode_dofs(section: Section, faces: np.ndarray) -> np.ndarray:
 
 
 def folded(matrix: np.ndarray, tied: np.ndarray, port: int) -> np.ndarray:
-    """Add rows and columns of tied unknowns to the port's and empty them."""
+    """Add rows and columns of tied unknowns to those of the port and set them to zero."""
     matrix = matrix.copy()
     matrix[port] += matrix[tied].sum(axis=0)
     matrix[tied] = 0.0
@@ -180,7 +180,7 @@ def folded(matrix: np.ndarray, tied: np.ndarray, port: int) -> np.ndarray:
 
 
 def _schur(matrix, keep, drop):
-    """Schur complement onto ``keep``, symmetrised against rounding, and ``drop`` from ``keep``."""
+    """Schur complement onto ``keep``, symmetrised against rounding, and the matrix from ``keep`` to ``drop``."""
     coupling = matrix[np.ix_(drop, keep)]
     kept = matrix[np.ix_(keep, keep)]
     if not len(drop):
@@ -191,9 +191,10 @@ def _schur(matrix, keep, drop):
 
 
 def eliminated(inside: np.ndarray, coupling: np.ndarray) -> np.ndarray:
-    """Fields inside for unit fields at the sides, each decade of which costs the answer a digit.
+    """Fields inside for unit fields at the sides.
 
-    A piece that resonates between clamped lines is refused: its condensation, though not the stator, is singular.
+    Each decade of amplification costs a digit of the answer.  A piece that resonates between clamped lines makes its
+    condensation singular, though not the stator's problem; it raises a ConvergenceError.
     """
     try:
         back = -np.linalg.solve(inside, coupling)
@@ -208,7 +209,7 @@ def eliminated(inside: np.ndarray, coupling: np.ndarray) -> np.ndarray:
 
 
 class ColumnField:
-    """Recovery of one kind of column; made once, used for each place where the column stands."""
+    """Recovery of the field in all occurrences of one column."""
 
     def __init__(self, column: Column):
         self.column = column
@@ -231,7 +232,7 @@ class ColumnField:
             yield element, height, medium, full
 
     def loss(self, sides: np.ndarray) -> float:
-        """Power lost in all places together, scaled, (omega / 2) sum u^H Im(A) u; what an absorbing layer takes too."""
+        """Power lost in all occurrences, scaled, (omega / 2) sum u^H Im(A) u, absorbing layers included."""
         column, order = self.column, self.column.section.order
         angular = 2 * np.pi * column.frequency * column.section.length_unit
         total = 0.0

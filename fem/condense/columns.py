@@ -1,7 +1,8 @@
 """A row of columns of elements under fingers and gaps, condensed to its two sides and its electrodes.
 
-The piece of a stator without a mesh: columns (`fem.condense.column`) that are joined two by two (`fem.condense.join`).
-It keeps what each join eliminated, so that the field follows from the sides, level by level, down to every column.
+A transducer is such a piece: columns (`fem.condense.column`) joined two by two (`fem.condense.join`).  It keeps the
+matrices that express each eliminated line by the sides, so that the field follows from the sides of the whole, level by
+level, down to every column.
 """
 
 from collections.abc import Callable
@@ -24,9 +25,9 @@ class FingerColumns:
     # shape (2 n + ports, 2 n + ports): over left line, right line and potentials of electrodes; scaled
     matrix: np.ndarray = field(repr=False)
     width: float  # length units
-    # the two electrodes, each finger's own, or none
+    # the two electrodes, one port for each finger, or none
     ports: tuple[Port, ...] = ELECTRODES
-    # what the field inside is found from; None where it is never asked for
+    # how the piece was made, from which the field inside is recovered; None if it is never needed
     inside: "Column | Pair | Restated | LiftedHalf | None" = field(default=None, repr=False)
     floating_potential: bool = False  # as of `fem.condense.piece.Piece`
 
@@ -42,14 +43,14 @@ class FingerColumns:
 
     @property
     def column(self) -> Column:
-        """The column that it is; a TypeError if it is more."""
+        """The column, if the piece is a single one; a TypeError otherwise."""
         if not isinstance(self.inside, Column):
             raise TypeError("the piece is not one column of elements")
         return self.inside
 
     @property
     def pair(self) -> "Pair":
-        """The two pieces that it was joined of, whatever became of its potentials; a TypeError if there are none."""
+        """The two joined pieces, before any change of the potentials; a TypeError if the piece was not joined."""
         inside = self.inside
         while isinstance(inside, Restated):
             inside = inside.piece.inside
@@ -64,21 +65,23 @@ class FingerColumns:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Pair:
-    """Two neighbours that were joined."""
+    """Two joined neighbours."""
 
     left: FingerColumns
     right: FingerColumns
-    middle: np.ndarray = field(repr=False)  # the line between them by the sides, shape (n, 2 n + ports)
-    # whether each has the potentials of its own fingers, one after the other, and not those of all
+    middle: np.ndarray = field(
+        repr=False
+    )  # the shared line as a function of the sides, shape (n, 2 n + ports)
+    # True: the ports are those of the left part followed by those of the right part; False: both parts share all ports
     own_ports: bool = False
 
     @cached_property
     def unknowns(self) -> int:
-        """Of both."""
+        """Sum over both parts."""
         return self.left.unknowns + self.right.unknowns
 
     def sides(self, whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Sides of the left and of the right part by those of both, (2 n + ports, ...)."""
+        """Sides of the left and of the right part from those of the pair, (2 n + ports, ...)."""
         at, middle = self.left.at, np.tensordot(self.middle, whole, axes=1)
         left = right = whole[at.ports]
         if self.own_ports:
@@ -91,23 +94,23 @@ class Pair:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Restated:
-    """A piece of which only the potentials have changed their order, their number or their meaning."""
+    """A piece whose potentials are reordered, fewer, or eliminated; its lines are unchanged."""
 
     piece: FingerColumns
-    sides: Callable[[np.ndarray], np.ndarray] = field(repr=False)  # of the piece, by the new ones
+    sides: Callable[[np.ndarray], np.ndarray] = field(repr=False)  # sides of ``piece`` from the new ones
 
     @property
     def unknowns(self) -> int:
-        """Of the piece."""
+        """Unknowns of ``piece``."""
         return self.piece.unknowns
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LiftedHalf:
-    """Half a finger's cell on lines reduced to a basis: the same half on full lines is made when it is asked for."""
+    """Half a finger's cell on lines reduced to a basis; the same half on full lines is condensed on first use."""
 
     side: int  # 0: gap to mid-finger, 1: mid-finger to gap
-    # side and sides on reduced lines -> the half on full lines, and its sides
+    # (side, sides on reduced lines) -> (the half on full lines, its sides)
     full: Callable[[int, np.ndarray], tuple[FingerColumns, np.ndarray]] = field(repr=False)
     moment: np.ndarray = field(repr=False)  # `fem.condense.moments.finger_moment`, (2 n + 2,)
     unknowns: int
@@ -124,12 +127,12 @@ class ColumnsField:
 
     def __init__(self, piece: FingerColumns, sides: np.ndarray):
         kinds: dict[tuple, tuple] = {}
-        for part, starts, own in alike_columns(piece, sides):
+        for part, starts, own in distinct_columns(piece, sides):
             key = part.width, part.column.electrode
             _, places, values = kinds.setdefault(key, (part.column, [], []))
             places.append(starts)
             values.append(own)
-        # recovery, left edges from that of the piece (places,), sides (2 n + 2, places)
+        # recovery, left edges relative to the piece's (places,), sides (2 n + 2, places)
         self.kinds = [
             (ColumnField(column), np.concatenate(places), np.concatenate(values, axis=-1))
             for column, places, values in kinds.values()
@@ -140,9 +143,9 @@ class ColumnsField:
         return sum(recovery.loss(sides) for recovery, _, sides in self.kinds)
 
     def in_row(self, of: Callable[[ColumnField, np.ndarray], np.ndarray]) -> tuple[np.ndarray, ...]:
-        """Columns from left to right: left edges and widths, fields (columns, ...).
+        """Left edges, widths and fields (columns, ...) of all columns from left to right.
 
-        ``of``: recovery and sides of some columns -> their fields, shape (..., columns).
+        ``of``: (recovery, sides of equal columns) -> their fields, shape (..., columns).
         """
         starts, widths, values = [], [], []
         for recovery, left, sides in self.kinds:
@@ -170,60 +173,60 @@ class ColumnsField:
 def lines(
     piece: FingerColumns, sides: np.ndarray, start: float = 0.0, *, finest: float = 0.0
 ) -> list[tuple[float, FingerColumns, np.ndarray]]:
-    """Columns of a piece from left to right, each with left edge and sides: `alike_columns` in their order."""
-    found = [
+    """Columns of a piece from left to right, each with its left edge and its sides."""
+    columns = [
         (begin, column, own[..., place])
-        for column, starts, own in alike_columns(piece, sides, start, finest=finest)
+        for column, starts, own in distinct_columns(piece, sides, start, finest=finest)
         for place, begin in enumerate(starts)
     ]
-    return sorted(found, key=lambda each: each[0])
+    return sorted(columns, key=lambda each: each[0])
 
 
-def alike_columns(
+def distinct_columns(
     piece: FingerColumns, sides: np.ndarray, start: float = 0.0, *, finest: float = 0.0
 ) -> list[tuple[FingerColumns, np.ndarray, np.ndarray]]:
-    """Columns of a piece by kind: column, left edges (places,), sides (2 n + 2, ..., places).
+    """Distinct columns of a piece: column, left edges of all its occurrences (places,), sides (2 n + 2, ..., places).
 
-    ``sides``: left line, right line and electrode potentials, shape (2 n + 2, ...); in those that are returned the
-    potentials are in the column's own order, a finger is always on electrode 0.  ``start``: where the left line lies,
-    length units. Pieces of the width ``finest`` or less are not entered.
+    ``sides``: left line, right line and electrode potentials, shape (2 n + 2, ...); in the returned ones a finger is
+    always on electrode 0.  ``start``: x of the left line, length units.  Parts of width ``finest`` or less are
+    returned whole.
     """
-    level, found = _Places(), _Places()
+    level, columns = _Occurrences(), _Occurrences()
     level.add(piece, np.array([start]), sides[..., None])
-    while level.known:
-        above, level = level, _Places()
-        for each, starts, own in above.gathered():
-            part, own = _as_it_was_made(each, own)
+    while level.by_piece:
+        above, level = level, _Occurrences()
+        for each, starts, own in above.concatenated():
+            part, own = _original(each, own)
             if not isinstance(part.inside, Pair) or part.width <= finest:
-                found.add(part, starts, own)
+                columns.add(part, starts, own)
                 continue
             pair = part.pair
             left, right = pair.sides(own)
             level.add(pair.left, starts, left)
             level.add(pair.right, starts + pair.left.width, right)
-    return found.gathered()
+    return columns.concatenated()
 
 
-class _Places:
-    """Pieces with the places where they stand."""
+class _Occurrences:
+    """Left edges and sides of all occurrences of each distinct piece."""
 
     def __init__(self):
-        self.known: dict[int, tuple[FingerColumns, list, list]] = {}
+        self.by_piece: dict[int, tuple[FingerColumns, list, list]] = {}
 
     def add(self, piece: FingerColumns, starts: np.ndarray, sides: np.ndarray) -> None:
-        _, all_starts, all_sides = self.known.setdefault(id(piece), (piece, [], []))
+        _, all_starts, all_sides = self.by_piece.setdefault(id(piece), (piece, [], []))
         all_starts.append(starts)
         all_sides.append(sides)
 
-    def gathered(self) -> list[tuple[FingerColumns, np.ndarray, np.ndarray]]:
+    def concatenated(self) -> list[tuple[FingerColumns, np.ndarray, np.ndarray]]:
         return [
             (piece, np.concatenate(starts), np.concatenate(sides, axis=-1))
-            for piece, starts, sides in self.known.values()
+            for piece, starts, sides in self.by_piece.values()
         ]
 
 
-def _as_it_was_made(piece: FingerColumns, sides: np.ndarray) -> tuple[FingerColumns, np.ndarray]:
-    """The piece on full lines and with the potentials that it was made with, and its sides."""
+def _original(piece: FingerColumns, sides: np.ndarray) -> tuple[FingerColumns, np.ndarray]:
+    """The piece on full lines before any change of its potentials, and its sides."""
     inside = piece.inside
     while isinstance(inside, Restated | LiftedHalf):
         if isinstance(inside, Restated):

@@ -3,10 +3,13 @@
 The line of the section is master, the mesh slave (mortar method; Bernardi, Maday and Patera 1994): with phi_i the
 mesh's functions on the interface and psi_j the line's,
 
-    u_mesh = P u_line,    P = M^-1 B,    M_ik = int phi_i phi_k dz,    B_ij = int phi_i psi_j dz,
+    u_mesh = P u_line,    P = M^-1 B,    M_ik = int mu_i phi_k dz,    B_ij = int mu_i psi_j dz,
 
-integrated exactly over the union of both sets of breakpoints.  P^T A P keeps symmetry, reciprocity and energy whatever
-P is: only a comparison with the same stretch without a mesh sees a wrong one.
+with mu_i = phi_i but beside a vertex that is held at zero (at a clamped or grounded bottom).  The flux does not vanish
+there, and the mu_i must be able to balance it (Bernardi, Maday and Patera 1994): the hat of the held vertex replaces
+the highest function of its edge.  With phi_i alone a line graded towards a clamped bottom errs by 1e-4, with mu_i by
+2e-8.  Integrals are exact, over the union of both sets of breakpoints.  P^T A P keeps symmetry, reciprocity and energy
+whatever P is: only a comparison with the same stretch without a mesh sees a wrong one.
 """
 
 import numpy as np
@@ -48,10 +51,14 @@ def line_projection(
     of_line, _ = lagrange(section.order, local)
     result = {}
     for field, gone in held.items():
-        free = ~gone[numbers]
+        free, tested = ~gone[numbers], ~gone[numbers]
+        for own in place.reshape(len(edges), -1):
+            hats = own[:2][~free[own[:2]]]
+            tested[hats] = True
+            tested[own[len(own) - len(hats) :]] = False
         dofs = section.dofs[nodes, FIELD_COLUMN[field]]
         line = np.zeros((len(z), section.size + 1))
         np.put_along_axis(line, np.where(dofs >= 0, dofs, section.size), of_line, axis=1)
-        mesh = of_mesh[:, free].T * measure
+        mesh = of_mesh[:, tested].T * measure
         result[field] = numbers[free], np.linalg.solve(mesh @ of_mesh[:, free], mesh @ line[:, :-1])
     return result

@@ -20,7 +20,7 @@ import numpy as np
 from fem.condense.mesh import Assembly, MeshedPiece
 from fem.condense.piece import Port, RecoveredField
 
-# Of the largest singular value of M between the clamped fields: smaller ones are rounding of the divided differences.
+# Singular values of M of the clamped fields below this share of the largest are rounding of the divided differences.
 ROUNDING = 1e-8
 
 
@@ -62,7 +62,7 @@ class RationalPiece:
     inertia: np.ndarray = field(repr=False)
 
     def at(self, frequency: float) -> ReducedPiece:
-        """The piece at a frequency in Hz; its inside takes the time of a condensation when it is asked for."""
+        """The piece at a frequency in Hz; the field inside costs a condensation on first use."""
         system = self.stiffness - (2 * np.pi * frequency) ** 2 * self.inertia
         kept = self.frame.shape[1]
         coupling = system[kept:, :kept]
@@ -82,7 +82,7 @@ class RationalPiece:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PieceSample:
-    """What a condensed piece gives at a node of the band: its matrix on reduced lines, and the derivative by -s."""
+    """A condensed piece at one node of the band: its matrix S on reduced lines, and -dS/ds."""
 
     frequency: float  # Hz
     value: np.ndarray = field(repr=False)
@@ -99,25 +99,26 @@ class PieceSample:
 def rational_piece(
     piece: MeshedPiece, frame: np.ndarray, size: int, samples: list[PieceSample]
 ) -> RationalPiece:
-    """Interpolate a piece between samples of it; ``piece``: at any frequency."""
+    """Interpolate a piece between samples; ``piece``: the same at any one frequency."""
     nodes = np.array([(2 * np.pi * each.frequency) ** 2 for each in samples])
     count, kept = len(nodes), frame.shape[1]
     inertia = np.empty((count, kept, count, kept), dtype=np.result_type(*(each.value for each in samples)))
     stiffness = np.empty_like(inertia)
     for i, one in enumerate(samples):
         for j, other in enumerate(samples):
-            apart = one.inertia if i == j else (one.value - other.value) / (nodes[j] - nodes[i])
-            inertia[i, :, j] = apart
-            stiffness[i, :, j] = 0.5 * (one.value + other.value + (nodes[i] + nodes[j]) * apart)
-    # to the middle node's fields and the others' differences from them, the latter of unit inertia and independent
+            quotient = one.inertia if i == j else (one.value - other.value) / (nodes[j] - nodes[i])
+            inertia[i, :, j] = quotient
+            stiffness[i, :, j] = 0.5 * (one.value + other.value + (nodes[i] + nodes[j]) * quotient)
+    # New basis: the middle node's fields, and the other nodes' differences from them, which vanish on the lines;
+    # linearly dependent differences are dropped.
     middle = count // 2
-    turn = np.eye(count)[[middle, *(j for j in range(count) if j != middle)]]
-    turn[1:, middle] = -1.0
-    first, clamped = np.split(np.kron(turn, np.eye(kept)).T, [kept], axis=1)
+    change = np.eye(count)[[middle, *(j for j in range(count) if j != middle)]]
+    change[1:, middle] = -1.0
+    first, clamped = np.split(np.kron(change, np.eye(kept)).T, [kept], axis=1)
     flat = inertia.reshape(count * kept, -1)
-    among = clamped.T @ flat @ clamped
-    scale = 1 / np.sqrt(abs(np.diag(among)) + np.finfo(float).tiny)
-    _, values, right = np.linalg.svd(scale[:, None] * among * scale)
+    clamped_inertia = clamped.T @ flat @ clamped
+    scale = 1 / np.sqrt(abs(np.diag(clamped_inertia)) + np.finfo(float).tiny)
+    _, values, right = np.linalg.svd(scale[:, None] * clamped_inertia * scale)
     independent = scale[:, None] * right.conj().T[:, values > ROUNDING * values.max(initial=0.0)]
     basis = np.hstack([first, clamped @ independent])
     return RationalPiece(

@@ -1,4 +1,4 @@
-"""How large a driven stator's discretised problem is, counted by the walk of `fem.condense.transducer` without work."""
+"""Size of a driven stator's discretised problem: the steps of `fem.condense.transducer` are counted, not computed."""
 
 from dataclasses import dataclass
 
@@ -15,29 +15,29 @@ from fem.materials.christoffel import slowest_wavelength
 
 @dataclass(frozen=True, kw_only=True)
 class StatorSize:
-    """What one discretisation of a driven stator consists of."""
+    """Numbers of columns, joins and transducers of one discretisation of a driven stator."""
 
-    section: Section  # its elements through the depth and the unknowns of a line
+    section: Section
     resolution: Resolution
     columns: int  # of elements under all fingers
-    condensed: int  # columns that differ: each is condensed once
-    joins: int  # of two neighbours that differ from all other pairs
-    mirrored: int  # joins of which a mirror image is kept too
-    scatterers: int  # transducers that differ
+    condensed: int  # distinct columns: each is condensed once
+    joins: int  # of distinct pairs of neighbours
+    mirrored: int  # joins whose mirror image is kept too
+    scatterers: int  # distinct transducers
 
     @property
     def line(self) -> int:
-        """Unknowns of a vertical line: as many guided modes run to either side."""
+        """Unknowns of a vertical line, equal to the number of guided modes in either direction."""
         return self.section.size
 
     @property
     def unknowns(self) -> int:
-        """Of the problem that is condensed: lines under all fingers times the unknowns of a line."""
+        """Unknowns before condensation: lines under all fingers times the unknowns of a line."""
         return self.columns * self.resolution.order * self.line
 
     @property
     def complex(self) -> bool:
-        """Whether the superelements are complex: there is loss or an absorbing bottom."""
+        """True if the superelements are complex, because of losses or an absorbing bottom."""
         parts = (self.section.heights, *(medium.xx for medium in self.section.media))
         return np.result_type(*parts).kind == "c"
 
@@ -49,7 +49,7 @@ class StatorSize:
 
     @property
     def block_bytes(self) -> int:
-        """Memory of the superelements that one solution keeps, for the way back to every line."""
+        """Memory of the superelements that one solution keeps to recover the field on every line."""
         sides = 2 * self.line + len(ELECTRODES)
         joins = (self.joins + self.mirrored) * (sides + self.line) * sides
         columns = self.condensed * (sides + self.faces) * sides
@@ -58,7 +58,7 @@ class StatorSize:
 
 @dataclass(eq=False)
 class _Counted:
-    """In the place of a superelement: columns in it, and the joins that its columns took."""
+    """Stands in for a superelement: its number of columns and of joins."""
 
     columns: int = 1
     joins: int = 0
@@ -66,7 +66,7 @@ class _Counted:
 
 @dataclass(eq=False)
 class _Count(Condensation):
-    """In the place of a condensation: counts what it would do."""
+    """Stands in for a `Condensation` and counts its steps."""
 
     condensed: int = 0
     joins: int = 0

@@ -7,12 +7,8 @@ runs out of memory).
 import numpy as np
 
 MATRIX_TYPE = 6  # of Pardiso: complex symmetric
-MISSING = (
-    ImportError,
-    AttributeError,
-    TypeError,
-    OSError,
-)  # no pypardiso, no MKL, or another private interface
+# Raised without pypardiso, without MKL, or by another version of pypardiso's private interface
+MISSING = (ImportError, AttributeError, TypeError, OSError)
 
 
 def sparse_solution(matrix, load: np.ndarray) -> np.ndarray:

@@ -1,8 +1,8 @@
-"""FingerColumns of a transducer: from the columns of a finger's cell to a whole row of fingers.
+"""`FingerColumns` of a transducer: from the columns of a finger's cell to a whole row of fingers.
 
-A cell is half a gap, a finger and half a gap, condensed in two halves of which one is the mirror image of the other
-where x -> -x is a symmetry; equal runs of cells are joined once.  The walk from columns to transducers is written once,
-`Condensation` does the work, a subclass in `fem.condense.size` counts it.
+A cell is half a gap, a finger and half a gap.  It is condensed in two halves, one the mirror image of the other where
+x -> -x is a symmetry.  Equal runs of cells are joined once.  The functions below call `Condensation` for every single
+step; a subclass in `fem.condense.size` counts these steps without computing anything.
 """
 
 from collections.abc import Callable
@@ -20,7 +20,7 @@ from fem.geometry import Stator, Transducer, outer_gaps
 
 @dataclass(eq=False)
 class Condensation:
-    """What makes superelements of a section at a frequency in Hz; a finger is on electrode 0 until exchanged."""
+    """Elementary steps of the condensation on a section at a frequency in Hz; a new finger is on electrode 0."""
 
     section: Section
     frequency: float
@@ -47,7 +47,7 @@ class Condensation:
 
 @dataclass(frozen=True, kw_only=True)
 class FingerShape:
-    """A finger with the bare surface that counts to it, length units."""
+    """A finger and the halves of its two neighbouring gaps, length units."""
 
     half_finger: float
     half_gaps: tuple[float, float]
@@ -61,7 +61,7 @@ class FingerShape:
 
     @property
     def even(self) -> bool:
-        """Whether both gaps are alike."""
+        """True if both gaps are equal."""
         return abs(self.half_gaps[0] - self.half_gaps[1]) < 1e-9 * self.half_gaps[0]
 
 

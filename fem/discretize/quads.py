@@ -88,19 +88,25 @@ class QuadSpace:
 
     def locate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Elements that hold points (m, 2), -1 where none does, and the places in their reference squares."""
-        nodes = self.mesh.points[self.mesh.quads] / self.unit
-        kind = "quad" if nodes.shape[1] == 4 else "quad9"
+        nodes = self._nodes(slice(None))
         owner, places = np.full(len(points), -1), np.zeros((len(points), 2))
         low, high = nodes.min(axis=1), nodes.max(axis=1)
         room = LOCATED * (high - low).max(axis=1)
+        order = np.argsort(points[:, 0], kind="stable")
+        first = np.searchsorted(points[order, 0], low[:, 0] - room, side="left")
+        last = np.searchsorted(points[order, 0], high[:, 0] + room, side="right")
         for element in range(self.elements):
-            near = (points >= low[element] - room[element]) & (points <= high[element] + room[element])
-            here = np.flatnonzero(near.all(axis=1) & (owner < 0))
+            at = order[first[element] : last[element]]
+            near = (
+                abs(points[at, 1] - (low + high)[element, 1] / 2)
+                <= (high - low)[element, 1] / 2 + room[element]
+            )
+            here = at[near & (owner[at] < 0)]
             if not len(here):
                 continue
-            at, error = _inverse(kind, nodes[element], points[here])
-            inside = (np.abs(at - 0.5) <= 0.5 + LOCATED).all(axis=1) & (error <= room[element])
-            owner[here[inside]], places[here[inside]] = element, np.clip(at[inside], 0.0, 1.0)
+            reference, error = _inverse(self._kind, nodes[element], points[here])
+            inside = (np.abs(reference - 0.5) <= 0.5 + LOCATED).all(axis=1) & (error <= room[element])
+            owner[here[inside]], places[here[inside]] = element, np.clip(reference[inside], 0.0, 1.0)
         return owner, places
 
     def local_values(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -131,11 +137,21 @@ class QuadSpace:
         inside = [(i, j) for i in more for j in more]
         return [(0, 0), (1, 0), (1, 1), (0, 1), *(pair for edge in edges for pair in edge), *inside]
 
-    def slopes(self, element: int, places: np.ndarray) -> np.ndarray:
-        """Derivatives of an element's reference coordinates by x and z at places (m, 2): (m, reference, 2)."""
-        nodes = self.mesh.points[self.mesh.quads[element]] / self.unit
-        kind = "quad" if len(nodes) == 4 else "quad9"
-        return np.linalg.inv(_jacobian(kind, nodes, places))
+    def slopes(self, elements, places: np.ndarray) -> np.ndarray:
+        """Derivatives of the reference coordinates of elements by x and z at places (m, 2): (..., m, reference, 2)."""
+        return np.linalg.inv(_jacobian(self._kind, self._nodes(elements), places))
+
+    def positions(self, elements, places: np.ndarray) -> np.ndarray:
+        """Points of elements at reference places (m, 2): (..., m, 2)."""
+        return shape_functions(self._kind, places) @ self._nodes(elements)
+
+    @property
+    def _kind(self) -> str:
+        return "quad" if self.mesh.quads.shape[1] == 4 else "quad9"
+
+    def _nodes(self, elements) -> np.ndarray:
+        """Nodes of elements, length units, (..., 4 or 9, 2)."""
+        return self.mesh.points[self.mesh.quads[elements]] / self.unit
 
     def chunks(self, chosen: np.ndarray):
         """Yield elements in parts whose basis functions fit into memory."""

@@ -3,9 +3,17 @@
 import itertools
 from dataclasses import dataclass
 
-from fem.input_error import InputError
-from fem.mesh.piece import FLOATING, GROUNDED, SAME, MeshPiece
+import numpy as np
 
+from fem.input_error import InputError
+from fem.materials.solids import Solid
+from fem.mesh.piece import FLOATING, GROUNDED, SAME, MeshPiece
+from fem.mesh.section_mesh import ELECTRODE
+from fem.mesh.shapes import CORNERS
+
+MAX_UNKNOWNS = 2_000_000  # of one piece
+# Unknowns of a quadrilateral at the coarsest level, at the least: order 4 (fem.condense.mesh), u_x, u_z and phi.
+LEAST_PER_QUAD = 3 * 4**2
 UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "inch": 0.0254}  # m
 
 
@@ -68,6 +76,7 @@ def check_pieces(
     ends: str,
     above: str,
     absorbs_below: bool,
+    solid: Solid,
     transducers: dict[str, tuple[float, float, str]],
 ) -> None:
     """Refuse pieces that do not fit the stator or each other; ``transducers``: edges (m) and signs by name.
@@ -90,8 +99,10 @@ def check_pieces(
         _check_whole(placed.whole, len(pieces), length, thickness, ends, transducers)
     for piece in pieces:
         _check_heights(piece, thickness)
+        _check_size(piece)
         _check_materials(piece)
         _check_electrodes(piece, transducers, placed)
+        _check_electrode_lines(piece, solid)
         if bottom in ("grounded", "clamped") and "bottom" not in piece.mesh.lines:
             raise InputError(
                 "piece", f"has no line group bottom, and stator.bottom is {bottom}", owner=piece.name
@@ -187,8 +198,31 @@ def _check_whole(
                 )
 
 
+def _check_size(piece: MeshPiece) -> None:
+    """Refuse a mesh that is too fine for the coarsest level."""
+    quads = sum(CORNERS[cells.kind] * len(cells.nodes) for cells in piece.mesh.cells)
+    least = quads * LEAST_PER_QUAD
+    if least <= MAX_UNKNOWNS:
+        return
+    count = sum(len(cells.nodes) for cells in piece.mesh.cells)
+    size = np.median(
+        [np.median(np.ptp(piece.mesh.points[cells.nodes, 0], axis=1)) for cells in piece.mesh.cells]
+    )
+    raise InputError(
+        "piece.file",
+        f"has {count} elements, about {size * 1e3:.2g} mm wide, and at least {least:.2g} unknowns, at most "
+        f"{MAX_UNKNOWNS:.0g} are solved for: draw elements of {size * 1e3 * np.sqrt(least / MAX_UNKNOWNS):.2g} mm or "
+        "more; the program refines corners itself and raises the order",
+        owner=piece.name,
+    )
+
+
 def _check_materials(piece: MeshPiece) -> None:
     known = ["stator", *(name for name, _ in piece.solids)]
+    if "stator" in known[1:]:
+        raise InputError(
+            "piece.materials", 'must not name "stator", whose material is stator.material', owner=piece.name
+        )
     for name in piece.mesh.solids:
         if name not in known:
             raise InputError(
@@ -240,6 +274,33 @@ def _check_electrodes(piece: MeshPiece, transducers: dict, placed: Placement) ->
                 f'must leave "{name}" floating or grounded: a piece at the stator\'s end is connected to no comb',
                 owner=piece.name,
             )
+
+
+def _check_electrode_lines(piece: MeshPiece, solid: Solid) -> None:
+    """Refuse electrodes that touch each other or an interface, or no piezoelectric solid."""
+    mesh, owner = piece.mesh, dict[int, str]()
+    solids = {"stator": solid} | dict(piece.solids)
+    coupled = {
+        int(n) for each in mesh.cells if solids[each.solid].is_piezoelectric for n in np.unique(each.nodes)
+    }
+
+    def refuse(rule: str, at: set[int] | None = None) -> None:
+        where = " at ({:.4g}, {:.4g}) mm".format(*mesh.points[min(at)] * 1e3) if at else ""
+        raise InputError("piece.file", rule.format(where), owner=piece.name)
+
+    for name in mesh.electrodes:
+        nodes = set(mesh.lines[ELECTRODE + name].ravel().tolist())
+        if len(nodes & coupled) < 2:  # a corner alone is no contact
+            refuse(f'must draw the line group "electrode:{name}" on a piezoelectric solid')
+        if shared := nodes & owner.keys():
+            refuse(
+                f'"electrode:{owner[min(shared)]}" and "electrode:{name}" touch{{}}: give them one name',
+                shared,
+            )
+        for side in ("left", "right"):
+            if shared := nodes.intersection(mesh.lines.get(side, np.empty(0)).ravel().tolist()):
+                refuse(f'"electrode:{name}" reaches the interface {side}{{}}: it must end before it', shared)
+        owner |= dict.fromkeys(nodes, name)
 
 
 def _check_overlaps(placed: Placement, length: float, transducers: dict) -> None:

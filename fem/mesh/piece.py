@@ -2,8 +2,10 @@
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from fem.materials.solids import Solid
-from fem.mesh.section_mesh import SectionMesh
+from fem.mesh.section_mesh import ELECTRODE, SectionMesh
 
 FLOATING, GROUNDED = "floating", "grounded"
 SAME = 1e-6  # of the thickness: lengths nearer than this are equal
@@ -47,6 +49,21 @@ class MeshPiece:
     def connection(self, electrode: str) -> str:
         """What an electrode is connected to."""
         return dict(self.electrodes).get(electrode, FLOATING)
+
+    def strips(self, connection: str) -> np.ndarray:
+        """Edges of the electrodes that are connected to something, m from the stator's left end, (n, 2)."""
+        spans = []
+        for name in self.mesh.electrodes:
+            if self.connection(name) == connection:
+                x = self.mesh.points[self.mesh.lines[ELECTRODE + name], 0] + self.position
+                spans += np.sort(x, axis=1).tolist()
+        merged: list[list[float]] = []
+        for low, high in sorted(spans):
+            if merged and low <= merged[-1][1] + SAME * (high - low):
+                merged[-1][1] = max(merged[-1][1], high)
+            else:
+                merged.append([low, high])
+        return np.array(merged).reshape(-1, 2)
 
     def interface(self, side: str) -> tuple[float, float, float] | None:
         """Place on the stator, height and upper end z of an interface, m; None where the piece is the stator's end."""

@@ -130,11 +130,20 @@ def read_mesh(path: str | Path, unit: float) -> SectionMesh:
     """
     path = Path(path)
     try:
+        return _read(path, float(unit))
+    except MeshError as error:
+        raise MeshError(f'"{path.name}": {error}') from None
+
+
+def _read(path: Path, unit: float) -> SectionMesh:
+    try:
         content = path.read_bytes()
     except OSError as error:
-        raise MeshError(f"the file {str(path)!r} cannot be read: {error.strerror}") from None
+        raise MeshError(f"the file cannot be read from {path.parent}: {error.strerror}") from None
     file = _parsed(path)
     points = np.asarray(file.points, dtype=float)
+    if not np.isfinite(points).all():
+        raise MeshError("the file has a coordinate that is no finite number")
     if points.shape[1] > 2 and np.ptp(points[:, 2]) > FLAT * max(np.ptp(points, axis=0).max(), 1e-300):
         raise MeshError("the file's third coordinate is not constant: a section has two, x and z")
     surfaces, lines = _grouped(file)
@@ -151,8 +160,8 @@ def read_mesh(path: str | Path, unit: float) -> SectionMesh:
     cells = tuple(_anticlockwise(each, number, points, unit) for each in surfaces)
     mesh = SectionMesh(
         name=path.stem,
-        digest=hashlib.sha256(content + repr(float(unit)).encode()).hexdigest(),
-        unit=float(unit),
+        digest=hashlib.sha256(content + repr(unit).encode()).hexdigest(),
+        unit=unit,
         points=points,
         cells=cells,
         lines={name: number[nodes] for name, nodes in lines.items()},
@@ -176,9 +185,8 @@ def _parsed(path: Path):
             return meshio.read(path, file_format="gmsh")
     except (Exception, SystemExit) as error:
         why = " ".join(str(error).split())[:120]
-        raise MeshError(
-            f"the file {path.name!r} is no mesh of gmsh, format 2.2 or 4.1" + (f" ({why})" if why else "")
-        ) from None
+        reason = f" ({why})" if any(map(str.isalpha, why)) else ""  # an exit of meshio is a number
+        raise MeshError(f"the file is no mesh of gmsh, format 2.2 or 4.1{reason}") from None
 
 
 def _grouped(file) -> tuple[list[Cells], dict[str, np.ndarray]]:

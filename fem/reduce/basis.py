@@ -1,7 +1,7 @@
-"""Lines of few unknowns: a basis of the fields that ever stand on the lines between half cells.
+"""Proper orthogonal decomposition of the fields on the interface lines between half cells.
 
-The fields of all fingers, all ports and all waves that arrive span few dimensions (proper orthogonal decomposition of
-full solutions at some frequencies of a band); one basis serves the lines in mid-gap, another those in mid-finger.
+The fields of all fingers, all ports and all incident waves, from full solutions at a few frequencies of a band, span
+few dimensions.  One basis represents the lines at the middle of gaps, another those at the middle of fingers.
 """
 
 from collections.abc import Callable
@@ -20,22 +20,22 @@ from fem.waveguide.ends import Wall, end_reflection
 from fem.waveguide.modes import GuidedModes
 from fem.waveguide.port_fields import joined_fields
 
-# Wavelengths of a free or clamped end that are condensed: too narrow for a resonance in the band
+# Width of the condensed layer at a free or clamped end, in wavelengths: too narrow for a resonance in the band
 WALL_WIDTH = 0.2
-WALL_DISTANCES = (1.0, 1.5, 3.0)  # in wall widths, where the fields sent back feed the basis
-# Share, in ``kept``, of its amplitude that a mode must keep to count among those that arrive: at a transducer over the
-# shortest segment; at a wall, where an error of the basis counts less, after a wavelength.
-ARRIVING, ARRIVING_AT_WALL = 0.1, 100.0
+# From the end, in wall widths: where snapshots of the reflected fields are taken
+WALL_DISTANCES = (1.0, 1.5, 3.0)
+# A mode counts as incident on a transducer if it keeps 0.1 of the smallest retained amplitude over the shortest
+# segment, and on an end, where errors of the basis matter less, if it keeps 100 times that over a wavelength.
+INCIDENT_SHARE, INCIDENT_SHARE_AT_WALL = 0.1, 100.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReducedSection:
-    """A section seen through a basis of fields."""
+    """A section whose lines are represented in a basis of fields."""
 
     full: Section
-    # shape (full size, size), real, orthonormal, each column of one parity
-    basis: np.ndarray = field(repr=False)
-    odd: np.ndarray | None = field(repr=False)  # Parity of the columns
+    basis: np.ndarray = field(repr=False)  # (full size, size): real, orthonormal, each column of one parity
+    odd: np.ndarray | None = field(repr=False)  # parity of the columns
 
     def lift(self, lines: np.ndarray) -> np.ndarray:
         """Unknowns of the full section on lines."""
@@ -68,19 +68,19 @@ class ReducedSection:
 
     @cached_property
     def constant_potential(self) -> np.ndarray:
-        """The field phi = 1, u = 0, which the basis holds."""
+        """The field phi = 1, u = 0, which the basis represents exactly."""
         return self.basis.T @ self.full.constant_potential
 
     @cached_property
     def surface_rows(self) -> np.ndarray:
-        """What gives u_x and u_z at the surface, shape (2, size)."""
+        """Rows that give u_x and u_z at the surface, shape (2, size)."""
         return self.full.surface_rows @ self.basis
 
     @cached_property
     def mechanical(self) -> np.ndarray:
-        """Columns that move; the basis keeps displacements and potential apart where ends are clamped."""
-        moves = np.linalg.norm(self.basis[self.full.mechanical], axis=0)
-        return np.flatnonzero(moves > 0.5)
+        """Columns with displacements; with clamped ends each column is a displacement or a potential alone."""
+        displacement = np.linalg.norm(self.basis[self.full.mechanical], axis=0)
+        return np.flatnonzero(displacement > 0.5)
 
     def surface_share(self, shapes: np.ndarray) -> np.ndarray:
         """Squared motion at the surface over its integral through the depth."""
@@ -88,32 +88,32 @@ class ReducedSection:
 
     @cached_property
     def _projected(self):
-        reference = 1.0 / self.length_unit  # Hz; any will do that makes inertia and stiffness comparable
-        still, moving = (self.full.matrices(frequency) for frequency in (0.0, reference * 1e3))
-        inertia = (moving[2] - still[2]) / (2 * np.pi * reference * 1e3) ** 2
-        return tuple(self.basis.T @ part @ self.basis for part in (still[0], still[1], still[2], inertia))
+        reference = 1e3 / self.length_unit  # Hz: inertia and stiffness of a comparable size
+        static, dynamic = (self.full.matrices(frequency) for frequency in (0.0, reference))
+        inertia = (dynamic[2] - static[2]) / (2 * np.pi * reference) ** 2
+        return tuple(self.basis.T @ part @ self.basis for part in (*static, inertia))
 
     def matrices(self, frequency: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Projected K2, K1, K0 - omega^2 M."""
-        second, first, still, inertia = self._projected
-        return second, first, still + (2 * np.pi * frequency) ** 2 * inertia
+        second, first, static, inertia = self._projected
+        return second, first, static + (2 * np.pi * frequency) ** 2 * inertia
 
 
-def parity_groups(section: Section, apart: bool) -> list[np.ndarray]:
-    """Unknowns that a basis vector may mix: those of one parity, or of one parity and kind."""
+def parity_groups(section: Section, separate_potential: bool) -> list[np.ndarray]:
+    """Unknowns that one basis vector may combine: those of one parity and, if separate, of one kind."""
     odd = section.odd if section.odd is not None else np.zeros(section.size, dtype=bool)
     groups = [odd, ~odd]
-    if apart:
-        moves = np.zeros(section.size, dtype=bool)
-        moves[section.mechanical] = True
-        groups = [group & kind for group in groups for kind in (moves, ~moves)]
+    if separate_potential:
+        mechanical = np.zeros(section.size, dtype=bool)
+        mechanical[section.mechanical] = True
+        groups = [group & kind for group in groups for kind in (mechanical, ~mechanical)]
     return [np.flatnonzero(group) for group in groups if group.any()]
 
 
 def even_rows(
     make: Condensation, transducers: tuple[Transducer, ...], cell: Callable[[FingerShape], FingerColumns]
 ) -> list[FingerColumns]:
-    """FingerColumnss of transducers with equal gaps, from the cell of a finger of electrode 0 of each shape."""
+    """`FingerColumns` of transducers with equal gaps, from the cell of a finger of electrode 0 of each shape."""
 
     def no_bare_cell(*gaps):
         raise ValueError("a band of frequencies takes transducers without left-out fingers")
@@ -132,34 +132,34 @@ def even_rows(
 
 
 def bases_of(
-    fields_seen: tuple[np.ndarray, np.ndarray], groups: list[np.ndarray], kept: float
+    line_fields: tuple[np.ndarray, np.ndarray], groups: list[np.ndarray], truncation: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Orthonormal bases of both kinds of line, equally many vectors of every group.
+    """Orthonormal bases of both kinds of line, with equal numbers of vectors from every group of unknowns.
 
-    Singular values below ``kept`` times the largest are left out.
+    Singular values below ``truncation`` times the largest are left out.
     """
-    size = len(fields_seen[0])
+    size = len(line_fields[0])
     columns: tuple[list, list] = ([], [])
     for group in groups:
-        found = []
-        for part in fields_seen:
+        decompositions = []
+        for part in line_fields:
             own = group[np.any(part[group], axis=1)]  # without a finger's potential, which is its electrode's
-            here = np.hstack([part[own].real, part[own].imag]) / abs(part).max()
-            vectors, values, _ = np.linalg.svd(np.asarray(np.linalg.qr(here.T, mode="r")).T)
-            found.append((own, vectors, values))
-        count = max(int(np.sum(values > kept * values[0])) for _, _, values in found)
-        count = min(count, *(len(own) for own, _, _ in found))
-        for side, (own, vectors, _) in enumerate(found):
-            vectors_here = np.zeros((size, count))
-            vectors_here[own] = vectors[:, :count]
-            columns[side].append(vectors_here)
+            real = np.hstack([part[own].real, part[own].imag]) / abs(part).max()
+            vectors, values, _ = np.linalg.svd(np.asarray(np.linalg.qr(real.T, mode="r")).T)
+            decompositions.append((own, vectors, values))
+        count = max(int(np.sum(values > truncation * values[0])) for _, _, values in decompositions)
+        count = min(count, *(len(own) for own, _, _ in decompositions))
+        for kind, (own, vectors, _) in enumerate(decompositions):
+            embedded = np.zeros((size, count))
+            embedded[own] = vectors[:, :count]
+            columns[kind].append(embedded)
     return np.hstack(columns[0]), np.hstack(columns[1])
 
 
-def holding(basis: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """Return an orthonormal basis turned so that it holds a vector which it nearly holds, exactly.
+def containing(basis: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """Rotate an orthonormal basis so that it contains a vector that it contains approximately.
 
-    Left out by 4e-6, the constant potential, which is a mode, spoils the reciprocity of the ports by 1e-8.
+    With the constant potential, which is a mode, represented to 4e-6 only, the ports are reciprocal to 1e-8 only.
     """
     unit = vector / np.linalg.norm(vector)
     inside = basis.T @ unit
@@ -167,25 +167,29 @@ def holding(basis: np.ndarray, vector: np.ndarray) -> np.ndarray:
     return basis + np.outer(unit - basis @ inside, inside)
 
 
-def _end_fields(modes: GuidedModes, ends: tuple, kept: float) -> list[np.ndarray]:
-    """Fields near both ends for every mode that may arrive there: at a mesh, at some distances from a plain end."""
-    arriving = np.flatnonzero(
-        (abs(np.exp(-1j * modes.wavenumbers)) > min(ARRIVING_AT_WALL * kept, 0.5)) & (modes.wavenumbers != 0)
+def _end_fields(modes: GuidedModes, ends: tuple, amplitude: float) -> list[np.ndarray]:
+    """Reflected fields for every mode incident on an end: at a mesh's interface, at some distances from a plain end."""
+    after_wavelength = abs(np.exp(-1j * modes.wavenumbers))
+    incident = np.flatnonzero(
+        (after_wavelength > min(INCIDENT_SHARE_AT_WALL * amplitude, 0.5)) & (modes.wavenumbers != 0)
     )
-    found = []
-    onwards = (modes.right, modes.wavenumbers), (modes.left, -modes.backwards)
-    for side, (go, wavenumbers) in enumerate(onwards):
+    fields = []
+    outgoing = (modes.right, modes.wavenumbers), (modes.left, -modes.backwards)
+    for side, (shapes, wavenumbers) in enumerate(outgoing):
         if ends[side] == "absorbing":
             continue
-        sent = end_reflection(modes, ends[side], side, arriving)
+        reflected = end_reflection(modes, ends[side], side, incident)
         distances = (0.0,) if isinstance(ends[side], Wall) else WALL_DISTANCES
         for distance in WALL_WIDTH * np.array(distances):
-            found.append(go @ (np.exp(-1j * wavenumbers * distance)[:, None] * sent))
-    return found
+            fields.append(shapes @ (np.exp(-1j * wavenumbers * distance)[:, None] * reflected))
+    return fields
 
 
-def snapshots(stator, transducers, modes, halves, row, condensed, drive, kept):
-    """Fields on the lines in mid-gap and in mid-finger, of every port and every mode that may arrive; the solution."""
+def snapshots(stator, transducers, modes, halves, row, condensed, drive, amplitude):
+    """Fields on the lines at mid-gap and at mid-finger, for every port and every incident mode; the driven solution.
+
+    ``amplitude``: smallest relative amplitude that the basis must represent.
+    """
     section = modes.section
     make = Condensation(section, modes.frequency)
     pieces = even_rows(make, transducers, lambda shape: make.joined(*halves[shape], 0))
@@ -198,15 +202,15 @@ def snapshots(stator, transducers, modes, halves, row, condensed, drive, kept):
         pieces=row.arranged(condensed, modes),
     )
     network, volt = fields_of_ports.network, section.solid.potential_unit
-    gaps, fingers = _end_fields(modes, network.ends, kept), []
-    nearest = np.diff(network.segments, axis=1).min()
-    arriving = np.flatnonzero(abs(np.exp(-1j * modes.wavenumbers * nearest)) > ARRIVING * kept)
-    gaps += [modes.right[:, arriving], modes.left[:, arriving]]
+    gaps, fingers = _end_fields(modes, network.ends, amplitude), []
+    shortest = np.diff(network.segments, axis=1).min()
+    incident = np.flatnonzero(abs(np.exp(-1j * modes.wavenumbers * shortest)) > INCIDENT_SHARE * amplitude)
+    gaps += [modes.right[:, incident], modes.left[:, incident]]
     for index, scatterer in enumerate(network.scatterers):
         at = scatterer.at
-        incoming = np.zeros((at.ports.start, 2 * len(arriving)), dtype=complex)
-        incoming[at.left, : len(arriving)] = modes.right[:, arriving]
-        incoming[at.right, len(arriving) :] = modes.left[:, arriving]
+        incoming = np.zeros((at.ports.start, 2 * len(incident)), dtype=complex)
+        incoming[at.left, : len(incident)] = modes.right[:, incident]
+        incoming[at.right, len(incident) :] = modes.left[:, incident]
         no_voltage = np.zeros((len(scatterer.potentials), incoming.shape[1]))
         scattered = np.concatenate([scatterer.sides(incoming, no_voltage), no_voltage])
         together = np.hstack([scattered, volt * fields_of_ports.sides[index]])

@@ -1,13 +1,17 @@
-"""A stator over a band of frequencies: condensed finger halves, interpolated, on lines reduced to a basis.
+"""Reduced model of a stator over a band: interpolated superelements of half cells, on lines reduced to a basis.
 
-Two things change slowly with frequency.  A half cell (half a gap, half a finger: a quarter of a wavelength) has no
-resonance of its own in the band, so that its condensed matrix is a polynomial in omega^2 of low degree: it is condensed
-at a few Chebyshev nodes and interpolated.  And the fields that ever stand on the lines between the halves - those of
-all fingers, all ports and all waves that arrive - span few dimensions: a basis of them is taken from full solutions at
-some of the nodes (proper orthogonal decomposition), one basis for lines in mid-gap and one for lines in mid-finger.
-Projected on it, pieces are joined, modes found and ends closed as before, at a tenth of the size.  Where the field
-inside a finger's cell or beside an end is asked for, those pieces are condensed on full lines at that frequency, and
-the reduced lines are lifted to them.
+Two quantities change slowly with frequency.
+
+1. A half cell (half a gap and half a finger, a quarter of a wavelength) has no resonance of its own in the band.  Its
+   condensed matrix is well approximated by a polynomial in omega^2 of low degree, so it is condensed at a few Chebyshev
+   nodes and interpolated.
+2. The fields on the interface lines between the halves, of all fingers, all ports and all incident waves, span few
+   dimensions.  Full solutions at some of the nodes give a basis (proper orthogonal decomposition; basis.py), one for
+   the lines at the middle of gaps and one for those at the middle of fingers.
+
+After projection on the basis the pieces are joined, the modes computed and the ends attached as on full lines, with a
+tenth of the unknowns.  The field inside a finger's cell or beside an end needs full lines: those pieces are condensed
+again at that frequency, and the reduced lines are lifted to them.
 """
 
 from dataclasses import dataclass, field, replace
@@ -44,7 +48,7 @@ class HalfCell:
 
 
 class FullPieces:
-    """The superelements on full lines at one frequency of a band (Hz), condensed when they are first asked for."""
+    """Superelements on full lines at one frequency of a band (Hz), each condensed on first use."""
 
     def __init__(self, model: "ReducedModel", frequency: float):
         self.model, self.frequency = model, frequency
@@ -84,8 +88,8 @@ class ReducedModel:
     # projected end pieces at the nodes, shape (nodes, 2, r, r); None for absorbing ends
     walls: np.ndarray | None = field(repr=False)
     row: PieceRow = field(repr=False)
-    pieces: dict[tuple, RationalPiece] = field(repr=False)  # the row's different meshes
-    piece_error: float  # of their interpolation, relative, of their lines
+    pieces: dict[tuple, RationalPiece] = field(repr=False)  # distinct meshed pieces of the row
+    piece_error: float  # relative error of their interpolation, of the fields on their interface lines
 
     def port_fields(self, frequency: float, solve: Solve | None = None) -> PortFields:
         """Solve for unit voltage at every port at a frequency of the band (Hz); a ValueError outside it.

@@ -17,7 +17,7 @@ from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes
 from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
-from fem.reduce.basis import WALL_WIDTH, ReducedSection, bases_of, holding, parity_groups, snapshots
+from fem.reduce.basis import WALL_WIDTH, ReducedSection, bases_of, containing, parity_groups, snapshots
 from fem.reduce.model import HalfCell, ReducedModel
 from fem.results.solution import Solution
 from fem.threads import side_by_side
@@ -27,26 +27,25 @@ from fem.waveguide.network import Scatterer
 from fem.waveguide.port_fields import PortFields
 from fem.waveguide.row import PieceRow
 
-# Share of the tolerance that a mode must keep over a segment to count among those that arrive
-ARRIVING = 1e-2
-# Relative width of the band up to which so many nodes serve: to 1e-6.
+AMPLITUDE_SHARE = 1e-2  # smallest relative amplitude that the basis must represent, over the tolerance
+# (Largest relative width of the band, number of nodes): the interpolation then errs by 1e-6.
 NODES = ((0.12, 4), (0.25, 5), (0.5, 7))
-LOOSE = 3e-4  # tolerance from which a node less serves: to 1e-4
-# A meshed piece may resonate in the band: frequencies at which its interpolation is compared with that of a node less,
-# and how many nodes it may have.
+LOOSE = 3e-4  # from this tolerance on one node fewer suffices, with an error of 1e-4
+# A meshed piece may resonate in the band.  Its interpolation is compared with interpolations of one node fewer at
+# PIECE_CHECKS frequencies; it may have MAX_PIECE_NODES nodes and err by PIECE_SHARE of the tolerance.
 PIECE_CHECKS, MAX_PIECE_NODES, PIECE_SHARE = 21, 9, 0.3
 
 
 @dataclass(frozen=True, kw_only=True)
 class BandProblem:
-    """What a band is asked for."""
+    """Stator, band, tolerance, and the drive and places at which the error is checked."""
 
     stator: Stator
     transducers: tuple[Transducer, ...]  # from left to right
     limits: tuple[float, float]  # lowest and highest frequency, Hz
-    drive: str | Drive  # what it is checked with
+    drive: str | Drive
     tolerance: float
-    places: np.ndarray  # m, where the motion is checked
+    places: np.ndarray  # m
 
     @property
     def nodes(self) -> np.ndarray:
@@ -72,19 +71,18 @@ class BandProblem:
 
 @dataclass(frozen=True, kw_only=True)
 class NodeSolutions:
-    """What the full lines give at the nodes of a band, before they are projected."""
+    """Superelements and fields on full lines at the nodes of a band."""
 
     section: Section
     resolution: Resolution
     # by finger shape: at every node the matrices of the rising and the falling half, their moments below
     half_cells: dict = field(repr=False)
     walls: list = field(repr=False)  # at every node, or empty
-    fields: tuple = field(repr=False)  # seen on the lines in mid-gap and in mid-finger
+    fields: tuple = field(repr=False)  # snapshots on the lines at mid-gap and at mid-finger
     solutions: list[Solution] = field(repr=False)  # at some of the nodes
     row: PieceRow = field(repr=False)
-    pieces: dict[tuple, list[MeshedPiece]] = field(
-        repr=False
-    )  # different meshed pieces at all nodes and more
+    # distinct meshed pieces at all nodes, and at those added for their own interpolation
+    pieces: dict[tuple, list[MeshedPiece]] = field(repr=False)
 
 
 def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolutions:
@@ -94,9 +92,8 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
     scale = min(transducer.finger_width / 2 for transducer in transducers)
     section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
     squares = problem.nodes
-    feeding = {0, len(squares) // 2, len(squares) - 1}
+    solved = {0, len(squares) // 2, len(squares) - 1}  # nodes at which the whole stator is solved
     shapes = dict.fromkeys(FingerShape.of(each, unit) for each in transducers)
-    arriving = ARRIVING * problem.tolerance
     row = PieceRow(stator, section, resolution, problem.limits[1])
 
     def at_node(index: int):
@@ -104,14 +101,15 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
         condensed = row.condensed(frequency)
         make = Condensation(section, frequency)
         halves = {shape: half_cells(make, shape, resolution) for shape in shapes}
-        walls = seen = solution = None
+        walls = fields = solution = None
         if stator.ends != "absorbing":
             ends = end_pieces(section, frequency, stator, resolution, width=WALL_WIDTH)
             walls = np.stack([ends.matrix(side) for side in (0, 1)])
-        if index in feeding:
+        if index in solved:
             modes = guided_modes(section, frequency)
-            *seen, solution = snapshots(
-                stator, transducers, modes, halves, row, condensed, problem.drive, arriving
+            amplitude = AMPLITUDE_SHARE * problem.tolerance
+            *fields, solution = snapshots(
+                stator, transducers, modes, halves, row, condensed, problem.drive, amplitude
             )
         matrices = {
             shape: tuple(
@@ -119,17 +117,17 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
             )
             for shape, pair in halves.items()
         }
-        return matrices, walls, seen, solution, condensed
+        return matrices, walls, fields, solution, condensed
 
     nodes = side_by_side(at_node, range(len(squares)))
-    seen = [each for _, _, each, _, _ in nodes if each is not None]
-    gaps = np.hstack([gap for gap, _ in seen] + [section.constant_potential[:, None]])
+    fields = [each for _, _, each, _, _ in nodes if each is not None]
+    gaps = np.hstack([gap for gap, _ in fields] + [section.constant_potential[:, None]])
     return NodeSolutions(
         section=section,
         resolution=resolution,
         half_cells={shape: [matrices[shape] for matrices, *_ in nodes] for shape in shapes},
         walls=[walls for _, walls, *_ in nodes if walls is not None],
-        fields=(gaps, np.hstack([finger for _, finger in seen])),
+        fields=(gaps, np.hstack([finger for _, finger in fields])),
         solutions=[solution for *_, solution, _ in nodes if solution is not None],
         row=row,
         pieces={key: [condensed[key] for *_, condensed in nodes] for key in row.assemblies},
@@ -143,7 +141,7 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
     """
     section = nodes.section
     gap, finger = bases_of(nodes.fields, parity_groups(section, problem.stator.ends == "clamped"), truncation)
-    bases = holding(gap, section.constant_potential) if section.floating_potential else gap, finger
+    bases = containing(gap, section.constant_potential) if section.floating_potential else gap, finger
     odd = None
     if section.odd is not None:
         odd = np.array([section.odd[np.argmax(abs(column))] for column in bases[0].T])
@@ -174,7 +172,7 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
 def _interpolated(
     problem: BandProblem, nodes: NodeSolutions, key: tuple, section: ReducedSection
 ) -> tuple[RationalPiece, float]:
-    """A meshed piece over the band, and the relative change of its lines where one of its nodes is left out.
+    """A meshed piece over the band, and the relative change of the fields on its lines when one node is left out.
 
     Nodes are added where that change is largest, until it is below the reduction's share of the tolerance.
     """
@@ -190,7 +188,7 @@ def _interpolated(
     frequencies = np.linspace(low, high, PIECE_CHECKS)
     modes = guided_modes(section, (low + high) / 2)
     between = len(assembly.lines) == 2
-    incoming = [_arriving(each.fields, key, basis) for each in nodes.solutions if between]
+    incoming = [_incident(each.fields, key, basis) for each in nodes.solutions if between]
 
     def sides(piece: RationalPiece, frequency: float) -> np.ndarray:
         at = piece.at(frequency)
@@ -203,36 +201,33 @@ def _interpolated(
     while True:
         samples.sort(key=lambda each: each.frequency)
         whole = rational_piece(pieces[0], frame, r, samples)
-        # without the first, and without the last node but one
+        # without the first node, and without the last but one
         fewer = [
-            rational_piece(pieces[0], frame, r, [*samples[:gone], *samples[gone + 1 :]])
-            for gone in {0, len(samples) - 2}
+            rational_piece(pieces[0], frame, r, [*samples[:omitted], *samples[omitted + 1 :]])
+            for omitted in {0, len(samples) - 2}
         ]
-        apart = []
+        changes = []  # at each frequency, of the interpolation that changes less: 0 at every node
         for frequency in frequencies:
-            exact = sides(whole, frequency)
-            size = np.linalg.norm(exact, axis=0)
-            ways = [np.linalg.norm(sides(each, frequency) - exact, axis=0) / size for each in fewer]
-            apart.append(np.min(np.max(ways, axis=1)))
-        error = float(max(apart))
+            reference = sides(whole, frequency)
+            size = np.linalg.norm(reference, axis=0)
+            relative = [np.linalg.norm(sides(each, frequency) - reference, axis=0) / size for each in fewer]
+            changes.append(np.min(np.max(relative, axis=1)))
+        error = float(max(changes))
         if error <= PIECE_SHARE * problem.tolerance or len(samples) >= MAX_PIECE_NODES:
             return whole, error
-        worst = float(frequencies[int(np.argmax(apart))])
-        known = {each.frequency: each for each in pieces}
-        if worst not in known:
-            pieces.append(assembly.condensed(worst))
+        pieces.append(assembly.condensed(float(frequencies[int(np.argmax(changes))])))
         samples.append(PieceSample.of(pieces[-1], frame))
 
 
-def _arriving(fields: PortFields, key: tuple, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """What arrives at the places of a piece on reduced lines, and the potentials of its ports there, for all ports."""
+def _incident(fields: PortFields, key: tuple, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Incident fields at all positions of a piece, on reduced lines, and potentials of its ports, by excitation."""
     lines, ports = [], []
     for index, scatterer in enumerate(fields.network.scatterers):
         piece = scatterer.piece
         if isinstance(piece, MeshedPiece) and piece.assembly.key == key:
             at, volt = Blocks(len(basis)), fields.section.solid.potential_unit
-            arriving = volt * fields.incoming[index]
-            lines.append(np.concatenate([basis.T @ arriving[at.left], basis.T @ arriving[at.right]]))
+            incident = volt * fields.incoming[index]
+            lines.append(np.concatenate([basis.T @ incident[at.left], basis.T @ incident[at.right]]))
             ports.append(volt * fields.sides[index][at.ports])
     return np.hstack(lines), np.hstack(ports)
 

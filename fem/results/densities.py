@@ -84,6 +84,16 @@ def _densities(solid, frequency, values, along, upward) -> dict:
     }
 
 
+def flattened(parts: list[Densities]) -> Densities:
+    """Return densities of several fields (nx, nz, ...), one behind the other, (nodes, ...)."""
+
+    def joined(name: str) -> np.ndarray:
+        rest = {"power_flow": (2,), "power_flow_pulse": (2,)}.get(name, ())
+        return np.concatenate([getattr(each, name).reshape(-1, *rest) for each in parts])
+
+    return Densities(**{name: joined(name) for name in Densities.__annotations__})
+
+
 def upward_slope(values: np.ndarray, order: int, heights: np.ndarray) -> np.ndarray:
     """Return d/dz of nodal values (nx, elements * order + 1, ...) by the elements' polynomials, heights in m.
 

@@ -2,7 +2,8 @@
 
 The lines of the grid are the nodes of the columns under the transducers and evenly spaced ones in the segments, where
 the field is a sum of modes; through the depth the nodes are the section's own, so that nothing is averaged over an
-element.  Derivatives are those of the elements' polynomials and of the modes.
+element.  Derivatives are those of the elements' polynomials and of the modes.  A meshed piece has its field on its own
+elements besides, each cut into small quadrilaterals: that of its corners, strips and slopes, which no grid has.
 """
 
 from dataclasses import dataclass, field
@@ -11,7 +12,7 @@ import numpy as np
 
 from fem.condense.columns import ColumnsField
 from fem.discretize.spectral import gll_nodes, lagrange
-from fem.results.densities import Densities, densities, shared, upward_slope
+from fem.results.densities import Densities, densities, flattened, shared, upward_slope
 from fem.results.driven_answer import SurfaceWave
 from fem.results.evaluation import ENDS, columns_in_row, recovered
 from fem.results.segment_modes import FreeWave
@@ -19,6 +20,31 @@ from fem.results.solution import Solution
 from fem.results.surface import CondensedPiece, UniformSegment
 
 SAME_LINE = 1e-6  # of the lines' distance: places nearer than this are one
+MAX_CUTS = 8  # quadrilaterals along an element's edge: an element is half a wavelength long at most
+
+
+@dataclass(frozen=True, kw_only=True)
+class PieceField:
+    """Complex field per volt of the drive on the elements of a meshed piece.
+
+    Attributes
+    ----------
+    span : tuple of float
+        Left and right edge of the piece, m from the stator's left end.
+    points : ndarray, shape (n, 2)
+        x from the stator's left end and z from the surface, m; the corners of an element are its own.
+    quads : ndarray, shape (m, 4)
+        Numbers of points.
+    displacement, potential, densities
+        As of `WaveField`, shapes (n, 3), (n,) and (n, ...).
+    """
+
+    span: tuple[float, float]
+    points: np.ndarray = field(repr=False)
+    quads: np.ndarray = field(repr=False)
+    displacement: np.ndarray = field(repr=False)
+    potential: np.ndarray = field(repr=False)
+    densities: Densities | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +70,8 @@ class WaveField:
     inside : ndarray of bool, shape (nx, nz), or None
         Whether a node lies in the solid, where a meshed piece leaves some of the grid empty: there the field is 0.
         What a mesh has above z = 0 is not on the grid.
+    pieces : tuple of PieceField
+        The meshed pieces in the span, on their own elements.
     """
 
     x: np.ndarray
@@ -54,6 +82,7 @@ class WaveField:
     order: int
     densities: Densities | None = field(default=None, repr=False)
     inside: np.ndarray | None = field(default=None, repr=False)
+    pieces: tuple[PieceField, ...] = field(default=(), repr=False)
 
     def depth_basis(self, z: np.ndarray) -> np.ndarray:
         """Return the matrix from nodal values to values at heights z (m) by the elements' polynomials, (m, nz)."""
@@ -96,6 +125,7 @@ def wave_field(
     low, high = (0.0, wave.length) if span is None else span
     depth = section.nodes[section.body]
     parts: list[_Part] = []
+    meshed: list[PieceField] = []
     offset: complex = 0.0
     step_in_mean: complex = 0.0
     passed = False  # whether a condensed piece of the row lies behind
@@ -109,6 +139,8 @@ def wave_field(
             offset += 0.0 if end else step_in_mean
             passed |= not end
             if seen:
+                if not isinstance(recovered(solution, piece.index), ColumnsField):
+                    meshed.append(_on_mesh(solution, piece, step, offset, energies=energies))
                 part = _in_piece(solution, piece, depth, step, slopes=energies)
                 part = part.chosen((part.x > start - nearby) & (part.x < stop + nearby))
         else:
@@ -133,6 +165,7 @@ def wave_field(
         section.order,
         upward=np.concatenate([part.raised(section, depth) for part in parts]) * units if energies else None,
         inside=np.concatenate([np.broadcast_to(part.inside, part.values.shape[:2]) for part in parts]),
+        pieces=tuple(meshed),
     )
 
 
@@ -178,6 +211,40 @@ def _in_piece(
     return _Part(x, values, along if slopes else None, upward if slopes else None, inside.reshape(shape))
 
 
+def _on_mesh(
+    solution: Solution, piece: CondensedPiece, step: float, offset: complex, *, energies: bool
+) -> PieceField:
+    """Field on the elements of a mesh, cut into quadrilaterals of the grid's step (m) or a little more."""
+    inside, section = recovered(solution, piece.index), solution.fields.section.full
+    unit, frequency = section.length_unit, solution.fields.frequency
+    corners = inside.assembly.space.mesh.points[inside.assembly.space.mesh.quads[:, :4]]
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
+    count = int(np.clip(np.ceil(longest / step), 1, MAX_CUTS))
+    even = np.linspace(0.0, 1.0, count + 1)
+    places = np.stack(np.meshgrid(even, even, indexing="ij"), axis=-1).reshape(-1, 2)
+    corner = (np.arange(count)[:, None] * (count + 1) + np.arange(count)).ravel()
+    cut = np.stack([corner, corner + count + 1, corner + count + 2, corner + 1], axis=1)
+    # the assembly is that of the first of several equal pieces: it says what this one is made of, not where it stands
+    solids = {"stator": solution.fields.stator.solid} | dict(inside.assembly.piece.solids)
+    points, values, found = [], [], []
+    for name, at, fields in inside.on_elements(places):
+        fields[0, ..., 3] += offset
+        fields *= section.field_units
+        points.append(at.reshape(-1, 2) * unit + [piece.start, 0.0])
+        values.append(fields[0].reshape(-1, 4))
+        if energies:
+            found.append(densities(solids[name], frequency, fields[0], fields[1] / unit, fields[2] / unit))
+    flat = np.concatenate(values)
+    return PieceField(
+        span=(piece.start, piece.stop),
+        points=np.concatenate(points),
+        quads=(np.arange(len(flat) // len(places))[:, None, None] * len(places) + cut).reshape(-1, 4),
+        displacement=flat[:, :3],
+        potential=flat[:, 3],
+        densities=flattened(found) if energies else None,
+    )
+
+
 def free_field(
     wave: FreeWave, *, span: tuple[float, float], per_wavelength: float = 24, energies: bool = False
 ) -> WaveField:
@@ -208,7 +275,7 @@ def free_field(
 
 
 def _of_values(
-    solid, frequency: float, x, z, values, along, order: int, *, upward=None, inside=None
+    solid, frequency: float, x, z, values, along, order: int, *, upward=None, inside=None, pieces=()
 ) -> WaveField:
     """Field of nodal values (nx, nz, 4), with densities where the derivatives along x are given."""
     found = None
@@ -225,6 +292,7 @@ def _of_values(
         order=order,
         densities=found,
         inside=None if inside is None or inside.all() else inside,
+        pieces=pieces,
     )
 
 

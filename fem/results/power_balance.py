@@ -1,12 +1,14 @@
-"""Where the power of a driven stator goes.
+"""Power balance of a driven stator: input, loss in the solid, loads, radiation through the ends.
 
-The flux through the lines of each piece is taken from what arrives and leaves there, the loss between them from
-the imaginary moduli, element by element (`Piece.recover`), and the power in from circuit and charge: three numbers of
-different origin that must balance.  A line force gives what the waves carry away on both of its sides.
+Three quantities of different origin must balance at each piece: the flux through its two interface lines, from the
+incident and outgoing waves; the loss between them, from the imaginary moduli, element by element (`Piece.recover`); and
+the input, from the circuit's voltages and currents.  The input of a line force is the power that the waves carry away
+on both of its sides.
 
-With finite apertures (fem.beam.reception) the lines carry the mean waves over each transducer's aperture.  What one
-sends and the next does not receive is then counted as lost: in the solid, or past its aperture.  What a transducer's
-charges send more or less than in the section, for their own finite aperture, counts to both of its sides alike.
+With finite apertures (fem.beam.reception) the lines carry the mean wave over each transducer's aperture.  Power that
+one transducer radiates and the next does not receive then counts as lost, in the solid or past the aperture.  A
+transducer's finite aperture changes the radiated power against that of the section; this excess is divided equally
+between its two sides.
 """
 
 from dataclasses import dataclass
@@ -26,7 +28,7 @@ from fem.waveguide.port_fields import PortFields
 class PowerBalance:
     """Power of a solution in W per V^2 of the drive (peak).
 
-    Over the aperture of the (first) driven transducer or, where beams are received, of each transducer's own.
+    Over the aperture of the (first) driven transducer; with finite apertures, over each transducer's own.
     """
 
     input: float  # from the sources' circuit into the driven transducers, and from forces
@@ -48,76 +50,79 @@ class PowerBalance:
 
     @property
     def dissipated(self) -> float:
-        """What is not radiated: lost in the solid, an absorbing bottom and the other transducers' loads."""
+        """Power that is not radiated: lost in the solid, an absorbing bottom and the other transducers' loads."""
         return self.input - self.radiated
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Crossing:
-    """An element of the row, a piece or a force: power in W that crosses it along +x, enters it and is lost in it."""
+    """Powers at an element of the row, a piece or a force, in W."""
 
-    left: float
-    right: float
-    taken: float
-    lost: float = 0.0
-    beyond: float = 0.0  # sent more than in the section, by the charges' finite aperture
+    left: float  # flux along +x through its left line
+    right: float  # flux along +x through its right line
+    taken: float  # from the circuit or the force
+    lost: float = 0.0  # in the solid
+    excess: float = 0.0  # radiated beyond that of the section, because of the finite aperture
 
     @property
     def imbalance(self) -> float:
         """Power that enters and does not leave."""
-        return abs(self.taken - self.beyond - (self.right - self.left) - self.lost)
+        return abs(self.taken - self.excess - (self.right - self.left) - self.lost)
 
 
 def power_balance(solution: Solution) -> PowerBalance:
-    """Return the power in, lost and radiated, and how well they balance round each piece and each force."""
+    """Input, lost and radiated power, and the worst imbalance at a piece or a force."""
     fields, circuit = solution.fields, solution.circuit
-    crossings, into_loads, by_forces = [], 0.0, 0.0
+    crossings, load_power, force_power = [], 0.0, 0.0
     for index, parts in enumerate(fields.segments):
         for number, (before, after) in zip(fields.network.forces_on(index), pairwise(parts), strict=True):
             crossings.append(_at_force(solution, number, before, after))
-            by_forces += crossings[-1].taken
+            force_power += crossings[-1].taken
         if index < len(fields.network.scatterers):
             crossings.append(_at_piece(solution, index))
-            into_loads += _into_loads(solution, index, crossings[-1].taken)
+            load_power += _load_power(solution, index, crossings[-1].taken)
     section_width = fields.section.solid.stress_unit * circuit.aperture
-    leaving = [-(crossings[0].left - crossings[0].beyond / 2), crossings[-1].right + crossings[-1].beyond / 2]
-    between = sum(
-        one.right + one.beyond / 2 - (other.left - other.beyond / 2) for one, other in pairwise(crossings)
+    radiated = [
+        -(crossings[0].left - crossings[0].excess / 2),
+        crossings[-1].right + crossings[-1].excess / 2,
+    ]
+    lost_between = sum(
+        one.right + one.excess / 2 - (other.left - other.excess / 2) for one, other in pairwise(crossings)
     )
     for side, end in enumerate(fields.network.ends):
         if end == "absorbing":
             continue
-        # nothing is radiated at a reflecting end: what leaves towards it counts as lost, but for what passes a step of
-        # thickness, which counts as radiated
-        behind = 0.0
+        # Nothing is radiated at a reflecting end: the flux towards it counts as lost, except what passes a step of
+        # thickness, which counts as radiated.
+        passed = 0.0
         if isinstance(end, Wall) and end.beyond is not None:
-            behind = section_width * _behind(solution, side)
-        between, leaving[side] = between + leaving[side] - behind, behind
-    apparent = circuit.apparent_power
+            passed = section_width * _power_behind_step(solution, side)
+        lost_between, radiated[side] = lost_between + radiated[side] - passed, passed
+    apparent_power = circuit.apparent_power
     if solution.forces is not None:
-        moved = fields.displacements @ solution.weights
-        apparent += np.pi * fields.frequency * circuit.aperture * float(abs(moved * solution.forces).sum())
-    left, right = leaving
+        displacements = fields.displacements @ solution.weights
+        force_products = float(abs(displacements * solution.forces).sum())
+        apparent_power += np.pi * fields.frequency * circuit.aperture * force_products
     return PowerBalance(
-        input=circuit.power + by_forces,
-        solid=float(sum(each.lost for each in crossings) + between),
-        loads=float(into_loads),
-        left=float(left),
-        right=float(right),
-        residual=max(each.imbalance for each in crossings) / apparent,
+        input=circuit.power + force_power,
+        solid=float(sum(each.lost for each in crossings) + lost_between),
+        loads=float(load_power),
+        left=float(radiated[0]),
+        right=float(radiated[1]),
+        residual=max(each.imbalance for each in crossings) / apparent_power,
     )
 
 
 def _transducer_of(fields: PortFields, index: int) -> str:
-    """Transducer whose potentials a piece of the row has, empty if it has none."""
+    """Name of the transducer whose electrodes stand on a piece of the row; empty if none do."""
     owner = fields.owners[index]
     if owner is not None:
         return fields.transducers[owner].name
     return next((port.name[:-1] for port in fields.network.scatterers[index].piece.ports), "")
 
 
-def _into_loads(solution: Solution, index: int, taken: float) -> float:
-    """Power that a piece of the row gives to terminations, W; ``taken``: what its ports take in all."""
+def _load_power(solution: Solution, index: int, taken: float) -> float:
+    """Power from a piece of the row into terminations, W; ``taken``: power that enters the piece at its ports."""
     fields, circuit = solution.fields, solution.circuit
     if fields.network.scatterers[index].piece.size:
         name = _transducer_of(fields, index)
@@ -134,35 +139,35 @@ def _at_piece(solution: Solution, index: int) -> _Crossing:
     owner = fields.owners[index]
     aperture = fields.transducers[owner].aperture if fields.own_apertures else circuit.aperture
     width = fields.section.solid.stress_unit * aperture
-    sides, arriving = solution.sides(index), solution.incoming(index)
+    sides, incident = solution.sides(index), solution.incoming(index)
     crossing = [0.0, 0.0]
     if at.size:
-        leaving = sides[at.lines] - arriving
-        left = modes.right_impedance @ arriving[at.left] - modes.left_impedance @ leaving[at.left]
-        right = modes.right_impedance @ leaving[at.right] - modes.left_impedance @ arriving[at.right]
+        outgoing = sides[at.lines] - incident
+        left = modes.right_impedance @ incident[at.left] - modes.left_impedance @ outgoing[at.left]
+        right = modes.right_impedance @ outgoing[at.right] - modes.left_impedance @ incident[at.right]
         crossing = [
             float(power(sides[line], flux, frequency)) for line, flux in ((at.left, left), (at.right, right))
         ]
     reaction = scatterer.piece.matrix[at.ports] @ sides
     taken = width * np.pi * frequency * float(np.imag(np.sum(reaction * np.conj(sides[at.ports]))))
-    beyond = 0.0
+    excess = 0.0
     if fields.own_apertures:
-        name, at_port = _transducer_of(fields, index), 0.0
+        name, port_power = _transducer_of(fields, index), 0.0
         if name in circuit.names:
             port = circuit.names.index(name)
-            at_port = 0.5 * float(np.real(circuit.voltages[port] * np.conj(circuit.currents[port])))
-        beyond, taken = at_port - taken, at_port
+            port_power = 0.5 * float(np.real(circuit.voltages[port] * np.conj(circuit.currents[port])))
+        excess, taken = port_power - taken, port_power
     return _Crossing(
         left=width * crossing[0],
         right=width * crossing[1],
         taken=taken,
         lost=width * recovered(solution, index).loss(),
-        beyond=beyond,
+        excess=excess,
     )
 
 
 def _at_force(solution: Solution, number: int, before: SegmentWaves, after: SegmentWaves) -> _Crossing:
-    """``number``: port of the network; ``before``, ``after``: the segment's parts beside the force."""
+    """``number``: port of the network; ``before``, ``after``: the parts of the segment on either side of the force."""
     fields, modes = solution.fields, solution.fields.modes
     aperture = solution.circuit.aperture
     fluxes = []
@@ -173,19 +178,19 @@ def _at_force(solution: Solution, number: int, before: SegmentWaves, after: Segm
         )
         flux = modes.right_impedance @ right - modes.left_impedance @ left
         fluxes.append(float(power(right + left, flux, fields.frequency)))
-    own = number - (len(fields.network.ports) - len(fields.displacements))
-    moved = fields.displacements[own] @ solution.weights
-    force = 0.0 if solution.forces is None else solution.forces[own]
+    index = number - (len(fields.network.ports) - len(fields.displacements))  # force ports come last
+    displacement = fields.displacements[index] @ solution.weights
+    force = 0.0 if solution.forces is None else solution.forces[index]
     width = fields.section.solid.stress_unit * aperture
     return _Crossing(
         left=width * fluxes[0],
         right=width * fluxes[1],
-        taken=float(aperture * np.pi * fields.frequency * np.imag(force * np.conj(moved))),
+        taken=float(aperture * np.pi * fields.frequency * np.imag(force * np.conj(displacement))),
     )
 
 
-def _behind(solution: Solution, side: int) -> float:
-    """Power that leaves behind a step of thickness, away from the stator, scaled."""
+def _power_behind_step(solution: Solution, side: int) -> float:
+    """Power radiated behind a step of thickness, away from the stator, scaled."""
     outside = wall_of(solution, side).beyond
     line = outside.far_line @ end_line(solution, side)
     impedance = outside.modes.right_impedance if side else -outside.modes.left_impedance

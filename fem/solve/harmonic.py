@@ -77,7 +77,8 @@ def driven_wave(
         admittance_error=refined.errors[1],
         balance=cache(lambda: power_balance(solution)),
     )
-    finer = f"finer, {refined.obstacle}" if refined.obstacle else "make the fingers less extreme"
+    shapes = "draw the meshes evener at corners" if stator.pieces else "make the fingers less extreme"
+    finer = f"finer, {refined.obstacle}" if refined.obstacle else shapes
     what, advice = "the stator's surface motion is", f"ask for less, or {finer}"
     refuse_above(wave.relative_error, tolerance, what, advice=advice, reached=wave)
     return wave

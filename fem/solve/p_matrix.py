@@ -268,23 +268,31 @@ def waves_of(modes: GuidedModes, indices: np.ndarray, per_area: float) -> Scaled
     right = np.diag(np.sqrt(0.5 / (power(shape, flux, modes.frequency) * per_area))).astype(complex)
     k_ratio = modes.wavenumbers[indices] / modes.wavenumbers[modes.rayleigh[0]]
     both_faces = np.flatnonzero(abs(k_ratio - 1) < ONE_WAVE)
-    top = (modes.section.surface_rows @ shape)[1]
     if len(both_faces) > 1:
         # Orthonormal in the power (Hermitian matrix of 2 W), then turned so that only the first moves the upper face
         mutual = shape[:, both_faces].conj().T @ flux[:, both_faces]
         power_matrix = 0.5j * omega * per_area * (mutual - mutual.conj().T)
         orthonormal = np.linalg.inv(np.linalg.cholesky(power_matrix)).conj().T
-        rotation, _ = np.linalg.qr((top[both_faces] @ orthonormal).conj()[:, None], mode="complete")
+        top = (modes.section.surface_rows @ shape[:, both_faces])[1]
+        rotation, _ = np.linalg.qr((top @ orthonormal).conj()[:, None], mode="complete")
         right[np.ix_(both_faces, both_faces)] = orthonormal @ rotation
-    phase_reference = (
-        top @ right
-    )  # u_z at the upper face; at the lower one for the wave that leaves the upper at rest
-    if len(both_faces) > 1:
-        bottom = modes.section.full.on_nodes(modes.section.lift(shape))[:, 0, FIELD_COLUMN["uz"]]
-        phase_reference[both_faces[1:]] = (bottom @ right)[both_faces[1:]]
-    right = right * np.exp(-1j * np.angle(phase_reference))
+
+    def face_motion(shapes: np.ndarray, mixture: np.ndarray) -> np.ndarray:
+        """u_z of each wave at the upper face; at the lower one for the wave that leaves the upper at rest."""
+        upper = (modes.section.surface_rows @ shapes)[1] @ mixture
+        if len(both_faces) > 1:
+            nodal = modes.section.full.on_nodes(modes.section.lift(shapes))
+            lower = nodal[:, 0, FIELD_COLUMN["uz"]] @ mixture
+            upper[both_faces[1:]] = lower[both_faces[1:]]
+        return upper
+
+    right = right * np.exp(-1j * np.angle(face_motion(shape, right)))
     products = 0.5j * omega * per_area * (backward.T @ flux - backward_flux.T @ shape) @ right
-    return ScaledWaves(section_modes=modes, modes=indices, right=right, left=np.linalg.inv(products).T)
+    left = np.linalg.inv(products).T
+    # With loss both directions share the scale, so that a reflection is the ratio of the motions of two equal waves.
+    ratio = face_motion(backward, left) / face_motion(shape, right)
+    share = np.sqrt(np.where(ratio.real < 0, -ratio, ratio))
+    return ScaledWaves(section_modes=modes, modes=indices, right=right * share, left=left / share)
 
 
 def _difference(fine: PMatrix, coarse: PMatrix) -> tuple[float]:

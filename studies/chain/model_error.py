@@ -17,6 +17,7 @@ from dataclasses import replace
 
 import numpy as np
 
+import contact
 import fem
 from studies.chain import bridge, resolve
 from studies.chain.radiation import point_admittance
@@ -216,20 +217,37 @@ def _contact(record: Record) -> Rows:
     if slider is None or slider.pillars is not None or not slider.preload_force > 0:
         return
     solid, count = resolve.solid(record.scene.stator), len(slider.offsets)
-    share, omega = slider.preload_force / count, 2 * math.pi * record.wave["frequency_Hz"]
+    omega = 2 * math.pi * record.wave["frequency_Hz"]
     body, places = bridge.contact_slider(slider), 1 if isinstance(slider.contacts, int) else count
     stiffness = (2 * math.pi * body.normal_resonance(places)) ** 2 * body.mass / places
     shear = float(solid.stiffness[4, 4])
     sent = stiffness * point_admittance(omega, shear, math.sqrt(shear / solid.density)) / omega
     effect, how = "radiation of a contact into the stator", "point load on an isotropic half-space, nu = 1/4"
     yield effect, "the contact's elastic force", sent, how
-    constant = _amplitude_per_power(record)
-    moved = [size for point in record.points if (size := point["normal_amplitude_m"]) > 0]
-    if constant is not None and moved:
-        most = max(count * min(stiffness * size, 2 * share) / size for size in moved)
-        load = math.pi / 2 * most * constant**2 / record.scene.driven_transducer.aperture
-        how = "reciprocity with the surface wave; first harmonic of the force at most twice the preload"
+    moved = [point for point in record.points if point["normal_amplitude_m"] > 0]
+    if moved and _amplitude_per_power(record) is not None:
+        how = "averaged equilibrium of the contacts on a wave that they load (elastic law)"
+        load = max(_loaded(record, point) for point in (moved[0], moved[-1]))
         yield "load of the slider on the wave", "u_z", load, how
+
+
+def _loaded(record: Record, point: dict) -> float:
+    """Return by how much the slider changes the wave that passes below it, of a strip as wide as the aperture."""
+    slider, stator = record.scene.slider, resolve.stator(record.scene.stator)
+    body = replace(
+        bridge.contact_slider(slider), law="elastic", reciprocal=False, stick_band=0.0, friction=None
+    )
+    equal = isinstance(slider.contacts, int)
+    places = [0.0] if equal else [x - slider.center[0] for x, _ in slider.places]
+    count = len(slider.offsets) if equal else 1
+    balls = contact.balls_of(replace(body, preload=body.preload * count), places, weights=count)
+    wave = contact.PassingWave(
+        frequency=record.wave["frequency_Hz"], wavelength=_wavelength(record), forward=point["normal_amplitude_m"],
+        ratio=point["tangential_amplitude_m"] / point["normal_amplitude_m"],
+        compliance=fem.wave_compliance(stator.solid, stator.bare_surface),
+        strip_width=record.scene.driven_transducer.aperture,
+    )  # fmt: skip
+    return abs(contact.pillar_motion(balls, wave, loading=True).exit_over_entry - 1.0)
 
 
 def _travel(record: Record) -> Rows:

@@ -426,13 +426,14 @@ def _refused(path: str, names=(), pieces=()):
     except ConvergenceError as error:
         raise RunError(str(error)) from None
     except InputError as error:
-        key = error.key
+        key, rule = error.key, error.rule
         if error.owner in names:
             key = key.replace("transducer", f"transducer.{names.index(error.owner)}", 1)
         if key.startswith("piece") and error.owner in pieces:
             key = key.replace("piece", f"piece.{pieces.index(error.owner)}", 1)
+            rule = f'("{error.owner}") {rule}'
         if not key.startswith(("stator.", "transducer", "piece")):
             key = path if path.endswith(f".{key}") else f"{path}.{key}"
-        raise SceneError(key, error.rule) from None
+        raise SceneError(key, rule) from None
     except ValueError as error:
         raise SceneError(path, str(error).splitlines()[0]) from None

@@ -33,7 +33,8 @@ def warnings_of(record: Record) -> tuple[str, ...]:
     """Return every warning about a run, in the order of the chain."""
     warnings = list(scene_warnings(record.scene))
     if record.scene.piece:
-        warnings += resolve.whole_stator(record.scene).piece_warnings(record.scene.frequency)
+        stator, row = resolve.whole_stator(record.scene), resolve.transducers(record.scene)
+        warnings += stator.piece_warnings(record.scene.frequency, row)
     if record.scene.transducer:
         for each in (_drive, _off_resonance, _section, _left_out):
             warnings += each(record)

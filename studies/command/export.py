@@ -40,6 +40,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="uff, csv, touchstone: standard deviation over the largest value, e.g. 1e-2 or 1%%",
     )
     parser.add_argument("--seed", type=int, metavar="N", help="of the noise")
+    parser.add_argument(
+        "--bandwidth",
+        metavar="FREQUENCY",
+        help='csv, of a burst: low-pass filter of the encoder, e.g. "500 Hz"',
+    )
+    parser.add_argument(
+        "--sampling",
+        metavar="TIME",
+        help='csv, of a burst: time over which each reading is averaged, e.g. "1 ms"',
+    )
     add_shared(parser, "--voltage", "--set", "--tolerance")
     parser.add_argument(
         "--out",
@@ -85,7 +95,8 @@ def call(arguments: argparse.Namespace) -> int:
 # by format: ending of its file, and the options of the command that it takes beside the scene's own
 FORMATS = {
     "fmu": (".fmu", ("fmi",)), "c": ("", ()), "gds": (".gds", ("size",)), "dxf": (".dxf", ("size",)),
-    "uff": (".uff", ("scan", "band", "noise", "seed")), "csv": ("", ("scan", "band", "noise", "seed")),
+    "uff": (".uff", ("scan", "band", "noise", "seed")), 
+    "csv": ("", ("scan", "band", "noise", "seed", "bandwidth", "sampling")),
     "touchstone": (".snp", ("band", "z0", "noise", "seed")), "vtu": (".vtu", ()),
 }  # fmt: skip
 

@@ -19,11 +19,13 @@ from dataclasses import dataclass, replace
 from itertools import count
 from multiprocessing import get_context
 
+import numpy as np
+
+from studies.chain import run as run_chain
+from studies.record.plots import COLOURS, finished
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.study import Answered, Finding, Panel, judged, of_record, study
-
-__all__ = ["Checked", "compared", "drawn", "figure", "findings", "run"]
 
 SEED, DRAWS = 2026, 100
 QUICK = {"seed": 5, "draws": 1, "workers": 1}
@@ -77,8 +79,6 @@ def drawn(scene: Scene, seed: int, index: int) -> tuple[Scene, float]:
     SceneError
         If what was drawn is refused.
     """
-    import numpy as np
-
     rng = np.random.default_rng([seed, index])
     table = scene.to_table()
     for path, most in VARIED.items():
@@ -94,9 +94,7 @@ def drawn(scene: Scene, seed: int, index: int) -> tuple[Scene, float]:
 
 def compared(scene: Scene, tolerance: float, *, index: int = 0) -> Checked:
     """Return the worst point of a scene run at a tolerance, against a converged answer."""
-    from studies.chain import run as run_chain
-
-    begun = time.perf_counter()
+    start_time = time.perf_counter()
     true = estimate = 0.0
     try:
         first = run_chain(scene, tolerance=tolerance)
@@ -112,7 +110,7 @@ def compared(scene: Scene, tolerance: float, *, index: int = 0) -> Checked:
         true, estimate = max(pairs, key=lambda p: p[0] / p[1] if p[1] else math.inf, default=(0.0, 0.0))
     return Checked(
         index=index, tolerance=tolerance, true=true, estimate=estimate, refusal=refusal,
-        seconds=time.perf_counter() - begun,
+        seconds=time.perf_counter() - start_time,
     )  # fmt: skip
 
 
@@ -127,8 +125,6 @@ def _variation(scene: Scene, seed: int, index: int) -> Checked:
 
 def _finer(scene, stated: float):
     """Return a converged run, as fine as can be had."""
-    from studies.chain import run as run_chain
-
     if scene.wave is not None:
         scene = replace(scene, slider=replace(scene.slider, method="exact"))
     return run_chain(scene, tolerance=max(BETTER * stated, FINEST))
@@ -184,8 +180,8 @@ def run(
             if len(refused) > MAX_REFUSED * draws:
                 raise RunError(f"variations of this scene cannot be compared: {refused[-1].refusal}")
             batch = [next(indices) for _ in range(draws - len(checked))]
-            for found in each_of(_variation, [scene] * len(batch), [seed] * len(batch), batch):
-                (refused if found.refusal else checked).append(found)
+            for outcome in each_of(_variation, [scene] * len(batch), [seed] * len(batch), batch):
+                (refused if outcome.refusal else checked).append(outcome)
                 progress(
                     f"calibration: {len(checked)} of {draws} variations, {len(refused)} without a comparison"
                 )
@@ -224,8 +220,6 @@ def findings(seed: int, checked: list[Checked], refused: list[Checked]) -> tuple
 @of_record
 def figure(record: Panel, ax):
     """Draw true error against estimate, with the promise."""
-    from studies.record.plots import COLOURS
-
     table = record.data
     rows = [row for row, true in enumerate(table["true"]) if true > 0]
     x, y = ([table[key][row] for row in rows] for key in ("estimate", "true"))
@@ -236,9 +230,4 @@ def figure(record: Panel, ax):
         (1 / MEDIAN, ":", "true = estimate / 10"),
     ):
         ax.plot(ends, [factor * end for end in ends], style, color=COLOURS["line"], linewidth=1, label=label)
-    ax.set_xlabel("estimated relative error (1)")
-    ax.set_ylabel("true relative error (1)")
-    ax.set_title(record.title, fontsize="medium")
-    ax.grid(alpha=0.3)
-    ax.legend(frameon=False)
-    return ax
+    return finished(ax, "estimated relative error (1)", "true relative error (1)", record.title)

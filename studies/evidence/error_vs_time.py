@@ -9,16 +9,22 @@ programs and methods on the same problems: `tests/validation`.  Run time: about 
 """
 
 import math
+import os
+import platform
 import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import contact
+from studies.chain import bridge
+from studies.chain import run as run_chain
+from studies.chain.resolve import resolved
 from studies.evidence.own_process import alone, peak_memory
+from studies.record.plots import finished
 from studies.refusal import RunError
-from studies.study import Finding, Panel, StudyRecord, judged, of_record
-
-__all__ = ["figure", "run"]
+from studies.scene import Scene
+from studies.study import Answered, Finding, Panel, judged, of_record, study
 
 SCENE = "twente"
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
@@ -41,14 +47,11 @@ COLUMNS = (
 )  # fmt: skip
 
 
+@study()
 def run(
-    scene: str | Path = SCENE,
-    *,
-    tolerances: tuple[float, ...] = TOLERANCES,
-    contact_tolerances: tuple[float, ...] = CONTACT_TOLERANCES,
-    apart: bool = True,
-    progress: Callable[[str], None] | None = None,
-) -> StudyRecord:
+    scene: str | Path = SCENE, *, tolerances: tuple[float, ...] = TOLERANCES,
+    contact_tolerances: tuple[float, ...] = CONTACT_TOLERANCES, apart: bool = True, progress=None,
+) -> Answered:  # fmt: skip
     """Return errors, times, unknowns and memory: a panel for each of chain, stator and contact.
 
     Parameters
@@ -64,65 +67,54 @@ def run(
     progress : callable, optional
         Told what is being done.
     """
-    begun = time.perf_counter()
-    say = progress or (lambda text: None)
     source = str(scene)
     measured = alone if apart else lambda what, work, *arguments: work(*arguments)
-    say("error against time: converged answer")
+    progress("error against time: converged answer")
     truth = measured("the converged answer", _chain, source, tolerances[-1])
     motion = measured("the converged motion", _stator, source, tolerances[-1])
 
     def rows(curve: str, work: Callable, settings: tuple, known: dict, *arguments) -> list[dict]:
-        found = []
+        measurements = []
         for setting in settings:
-            say(f"error against time: {curve}, {setting:g}")
+            progress(f"error against time: {curve}, {setting:g}")
             try:
                 one = measured(f"{curve}, {setting:g}", work, source, setting, *arguments)
             except RunError as error:
-                say(f"left out: {error}")
+                progress(f"left out: {error}")
                 continue
-            found.append({"curve": curve, "setting": f"tolerance {setting:g}"} | _judged(one, known))
-        return found
+            measurements.append({"curve": curve, "setting": f"tolerance {setting:g}"} | _judged(one, known))
+        return measurements
 
     chain = rows("chain", _chain, tolerances[:-1], truth)
     stator = rows("stator", _stator, tolerances[:-1], motion)
-    contact = []
+    of_contact = []
     for kind, methods in (("burst", ("exact", "stepped", "averaged")), ("steady", ("exact", "averaged"))):
         known = measured(f"{kind}, converged", _contact, source, CONVERGED, kind, "exact", truth["motion"])
         for method in methods:
-            say(f"error against time: {kind}, {method}")
-            contact += rows(
+            progress(f"error against time: {kind}, {method}")
+            of_contact += rows(
                 f"{kind}, {method}", _contact, contact_tolerances, known, kind, method, truth["motion"]
             )
-    parts = {"chain": chain, "stator": stator, "contact": contact}
-    return StudyRecord(
-        name="error_vs_time",
-        panels=tuple(_panel(name, part, source) for name, part in parts.items()),
-        findings=tuple(each for name, part in parts.items() for each in _findings(name, part)),
-        seconds=time.perf_counter() - begun,
-    )
+    parts = {"chain": chain, "stator": stator, "contact": of_contact}
+    panels = [_panel(name, part, source) for name, part in parts.items()]
+    return panels, [each for name, part in parts.items() for each in _findings(name, part)]
 
 
 def _scene(source: str):
-    from studies.chain.resolve import resolved
-    from studies.scene import Scene
-
     return resolved(Scene.load(source))
 
 
 def _measured(work: Callable[[], dict]) -> dict:
     """Return what the second of two runs gives, with its CPU time; the first compiles and loads."""
     work()
-    begun = time.process_time()
+    start_time = time.process_time()
     answer = work()
-    seconds = time.process_time() - begun
+    seconds = time.process_time() - start_time
     return {"seconds": seconds, "peak_bytes": peak_memory(), "unknowns": 0} | answer
 
 
 def _chain(source: str, tolerance: float) -> dict:
     """Velocities at the scene's levels, and the motion per volt under the slider."""
-    from studies.chain import run as run_chain
-
     scene = _scene(source)
 
     def work() -> dict:
@@ -141,8 +133,6 @@ def _chain(source: str, tolerance: float) -> dict:
 
 
 def _stator(source: str, tolerance: float) -> dict:
-    from studies.chain import run as run_chain
-
     scene = _scene(source)
     bare = replace(scene, slider=None)
 
@@ -156,9 +146,6 @@ def _stator(source: str, tolerance: float) -> dict:
 
 def _contact(source: str, tolerance: float, kind: str, method: str, motion) -> dict:
     """Velocity of one slider by one method, on the orbit of a motion per volt at the largest level."""
-    import contact
-    from studies.chain import bridge
-
     scene = _scene(source)
     slider = bridge.contact_slider(scene.slider)
     orbit = contact.Orbit(
@@ -185,22 +172,19 @@ def _contact(source: str, tolerance: float, kind: str, method: str, motion) -> d
         raise RunError(f"{method}: {error}") from None
 
 
-def _judged(found: dict, truth: dict) -> dict:
+def _judged(measured: dict, truth: dict) -> dict:
     """Return the numbers of a row: the error is the velocity's where there is one, else the motion's."""
-    if "values" in found:
-        differences = zip(found["values"], truth["values"], truth["scales"], strict=True)
+    if "values" in measured:
+        differences = zip(measured["values"], truth["values"], truth["scales"], strict=True)
         error = max(abs(one - other) / scale for one, other, scale in differences)
     else:
-        pairs = zip(found["motion"], truth["motion"], strict=True)
+        pairs = zip(measured["motion"], truth["motion"], strict=True)
         error = max(abs(abs(one) / abs(complex(other)) - 1) for one, other in pairs)
-    kept = {key: found[key] for key in ("seconds", "unknowns", "peak_bytes")}
-    return kept | {"true_relative_error": error, "stated_relative_error": found["stated"]}
+    kept = {key: measured[key] for key in ("seconds", "unknowns", "peak_bytes")}
+    return kept | {"true_relative_error": error, "stated_relative_error": measured["stated"]}
 
 
 def _panel(name: str, rows: list[dict], scene: str) -> Panel:
-    import os
-    import platform
-
     machine = f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()}, Python {platform.python_version()}"
     return Panel(
         name=f"error_vs_time_{name}",
@@ -241,9 +225,5 @@ def figure(record: Panel, ax):
         ax.loglog(x, [max(error, 1e-14) for error in true], style, color=colour, markersize=5, label=curve)
         ax.plot(x, stated, style[0], color=colour, markerfacecolor="none", markersize=6)
     ax.plot([], [], "o", color="black", markerfacecolor="none", label="as stated with the answer")
-    ax.set_xlabel("CPU time, warm (s)")
-    ax.set_ylabel("relative error (1)")
-    ax.set_title(f"{record.title}\n{table['machine']}", fontsize="medium")
-    ax.grid(alpha=0.3)
-    ax.legend(frameon=False, fontsize="small")
-    return ax
+    title = f"{record.title}\n{table['machine']}"
+    return finished(ax, "CPU time, warm (s)", "relative error (1)", title)

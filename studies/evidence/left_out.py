@@ -11,11 +11,13 @@ import json
 import subprocess
 import sys
 import time
+import tracemalloc
 from collections.abc import Callable
 
-from studies.study import Finding, Panel, StudyRecord, judged, of_record
-
-__all__ = ["figure", "run", "tables"]
+from studies.evidence.omission import OMISSIONS
+from studies.record.plots import finished
+from studies.record.text import markdown
+from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
 
 # the plane section with and without a slider: under one the beam would be the default
 ONE = ("--set", "drive.voltage=10", "--set", "stator.diffraction=false")
@@ -66,12 +68,10 @@ COLUMNS = (
 )
 
 
+@study()
 def run(
-    *,
-    parts: tuple[str, ...] | None = None,
-    blocks: tuple[str, ...] = tuple(COMMANDS),
-    progress: Callable[[str], None] | None = None,
-) -> StudyRecord:
+    *, parts: tuple[str, ...] | None = None, blocks: tuple[str, ...] = tuple(COMMANDS), progress=None
+) -> Answered:
     """Return what each omission saves and by how much the answer differs with the part in.
 
     Parameters
@@ -83,104 +83,79 @@ def run(
     progress : callable, optional
         Told what is being measured.
     """
-    from studies.evidence.omission import OMISSIONS
-
-    begun = time.perf_counter()
-    say = progress or (lambda text: None)
     rows = []
     for omission in (each for each in OMISSIONS if parts is None or each.part in parts):
-        say(f"left out: {omission.part}")
+        progress(f"left out: {omission.part}")
         rows.append(_measured(omission))
     commands = []
     for name in blocks:
-        say(f"left out: {name}")
+        progress(f"left out: {name}")
         commands.append(_command(name, COMMANDS[name]))
-    return StudyRecord(
-        name="left_out",
-        panels=(
-            Panel(
-                name="parts",
-                title="What the parts that are left out would cost",
-                data={column: [row[column] for row in rows] for column in COLUMNS},
-            ),
-            Panel(
-                name="blocks",
-                title="What absent blocks save",
-                data={key: [each[key] for each in commands] for key in commands[0]},
-            ),
-        ),
-        findings=_findings(rows, commands),
-        seconds=time.perf_counter() - begun,
+    columns = {column: [row[column] for row in rows] for column in COLUMNS}
+    saved = {key: [each[key] for each in commands] for key in commands[0]}
+    panels = (
+        Panel(name="parts", title="What the parts that are left out would cost", data=columns),
+        Panel(name="blocks", title="What absent blocks save", data=saved),
     )
+    return panels, _findings(rows, commands)
 
 
 def tables(record: StudyRecord) -> dict[str, str]:
     """Return the table of the parts and that of the blocks, in markdown."""
     parts, blocks = (panel.data for panel in record.panels)
-    lines = [
-        "| left out | question | ms without | with | MB without | with | unknowns without | with | difference "
-        "| allowed |",
-        "|" + "---|" * 10,
-    ]
-    for row in zip(*(parts[column] for column in COLUMNS), strict=True):
-        one = dict(zip(COLUMNS, row, strict=True))
-        cells = [
-            one["part"],
-            one["question"],
-            f"{1e3 * one['seconds_without']:.3g}",
-            f"{1e3 * one['seconds_with']:.3g}",
-            f"{one['bytes_without'] / 1e6:.3g}",
-            f"{one['bytes_with'] / 1e6:.3g}",
-            str(one["unknowns_without"]),
-            str(one["unknowns_with"]),
-            f"{one['relative_difference']:.1e}",
-            f"{one['allowed']:.0e}, {one['why']}",
+    sizes = (name for unit in ("ms", "MB", "unknowns") for name in (f"{unit} without", "with"))
+    head = ("left out", "question", *sizes, "difference", "allowed")
+    rows = []
+    for values in zip(*(parts[column] for column in COLUMNS), strict=True):
+        part, question, *seconds_and_bytes, without, put_back, difference, allowed, why = values
+        scaled = [
+            f"{factor * x:.3g}" for factor, x in zip((1e3, 1e3, 1e-6, 1e-6), seconds_and_bytes, strict=True)
         ]
-        lines.append(f"| {' | '.join(cells)} |")
-    lines += ["", "| scene | CPU s | peak MB | modules | of them loaded |", "|---|---|---|---|---|"]
-    for name, seconds, peak, modules, watched in zip(
-        blocks["scene"], blocks["seconds"], blocks["bytes"], blocks["modules"], blocks["watched"], strict=True
-    ):
-        lines.append(f"| {name} | {seconds:.2f} | {peak / 1e6:.0f} | {modules} | {watched} |")
-    return {"left_out.md": "\n".join(lines) + "\n"}
+        rows.append(
+            [
+                part,
+                question,
+                *scaled,
+                str(without),
+                str(put_back),
+                f"{difference:.1e}",
+                f"{allowed:.0e}, {why}",
+            ]
+        )
+    columns = (blocks[key] for key in ("scene", "seconds", "bytes", "modules", "watched"))
+    commands = [
+        [name, f"{seconds:.2f}", f"{peak / 1e6:.0f}", str(modules), watched]
+        for name, seconds, peak, modules, watched in zip(*columns, strict=True)
+    ]
+    census = markdown(("scene", "CPU s", "peak MB", "modules", "of them loaded"), commands)
+    return {"left_out.md": "\n".join([*markdown(head, rows), "", *census]) + "\n"}
 
 
 @of_record
 def figure(record: Panel, ax):
     """Draw the cost of the parts over that of the answer without them, or the whole commands' time and memory."""
     data = record.data
-    if record.name == "blocks":
-        places = range(len(data["scene"]))
-        ax.barh(
-            [place - 0.2 for place in places], data["seconds"], 0.38, color="#0072B2", label="CPU time (s)"
-        )
-        memory = [size / 1e8 for size in data["bytes"]]
-        ax.barh(
-            [place + 0.2 for place in places], memory, 0.38, color="#E69F00", label="peak memory (100 MB)"
-        )
-        ax.set_yticks(places, data["scene"])
-        ax.set_xlabel("CPU time (s), peak memory (100 MB)")
-        ax.set_ylabel("scene")
-    else:
-        places = range(len(data["part"]))
-        for key, colour, mark, what in (
-            ("seconds", "#0072B2", "o", "time"),
-            ("bytes", "#E69F00", "s", "memory"),
-            ("unknowns", "#009E73", "^", "unknowns"),
-        ):
-            ratios = [
-                more / less for more, less in zip(data[f"{key}_with"], data[f"{key}_without"], strict=True)
-            ]
-            ax.semilogx(ratios, places, mark, color=colour, label=what)
-        ax.axvline(1.0, color="black", linewidth=0.8)
-        ax.set_yticks(places, data["part"], fontsize="x-small")
-        ax.set_xlabel("with the part over without it (1)")
-        ax.set_ylabel("left out")
     ax.invert_yaxis()
-    ax.set_title(record.title, fontsize="medium")
-    ax.legend(frameon=False, fontsize="small")
-    ax.grid(alpha=0.3, axis="x")
-    return ax
+    if record.name == "blocks":
+        places, memory = range(len(data["scene"])), [size / 1e8 for size in data["bytes"]]
+        for side, values, colour, label in (
+            (-0.2, data["seconds"], "#0072B2", "CPU time (s)"),
+            (0.2, memory, "#E69F00", "peak memory (100 MB)"),
+        ):
+            ax.barh([place + side for place in places], values, 0.38, color=colour, label=label)
+        ax.set_yticks(places, data["scene"])
+        return finished(ax, "CPU time (s), peak memory (100 MB)", "scene", record.title)
+    places = range(len(data["part"]))
+    for key, colour, mark, what in (
+        ("seconds", "#0072B2", "o", "time"),
+        ("bytes", "#E69F00", "s", "memory"),
+        ("unknowns", "#009E73", "^", "unknowns"),
+    ):
+        pairs = zip(data[f"{key}_with"], data[f"{key}_without"], strict=True)
+        ax.semilogx([more / less for more, less in pairs], places, mark, color=colour, label=what)
+    ax.axvline(1.0, color="black", linewidth=0.8)
+    ax.set_yticks(places, data["part"], fontsize="x-small")
+    return finished(ax, "with the part over without it (1)", "left out", record.title)
 
 
 def _measured(omission) -> dict:
@@ -203,15 +178,13 @@ def _measured(omission) -> dict:
 
 def _seconds(way: Callable) -> float:
     """Processor time of one more answer."""
-    begun = time.process_time()
+    start_time = time.process_time()
     way()
-    return time.process_time() - begun
+    return time.process_time() - start_time
 
 
 def _peak(way: Callable) -> int:
     """Peak of what Python and numpy allocate for an answer, in bytes."""
-    import tracemalloc
-
     tracemalloc.start()
     try:
         way()
@@ -245,7 +218,7 @@ def _statement(row: dict) -> str:
 
 
 def _findings(rows: list[dict], commands: list[dict]) -> tuple[Finding, ...]:
-    found = [
+    findings = [
         judged(
             _statement(row), f"relative difference of {row['question']}", row["relative_difference"],
             high=1.000001 * row["allowed"], expected=f"at most {row['allowed']:g} ({row['why']})",
@@ -255,7 +228,7 @@ def _findings(rows: list[dict], commands: list[dict]) -> tuple[Finding, ...]:
     ]  # fmt: skip
     waves = {each["scene"]: complex(*each["wave_m_per_V"]) for each in commands if each["wave_m_per_V"]}
     if not {"whole chain", "no slider"} <= waves.keys():
-        return tuple(found)
+        return tuple(findings)
     statement = "The wave under the slider is the same without the contact's solver."
     apart = abs(waves["whole chain"] / waves["no slider"] - 1)
-    return (*found, judged(statement, "relative difference of the motion per volt", apart, high=1e-12))
+    return (*findings, judged(statement, "relative difference of the motion per volt", apart, high=1e-12))

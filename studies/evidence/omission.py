@@ -12,7 +12,10 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["OMISSIONS", "Answered", "Omission"]
+import contact
+import fem
+from studies.evidence.stability.contact import SLIDER
+from studies.evidence.stability.stator import other_motor, small_motor
 
 ROUNDING = 2e-11  # of joined pieces, on the machines seen: up to 4e-12
 ENTRY = 2e-10  # relative: just above what fem.fields takes for rounding
@@ -54,24 +57,15 @@ class Omission:
 
 def _motor(**solid):
     """The small motor of the stability study, on a solid with other constants."""
-    from studies.evidence.stability.stator import small_motor
-
     motor = small_motor()
     return motor.solid(**solid) if solid else motor
 
 
 def _solved(motor, level: int = 2) -> Answered:
     """Admittance and motion of one discretisation."""
-    from fem import LEVELS, solve_driven, surface_of
-
-    solution = solve_driven(
-        motor.stator,
-        motor.transducers,
-        frequency=motor.frequency,
-        drive=motor.drive,
-        resolution=LEVELS[level],
-    )
-    motion = surface_of(solution).motion(motor.place) / 1e-10
+    options = {"frequency": motor.frequency, "drive": motor.drive, "resolution": fem.LEVELS[level]}
+    solution = fem.solve_driven(motor.stator, motor.transducers, **options)
+    motion = fem.surface_of(solution).motion(motor.place) / 1e-10
     values = np.array([solution.circuit.admittance / 1e-3, *motion])
     return Answered(values=values, unknowns=solution.fields.unknowns)
 
@@ -86,8 +80,6 @@ def _with_stiffness(row: int, column: int, share: float):
 
 def _free(**changes) -> Answered:
     """Velocity of the free wave of a plate of three wavelengths."""
-    import fem
-
     plain = fem.isotropic(name="isotropic", youngs_modulus=70e9, poisson_ratio=0.33, density=2700.0)
     block = fem.Stator(
         solid=replace(plain, **changes) if changes else plain, length=0.1, thickness=4e-3, ends="absorbing"
@@ -105,8 +97,6 @@ def _with_potential() -> Answered:
 
 def _bare() -> Answered:
     """Velocity of the surface mode without transducers."""
-    import fem
-
     motor = _motor()
     wave = fem.free_wave(motor.stator, frequency=motor.frequency, tolerance=1e-5)
     return Answered(values=np.array([wave.velocity]), unknowns=wave.unknowns)
@@ -118,8 +108,6 @@ def _driven_velocity() -> Answered:
 
 
 def _pair(width: float):
-    from studies.evidence.stability.stator import other_motor
-
     return other_motor(_motor(), metallisation=0.5 * (1 + width))
 
 
@@ -139,8 +127,6 @@ def _far_ends():
 
 
 def _interior(kept: bool) -> Answered:
-    import fem
-
     motor = _motor()
     wave = motor.wave(1e-3)
     values = np.array([wave.admittance / 1e-3, *(wave.motion(motor.place) / 1e-10)])
@@ -149,35 +135,16 @@ def _interior(kept: bool) -> Answered:
     return Answered(values=values, unknowns=wave.unknowns + extra)
 
 
-SLIDER: dict[str, Any] = {
-    "radius": 1e-3,
-    "mass": 0.089e-3,
-    "preload": 0.089e-3 * 9.81,
-    "load": 0.0,
-    "friction_coefficient": 0.08,
-    "effective_modulus": 64e9,
-    "tangential_modulus": 12e9,
-    "law": "elastic",
-    "reciprocal": False,
-    "stick_band": 0.0,
-    "contact_damping": 0.0,
-    "normal_damping": 0.5,
-    "tangential_damping": 1e-4,
-}
 SHARED = ("mass", "preload", "load", "normal_damping", "tangential_damping")
 
 
 def _orbits(count: int = 1):
-    from contact import Orbit
-
-    return (Orbit(frequency=2.2e6, normal=5e-9, tangential=-3.5e-9j),) * count
+    return (contact.Orbit(frequency=2.2e6, normal=5e-9, tangential=-3.5e-9j),) * count
 
 
 def _steady(orbits, *, method: str = "exact", tolerance: float = 1e-9, **changes) -> Answered:
-    import contact
-
-    found = contact.steady(contact.Slider(**SLIDER | changes), orbits, tolerance=tolerance, method=method)
-    return Answered(values=np.array([found.velocity]), unknowns=4 * len(orbits))
+    state = contact.steady(contact.Slider(**SLIDER | changes), orbits, tolerance=tolerance, method=method)
+    return Answered(values=np.array([state.velocity]), unknowns=4 * len(orbits))
 
 
 def _one_for_three() -> Answered:
@@ -187,24 +154,20 @@ def _one_for_three() -> Answered:
 
 def _from_rest() -> Answered:
     """Velocity at the end of a burst so long that nothing of the start is left."""
-    import contact
-
     slider = contact.Slider(**SLIDER | {"tangential_damping": 0.05})
-    found = contact.burst(
+    motion = contact.burst(
         slider, _orbits(), duration=0.05, after=0.0, tolerance=1e-3, method="averaged", samples=10
     )
-    return Answered(values=np.array([found.velocity_at_burst_end]), unknowns=4)
+    return Answered(values=np.array([motion.velocity_at_burst_end]), unknowns=4)
 
 
 def _with_history() -> Answered:
-    import contact
-
     slider, orbits = contact.Slider(**SLIDER), _orbits()
-    found = contact.steady(slider, orbits, tolerance=1e-9, method="exact")
+    state = contact.steady(slider, orbits, tolerance=1e-9, method="exact")
     history = contact.contact_history(
         slider, orbits, stage="steady", skip=0.0, cycles=20.0, points_per_cycle=500.0
     )
-    return Answered(values=np.array([found.velocity]), unknowns=4 + np.size(history.time))
+    return Answered(values=np.array([state.velocity]), unknowns=4 + np.size(history.time))
 
 
 OMISSIONS = (

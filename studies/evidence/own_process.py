@@ -4,14 +4,16 @@ Libraries that thread are told so before they are loaded.  Two measurements neve
 cache of the first would change what the second costs.
 """
 
+import os
 import resource
 import sys
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import get_context
 from pathlib import Path
 
 from studies.refusal import RunError
-
-__all__ = ["alone", "peak_memory"]
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -24,11 +26,6 @@ def alone(what: str, work: Callable, *arguments):
     RunError
         If the process was ended; ``what`` names it.
     """
-    import os
-    from concurrent.futures import ProcessPoolExecutor
-    from concurrent.futures.process import BrokenProcessPool
-    from multiprocessing import get_context
-
     before = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))
     try:

@@ -9,12 +9,13 @@ the theory of a symmetric eigenproblem has it.  Run time: about 20 s.
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import replace
 
-from studies.study import Finding, Panel, StudyRecord, judged, of_record
+import numpy as np
 
-__all__ = ["figure", "run"]
+import fem
+from studies.record.plots import COLOURS, curve, finished
+from studies.study import Answered, Finding, Panel, judged, of_record, study
 
 CUTS = (("PZT-4", "Z"), ("LiNbO3 (Warner)", "128YX"))
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10)
@@ -25,13 +26,11 @@ REPEATS = 3
 QUICK = {"cuts": CUTS[:1], "tolerances": (1e-2, 1e-8), "repeats": 1}
 
 
+@study()
 def run(
-    *,
-    cuts: tuple[tuple[str, str], ...] = CUTS,
-    tolerances: tuple[float, ...] = TOLERANCES,
-    repeats: int = REPEATS,
-    progress: Callable[[str], None] | None = None,
-) -> StudyRecord:
+    *, cuts: tuple[tuple[str, str], ...] = CUTS, tolerances: tuple[float, ...] = TOLERANCES, repeats: int = REPEATS,
+    progress=None,
+) -> Answered:  # fmt: skip
     """Return velocity errors, unknowns and times at every tolerance, and the profile at the tightest.
 
     Parameters
@@ -45,12 +44,6 @@ def run(
     progress : callable, optional
         Told what is being done.
     """
-    import numpy as np
-
-    import fem
-
-    begun = time.perf_counter()
-    say = progress or (lambda text: None)
     panels, findings = [], []
     for material, orientation in cuts:
         solid = fem.rotated(fem.material(material), orientation)
@@ -61,7 +54,7 @@ def run(
         title = f"{material}, {orientation}"
         rows = []
         for tolerance in tolerances:
-            say(f"{title}: tolerance {tolerance:g}")
+            progress(f"{title}: tolerance {tolerance:g}")
             wave, seconds = _timed(plate, tolerance, repeats)
             rows.append({
                 "tolerance": tolerance, "order": wave.order, "unknowns": wave.unknowns, "seconds": seconds,
@@ -76,20 +69,16 @@ def run(
         data = {"depth_wavelengths": depth[near], "half_space": analytic, "finite_elements": meshed}
         panels.append(Panel(name=f"profile_{name}", title=title, data=data))
         findings += _findings(title, rows, wave, exact, float(np.abs(meshed - analytic).max()))
-    return StudyRecord(
-        name="rayleigh", panels=tuple(panels), findings=tuple(findings), seconds=time.perf_counter() - begun
-    )
+    return panels, findings
 
 
 def _timed(plate, tolerance: float, repeats: int):
     """Return the wave and the shortest of a few CPU times in s."""
-    import fem
-
     times = []
     for _ in range(repeats):
-        begun = time.process_time()
+        start_time = time.process_time()
         wave = fem.free_wave(plate, frequency=FREQUENCY, tolerance=tolerance)
-        times.append(time.process_time() - begun)
+        times.append(time.process_time() - start_time)
     return wave, min(times)
 
 
@@ -120,29 +109,22 @@ def _findings(title: str, rows: list[dict], wave, exact, apart: float) -> list[F
 @of_record
 def figure(record: Panel, ax):
     """Draw true and stated error against CPU time, or the profile with depth."""
-    from studies.record.plots import COLOURS
-
     table = record.data
     if "half_space" in table:
         depth = table["depth_wavelengths"]
         for axis, name, colour in ((0, "Im u_x", "intermittent"), (2, "Re u_z", "slip")):
             exact, meshed = (table[key][:, axis] for key in ("half_space", "finite_elements"))
             exact, meshed = (exact.imag, meshed.imag) if axis == 0 else (exact.real, meshed.real)
-            ax.plot(depth, exact, color=COLOURS[colour], linewidth=1, label=f"{name}, half-space")
-            ax.plot(depth, meshed, "o", color=COLOURS[colour], markersize=3, label=f"{name}, finite elements")
-        ax.set_xlabel("depth (wavelengths)")
-        ax.set_ylabel("displacement over u_z at the surface (1)")
-    else:
-        true = [max(error, 1e-16) for error in table["relative_error"]]
-        ax.loglog(table["seconds"], true, "o-", color=COLOURS["slip"], markersize=4, label="true")
-        ax.loglog(
-            table["seconds"], table["stated"], "o", color=COLOURS["slip"], markerfacecolor="none", label="stated"
-        )  # fmt: skip
-        for x, y, unknowns in zip(table["seconds"], true, table["unknowns"], strict=True):
-            ax.annotate(str(unknowns), (x, y), fontsize="x-small")
-        ax.set_xlabel("CPU time (s); beside the points: unknowns (1)")
-        ax.set_ylabel("relative error of the velocity (1)")
-    ax.set_title(record.title, fontsize="medium")
-    ax.grid(alpha=0.3)
-    ax.legend(frameon=False)
-    return ax
+            curve(ax, depth, exact, "-", colour, f"{name}, half-space")
+            curve(ax, depth, meshed, "o", colour, f"{name}, finite elements")
+        return finished(ax, "depth (wavelengths)", "displacement over u_z at the surface (1)", record.title)
+    true = [max(error, 1e-16) for error in table["relative_error"]]
+    curve(ax, table["seconds"], true, "o-", "slip", "true", size=4.0)
+    ax.plot(
+        table["seconds"], table["stated"], "o", color=COLOURS["slip"], markerfacecolor="none", label="stated"
+    )
+    for x, y, unknowns in zip(table["seconds"], true, table["unknowns"], strict=True):
+        ax.annotate(str(unknowns), (x, y), fontsize="x-small")
+    ax.set(xscale="log", yscale="log")
+    across = "CPU time (s); beside the points: unknowns (1)"
+    return finished(ax, across, "relative error of the velocity (1)", record.title)

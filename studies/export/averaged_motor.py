@@ -14,6 +14,7 @@ import contact
 from studies.chain.bridge import DrivenContact
 from studies.chain.ring_up import RingUp, ring_up
 from studies.export import reduced_motor as model
+from studies.export.reduced_motor import index
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.study import driven_contact
@@ -119,7 +120,7 @@ class AveragedMotor:
 
     def start(self, *, force: float = 0.0, preload: float | None = None) -> "MotorState":
         """Return the motor at rest; forces in N are those of the real slider."""
-        state = np.zeros(model.STATE_SIZE)
+        state = np.zeros(index.STATE_SIZE)
         given = self.preload if preload is None else preload
         model.begin(self.parameters, self.tables, state, given / self.share, force / self.share)
         return MotorState(motor=self, numbers=state)
@@ -165,14 +166,14 @@ class MotorState:
         if model.advance(motor.parameters, motor.tables, self.numbers, *numbers) != 0.0:
             raise RunError("the averaged motion is not finite: check level, force and preload")
 
-    time = property(lambda self: float(self.numbers[model.TIME]))
-    position = property(lambda self: float(self.numbers[model.POSITION]))
-    velocity = property(lambda self: float(self.numbers[model.VELOCITY]))
+    time = property(lambda self: float(self.numbers[index.TIME]))
+    position = property(lambda self: float(self.numbers[index.POSITION]))
+    velocity = property(lambda self: float(self.numbers[index.VELOCITY]))
     deformation = property(
         lambda self: model.deformation(self.motor.parameters, self.motor.tables, self.numbers)
     )
-    surface_amplitude = property(lambda self: float(self.numbers[model.SURFACE]))
-    sticks = property(lambda self: bool(self.numbers[model.STICKS]))
+    surface_amplitude = property(lambda self: float(self.numbers[index.SURFACE]))
+    sticks = property(lambda self: bool(self.numbers[index.STICKS]))
 
     def copy(self) -> "MotorState":
         """Return a state that moves on by itself."""
@@ -206,9 +207,6 @@ def averaged_motor(
     if slider.friction is not None:
         rule = "must be a number without a law of one's own: the tables of the averaged motor take one coefficient"
         chosen.refuse("slider.friction_coefficient", rule)
-    if getattr(slider, "friction", None) is not None:
-        rule = "must be one number here: the tables of the averaged motor take Coulomb's friction"
-        driven.scene.refuse("slider.friction_coefficient", rule)
     left_out = ["the wave is that at the slider's place: its change along the way is not followed"]
     drives = [_drive(driven, progress, left_out)]
     for other in _other_scenes(chosen):
@@ -220,9 +218,11 @@ def averaged_motor(
         drives.append(replace(drives[0], name="wave from the other side", orbits=opposite, mirrored=True))
     if len(drives) == 2:
         left_out.append("where the waves of both drives overlap the larger one alone counts")
-    left_out.append(
-        "below the threshold, with a wave, sticking contacts have the spring of a surface at rest"
-    )
+    left_out += [
+        "below the threshold, with a wave, sticking contacts have the spring of a surface at rest",
+        f"a slider that has stopped rings in its contacts at up to {ring_speed(slider, len(driven.orbits)):.2g} m/s; "
+        "the phase of the ring is lost within some 10 ms, so that a burst may begin with up to twice that wrong",
+    ]
     progress("tables of mean forces")
     try:
         tables = [None if drive.mirrored else _tables(slider, drive) for drive in drives]
@@ -335,32 +335,32 @@ def mean_forces(slider, drive: Drive, tau: float, sizes: np.ndarray) -> tuple[fl
 
 def _packed(slider, drives, tables) -> tuple[np.ndarray, np.ndarray]:
     """Return parameters and tables as the model reads them."""
-    p = np.zeros(model.FIRST_DRIVE + 2 * model.DRIVE_SIZE)
+    p = np.zeros(index.FIRST_DRIVE + 2 * index.DRIVE_SIZE)
     contacts = len(drives[0].orbits)
-    p[model.MASS], p[model.NORMAL_DAMPING] = slider.mass, slider.normal_damping
-    p[model.TANGENTIAL_DAMPING], p[model.CONTACT_DAMPING] = slider.tangential_damping, slider.contact_damping
-    p[model.FRICTION], p[model.LIMIT_SLOPE] = slider.friction_coefficient, slider.limit_slope
-    p[model.STIFFNESS] = slider.normal_stiffness * contacts
-    p[model.EXPONENT] = 1.5 if slider.shape == "sphere" else 1.0
-    p[model.SPAN_TAU], p[model.SPAN_NU], p[model.DRIVES] = ROWS, COLUMNS, len(drives)
+    p[index.MASS], p[index.NORMAL_DAMPING] = slider.mass, slider.normal_damping
+    p[index.TANGENTIAL_DAMPING], p[index.CONTACT_DAMPING] = slider.tangential_damping, slider.contact_damping
+    p[index.FRICTION], p[index.LIMIT_SLOPE] = slider.friction_coefficient, slider.limit_slope
+    p[index.STIFFNESS] = slider.normal_stiffness * contacts
+    p[index.EXPONENT] = 1.5 if slider.shape == "sphere" else 1.0
+    p[index.SPAN_TAU], p[index.SPAN_NU], p[index.DRIVES] = ROWS, COLUMNS, len(drives)
     fastest = max(slider.normal_resonance(contacts), slider.tangential_resonance(contacts))
-    p[model.MAX_STEP], p[model.FAST_STEP] = MAX_STEP, min(FAST_STEP, 1.0 / (100.0 * fastest))
-    p[model.RING_STEP] = min(MAX_STEP, 1.0 / (RING_STEPS * fastest))
-    p[model.DEAD_BOUNCE] = DEAD_BOUNCE
+    p[index.MAX_STEP], p[index.FAST_STEP] = MAX_STEP, min(FAST_STEP, 1.0 / (100.0 * fastest))
+    p[index.RING_STEP] = min(MAX_STEP, 1.0 / (RING_STEPS * fastest))
+    p[index.DEAD_BOUNCE] = DEAD_BOUNCE
     parts, length = [], 0
     for number, (drive, table) in enumerate(zip(drives, tables, strict=True)):
-        own = model.FIRST_DRIVE + number * model.DRIVE_SIZE
-        p[own + model.AMPLITUDE], p[own + model.SATURATION] = drive.amplitude, drive.saturation(slider)
-        p[own + model.POWER], p[own + model.RESPONSE_STEP] = drive.power, drive.response_step
-        p[own + model.FACING] = -1.0 if drive.mirrored else 1.0
+        own = index.FIRST_DRIVE + number * index.DRIVE_SIZE
+        p[own + index.AMPLITUDE], p[own + index.SATURATION] = drive.amplitude, drive.saturation(slider)
+        p[own + index.POWER], p[own + index.RESPONSE_STEP] = drive.power, drive.response_step
+        p[own + index.FACING] = -1.0 if drive.mirrored else 1.0
         if table is None:  # all places and numbers of the first but the sign
-            first = model.FIRST_DRIVE
-            p[own : own + model.FACING] = p[first : first + model.FACING]
+            first = index.FIRST_DRIVE
+            p[own : own + index.FACING] = p[first : first + index.FACING]
             continue
-        pieces = {model.LOADS: table[0], model.FORCES: table[1].ravel()}
+        pieces = {index.LOADS: table[0], index.FORCES: table[1].ravel()}
         if drive.response is not None:
-            p[own + model.RESPONSE_NODES] = len(drive.response)
-            pieces[model.RESPONSE] = np.ascontiguousarray(drive.response).view(float)
+            p[own + index.RESPONSE_NODES] = len(drive.response)
+            pieces[index.RESPONSE] = np.ascontiguousarray(drive.response).view(float)
         for place, piece in pieces.items():
             p[own + place] = length
             parts.append(piece)
@@ -386,6 +386,19 @@ def _steady(slider, drive: Drive, levels) -> list[tuple[float, float, float, flo
         if not mean.held:
             known.append((level, float(mean.velocity), float(mean.first_order), scale))
     return known
+
+
+def ring_speed(slider, contacts: int) -> float:
+    """Return the largest velocity in m/s of a slider that rings in contacts which stick on a surface at rest.
+
+    The energy that the contacts hold at the limit of slip, e/(e + 1) mu P x_max with x_max = c z and e = 3/2 for
+    spheres, 1 for flat punches, becomes kinetic energy m v^2/2.
+    """
+    exponent = 1.5 if slider.shape == "sphere" else 1.0
+    energy = (
+        slider.friction_coefficient * slider.preload * slider.limit_slope * slider.rest_approach(contacts)
+    )
+    return float(np.sqrt(2.0 * exponent / (exponent + 1.0) * energy / slider.mass))
 
 
 def _kick(motor: AveragedMotor, levels) -> float:

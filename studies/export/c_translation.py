@@ -109,6 +109,8 @@ class _Function:
                 return repr(node.value)
             case ast.Name():
                 return node.id
+            case ast.Attribute(value=ast.Name(), attr=constant) if constant.isupper():
+                return constant  # of another module of the same program
             case ast.Subscript():
                 return f"{self._of(node.value)}[{self._of(node.slice)}]"
             case ast.UnaryOp():

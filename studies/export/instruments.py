@@ -15,6 +15,7 @@ from studies.chain.scan_prediction import placed, predicted_scan
 from studies.chain.scattering import band_frequencies, reference_impedance, scattering_matrix
 from studies.export.exported import Exported
 from studies.lab.scan import Scan, scan_csv, scan_uff
+from studies.lab.trace import averaged, low_pass, travelled_distance
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.override import toml_value
@@ -30,9 +31,24 @@ COARSE = 2  # points per wavelength of an area: places enough for the beam, not 
 
 def csv_files(
     scene: Scene, name: str, *, scan: str | None = None, band: str | None = None, noise: str | None = None,
-    seed: int | None = None, tolerance: float, progress,
+    seed: int | None = None, bandwidth: str | None = None, sampling: str | None = None, tolerance: float, progress,
 ) -> Exported:  # fmt: skip
-    """Return scan.csv; with a slider, and no scan asked for, burst.csv of a burst and the motor's tables too."""
+    """Return scan.csv; with a slider, and no scan asked for, burst.csv of a burst and the motor's tables too.
+
+    ``bandwidth`` and ``sampling`` are those of the encoder that records the burst.
+    """
+    encoder = {
+        option: si_value(f"--{option}", toml_value(value), unit)
+        for option, value, unit in (("bandwidth", bandwidth, "Hz"), ("sampling", sampling, "s"))
+        if value is not None
+    }
+    for option, value in encoder.items():
+        if not value > 0.0:
+            raise SceneError(f"--{option}", f"must be positive, got {value:g}")
+        if scene.slider is None or scene.burst is None or scan is not None:
+            raise SceneError(
+                f"--{option}", "is of an encoder: the scene needs a slider and a burst, and no --scan"
+            )
     files: dict[str, bytes | str] = {}
     answer: tuple[tuple[str, str], ...] = ()
     pictures: dict = {}
@@ -44,7 +60,7 @@ def csv_files(
         scene.refuse("transducer", "is missing: a scan is of a driven stator")
     if scene.slider is not None and scan is None:
         if scene.burst is not None:
-            files["burst.csv"] = _trace(scene, noise, seed, tolerance, progress)
+            files["burst.csv"] = _trace(scene, encoder, noise, seed, tolerance, progress)
             answer += (("encoder", "burst.csv: position and velocity over time"),)
         from studies.export.averaged_motor import averaged_motor
         from studies.export.simulators import tables
@@ -208,33 +224,33 @@ def _scatter(shape, size: float, seed: int | None) -> np.ndarray:
     return size * (random.standard_normal(shape) + 1j * random.standard_normal(shape))
 
 
-def _trace(scene: Scene, noise, seed, tolerance: float, progress) -> str:
-    """Return position and velocity of the slider in the scene's burst as CSV, at its largest level."""
+def _trace(scene: Scene, encoder: dict[str, float], noise, seed, tolerance: float, progress) -> str:
+    """Return what an encoder records of the scene's burst at its largest level, as CSV.
+
+    ``encoder``: its ``bandwidth`` in Hz and its ``sampling`` in s, where it has them; they come before the noise.
+    """
     from studies.chain import run
 
     key = "wave" if scene.wave is not None else "drive"
-    block = getattr(scene, key)
-    level = {"normal_amplitude": (max(scene.levels),)} if key == "wave" else {"voltage": (max(scene.levels),)}
-    record = run(
-        replace(scene, **{key: replace(block, **level)}, uncertain=None),
-        tolerance=tolerance,
-        progress=progress,
-    )
-    _, path = record.trajectories[0]
+    block, level = getattr(scene, key), max(scene.levels)
+    levels = {"normal_amplitude": (level,)} if key == "wave" else {"voltage": (level,)}
+    alone = replace(scene, **{key: replace(block, **levels)}, uncertain=None)
+    _, path = run(alone, tolerance=tolerance, progress=progress).trajectories[0]
     share, remark = _noise(noise, seed)
-    velocity = (
-        path.velocity + _scatter(path.velocity.shape, share * float(np.max(np.abs(path.velocity))), seed).real
-    )
-    steps = np.diff(path.time) * 0.5 * (path.velocity[1:] + path.velocity[:-1])
-    position = np.concatenate([[0.0], np.cumsum(steps)])
-    position += _scatter(
-        position.shape, share * float(np.max(np.abs(position))), None if seed is None else seed + 1
-    ).real
+    columns = [np.full(len(path.time), level), path.time]
+    for number, curve in enumerate((travelled_distance(path.time, path.velocity), path.velocity)):
+        if "bandwidth" in encoder:
+            curve = low_pass(path.time, curve, encoder["bandwidth"])
+        if "sampling" in encoder:
+            curve = averaged(path.time, curve, encoder["sampling"], path.time)
+        own_seed = None if seed is None else seed + 1 - number
+        columns.append(curve + _scatter(curve.shape, share * float(np.max(np.abs(curve))), own_seed).real)
     head = f"{'normal_amplitude_m' if key == 'wave' else 'voltage_V'},time_s,position_m,velocity_m_per_s"
-    levels = np.full(len(position), max(scene.levels))
-    table = np.column_stack([levels, path.time, position, velocity])
-    rows = [",".join(repr(float(value)) for value in row) for row in table]
-    return "\n".join([*(f"# {each}" for each in (scene.title, *remark)), head, *rows[1:]]) + "\n"
+    rows = [",".join(repr(float(value)) for value in row) for row in np.column_stack(columns)]
+    filters = tuple(
+        f"{name} {value:g} {'Hz' if name == 'bandwidth' else 's'}" for name, value in encoder.items()
+    )
+    return "\n".join([*(f"# {each}" for each in (scene.title, *filters, *remark)), head, *rows[1:]]) + "\n"
 
 
 def _said(taken: Scan, remarks) -> tuple:

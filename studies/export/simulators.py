@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from studies.export import reduced_motor as model
 from studies.export.averaged_motor import COLUMNS, ROWS, AveragedMotor, averaged_motor
 from studies.export.c_source import description, header, source
 from studies.export.exported import Exported
 from studies.export.fmu import FMI_VERSIONS, fmu
+from studies.export.reduced_motor import index
 from studies.refusal import SceneError
 from studies.scene import Scene
 
@@ -33,10 +33,10 @@ def tables(motor: AveragedMotor) -> dict[str, str]:
     nu = np.linspace(0.0, 1.0, COLUMNS) ** 2
     slider, parts = motor.slider, {}
     for number, drive in enumerate(motor.drives):
-        place = motor.parameters[model.FIRST_DRIVE + number * model.DRIVE_SIZE :].astype(int)
-        loads = motor.tables[place[model.LOADS] :][:ROWS]
-        forces = motor.tables[place[model.FORCES] :][: 2 * ROWS * COLUMNS].reshape(2, ROWS, COLUMNS)
-        if place[model.FACING] < 0:
+        place = motor.parameters[index.FIRST_DRIVE + number * index.DRIVE_SIZE :].astype(int)
+        loads = motor.tables[place[index.LOADS] :][:ROWS]
+        forces = motor.tables[place[index.FORCES] :][: 2 * ROWS * COLUMNS].reshape(2, ROWS, COLUMNS)
+        if place[index.FACING] < 0:
             forces = -forces[::-1]
         own = head + (
             f"# drive {drive.name}: s = {drive.amplitude!r} m per {motor.unit}, v_1 = {drive.saturation(slider)!r} "

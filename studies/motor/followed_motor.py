@@ -19,6 +19,7 @@ import numpy as np
 from contact.jit.compiled import compiled
 from studies.export import reduced_motor as model
 from studies.export.averaged_motor import AveragedMotor
+from studies.export.reduced_motor import index
 
 STEPS = 800  # per cycle of the wave; 10 um of twente to 0.06 nm, 400: 0.25 nm
 STILL_STEPS = 1000  # per period of the ring; 1e-3 nm beside 4000
@@ -46,7 +47,7 @@ class FollowedMotor:
         self.levels = [0.0] * len(drives)
         begun = motor.start(force=force, preload=preload)
         strain = np.full(contacts, begun.deformation)
-        self.state = np.concatenate([[-begun.numbers[model.APPROACH], 0.0, 0.0, 0.0], strain])
+        self.state = np.concatenate([[-begun.numbers[index.APPROACH], 0.0, 0.0, 0.0], strain])
 
     position = property(lambda self: float(self.state[PLACE]))
     velocity = property(lambda self: float(self.state[SPEED]))
@@ -102,8 +103,8 @@ def follow(p, state, normal, tangential, envelopes, omega, time, given):
     h = duration / steps
     drives, contacts = normal.shape
     nodes = envelopes.shape[1]
-    stiffness, exponent = p[model.STIFFNESS] / contacts, p[model.EXPONENT]
-    mass, friction, c = p[model.MASS], p[model.FRICTION], p[model.LIMIT_SLOPE]
+    stiffness, exponent = p[index.STIFFNESS] / contacts, p[index.EXPONENT]
+    mass, friction, c = p[index.MASS], p[index.FRICTION], p[index.LIMIT_SLOPE]
     before = np.zeros((4, contacts))  # approach, u_x and the rates of approach and deformation a step ago
     push, pull = 0.0, 0.0
     phase, turn = np.exp(1j * omega * time), np.exp(1j * omega * h)
@@ -143,13 +144,13 @@ def follow(p, state, normal, tangential, envelopes, omega, time, given):
             x = min(max(x, -c * z), c * z) if z > 0.0 else 0.0
             if z > 0.0:
                 load = stiffness * model.power(z, exponent)
-                total += load * (1.0 + p[model.CONTACT_DAMPING] * rate_z)
+                total += load * (1.0 + p[index.CONTACT_DAMPING] * rate_z)
                 if x != 0.0:
                     drag += friction * load * model.spring_share(x / (c * z), exponent)
             state[STRAIN + i] = x
             before[0, i], before[1, i], before[2, i], before[3, i] = z, u_x, rate_z, rate_x
-        push = (total - preload - p[model.NORMAL_DAMPING] * state[CLIMB]) / mass
-        pull = (drag + force - p[model.TANGENTIAL_DAMPING] * state[SPEED]) / mass
+        push = (total - preload - p[index.NORMAL_DAMPING] * state[CLIMB]) / mass
+        pull = (drag + force - p[index.TANGENTIAL_DAMPING] * state[SPEED]) / mass
         if k > 0:
             state[CLIMB] += 0.5 * h * push
             state[SPEED] += 0.5 * h * pull

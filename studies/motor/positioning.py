@@ -4,8 +4,11 @@ Method: the motor of a scene (``twente-contact`` when none is named) followed th
 (`studies.motor.followed_motor`), a sensor with resolution, noise and delay, a controller with a period (`--controller
 two_phase`, dead_zone_pi, burst_length or FILE.py:FUNCTION), two drives that push either way where the scene has them;
 from rest to `--target "10 um"` and back.  The same drive is then given to the motor followed in steps twice as long,
-which is the error of the positions, and to the averaged motor, which `sawmotor export` writes for simulators: it has
-not the phase of the ring, and a ring of 15 um/s is 15 nm after a millisecond of continuous drive.
+which is the error of the positions, and to the averaged motor, which `sawmotor export` writes for simulators.  A slider
+that has stopped rings in its contacts, and the next burst begins with the velocity of the ring at that instant.  The
+averaged motor follows the ring, but its error of some 0.1 um/s at a stop changes amplitude and frequency of the ring
+enough to lose the phase within some 10 ms.  From then on its velocity is wrong by up to twice that of the ring (22 um/s
+for ``twente``), and so its position by up to 44 nm in each millisecond in which the slider slides.
 `--loop KEY=VALUE` sets what surrounds the motor and the controller's numbers: resolution, noise, delay, period, force,
 force_at, preload, limit, hold, seed.  A second panel shows what bursts of a few cycles leave: within one elastic
 deformation of the contacts the slider comes back when the wave has gone.  Step-to-step scatter follows from the
@@ -20,7 +23,7 @@ import numpy as np
 
 import contact
 from studies.chain.steps import Steps
-from studies.export.averaged_motor import AveragedMotor, averaged_motor
+from studies.export.averaged_motor import AveragedMotor, averaged_motor, ring_speed
 from studies.motor.controllers import MotorNumbers, controller
 from studies.motor.followed_motor import STEPS, FollowedMotor
 from studies.motor.position_loop import BANDS, Loop, Move, moved, replayed
@@ -289,10 +292,11 @@ def _answer(
                  + (f", {move.energy * 1e3:.4g} mJ" if move.energy else "")),
         ]  # fmt: skip
     (error, _), (largest, left) = apart
+    speed = ring_speed(motor.slider, len(motor.drives[0].orbits))
     rows += [
         ("error", f"of the positions: at most {error * 1e9:.2g} nm, from steps twice as long"),
         ("averaging", f"the averaged motor under the same drive is at most {largest * 1e9:.2g} nm beside these,"),
-        ("", f"{left * 1e9:.2g} nm in the end: the phase of the contact's ring is lost in it"),
+        ("", f"{left * 1e9:.2g} nm in the end: it loses the phase of a ring of at most {speed * 1e6:.2g} um/s"),
     ]  # fmt: skip
     inside = np.flatnonzero(np.abs(steps["exact_m"]) < steps["elastic_m"])
     rows.append(("elastic", f"the contacts give way by {steps['elastic_m'] * 1e9:.3g} nm before they slip"))

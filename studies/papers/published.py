@@ -8,8 +8,6 @@ Surface Acoustic Wave Motor*; D. Tjeung, M. Hughes, L. Yeo, J. Friend (2011); Ra
 from dataclasses import dataclass
 from itertools import product
 
-__all__ = ["KUROSAWA", "LEFT_ASIDE", "RAJ", "SEED", "TJEUNG", "Unknown", "corners"]
-
 GRAVITY = 9.81
 STEEL_DENSITY = 7850.0
 

@@ -6,9 +6,11 @@ Every function takes a case: the values of what the paper states loosely or not 
 import math
 from dataclasses import replace
 
-from studies.papers.published import KUROSAWA, NORMAL_DAMPING, TANGENTIAL_OVER_NORMAL
+from scipy.optimize import brentq
 
-__all__ = ["ball", "contact_radius", "needed_amplitude", "per_volt", "ratio", "speed", "thrust"]
+import contact
+import fem
+from studies.papers.published import KUROSAWA, NORMAL_DAMPING, TANGENTIAL_OVER_NORMAL
 
 TOLERANCE = 1e-3
 STATOR_TOLERANCE = 3e-2
@@ -16,31 +18,18 @@ STATOR_TOLERANCE = 3e-2
 
 def ratio(material: str) -> float:
     """|u_x/u_z| of the half-space's wave on 128YX."""
-    import fem
-
     return fem.rayleigh(fem.rotated(fem.material(material), "128YX"), "open").surface_ratio
 
 
 def ball(case: dict):
     """Return Kurosawa's ball and the orbit under it."""
-    import contact
-
     published = KUROSAWA.published
     slider = contact.Slider(
-        radius=case.get("radius", published["radius_m"]),
-        mass=case.get("mass", published["mass_kg"]),
-        preload=case["preload"],
-        load=0.0,
-        friction_coefficient=case["friction"],
-        effective_modulus=case["modulus"],
-        tangential_modulus=TANGENTIAL_OVER_NORMAL * case["modulus"],
-        law=case["law"],
-        reciprocal=False,
-        stick_band=0.0,
-        contact_damping=0.0,
-        normal_damping=NORMAL_DAMPING,
-        tangential_damping=case["air"],
-    )
+        radius=case.get("radius", published["radius_m"]), mass=case.get("mass", published["mass_kg"]),
+        preload=case["preload"], load=0.0, friction_coefficient=case["friction"], effective_modulus=case["modulus"],
+        tangential_modulus=TANGENTIAL_OVER_NORMAL * case["modulus"], law=case["law"], reciprocal=False, stick_band=0.0,
+        contact_damping=0.0, normal_damping=NORMAL_DAMPING, tangential_damping=case["air"],
+    )  # fmt: skip
     amplitude = case["amplitude"]
     orbit = contact.Orbit(
         frequency=case["frequency"], normal=amplitude, tangential=-1j * case["ratio"] * amplitude
@@ -50,22 +39,16 @@ def ball(case: dict):
 
 def speed(case: dict) -> float:
     """Steady speed, m/s."""
-    import contact
-
     return abs(contact.steady(*ball(case), tolerance=TOLERANCE).velocity)
 
 
 def thrust(case: dict) -> float:
     """Load at which the motor stalls, N."""
-    import contact
-
     return contact.blocked_thrust(*ball(case))[0]
 
 
 def needed_amplitude(case: dict) -> float:
     """Normal amplitude at which the steady speed is the published one, m."""
-    from scipy.optimize import brentq
-
     wanted = KUROSAWA.published["velocity_m_per_s"]
     return brentq(lambda size: speed(case | {"amplitude": size}) - wanted, 3e-9, 1e-7, xtol=1e-11)
 
@@ -78,8 +61,6 @@ def contact_radius(case: dict) -> float:
 
 def per_volt(*, pairs: int, material: str) -> float:
     """Return |u_z| per volt of a transducer of so many pairs on a half-space of 128YX."""
-    import fem
-
     solid = fem.rotated(fem.material(material), "128YX")
     frequency = KUROSAWA.published["frequency_Hz"]
     stator = fem.Stator(solid=solid, length=1.0, thickness=math.inf, ends="absorbing")

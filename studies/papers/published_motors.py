@@ -12,27 +12,28 @@ within its band; from the voltage a band as wide as the unknown fingers make it.
 import csv
 import io
 import math
-import time
-from collections.abc import Callable
+from dataclasses import replace
 
+import contact
 from studies.papers import published_sliders as sliders
 from studies.papers.published import KUROSAWA, LEFT_ASIDE, RAJ, SEED, TJEUNG, Unknown, corners
 from studies.papers.published_kurosawa import contact_radius, needed_amplitude, per_volt, ratio, speed, thrust
-from studies.study import Finding, Panel, StudyRecord, of_record
-
-__all__ = ["figure", "run", "tables"]
+from studies.papers.seed import Seed
+from studies.record.plots import COLOURS, finished
+from studies.record.text import markdown
+from studies.study import Answered, Finding, Panel, StudyRecord, of_record, study
 
 MOTORS = (
     "Kurosawa 1998", "Feenstra and Breedveld", "Tjeung 2011", "Raj and Behera 2025", "Kurosawa and Asai, 10 MHz",
     "KAKEN 22360101", "Shigematsu 2003", "KAKEN 15H03943",
 )  # fmt: skip
 QUICK = {"motors": (*MOTORS[1:4], *MOTORS[5:])}
-TOLERANCE = 1e-3
 WIDE = 5.0  # highest over lowest of a band from which on an agreement says little
 ON_CONTACT = ("friction", "preload", "amplitude", "frequency", "modulus", "law", "air")
 
 
-def run(*, motors: tuple[str, ...] = MOTORS, progress: Callable[[str], None] | None = None) -> StudyRecord:
+@study()
+def run(*, motors: tuple[str, ...] = MOTORS, progress=None) -> Answered:
     """Return predictions with their bands beside what is published.
 
     Parameters
@@ -42,29 +43,20 @@ def run(*, motors: tuple[str, ...] = MOTORS, progress: Callable[[str], None] | N
     progress : callable, optional
         Told what is being done.
     """
-    begun = time.perf_counter()
-    say = progress or (lambda text: None)
     parts = {
-        MOTORS[0]: lambda: [*_kurosawa(say), *_from_voltage(say)],
+        MOTORS[0]: lambda: [*_kurosawa(progress), *_from_voltage(progress)],
         MOTORS[1]: lambda: [_seed()],
         MOTORS[2]: _tjeung,
         MOTORS[3]: _raj,
-        MOTORS[4]: lambda: _kurosawa_asai(say),
+        MOTORS[4]: lambda: _kurosawa_asai(progress),
         MOTORS[5]: _rear,
         MOTORS[6]: _shigematsu,
         MOTORS[7]: _crest,
     }
     rows = [row for motor in motors for row in parts[motor]()]
     columns = {key: [row[key] for row in rows] for key in rows[0]}
-    panel = Panel(
-        name="published_motors", title="Published motors (bands: what the papers do not state)", data=columns
-    )
-    return StudyRecord(
-        name="published_motors",
-        panels=(panel,),
-        findings=tuple(_finding(row) for row in rows),
-        seconds=time.perf_counter() - begun,
-    )
+    title = "Published motors (bands: what the papers do not state)"
+    return (Panel(name="published_motors", title=title, data=columns),), map(_finding, rows)
 
 
 @of_record
@@ -73,8 +65,6 @@ def figure(panel: Panel, ax):
 
     A published range is drawn in grey, everything of its row over the range's geometric mean.
     """
-    from studies.record.plots import COLOURS, titled
-
     data = panel.data
     count = len(data["quantity"])
     for index in range(count):
@@ -93,27 +83,29 @@ def figure(panel: Panel, ax):
     ax.minorticks_off()
     names = [f"{m}:\n{q}" for m, q in zip(data["motor"], data["quantity"], strict=True)]
     ax.set_yticks(range(count)[::-1], names, fontsize="x-small")
-    ax.set_xlabel("predicted over published (grey: a published range, over its geometric mean)")
-    titled(ax, panel.title)
-    ax.grid(axis="x", alpha=0.3)
-    return ax
+    across = "predicted over published (grey: a published range, over its geometric mean)"
+    return finished(ax, across, "", panel.title, columns=0)
 
 
 def tables(record: StudyRecord) -> dict[str, str]:
     """Return the table as Markdown and as CSV, by file name."""
     data = record.panels[0].data
     rows = [dict(zip(data, values, strict=True)) for values in zip(*data.values(), strict=True)]
-    lines = [
-        "| motor | quantity | published | predicted | band | swept | moves it most | verdict |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
+    head = ("motor", "quantity", "published", "predicted", "band", "swept", "moves it most", "verdict")
+    table = []
     for row in rows:
         unit, scale = row["unit"], row["scale"]
         values = [f"{row[key] * scale:.3g}" for key in ("predicted", "low", "high")]
         texts = [_stated(row), values[0], f"{values[1]} to {values[2]}"]
         cells = [row["motor"], row["quantity"], *(f"{text} {unit}".rstrip() for text in texts)]
-        lines.append(f"| {' | '.join([*cells, row['swept'], row['most'], row['verdict']])} |")
-    lines += ["", "Left aside:", "", *(f"- {what}: {why}." for what, why in LEFT_ASIDE)]
+        table.append([*cells, row["swept"], row["most"], row["verdict"]])
+    lines = [
+        *markdown(head, table),
+        "",
+        "Left aside:",
+        "",
+        *(f"- {what}: {why}." for what, why in LEFT_ASIDE),
+    ]
     file = io.StringIO()
     writer = csv.DictWriter(file, list(data), lineterminator="\n")
     writer.writeheader()
@@ -141,19 +133,11 @@ def _kurosawa(say) -> list[dict]:
         swept = {name: unknowns[name] for name in needs}
         rows.append(_row(motor, quantity, published[key], what, known, swept, unit, scale))
     swept = {name: unknowns[name] for name in ("friction", "preload", "frequency", "law")}
-    rows.append(
-        _row(
-            motor,
-            "amplitude its speed needs",
-            published["amplitude_m"],
-            needed_amplitude,
-            known,
-            swept,
-            "nm",
-            1e9,
-        )
-    )
-    return rows
+    amplitude = published["amplitude_m"]
+    return [
+        *rows,
+        _row(motor, "amplitude its speed needs", amplitude, needed_amplitude, known, swept, "nm", 1e9),
+    ]
 
 
 def _known(unknowns: dict) -> dict:
@@ -165,42 +149,31 @@ def _known(unknowns: dict) -> dict:
 def _from_voltage(say) -> list[dict]:
     """Return the amplitude and the speed from the voltage."""
     published, motor = KUROSAWA.published, "Kurosawa 1998"
-    unknowns = {name: KUROSAWA[name] for name in ON_CONTACT}
-    known = _known(unknowns)
-    rows, amplitudes = [], {}
-    for case in corners({name: KUROSAWA[name] for name in ("pairs", "material")}):
-        say(f"Kurosawa: {case['pairs']} finger pairs on {case['material']}")
-        amplitudes[case["pairs"], case["material"]] = published["voltage_V"] * per_volt(**case)
+    known = _known({name: KUROSAWA[name] for name in ON_CONTACT})
     stator = {name: KUROSAWA[name] for name in ("pairs", "material")}
     taken = {name: each.taken for name, each in stator.items()}
+    amplitudes = {}
+    for case in corners(stator):
+        say(f"Kurosawa: {case['pairs']} finger pairs on {case['material']}")
+        amplitudes[case["pairs"], case["material"]] = published["voltage_V"] * per_volt(**case)
 
     def from_voltage(case):
         return amplitudes[case["pairs"], case["material"]]
 
-    rows.append(
-        _row(motor, "amplitude from 180 V", published["amplitude_m"], from_voltage, taken, stator, "nm", 1e9)
-    )
-    say("Kurosawa: from the voltage to the speed")
-
     def chain(case):
         return speed(case | {"amplitude": from_voltage(case)})
 
-    swept = stator | {name: unknowns[name] for name in ("friction", "preload", "law")}
-    rows.append(
-        _row(
-            motor, "speed from 180 V", published["velocity_m_per_s"], chain, known | taken, swept, "m/s", 1.0
-        )
-    )
-    return rows
+    say("Kurosawa: from the voltage to the speed")
+    swept = stator | {name: KUROSAWA[name] for name in ("friction", "preload", "law")}
+    amplitude, velocity = published["amplitude_m"], published["velocity_m_per_s"]
+    return [
+        _row(motor, "amplitude from 180 V", amplitude, from_voltage, taken, stator, "nm", 1e9),
+        _row(motor, "speed from 180 V", velocity, chain, known | taken, swept, "m/s", 1.0),
+    ]
 
 
 def _seed() -> dict:
     """Return the release amplitude beside the two simulated amplitudes between which the paper places it."""
-    from dataclasses import replace
-
-    import contact
-    from studies.papers.seed import Seed
-
     seed, published = Seed(lambda text: None), SEED.published
 
     def release(case):
@@ -259,17 +232,9 @@ def _kurosawa_asai(say) -> list[dict]:
     def power(case):
         return sliders.wave_power(case["beam"])
 
+    beam, above = "wave power at 40 nm, above", (100.0, 200.0)
     return [
-        _row(
-            MOTORS[4],
-            "wave power at 40 nm, above",
-            (100.0, 200.0),
-            power,
-            {"beam": 9e-3},
-            {"beam": width},
-            "W",
-            1.0,
-        ),
+        _row(MOTORS[4], beam, above, power, {"beam": width.taken}, {"beam": width}, "W", 1.0),
         _row(MOTORS[4], "speed at 40 nm", 1.1, sliders.kurosawa_speed, known, swept, "m/s", 1.0),
         _row(MOTORS[4], "stall at 40 nm", 3.5, sliders.kurosawa_stall, known, swept, "N", 1.0),
     ]
@@ -316,19 +281,12 @@ def _crest() -> list[dict]:
     def speed_of_crest(case):
         return sliders.crest_speed(4.7e-9, case["frequency"])
 
-    known = {"frequency": frequency.taken}
-    return [
-        _row(
-            MOTORS[7],
-            "the crest's own speed at 4.7 nm",
-            (0.245, 0.255),
-            speed_of_crest,
-            known,
-            {"frequency": frequency},
-            "m/s",
-            1.0,
-        )
-    ]
+    known, swept, what = (
+        {"frequency": frequency.taken},
+        {"frequency": frequency},
+        "the crest's own speed at 4.7 nm",
+    )
+    return [_row(MOTORS[7], what, (0.245, 0.255), speed_of_crest, known, swept, "m/s", 1.0)]
 
 
 def _row(motor, quantity, published, what, known, swept, unit, scale) -> dict:
@@ -357,19 +315,10 @@ def _row(motor, quantity, published, what, known, swept, unit, scale) -> dict:
         nearer = low / above if above < low else high / below
         verdict = f"outside the band, whose nearer end is {_apart(nearer)}"
     return {
-        "motor": motor,
-        "quantity": quantity,
-        "published_low": below,
-        "published_high": above,
-        "predicted": taken,
-        "low": low,
-        "high": high,
-        "unit": unit,
-        "scale": scale,
-        "swept": ", ".join(map(str, swept.values())),
-        "most": f"{most} ({reach[most]:.2g}x)",
-        "verdict": verdict,
-    }
+        "motor": motor, "quantity": quantity, "published_low": below, "published_high": above, "predicted": taken,
+        "low": low, "high": high, "unit": unit, "scale": scale, "swept": ", ".join(map(str, swept.values())),
+        "most": f"{most} ({reach[most]:.2g}x)", "verdict": verdict,
+    }  # fmt: skip
 
 
 def _stated(row: dict) -> str:

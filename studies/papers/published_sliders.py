@@ -112,10 +112,5 @@ def shigematsu_step(
 
 def crest_speed(amplitude: float, frequency: float) -> float:
     """Return the speed of the wave's crests along x, m/s."""
-    return (
-        2
-        * math.pi
-        * frequency
-        * abs(wave(frequency=frequency, amplitude=amplitude, width=1.0).ratio)
-        * amplitude
-    )
+    ratio = wave(frequency=frequency, amplitude=amplitude, width=1.0).ratio
+    return 2.0 * math.pi * frequency * abs(ratio) * amplitude

@@ -13,15 +13,15 @@ reactance or in series, and whether 20.5 V is the peak value or from peak to pea
 its band, and one layout that meets all of KAKEN 22360101 to 15 %.  Run time: about 5 s.
 """
 
-import time
-from collections.abc import Callable
 from itertools import product
 
-from studies.papers.published import Unknown
-from studies.refusal import RunError
-from studies.study import Finding, Panel, StudyRecord, judged, of_record
+import numpy as np
 
-__all__ = ["figure", "run"]
+import fem
+from studies.papers.published import Unknown
+from studies.record.plots import COLOURS, finished
+from studies.refusal import RunError
+from studies.study import Answered, Panel, judged, of_record, study
 
 FREQUENCY, PERIOD, APERTURE, THICKNESS, PAIRS, STRIP_PAIRS = 9.61e6, 400e-6, 9e-3, 1.5e-3, 21, 32
 ELECTRODES = {"open": "o", "connected": "+"}
@@ -49,15 +49,11 @@ PUBLISHED = {
 }  # fmt: skip
 
 
+@study()
 def run(
-    *,
-    scales: tuple[float, ...] = SCALES,
-    electrodes: tuple[str, ...] = tuple(ELECTRODES),
-    pairs: int = PAIRS,
-    strip_pairs: int = STRIP_PAIRS,
-    tolerance: float = 2e-2,
-    progress: Callable[[str], None] | None = None,
-) -> StudyRecord:
+    *, scales: tuple[float, ...] = SCALES, electrodes: tuple[str, ...] = tuple(ELECTRODES), pairs: int = PAIRS,
+    strip_pairs: int = STRIP_PAIRS, tolerance: float = 2e-2, progress=None,
+) -> Answered:  # fmt: skip
     """Return predictions with their bands beside what is published.
 
     Parameters
@@ -73,11 +69,9 @@ def run(
     progress : callable, optional
         Told what is being done.
     """
-    begun = time.perf_counter()
     row, cases = _p_matrix(None, 1.0, pairs, tolerance), []
     for kind, scale in product(electrodes, scales):
-        if progress is not None:
-            progress(f"strips {kind}, period {scale:g} of the fingers'")
+        progress(f"strips {kind}, period {scale:g} of the fingers'")
         strips = _p_matrix(ELECTRODES[kind], scale, strip_pairs, tolerance)
         cases += [{"electrodes": kind, "scale": scale} | case for case in _one_sided(row, strips)]
     columns = {key: [case[key] for case in cases] for key in cases[0]}
@@ -95,17 +89,11 @@ def run(
     findings = []
     for key, (low, high) in bands.items():
         statement, published, unit, scale = PUBLISHED[key]
-        inside = low <= published <= high
-        findings.append(
-            Finding(
-                statement=statement,
-                quantity=f"nearest prediction{f' ({unit})' if unit else ''}",
-                expected=f"the published {published * scale:.3g} in the band {low * scale:.3g} to {high * scale:.3g}",
-                found=float(min(max(published, low), high) * scale),
-                confirmed=bool(inside),
-                remark=shared + extra.get(key, ""),
-            )
-        )
+        findings.append(judged(
+            statement, f"nearest prediction{f' ({unit})' if unit else ''}", min(max(published, low), high) * scale,
+            expected=f"the published {published * scale:.3g} in the band {low * scale:.3g} to {high * scale:.3g}",
+            holds=low <= published <= high, remark=shared + extra.get(key, ""),
+        ))  # fmt: skip
     apart = [_deviation(case) for case in cases]
     best = cases[apart.index(min(apart))]
     findings.append(
@@ -120,20 +108,12 @@ def run(
     columns |= {"names": [row[0] for row in PUBLISHED.values()], "published": [row[1] for row in PUBLISHED.values()],
                 "low": [bands[key][0] for key in PUBLISHED], "high": [bands[key][1] for key in PUBLISHED]}  # fmt: skip
     title = "Published stators; bands: what is not stated"
-    panel = Panel(name="published_stators", title=title, data=columns)
-    return StudyRecord(
-        name="published_stators",
-        panels=(panel,),
-        findings=tuple(findings),
-        seconds=time.perf_counter() - begun,
-    )
+    return (Panel(name="published_stators", title=title, data=columns),), findings
 
 
 @of_record
 def figure(panel: Panel, ax):
     """Draw band and case by case over the published value."""
-    from studies.record.plots import COLOURS, legend_below
-
     data, marks = panel.data, {"open": "o", "connected": "s"}
     for at, key in enumerate(PUBLISHED):
         published = data["published"][at]
@@ -150,17 +130,11 @@ def figure(panel: Panel, ax):
     names = [name.partition(": ")[2] for name in data["names"]]
     ax.set_yticks(range(len(names)), names, fontsize="x-small")
     ax.set_ylim(len(names) - 0.5, -0.5)
-    ax.set_xlabel("predicted over published")
-    ax.set_title(panel.title, fontsize="medium")
-    ax.grid(axis="x", alpha=0.3)
-    legend_below(ax, columns=2)
-    return ax
+    return finished(ax, "predicted over published", "", panel.title, columns=2)
 
 
 def _p_matrix(electrodes: str | None, scale: float, pairs: int, tolerance: float):
     """Return the P-matrix of fingers, or of strips of one kind of electrode."""
-    import fem
-
     solid = fem.rotated(fem.material("LiNbO3 (Kovacs)"), "128YX")
     stator = fem.Stator(solid=solid, length=1.0, thickness=THICKNESS, ends="absorbing")
     transducer = fem.Transducer(
@@ -175,8 +149,6 @@ def _p_matrix(electrodes: str | None, scale: float, pairs: int, tolerance: float
 
 def _one_sided(row, strips) -> list[dict]:
     """Return what fingers with strips to the left send and receive, at the distances of largest share and power."""
-    import numpy as np
-
     far = len(row.wavenumbers)  # of the amplitudes at the left edge, the first is the upper face's wave
     s, p = row.scattering[np.ix_([0, far], [0, far])], row.excitation[[0, far]]
     distance = np.linspace(0, PERIOD / 2, PLACES, endpoint=False)

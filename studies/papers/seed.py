@@ -2,11 +2,10 @@
 
 from collections.abc import Callable
 
+import contact
 from studies.chain import bridge
 from studies.chain.resolve import resolved
 from studies.scene import Scene
-
-__all__ = ["Seed"]
 
 TOLERANCE = 1e-3  # of steady velocities
 
@@ -27,12 +26,8 @@ class Seed:
 
     def steady(self, amplitude: float):
         """Return the steady state at a normal amplitude in m."""
-        import contact
-
         return contact.steady(self.slider, self.orbits(amplitude), tolerance=TOLERANCE)
 
     def history(self, amplitude: float, **span):
         """Return the history of the contact at a normal amplitude in m."""
-        import contact
-
         return contact.contact_history(self.slider, self.orbits(amplitude), **span)

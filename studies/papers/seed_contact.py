@@ -2,10 +2,10 @@
 
 import math
 
-from studies.papers.seed import Seed
-from studies.study import Finding, Panel
+import numpy as np
 
-__all__ = ["figure_6a", "figure_6b", "figure_7"]
+from studies.papers.seed import Seed
+from studies.study import Panel, judged
 
 CONSTANT, INTERMITTENT = 3e-9, 10e-9  # m, of Figs 6(a) and 6(b)
 ACCELERATION = 2200  # cycles from rest: 1 ms
@@ -33,30 +33,16 @@ def figure_6a(seed: Seed):
     force, speed = history.normal_force[:, 0], history.surface_velocity[:, 0]
     mean = float(history.tangential_force[:, 0].mean())
     findings = [
-        Finding(
-            statement='Fig. 6(a): "The normal force P reaches a maximum when the wave velocity v_t is positive."',
-            quantity="v_t at the largest P over its peak",
-            expected="near 1; and near -1 at the smallest P",
-            found=float(speed[force.argmax()] / speed.max()),
-            confirmed=bool(
-                speed[force.argmax()] > 0.9 * speed.max() and speed[force.argmin()] < 0.9 * speed.min()
-            ),
-        ),
-        Finding(
-            statement='Fig. 6(a): "Therefore, the average friction force, which drives the slider, becomes positive."',
-            quantity="mean Q over mu times the preload, 1 ms after the start",
-            expected="positive",
-            found=mean / (seed.slider.friction_coefficient * seed.slider.preload),
-            confirmed=mean > 0,
-        ),
-        Finding(
-            statement="Fig. 6(a): constant contact at 3 nm.",
-            quantity="smallest P over the preload",
-            expected="positive",
-            found=float(force.min() / seed.slider.preload),
-            confirmed=bool(force.min() > 0),
-        ),
-    ]
+        judged('Fig. 6(a): "The normal force P reaches a maximum when the wave velocity v_t is positive."',
+               "v_t at the largest P over its peak", speed[force.argmax()] / speed.max(),
+               expected="near 1; and near -1 at the smallest P",
+               holds=speed[force.argmax()] > 0.9 * speed.max() and speed[force.argmin()] < 0.9 * speed.min()),
+        judged('Fig. 6(a): "Therefore, the average friction force, which drives the slider, becomes positive."',
+               "mean Q over mu times the preload, 1 ms after the start",
+               mean / (seed.slider.friction_coefficient * seed.slider.preload), expected="positive", holds=mean > 0),
+        judged("Fig. 6(a): constant contact at 3 nm.", "smallest P over the preload",
+               force.min() / seed.slider.preload, expected="positive", holds=force.min() > 0),
+    ]  # fmt: skip
     panel = _contact_panel("fig_6a", "Fig. 6(a): constant contact, 3 nm", history, (1e6, "us"))
     return [panel], findings
 
@@ -66,12 +52,12 @@ def figure_6b(seed: Seed):
     history = seed.history(INTERMITTENT, stage="start", skip=ACCELERATION, cycles=2, points_per_cycle=400)
     regimes = history.regime[:, 0]
     parted = float((regimes == "separated").mean())
-    switching = Finding(
-        statement='Fig. 6(b): "contact-no contact switching is present besides stick-slip switching."',
-        quantity="share of a cycle without contact, 10 nm",
+    switching = judged(
+        'Fig. 6(b): "contact-no contact switching is present besides stick-slip switching."',
+        "share of a cycle without contact, 10 nm",
+        parted,
         expected="between 0 and 1, with stick and slip in the rest",
-        found=parted,
-        confirmed=0 < parted < 1 and {"stick", "slip"} <= set(regimes),
+        holds=0 < parted < 1 and {"stick", "slip"} <= set(regimes),
     )
     panel = _contact_panel("fig_6b", "Fig. 6(b): intermittent contact, 10 nm", history, (1e6, "us"))
     return [panel], [switching]
@@ -79,8 +65,6 @@ def figure_6b(seed: Seed):
 
 def figure_7(seed: Seed):
     """Figs 7(a) and 7(b): after the burst."""
-    import numpy as np
-
     slider, frequency = seed.slider, seed.shape[0].frequency
     friction = slider.friction_coefficient * slider.preload
     stopping = seed.steady(CONSTANT).velocity * slider.mass / friction
@@ -96,13 +80,13 @@ def figure_7(seed: Seed):
     quiet = slipping & (whole.time > 6e-3)
     ratio = whole.tangential_force[quiet, 0] / friction
     findings = [
-        Finding(
-            statement='Fig. 7(a): "only slip will be present and the applied slider force F_s equals approximately '
+        judged(
+            'Fig. 7(a): "only slip will be present and the applied slider force F_s equals approximately '
             'mu P sign(v_s)."',
-            quantity="Q over mu times the preload from 6 ms after the burst to the stop, mean",
+            "Q over mu times the preload from 6 ms after the burst to the stop, mean",
+            ratio.mean(),
             expected="-1: friction opposes v_s",
-            found=float(ratio.mean()),
-            confirmed=bool(np.max(abs(ratio + 1)) < 1e-3 and slipping[: np.flatnonzero(slipping)[-1]].all()),
+            holds=np.max(abs(ratio + 1)) < 1e-3 and slipping[: np.flatnonzero(slipping)[-1]].all(),
         )
     ]
     ring = seed.history(
@@ -122,35 +106,23 @@ def figure_7(seed: Seed):
     spans = [abs(v[(t >= start) & (t < start + period)]).max() for start in crossings[:-1]]
     decrement = float(math.log(spans[0] / spans[-1]) / (len(spans) - 1))
     findings += [
-        Finding(
-            statement='Fig. 7(b): "The friction switches to stick when the velocity v_f becomes zero."',
-            quantity="largest |x| while sticking over x_max at rest: the ring starts at the slip limit",
-            expected="1",
-            found=float(deformation.max() / limit),
-            confirmed=abs(deformation.max() / limit - 1) < 1e-2,
-        ),
-        Finding(
-            statement='Section IV: "oscillation ... due to the combination of tangent stiffness, mass and damper."',
-            quantity="frequency of the ring (Hz)",
-            expected=f"{ring_at_slip_limit(slider):.0f}, by energy at the slip limit, within 1 %",
-            found=1 / period,
-            confirmed=abs(1 / period / ring_at_slip_limit(slider) - 1) < 0.01,
-        ),
-        Finding(
-            statement='Section IV: "A damped oscillation will occur."',
-            quantity="logarithmic decrement of v_s per period",
-            expected="visible in a few periods: more than 0.03",
-            found=decrement,
-            confirmed=decrement > 0.03,
-            remark="the elastic law leaves it to R_t; micro-slip (Mindlin and Deresiewicz) at the slip limit would "
-            "lose 0.15 (mu P)^2/(a G) per cycle of the 0.1125 stored, a decrement of 0.67: Fig. 7(b) needs that, "
-            "which the paper leaves out, or a damper that would stop the motor",
-        ),
-    ]
+        judged('Fig. 7(b): "The friction switches to stick when the velocity v_f becomes zero."',
+               "largest |x| while sticking over x_max at rest: the ring starts at the slip limit",
+               deformation.max() / limit, expected="1", holds=abs(deformation.max() / limit - 1) < 1e-2),
+        judged('Section IV: "oscillation ... due to the combination of tangent stiffness, mass and damper."',
+               "frequency of the ring (Hz)", 1 / period,
+               expected=f"{ring_at_slip_limit(slider):.0f}, by energy at the slip limit, within 1 %",
+               holds=abs(1 / period / ring_at_slip_limit(slider) - 1) < 0.01),
+        judged('Section IV: "A damped oscillation will occur."', "logarithmic decrement of v_s per period", decrement,
+               expected="visible in a few periods: more than 0.03", holds=decrement > 0.03,
+               remark="the elastic law leaves it to R_t; micro-slip (Mindlin and Deresiewicz) at the slip limit would "
+               "lose 0.15 (mu P)^2/(a G) per cycle of the 0.1125 stored, a decrement of 0.67: Fig. 7(b) needs that, "
+               "which the paper leaves out, or a damper that would stop the motor"),
+    ]  # fmt: skip
     panels = [
         _contact_panel("fig_7a", "Fig. 7(a): after the burst, slip", whole, (1e3, "ms")),
         _contact_panel("fig_7b", "Fig. 7(b): after the burst, stick", ring, (1e3, "ms")),
-    ]
+    ]  # fmt: skip
     return panels, findings
 
 
@@ -160,8 +132,6 @@ def ring_at_slip_limit(slider) -> float:
     Quarter period by energy, (1/4) T = int_0^{x_max} dx/sqrt(2 (W(x_max) - W(x))/m), regularised at the turning point
     by x = x_max sin(psi); W is the integral of Q = mu K (z^1.5 - (z - x/c)^1.5).
     """
-    import numpy as np
-
     z, c = slider.rest_approach(1), slider.limit_slope
     node, weight = np.polynomial.legendre.leggauss(64)
     psi, weight = 0.25 * np.pi * (node + 1.0), 0.25 * np.pi * weight

@@ -8,21 +8,18 @@ elastic law nothing but R_t damps the ring, and an R_t that did so visibly would
 of a hysteretic law are of the right size. Run time: about 15 s.
 """
 
-import time
-from collections.abc import Callable
-
 from studies.papers.seed import Seed
 from studies.papers.seed_contact import figure_6a, figure_6b, figure_7
 from studies.papers.seed_slider import figure_2, figure_5a, figure_5b
-from studies.study import Panel, StudyRecord, of_record
-
-__all__ = ["figure", "run"]
+from studies.record.plots import COLOURS, legend_below, titled
+from studies.study import Answered, Panel, of_record, study
 
 QUICK = {"steps": (10e-9,)}
 FEW = 25  # values of a curve: up to here they are points
 
 
-def run(*, steps: tuple[float, ...] = (), progress: Callable[[str], None] | None = None) -> StudyRecord:
+@study()
+def run(*, steps: tuple[float, ...] = (), progress=None) -> Answered:
     """Return the panels of the paper's figures and the findings beside its sentences.
 
     Parameters
@@ -32,23 +29,19 @@ def run(*, steps: tuple[float, ...] = (), progress: Callable[[str], None] | None
     progress : callable, optional
         Told what is being done.
     """
-    begun = time.perf_counter()
-    seed = Seed(progress or (lambda text: None), steps=steps)
+    seed = Seed(progress, steps=steps)
     panels, findings = [], []
     for make in (figure_2, figure_5a, figure_5b, figure_6a, figure_6b, figure_7):
         seed.say(f"seed figures: {make.__doc__.split(':')[0]}")
         made, found = make(seed)
         panels += made
         findings += found
-    seconds = time.perf_counter() - begun
-    return StudyRecord(name="seed_figures", panels=tuple(panels), findings=tuple(findings), seconds=seconds)
+    return panels, findings
 
 
 @of_record
 def figure(record: Panel, ax):
     """Draw a panel: curves of the left axis, and of a second axis on the right where there are any."""
-    from studies.record.plots import COLOURS, legend_below, titled
-
     data = record.data
     palette = iter(
         [COLOURS["slip"], COLOURS["intermittent"], COLOURS["second"], COLOURS["line"], "#CC79A7", "#56B4E9"]

@@ -1,9 +1,10 @@
 """Slider behaviour in the seed paper: its Figs 2, 5(a) and 5(b), with its sentences and our numbers."""
 
-from studies.papers.seed import Seed
-from studies.study import Finding, Panel
+import numpy as np
 
-__all__ = ["figure_2", "figure_5a", "figure_5b"]
+import contact
+from studies.papers.seed import Seed
+from studies.study import Panel, judged
 
 BURST = 0.3  # s
 STEPS = (1e-9, 3e-9, 5e-9, 10e-9, 20e-9)  # m
@@ -12,8 +13,6 @@ CHOSEN = 10e-9  # m, whose slopes are judged
 
 def figure_2(seed: Seed):
     """Fig. 2: tangential force against deformation."""
-    import numpy as np
-
     x, curves, ends = {}, {}, []
     for share in (0.5, 1.0, 2.0):
         force = share * seed.slider.preload
@@ -26,24 +25,16 @@ def figure_2(seed: Seed):
         ends.append(curves[name][-1] / (seed.slider.friction_coefficient * force * 1e3))
         ends.append(limit / share ** (2 / 3))
     data = {"x": x, "left": curves, "x_axis": "tangential deformation x (nm)", "left_axis": "Q (mN)"}
-    found = Finding(
-        statement='Fig. 2: "The displacement x_max(P) can be found by substituting Q = mu P in equation 2."',
-        quantity="Q(x_max) / (mu P) at three P",
-        expected="1",
-        found=float(ends[2]),
-        confirmed=all(abs(end - 1) < 1e-12 for end in ends[::2])
-        and max(ends[1::2]) - min(ends[1::2]) < 1e-12 * max(ends[1::2]),
-        remark="x_max grows as P^(2/3): it is (mu E/4 G) z",
-    )
+    found = judged('Fig. 2: "The displacement x_max(P) can be found by substituting Q = mu P in equation 2."',
+                   "Q(x_max) / (mu P) at three P", ends[2], expected="1",
+                   holds=all(abs(end - 1) < 1e-12 for end in ends[::2])
+                   and max(ends[1::2]) - min(ends[1::2]) < 1e-12 * max(ends[1::2]),
+                   remark="x_max grows as P^(2/3): it is (mu E/4 G) z")  # fmt: skip
     return [Panel(name="fig_2", title="Fig. 2: tangential stiffness", data=data)], [found]
 
 
 def figure_5a(seed: Seed):
     """Fig. 5(a): step response to a burst."""
-    import numpy as np
-
-    import contact
-
     x, curves = {}, {}
     for amplitude in seed.steps or STEPS:
         seed.say(f"seed figures: Fig. 5(a), {amplitude * 1e9:g} nm")
@@ -71,69 +62,38 @@ def figure_5a(seed: Seed):
         return float(np.max(abs(slope(chosen.time[part]) - v[part])) / end)
 
     findings = [
-        Finding(
-            statement='Fig. 5(a): "After a certain time the slider converges to a steady state velocity."',
-            quantity=f"v after {BURST} s over the steady velocity, 10 nm",
-            expected="1 within 0.1",
-            found=end / final,
-            confirmed=abs(end / final - 1) < 0.1,
-        ),
-        Finding(
-            statement='Section V: "The rising slope has a curved shape."',
-            quantity="largest distance from a straight line over v, to 80 % of v, 10 nm",
-            expected="more than 0.01",
-            found=bend(up),
-            confirmed=bend(up) > 0.01,
-        ),
-        Finding(
-            statement='Section V: "By contrast, the falling slope is linear with time due to dry friction."',
-            quantity="the same of the falling slope",
-            expected="less than 0.01, a tenth of the rising one's",
-            found=bend(down),
-            confirmed=bend(down) < min(0.01, 0.1 * bend(up)),
-            remark="what is left is R_t v",
-        ),
-    ]
+        judged('Fig. 5(a): "After a certain time the slider converges to a steady state velocity."',
+               f"v after {BURST} s over the steady velocity, 10 nm", end / final, expected="1 within 0.1",
+               holds=abs(end / final - 1) < 0.1),
+        judged('Section V: "The rising slope has a curved shape."',
+               "largest distance from a straight line over v, to 80 % of v, 10 nm", bend(up),
+               expected="more than 0.01", holds=bend(up) > 0.01),
+        judged('Section V: "By contrast, the falling slope is linear with time due to dry friction."',
+               "the same of the falling slope", bend(down), expected="less than 0.01, a tenth of the rising one's",
+               holds=bend(down) < min(0.01, 0.1 * bend(up)), remark="what is left is R_t v"),
+    ]  # fmt: skip
     data = {"x": x, "left": curves, "x_axis": "time (ms)", "left_axis": "slider velocity (mm/s)"}
     return [Panel(name="fig_5a", title=f"Fig. 5(a): burst of {BURST} s", data=data)], findings
 
 
 def figure_5b(seed: Seed):
     """Fig. 5(b): steady velocity against amplitude."""
-    import numpy as np
-
-    import contact
-
     threshold = contact.threshold_amplitude(seed.slider, seed.shape)
     release = contact.release_amplitude(seed.slider, seed.shape)
     speeds = np.array([seed.steady(amplitude).velocity for amplitude in seed.levels])
     below, above = (seed.steady(factor * threshold).velocity for factor in (0.99, 1.01))
     regimes = [seed.steady(factor * release).regime for factor in (0.99, 1.01)]
     findings = [
-        Finding(
-            statement='Fig. 5(b): "There is no effective slider motion when the wave amplitude is smaller then '
-            'the threshold amplitude."',
-            quantity=f"velocity 1 % below the threshold of {threshold * 1e9:.4g} nm (m/s)",
-            expected="0",
-            found=below,
-            confirmed=below == 0,
-        ),
-        Finding(
-            statement='Fig. 5(b): "The slider starts to move when the wave amplitude exceeds the threshold amplitude."',
-            quantity="velocity 1 % above it (m/s)",
-            expected="more than 0",
-            found=above,
-            confirmed=above > 0,
-        ),
-        Finding(
-            statement='Fig. 5(b): "There is always contact between wave and slider when the wave amplitude is below '
-            'the release amplitude."',
-            quantity="release amplitude (nm); 1 % below slip, 1 % above intermittent",
-            expected="4.17258, closed form",
-            found=release * 1e9,
-            confirmed=regimes == ["slip", "intermittent"] and abs(release / 4.17258e-9 - 1) < 1e-4,
-        ),
-    ]
+        judged('Fig. 5(b): "There is no effective slider motion when the wave amplitude is smaller then '
+               'the threshold amplitude."', f"velocity 1 % below the threshold of {threshold * 1e9:.4g} nm (m/s)",
+               below, expected="0", holds=below == 0),
+        judged('Fig. 5(b): "The slider starts to move when the wave amplitude exceeds the threshold amplitude."',
+               "velocity 1 % above it (m/s)", above, expected="more than 0", holds=above > 0),
+        judged('Fig. 5(b): "There is always contact between wave and slider when the wave amplitude is below '
+               'the release amplitude."', "release amplitude (nm); 1 % below slip, 1 % above intermittent",
+               release * 1e9, expected="4.17258, closed form",
+               holds=regimes == ["slip", "intermittent"] and abs(release / 4.17258e-9 - 1) < 1e-4),
+    ]  # fmt: skip
     data = {
         "x": np.array(seed.levels) * 1e9,
         "left": {"steady velocity": speeds * 1e3},

@@ -3,6 +3,7 @@
 import codecs
 import json
 import sys
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from studies.record.quantities import quantity
@@ -72,6 +73,18 @@ def labelled(rows, width: int = 16) -> list[str]:
         for name, lines in rows
         for k, line in enumerate((lines,) if isinstance(lines, str) else lines)
     ]
+
+
+def markdown(head: Iterable[str], rows: Iterable[Iterable[str]]) -> list[str]:
+    """Return a table as lines of Markdown.
+
+    Examples
+    --------
+    >>> markdown(["a", "b"], [["1", "2"]])
+    ['| a | b |', '|---|---|', '| 1 | 2 |']
+    """
+    head, *body = (f"| {' | '.join(row)} |" for row in (head, *rows))
+    return [head, "|" + "---|" * (head.count(" | ") + 1), *body]
 
 
 def table(rows: list[list[str]]) -> list[str]:

@@ -234,14 +234,16 @@ class Transducer(Block):
 
 @dataclass(frozen=True, kw_only=True)
 class Piece(Block):
-    """A part of the section given as a mesh: a groove, a strip, an end; the block is given once for each file."""
+    """A part of the section given as a mesh: a groove, a strip, an end, or all of it; one block for each file."""
 
     block: ClassVar[str] = "piece"
     name: Annotated[str | None, TEXT, "Name in messages. Absent: that of the file."] = None
     file: Annotated[
         str,
         TEXT,
-        "gmsh file, format 2.2 or 4.1, in the plane (x, z), z = 0 the surface; from the scene's folder on.",
+        "gmsh file, format 2.2 or 4.1, in the plane (x, z), z = 0 the surface; from the scene's folder on. "
+        "Triangles and quadrilaterals of order 1 or 2, whose curved edges are kept. Without the line groups left "
+        "and right it is the whole stator, and its electrodes are the fingers of the transducers.",
     ]
     length_unit: Annotated[str, choice(*LENGTHS), "Unit of the file's coordinates, which has none."]
     position: Annotated[

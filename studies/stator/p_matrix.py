@@ -38,6 +38,10 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None
     """
     resolved = passband.driven_scene(scene)
     stator = resolve.whole_stator(resolved)
+    if stator.placement.whole is not None:
+        resolved.refuse(
+            "piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there"
+        )
     row = tuple(sorted(resolve.section_row(resolved), key=lambda each: each.center))
     if len({each.aperture for each in row}) > 1:
         resolved.refuse("transducer", "must have equal apertures for this study: their waves are one beam")

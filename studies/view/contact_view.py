@@ -25,8 +25,6 @@ from studies.report.page import rendered
 from studies.view import movie
 from studies.view.run_field import motion_again
 
-__all__ = ["SlowMotion", "contact_moments", "contact_writers", "film_contact", "moments", "strip"]
-
 CYCLES, INSTANTS = 2, 240  # per cycle
 FRAMES, RATE = 48, 12.0  # of a movie
 DPI = 110

@@ -12,8 +12,6 @@ from fem import rotation_matrix
 from studies.report.free_surface import SEEN
 from studies.view.run_field import RunField
 
-__all__ = ["AXIS_COLOUR", "BALL_COLOUR", "Electrode", "balls", "crystal_axes", "electrodes", "shown_fingers"]
-
 AXIS_COLOUR, BALL_COLOUR = "#009E73", "#999999"
 KINDS = {"+": ("#000000", "+ fingers"), "-": ("#CC79A7", "- fingers"), "o": ("#E69F00", "open strips")}
 

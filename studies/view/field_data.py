@@ -14,8 +14,6 @@ from fem import write_instant, write_vtu
 from studies.record.files import write_columns
 from studies.view.run_field import LINES, RunField
 
-__all__ = ["save"]
-
 LARGE = 20e6  # bytes: from here on the size is said before it is written
 # bytes per number: of a table; of a .vtu, whose vectors have a third component; of an instant, in single precision
 TABLE, COMPLEX, INSTANT = 19.5, 9.0, 2.2

@@ -33,11 +33,6 @@ from studies.view.picture import Picture
 from studies.view.quantities import DIVERGING, SEQUENTIAL, palette
 from studies.view.views import chosen_views, views
 
-__all__ = [
-    "amplitude", "anticlockwise", "bars", "depth_profile", "depth_weights", "draw_all", "ledger_rows",
-    "orbits", "power_along", "power_rows", "start_and_stop",
-]  # fmt: skip
-
 NM, MM = 1e9, 1e3
 TURN = np.linspace(0.0, 2 * np.pi, 121)
 ORBITS = 12

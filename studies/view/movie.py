@@ -10,8 +10,6 @@ from PIL import Image
 
 from studies.refusal import RunError
 
-__all__ = ["ffmpeg", "save"]
-
 COLOURS = 128  # of a GIF whose palette is found in its pictures
 
 

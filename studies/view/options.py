@@ -8,8 +8,6 @@ import numpy as np
 
 from studies.refusal import SceneError, shown
 
-__all__ = ["Wanted"]
-
 OFFERED = {
     "field": ("screenshot", "movie", "html", "data"),
     "solid": ("screenshot", "html", "data"),

@@ -21,10 +21,8 @@ from studies.refusal import needed
 from studies.view import description
 from studies.view.quantities import shade
 from studies.view.run_field import RunField
-from studies.view.section import Piece, Sheet, beam_sheet, magnification, piece, sheets, strips
+from studies.view.section import Piece, Sheet, beam_sheet, magnification, mesh_sheets, piece, sheets, strips
 from studies.view.views import BELOW, Frame, frames
-
-__all__ = ["Picture"]
 
 MM = 1e3
 BARE, EDGE = "#D9D9D9", "#606060"
@@ -105,7 +103,8 @@ class Picture:
             else:
                 drawn = self._piece(frame)
                 self.pieces.append(drawn)
-                for sheet in sheets(self.run, drawn, solid=self.solid):
+                meshed = mesh_sheets(self.run, drawn, self.shade, solid=self.solid)
+                for sheet in [*sheets(self.run, drawn, solid=self.solid), *meshed]:
                     self._lay(sheet)
                 motion = drawn.surface
             self._add_electrodes(motion)
@@ -181,14 +180,20 @@ class Picture:
 
     def _lay(self, sheet: Sheet) -> None:
         """Add a sheet of points."""
-        shape, grid = sheet.rest.shape, self.pyvista.StructuredGrid(*np.moveaxis(MM * sheet.rest, -1, 0))
+        shape = sheet.rest.shape
+        if sheet.quads is None:
+            grid = self.pyvista.StructuredGrid(*np.moveaxis(MM * sheet.rest, -1, 0))
+        else:
+            grid = self.pyvista.PolyData.from_regular_faces(MM * sheet.rest.reshape(-1, 3), sheet.quads)
+        if sheet.hidden is not None and sheet.hidden.any():
+            grid = grid.hide_cells(np.flatnonzero(sheet.hidden.ravel(order="F")))
         grid["shade"] = np.zeros(grid.n_points)
         self._mapper = self.plotter.add_mesh(
             grid, scalars="shade", cmap=self.shade.colour_map, clim=self.shade.limits, lighting=False,
             show_scalar_bar=False, copy_mesh=False, name=sheet.name, reset_camera=False,
         ).mapper  # fmt: skip
         vectors = (np.broadcast_to(each, shape).reshape(-1, 3, order="F") for each in sheet[1:3])
-        values = (np.broadcast_to(each, shape[:3]).ravel(order="F") for each in sheet[3:])
+        values = (np.broadcast_to(each, shape[:3]).ravel(order="F") for each in sheet[3:5])
         self._moving.append(_Moving(grid, *vectors, *values))
 
     def _bare(self) -> None:

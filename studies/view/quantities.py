@@ -15,11 +15,6 @@ from PIL import Image
 
 from studies.refusal import SceneError, nearest
 
-__all__ = [
-    "DIVERGING", "QUANTITIES", "SEQUENTIAL", "Quantity", "Shade", "palette", "present", "quantity", "shade",
-    "shade_of",
-]  # fmt: skip
-
 NM = 1e9
 MARK_COLOURS = ("#CC79A7", "#E69F00", "#009E73")  # of `description`; the others are black, grey and white
 SCALE = 192  # colours of a map in a palette of 256
@@ -103,6 +98,7 @@ def shade(run, name: str) -> Shade:
         raise SceneError(
             "--quantity", f"{name!r} is zero everywhere: uncoupled in this solid, orientation {material}"
         )
+    outside |= not outside.any()  # fingers all over the stator
     size = abs(amplitude[outside]) + (abs(mean[outside]) if drawn.turns == 2 else 0.0)
     return shade_of(drawn, size, free=run.free)
 

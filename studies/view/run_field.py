@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from fem.beam.crossed_beam import CrossedBeam
     from fem.results.driven_answer import SurfaceWave
 
-__all__ = ["NO_STATOR", "RunField", "left_run", "motion_again", "run_field"]
 
 LINES = 16  # per wavelength in the stretches of a driven stator
 FREE_WAVELENGTHS = 10  # of a free wave are shown
@@ -158,6 +157,12 @@ def _driven(record: Record, progress) -> RunField:
     below = [(scene.stator.length / 2, 0.0)] if slider is None else [slider.center, *slider.places]
     places = tuple(dict.fromkeys(map(motion.in_section, below)))
 
+    whole = resolve.whole_stator(scene).placement.whole
+
+    def strips(row, sign: str):
+        """Edges of a transducer's fingers, as the mesh of a whole stator draws them."""
+        return row.strips(sign) if whole is None else whole.strips(row.name + sign)
+
     def compute(*, per_wavelength: float = LINES, **wanted):
         return fem.wave_field(wave, places=places, per_wavelength=per_wavelength, **wanted)
 
@@ -166,7 +171,7 @@ def _driven(record: Record, progress) -> RunField:
         length=wave.length,
         record=record,
         wavelength=record.wave["phase_velocity_m_per_s"] / scene.frequency,
-        fingers={sign: [tuple(edges) for row in rows for edges in row.strips(sign)] for sign in "+-o"},
+        fingers={sign: [tuple(edges) for row in rows for edges in strips(row, sign)] for sign in "+-o"},
         spans=tuple(tuple(row.extent) for row in rows),
         wave=wave,
         crossed=crossed,

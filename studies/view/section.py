@@ -17,8 +17,6 @@ from studies.refusal import SceneError
 from studies.view.quantities import QUANTITIES, Shade, shade_of
 from studies.view.run_field import LINES, RunField
 
-__all__ = ["MOTIONS", "Piece", "Sheet", "beam_sheet", "magnification", "piece", "sheets", "strips", "thinned"]
-
 AMPLITUDE = 0.08  # of a wavelength: as large as the largest displacement is drawn
 FACET = 4.0  # largest distance of drawn points over the smallest
 BEAM_LINES, ACROSS = 12, 81  # of the surface of a beam: per wavelength along x, and across the width
@@ -41,6 +39,8 @@ class Piece:
     displacement: np.ndarray
     mean: np.ndarray
     amplitude: np.ndarray
+    inside: np.ndarray  # shape (n, m): whether a point lies in the solid
+    meshed: tuple = ()  # `fem.PieceField` of the meshed pieces in it
 
     def surface(self, at: np.ndarray) -> np.ndarray:
         """Return the displacement of the surface at places (x, y) in m, shape (k, 3)."""
@@ -49,13 +49,18 @@ class Piece:
 
 
 class Sheet(NamedTuple):
-    """Points at rest (n, m, copies, 3) in m; what broadcasts to them: complex displacement, parts of a shade."""
+    """Points at rest (n, m, copies, 3) in m; what broadcasts to them: complex displacement, parts of a shade.
+
+    ``quads``: of points (n, 1, 1, 3), where they are no grid; ``hidden``: cells of a grid that are not drawn.
+    """
 
     name: str
     rest: np.ndarray
     displacement: np.ndarray
     mean: np.ndarray
     amplitude: np.ndarray
+    quads: np.ndarray | None = None
+    hidden: np.ndarray | None = None
 
 
 def piece(
@@ -81,7 +86,13 @@ def piece(
         np.einsum("kj,xj...->xk...", basis, values[lines])
         for values in (field.displacement[..., [0, 2]], *shading.parts(field))
     )
-    return Piece(x=field.x[lines], z=z, displacement=displacement, mean=mean, amplitude=amplitude)
+    inside = np.ones((len(lines), len(z)), dtype=bool)
+    if field.inside is not None:
+        inside = field.inside[np.ix_(lines, np.searchsorted(field.z, z).clip(0, len(field.z) - 1))]
+    return Piece(
+        x=field.x[lines], z=z, displacement=displacement, mean=mean, amplitude=amplitude, inside=inside,
+        meshed=field.pieces,
+    )  # fmt: skip
 
 
 def sheets(run: RunField, drawn: Piece, *, solid: bool) -> list[Sheet]:
@@ -96,8 +107,32 @@ def sheets(run: RunField, drawn: Piece, *, solid: bool) -> list[Sheet]:
     for name, lines, rows, y in parts:
         places = np.meshgrid(drawn.x[lines], drawn.z[rows], y, indexing="ij")
         values = (each[lines, rows, None] for each in (moved, drawn.mean, drawn.amplitude))
-        listed.append(Sheet(name, np.stack(places, axis=-1)[..., [0, 2, 1]], *values))
+        sheet = Sheet(name, np.stack(places, axis=-1)[..., [0, 2, 1]], *values)
+        listed.append(sheet if name == "end" else sheet._replace(hidden=_hidden(drawn, rows)))
     return listed
+
+
+def mesh_sheets(run: RunField, drawn: Piece, shading: Shade, *, solid: bool) -> list[Sheet]:
+    """Return the meshed pieces of the section, each on its own elements."""
+    y, listed = -0.5 * run.aperture if solid else 0.0, []
+    for number, each in enumerate(drawn.meshed):
+        rest = np.insert(each.points, 1, y, axis=1)[:, None, None]
+        moved = np.insert(each.displacement[:, [0, 2]], 1, 0.0, axis=-1)[:, None, None]
+        mean, amplitude = (part[:, None, None] for part in shading.parts(each))
+        listed.append(Sheet(f"piece {number}", rest, moved, mean, amplitude, quads=each.quads))
+    return listed
+
+
+def _hidden(drawn: Piece, rows: slice) -> np.ndarray:
+    """Cells of the grid that are drawn on a mesh instead, or that a mesh leaves empty at the surface."""
+    middle = 0.5 * (drawn.x[1:] + drawn.x[:-1])
+    if rows != slice(None):
+        inside = drawn.inside[:, -1]
+        return ~(inside[1:] & inside[:-1])
+    meshed = np.zeros(len(middle), dtype=bool)
+    for low, high in (each.span for each in drawn.meshed):
+        meshed |= (middle > low) & (middle < high)
+    return np.repeat(meshed[:, None], len(drawn.z) - 1, axis=1)
 
 
 def beam_sheet(run: RunField, name: str, *, envelope: bool = False) -> tuple[Shade, Sheet, Callable]:

@@ -7,8 +7,6 @@ from studies.refusal import SceneError
 from studies.view import description
 from studies.view.run_field import RunField
 
-__all__ = ["Frame", "View", "chosen_views", "frames", "limits", "near", "views"]
-
 MM = 1e3
 CLOSE = 7.0  # wavelengths either side, in the close views
 NARROWEST = 0.05  # wavelengths
@@ -110,14 +108,17 @@ def frames(run: RunField, views, *, size: tuple[int, int], framed: bool) -> tupl
         return (Frame((0, 0, right, max(upper - 4 * ABOVE, 0.4 * upper))),)
     weights, narrow = sum(view.weight for view in views), min(1.0, upper / (NARROW * len(views)))
     above, below = narrow * ABOVE, narrow * BELOW
+    heights = [each.points[:, 1] for each in run.field.pieces]
+    lowest = min([float(run.field.z[0]), *(float(each.min()) for each in heights)])
+    highest = max([0.0, *(float(each.max()) for each in heights)])
     for view in views:
         pixel, share = (view.stop - view.start) / (right - LEFT), upper * view.weight / weights
         visible = pixel * max(share - above - below, 0.3 * share)
         carries = any(view.start <= ball.place <= view.stop for ball in description.balls(run))
         room = 0.15 * min(visible, 2 * run.wavelength)
-        top = min(2.1 * run.radius, BALL_SHARE * visible) if carries else room
+        top = max(min(2.1 * run.radius, BALL_SHARE * visible) if carries else room, 1.3 * highest)
         high = upper - above
-        low = high - (top - max(float(run.field.z[0]), top - visible)) / pixel
+        low = high - (top - max(lowest, top - visible)) / pixel
         listed.append(Frame((LEFT, low, right, high), view, pixel, top))
         upper, weights = low - below, weights - view.weight
     return tuple(listed)

@@ -20,8 +20,6 @@ from studies.view.quantities import Shade, present, shade
 from studies.view.run_field import RunField
 from studies.view.section import magnification, thinned
 
-__all__ = ["page"]
-
 SPACING = 1 / 30  # wavelengths
 SHORT = 32767
 CYCLE = 2.5  # s that one period of the wave takes
@@ -38,6 +36,8 @@ def page(
     kept = np.ix_(lines, rows)
     moved = field.displacement[kept][..., [0, 2]]
     parts = {"x": field.x[lines].astype("<f4"), "z": field.z[rows].astype("<f4")}
+    inside = np.ones(moved.shape[:2]) if field.inside is None else field.inside[kept]
+    parts["inside"] = inside.astype("u1")
     largest = float(abs(moved).max()) or 1.0
     parts["moved"] = _short(np.stack([moved[..., k].real if part == 0 else moved[..., k].imag
                                       for k in (0, 1) for part in (0, 1)], axis=-1), largest)  # fmt: skip

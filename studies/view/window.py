@@ -8,8 +8,6 @@ from studies.view.picture import Picture
 from studies.view.quantities import present
 from studies.view.section import MOTIONS
 
-__all__ = ["Controls", "open_window"]
-
 CYCLE, TICK = 2.5, 40  # s that one period of the wave takes; ms between instants
 
 

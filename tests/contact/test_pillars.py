@@ -39,9 +39,9 @@ def scatter(count, sigma, seed):
 
 def cycles(h, a, b, c, w):
     """Return the columns of many contacts."""
-    out = np.empty((len(h), COLUMNS))
+    out, size, along = np.empty((len(h), COLUMNS)), abs(a), b * a.conj() / abs(a)
     for i in range(len(h)):
-        one = [np.array([each[i]]) for each in (h, a, b, c)]
+        one = [np.array([float(each[i])]) for each in (h, size, along.real, -along.imag, c)]
         flat_cycles(*one, float(w[i]), 0.0, out[i : i + 1])
     return out
 
@@ -142,13 +142,14 @@ def test_the_loaded_wave_leaves_as_independent_programs_say(monkeypatch):
     # Their wave runs forward only: -0.81081891 m/s, exit 19.688829 nm, +1.2997665 rad
     from contact.averaged import pillar_cycle, pillar_equilibrium
 
-    def forward_only(waves, along, _against, followed, forward, _backward, _work):
-        here, half = waves.incident[0], 0.5j * waves.g
-        own = followed.normal + abs(waves.orbit[0]) ** 2 * followed.tangential
-        for j, turn in enumerate(waves.turn):
+    def forward_only(turns, force, slope, amplitude, g, incident):
+        here, half, found = incident[0], 0.5j * g, amplitude.copy()
+        own = slope[:, 0, 0] + 1j * slope[:, 1, 0]
+        for j, turn in enumerate(turns):
             before = here * turn
-            forward[j] = (before + half * (along[j] - own[j] * forward[j])) / (1.0 - half * own[j])
-            here = (2.0 * forward[j] - before) / turn
+            found[j, 0] = (before + half * (force[j, 0] - own[j] * amplitude[j, 0])) / (1.0 - half * own[j])
+            here = (2.0 * found[j, 0] - before) / turn
+        return found
 
     two = pillar_motion(gaussian(100, steps=100), wave())
     monkeypatch.setattr(pillar_cycle, "march", forward_only)
@@ -272,7 +273,7 @@ def test_newtons_step_is_exact_where_contacts_stick():
     place = cycle.approaches(rest.height, 0.0, 0.0)
     forces = cycle.forces(place, 0.0, 1.0)
     slope = cycle.tangent(place, 0.0, 1.0, forces)
-    cycle.newton(cycle.forces(place, 0.0, 1.0), slope)
+    cycle.advance(cycle.forces(place, 0.0, 1.0), slope)
     for now, then in zip((cycle.forward, cycle.backward), found, strict=True):
         assert now == pytest.approx(then, abs=1e-8 * 20e-9)
 

@@ -1,5 +1,7 @@
 """The load at which the full motion stalls, load lines with errors, steps with errors."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -18,6 +20,7 @@ from contact.answers import methods
 from contact.averaged.sweep_rows import STALL_ERROR
 from contact.drive import towards_plus
 from contact.events.energy import Sum
+from tests.contact.aimed import drawn
 from tests.contact.motors import orbit, slider
 
 LIGHT = {
@@ -101,6 +104,30 @@ def test_the_error_of_a_step_holds(cycles, shaped):
     assert abs(side * during * problem.length - found.during) <= 2.0 * found.error + 1e-18
     assert found.answer.value == found.displacement
     assert found.error < (1e-2 if shaped else 1e-9) * abs(found.displacement)
+
+
+@pytest.mark.parametrize(("draw", "parting", "cycles"), [(130, True, 54), (172, True, 54), (38, False, 60)])
+def test_no_slip_is_missed_after_the_burst(draw, parting, cycles):
+    """Slips shorter than any sampling, and one after 17 half ring periods without: bounce and ring beat."""
+    body, wave, *_ = drawn(draw)
+    if parting:  # so far that the punches just part
+        reach = max(abs(each.normal) for each in wave)
+        wave = tuple(each.scaled(min(1.0, 1.2 * body.rest_approach(len(wave)) / reach)) for each in wave)
+    found = step(body, wave, cycles=cycles)
+    side, driven = towards_plus(wave)
+    problem = methods.rest_problem(body, driven)
+    motion = methods.rest(body, driven, problem, nodes=16, truncation=1e-12)
+    motion.turn(cycles)
+    moved = float(motion.sums[Sum.DISPLACEMENT])
+    still = methods.silence(motion)
+    still.move(0.0, 400.0 * problem.omega / body.tangential_resonance(len(wave)), np.empty(0))
+    depth = body.rest_approach(len(wave)) + body.offsets(len(wave))
+    share = np.maximum(depth, 0.0) ** (0.5 if body.shape == "sphere" else 0.0) * (depth > 0.0)
+    held = float(still.sums[Sum.DISPLACEMENT] + still.state[3:] @ share / np.sum(share))
+    spring = math.copysign(body.rest_deformations(len(wave)) @ share / np.sum(share), problem.load)
+    truth = side * ((moved + held) * problem.length - spring)
+    assert abs(found.displacement - truth) <= 2.0 * found.error
+    assert found.error < 1e-10 * abs(truth)
 
 
 def test_steps_that_are_planned_have_errors_too():

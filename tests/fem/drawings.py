@@ -90,8 +90,13 @@ def rectangle(
     )
 
 
-def bevelled_end(path: Path, foot: float, top: float, depth: float, *, size: float) -> Path:
-    """The right end of a plate from x = 0 on, a trapezoid: ``foot`` wide at the bottom, ``top`` at the surface."""
+def bevelled_end(
+    path: Path, foot: float, top: float, depth: float, *, size: float, mirrored: bool = False
+) -> Path:
+    """The right end of a plate from x = 0 on, a trapezoid: ``foot`` wide at the bottom, ``top`` at the surface.
+
+    ``mirrored``: the left end, up to x = 0.
+    """
     across, down = 1 + round(foot / size), 1 + round(depth / size)
     share, z = np.meshgrid(np.linspace(0, 1, across), np.linspace(-depth, 0, down), indexing="ij")
     x = share * (foot + (top - foot) * (1 + z / depth))
@@ -100,10 +105,11 @@ def bevelled_end(path: Path, foot: float, top: float, depth: float, *, size: flo
     c, d = node[1:, 1:].ravel(), node[:-1, 1:].ravel()
     triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
     lines = {
-        "left": np.stack([node[0, :-1], node[0, 1:]], axis=1),
+        "right" if mirrored else "left": np.stack([node[0, :-1], node[0, 1:]], axis=1),
         "bottom": np.stack([node[:-1, 0], node[1:, 0]], axis=1),
     }
-    return write_msh(path, np.stack([x.ravel(), z.ravel()], axis=1), {"stator": triangles}, lines)
+    points = np.stack([-x.ravel() if mirrored else x.ravel(), z.ravel()], axis=1)
+    return write_msh(path, points, {"stator": triangles}, lines)
 
 
 def chip(

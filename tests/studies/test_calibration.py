@@ -102,7 +102,7 @@ def test_an_error_is_relative_to_the_larger_of_velocity_and_a_tenth_of_the_surfa
     monkeypatch, velocity, converged, error
 ):
     answers = iter((answer(velocity, 0.2), answer(converged, 0.01)))
-    monkeypatch.setattr("studies.chain.run", lambda scene, tolerance: next(answers))
+    monkeypatch.setattr("studies.evidence.calibration.run_chain", lambda scene, tolerance: next(answers))
     found = compared(SimpleNamespace(wave=None), 1e-2)
     assert found.refusal == ""
     assert found.true == pytest.approx(error, rel=1e-9, abs=0)
@@ -111,7 +111,7 @@ def test_an_error_is_relative_to_the_larger_of_velocity_and_a_tenth_of_the_surfa
 
 def test_a_converged_answer_that_is_not_known_well_enough_judges_nothing(monkeypatch):
     answers = iter((answer(1.1, 0.2), answer(1.0, 0.07)))
-    monkeypatch.setattr("studies.chain.run", lambda scene, tolerance: next(answers))
+    monkeypatch.setattr("studies.evidence.calibration.run_chain", lambda scene, tolerance: next(answers))
     assert "is known to 7.0e-02 only" in compared(SimpleNamespace(wave=None), 1e-2).refusal
 
 
@@ -119,5 +119,5 @@ def test_a_refusal_is_no_comparison(monkeypatch):
     def refused(scene, tolerance):
         raise RunError("never moves")
 
-    monkeypatch.setattr("studies.chain.run", refused)
+    monkeypatch.setattr("studies.evidence.calibration.run_chain", refused)
     assert compared(SimpleNamespace(wave=None), 1e-2).refusal == "never moves"

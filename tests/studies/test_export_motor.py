@@ -139,10 +139,10 @@ def with_response(drive):
     """The motor with a ring-up put into its first drive; its tables follow after those that are there."""
     whole = motor()
     parameters = whole.parameters.copy()
-    own = reduced_motor.FIRST_DRIVE
-    parameters[own + reduced_motor.RESPONSE_NODES] = len(drive.response)
-    parameters[own + reduced_motor.RESPONSE_STEP] = drive.response_step
-    parameters[own + reduced_motor.RESPONSE] = len(whole.tables)
+    own = reduced_motor.index.FIRST_DRIVE
+    parameters[own + reduced_motor.index.RESPONSE_NODES] = len(drive.response)
+    parameters[own + reduced_motor.index.RESPONSE_STEP] = drive.response_step
+    parameters[own + reduced_motor.index.RESPONSE] = len(whole.tables)
     tables = np.concatenate([whole.tables, np.ascontiguousarray(drive.response).view(float)])
     return replace(whole, parameters=parameters, tables=tables)
 
@@ -218,7 +218,7 @@ def library(tmp_path_factory):
 
 
 def test_c_and_python_take_the_same_steps(library):
-    number, state = ctypes.c_double, (ctypes.c_double * reduced_motor.STATE_SIZE)()
+    number, state = ctypes.c_double, (ctypes.c_double * reduced_motor.index.STATE_SIZE)()
     for name in ("position", "velocity", "deformation"):
         getattr(library, f"sawmotor_{name}").restype = number
     library.sawmotor_start(state, number(motor().preload), number(0.0))

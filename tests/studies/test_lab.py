@@ -13,7 +13,7 @@ import fem
 from studies.__main__ import main
 from studies.chain import resolve
 from studies.chain.scan_prediction import at_other_velocity, placed
-from studies.export.instruments import touchstone_files, virtual_scan
+from studies.export.instruments import csv_files, touchstone_files, virtual_scan
 from studies.inverse import fit, read_measurement, read_parameter
 from studies.inverse.prediction import MeasurementPredictor
 from studies.lab.network import NetworkData, read_network
@@ -346,6 +346,26 @@ def test_a_trace_gives_back_friction_bandwidth_and_its_origin_of_time(sampling, 
         assert high - low < 0.5 * truth[key]
 
 
+def test_an_exported_trace_is_filtered_and_averaged_as_the_encoder_does(tmp_path):
+    # a velocity that rises and falls in tens of ms, behind 30 Hz and means of 5 ms: scipy's filter of the plain export
+    from scipy.signal import lsim
+
+    def recorded(**encoder):
+        scene = Scene.load("twente-contact").replace(wave={"normal_amplitude": "10 nm", "burst": "30 ms"})
+        made = csv_files(scene, "trace", **encoder, tolerance=1e-3, progress=quiet)
+        lines = [line for line in made.files["burst.csv"].splitlines() if line[0].isdigit()]
+        return np.array([[float(each) for each in line.split(",")] for line in lines])
+
+    plain, seen = recorded(), recorded(bandwidth="30 Hz", sampling='"5 ms"')
+    fine = np.arange(0.0, plain[-1, 1], 1e-6)
+    for column in (2, 3):
+        curve = np.interp(fine, plain[:, 1], plain[:, column], left=0.0)
+        late = lsim(([1.0], [1.0 / (2 * np.pi * 30.0), 1.0]), curve, fine)[1]
+        sums = np.concatenate([[0.0], np.cumsum(0.5e-6 * (late[1:] + late[:-1]))])
+        means = (np.interp(seen[:, 1], fine, sums) - np.interp(seen[:, 1] - 5e-3, fine, sums)) / 5e-3
+        np.testing.assert_allclose(seen[:, column], means, atol=2e-3 * np.abs(curve).max())
+
+
 def test_touchstone_of_version_2_is_read_with_references_of_its_ports(tmp_path):
     path = tmp_path / "two.s2p"
     path.write_text(
@@ -469,6 +489,9 @@ def test_a_touchstone_file_of_another_range_or_ports_is_refused(tmp_path, monkey
         (["--format", "csv", "--seed", "1"], "--seed needs --noise"),
         (["--format", "uff", "--scan", "z"], "--scan must be one of x, y, xy, frequency, got 'z'"),
         (["--format", "uff", "--scan", "x", "--band", "2:2.1:3"], "--band is for --scan frequency"),
+        (["--format", "csv", "--bandwidth", "60 Hz"], "--bandwidth is of an encoder"),
+        (["--format", "csv", "--sampling", "1 kg"], "--sampling must be a time"),
+        (["--format", "uff", "--sampling", "1 ms"], "--sampling is not taken by the format uff"),
         (["--format", "touchstone", "--z0", "-50"], "--z0 must be a positive resistance"),
         (["--format", "csv", "--noise", "3", "--seed", "1"], "--noise must be at least 0 and below 1"),
     ],

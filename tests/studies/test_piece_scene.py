@@ -1,5 +1,9 @@
 """Scenes with [[piece]]: what a run gives, and every fault of a mesh in one sentence."""
 
+import base64
+import gzip
+import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +13,15 @@ import fem
 import studies
 from studies import Scene, SceneError, run
 from studies.chain.resolve import resolved, whole_stator
+from studies.study import module
 from studies.sweeps.plan import designed
-from tests.fem.drawings import rectangle, write_msh
+from studies.view import wave_page
+from studies.view.picture import Picture
+from studies.view.quantities import shade
+from studies.view.run_field import run_field
+from studies.view.section import mesh_sheets, piece, sheets
+from studies.view.views import views
+from tests.fem.drawings import bevelled_end, chip, rectangle, write_msh
 
 STATOR = {
     "material": "PZT-4",
@@ -71,6 +82,122 @@ def test_a_groove_runs_from_the_scene_to_the_surface(tmp_path):
     assert abs(changed) > 1e-2
     again = run(Scene.from_table("", record.scene.to_table()), tolerance=1e-2)
     assert again.electrical["admittance_S"] == record.electrical["admittance_S"]
+    _drawn_with_its_groove(run_field(record, progress=lambda text: None), 6e-3, (6.4e-3, 6.6e-3), -0.15e-3)
+
+
+def _drawn_with_its_groove(found, start, groove, foot):
+    """In a picture the piece stands on its own elements in the place of the grid; page and solid leave the groove."""
+    shading = shade(found, "u_z")
+    drawn = piece(found, shading, span=(0.0, found.length), bottom=-1.1e-3, spacing=0.05e-3)
+    (section,) = sheets(found, drawn, solid=False)
+    middle = (drawn.x[1:] + drawn.x[:-1]) / 2
+    assert np.array_equal(section.hidden.all(axis=1), (middle > start) & (middle < start + 1e-3))
+    (mesh,) = mesh_sheets(found, drawn, shading, solid=False)
+    x, z = mesh.rest[mesh.quads, 0, 0][..., [0, 2]].mean(axis=1).T
+    assert (x.min() > start) & (x.max() < start + 1e-3)
+    assert not ((x > groove[0]) & (x < groove[1]) & (z > foot)).any()
+    _, surface, _ = sheets(found, drawn, solid=True)
+    step = np.diff(drawn.x).max()
+    assert surface.hidden[(middle > groove[0]) & (middle < groove[1])].all()
+    assert not surface.hidden[(middle < groove[0] - step) | (middle > groove[1] + step)].any()
+    drawing = Picture(found, views(found), size=(900, 600), quantity="u_z", phase=0.0, factor=None)
+    assert drawing.image(0.3).std() > 5
+    drawing.plotter.close()
+    page = wave_page.page(found, quantity="u_z", phase=0.0, factor=None, span=None)
+    meta = json.loads(re.search(r'<script id="meta"[^>]*>(.*?)</script>', page, re.S).group(1))
+    raw = gzip.decompress(base64.b64decode(re.search(r'<script id="data"[^>]*>(.*?)<', page, re.S).group(1)))
+    offset = 4 * (meta["nx"] + meta["nz"])  # behind x and z
+    inside = np.frombuffer(raw, dtype="u1", count=meta["nx"] * meta["nz"], offset=offset)
+    x = np.frombuffer(raw, dtype="<f4", count=meta["nx"])
+    empty = ~inside.reshape(meta["nx"], -1).astype(bool)
+    assert empty.any()
+    assert not empty[(x < groove[0]) | (x > groove[1])].any()
+
+
+def test_a_left_end_is_the_mirror_image_of_a_right_end(tmp_path):
+    """A file with ``right`` alone and one with ``left`` alone: the same motion from the other side, and power lost."""
+    place, length = np.array([5.3e-3, 6.1e-3, 1e-3]), 12e-3
+    records = []
+    for mirrored in (False, True):
+        file = bevelled_end(tmp_path / f"end{mirrored}.msh", 1.0, 0.6, 1.1, size=0.35, mirrored=mirrored)
+        table = scene(file, {"ends": "free"}, position="1 mm" if mirrored else "11 mm").to_table()
+        table["transducer"][0]["center"] = 9.5e-3 if mirrored else 2.5e-3
+        records.append(run(Scene.from_table("", table), tolerance=1e-2))
+    right, left = (record.surface_motion.wave for record in records)
+    assert records[0].electrical["admittance_S"] == pytest.approx(
+        records[1].electrical["admittance_S"], rel=1e-6
+    )
+    # the fingers stand in the other order: the mirror image has the other sign, and u_x changes it again
+    expected = -left.motion(length - place) * np.array([[-1], [1]])
+    assert abs(right.motion(place) - expected).max() < 1e-6 * abs(expected).max()
+    assert not any("ends at x" in line for record in records for line in record.warnings)
+    drawn = [run_field(record, progress=lambda text: None).field for record in records]
+    (right_piece,), (left_piece,) = (each.pieces for each in drawn)
+    assert right_piece.span == pytest.approx((11e-3, 12e-3))
+    assert left_piece.span == pytest.approx((0, 1e-3), abs=1e-9)
+    at = np.lexsort(np.round(right_piece.points, 9).T), np.lexsort(np.round(left_piece.points * [-1, 1], 9).T)
+    u_z, mirrored_u_z = (p.displacement[k, 2] for p, k in zip((right_piece, left_piece), at, strict=True))
+    assert abs(u_z + mirrored_u_z).max() < 1e-6 * abs(u_z).max()
+
+
+def whole(tmp_path, stator=None, electrodes=None, position="0 mm", drawn=None, row=ROW):
+    """A scene whose stator is one mesh, with the fingers of its transducer drawn."""
+    fingers = {"p": [[1.625, 1.875], [2.625, 2.875]], "m": [[2.125, 2.375], [3.125, 3.375]]}
+    file = chip(tmp_path / "chip.msh", 6.0, 1.1, drawn or fingers, size=0.5)
+    piece = {"file": str(file), "length_unit": "mm", "position": position}
+    piece["electrodes"] = electrodes or {"p": "t+", "m": "t-"}
+    blocks = {"stator": STATOR | {"length": "6 mm", "ends": "free"} | (stator or {}), "drive": DRIVE}
+    return Scene.from_table("", blocks | {"transducer": [row], "piece": [piece]})
+
+
+def test_a_stator_that_is_one_mesh(tmp_path):
+    """Run, its field and a warning where the block's fingers are others; what no such stator has is refused."""
+    given = whole(tmp_path)
+    record = run(given, tolerance=1e-2)
+    assert not [line for line in record.warnings if "mesh draws" in line]
+    field = run_field(record, progress=lambda text: None).field
+    assert field.pieces[0].span == pytest.approx((0, 6e-3))
+    moved = record.surface_motion.wave.motion(field.x.clip(0, 6e-3))
+    assert abs(field.displacement[:, -1, [0, 2]].T - moved).max() < 1e-6 * abs(moved).max()
+    for name in ("p_matrix", "reflector"):
+        with pytest.raises(SceneError, match="piece must leave some uniform stator: this piece is all of it"):
+            module(name).run(given, progress=lambda text: None)
+    wider = ROW | {"metallisation": 0.6}
+    (said,) = [
+        line for line in run(whole(tmp_path, row=wider), tolerance=0.5).warnings if "mesh draws" in line
+    ]
+    assert said == (
+        'transducer "t": the mesh draws 2 fingers "+" from 1.625 to 2.875 mm and 2 "-" from 2.125 to 3.375 mm, the '
+        "block has 2 from 1.6 to 2.9 mm and 2 from 2.1 to 3.4 mm: the mesh counts, but for masks"
+    )
+
+
+WHOLE_FAULTS = {
+    "place": (
+        {"position": "1 mm"},
+        "without them it must be the whole stator, 0 to 6 mm, it reaches from 1 to 7 mm",
+    ),
+    "length": ({"stator": {"length": "6 m"}}, r"is the file's length unit m\?"),
+    "thickness": (
+        {"stator": {"thickness": "1 mm"}},
+        r"must reach from z = -1 mm \(minus stator.thickness\) to 0, it reaches from -1.1 to 0 mm",
+    ),
+    "ends": (
+        {"stator": {"ends": "absorbing"}},
+        "stator.ends must be free with piece \"chip\".*got 'absorbing'",
+    ),
+    "comb": (
+        {"electrodes": {"p": "t+"}},
+        r"piece.0.electrodes \(\"chip\"\) must connect a line group electrode:NAME to t-",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WHOLE_FAULTS)
+def test_a_faulty_whole_stator_is_refused(tmp_path, name):
+    given, sentence = WHOLE_FAULTS[name]
+    with pytest.raises(SceneError, match=sentence):
+        resolved(whole(tmp_path, **given))
 
 
 def test_places_of_one_file(plain):
@@ -178,15 +305,52 @@ def test_materials_and_electrodes(tmp_path):
         strip, electrodes={"strip": "left+"}, **given
     )
     resolved(scene(strip, electrodes={"strip": "t+"}, **given))
+    assert 'piece.0.materials ("s") must not name "stator"' in refused(
+        strip, materials={"stator": "aluminium", "strip": "aluminium"}
+    )
+
+
+def test_electrodes_in_the_wrong_place(tmp_path):
+    """Refused before anything is solved: at an interface, on another electrode, on a solid without coupling."""
+    sides = {"left": [(3, 0)], "right": [(1, 2)]}
+    file = square(tmp_path / "p.msh", lines=sides | {"electrode:e": [(2, 3)]})
+    assert 'piece.0.file ("p") "electrode:e" reaches the interface left at (0, 0) mm' in refused(file)
+    points = [(0, -1.1), (0.5, -1.1), (1, -1.1), (1, 0), (0.7, 0), (0.5, 0), (0.3, 0), (0, 0)]
+    triangles = [(0, 1, 7), (1, 6, 7), (1, 5, 6), (1, 4, 5), (1, 3, 4), (1, 2, 3)]
+    sides = {"left": [(7, 0)], "right": [(2, 3)]}
+    file = square(
+        tmp_path / "q.msh", points, triangles, sides | {"electrode:a": [(6, 5)], "electrode:b": [(5, 4)]}
+    )
+    assert '"electrode:a" and "electrode:b" touch at (0.5, 0) mm: give them one name' in refused(file)
+    points = [(0, -1.1), (1, -1.1), (1, 0), (0.6, 0), (0.4, 0), (0, 0), (0.5, 0.1)]
+    solids = {"stator": [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)], "strip": [(4, 3, 6)]}
+    sides = {"left": [(5, 0)], "right": [(1, 2)], "electrode:e": [(3, 6)]}
+    file = write_msh(tmp_path / "r.msh", points, solids, sides)
+    assert 'must draw the line group "electrode:e" on a piezoelectric solid' in refused(
+        file, materials={"strip": "aluminium"}
+    )
+
+
+def test_a_mesh_that_is_too_fine(tmp_path):
+    """A file whose coarsest discretisation is too large: refused at once, with the size that would do."""
+    fine = rectangle(tmp_path / "fine.msh", 1.0, 1.1, size=0.0122)
+    words = refused(fine)
+    assert (
+        'piece.0.file ("fine") has 14760 elements, about 0.013 mm wide, and at least 2.1e+06 unknowns'
+        in words
+    )
+    assert "draw elements of 0.013 mm or more" in words
 
 
 def test_files_that_are_no_mesh(tmp_path, plain):
-    assert "cannot be read: No such file" in refused(tmp_path / "none.msh")
+    assert '"none.msh": the file cannot be read from' in refused(tmp_path / "none.msh")
     (tmp_path / "text.msh").write_text("a groove")
-    assert "the file 'text.msh' is no mesh of gmsh, format 2.2 or 4.1" in refused(tmp_path / "text.msh")
+    assert '"text.msh": the file is no mesh of gmsh, format 2.2 or 4.1' in refused(tmp_path / "text.msh")
     text = plain.read_text()
     (tmp_path / "deep.msh").write_text(text.replace(" 0.0 0\n", " 0.0 0.5\n"))
     assert "the file's third coordinate is not constant: a section has two" in refused(tmp_path / "deep.msh")
+    (tmp_path / "nan.msh").write_text(text.replace("1 0.0 -1.1 0", "1 nan -1.1 0"))
+    assert "the file has a coordinate that is no finite number" in refused(tmp_path / "nan.msh")
     lines = text.split("$Elements\n")
     count, *rest = lines[1].split("\n")
     cubic = f"{int(count)}\n" + "\n".join(rest).replace("1 1 2 1 1 1 2", "1 26 2 1 1 1 2 3 4", 1)
@@ -261,3 +425,11 @@ def test_the_shipped_meshes(tmp_path):
         found = fem.reflector(stator, frequency=2.17e6, tolerance=0.1)
         sent = abs(found.ends[0][1]) if end else abs(found.reflection)
         assert 1e-3 < sent < 1 + 1e-6
+    block = {"length": "12 mm", "thickness": "1 mm", "ends": "free"}
+    given = scene(
+        meshes / "chip.msh", block, position="0 mm", electrodes={"plus": "t+", "minus": "t-"}
+    ).to_table()
+    given["transducer"][0] |= {"center": "3.875 mm", "finger_pairs": 4}
+    record = run(Scene.from_table("", given), tolerance=0.1)
+    assert not [line for line in record.warnings if "mesh draws" in line]
+    assert 0 < record.electrical["admittance_S"].imag

@@ -40,7 +40,8 @@ def test_three_balls_load_the_wave_threefold(plane):
     slider = plane.scene.slider
     several = replace(slider, contacts=(-0.004, 0.0, 0.005), preload=3 * slider.preload, mass=3 * slider.mass)
     one, three = load(plane), load(replace(plane, scene=replace(plane.scene, slider=several)))
-    assert three[0] == pytest.approx(3 * one[0], rel=1e-12)
+    # their own phases: the jumps add up as numbers without one, and each meets the wave behind the others
+    assert three[0] == pytest.approx(3 * one[0], rel=1e-3)
     assert three[1] == pytest.approx(one[1], rel=1e-12)
 
 

@@ -11,15 +11,14 @@ Expected: at least 150 cases, none WRONG.  Run time: about 6 min of one processo
 import csv
 import io
 import math
-import time
 from collections import Counter
 from collections.abc import Callable
 from importlib import import_module
 
 from studies.evidence.stability.case import VERDICTS
-from studies.study import Finding, Panel, StudyRecord, judged, of_record
-
-__all__ = ["draw", "figure", "run", "tables"]
+from studies.record.plots import finished, saved
+from studies.record.text import markdown
+from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
 
 PARTS = {"free wave": "free", "stator": "stator", "contact": "contact", "chain": "chain"}
 LEAST = 150
@@ -44,12 +43,8 @@ COLUMNS = (
 )
 
 
-def run(
-    *,
-    parts: tuple[str, ...] = tuple(PARTS),
-    cases: int | None = None,
-    progress: Callable[[str], None] | None = None,
-) -> StudyRecord:
+@study()
+def run(*, parts: tuple[str, ...] = tuple(PARTS), cases: int | None = None, progress=None) -> Answered:
     """Return the verdict on every case, a panel for each part.
 
     Parameters
@@ -61,8 +56,6 @@ def run(
     progress : callable, optional
         Told which case is being judged.
     """
-    begun = time.perf_counter()
-    say = progress or (lambda text: None)
     modules = {part: import_module(f"studies.evidence.stability.{PARTS[part]}") for part in parts}
     chosen = [
         (module.judge, case)
@@ -71,14 +64,10 @@ def run(
     ]
     rows = []
     for number, (judge, case) in enumerate(chosen, start=1):
-        say(
-            f"stability: {number} of {len(chosen)}, {case.part}, {case.varied} {case.value:g} {case.unit}".rstrip()
-        )
+        value = f"{case.value:g} {case.unit}".rstrip()
+        progress(f"stability: {number} of {len(chosen)}, {case.part}, {case.varied} {value}")
         rows.append(_row(case, judge(case)))
-    panels = tuple(_panel(part, [row for row in rows if row["part"] == part]) for part in parts)
-    return StudyRecord(
-        name="stability", panels=panels, findings=_findings(rows), seconds=time.perf_counter() - begun
-    )
+    return [_panel(part, [row for row in rows if row["part"] == part]) for part in parts], _findings(rows)
 
 
 def _some(cases, number: int | None):
@@ -101,7 +90,7 @@ def tables(record: StudyRecord) -> dict[str, str]:
 def summary(rows: list[dict]) -> str:
     """Return a table in markdown with a line for each quantity varied."""
     head = ["part", "varied", "from", "to", "cases", *VERDICTS, "worst error / estimate", "seconds", "guard"]
-    lines = [f"| {' | '.join(head)} |", "|" + "---|" * len(head)]
+    table = []
     for part, varied in dict.fromkeys((row["part"], row["varied"]) for row in rows):
         own = [row for row in rows if (row["part"], row["varied"]) == (part, varied)]
         verdicts = Counter(row["verdict"] for row in own)
@@ -119,10 +108,10 @@ def summary(rows: list[dict]) -> str:
             f"{sum(row['seconds'] for row in own):.1f}",
             guards.most_common(1)[0][0][:110].replace("|", "/") if guards else "",
         ]
-        lines.append(f"| {' | '.join(cells)} |")
+        table.append(cells)
     total = Counter(row["verdict"] for row in rows)
-    lines += ["", f"{len(rows)} cases: " + ", ".join(f"{total[verdict]} {verdict}" for verdict in VERDICTS)]
-    return "\n".join(lines) + "\n"
+    counts = ", ".join(f"{total[verdict]} {verdict}" for verdict in VERDICTS)
+    return "\n".join([*markdown(head, table), "", f"{len(rows)} cases: {counts}"]) + "\n"
 
 
 @of_record
@@ -137,13 +126,8 @@ def figure(record: Panel, ax):
             at = place / max(len(own) - 1, 1)
             ax.scatter(at, line, color=colour, marker=mark, s=size if len(own) < 40 else size / 3, zorder=3)
         ax.plot([0, 1], [line, line], color="#dddddd", linewidth=0.8, zorder=1)
-        ax.text(
-            -0.02, line, f"{own[0]['value']} {unit}".rstrip(), ha="right", va="center", fontsize="x-small"
-        )
-        if len(own) > 1:
-            ax.text(
-                1.02, line, f"{own[-1]['value']} {unit}".rstrip(), ha="left", va="center", fontsize="x-small"
-            )
+        for at, row, side in ((-0.02, own[0], "right"), (1.02, own[-1], "left"))[: len(own)]:
+            ax.text(at, line, f"{row['value']} {unit}".rstrip(), ha=side, va="center", fontsize="x-small")
     for verdict, (colour, mark, size) in STYLES.items():
         count = sum(row["verdict"] == verdict for row in rows)
         ax.scatter([], [], color=colour, marker=mark, s=size, label=f"{verdict} ({count})")
@@ -151,18 +135,9 @@ def figure(record: Panel, ax):
     ax.set_ylim(len(names) - 0.4, -0.6)
     ax.set_xlim(-0.22, 1.22)
     ax.set_xticks([0, 1], ["first value", "last value"])
-    ax.set_xlabel("values in the order of the cases (unit beside them)")
-    ax.set_ylabel("quantity taken to its ends")
-    ax.set_title(record.title, fontsize="medium")
     ax.spines[["top", "right", "left"]].set_visible(False)
-    ax.legend(
-        frameon=False,
-        fontsize="small",
-        ncols=4,
-        loc="lower center",
-        bbox_to_anchor=(0.5, -0.02 - 3 / (len(names) + 6)),
-    )
-    return ax
+    across = "values in the order of the cases (unit beside them)"
+    return finished(ax, across, "quantity taken to its ends", record.title, grid=False)
 
 
 def against_estimate(panels: tuple[Panel, ...], ax):
@@ -174,28 +149,16 @@ def against_estimate(panels: tuple[Panel, ...], ax):
             if row["relative_error"] is not None and row["relative_estimate"] is not None
         ]
         drawn = [(max(estimate, 1e-16), max(error, 1e-16)) for estimate, error in pairs]
-        ax.loglog(
-            *zip(*drawn, strict=True),
-            "o",
-            color=COLOURS[panel.name],
-            markersize=4,
-            alpha=0.7,
-            label=f"{panel.name} ({len(drawn)})",
-        )
+        style = {"color": COLOURS[panel.name], "markersize": 4, "alpha": 0.7}
+        ax.loglog(*zip(*drawn, strict=True), "o", **style, label=f"{panel.name} ({len(drawn)})")
     ends = [1e-16, 1.0]
     ax.loglog(ends, [2 * end for end in ends], "-", color="black", linewidth=1, label="twice the estimate")
-    ax.set_xlabel("stated relative error (1)")
-    ax.set_ylabel("error against the witness (1)")
-    ax.set_title("What is stated, and what is so", fontsize="medium")
-    ax.legend(frameon=False, fontsize="small")
-    ax.grid(alpha=0.3)
-    return ax
+    title = "Stated errors and errors against the other way"
+    return finished(ax, "stated relative error (1)", "error against the other way (1)", title)
 
 
 def draw(record: StudyRecord, folder, *, progress: Callable[[str], None]) -> None:
     """Draw a map for each part, as high as it has quantities, and the errors against the estimates."""
-    from studies.record.plots import saved
-
     for panel in record.panels:
         progress(f"drawing {panel.name}")
         height = 0.3 * len(dict.fromkeys(panel.data["varied"])) + 1.6
@@ -209,13 +172,11 @@ def draw(record: StudyRecord, folder, *, progress: Callable[[str], None]) -> Non
 def _row(case, outcome) -> dict:
     """A case and its outcome in terms of JSON: no answer, no number."""
     numbers = {name: getattr(outcome, name) for name in ("relative_error", "relative_estimate")}
-    return {
-        "part": case.part,
-        "varied": case.varied,
-        "value": f"{case.value:g}",
-        "unit": case.unit,
+    finite = {name: float(value) if math.isfinite(value) else None for name, value in numbers.items()}
+    row = {"part": case.part, "varied": case.varied, "value": f"{case.value:g}", "unit": case.unit}
+    return row | {
         "verdict": outcome.verdict,
-        **{name: float(value) if math.isfinite(value) else None for name, value in numbers.items()},
+        **finite,
         "seconds": float(outcome.seconds),
         "guard": outcome.guard,
     }

@@ -10,10 +10,11 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from studies.chain import run
 from studies.evidence.stability.case import Case, Outcome
 from studies.evidence.stability.verdict import NoWitness, judged
-
-__all__ = ["chain_cases", "judge"]
+from studies.refusal import RunError
+from studies.scene import Scene
 
 PART = "chain"
 TOLERANCE, TIGHTER = 1e-3, (1e-5, 1e-4)
@@ -163,9 +164,6 @@ def judge(case: Case) -> Outcome:
 
 
 def _run(table: dict, tolerance: float):
-    from studies.chain import run
-    from studies.scene import Scene
-
     return run(Scene.from_table("", table), tolerance=tolerance)
 
 
@@ -187,8 +185,6 @@ def _known(witness: str, table: dict, tolerance: float) -> list[float]:
 
 def _tighter(table: dict, tolerance: float):
     """Return the record at a hundredth of a tolerance, or as near to it as there is an answer."""
-    from studies.refusal import RunError
-
     why = ""
     for share in TIGHTER:
         try:

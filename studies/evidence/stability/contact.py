@@ -7,16 +7,20 @@ tolerance, or a refusal with the reason; never NaN, never a traceback.  Run time
 """
 
 import math
+from typing import Any
 
+import numpy as np
+
+import contact
+from contact.drive import relative_to_reference
 from studies.evidence.stability.case import Case, Outcome
+from studies.evidence.stability.second_opinion import second_opinion
 from studies.evidence.stability.verdict import NoWitness, judged
-
-__all__ = ["contact_cases", "judge"]
 
 TOLERANCE = 1e-3
 CORNERS = 120
 AMPLITUDE, FREQUENCY, RATIO = 5e-9, 2.2e6, 0.7
-SLIDER = {
+SLIDER: dict[str, Any] = {
     "radius": 1e-3, "mass": 0.089e-3, "preload": 0.089e-3 * 9.81, "load": 0.0, "friction_coefficient": 0.08,
     "effective_modulus": 64e9, "tangential_modulus": 12e9, "law": "elastic", "reciprocal": False, "stick_band": 0.0,
     "contact_damping": 0.0, "normal_damping": 0.5, "tangential_damping": 1e-4,
@@ -69,10 +73,6 @@ def motor(case: Case):
 
 def built(values: dict):
     """Return (slider, orbits) from values by name, those of the seed where there are none."""
-    import numpy as np
-
-    from contact import Orbit, Slider
-
     chosen = dict(values)
     factor = chosen.pop("moduli over the seed's", 1.0)
     amplitude = chosen.pop("amplitude", AMPLITUDE)
@@ -80,8 +80,8 @@ def built(values: dict):
     frequency = chosen.pop("frequency", FREQUENCY)
     angle, contacts = chosen.pop("angle", -0.5 * math.pi), chosen.pop("contacts", 1)
     moduli = {name: factor * SLIDER[name] for name in ("effective_modulus", "tangential_modulus")}
-    slider = Slider(**(SLIDER | moduli | chosen))
-    one = Orbit(
+    slider = contact.Slider(**(SLIDER | moduli | chosen))
+    one = contact.Orbit(
         frequency=frequency, normal=amplitude, tangential=ratio * amplitude * complex(np.exp(1j * angle))
     )
     return slider, tuple(one.scaled(complex(np.exp(-2j * np.pi * k / 7.0))) for k in range(contacts))
@@ -89,8 +89,6 @@ def built(values: dict):
 
 def corner(number: int) -> dict:
     """Return the values of a random corner: about half of the quantities leave the seed's."""
-    import numpy as np
-
     draw = np.random.default_rng([20260, number])
     values: dict[str, float | str] = {}
     for name, (low, high) in RANGES.items():
@@ -111,10 +109,6 @@ def judge(case: Case) -> Outcome:
     """Return what becomes of a case."""
 
     def posed():
-        import contact
-        from contact.drive import relative_to_reference
-        from studies.evidence.stability.second_opinion import second_opinion
-
         slider, orbits = motor(case)
         answer = contact.steady(slider, orbits, tolerance=TOLERANCE)
         try:

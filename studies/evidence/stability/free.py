@@ -8,10 +8,11 @@ With one loss factor on all moduli the wavenumber is the lossless one over sqrt(
 import math
 from dataclasses import replace
 
+import numpy as np
+
+import fem
 from studies.evidence.stability.case import Case, Outcome
 from studies.evidence.stability.verdict import judged
-
-__all__ = ["free_cases", "judge"]
 
 PART = "free wave"
 FREQUENCY = 2.2e6
@@ -69,10 +70,6 @@ def _isotropic(
     tolerance: float, *, poisson: float = 0.3, quality: float = math.inf
 ) -> tuple[float, float, bool]:
     """Error, its estimate and whether it kept its tolerance, of an isotropic half-space."""
-    import numpy as np
-
-    import fem
-
     solid = fem.isotropic(
         name="isotropic", youngs_modulus=YOUNG, poisson_ratio=poisson, density=DENSITY, mechanical_quality=quality
     )  # fmt: skip
@@ -85,8 +82,6 @@ def _isotropic(
 
 
 def _crystal(name: str, value: float, tolerance: float) -> tuple[float, float, bool]:
-    import fem
-
     material, orientation = CUTS[int(value)] if name == "cut" else CUTS[0]
     solid = replace(
         fem.rotated(fem.material(material), orientation), mechanical_quality=math.inf, dielectric_loss=0.0

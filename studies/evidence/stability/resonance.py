@@ -6,8 +6,11 @@ answer to a tolerance of 1e-3 uses, to all digits, so that the case meets them e
 """
 
 import numpy as np
+from scipy.linalg import eig
 
-__all__ = ["cut_off", "piece_resonance"]
+from fem import LEVELS, discretise, slowest_wavelength
+from fem.condense.column import folded
+from fem.condense.transducer import Condensation, FingerShape, half_cells
 
 LEVEL = 2  # of fem.discretize.refinement.LEVELS
 BAND = (0.6, 1.6)  # of the frequency: about a piece's first resonance
@@ -16,8 +19,6 @@ STEPS = 60
 
 def cut_off(motor) -> float:
     """Return the first cut-off frequency in Hz of a lossless section above the motor's."""
-    from scipy.linalg import eig
-
     section = _section(motor)
     first, second = motor.frequency, 2 * motor.frequency
     low, high = (section.matrices(each)[2] for each in (first, second))
@@ -43,8 +44,6 @@ def piece_resonance(motor) -> float:
 
 
 def _section(motor):
-    from fem import LEVELS, discretise, slowest_wavelength
-
     return discretise(
         motor.stator,
         LEVELS[LEVEL],
@@ -55,10 +54,6 @@ def _section(motor):
 
 def _negatives(motor, frequency: float) -> int:
     """Negative eigenvalues of the line in mid-finger when the cell's sides are clamped."""
-    from fem import LEVELS
-    from fem.condense.column import folded
-    from fem.condense.transducer import Condensation, FingerShape, half_cells
-
     section = _section(motor)
     unit, transducer = section.length_unit, motor.transducers[0]
     shape = FingerShape(

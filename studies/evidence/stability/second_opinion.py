@@ -18,6 +18,9 @@ from contact.body import normal_amplitude, tangential_amplitude
 from contact.codes import Tangential
 from contact.convergence_error import ConvergenceError
 from contact.drive import reference_speed, towards_plus
+from contact.events.collocation import collocation
+from contact.events.motion import Motion
+from contact.stepping.time_stepping import steps
 
 # steps per cycle, the last for the answer and all for its error, and nodes of the exact way
 STEPS, NODES = (64, 90, 128), (9, 14)
@@ -123,10 +126,6 @@ def _affordable(problem):
 
 def _rows(problem, stepped, resolution, begin, cycles):
     """Return the rows (v, z_s, mean v) of every cycle from a state, in fixed steps or from event to event."""
-    from contact.events.collocation import collocation
-    from contact.events.motion import Motion
-    from contact.stepping.time_stepping import steps
-
     if stepped:
         return steps(problem, begin.copy(), cycles, resolution)
     motion = Motion(problem, grid=collocation(resolution), truncation=10.0 ** (1 - resolution))

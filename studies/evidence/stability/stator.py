@@ -10,15 +10,12 @@ charges on strips of an infinite plate, by exact partial waves, are in `tests/va
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
+import fem
 from studies.evidence.stability.case import Case, Outcome
+from studies.evidence.stability.resonance import cut_off, piece_resonance
 from studies.evidence.stability.verdict import judged
-
-if TYPE_CHECKING:
-    from fem.geometry import Stator, Transducer
-
-__all__ = ["Motor", "judge", "other_motor", "small_motor", "stator_cases"]
+from studies.evidence.stability.witness import compared
 
 PART = "stator"
 TOLERANCE = 1e-3
@@ -54,8 +51,8 @@ class Motor:
         Ohm.
     """
 
-    stator: "Stator"
-    transducers: "tuple[Transducer, ...]"
+    stator: fem.Stator
+    transducers: tuple[fem.Transducer, ...]
     frequency: float = 2.2e6
     place: float = 6e-3
     source_impedance: complex = 0.0
@@ -75,28 +72,16 @@ class Motor:
     @property
     def drive(self):
         """Its ``fem.Drive``."""
-        import fem
-
         return fem.Drive(sources={self.transducers[0].name: 1.0}, impedance=self.source_impedance)
 
     def wave(self, tolerance: float):
         """Return its ``fem.SurfaceWave``."""
-        import fem
-
-        return fem.driven_wave(
-            self.stator,
-            self.transducers,
-            frequency=self.frequency,
-            drive=self.drive,
-            tolerance=tolerance,
-            places=(self.place,),
-        )
+        options = {"frequency": self.frequency, "drive": self.drive, "tolerance": tolerance}
+        return fem.driven_wave(self.stator, self.transducers, places=(self.place,), **options)
 
 
 def small_motor(material: str = "PZT-8", orientation="Z", *, stretch: float = 1.0) -> Motor:
     """Return the motor of the cases; on another solid as large in wavelengths, or stretched."""
-    import fem
-
     solid = fem.rotated(fem.material(material), orientation)
     frequency = 2.2e6 / stretch
     period = fem.automatic_period(fem.rotated(fem.material("PZT-8"), "Z"), frequency, 0.5)
@@ -153,6 +138,18 @@ def _sides(number: float) -> Motor:
     return small_motor().section(ends=ends, bottom=bottom)
 
 
+def _cut(number: float) -> Motor:
+    return small_motor(*CUTS[int(number)])
+
+
+def _fed_through(impedance: float) -> Motor:
+    return replace(small_motor(), source_impedance=impedance)
+
+
+def _below_vacuum(factor: float) -> Motor:
+    return _times("permittivity")(factor).section(above="vacuum")
+
+
 def _terminated(number: float) -> Motor:
     return other_motor(small_motor(), termination=TERMINATIONS[int(number)])
 
@@ -178,16 +175,12 @@ def _one(key: str) -> Callable[[float], Motor]:
 
 def _cut_off(distance: float) -> Motor:
     """A lossless plate at a relative distance from a mode's cut-off, in the discretisation that will be asked."""
-    from studies.evidence.stability.resonance import cut_off
-
     motor = _lossless(small_motor())
     return replace(motor, frequency=cut_off(motor) * (1 + distance))
 
 
 def _resonant(distance: float) -> Motor:
     """A lossless plate near the resonance of a clamped piece, in the discretisation that will be asked."""
-    from studies.evidence.stability.resonance import piece_resonance
-
     motor = _lossless(small_motor())
     return replace(motor, frequency=piece_resonance(motor) * (1 + distance))
 
@@ -197,11 +190,11 @@ VARIED: dict[str, tuple[str, tuple, Callable[[float], Motor], str]] = {
     "mechanical quality": ("", (5.0, 20.0, 1e4, 1e6), _one("mechanical_quality"), "direct"),
     "mechanical quality, lossless": ("", (math.inf,), lambda _: _lossless(small_motor()), "finer"),
     "dielectric loss": ("", (0.0, 0.1, 1.0), _one("dielectric_loss"), "direct"),
-    "metallisation": ("", (0.02, 0.1, 0.9), lambda value: small_motor().comb(metallisation=value), "direct"),
+    "metallisation": ("", (0.02, 0.1, 0.9), lambda share: small_motor().comb(metallisation=share), "direct"),
     "metallisation, narrow gaps": (
         "",
         (0.98,),
-        lambda value: small_motor().comb(metallisation=value),
+        lambda share: small_motor().comb(metallisation=share),
         "finer",
     ),
     "thickness, thin": ("wavelengths", (0.05, 0.1, 0.2), _thick, "direct"),
@@ -215,37 +208,17 @@ VARIED: dict[str, tuple[str, tuple, Callable[[float], Motor], str]] = {
     "coupling": ("times", (1e-6, 1e-3, 2.0, 5.0), _times("coupling"), "direct"),
     "stiffness": ("times", (1e-3, 1e-1, 1e1, 1e3), _stiff, "finer"),
     "frequency over centre": ("", (4.5e-4, 0.05, 0.5, 2.0, 5.0, 12.0), _at, "finer"),
-    "size": ("times", (1e-6, 1e-3, 1e3, 1e6), lambda value: small_motor(stretch=value), "size"),
+    "size": ("times", (1e-6, 1e-3, 1e3, 1e6), lambda factor: small_motor(stretch=factor), "size"),
     "ends and bottom": ("", tuple(range(len(SIDES))), _sides, "finer"),
     "whole section as one matrix": ("", (0, 1, 2, 4, 5), _sides, "direct"),
-    "cut": ("", tuple(range(len(CUTS))), lambda value: small_motor(*CUTS[int(value)]), "finer"),
-    "cut, half-space": (
-        "",
-        (0, 1, 3),
-        lambda value: small_motor(*CUTS[int(value)]).section(thickness=math.inf),
-        "finer",
-    ),
-    "cut, no loss": (
-        "",
-        tuple(range(len(CUTS))),
-        lambda value: _lossless(small_motor(*CUTS[int(value)])),
-        "finer",
-    ),
+    "cut": ("", tuple(range(len(CUTS))), _cut, "finer"),
+    "cut, half-space": ("", (0, 1, 3), lambda number: _cut(number).section(thickness=math.inf), "finer"),
+    "cut, no loss": ("", tuple(range(len(CUTS))), lambda number: _lossless(_cut(number)), "finer"),
     "distance from a cut-off": ("", (0.0, 1e-12, 1e-9, 1e-6, 1e-3), _cut_off, "finer"),
     "distance from a piece's resonance": ("", (0.0, 1e-14, 1e-12, 1e-9, 1e-6), _resonant, "finer"),
-    "source impedance": (
-        "ohm",
-        (1e-9, 1.0, 1e3, 1e6, 1e9),
-        lambda value: replace(small_motor(), source_impedance=value),
-        "circuit",
-    ),
+    "source impedance": ("ohm", (1e-9, 1.0, 1e3, 1e6, 1e9), _fed_through, "circuit"),
     "termination": ("", tuple(range(len(TERMINATIONS))), _terminated, "finer"),
-    "vacuum above, permittivity": (
-        "times",
-        (1e-2, 1.0, 1e2),
-        lambda value: _times("permittivity")(value).section(above="vacuum"),
-        "finer",
-    ),
+    "vacuum above, permittivity": ("times", (1e-2, 1.0, 1e2), _below_vacuum, "finer"),
 }
 
 
@@ -263,8 +236,6 @@ def judge(case: Case) -> Outcome:
     _, _, motor, witness = VARIED[case.varied]
 
     def posed():
-        from studies.evidence.stability.witness import compared
-
         return compared(motor(case.value), witness, TOLERANCE, BALANCE)
 
     return judged(posed, TOLERANCE)

@@ -10,10 +10,10 @@ import time
 import warnings
 from collections.abc import Callable
 
+import contact
+import fem
 from studies.evidence.stability.case import Outcome
 from studies.refusal import RunError, SceneError
-
-__all__ = ["PROMISED", "NoWitness", "judged"]
 
 PROMISED = 2.0  # true error over estimate
 UNASKED = 1e-2  # of the tolerance, below which the estimate is not judged
@@ -34,10 +34,7 @@ def judged(posed: Callable[[], tuple[float, float, bool | str]], tolerance: floa
     tolerance : float
         Relative, that was asked for.
     """
-    import contact
-    import fem
-
-    begun = time.process_time()
+    start_time = time.process_time()
 
     def outcome(
         verdict: str, guard: str = "", error: float = math.nan, estimate: float = math.nan
@@ -47,7 +44,7 @@ def judged(posed: Callable[[], tuple[float, float, bool | str]], tolerance: floa
             guard=" ".join(guard.split()),
             relative_error=error,
             relative_estimate=estimate,
-            seconds=time.process_time() - begun,
+            seconds=time.process_time() - start_time,
         )
 
     try:

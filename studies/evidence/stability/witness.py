@@ -8,10 +8,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem import ConvergenceError
+from fem import (
+    LEVELS,
+    ConvergenceError,
+    Resolution,
+    direct_solution,
+    slowest_wavelength,
+    solve_circuit,
+    solve_driven,
+    surface_of,
+)
 from studies.evidence.stability.verdict import NoWitness
-
-__all__ = ["compared"]
 
 
 def compared(motor, witness: str, tolerance: float, balance: float) -> tuple[float, float, bool | str]:
@@ -30,7 +37,7 @@ def compared(motor, witness: str, tolerance: float, balance: float) -> tuple[flo
     Returns
     -------
     error, estimate, kept
-        Of motion or admittance, whichever is further from its estimate; see stability_verdict.judged.
+        Of motion or admittance, whichever is further from its estimate; see `verdict.judged`.
     """
     wave = motor.wave(tolerance)
     try:
@@ -42,11 +49,10 @@ def compared(motor, witness: str, tolerance: float, balance: float) -> tuple[flo
     pairs = [(_difference(wave.motion(motor.place), motion), wave.relative_error)]
     if admittance is not None:
         pairs.append((abs(wave.admittance / admittance - 1), wave.admittance_error))
-    found = [(float(error), float(estimate)) for error, estimate in pairs]
-    if not all(math.isfinite(error) for error, _ in found):
+    if not all(math.isfinite(error) for error, _ in pairs):
         return math.nan, wave.relative_error, True
-    error, estimate = max(found, key=lambda pair: pair[0] / max(pair[1], tolerance / 100))
-    return error, estimate, True
+    error, estimate = max(pairs, key=lambda pair: pair[0] / max(pair[1], tolerance / 100))
+    return float(error), float(estimate), True
 
 
 def _difference(motion: np.ndarray, known: np.ndarray) -> float:
@@ -58,8 +64,6 @@ def _difference(motion: np.ndarray, known: np.ndarray) -> float:
 
 def _direct(motor, _) -> tuple[complex, np.ndarray]:
     """The whole section as one sparse matrix, one level finer than the answer."""
-    from fem import Resolution, direct_solution, slowest_wavelength, solve_circuit
-
     solution = direct_solution(
         motor.stator,
         motor.transducers,
@@ -77,16 +81,11 @@ def _direct(motor, _) -> tuple[complex, np.ndarray]:
 
 def _finer(motor, answer) -> tuple[complex, np.ndarray]:
     """The next level of the discretisation; beyond the last, one of higher order."""
-    from fem import LEVELS, solve_driven, surface_of
-
     level = LEVELS.index(answer.solution.fields.resolution)
     finest = replace(LEVELS[-1], order=12)
+    resolution = LEVELS[level + 1] if level + 1 < len(LEVELS) else finest
     solution = solve_driven(
-        motor.stator,
-        motor.transducers,
-        frequency=motor.frequency,
-        drive=motor.drive,
-        resolution=LEVELS[level + 1] if level + 1 < len(LEVELS) else finest,
+        motor.stator, motor.transducers, frequency=motor.frequency, drive=motor.drive, resolution=resolution
     )
     return solution.circuit.admittance, surface_of(solution).motion(motor.place)
 
@@ -95,23 +94,15 @@ def _size(motor, _) -> tuple[complex, np.ndarray]:
     """The same motor at 2.2 MHz as one sparse matrix: charge per aperture and strain stay the same."""
     factor = 2.2e6 / motor.frequency
     (transducer,) = motor.transducers
+
+    def scaled(part, *names: str):
+        return replace(part, **{name: getattr(part, name) / factor for name in names})
+
+    comb = scaled(transducer, "center", "period", "aperture")
     ordinary = replace(
-        motor,
-        stator=replace(
-            motor.stator, length=motor.stator.length / factor, thickness=motor.stator.thickness / factor
-        ),
-        transducers=(
-            replace(
-                transducer,
-                center=transducer.center / factor,
-                period=transducer.period / factor,
-                aperture=transducer.aperture / factor,
-            ),
-        ),
-        frequency=2.2e6,
-        place=motor.place / factor,
+        scaled(motor, "place"), stator=scaled(motor.stator, "length", "thickness"), transducers=(comb,)
     )
-    return _direct(ordinary, _)
+    return _direct(replace(ordinary, frequency=2.2e6), _)
 
 
 def _circuit(motor, _) -> tuple[complex, np.ndarray]:

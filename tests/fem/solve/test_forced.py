@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fem.analytic.half_space import rayleigh
 from fem.analytic.wave_compliance import wave_compliance
 from fem.discretize.grading import Resolution
 from fem.input_error import InputError
@@ -14,6 +15,7 @@ from fem.results.evaluation import surface_of
 from fem.results.power_balance import power_balance
 from fem.results.solution import driven_solution, forced_solution
 from fem.solve.forced import forced_wave
+from fem.solve.harmonic import driven_wave
 from fem.waveguide.force import LineForce, force_response
 from fem.waveguide.port_fields import solve_ports
 from tests.fem.drawings import rectangle
@@ -123,6 +125,45 @@ def test_the_surface_wave_between_reflecting_transducers_is_gamma():
     row = (comb(stator, "t", 5.0, finger_pairs=4, period=2.0, termination="open"),)
     beside = forced_wave(stator, row, (replace(force, amplitude=2.0),), **given)
     assert abs(abs(beside.rayleigh_motion(25.0 * unit)[1]) / expected / 2 - 1) > 1e-3
+
+
+def test_forces_act_together_with_their_amplitudes_and_phases():
+    """The half-space's wave of F_z and F_x at one place: U_z = -i Gamma (F_z + F_x conj(U_x/U_z)), by reciprocity."""
+    solid = lossless("PZT-8", "Z")
+    stator = replace(plate(solid, length=30.0), thickness=np.inf)
+    unit = plate(solid).thickness / 0.8
+    normal, tangential = 2.0 - 1.0j, 3.0j
+    forces = tuple(
+        LineForce(name=component, position=10.0 * unit, component=component, amplitude=amplitude)
+        for component, amplitude in (("z", normal), ("x", tangential))
+    )
+    place = 25.0 * unit
+    wave = forced_wave(stator, (), forces, frequency=FREQUENCY, tolerance=1e-3, places=(place,))
+    half_space = rayleigh(solid, "open")
+    motion = wave.rayleigh_motion(place)
+    ratio = motion[0] / motion[1]
+    assert abs(ratio) == pytest.approx(half_space.surface_ratio, rel=1e-4)
+    travelled = np.exp(-2j * np.pi * FREQUENCY / half_space.velocity * 15.0 * unit)
+    expected = -1j * wave_compliance(solid, "open") * (normal + tangential * np.conj(ratio)) * travelled
+    assert motion[1] == pytest.approx(expected, rel=1e-2)
+    assert abs(motion[1]) == pytest.approx(abs(expected), rel=1e-4)
+
+
+def test_the_current_per_newton_is_the_velocity_per_volt():
+    """Reciprocity of two public answers: of a force into a shorted transducer, and of a volt at the force's place."""
+    stator = plate(cut("PZT-8", "Z", quality=150.0), length=9.0)
+    row = (comb(stator, "a", 2.0, finger_pairs=2, termination="short"),)
+    place = 5.3 * stator.thickness / 0.8
+    given = {"frequency": FREQUENCY, "tolerance": 1e-4, "places": (place * 1.2,)}
+    force = LineForce(name="f", position=place, component="z", amplitude=3.0 - 4.0j)
+    received = forced_wave(stator, row, (force,), **given).circuit.currents[0]
+    velocity = (
+        2j
+        * np.pi
+        * FREQUENCY
+        * driven_wave(stator, row, drive="a", **given | {"places": (place,)}).motion(place)[1]
+    )
+    assert received == pytest.approx(velocity * force.amplitude * row[0].aperture, rel=1e-3)
 
 
 def test_a_force_under_a_transducer_is_refused():
