@@ -1,17 +1,23 @@
 r"""One cycle of the wave under a heavy slider: means of the contact forces between exact events.
 
-The slider's path is given: mean approach h, mean velocity v, and a fast part in a few harmonics of the wave that
-repeats. With phase phi, each contact then has z = h + sum z_k and, while it sticks, x = x_1 + y - y_1 with
-y = -v phi + sum y_k. Everything that ends a regime is then known or bracketed without a search:
+The slider's path is given: mean approach h, mean velocity v, and a fast part in a few harmonics of the wave. At the
+phase phi each contact then has, with z_k and y_k the harmonics of its motion relative to the slider,
 
-* contact and release: z = 0, a cosine;
-* slip towards s = +1, -1 goes on while g_s = s y' - c z' > 0, a window of the cycle (Feenstra and Breedveld, eq. 3,
-  with the sign left out there);
-* stick ends where D_s = c z - s x = 0; D_s' = -g_s, so D_s falls only inside the window of s: one root at most in it;
-* x = 0 lies between the turning points of y.
+    z = h + sum z_k,        x = x_1 + y - y_1  while it sticks from phi_1 on,        y = -v phi + sum y_k.         (1)
+
+Everything that ends a regime is therefore known or bracketed:
+
+    contact, release    z = 0, a cosine                                                                          (2)
+    slip towards s      goes on while g_s = s y' - c z' > 0, s = +1 or -1: a window of the cycle (Feenstra and
+                        Breedveld, eq. 3, with the sign left out there; `body.slip_window`)                      (3)
+    stick               ends where D_s = c z - s x = 0. As D_s' = -g_s, D_s falls only inside the window of s, so
+                        that there is at most one root in it                                                     (4)
+    x = 0               lies between the turning points of y                                                     (5)
+
+A slip limit X(z) that is not c z (`law.bent`) has no such windows: its cycle is scanned.
 
 The forces are integrated from event to event in theta, phi = phi_1 + (phi_2 - phi_1)(1 - cos theta)/2, which makes the
-square roots at contact, release and the end of stick smooth: Gauss-Legendre quadrature is spectral.
+square roots at contact, release and the end of stick smooth: Gauss-Legendre quadrature converges exponentially.
 """
 
 from enum import IntEnum
@@ -25,7 +31,7 @@ from contact.jit.compiled import compiled, native, summed
 from contact.law.normal import load
 
 TURN = 2.0 * np.pi
-# events of a contact in a cycle; phases of a cycle at which a bent limit is looked at
+# events of a contact in a cycle; phases of a cycle at which (3) and (4) of a bent limit are evaluated
 MAX_EVENTS, SCANNED = 40, 128
 
 
@@ -65,7 +71,7 @@ class Harmonics(NamedTuple):
 
 
 class Nodes(NamedTuple):
-    """Room for the nodes of a piece: cos and sin of the harmonics (K, n), z and x and then the forces (n,)."""
+    """Work arrays at the n nodes of a piece: cos and sin of the harmonics (K, n); z, x and then the forces, (n,)."""
 
     cos: np.ndarray
     sin: np.ndarray
@@ -101,12 +107,12 @@ class Anchor(NamedTuple):
 
 
 class Passage(NamedTuple):
-    """What a contact goes through: from phase to phase, in slip of a sign or in stick (0) with a deformation."""
+    """The part of the cycle that a contact is followed through, and how it begins: slip of a sign, or stick (0)."""
 
     start: float
     stop: float
     slip: float
-    x: float
+    x: float  # deformation at the start
 
 
 def cycle_room(harmonics: int, nodes: int = 0, contacts: int = 0) -> Cycle:
@@ -123,8 +129,8 @@ def cycle_room(harmonics: int, nodes: int = 0, contacts: int = 0) -> Cycle:
 
 
 @compiled
-def _place(path, phi):
-    """Return z, z', y, y'."""
+def _motion_at(path, phi):
+    """Return z, z', y, y' of a path at a phase, eq. (1)."""
     a, b, d, e = path.wave
     co, si = np.cos(phi), np.sin(phi)
     c, s = co, si
@@ -146,7 +152,7 @@ def _crossing(path, alpha, beta, anchor, low, high, rises):
     """
     phi = 0.5 * (low + high)
     for _ in range(60):
-        z, zr, y, yr = _place(path, phi)
+        z, zr, y, yr = _motion_at(path, phi)
         f, rate = alpha * z + beta * (anchor.x + y - anchor.y), alpha * zr + beta * yr
         if (f > 0.0) == rises:
             high = phi
@@ -164,7 +170,7 @@ def _crossing(path, alpha, beta, anchor, low, high, rises):
 
 @compiled
 def _window(path, c, s):
-    """Return (start, end, kind) of slip towards s: of the first harmonic, then of all."""
+    """Return (start, end, kind) of the window (3): in closed form for one harmonic, corrected for several."""
     a, b, d, e = path.wave
     start, end, kind = slip_window(s, a[0], b[0], d[0], e[0], path.v, c)
     if kind == Slips.WINDOW and a.size > 1:
@@ -174,7 +180,7 @@ def _window(path, c, s):
 
 @compiled
 def _edge(path, c, s, phi):
-    """Return the phase near phi at which slip towards s begins or ends."""
+    """Return the root of g_s near phi (Newton's method with the first harmonic's slope)."""
     a, b, d, e = (
         path.wave.normal_cos[0],
         path.wave.normal_sin[0],
@@ -185,7 +191,7 @@ def _edge(path, c, s, phi):
     rate = along * np.cos(phi) - across * np.sin(phi)
     if abs(rate) > 1e-3 * np.hypot(across, along):
         for _ in range(12):
-            _, zr, _, yr = _place(path, phi)
+            _, zr, _, yr = _motion_at(path, phi)
             step = -slip_speed(s, zr, yr, c) / rate
             phi += step
             if abs(step) < 1e-12:
@@ -195,16 +201,16 @@ def _edge(path, c, s, phi):
 
 @compiled
 def _stick_margin(problem, path, s, anchor, phi):
-    """Return D_s, how far the deformation is from the limit of slip towards s."""
-    z, _, y, _ = _place(path, phi)
+    """Return D_s, eq. (4)."""
+    z, _, y, _ = _motion_at(path, phi)
     return problem.law.limit(problem, z) - s * (anchor.x + y - anchor.y)
 
 
 @compiled
 def _next_slip(problem, path, s, window, anchor, start, stop):
-    """Return the first phase in (start, stop) at which stick ends by slip towards s; stop if none."""
+    """Return the first phase in (start, stop) at which stick ends by slip towards s, eq. (4); stop if none."""
     if problem.law.bent:
-        return _bent_slip(problem, path, s, anchor, start, stop)
+        return _next_slip_scanned(problem, path, s, anchor, start, stop)
     low, high, kind = window
     if kind == Slips.NEVER:
         return stop
@@ -223,37 +229,38 @@ def _next_slip(problem, path, s, window, anchor, start, stop):
 
 
 @compiled
-def _gather(problem, path, rule, work, start, stop, slip, offset):
+def _add_integrals(problem, path, rule, work, start, stop, slip, offset):
     """Add the integrals of the forces from one event to the next; `slip` is its sign, 0 in stick: x = offset + y.
 
-    A contact that almost parts at its trough has its singular points just off the real axis there: cut at it.
+    The quadrature is cut at the trough of a contact that stays closed: where z almost comes to zero, its 3/2 power has
+    branch points just off the real axis.
     """
     a, b = path.wave.normal_cos[0], path.wave.normal_sin[0]
     if path.h >= np.hypot(a, b):
         trough = np.arctan2(b, a) + np.pi
         trough += TURN * np.ceil((start - trough) / TURN)
         while trough < stop:
-            _piece(problem, path, rule, work, start, trough - start, slip, offset)
+            _add_piece(problem, path, rule, work, start, trough - start, slip, offset)
             start, trough = trough, trough + TURN
-    _piece(problem, path, rule, work, start, stop - start, slip, offset)
+    _add_piece(problem, path, rule, work, start, stop - start, slip, offset)
 
 
 @compiled
-def _piece(problem, path, rule, work, start, width, slip, offset):
+def _add_piece(problem, path, rule, work, start, width, slip, offset):
     """Add the integrals of the forces over one smooth piece."""
     kappa = problem.stiffness
     if path.wave.normal_cos.size == 1 and work.force.normal_cos.size == 0:
-        push, pull = _plain(problem, path, rule, start, width, slip, offset)
+        push, pull = _first_harmonic_sums(problem, path, rule, start, width, slip, offset)
     else:
-        _follow(path, rule, work.nodes, start, width, offset)
-        push, pull = _load(problem, path, rule, work.nodes, slip)
-        _project(problem, path, rule, work, kappa * width)
+        _motion_at_nodes(path, rule, work.nodes, start, width, offset)
+        push, pull = _forces_at_nodes(problem, path, rule, work.nodes, slip)
+        _add_harmonics(problem, path, rule, work, kappa * width)
     work.means[Mean.NORMAL] += kappa * width * push
     work.means[Mean.TANGENTIAL] += kappa * width * pull
 
 
 @summed
-def _follow(path, rule, nodes, start, width, offset):
+def _motion_at_nodes(path, rule, nodes, start, width, offset):
     """Fill the harmonics' cosines and sines, the approach and the deformation at the nodes of a piece."""
     h, v, wave, n = path.h, path.v, path.wave, rule.place.size
     cos, sin, z, x = nodes.cos, nodes.sin, nodes.normal, nodes.tangential
@@ -276,12 +283,12 @@ def _follow(path, rule, nodes, start, width, offset):
 
 
 @summed
-def _load(problem, path, rule, nodes, slip):
-    """Turn approach and deformation at the nodes into weighted forces over kappa times the width; return their sums."""
+def _forces_at_nodes(problem, path, rule, nodes, slip):
+    """Replace approach and deformation at the nodes by the weighted forces P/kappa and Q/kappa; return their sums."""
     law, shape, wave = problem.law, problem.shape, path.wave
     z, x = nodes.normal, nodes.tangential
     push = pull = 0.0
-    if slip != 0.0:  # the deformation makes way for the speed of slip
+    if slip != 0.0:  # in slip x holds the speed of slip, which the force may depend on
         for j in range(rule.weight.size):
             x[j] = -slip * path.v
             if law.rated:
@@ -304,7 +311,7 @@ def _load(problem, path, rule, nodes, slip):
 
 
 @summed
-def _project(problem, path, rule, work, scale):
+def _add_harmonics(problem, path, rule, work, scale):
     """Add the harmonics of the forces at the nodes, the damper's with them."""
     wave, force, nodes = path.wave, work.force, work.nodes
     cos, sin, normal, tangential = nodes.cos, nodes.sin, nodes.normal, nodes.tangential
@@ -329,7 +336,7 @@ def _project(problem, path, rule, work, scale):
 
 
 @summed
-def _plain(problem, path, rule, start, width, slip, offset):
+def _first_harmonic_sums(problem, path, rule, start, width, slip, offset):
     """Return the integrals of normal force and traction over a smooth piece of a path of one harmonic."""
     law, shape = problem.law, problem.shape
     h, v, wave = path.h, path.v, path.wave
@@ -351,8 +358,8 @@ def _plain(problem, path, rule, start, width, slip, offset):
 
 
 @compiled
-def _stick(problem, path, rule, work, start, stop, anchor):
-    """Add the integrals of a stretch of stick, cut where x passes zero."""
+def _add_stick(problem, path, rule, work, start, stop, anchor):
+    """Add the integrals of a time of stick, cut where x = 0 (5), at which the force is not smooth."""
     d, e = path.wave.tangential_cos[0], path.wave.tangential_sin[0]
     size, offset = np.hypot(d, e), anchor.x - anchor.y
     # y of the first harmonic turns at centre - half, centre + half, and so on in every cycle
@@ -369,25 +376,25 @@ def _stick(problem, path, rule, work, start, stop, anchor):
             if turning > left:
                 right = min(turning, stop)
                 break
-        after = offset + _place(path, right)[2]
+        after = offset + _motion_at(path, right)[2]
         if before * after < 0.0:
             root = _crossing(path, 0.0, 1.0, anchor, left, right, after > 0.0)
-            _gather(problem, path, rule, work, begin, root, 0.0, offset)
+            _add_integrals(problem, path, rule, work, begin, root, 0.0, offset)
             begin = root
         before, left = after, right
-    _gather(problem, path, rule, work, begin, stop, 0.0, offset)
+    _add_integrals(problem, path, rule, work, begin, stop, 0.0, offset)
 
 
 @compiled
 def _slip_rate(problem, path, s, phi):
     """Return g_s, the speed of slip towards s at its limit."""
-    z, zr, _, yr = _place(path, phi)
+    z, zr, _, yr = _motion_at(path, phi)
     return slip_speed(s, zr, yr, problem.law.limit_rate(problem, z))
 
 
 @compiled
 def _slip_end(problem, path, s, window, phi, stop):
-    """Return where slip towards s ends; a bent limit has no window of one harmonic: the cycle is scanned."""
+    """Return where slip towards s ends, at most `stop`: from the window (3), or scanned for a bent limit."""
     if not problem.law.bent:
         _, end, kind = window
         if kind == Slips.WINDOW:
@@ -397,13 +404,13 @@ def _slip_end(problem, path, s, window, phi, stop):
     while left < stop:
         right = min(left + TURN / SCANNED, stop)
         if _slip_rate(problem, path, s, right) < 0.0:
-            return _slip_edge(problem, path, s, left, right)
+            return _slip_end_between(problem, path, s, left, right)
         left = right
     return stop
 
 
 @compiled
-def _slip_edge(problem, path, s, a, b):
+def _slip_end_between(problem, path, s, a, b):
     """Return where g_s falls through zero between a and b (bisection)."""
     for _ in range(46):
         middle = 0.5 * (a + b)
@@ -415,14 +422,14 @@ def _slip_edge(problem, path, s, a, b):
 
 
 @compiled
-def _bent_slip(problem, path, s, anchor, start, stop):
-    """Return the first phase in (start, stop) at which stick ends by slip towards s, of a bent limit; stop if none."""
+def _next_slip_scanned(problem, path, s, anchor, start, stop):
+    """Return the root (4) of a bent limit in (start, stop), stop if there is none: the cycle is scanned."""
     left, falling = start, _slip_rate(problem, path, s, start) > 0.0
     while left < stop:
         right = min(left + TURN / SCANNED, stop)
         low, still = right, _slip_rate(problem, path, s, right) > 0.0
         if falling and not still:  # the margin has its least value between
-            low = _slip_edge(problem, path, s, left, right)
+            low = _slip_end_between(problem, path, s, left, right)
         if _stick_margin(problem, path, s, anchor, low) < -1e-14:
             a, b = left, low
             for _ in range(46):
@@ -437,8 +444,8 @@ def _bent_slip(problem, path, s, anchor, start, stop):
 
 
 @compiled
-def _start(problem, path, windows, counts):
-    """Return the passage with which a contact's cycle begins: where it closes, or where slip ends."""
+def _first_passage(problem, path, windows, counts):
+    """Return where the cycle of a contact begins: where it closes, or where slip ends if it never opens."""
     law = problem.law
     crest = np.arctan2(path.wave.normal_sin[0], path.wave.normal_cos[0])
     reach = np.hypot(path.wave.normal_cos[0], path.wave.normal_sin[0])
@@ -454,37 +461,37 @@ def _start(problem, path, windows, counts):
             _, start, kind = windows[0] if path.v < 0.0 else windows[1]
             if kind == Slips.ALWAYS:
                 return Passage(0.0, TURN, back, 0.0)
-        return Passage(start, start + TURN, 0.0, back * law.limit(problem, _place(path, start)[0]))
+        return Passage(start, start + TURN, 0.0, back * law.limit(problem, _motion_at(path, start)[0]))
     half = np.arccos(-path.h / reach)
     start, stop = crest - half, crest + half
     for _ in range(8 if path.wave.normal_cos.size > 1 else 0):
-        z, rate, _, _ = _place(path, start)
-        z_end, rate_end, _, _ = _place(path, stop)
+        z, rate, _, _ = _motion_at(path, start)
+        z_end, rate_end, _, _ = _motion_at(path, stop)
         if rate <= 0.0 or rate_end >= 0.0:
             break
         start, stop = start - z / rate, stop - z_end / rate_end
     counts[Counted.MADE] += 1
-    _, zr, _, yr = _place(path, start)
+    _, zr, _, yr = _motion_at(path, start)
     sign = 1.0 if yr >= 0.0 else -1.0
     slips = slip_speed(sign, zr, yr, law.limit_rate(problem, 0.0)) > 0.0
     return Passage(start, stop, sign if slips else 0.0, 0.0)
 
 
 @compiled
-def _contact(problem, path, rule, work):
+def _add_contact(problem, path, rule, work):
     """Add the integrals of one contact over one cycle of the motion that repeats."""
     counts, c = work.counts, problem.law.limit_rate(problem, 0.0)
     reach = np.hypot(path.wave.normal_cos[0], path.wave.normal_sin[0])
     if path.h <= -reach:
         return
     windows = _window(path, c, 1.0), _window(path, c, -1.0)
-    passage = _start(problem, path, windows, counts)
+    passage = _first_passage(problem, path, windows, counts)
     if (
         problem.law.bent and path.h >= reach
     ):  # of several windows it is not known which one is the last to slip
-        slip, x, _ = _passed(problem, path, rule, work, windows, passage, False)
+        slip, x, _ = _follow_contact(problem, path, rule, work, windows, passage, False)
         passage = Passage(passage.start, passage.stop, slip, x)
-    _, _, slips = _passed(problem, path, rule, work, windows, passage, True)
+    _, _, slips = _follow_contact(problem, path, rule, work, windows, passage, True)
     counts[Counted.SLIPS] += slips
     # slip one way only, by less than a fraction of the spring's range: it takes many cycles to forget
     forgets = TURN * abs(path.v) >= 0.4 * problem.law.limit(problem, path.h)
@@ -493,10 +500,10 @@ def _contact(problem, path, rule, work):
 
 
 @compiled
-def _passed(problem, path, rule, work, windows, passage, counted):
-    """Follow one contact through a passage; return (slip, x, slips begun). Its integrals are added where `counted`.
+def _follow_contact(problem, path, rule, work, windows, passage, counted):
+    """Follow one contact from event to event; return (slip, x, slips begun). Its integrals are added where `counted`.
 
-    Without an end after `MAX_EVENTS` the means are not finite: no answer is made of a part of a cycle.
+    After `MAX_EVENTS` without an end the means are set to NaN, which the callers refuse.
     """
     phi, stop, slip, x = passage
     slips = 1 if slip != 0.0 else 0
@@ -504,17 +511,17 @@ def _passed(problem, path, rule, work, windows, passage, counted):
         if slip != 0.0:
             end = _slip_end(problem, path, slip, windows[0] if slip > 0.0 else windows[1], phi, stop)
             if counted:
-                _gather(problem, path, rule, work, phi, end, slip, 0.0)
+                _add_integrals(problem, path, rule, work, phi, end, slip, 0.0)
             if end >= stop:
                 return slip, x, slips
-            x, slip, phi = slip * problem.law.limit(problem, max(_place(path, end)[0], 0.0)), 0.0, end
+            x, slip, phi = slip * problem.law.limit(problem, max(_motion_at(path, end)[0], 0.0)), 0.0, end
         else:
-            anchor = Anchor(x, _place(path, phi)[2])
+            anchor = Anchor(x, _motion_at(path, phi)[2])
             up = _next_slip(problem, path, 1.0, windows[0], anchor, phi, stop)
             end = _next_slip(problem, path, -1.0, windows[1], anchor, phi, up)
             if counted:
-                _stick(problem, path, rule, work, phi, end, anchor)
-            x, phi = x + _place(path, end)[2] - anchor.y, end
+                _add_stick(problem, path, rule, work, phi, end, anchor)
+            x, phi = x + _motion_at(path, end)[2] - anchor.y, end
             if end >= stop:
                 return 0.0, x, slips
             slip = 1.0 if end == up else -1.0
@@ -524,8 +531,8 @@ def _passed(problem, path, rule, work, windows, passage, counted):
 
 
 @compiled
-def _add_each(work, row, sign):
-    """Add the sums as they stand to the forces of a contact."""
+def _add_to_contact(work, row, sign):
+    """Add the sums over the contacts so far, times `sign`, to the forces of one: after it less before it."""
     force = work.force
     row[Each.NORMAL] += sign * work.means[Mean.NORMAL] / TURN
     row[Each.TANGENTIAL] += sign * work.means[Mean.TANGENTIAL] / TURN
@@ -544,9 +551,10 @@ def _add_each(work, row, sign):
     },
 )  # fmt: skip
 def cycle(problem, h, v, rule, work):
-    """Fill means, harmonics of the forces and counts of a cycle that repeats, at mean approach h and mean velocity v.
+    """Fill means, harmonics of the forces and counts of a cycle that repeats; return 0.
 
-    Of `work` the slider's fast motion is given. Returns 0.
+    `h`: mean approach of a contact of height 0; `v`: mean velocity; `rule`: quadrature of each smooth piece, see
+    `riding.quadrature`; `work`: a `Cycle`, of which the slider's fast motion is given.
     """
     fast, path, force, paths = work.fast, work.path, work.force, problem.paths
     q = Coordinates(-h, 0.0)
@@ -564,10 +572,10 @@ def cycle(problem, h, v, rule, work):
         path.tangential_cos[0] += paths.tangential_cos[i]
         path.tangential_sin[0] += paths.tangential_sin[i]
         if work.each.size > 0:
-            _add_each(work, work.each[i], -1.0)
-        _contact(problem, Path(approach(paths, i, 0.0, q), v, path), rule, work)
+            _add_to_contact(work, work.each[i], -1.0)
+        _add_contact(problem, Path(approach(paths, i, 0.0, q), v, path), rule, work)
         if work.each.size > 0:
-            _add_each(work, work.each[i], 1.0)
+            _add_to_contact(work, work.each[i], 1.0)
     work.means[Mean.NORMAL] /= TURN
     work.means[Mean.TANGENTIAL] /= TURN
     for k in range(force.normal_cos.size):
@@ -584,14 +592,14 @@ def respond(problem, work):
     d_n, d_t, fast, force = problem.normal_damping, problem.tangential_damping, work.fast, work.force
     for k in range(fast.normal_cos.size):
         n = k + 1.0
-        fast.normal_cos[k], fast.normal_sin[k] = _answer(n, d_n, force.normal_cos[k], force.normal_sin[k])
-        fast.tangential_cos[k], fast.tangential_sin[k] = _answer(
+        fast.normal_cos[k], fast.normal_sin[k] = _amplitudes(n, d_n, force.normal_cos[k], force.normal_sin[k])
+        fast.tangential_cos[k], fast.tangential_sin[k] = _amplitudes(
             n, d_t, force.tangential_cos[k], force.tangential_sin[k]
         )
 
 
 @compiled
-def _answer(n, d, a, b):
+def _amplitudes(n, d, a, b):
     """Return the amplitudes (a - i b)/(-n^2 + i n d) of the answer to a force a cos + b sin."""
     size = n * n * (n * n + d * d)
     return -n * (n * a + d * b) / size, -n * (n * b - d * a) / size

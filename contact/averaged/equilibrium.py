@@ -95,7 +95,7 @@ _ROOMS = threading.local()  # by harmonics: a kernel finds the same arrays again
 
 def room(harmonics: int) -> Work:
     """Return this thread's work arrays for so many harmonics of the fast motion."""
-    rooms = vars(_ROOMS)
+    rooms = vars(_ROOMS).setdefault("rooms", {})
     if harmonics not in rooms:
         second = cycle_room(harmonics, FINE_NODES)
         rooms[harmonics] = Work(quadrature(NODES), quadrature(FINE_NODES), cycle_room(1), second)

@@ -14,27 +14,31 @@ from contact.averaged.pillar_cycle import Forces, PillarCycle
 from contact.convergence_error import ConvergenceError
 
 SAMPLES, FEWEST = 4, 32  # of a cycle: for each harmonic, and at least
-MEMORY, MAX_STEP = 16, 0.3  # sweeps that are combined, and the largest step of one, of the incident amplitude
+MEMORY, MAX_STEP = (
+    16,
+    0.3,
+)  # sweeps that Anderson's method combines, and the largest step of one over the incident amplitude
 
 
 class OvertoneCycle(PillarCycle):
     """Pillars and the wave's amplitudes: U_1 ... U_N of the driving one, shape (m, N), of the other U_1, (m, 1)."""
 
     def __init__(self, pillars, wave, loading: bool, harmonics: int):
-        self.ahead = abs(wave.forward) >= abs(wave.backward)
-        self.way = (
-            slice(None) if self.ahead else slice(None, None, -1)
-        )  # the rows as the driving wave meets them
-        self.order, self.harmonics = np.arange(harmonics) + 1, harmonics
-        self.room = samples(harmonics, max(SAMPLES * harmonics, FEWEST))
+        self.forward_drives = abs(wave.forward) >= abs(wave.backward)
+        # from the rows from left to right to those in the order in which the driving wave meets them, and back
+        self.downstream = slice(None) if self.forward_drives else slice(None, None, -1)
+        self.numbers, self.harmonics = np.arange(harmonics) + 1, harmonics
+        self.samples = samples(harmonics, max(SAMPLES * harmonics, FEWEST))
         super().__init__(pillars, wave, loading)
         behind = np.append(self.first[1:], self.x.size)
         self.contacts = Classes(
-            np.ascontiguousarray(self.first[self.way]), np.ascontiguousarray(behind[self.way]), self.weight, self.k_n,
-            self.k_t, self.limit_slope,
+            np.ascontiguousarray(self.first[self.downstream]), np.ascontiguousarray(behind[self.downstream]),
+            self.weight, self.k_n, self.k_t, self.limit_slope,
         )  # fmt: skip
-        self.met = np.ascontiguousarray((self.turn if self.ahead else self.turn.conj())[self.way])
-        self.met_orbit = np.array([wave.orbit if self.ahead else wave.orbit.conjugate()])
+        self.downstream_turn = np.ascontiguousarray(
+            (self.turn if self.forward_drives else self.turn.conj())[self.downstream]
+        )
+        self.downstream_orbit = np.array([wave.orbit if self.forward_drives else wave.orbit.conjugate()])
 
     def begin(self, forward, backward):
         """Take the amplitudes at the rows from a search with any number of harmonics."""
@@ -55,9 +59,9 @@ class OvertoneCycle(PillarCycle):
         )
         self.spectrum = Spectrum(driving, against, force, np.zeros((self.x.size, 2), complex))
         driving, against = np.zeros((m, n), complex), np.zeros((m, 1), complex)
-        self.approach, self.swept = None, []
+        self.approach, self.sweeps = None, []  # of the last forces; amplitudes and steps of the last sweeps
         fundamental = self.forward, self.backward
-        self.forward, self.backward = (driving, against) if self.ahead else (against, driving)
+        self.forward, self.backward = (driving, against) if self.forward_drives else (against, driving)
         self.forward[:, 0], self.backward[:, 0] = fundamental
 
     def amplitudes(self):
@@ -69,20 +73,22 @@ class OvertoneCycle(PillarCycle):
         """Return the forces at mean approaches in m and a velocity over omega, the wave that drives followed."""
         self.evaluations += 1
         if not np.array_equal(approach, self.approach):
-            self.approach, self.swept = approach, []
+            self.approach, self.sweeps = approach, []
         spectrum, incident = self.spectrum, np.zeros(self.harmonics, complex)
-        driving, other = (self.forward, self.backward) if self.ahead else (self.backward, self.forward)
-        spectrum.along[:], spectrum.against[:] = driving[self.way], other[self.way]
-        incident[0] = self.incident[0 if self.ahead else 1]
+        driving, other = (
+            (self.forward, self.backward) if self.forward_drives else (self.backward, self.forward)
+        )
+        spectrum.along[:], spectrum.against[:] = driving[self.downstream], other[self.downstream]
+        incident[0] = self.incident[0 if self.forward_drives else 1]
         out = np.empty((self.x.size, COLUMNS))
+        waves = Waves(self.downstream_turn, self.downstream_orbit, self.g, incident)
         failed = overtone_march(
-            self.contacts, Waves(self.met, self.met_orbit, self.g, incident), np.ascontiguousarray(approach), float(w),
-            float(side), spectrum, self.room, out,
+            self.contacts, waves, np.ascontiguousarray(approach), float(w), float(side), spectrum, self.samples, out
         )  # fmt: skip
         if failed:
             rule = "rows change the wave by more than their midpoint can follow"
             raise ConvergenceError("not converged", f"{failed} of {self.turn.size} {rule}")
-        driving[:] = spectrum.along[self.way]
+        driving[:] = spectrum.along[self.downstream]
         return Forces(
             out, self.k_n * out[:, columns.MEAN_APPROACH], self.k_t * out[:, columns.MEAN_STRETCH],
             self.k_n * spectrum.first[:, 0], self.k_t * spectrum.first[:, 1],
@@ -91,15 +97,15 @@ class OvertoneCycle(PillarCycle):
     def advance(self, forces: Forces, _slope=None) -> float:
         """Move the wave against the driving one to what the forces leave; return its change over the incident one.
 
-        Contacts in touch are springs to it, which turn its phase: F follows F_0 + S (U - U_0) with S the sum of their
-        normal stiffnesses, each for its share of the cycle. What is left converges by sweeps, ten times per sweep.
+        Contacts in touch are springs to it: the forces F of a row follow F_0 + S (U - U_0), S the sum of their normal
+        stiffnesses, each for its share of the cycle. What this leaves out shrinks by about ten times in each sweep.
         """
-        way = slice(None, None, -1) if self.ahead else slice(None)
-        other, entry = (self.backward, 1) if self.ahead else (self.forward, 0)
-        other, turn = other[way, 0], (self.turn.conj() if self.ahead else self.turn)[way]
-        orbit = self.wave.orbit if self.ahead else self.wave.orbit.conjugate()
-        force = self._forces()[way, :, 0]
-        spring = 0.5j * self.g * self.sums(forces.cycles[:, columns.SHARE] * self.k_n)[way]
+        upstream = slice(None, None, -1) if self.forward_drives else slice(None)
+        other, entry = (self.backward, 1) if self.forward_drives else (self.forward, 0)
+        other, turn = other[upstream, 0], (self.turn.conj() if self.forward_drives else self.turn)[upstream]
+        orbit = self.wave.orbit if self.forward_drives else self.wave.orbit.conjugate()
+        force = self._forces()[upstream, :, 0]
+        spring = 0.5j * self.g * self.sums(forces.cycles[:, columns.SHARE] * self.k_n)[upstream]
         # U behind a row, as it meets them, is that before it times (1 + spring)/(1 - spring), and a source
         phase = np.cumprod((1.0 + spring) / (1.0 - spring))
         source = 1j * self.g * (force[:, 0] + orbit * force[:, 1]) - 2.0 * spring * other
@@ -109,8 +115,8 @@ class OvertoneCycle(PillarCycle):
         step = 0.5 * (before + behind) * turn - other
         change = float(np.abs(step).max()) / max(self.wave.amplitude, 1e-300)
         # D. G. Anderson, J. ACM 12 (1965) 547: of the last sweeps the combination with the smallest step
-        self.swept = [*self.swept[1 - MEMORY :], (other.copy(), step)]
-        places, steps = (np.array(each).view(float) for each in zip(*self.swept, strict=True))
+        self.sweeps = [*self.sweeps[1 - MEMORY :], (other.copy(), step)]
+        places, steps = (np.array(each).view(float) for each in zip(*self.sweeps, strict=True))
         moved, left = np.diff(places, axis=0), np.diff(steps, axis=0)
         if len(left):
             share = np.linalg.lstsq(left.T, steps[-1], rcond=1e-10)[0]
@@ -123,29 +129,31 @@ class OvertoneCycle(PillarCycle):
 
     def _forces(self):
         """Return sum P_n and sum Q_n of the rows from left to right, shape (m, 2, N)."""
-        return self.spectrum.force[self.way]
+        return self.spectrum.force[self.downstream]
 
     def passed(self, _forces: Forces):
         """Return U+ behind each row and U- before it, shape (2, m, N); the one against has no overtones."""
         force = self._forces()
         found = passed(self.turn, force[:, 0], force[:, 1], self.wave.orbit, self.g, self.incident)
-        found[1 if self.ahead else 0, :, 1:] = 0.0
+        found[1 if self.forward_drives else 0, :, 1:] = 0.0
         return found
 
     def radiated(self, g: float, approach, w: float, side: float) -> complex:
         """Return the last overtone at the exit that contacts on the amplitudes as they stand send along with them."""
         self.forces(approach, w, side)
         self.g = g
-        return complex(self.passed(None)[0, -1, -1] if self.ahead else self.passed(None)[1, 0, -1])
+        return complex(self.passed(None)[0, -1, -1] if self.forward_drives else self.passed(None)[1, 0, -1])
 
     def work(self, _forces: Forces):
         """Return the complex power over omega of the surface on each row and in each harmonic."""
         force, (u_z, u_x) = self._forces(), self.amplitudes()
         driving, orbit = (
-            (self.forward, self.wave.orbit) if self.ahead else (self.backward, self.wave.orbit.conjugate())
+            (self.forward, self.wave.orbit)
+            if self.forward_drives
+            else (self.backward, self.wave.orbit.conjugate())
         )
         u_z, u_x = (
             np.concatenate([one[:, None], c * driving[:, 1:]], axis=1)
             for one, c in ((u_z, 1.0), (u_x, orbit))
         )
-        return 0.5 * self.order * (force[:, 0] * u_z.conj() + force[:, 1] * u_x.conj())
+        return 0.5 * self.numbers * (force[:, 0] * u_z.conj() + force[:, 1] * u_x.conj())

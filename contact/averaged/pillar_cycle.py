@@ -1,7 +1,8 @@
-"""All pillars of a slider through one cycle on the wave that they load: forces, and the wave's amplitudes at the rows.
+"""All contacts of a slider through one cycle on the wave that they load: forces, and the wave's amplitudes at the rows.
 
-Pillars at the same x are a row. Those of a row with equal height and stiffness (and y, where the slider tilts about x)
-are computed once, with a weight.
+Contacts at the same x are a row. Those of a row with equal height and stiffness (and y, where the slider tilts about x)
+are one class, computed once with the sum of their weights. The means over the cycle come from `MEANS`: closed forms for
+flat pillars (`flat_cycle`), quadrature for balls (`ball_cycle`).
 """
 
 from collections.abc import Callable
@@ -73,7 +74,6 @@ class PillarCycle:
         _, self.first, self.row = np.unique(place[chosen], return_index=True, return_inverse=True)
         self.row_x = self.x[self.first]
         self.turn = np.exp(-1j * wave.wavenumber * self.row_x)
-        self.row_count = self.sums(np.ones_like(self.x))
         self.incident = np.array([wave.forward, wave.backward])
         self.evaluations = 0
         self._out = np.empty((self.x.size, columns.COLUMNS))
@@ -101,7 +101,7 @@ class PillarCycle:
         """Return the mean approach of each class, of a plane's height (or one for each row) and tilts in rad."""
         own = height[self.row] if np.ndim(height) else height
         plane = tilted(Coordinates(-own, 0.0), pitch, roll, self.x, self.y)
-        return body.approach(self, slice(None), 0.0, plane)
+        return body.approach(self, slice(None), 0.0, plane)  # takes `self.height`
 
     def mean_normal(self, height):
         """Return <P> of each class and its derivative in the approach, of an untilted plane, N and N/m."""

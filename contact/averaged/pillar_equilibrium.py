@@ -1,13 +1,18 @@
-r"""The averaged equilibrium of a slider on pillars, together with the wave that they load.
+r"""The averaged equilibrium of a slider on many contacts, together with the wave that they load.
 
-Unknowns: the plane's height H, its tilts about y and x, and the velocity v, so that
+Unknowns: the plane's height H, its tilts theta about y and psi about x, and the velocity v, so that
 
-    sum <P> = F,  sum <P> x = F x_F,  sum <P> y = F y_F,  sum <Q> = load + R_t v,
+    sum <P> = F,  sum <P> x = F x_F,  sum <P> y = F y_F,  sum <Q> = load + R_t v.
 
-by Newton's method with Broyden's updates. The wave's amplitudes at the rows belong to the same fixed point: each
-evaluation moves them as well, until they change by less than `INNER` of the residual. A load at a height b above the
-surface tips the slider: x_F moves by -b load/F, load the mean of sum Q that balances it. At v = 0 a contact that never
-slips keeps its history, and sum <Q> has two limits, from either side: between them the slider is held.
+The means come from `pillar_cycle`, weights included; contacts may differ in place, height, radius and stiffness.
+A load at a height b above the surface tips the slider: x_F moves by -b load/F, load the mean of sum Q that balances it.
+
+`equilibrium` finds H first and then searches v alone. That is not possible here: the wave's amplitudes at the rows
+depend on v, and H, theta and psi on the amplitudes. All unknowns are therefore found together by Newton's method with
+Broyden's updates, and each evaluation moves the amplitudes too, until they change by less than `INNER` of the residual.
+The search for v alone (`equilibrium.balanced_speed`) serves where Newton's method fails and tells a held slider: at
+v = 0 a contact that never slips keeps its history, and sum <Q> has two limits, from either side of v = 0, between which
+the slider is held.
 """
 
 from dataclasses import dataclass, field
@@ -21,10 +26,10 @@ CLOSE = 1e-12  # of the scaled residuals, and of the wave's amplitudes
 INNER = 1e-3  # change of the wave's amplitudes over the residual, at which the unknowns are moved
 MAX_STEPS, MAX_SWEEPS = 80, 200
 SLOW = 0.5  # ratio of successive changes above which the forces' derivatives are computed (anew)
-# Change of the wave below which it need not shrink any more, and sweeps without a halving after which it does not: a
-# wave of many turns, 10^5 forces
+# Rounding keeps the wave's change above CLOSE where it turns many times or 10^5 forces add up: it is accepted below
+# ROUNDING once it has not halved in STALE sweeps
 ROUNDING, STALE = 1e-10, 12
-PATIENCE = 12  # steps in which the residual should fall to a third: at a kink, such as v = 0, it does not
+PATIENCE = 12  # steps in which the residual must fall to a third: at a kink, such as v = 0, it does not
 STEP = 1e-6  # of finite differences, of the scaled unknowns
 MAX_MOVE = 1.0  # of a scaled unknown in one step
 HEIGHT, PITCH, ROLL, SPEED = range(4)
@@ -34,7 +39,7 @@ HEIGHT, PITCH, ROLL, SPEED = range(4)
 class Balance:
     """An equilibrium."""
 
-    height: object  # H, m; with a soft backing one for each row
+    height: float | np.ndarray  # H, m; with a soft backing one for each row
     pitch: float  # rad, about y: approach grows towards +x
     roll: float  # rad, about x: approach grows towards +y
     w: float  # velocity over omega, m
@@ -68,42 +73,40 @@ class Equilibrium:
         self.unknowns = np.zeros(4)
         self.rows = np.zeros(cycle.turn.size)
         if not self.soft:
-            self.unknowns[HEIGHT] = self._own_height(rest - float(cycle.height.min()))
+            start = rest - float(cycle.height.min())
+            self.unknowns[HEIGHT] = self._carrying(self.preload, start, lambda each: cycle.weight @ each)
         sign = abs(wave.forward) ** 2 - abs(wave.backward) ** 2
         self.unknowns[SPEED] = -0.6 * wave.orbit.imag * sign / max(wave.amplitude, 1e-300)
         self.residual = self.change = np.inf
-        self.forces = self.slope = None
+        self.forces: Forces | None = None
+        self.slope: np.ndarray | None = None  # derivatives of the rows' forces, where sweeps are too slow
 
-    def _own_height(self, height: float) -> float:
-        """Return H of the untilted slider on the wave as it stands (Newton's method from one that is too large)."""
-        cycle = self.cycle
-        for _ in range(100):
-            force, rate = (float(np.sum(cycle.weight * each)) for each in cycle.mean_normal(height))
-            step = (force - self.preload) / rate
-            height -= step
-            if abs(step) < 1e-13 * self.length:
-                break
-        return height
+    def _carrying(self, load, heights, sums):
+        """Return H at which the untilted contacts carry a load in N, on the wave as it stands.
 
-    def _row_heights(self):
-        """Return H of each row under its own share of the preload (Newton's method from heights that are too large)."""
-        cycle = self.cycle
-        count = np.maximum.reduceat(-cycle.height, cycle.first)
-        rest = self.row_load / cycle.sums(cycle.k_n)
-        heights = rest ** (1.0 / cycle.means.exponent) + count
-        if self.forces is not None:  # where the last ones carry at least the load, they are nearer
-            force = cycle.sums(next(cycle.mean_normal(self.rows)))
-            heights = np.where(force >= self.row_load, self.rows, heights)
+        `sums`: over all contacts, or over those of each row, which then have their own loads and H. Newton's method
+        converges from heights that are too large, for <P> is convex in H.
+        """
         for _ in range(100):
-            force, rate = (cycle.sums(each) for each in cycle.mean_normal(heights))
-            step = (force - self.row_load) / rate
+            force, rate = (sums(each) for each in self.cycle.mean_normal(heights))
+            step = (force - load) / rate
             heights = heights - step
-            if abs(step).max() < 1e-14 * self.length:
+            if np.max(np.abs(step)) < 1e-13 * self.length:
                 break
         return heights
 
+    def _row_heights(self):
+        """Return H of each row under its own share of the preload."""
+        cycle = self.cycle
+        rest = (self.row_load / cycle.sums(cycle.k_n)) ** (1.0 / cycle.means.exponent)
+        heights = rest - np.minimum.reduceat(cycle.height, cycle.first)
+        if self.forces is not None:  # where the last ones carry at least the load, they are nearer
+            force = cycle.sums(next(cycle.mean_normal(self.rows)))
+            heights = np.where(force >= self.row_load, self.rows, heights)
+        return self._carrying(self.row_load, heights, cycle.sums)
+
     def _evaluate(self, unknowns, side: float):
-        """Return the scaled residuals (4,) at the wave's amplitudes as they stand."""
+        """Return the residuals of the four equations over F, F arm, F arm, mu F, at the amplitudes as they stand."""
         cycle, pillars = self.cycle, self.cycle.pillars
         if self.soft:
             self.rows = self._row_heights()
@@ -128,7 +131,7 @@ class Equilibrium:
         )  # fmt: skip
 
     def _settled(self, unknowns, side: float, active):
-        """Return the residuals with the wave's amplitudes settled as far as the residual is worth."""
+        """Return the residuals once the wave's amplitudes change by less than `INNER` of them."""
         last, best, stale, self.at_rounding = np.inf, np.inf, 0, False
         for _ in range(MAX_SWEEPS):
             residual = self._evaluate(unknowns, side)[list(active)]
@@ -229,7 +232,7 @@ class Equilibrium:
         )
 
     def _left(self, jacobian, residual):
-        """Return what the residuals and the wave's last change leave of the error of w, m."""
+        """Return the error of w, m, by the last residuals and the wave's last change."""
         if jacobian is None:
             return max(self.residual, self.change) * self.scale[SPEED]
         with np.errstate(all="ignore"):

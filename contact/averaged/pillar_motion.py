@@ -1,4 +1,4 @@
-"""How fast a slider on pillars runs on a wave that it loads, what it takes from the wave, and its load line."""
+"""How fast a slider on many contacts runs on a wave that it loads, what it takes from the wave, and its load line."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -26,7 +26,7 @@ OVERTONE_ERROR = 1e-3
 
 @dataclass(frozen=True, kw_only=True)
 class PillarMotion:
-    """Steady motion of a slider on pillars, averaged over the wave's cycle.
+    """Steady motion of a slider on pillars or balls, averaged over the wave's cycle.
 
     Attributes
     ----------
@@ -52,7 +52,8 @@ class PillarMotion:
     share_in_contact, duty : float
         Part of the pillars that touch at all, and the mean part of the cycle for which these do.
     friction_power, thrust_power, damping_power : float
-        Of slip, of the load, and of the viscous damper, W.
+        Of slip, of the load, and of the viscous damper, W. The elastic law's spring of a ball is not conservative: what
+        it loses or gains counts as friction.
     wave_power_in, wave_power_out : float
         Of both waves within the strip, W; 0 without Gamma.
     loading_number : float
@@ -252,10 +253,6 @@ class _Slider:
         """Return the equilibrium at v = 0 of a slider that came from a motion of this sign."""
         return self.equilibrium.solve(load, 0.0, side)
 
-    def free(self) -> Balance:
-        """Return the equilibrium without a load."""
-        return self.under(0.0)
-
     def under(self, load: float) -> Balance:
         """Return the equilibrium under a load with its sign, which may be held."""
         kept = self.equilibrium.unknowns.copy()
@@ -276,12 +273,11 @@ class _Slider:
         return abs(found.w) > 1e-9 * self.equilibrium.speed
 
     def _bracketed(self, load):
-        """Return the equilibrium from the sign of the forces at given velocities."""
+        """Return the equilibrium by a search for the velocity alone: at rest, or where the mean force changes sign."""
         side = -1.0 if load <= 0.0 else 1.0
         other = self.rest(-side, load)
-        held = self.rest(
-            side, load
-        )  # the last: forces and amplitudes as they stand are those of a slider that is held
+        # the last, so that the wave's amplitudes are those of its forces if the slider is held
+        held = self.rest(side, load)
         low, high = (other, held) if side < 0.0 else (held, other)
         rounding = 1e-12 * self.equilibrium.friction
         if low.traction - load <= rounding and high.traction - load >= -rounding:
@@ -313,7 +309,7 @@ class _Slider:
         """Return a load with the sign of the motion that it opposes."""
         if load == 0.0:
             return 0.0
-        free = self.free()
+        free = self.under(0.0)
         if self._is_moving(free):
             return math.copysign(load, free.w)
         return math.copysign(load, -1.0 if self.rest(-1.0).traction < 0.0 else 1.0)
@@ -342,9 +338,9 @@ class _Slider:
         forces, classes, weight = found.forces, cycle.classes, cycle.weight
         passed, velocity = cycle.passed(forces), found.w * wave.omega
         order = np.arange(passed.shape[2]) + 1
-        ahead = abs(wave.forward) >= abs(wave.backward)
-        entry, other = (wave.forward, wave.backward) if ahead else (wave.backward, wave.forward)
-        gone, back = (passed[0, -1], passed[1, 0]) if ahead else (passed[1, 0], passed[0, -1])
+        forward_drives = abs(wave.forward) >= abs(wave.backward)
+        entry, other = (wave.forward, wave.backward) if forward_drives else (wave.backward, wave.forward)
+        gone, back = (passed[0, -1], passed[1, 0]) if forward_drives else (passed[1, 0], passed[0, -1])
         entry = entry if entry != 0 else 1.0
         friction = cycle.k_t * wave.omega * forces.cycles[:, columns.FRICTION]
         share = forces.cycles[:, columns.SHARE]
@@ -361,7 +357,7 @@ class _Slider:
             wave_power_in=wave.power(wave.forward) + wave.power(wave.backward),
             wave_power_out=sum(n * (wave.power(a) + wave.power(b)) for n, a, b in zip(order, gone, back, strict=True)),
             loading_number=wave.loading_number(pillars.preload), loading=self.loading, harmonics=order.size,
-            overtones=passed[0 if ahead else 1, :, 1:], wave_work=wave.omega * float(work.imag.sum()),
+            overtones=passed[0 if forward_drives else 1, :, 1:], wave_work=wave.omega * float(work.imag.sum()),
             apparent_power=wave.omega * float(np.abs(work).sum()),
             normal_force=forces.normal[classes],
             friction=friction[classes], first_normal=forces.first_normal[classes],

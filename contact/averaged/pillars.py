@@ -64,8 +64,9 @@ class Pillars:
     y: np.ndarray
     normal_stiffness: np.ndarray
     tangential_stiffness: np.ndarray
-    heights: np.ndarray = 0.0
-    weights: np.ndarray = 1.0
+    # numbers stand for all of them
+    heights: np.ndarray = 0.0  # type: ignore[assignment]
+    weights: np.ndarray = 1.0  # type: ignore[assignment]
     friction_coefficient: float
     preload: float
     tangential_damping: float = 0.0

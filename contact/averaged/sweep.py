@@ -193,12 +193,8 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
     parameters = np.array([numbers(slider, contacts) for slider in sliders])
     heights = np.array([slider.offsets(contacts) for slider in sliders])
     sides, driven = zip(*(towards_plus(orbits) for orbits in waves), strict=True)
-    paths = Paths(
-        *(
-            np.array(each)
-            for each in zip(*(paths_of(orbits, np.zeros(contacts)) for orbits in driven), strict=True)
-        )
-    )
+    each = [paths_of(orbits, np.zeros(contacts)) for orbits in driven]
+    paths = Paths(*(np.array(field) for field in zip(*each, strict=True)))
     omegas = np.array([orbits[0].omega for orbits in waves])
     resonances = np.array([slider.normal_resonance(contacts) for slider in sliders])
     ratios = resonances[which[:, 0]] * 2.0 * math.pi / omegas[which[:, 1]]
@@ -223,14 +219,19 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
 
 
 def _by_law(sliders, which, todo):
-    """Return (law, numbers of every slider, problems) of the problems of each law: what one kernel does at once."""
+    """Yield (law, numbers, problems) for each law but its numbers: a kernel is compiled for the functions of one law.
+
+    `numbers`: those of every slider, (sliders, k); of sliders with another law, which these problems do not ask for,
+    those of the first slider with this one.
+    """
     laws = [slider.tangential_law for slider in sliders]
     kinds = [law._replace(numbers=None) for law in laws]
     for kind in dict.fromkeys(kinds):
-        same = np.array([other == kind for other in kinds])
-        numbers = np.array([law.numbers if mine else laws[kinds.index(kind)].numbers
-                            for law, mine in zip(laws, same, strict=True)])  # fmt: skip
-        yield laws[kinds.index(kind)], numbers, todo[same[which[todo, 0]]]
+        first, same = laws[kinds.index(kind)], np.array([other == kind for other in kinds])
+        numbers = np.array(
+            [(law if of_kind else first).numbers for law, of_kind in zip(laws, same, strict=True)]
+        )
+        yield first, numbers, todo[same[which[todo, 0]]]
 
 
 def _fill_closed(slider, orbits, factor, row):
@@ -249,11 +250,12 @@ def _fill_closed(slider, orbits, factor, row):
 
 
 def _spread(given, out, todo, threads):
+    """Fill the rows of the problems `todo` in several threads, by turns, because neighbours cost alike."""
     threads = min(threads or os.cpu_count() or 1, max(1, len(todo) // 8))
     if threads == 1:
         states(given, out, todo, HARMONICS, 0, 1)
         return
-    with ThreadPoolExecutor(threads) as pool:  # interleaved: neighbours cost alike
+    with ThreadPoolExecutor(threads) as pool:
         jobs = [pool.submit(states, given, out, todo, HARMONICS, first, threads) for first in range(threads)]
         for job in jobs:
             job.result()

@@ -76,7 +76,7 @@ def states(given: Given, out, todo, harmonics: int, first: int, stride: int) -> 
     A row that is not reached keeps its regime and says why in its status; `harmonics` of the slider's fast motion.
     """
     key = harmonics, given.paths.height.shape[1]
-    rooms = vars(_ROOMS)
+    rooms = vars(_ROOMS).setdefault("rooms", {})
     if key not in rooms:
         paths, spare = (Paths(*np.zeros((5, key[1]))) for _ in range(2))
         rooms[key] = Room(room(harmonics), np.zeros(len(Entry)), paths, spare)
@@ -164,22 +164,23 @@ def _scaled(slider, law, heights, given, factor, omega, paths):
 
 
 @compiled
-def _with_error(problem, factor, shear, turn, out):
-    """Return the problem with both amplitudes, then the tangential one and its phase, changed; `out` holds its paths.
+def _with_error(problem, factor, ratio_change, phase_change, out):
+    """Return the problem on a changed wave, whose paths are written to `out`.
 
-    The last two by as many times more as the larger amplitude exceeds the smaller: errors are relative to the larger.
+    Both amplitudes are multiplied by `factor`; u_x/u_z changes by `ratio_change` (relative) and `phase_change` (rad),
+    both times the larger amplitude over the smaller, because errors are relative to the larger one.
     """
     paths = problem.paths
     for i in range(paths.height.size):
         normal, along = normal_amplitude(paths, i), tangential_amplitude(paths, i)
         small, large = min(normal, along), max(normal, along)
-        slender = min(large / small, MAX_AMPLITUDE_RATIO) if small > 0.0 else 1.0
-        co, si = np.cos(turn * slender), np.sin(turn * slender)
-        more = factor * (1.0 + shear * slender)
-        _, _, ahead, rate = at_phase(paths, i, co, si)
+        unequal = min(large / small, MAX_AMPLITUDE_RATIO) if small > 0.0 else 1.0
+        co, si = np.cos(phase_change * unequal), np.sin(phase_change * unequal)
+        tangential = factor * (1.0 + ratio_change * unequal)
+        _, _, u_x, u_x_rate = at_phase(paths, i, co, si)
         out.height[i] = paths.height[i]
         out.normal_cos[i], out.normal_sin[i] = paths.normal_cos[i] * factor, paths.normal_sin[i] * factor
-        out.tangential_cos[i], out.tangential_sin[i] = more * ahead, more * rate
+        out.tangential_cos[i], out.tangential_sin[i] = tangential * u_x, tangential * u_x_rate
     return changed(problem, problem.load, out)
 
 
@@ -197,7 +198,7 @@ def _from_wave(problem, spare, base, wave_error, work, tried):
     for m in range(4):
         factor = 1.0 + step if m == 0 else 1.0 - step if m == 1 else 1.0
         other = _with_error(problem, factor, step if m == 2 else 0.0, step if m == 3 else 0.0, spare)
-        effect = abs(_moved(other, base, slope, work, tried) - base)
+        effect = abs(_velocity_on(other, base, slope, work, tried) - base)
         if m < 2:
             both = max(both, effect)
         else:
@@ -206,8 +207,8 @@ def _from_wave(problem, spare, base, wave_error, work, tried):
 
 
 @compiled
-def _moved(problem, base, slope, work, tried):
-    """Return the first-order velocity on a wave a little different, by two secant steps where they are small."""
+def _velocity_on(problem, base, slope, work, tried):
+    """Return the first-order velocity of a problem near that of `base`: two secant steps where they are small."""
     if slope < 0.0:
         before, f = base, _surplus(problem, base, work)
         v = base - f / slope

@@ -40,35 +40,35 @@ _DENSE = np.array(
 
 
 @compiled
-def _climb(problem, h, w, gain, rule):
-    """Return h'' of the bounce; `gain` is the second-order correction of the mean force."""
+def _bounce_acceleration(problem, h, w, gain, rule):
+    """Return h'' of the bounce at (h, h'); `gain` is the second-order correction of the mean force."""
     force, _ = mean_push(problem, h, rule)
     own = body_force(problem, Coordinates(-w, 0.0))
     return -own.normal - contact_force(problem, force + gain, w)
 
 
 @compiled
-def _swung(problem, h, w, gain, rule, d):
+def _bounce_step(problem, h, w, gain, rule, d):
     """Return (h, h') after a step d of the classical Runge-Kutta method."""
-    a1 = _climb(problem, h, w, gain, rule)
+    a1 = _bounce_acceleration(problem, h, w, gain, rule)
     w2 = w + 0.5 * d * a1
-    a2 = _climb(problem, h + 0.5 * d * w, w2, gain, rule)
+    a2 = _bounce_acceleration(problem, h + 0.5 * d * w, w2, gain, rule)
     w3 = w + 0.5 * d * a2
-    a3 = _climb(problem, h + 0.5 * d * w2, w3, gain, rule)
+    a3 = _bounce_acceleration(problem, h + 0.5 * d * w2, w3, gain, rule)
     w4 = w + d * a3
-    a4 = _climb(problem, h + d * w3, w4, gain, rule)
+    a4 = _bounce_acceleration(problem, h + d * w3, w4, gain, rule)
     return h + d / 6.0 * (w + 2.0 * w2 + 2.0 * w3 + w4), w + d / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
 
 
 @compiled
-def ripple(fast):
-    """Return (z_s, z_s', v) of the fast motion at phase 0."""
-    height = climb = speed = 0.0
+def fast_state(fast):
+    """Return what the fast motion adds to z_s, z_s' and v at phase 0."""
+    fast_height = fast_rate = speed = 0.0
     for k in range(fast.normal_cos.size):
-        height += fast.normal_cos[k]
-        climb += (k + 1) * fast.normal_sin[k]
+        fast_height += fast.normal_cos[k]
+        fast_rate += (k + 1) * fast.normal_sin[k]
         speed += (k + 1) * fast.tangential_sin[k]
-    return height, climb, speed
+    return fast_height, fast_rate, speed
 
 
 class Span(NamedTuple):
@@ -101,8 +101,8 @@ def bounce(problem, state, span, work):
     while phase < stop:
         d = min(dt, stop - phase)
         h0, w0, v0 = h, w, v
-        middle, w = _swung(problem, h, w, gain, rule, 0.5 * d)
-        h, w = _swung(problem, middle, w, gain, rule, 0.5 * d)
+        middle, w = _bounce_step(problem, h, w, gain, rule, 0.5 * d)
+        h, w = _bounce_step(problem, middle, w, gain, rule, 0.5 * d)
         v_middle = v + 0.5 * d * force_left(problem, pull, v)
         for _ in range(2 if steps == 0 else 1):
             if span.corrected:
@@ -215,8 +215,8 @@ def _response(problem, state, span, work, k):
         if second.counts[Counted.STUCK] > 0:
             return Status.STICKS
         respond(problem, second)
-        height, climb, wiggle = ripple(second.fast)
-        h, w, v = height - state[At.POSITION], climb - state[At.NORMAL_VELOCITY], speed - wiggle
+        fast_height, fast_rate, fast_speed = fast_state(second.fast)
+        h, w, v = fast_height - state[At.POSITION], fast_rate - state[At.NORMAL_VELOCITY], speed - fast_speed
     state[At.POSITION], state[At.NORMAL_VELOCITY], state[At.VELOCITY] = h, w, v
     phase, taken, why = bounce(problem, state, span, work)
     if why == Status.DONE and phase < span.stop:
@@ -225,14 +225,14 @@ def _response(problem, state, span, work, k):
         rest(second.fast)
         cycle(problem, state[At.POSITION], state[At.VELOCITY], rule, second)
         respond(problem, second)
-    height, climb, wiggle = ripple(second.fast)
+    fast_height, fast_rate, fast_speed = fast_state(second.fast)
     state[At.POSITION], state[At.NORMAL_VELOCITY], state[At.VELOCITY] = (
-        height - state[At.POSITION],
-        climb - state[At.NORMAL_VELOCITY],
-        state[At.VELOCITY] + wiggle,
+        fast_height - state[At.POSITION],
+        fast_rate - state[At.NORMAL_VELOCITY],
+        state[At.VELOCITY] + fast_speed,
     )
     for m in range(span.at.size):
-        span.rows[m, 0] += wiggle
+        span.rows[m, 0] += fast_speed
     return why
 
 

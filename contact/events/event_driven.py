@@ -333,7 +333,7 @@ def advance(problem, grid, state, work, task, memory, cycle):
         "grid.tail": "2 m", "state.slider": "3", "state.deformation": "n", "state.sign": "n", "state.regime": "n",
         "state.tally": "12", "state.sums": "13", "work.nodes.slider": "10 m", "work.nodes.contact": "11 n m",
         "work.nodes.guard": "m", "work.pattern.regime": "2 c n", "work.pattern.acceleration": "2 c 2 m",
-        "task.at": "s", "task.samples": "s n 6", "task.rows": "r 3", "memory.count": "n", "memory.kind": "n p",
+        "task.at": "s", "task.samples": "s n 6", "task.rows": "r 3", "memory.number": "n", "memory.kind": "n p",
         "memory.corner": "n p 4", "memory.curve": "n p 5 m", "memory.level": "n",
     },
 )  # fmt: skip

@@ -8,7 +8,7 @@ from contact.events.collocation import ROOT_AT_END, ROOT_AT_START
 from contact.events.energy import Sum
 from contact.events.segment import Plane, Row, Segment, guards, point_at
 from contact.jit.compiled import compiled
-from contact.law.elastic import opening, spring
+from contact.law.elastic import regime_at, spring
 from contact.law.hysteretic import on_curve
 from contact.roots import first_root
 
@@ -24,7 +24,7 @@ def open_regimes(problem, phase, state):
         u_z, u_z_rate, _, u_x_rate = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
         z = approach(problem.paths, i, u_z, q)
         point = Point(z, state.deformation[i], approach_rate(u_z_rate, rate), travel(u_x_rate, rate))
-        state.regime[i], state.sign[i], state.deformation[i] = opening(problem, point)
+        state.regime[i], state.sign[i], state.deformation[i] = regime_at(problem, point)
 
 
 @compiled

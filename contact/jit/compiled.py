@@ -77,7 +77,7 @@ def native(types: str, shapes: Mapping[str, str] | None = None):
     return lambda function: function if _PLAIN else Native(function, tuple(types.split()), shapes)
 
 
-_KERNELS = weakref.WeakSet()
+_KERNELS: "weakref.WeakSet[Kernel]" = weakref.WeakSet()
 
 
 class Kernel:
@@ -324,7 +324,7 @@ def _llvm():
 
 # how object files begin: ELF, Mach-O, COFF
 OBJECT_FILES = (b"\x7fELF", b"\xcf\xfa\xed\xfe", b"\x64\x86")
-_ENGINES = []  # what holds the code that is in use
+_ENGINES: list = []  # what holds the code that is in use
 
 
 def _entry(code):

@@ -9,21 +9,22 @@ For a sphere this is Cattaneo's and Mindlin's Q = mu P (1 - (1 - |x|/x_max)^(3/2
 section 7.2; Feenstra and Breedveld, eq. 2) with x_max = 3 mu P/(16 a G) = c z exactly. For a punch it is Q = 8 R G x
 up to mu P at the same x_max = c z: nothing slips before. The initial stiffness is 8 a G for both.
 
-Stick and slip together are the *stop
-operator*: x follows the difference of surface and slider velocity, and is kept within [-c z, c z]. Q is smooth between
-x = 0 (for a sphere the curvature jumps there), |x| = x_max and z = 0.
+Stick and slip together are the *stop operator*: the rate of x is surface velocity less slider velocity, x' = v_t - v,
+and x is kept within [-c z, c z]. Between x = 0, |x| = x_max and z = 0 the force Q is smooth; at x = 0 the curvature of
+a sphere's Q jumps.
 
-Guards are positive inside a regime; their first root ends it. With s the sign of deformation or slip,
-v_f = s (v_t - v_s) - c z' the slip speed (Feenstra and Breedveld, eq. 3, with the sign that the paper leaves out):
+A *guard* is a function that is positive inside a regime; its first root ends the regime. With s the sign of deformation
+or slip and v_f = s (v_t - v) - c z' the slip speed (Feenstra and Breedveld, eq. 3, with the sign that the paper leaves
+out), the guards, in their order, and the regimes that follow are
 
     separated   -z > 0                                 -> contact
     stick       z > 0, c z - s x > 0, s x > 0          -> release, slip (or creep), reversal
     slip        z > 0, v_f - DV > 0                    -> release, stick (creep when DV > 0)
     creep       z > 0, DV - v_f > 0, s x - c z > 0     -> release, slip, stick
 
-Creep exists only with the seed's band DV > 0: the deformation has passed the slip limit but the slip speed is below
-DV, so the contact still counts as stuck and carries mu P. With DV = 0 stick and slip form the stop operator.
-Every transition lands on its far side: the state is set to the new regime's side of the guard, so that none chatters.
+Creep exists only with `Slider.stick_band` DV > 0: the deformation has passed the slip limit but the slip speed is below
+DV, so the contact still counts as stuck and carries mu P. At a transition the state is set to the new regime's side of
+the guard, so that rounding does not repeat the event at once.
 """
 
 import numpy as np
@@ -31,10 +32,11 @@ import numpy as np
 from contact.body import slip_speed
 from contact.codes import Event, Regime
 from contact.jit.compiled import formula
-from contact.law.normal import energy, load, slope
+from contact.law.normal import approach, energy, load, slope
 from contact.law.protocol import Law, limit_bend
 
-# how far past its root a guard is accepted, in units of the scaled problem: above rounding, below everything else
+# Added to every guard, scaled: a guard counts as passed when it is below minus this, so that one which starts at zero
+# up to rounding (eps 2e-16) does not end its regime at once
 FAR_SIDE = 1e-15
 
 
@@ -44,14 +46,26 @@ def limit_slope(friction_coefficient, effective_modulus, tangential_modulus):
 
 
 @formula
-def friction_load(z, stick, shape):
-    """Return |Q|/(mu K) with z_s = `stick` = z - |x|/c, below 0 in full slip; past x = 0 the branch is continued."""
-    return load(z, shape) - load(stick, shape)
+def spring_force(z, x, friction, c, shape):
+    """Return Q of 0 <= x <= c z; `friction` is mu K, with c that of this approach."""
+    return friction * (load(z, shape) - load(z - x / c, shape))
+
+
+@formula
+def spring_deformation(z, force, friction, c, shape):
+    """Return x at which the spring carries a force, at most c z: the inverse of `spring_force`."""
+    return c * (z - approach(max(load(z, shape) - force / friction, 0.0), shape))
+
+
+@formula
+def spring_work(z, x, friction, c, shape):
+    """Return the integral of `spring_force` from 0 to x."""
+    return friction * c * friction_energy(z, z - x / c, shape)
 
 
 @formula
 def friction_energy(z, stick, shape):
-    """Return W/(mu K c), W the integral of Q dx from 0 to |x| = c (z - z_s) at constant z."""
+    """Return W/(mu K c), W the integral of Q dx from 0 to x at constant z; `stick` is z_s = z - x/c."""
     return (z - stick) * load(z, shape) - energy(z, shape) + energy(stick, shape)
 
 
@@ -66,7 +80,7 @@ def tangential_force(x, z, friction, c, shape):
     """Return Q for any x, held at the friction limit beyond c z; `friction` is mu K. Numbers or arrays."""
     if c == 0.0:
         return 0.0 * x
-    return np.sign(x) * friction * friction_load(z, z - abs(x) / c, shape)
+    return np.sign(x) * spring_force(z, abs(x), friction, c, shape)
 
 
 @formula
@@ -84,7 +98,7 @@ def limit_rate(problem, z):
 @formula
 def stuck(problem, z, x):
     """Return Q in stick."""
-    return problem.friction * friction_load(z, z - x / problem.limit_slope, problem.shape)
+    return spring_force(z, x, problem.friction, problem.limit_slope, problem.shape)
 
 
 @formula
@@ -102,8 +116,7 @@ def deformation(problem, z, force):
 @formula
 def spring_energy(problem, z, x):
     """Return the spring's energy."""
-    c = problem.limit_slope
-    return problem.friction * c * friction_energy(z, z - x / c, problem.shape)
+    return spring_work(z, x, problem.friction, problem.limit_slope, problem.shape)
 
 
 @formula
@@ -176,8 +189,8 @@ def follow(problem, memory, i, regime, which, sign, point):
 
 
 @formula
-def opening(problem, point):
-    """Return (regime, sign, x) of a contact that is found with approach z and deformation x."""
+def regime_at(problem, point):
+    """Return (regime, sign, x) of a contact with approach z and deformation x, where no history tells its regime."""
     z, x, z_rate, x_rate = point
     band = problem.stick_band
     if z < 0.0 or (z == 0.0 and z_rate <= 0.0):
@@ -237,17 +250,8 @@ STOP = {"force": force, "guard": guard, "guard_rate": guard_rate, "follow": foll
 
 def coulomb(kind: int) -> Law:
     """Return the elastic law with one coefficient of friction, which the hysteretic law shares in gross slip."""
+    rated = bent = 0
     return Law(
-        kind,
-        0,
-        0,
-        np.zeros(0),
-        limit,
-        limit_rate,
-        stuck,
-        sliding,
-        deformation,
-        spring_energy,
-        spring_back,
+        kind, rated, bent, np.zeros(0), limit, limit_rate, stuck, sliding, deformation, spring_energy, spring_back,
         **STOP,
-    )
+    )  # fmt: skip

@@ -24,8 +24,15 @@ from contact import bounds
 from contact.codes import Tangential
 from contact.input_error import InputError
 from contact.jit.compiled import formula
-from contact.law.elastic import STOP, back_load, friction_energy, friction_load
-from contact.law.normal import approach, load, mean_pressure, slope
+from contact.law.elastic import (
+    STOP,
+    back_load,
+    friction_energy,
+    spring_deformation,
+    spring_force,
+    spring_work,
+)
+from contact.law.normal import load, mean_pressure, slope
 from contact.law.protocol import Law
 
 
@@ -107,8 +114,7 @@ def limit_rate(problem, z):
 def stuck(problem, z, x):
     """Return Q in stick: the elastic law with mu_p."""
     part = share(problem, z)[0]
-    stick = z - x / (problem.law.numbers[SLOPE] * part)
-    return problem.friction * part * friction_load(z, stick, problem.shape)
+    return spring_force(z, x, problem.friction * part, problem.law.numbers[SLOPE] * part, problem.shape)
 
 
 @formula
@@ -122,17 +128,17 @@ def sliding(problem, z, w):
 @formula
 def deformation(problem, z, force):
     """Return x at which the spring carries a force, at most X."""
-    part, shape = share(problem, z)[0], problem.shape
-    left = max(load(z, shape) - force / (problem.friction * part), 0.0)
-    return problem.law.numbers[SLOPE] * part * (z - approach(left, shape))
+    part = share(problem, z)[0]
+    return spring_deformation(
+        z, force, problem.friction * part, problem.law.numbers[SLOPE] * part, problem.shape
+    )
 
 
 @formula
 def energy(problem, z, x):
     """Return the spring's energy."""
     part = share(problem, z)[0]
-    c = problem.law.numbers[SLOPE] * part
-    return problem.friction * part * c * friction_energy(z, z - x / c, problem.shape)
+    return spring_work(z, x, problem.friction * part, problem.law.numbers[SLOPE] * part, problem.shape)
 
 
 @formula

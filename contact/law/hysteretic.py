@@ -1,22 +1,33 @@
 r"""The hysteretic law: Mindlin and Deresiewicz with full memory, for any history of approach z and deformation x.
 
 By the method of dimensionality reduction (Popov and Hess, *Method of Dimensionality Reduction in Contact Mechanics and
-Friction*, 2015, ch. 5) the contact is a row of independent springs at eta = s^2/R on 0..z, each with normal stiffness
-E ds, tangential 4 G ds, and its own limit: deflection |x - y(eta)| <= c (z - eta). It returns Hertz, x_max = c z and
-Cattaneo-Mindlin, and it is passive: no energy comes out of a closed loop. With u = x - c z and w = x + c z each
-anchor y is a play, u + c eta <= y <= w - c eta, so that the profile y(eta) is a chain of
+Friction*, 2015, ch. 5) the contact is a row of independent springs at eta = s^2/R, 0 <= eta <= z, each with normal
+stiffness E ds and tangential stiffness 4 G ds. A spring is anchored at y(eta) and slips where its deflection reaches
+its own limit,
 
-    +1: lines y = u + c eta (forward slip),  -1: lines y = w - c eta (backward slip),
-     0: curves y = x at the time at which the growing contact reached eta,
+    |x - y(eta)| <= c (z - eta).                                                                                  (1)
 
-and the force is Q = mu K (3/2c) int sqrt(eta) dy = mu K M: a line adds +-(eta_2^1.5 - eta_1^1.5). The innermost spring
-(eta = 0) follows the same stop operator as the elastic law; the gauge is y(0) = 0, x its deflection. Regimes:
+The row returns Hertz's force, x_max = c z and the force of Cattaneo and Mindlin, and it gives out no energy in a closed
+loop. With u = x - c z and w = x + c z the rule (1) reads u + c eta <= y <= w - c eta. The anchors therefore form a
+*chain* of pieces, from the centre (eta = 0) to the edge (eta = z):
 
-    annulus  slip of one sign s from the front eta_f, where the open line meets the chain, to the edge
-    grow     no slip, |x'| <= c z'; the edge writes a curve
-    slip     the line covers everything: gross slip, the chain is empty
+    kind +1, line    y = u + c eta       springs that slipped forward;   u is constant along it                   (2)
+    kind -1, line    y = w - c eta       springs that slipped backward;  w is constant along it                   (3)
+    kind  0, curve   y = x(t), eta = z(t)   springs that came into contact at t, without slip                     (4)
 
-A front that comes back to the start of a piece wipes it out. Only curves are discretised, at their segment's nodes.
+and the force is the moment of the chain,
+
+    Q = mu K M,    M = (3/2c) int_0^z sqrt(eta) dy,    +-(eta_2^1.5 - eta_1^1.5) of a line from eta_1 to eta_2.  (5)
+
+The spring at eta = 0 follows the same stop operator as the elastic law; y(0) = 0, so x is its deflection. Regimes:
+
+    annulus  the springs from the front eta_f to the edge slip towards s, on the *open line* (2) or (3) of the present
+             u or w; the front is where the open line meets the chain
+    grow     no slip, |x'| <= c z'; the edge writes a curve (4), dM = (3/2c) sqrt(z) dx                           (6)
+    slip     the open line covers all springs: gross slip, the chain is empty
+
+A front that comes back to the inner end of a piece removes the piece. When slip ends, the open line is *frozen*: it
+becomes the last piece of the chain. Only curves are discretised, at the nodes of the segment that they were written in.
 
 Worked example, c = 0.1, lengths and forces scaled so that mu K = 1 (`tests/contact/test_memory_example.py`):
 
@@ -33,8 +44,7 @@ Worked example, c = 0.1, lengths and forces scaled so that mu K = 1 (`tests/cont
 4. Sheared on to x = -0.04. The front has come to eta_f = 0.6, the start of the frozen line, and wipes it out: chain
    (0: curve from 0) as in step 2, and M = -0.5352. Nothing is left of step 2.
 
-In the code `W` of a piece is x + c z at its inner end and `U` is x - c z, so that a line of either sign is constant in
-one of them; y there is (U + W)/2 and eta is (W - U)/2c.
+The code keeps u and w of a piece at its inner end (`U`, `W`); there y = (u + w)/2 and eta = (w - u)/2c.
 """
 
 from typing import NamedTuple
@@ -50,25 +60,22 @@ from contact.law.normal import load
 from contact.law.protocol import Law
 from contact.roots import interpolate
 
-# corner: eta, u, w and the moment M at the inner end of a piece
+# Columns of `Memory.corner`: eta, u, w and M at the inner end of a piece
 ETA, U, W, MOMENT = 0, 1, 2, 3
-# rows of a curve, at its nodes: u, w, M and the rates of u, w in sigma
+# Rows of `Memory.curve`: u, w and M at the nodes of a curve, and the derivatives of u and w in sigma
 ON_U, ON_W, ON_MOMENT, RATE_U, RATE_W = range(5)
 PIECES = 2048
 
 
 class Memory(NamedTuple):
-    """Chains of n contacts: number (n,), kind (n, K), corner (n, K, 4), curve (n, K, 5, nodes) of pieces, M (n,).
+    """Chains of n contacts, with room for K pieces each; pieces are ordered from the centre to the edge."""
 
-    `grid` has the nodes in sigma of the curves, their barycentric weights and the matrix of derivatives.
-    """
-
-    count: np.ndarray
-    kind: np.ndarray
-    corner: np.ndarray
-    curve: np.ndarray
-    level: np.ndarray
-    grid: tuple
+    number: np.ndarray  # (n,) int: number of pieces
+    kind: np.ndarray  # (n, K) int: +1, -1, 0, eqs. (2) to (4)
+    corner: np.ndarray  # (n, K, 4): see ETA, U, W, MOMENT
+    curve: np.ndarray  # (n, K, 5, nodes): of pieces of kind 0
+    level: np.ndarray  # (n,): M of the whole chain
+    grid: tuple  # nodes in sigma of the curves, their barycentric weights and the matrix of derivatives
 
 
 def blank(contacts: int, grid) -> Memory:
@@ -85,9 +92,9 @@ def blank(contacts: int, grid) -> Memory:
 
 def copy(memory: Memory) -> Memory:
     """Return an independent copy; only what is in use is copied."""
-    twin = blank(memory.count.size, memory.grid)
-    twin.count[:], twin.level[:] = memory.count, memory.level
-    used = int(np.max(memory.count))
+    twin = blank(memory.number.size, memory.grid)
+    twin.number[:], twin.level[:] = memory.number, memory.level
+    used = int(np.max(memory.number))
     for name in ("kind", "corner", "curve"):
         getattr(twin, name)[:, :used] = getattr(memory, name)[:, :used]
     return twin
@@ -95,32 +102,40 @@ def copy(memory: Memory) -> Memory:
 
 @compiled
 def front(memory, i, s, z, x, c):
-    """Return (eta_f, M there): where the line of sign s through the edge meets the chain's last piece."""
-    sigma, bary = memory.grid.sigma, memory.grid.bary
-    k = memory.count[i] - 1
-    if k < 0 or z <= 0.0:
+    """Return (eta_f, M there): where the open line of slip towards s meets the last piece of the chain.
+
+    With `constant`, the u (s = +1) or w (s = -1) of the open line: it meets a frozen line of the other sign where
+    eta = (w - u)/2c, and a curve where the curve's own u (or w) has this value, for there u is that of the edge then.
+    """
+    last = memory.number[i] - 1
+    if last < 0 or z <= 0.0:
         return 0.0, 0.0
-    corner, kind, level = memory.corner[i, k], memory.kind[i, k], x - s * c * z
-    other = W if s > 0.0 else U
-    if kind != 0:  # a line of the other sign: its `other` is constant, so that both lines meet half-way
-        eta = min(max(s * (corner[other] - level) / (2.0 * c), 0.0), z)
-        return eta, corner[MOMENT] + kind * (load(eta, Shape.SPHERE) - load(corner[ETA], Shape.SPHERE))
-    curve = memory.curve[i, k]
-    values, others = (curve[ON_U], curve[ON_W]) if s > 0.0 else (curve[ON_W], curve[ON_U])
+    corner, kind, constant = memory.corner[i, last], memory.kind[i, last], x - s * c * z
+    if kind == 0:
+        return _front_on_curve(memory, i, s, z, c, constant)
+    eta = min(max(s * (corner[W if s > 0.0 else U] - constant) / (2.0 * c), 0.0), z)
+    return eta, corner[MOMENT] + kind * (load(eta, Shape.SPHERE) - load(corner[ETA], Shape.SPHERE))
+
+
+@compiled
+def _front_on_curve(memory, i, s, z, c, constant):
+    """Return (eta_f, M there) of an open line that meets the curve at the end of the chain (safeguarded Newton)."""
+    sigma, bary, last = memory.grid.sigma, memory.grid.bary, memory.number[i] - 1
+    corner, curve, n = memory.corner[i, last], memory.curve[i, last], sigma.size
+    same, other = (curve[ON_U], curve[ON_W]) if s > 0.0 else (curve[ON_W], curve[ON_U])
     rates = curve[RATE_U] if s > 0.0 else curve[RATE_W]
-    if s * (values[0] - level) <= 0.0:
+    if s * (same[0] - constant) <= 0.0:  # the whole curve slips
         return corner[ETA], corner[MOMENT]
-    n = sigma.size
-    if s * (values[n - 1] - level) >= 0.0:
+    if s * (same[n - 1] - constant) >= 0.0:  # nothing of it slips
         return min((curve[ON_W, n - 1] - curve[ON_U, n - 1]) / (2.0 * c), z), curve[ON_MOMENT, n - 1]
     a, b = -1.0, 1.0
-    for j in range(1, n):  # monotone: bracketed by two nodes
-        if s * (values[j] - level) <= 0.0:
+    for j in range(1, n):  # s u falls along the curve: two neighbouring nodes bracket the root
+        if s * (same[j] - constant) <= 0.0:
             a, b = sigma[j - 1], sigma[j]
             break
     place = 0.5 * (a + b)
     for _ in range(80):
-        gap = s * (interpolate(place, sigma, bary, values) - level)
+        gap = s * (interpolate(place, sigma, bary, same) - constant)
         if gap > 0.0:
             a = place
         else:
@@ -132,13 +147,13 @@ def front(memory, i, s, z, x, c):
         if abs(step - place) < 1e-15 or b - a < 1e-15:
             break
         place = step
-    eta = s * (interpolate(place, sigma, bary, others) - level) / (2.0 * c)
+    eta = s * (interpolate(place, sigma, bary, other) - constant) / (2.0 * c)
     return min(max(eta, 0.0), z), interpolate(place, sigma, bary, curve[ON_MOMENT])
 
 
 @compiled
 def moment(memory, i, regime, s, z, x, c):
-    """Return (M, eta_f) of a contact with approach z and deformation x: Q = mu K M."""
+    """Return (M, eta_f) of a contact with approach z and deformation x, eq. (5)."""
     if regime == Regime.SEPARATED or z <= 0.0:
         return 0.0, 0.0
     power = load(z, Shape.SPHERE)
@@ -152,18 +167,19 @@ def moment(memory, i, regime, s, z, x, c):
 
 @formula
 def annulus_slip(z, eta):
-    """Return the force of the slipping springs over mu K and their share of the slip speed: eta to z, eta the front."""
+    """Return the sum over mu K of the limits (1) of the springs from eta to z, (3/4) int (z - t)/sqrt(t) dt.
+
+    All of them slip at one speed, that of the open line, so that this times the slip speed is the friction power.
+    """
     return load(z, Shape.SPHERE) - 1.5 * z * np.sqrt(eta) + 0.5 * load(eta, Shape.SPHERE)
 
 
 @compiled
 def write_curve(memory, i, z, x, level, c):
-    """Append the curve that the edge has written: z, x and M at the nodes of a stretch; False if there is no room."""
-    rates = memory.grid.rates
-    k = memory.count[i]
+    """Append a curve (4), given by z, x and M at the nodes of its segment; False if there is no room."""
+    rates, k, n = memory.grid.rates, memory.number[i], z.size
     if k >= memory.kind.shape[1]:
         return False
-    n = z.size
     curve = memory.curve[i, k]
     for j in range(n):
         curve[ON_U, j], curve[ON_W, j], curve[ON_MOMENT, j] = x[j] - c * z[j], x[j] + c * z[j], level[j]
@@ -177,17 +193,17 @@ def write_curve(memory, i, z, x, level, c):
     corner[ETA], corner[U], corner[W] = max(z[0], 0.0), curve[ON_U, 0], curve[ON_W, 0]
     corner[MOMENT] = level[0]
     memory.kind[i, k] = 0
-    memory.count[i] = k + 1
+    memory.number[i] = k + 1
     memory.level[i] = level[n - 1]
     return True
 
 
 @compiled
 def freeze(memory, i, regime, s, z, x, c):
-    """Append the open line of annular or gross slip to the chain; False if there is no room."""
+    """Make the open line of annular or gross slip the last piece of the chain; False if there is no room."""
     if regime != Regime.ANNULUS and regime != Regime.SLIP:
         return True
-    k = memory.count[i]
+    k = memory.number[i]
     if k >= memory.kind.shape[1]:
         return False
     eta, below = 0.0, 0.0
@@ -197,17 +213,17 @@ def freeze(memory, i, regime, s, z, x, c):
     corner = memory.corner[i, k]
     corner[ETA], corner[U], corner[W], corner[MOMENT] = eta, y - c * eta, y + c * eta, below
     memory.kind[i, k] = 1 if s > 0.0 else -1
-    memory.count[i] = k + 1
+    memory.number[i] = k + 1
     memory.level[i] = below + s * (load(z, Shape.SPHERE) - load(eta, Shape.SPHERE))
     return True
 
 
 @compiled
 def _annulus(memory, i, s):
-    """Return the regime that slip of sign s opens: lines of its own sign are taken up again."""
-    while memory.count[i] > 0 and memory.kind[i, memory.count[i] - 1] * s > 0.0:
-        memory.count[i] -= 1
-    return Regime.ANNULUS if memory.count[i] > 0 else Regime.SLIP
+    """Return the regime in which slip towards s begins; frozen lines of the same sign join the open line."""
+    while memory.number[i] > 0 and memory.kind[i, memory.number[i] - 1] * s > 0.0:
+        memory.number[i] -= 1
+    return Regime.ANNULUS if memory.number[i] > 0 else Regime.SLIP
 
 
 @compiled
@@ -216,7 +232,7 @@ def follow(problem, memory, i, regime, which, s, point):
     z, x, z_rate, x_rate = point
     c = problem.limit_slope
     if which == 0:
-        memory.count[i] = 0
+        memory.number[i] = 0
         memory.level[i] = 0.0
         if regime != Regime.SEPARATED:
             return Regime.SEPARATED, s, 0.0, Event.RELEASE
@@ -235,7 +251,7 @@ def follow(problem, memory, i, regime, which, s, point):
             return Regime.GROW, s, x, kind
         return _annulus(memory, i, -s), -s, x, kind
     if which == 2:  # a piece is wiped out
-        memory.count[i] -= 1
+        memory.number[i] -= 1
         if _annulus(memory, i, s) == Regime.SLIP:
             return Regime.SLIP, s, s * c * z, Event.STICK_TO_SLIP
         return Regime.ANNULUS, s, x, Event.WIPE_OUT
@@ -245,7 +261,7 @@ def follow(problem, memory, i, regime, which, s, point):
 
 @compiled
 def force(problem, memory, i, regime, s, point, level, front_before):
-    """Return Q, and the front of an annulus; M of a growing contact is `level`."""
+    """Return Q and the front of an annulus. `level`: M of a contact that grows; `front_before`: for other regimes."""
     z, x = point.approach, point.deformation
     if regime < Regime.ANNULUS:
         return elastic.tangential(problem, regime, s, point)[0], 0.0
@@ -258,10 +274,12 @@ def force(problem, memory, i, regime, s, point, level, front_before):
 
 @compiled
 def guard(problem, memory, i, regime, which, s, point, eta):
-    """Return a guard; 1 where there is none. Separated and gross slip have those of the elastic law.
+    """Return guard number `which` of a regime; 1.0 where the regime has no such guard.
 
-    Annulus: z > 0, slip goes on, the front has not reached the start of its piece, the edge has not met the front.
-    Grow: z > 0, no forward slip, no backward slip.
+    Separated and gross slip have the guards of the elastic law. Those of the others, with eta the front:
+
+        annulus   0: z > 0    1: slip speed > 0    2: eta above the inner end of its piece    3: z - eta > 0
+        grow      0: z > 0    1: slip speed forward < 0    2: slip speed backward < 0
     """
     if regime < Regime.ANNULUS:
         return elastic.guard(problem, memory, i, regime, which, s, point, eta)
@@ -273,12 +291,12 @@ def guard(problem, memory, i, regime, which, s, point, eta):
         return 1.0 if which == 3 else FAR_SIDE - slip_speed(1.0 if which == 1 else -1.0, z_rate, x_rate, c)
     if which == 1:
         return FAR_SIDE + slip_speed(s, z_rate, x_rate, c)
-    k = memory.count[i] - 1
-    if which == 2:
-        start = memory.corner[i, k, U if s > 0.0 else W]
-        return FAR_SIDE + s * (start - x) + c * z
-    if memory.kind[i, k] != 0:  # smooth even where the segment has run too far
-        eta = 0.5 * (z + s * (memory.corner[i, k, W if s > 0.0 else U] - x) / c)
+    k = memory.number[i] - 1
+    own, other = (U, W) if s > 0.0 else (W, U)
+    if which == 2:  # u (or w) of the open line has not come to that of the piece's inner end
+        return FAR_SIDE + s * (memory.corner[i, k, own] - x) + c * z
+    if memory.kind[i, k] != 0:  # as in `front`, but smooth where the segment has run too far
+        eta = 0.5 * (z + s * (memory.corner[i, k, other] - x) / c)
     else:  # a contact that opens just as it closed goes back along its curve: the front is at the edge all the way
         eta -= 1e-11
     return FAR_SIDE + z - eta
@@ -302,41 +320,44 @@ def guard_rate(problem, memory, i, regime, which, s, point, second):
 
 @compiled
 def on_curve(memory, i):
-    """Return whether a contact's chain ends with a curve, along which the front is smooth up to the next event only."""
-    return memory.kind[i, memory.count[i] - 1] == 0
+    """Return whether a chain ends with a curve: the front moves smoothly along it up to the next event only."""
+    return memory.kind[i, memory.number[i] - 1] == 0
 
 
 @compiled
 def is_full(memory):
     """Return whether some contact has no room to remember more."""
-    for i in range(memory.count.size):
-        if memory.count[i] > memory.kind.shape[1] - 4:
+    for i in range(memory.number.size):
+        if memory.number[i] > memory.kind.shape[1] - 4:
             return True
     return False
 
 
 @formula
 def moment_rate(problem, z, x_rate):
-    """Return dM/dt of a contact that grows without slip, dM = (3/2c) sqrt(z) dx."""
+    """Return dM/dt of a contact that grows without slip, eq. (6)."""
     return 1.5 / problem.limit_slope * np.sqrt(max(z, 0.0)) * x_rate
 
 
 @compiled
 def jump(memory, i, regime, s, old, new, c):
-    """Take a contact along a straight line in (z, x); return (regime, sign, x): exact, however long the line."""
+    """Take a contact along a straight line from one point (z, x) to another; return (regime, sign, x).
+
+    The chain at the end is exact, however long the line. A contact that was apart is pressed on at x = 0 first.
+    """
     (old_z, old_x, _, _), (z, x, _, _), sigma = old, new, memory.grid.sigma
     if z <= 0.0:
-        memory.count[i] = 0
+        memory.number[i] = 0
         memory.level[i] = 0.0
         return Regime.SEPARATED, 1.0, 0.0
-    if regime == Regime.SEPARATED:  # pressed on first, as if it had always been so
-        memory.count[i] = 0
+    if regime == Regime.SEPARATED:
+        memory.number[i] = 0
         line = 0.25 * (sigma + 1.0) ** 2 * z
         write_curve(memory, i, line, 0.0 * line, 0.0 * line, c)
         regime, old_z, old_x = Regime.GROW, z, 0.0
     freeze(memory, i, regime, s, old_z, old_x, c)
     if abs(x) >= c * z * (1.0 - 1e-13):
-        memory.count[i] = 0
+        memory.number[i] = 0
         s = 1.0 if x > 0.0 else -1.0
         return Regime.SLIP, s, s * c * z
     dz, dx = z - old_z, x - old_x
@@ -351,17 +372,17 @@ def jump(memory, i, regime, s, old, new, c):
     if dz < 0.0:
         s = 1.0 if x > anchor(memory, i, z, c) else -1.0
     own = U if s > 0.0 else W
-    while memory.count[i] > 0 and s * (memory.corner[i, memory.count[i] - 1, own] - x) + c * z <= 0.0:
-        memory.count[i] -= 1
+    while memory.number[i] > 0 and s * (memory.corner[i, memory.number[i] - 1, own] - x) + c * z <= 0.0:
+        memory.number[i] -= 1
     regime = _annulus(memory, i, s)
     return regime, s, (s * c * z if regime == Regime.SLIP else x)
 
 
 @compiled
 def anchor(memory, i, eta, c):
-    """Return y(eta) of the chain."""
+    """Return the anchor y(eta) of a spring."""
     sigma, bary = memory.grid.sigma, memory.grid.bary
-    k = memory.count[i] - 1
+    k = memory.number[i] - 1
     while k > 0 and memory.corner[i, k, ETA] > eta:
         k -= 1
     corner, kind = memory.corner[i, k], memory.kind[i, k]
@@ -376,14 +397,12 @@ def anchor(memory, i, eta, c):
 
 @compiled
 def place_on(curve, eta, c, sigma, bary):
-    """Return where on a curve the edge was at eta (bisection)."""
+    """Return the place in sigma on a curve at which the edge was at eta = (w - u)/2c (bisection)."""
     a, b = -1.0, 1.0
     for _ in range(60):
         m = 0.5 * (a + b)
-        if (
-            interpolate(m, sigma, bary, curve[ON_W]) - interpolate(m, sigma, bary, curve[ON_U])
-            < 2.0 * c * eta
-        ):
+        width = interpolate(m, sigma, bary, curve[ON_W]) - interpolate(m, sigma, bary, curve[ON_U])
+        if width < 2.0 * c * eta:
             a = m
         else:
             b = m
@@ -391,56 +410,53 @@ def place_on(curve, eta, c, sigma, bary):
 
 
 def chain_energy(problem, memory, i, regime, s, z, x):
-    """Return the tangential springs' energy, mu K (3/8c) int (x - y)^2/sqrt(eta) d eta, x - y the deflection.
-
-    On a line y is linear in eta; on a curve sqrt(eta) dy = (2c/3) dM, so that by parts the integral is
-    [2 sqrt(eta) (x - y)^2] + (8c/3) int (x - y) dM, by Gauss's rule on its polynomials.
-    """
+    """Return the energy of the tangential springs, mu K (3/8c) int_0^z (x - y)^2/sqrt(eta) d eta."""
     if regime == Regime.SEPARATED or z <= 0.0:
         return 0.0
     c = problem.limit_slope
-    pieces = [(memory.kind[i, k], *memory.corner[i, k, :3], k) for k in range(memory.count[i])]
+    pieces = [(memory.kind[i, k], memory.corner[i, k], memory.curve[i, k]) for k in range(memory.number[i])]
     if regime == Regime.SLIP:
-        pieces = [(int(s), 0.0, 0.0, 0.0, -1)]
+        pieces = [(int(s), np.zeros(4), None)]
     elif regime == Regime.ANNULUS:
         eta, _ = front(memory, i, s, z, x, c)
         y = x - s * c * (z - eta)
-        pieces.append((int(s), eta, y - c * eta, y + c * eta, -1))
-    node, weight = np.polynomial.legendre.leggauss(24)
+        pieces.append((int(s), np.array([eta, y - c * eta, y + c * eta, 0.0]), None))
+    ends = [corner[ETA] for _, corner, _ in pieces[1:]] + [z]
     total = 0.0
-    for number, (kind, start, u, w, k) in enumerate(pieces):
-        stop = pieces[number + 1][1] if number + 1 < len(pieces) else z
-        if kind != 0:
-            deflection, roots = x - 0.5 * (u + w) + kind * c * start, np.sqrt([max(start, 0.0), stop])
-            parts = (
-                2.0 * deflection**2 * roots
-                - 4.0 / 3.0 * deflection * kind * c * roots**3
-                + 0.4 * c**2 * roots**5
-            )
-            total += parts[1] - parts[0]
-            continue
-        curve = memory.curve[i, k]
-        end = (
-            place_on(curve, stop, c, memory.grid.sigma, memory.grid.bary)
-            if 2.0 * c * stop < curve[1, -1] - curve[0, -1]
-            else 1.0
-        )
-        middle, half = 0.5 * (end - 1.0), 0.5 * (end + 1.0)
-        profile, slope = 0.5 * (curve[0] + curve[1]), memory.grid.rates @ curve[2]
-
-        def at(values, place):
-            return interpolate(place, memory.grid.sigma, memory.grid.bary, values)
-
-        inside = sum(
-            g * (x - at(profile, middle + half * p)) * at(slope, middle + half * p)
-            for p, g in zip(node, weight, strict=True)
-        )
-        total += 8.0 * c / 3.0 * half * inside
-        total += (
-            2.0 * np.sqrt(stop) * (x - at(profile, end)) ** 2
-            - 2.0 * np.sqrt(max(start, 0.0)) * (x - profile[0]) ** 2
-        )
+    for (kind, corner, curve), end in zip(pieces, ends, strict=True):
+        if kind == 0:
+            total += _curve_energy(memory.grid, curve, x, c, corner[ETA], end)
+        else:
+            total += _line_energy(x - 0.5 * (corner[U] + corner[W]), kind * c, corner[ETA], end)
     return problem.friction * problem.stiffness * 0.375 / c * total
+
+
+def _line_energy(deflection, slope, start, end):
+    """Return int (x - y)^2/sqrt(eta) d eta over a line: x - y = deflection - slope (eta - start)."""
+    at_zero, roots = deflection + slope * start, np.sqrt([max(start, 0.0), end])
+    parts = 2.0 * at_zero**2 * roots - 4.0 / 3.0 * at_zero * slope * roots**3 + 0.4 * slope**2 * roots**5
+    return parts[1] - parts[0]
+
+
+def _curve_energy(grid, curve, x, c, start, end):
+    """Return the same integral over a curve, up to the place at which the edge was at eta = end.
+
+    With sqrt(eta) dy = (2c/3) dM, eq. (6), it is [2 sqrt(eta) (x - y)^2] + (8c/3) int (x - y) dM by parts; y and M are
+    polynomials in sigma, which Gauss's rule integrates exactly.
+    """
+    sigma, bary = grid.sigma, grid.bary
+    stop = place_on(curve, end, c, sigma, bary) if 2.0 * c * end < curve[ON_W, -1] - curve[ON_U, -1] else 1.0
+    anchors, slope = 0.5 * (curve[ON_U] + curve[ON_W]), grid.rates @ curve[ON_MOMENT]
+    node, weight = np.polynomial.legendre.leggauss(24)
+    middle, half = 0.5 * (stop - 1.0), 0.5 * (stop + 1.0)
+    inside = 0.0
+    for place, part in zip(middle + half * node, weight, strict=True):
+        inside += (
+            part * (x - interpolate(place, sigma, bary, anchors)) * interpolate(place, sigma, bary, slope)
+        )
+    after, before = x - interpolate(stop, sigma, bary, anchors), x - anchors[0]
+    edges = 2.0 * np.sqrt(end) * after**2 - 2.0 * np.sqrt(max(start, 0.0)) * before**2
+    return 8.0 * c / 3.0 * half * inside + edges
 
 
 def mindlin_deresiewicz() -> Law:

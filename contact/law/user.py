@@ -32,8 +32,8 @@ from contact.codes import Tangential
 from contact.input_error import InputError
 from contact.jit.compiled import formula
 from contact.law import elastic
-from contact.law.elastic import STOP, friction_energy, friction_load
-from contact.law.normal import approach, load
+from contact.law.elastic import STOP, spring_deformation, spring_force, spring_work
+from contact.law.normal import load
 from contact.law.protocol import Law
 
 # the arguments of the functions of a file
@@ -120,8 +120,7 @@ def _plain(function):
 @lru_cache(64)
 def _functions(name, source):
     """Return the functions of a text, each one that kernels can call."""
-    digest = hashlib.sha256(source.encode()).hexdigest()[:16]
-    module = ModuleType(f"law_{digest}")
+    module = ModuleType(f"law_{_digest(source)}")
     try:
         exec(compile(source, name, "exec"), vars(module))
     except Exception as error:
@@ -195,15 +194,15 @@ def _compiled(user, bent):
     return limit, limit_rate, stuck, _bound(user), deformation, energy, back
 
 
-def _word(user):
-    return hashlib.sha256(user.source.encode()).hexdigest()[:16]
+def _digest(source):
+    return hashlib.sha256(source.encode()).hexdigest()[:16]
 
 
 def _named(function, user):
-    """Return the compiled function, its word made by the law's text."""
+    """Return the compiled function; the law's text becomes part of the name under which its kernel is kept."""
     kernel = formula(function)
     if hasattr(kernel, "word"):
-        kernel.word += _word(user)
+        kernel.word += _digest(user.source)
     return kernel
 
 
@@ -223,8 +222,7 @@ def force_unit(problem):
 @formula
 def _left(problem, z, force):
     """Return x at which the elastic spring carries a force."""
-    left = max(load(z, problem.shape) - force / problem.friction, 0.0)
-    return problem.limit_slope * (z - approach(left, problem.shape))
+    return spring_deformation(z, force, problem.friction, problem.limit_slope, problem.shape)
 
 
 def _bound(user):
@@ -284,16 +282,13 @@ def _mindlin(user):
     coefficient, slope, limit, limit_rate = _limit(user)
 
     def stuck(problem, z, x):
-        c = slope(problem, z)
-        return coefficient(problem, z) * friction_load(z, z - x / c, problem.shape)
+        return spring_force(z, x, coefficient(problem, z), slope(problem, z), problem.shape)
 
     def deformation(problem, z, force):
-        left = max(load(z, problem.shape) - force / coefficient(problem, z), 0.0)
-        return slope(problem, z) * (z - approach(left, problem.shape))
+        return spring_deformation(z, force, coefficient(problem, z), slope(problem, z), problem.shape)
 
     def energy(problem, z, x):
-        c = slope(problem, z)
-        return coefficient(problem, z) * c * friction_energy(z, z - x / c, problem.shape)
+        return spring_work(z, x, coefficient(problem, z), slope(problem, z), problem.shape)
 
     energy = _named(energy, user)
     return limit, limit_rate, _named(stuck, user), _named(deformation, user), energy, _back(energy, user)

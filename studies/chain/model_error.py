@@ -31,6 +31,8 @@ OWN_APERTURE = 0.4
 ALUMINIUM, FILM = 2700.0, 100e-9  # kg/m3, m
 
 
+NO_FRICTION = 1e-9  # a coefficient that stands for none where one is required
+
 Rows = Iterator[tuple[str, str, float, str]]
 SHARED = (
     "u_z",
@@ -232,11 +234,16 @@ def _contact(record: Record) -> Rows:
 
 
 def _loaded(record: Record, point: dict) -> float:
-    """Return by how much the slider changes the wave that passes below it, of a strip as wide as the aperture."""
+    """Return by how much the slider changes the wave that passes below it, of a strip as wide as the aperture.
+
+    Where the equilibrium is not reached: the loading number, about the phase that the contacts add.
+    """
     slider, stator = record.scene.slider, resolve.stator(record.scene.stator)
+    body = bridge.contact_slider(slider)
     body = replace(
-        bridge.contact_slider(slider), law="elastic", reciprocal=False, stick_band=0.0, friction=None
-    )
+        body, law="elastic", reciprocal=False, stick_band=0.0, friction=None,
+        friction_coefficient=body.static_coefficient or NO_FRICTION,
+    )  # fmt: skip
     equal = isinstance(slider.contacts, int)
     places = [0.0] if equal else [x - slider.center[0] for x, _ in slider.places]
     count = len(slider.offsets) if equal else 1
@@ -247,7 +254,10 @@ def _loaded(record: Record, point: dict) -> float:
         compliance=fem.wave_compliance(stator.solid, stator.bare_surface),
         strip_width=record.scene.driven_transducer.aperture,
     )  # fmt: skip
-    return abs(contact.pillar_motion(balls, wave, loading=True).exit_over_entry - 1.0)
+    try:
+        return abs(contact.pillar_motion(balls, wave, loading=True).exit_over_entry - 1.0)
+    except contact.ConvergenceError:
+        return wave.loading_number(balls.preload)
 
 
 def _travel(record: Record) -> Rows:

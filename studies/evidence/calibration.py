@@ -117,10 +117,10 @@ def compared(scene: Scene, tolerance: float, *, index: int = 0) -> Checked:
 def _variation(scene: Scene, seed: int, index: int) -> Checked:
     """Return what a variation of a scene shows."""
     try:
-        chosen, tolerance = drawn(scene, seed, index)
+        variation, tolerance = drawn(scene, seed, index)
     except SceneError as error:
         return Checked(index=index, tolerance=math.nan, refusal=str(error))
-    return compared(chosen, tolerance, index=index)
+    return compared(variation, tolerance, index=index)
 
 
 def _finer(scene, stated: float):

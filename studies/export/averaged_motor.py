@@ -121,8 +121,8 @@ class AveragedMotor:
     def start(self, *, force: float = 0.0, preload: float | None = None) -> "MotorState":
         """Return the motor at rest; forces in N are those of the real slider."""
         state = np.zeros(index.STATE_SIZE)
-        given = self.preload if preload is None else preload
-        model.begin(self.parameters, self.tables, state, given / self.share, force / self.share)
+        preload = self.preload if preload is None else preload
+        model.begin(self.parameters, self.tables, state, preload / self.share, force / self.share)
         return MotorState(motor=self, numbers=state)
 
 
@@ -159,11 +159,11 @@ class MotorState:
             raise SceneError(
                 "level", f"must be zero or positive: nothing drives the other way, got {level!r}"
             )
-        given = motor.preload if preload is None else preload
-        if not given > 0.0:
-            raise SceneError("preload", f"must be positive, got {given!r} N")
-        numbers = float(level), force / motor.share, given / motor.share, float(duration)
-        if model.advance(motor.parameters, motor.tables, self.numbers, *numbers) != 0.0:
+        preload = motor.preload if preload is None else preload
+        if not preload > 0.0:
+            raise SceneError("preload", f"must be positive, got {preload!r} N")
+        inputs = float(level), force / motor.share, preload / motor.share, float(duration)
+        if model.advance(motor.parameters, motor.tables, self.numbers, *inputs) != 0.0:
             raise RunError("the averaged motion is not finite: check level, force and preload")
 
     time = property(lambda self: float(self.numbers[index.TIME]))
@@ -198,18 +198,18 @@ def averaged_motor(
     SceneError, RunError
         If the scene has no slider, its contacts differ in height, or averaging does not apply to it.
     """
-    chosen = scene if isinstance(scene, Scene) else Scene.load(scene)
-    if chosen.slider is not None and chosen.slider.heights:
+    scene = Scene.load(scene)
+    if scene.slider is not None and scene.slider.heights:
         rule = "must be absent: the tables of the averaged motor take contacts of one height"
-        chosen.refuse("slider.heights", rule)
-    driven = driven_contact(chosen, tolerance=tolerance, progress=progress)
+        scene.refuse("slider.heights", rule)
+    driven = driven_contact(scene, tolerance=tolerance, progress=progress)
     slider = driven.slider
     if slider.friction is not None:
         rule = "must be a number without a law of one's own: the tables of the averaged motor take one coefficient"
-        chosen.refuse("slider.friction_coefficient", rule)
+        scene.refuse("slider.friction_coefficient", rule)
     left_out = ["the wave is that at the slider's place: its change along the way is not followed"]
     drives = [_drive(driven, progress, left_out)]
-    for other in _other_scenes(chosen):
+    for other in _other_scenes(scene):
         drives.append(
             _drive(driven_contact(other, tolerance=tolerance, progress=progress), progress, left_out)
         )

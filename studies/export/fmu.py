@@ -100,11 +100,11 @@ def fmu(motor: AveragedMotor, fmi: str = "3") -> tuple[bytes, str]:
 
 def compiler() -> list[str] | None:
     """Return the command of the system's C compiler (CC, cc, gcc or clang); None without one."""
-    given = os.environ.get("CC", "").split()
-    if given:
-        return given if shutil.which(given[0]) else None
-    found = next((name for name in ("cc", "gcc", "clang") if shutil.which(name)), None)
-    return None if found is None else [found]
+    command = os.environ.get("CC", "").split()
+    if command:
+        return command if shutil.which(command[0]) else None
+    name = next((name for name in ("cc", "gcc", "clang") if shutil.which(name)), None)
+    return None if name is None else [name]
 
 
 def _library(sources: dict[str, str], compiled) -> tuple[bytes | None, str]:

@@ -102,13 +102,17 @@ def touchstone_files(
     """Return NAME.sNp, the S-parameters of all transducers with two combs, in the scene's order."""
     import fem
 
-    chosen = passband.driven_scene(scene)
+    resolved = passband.driven_scene(scene)
     reference = reference_impedance(50.0 if z0 is None else z0)
-    at = passband.frequencies(chosen, None, FREQUENCIES) if band is None else band_frequencies(chosen, band)
-    names, _, scattering = scattering_matrix(chosen, at, reference, tolerance, progress)
+    at = (
+        passband.frequencies(resolved, None, FREQUENCIES)
+        if band is None
+        else band_frequencies(resolved, band)
+    )
+    names, _, scattering = scattering_matrix(resolved, at, reference, tolerance, progress)
     share, remark = _noise(noise, seed)
     scattering = scattering + _scatter(scattering.shape, share, seed)
-    remarks = (chosen.title or name, "ports: " + ", ".join(names), *remark)
+    remarks = (resolved.title or name, "ports: " + ", ".join(names), *remark)
     text = fem.touchstone(at, scattering, reference, remarks)
     span = f"{at[0] / 1e6:.5g} to {at[-1] / 1e6:.5g} MHz"
     said = f"{len(at)} frequencies, {span}, ports {', '.join(names)}, {reference:g} ohm"
@@ -156,15 +160,15 @@ def virtual_scan(
             "--band", f"is for --scan frequency and the format touchstone, not for --scan {kind}"
         )
     share, remark = _noise(noise, seed)
-    chosen = passband.driven_scene(scene)
-    empty = placed(chosen, _points(chosen, kind, band))
-    motion = predicted_scan(chosen, empty, tolerance=tolerance, progress=progress)
+    resolved = passband.driven_scene(scene)
+    empty = placed(resolved, _points(resolved, kind, band))
+    motion = predicted_scan(resolved, empty, tolerance=tolerance, progress=progress)
     size = share * float(np.max(np.abs(motion)))
     taken = replace(
         empty, name="scan", values=motion + size * _scatter(motion.shape, 1.0, seed),
         deviation=np.full(len(motion), size) if size > 0.0 else None,
     )  # fmt: skip
-    return taken, (chosen.title or "untitled", "u_z per volt of the source, peak, exp(+i omega t)", *remark)
+    return taken, (resolved.title or "untitled", "u_z per volt of the source, peak, exp(+i omega t)", *remark)
 
 
 def _points(scene: Scene, kind: str, band) -> Scan:

@@ -58,7 +58,7 @@ class Sizes:
     @classmethod
     def read(cls, settings: list[str]) -> "Sizes":
         """Return the sizes of texts ``key=value``, such as ``busbar="0.5 mm"``."""
-        known, given = [each.name for each in fields(cls)], {}
+        known, values = [each.name for each in fields(cls)], {}
         for setting in settings:
             key, equals, text = (part.strip() for part in setting.partition("="))
             if not equals or key not in known:
@@ -66,8 +66,8 @@ class Sizes:
             value = si_value(f"size.{key}", toml_value(text), "m")
             if value < 0.0 or (value == 0.0 and key not in ("pad", "mark")):
                 raise SceneError(f"size.{key}", f"must be positive, got {text}")
-            given[key] = value
-        return cls(**given)
+            values[key] = value
+        return cls(**values)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,9 +106,9 @@ def mask(scene: Scene, sizes: Sizes | None = None) -> Mask:
     sizes = Sizes() if sizes is None else sizes
     if not scene.transducer:
         scene.refuse("transducer", "is missing: a mask draws transducers")
-    chosen = resolve.resolved(scene)
-    length, width = chosen.stator.length, chosen.stator.width
-    exact = [each for block in chosen.transducer for each in _transducer(block, sizes, length, width)]
+    resolved = resolve.resolved(scene)
+    length, width = resolved.stator.length, resolved.stator.width
+    exact = [each for block in resolved.transducer for each in _transducer(block, sizes, length, width)]
     polygons = [replace(each, corners=_snapped(each.corners, sizes.grid)) for each in exact]
     _refuse_outside(polygons, length, width, sizes)
     _refuse_contact(polygons)
@@ -122,9 +122,9 @@ def mask(scene: Scene, sizes: Sizes | None = None) -> Mask:
         float(np.abs(new.corners - old.corners).max()) for new, old in zip(polygons, exact, strict=False)
     ]
     return Mask(
-        title=chosen.title or "untitled", polygons=tuple(polygons), grid=sizes.grid,
-        transducers=tuple(block.name for block in chosen.transducer), length=length, width=width, shift=max(moved),
-        **_finger_errors(chosen.transducer, polygons),
+        title=resolved.title or "untitled", polygons=tuple(polygons), grid=sizes.grid,
+        transducers=tuple(block.name for block in resolved.transducer), length=length, width=width, shift=max(moved),
+        **_finger_errors(resolved.transducer, polygons),
     )  # fmt: skip
 
 

@@ -74,26 +74,28 @@ def fit(
     >>> levels = (2e-9, 5e-9, 1e-8, 2e-8)
     >>> curve = Measurement(name="lab", quantity="velocity", level_key="normal_amplitude_m", levels=levels,
     ...                     values=(0.0058, 0.0280, 0.0693, 0.1520), deviations=(1e-3,) * 4)
-    >>> found = fit("twente-contact", curve, {"wave.tangential_ratio": (0.3, 1.5)})
-    >>> low, high = found.intervals["wave.tangential_ratio"]
+    >>> result = fit("twente-contact", curve, {"wave.tangential_ratio": (0.3, 1.5)})
+    >>> low, high = result.intervals["wave.tangential_ratio"]
     >>> low < 0.7 < high
     True
-    >>> ratio = found.params["wave.tangential_ratio"]
+    >>> ratio = result.params["wave.tangential_ratio"]
     >>> ratio.vary, 0.69 < ratio.value < 0.71, 0 < ratio.stderr < 0.01
     (True, True, True)
     """
-    say = progress or LOGGER.info
-    problem, fixed, estimated = prepared(scene, measurements, parameters, tolerance=tolerance, progress=say)
+    report = progress or LOGGER.info
+    problem, fixed, estimated = prepared(
+        scene, measurements, parameters, tolerance=tolerance, progress=report
+    )
     free = problem.parameters
     problem = replace(problem, measurements=_signed(problem))
     degrees = problem.points - len(free)
     if degrees < (1 if estimated else 0):
         raise SceneError("--free", f"asks for {len(free)} numbers from {problem.points} measured values")
-    say("fit: least squares")
+    report("fit: least squares")
     minima = problem.minima()
     for _ in range(4):
         try:
-            return replace(_explored(problem, minima, degrees, estimated, say), fixed=fixed)
+            return replace(_explored(problem, minima, degrees, estimated, report), fixed=fixed)
         except BetterMinimumError as minimum:
             minima = [problem.minimum(minimum.x), *minima]
     raise RunError(
@@ -125,7 +127,7 @@ def prepared(
     return Problem(predictor=predictor, parameters=free, measurements=tuple(curves)), fixed, estimated
 
 
-def _explored(problem: Any, minima: Any, degrees: Any, estimated: Any, say: Any) -> Fit:
+def _explored(problem: Any, minima: Any, degrees: Any, estimated: Any, report: Any) -> Fit:
     """Return the fit about its least minimum: directions, profiles, next measurements."""
     if estimated:
         scale = math.sqrt(minima[0][1] / degrees) or 1e-9
@@ -144,7 +146,7 @@ def _explored(problem: Any, minima: Any, degrees: Any, estimated: Any, say: Any)
     rivals = [(x, squares) for x, squares in others if squares - least < allowed]
     ends: dict[str, tuple[End | None, End | None]] = {}
     for j, parameter in enumerate(problem.parameters):
-        say(f"fit: interval of {parameter.key}")
+        report(f"fit: interval of {parameter.key}")
         step = FIRST_STEP * math.sqrt(covariance[j, j])
         if parameter.key in lost:
             ends[parameter.key] = (None, None)
@@ -155,7 +157,7 @@ def _explored(problem: Any, minima: Any, degrees: Any, estimated: Any, say: Any)
             _outermost(*tried, 1.0, step, allowed),
         )
     directions += _open_directions(problem, best, ends, lost)
-    say("fit: next measurements")
+    report("fit: next measurements")
     informs = _informed(problem, slopes, information)
     sizes, count = np.sqrt(np.diag(covariance)), len(problem.parameters)
     return Fit(

@@ -32,7 +32,7 @@ CHANGE = 0.05  # of each variable, for the robustness
 
 @dataclass(frozen=True, kw_only=True)
 class Design:
-    """What a search found."""
+    """Result of a design search."""
 
     goals: tuple[str, ...]
     optimum: dict  # row of the best point (of two goals: of the middle of the front): keys and outcomes

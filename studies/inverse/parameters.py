@@ -148,7 +148,7 @@ def as_parameters(parameters: Any) -> tuple[Parameter, ...]:
 
     Parameters
     ----------
-    given : list, dict or lmfit.Parameters
+    parameters : list, dict or lmfit.Parameters
         `Parameter` objects or texts ``"slider.preload=1 mN:5 mN"``; a dict of a key's range, (low, high) in SI units or
         ``"1 mN:5 mN"``; or lmfit's, whose names hold ``__`` for a dot.
 
@@ -168,13 +168,13 @@ def as_parameters(parameters: Any) -> tuple[Parameter, ...]:
     return tuple(read_parameter(each) if isinstance(each, str) else each for each in ranges(parameters))
 
 
-def ranges(given: list | dict) -> list:
+def ranges(parameters: list | dict) -> list:
     """Return a list of parameters or their texts, from such a list or a dict of a key's range."""
-    if not isinstance(given, dict):
-        return list(given)
+    if not isinstance(parameters, dict):
+        return list(parameters)
     return [
         f"{key}={span}" if isinstance(span, str) else Parameter(key=key, low=span[0], high=span[1])
-        for key, span in given.items()
+        for key, span in parameters.items()
     ]
 
 

@@ -43,8 +43,8 @@ class Residual:
     >>> curve = Measurement(name="lab", quantity="velocity", level_key="normal_amplitude_m", levels=(5e-9, 1e-8, 2e-8),
     ...                     values=(0.0280, 0.0693, 0.1520), deviations=(1e-3,) * 3)
     >>> residual = Residual("twente-contact", curve, {"wave.tangential_ratio": (0.3, 1.5)})
-    >>> found = least_squares(residual, residual.start, jac=residual.jacobian, bounds=residual.bounds)
-    >>> bool(0.69 < found.x[0] < 0.71)
+    >>> solution = least_squares(residual, residual.start, jac=residual.jacobian, bounds=residual.bounds)
+    >>> bool(0.69 < solution.x[0] < 0.71)
     True
     """
 

@@ -35,13 +35,13 @@ class Heads:
             If the unit is none of those known, two heads begin so, or a cell is no real number.
         """
         own = [name for name in self.names if name == noun or name.startswith(f"{noun}_")]
-        found = [name for name in own if name.removeprefix(noun).removeprefix("_") in units]
+        matches = [name for name in own if name.removeprefix(noun).removeprefix("_") in units]
         if not own:
             return None
-        if len(found) != 1:
+        if len(matches) != 1:
             rule = f"must have one column {noun}_UNIT with a unit of {', '.join(units)}, got {', '.join(own)}"
             raise SceneError(self.option, f"{str(self.path)!r} {rule}")
-        at, unit = self.names.index(found[0]), found[0].removeprefix(f"{noun}_")
+        at, unit = self.names.index(matches[0]), matches[0].removeprefix(f"{noun}_")
         return np.array([self._number(k, at) for k in range(len(self.rows))]) * units[unit], unit
 
     def _number(self, row: int, column: int) -> float:

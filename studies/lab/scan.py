@@ -157,13 +157,13 @@ def scan_of_columns(heads: Heads) -> Scan:
 def _motion(heads: Heads) -> str:
     """Return the name of the motion in the heads, such as ``u_z``."""
     known = [f"{kind}_{axis}" for kind in "uv" for axis in "xyz"]
-    found = sorted({each for each in known for name in heads.names if name.startswith(f"{each}_")})
-    if len(found) != 1:
+    motions = sorted({each for each in known for name in heads.names if name.startswith(f"{each}_")})
+    if len(motions) != 1:
         raise SceneError(
             heads.option,
-            f"{str(heads.path)!r} must hold one motion, such as u_z, got {', '.join(found) or 'none'}",
+            f"{str(heads.path)!r} must hold one motion, such as u_z, got {', '.join(motions) or 'none'}",
         )
-    return found[0]
+    return motions[0]
 
 
 def _values(heads: Heads, noun: str, units) -> tuple[np.ndarray, str]:

@@ -49,7 +49,7 @@ class MotorNumbers:
 
 @dataclass(kw_only=True)
 class Reading:
-    """What a controller is told; ``memory`` is its own, kept from call to call.
+    """Input of a controller; ``memory`` is its own, the same dictionary at every call.
 
     Attributes
     ----------

@@ -65,10 +65,10 @@ def run(
         table = replaced(table, level, [max(resolved_scene.levels)])
     progress(f"design map: {len(x) * len(y)} points")
 
-    def told(count, kept, failed, cost):
+    def report(count, kept, failed, cost):
         progress(f"design map: {kept} of {count} points, {failed} failed")
 
-    points = sweep(table, {y_key: y, x_key: x}, also=("limits", "thrust", "efficiency"), progress=told)
+    points = sweep(table, {y_key: y, x_key: x}, also=("limits", "thrust", "efficiency"), progress=report)
     failed = f"{points.failed} of {points.points} points have no answer"
     columns, shape = points.columns(), (len(y), len(x))
     grid = {

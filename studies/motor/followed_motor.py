@@ -45,9 +45,9 @@ class FollowedMotor:
         )
         self.changes: list[list[tuple[float, float]]] = [[] for _ in drives]  # (time, change of the level)
         self.levels = [0.0] * len(drives)
-        begun = motor.start(force=force, preload=preload)
-        strain = np.full(contacts, begun.deformation)
-        self.state = np.concatenate([[-begun.numbers[index.APPROACH], 0.0, 0.0, 0.0], strain])
+        at_rest = motor.start(force=force, preload=preload)
+        strain = np.full(contacts, at_rest.deformation)
+        self.state = np.concatenate([[-at_rest.numbers[index.APPROACH], 0.0, 0.0, 0.0], strain])
 
     position = property(lambda self: float(self.state[PLACE]))
     velocity = property(lambda self: float(self.state[SPEED]))
@@ -70,10 +70,10 @@ class FollowedMotor:
         envelopes = np.array([self._envelope(drive, at) for drive in range(len(motor.drives))])
         waves = np.any(envelopes, axis=1)
         longest = 2.0 * np.pi / (self.omega * self.steps) if np.any(waves) else self.still_step
-        given = motor.preload if preload is None else preload
+        preload = motor.preload if preload is None else preload
         follow(
             p, self.state, self.normal[waves], self.tangential[waves], envelopes[waves], self.omega, self.time,
-            np.array([duration, longest, force / motor.share, given / motor.share]),
+            np.array([duration, longest, force / motor.share, preload / motor.share]),
         )  # fmt: skip
         self.time += duration
 
@@ -96,9 +96,9 @@ class FollowedMotor:
 
 
 @compiled
-def follow(p, state, normal, tangential, envelopes, omega, time, given):
-    """Move a state on; `given`: duration and longest step in s, force along +x and preload in N."""
-    duration, longest, force, preload = given
+def follow(p, state, normal, tangential, envelopes, omega, time, inputs):
+    """Move a state on; ``inputs``: duration and longest step in s, force along +x and preload in N."""
+    duration, longest, force, preload = inputs
     steps = int(np.ceil(duration / longest * (1.0 - 1e-12)))
     h = duration / steps
     drives, contacts = normal.shape

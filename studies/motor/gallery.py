@@ -71,19 +71,21 @@ def run(
         Told what is being done.
     """
     start_time = time.perf_counter()
-    say = progress or (lambda text: None)
+    progress = progress or (lambda text: None)
     loaded = Scene.load(scene)
     if not loaded.transducer or loaded.slider is None:
         loaded.refuse("transducer", "and slider are needed: the gallery shows a whole motor")
-    say("running the scene")
-    record = run_chain(replace(loaded, drive=replace(loaded.drive, burst=None)), tolerance=1e-3, progress=say)
-    wave_field, driven = run_field(record, progress=say), DrivenContact.of_run(record)
+    progress("running the scene")
+    record = run_chain(
+        replace(loaded, drive=replace(loaded.drive, burst=None)), tolerance=1e-3, progress=progress
+    )
+    wave_field, driven = run_field(record, progress=progress), DrivenContact.of_run(record)
     moving = driven.above(1.0)
     voltage, *voltages = (
         min(moving, key=lambda level: abs(level - share * moving[-1])) for share in (CONTACT, *BURSTS)
     )
-    slow = contact_moments(record, level=voltage, progress=say)
-    say("bursts")
+    slow = contact_moments(record, level=voltage, progress=progress)
+    progress("bursts")
     slider = driven.slider
     acceleration = slider.least_friction(len(driven.orbits)) / slider.mass
     largest = abs(contact.steady(slider, driven.at(max(voltages)), tolerance=1e-3).velocity)
@@ -105,7 +107,7 @@ def run(
         bursts=bursts,
         acceleration=acceleration,
         ledger=contact.steady(slider, driven.at(voltage), tolerance=1e-6).ledger,
-        others=tuple((each, each.run(loaded, progress=say).panels[0]) for each in studies),
+        others=tuple((each, each.run(loaded, progress=progress).panels[0]) for each in studies),
         films=films,
         seconds=time.perf_counter() - start_time,
     )

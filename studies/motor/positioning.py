@@ -17,52 +17,47 @@ about 20 s, and twice the stator's.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import fields, replace
 
 import numpy as np
 
 import contact
-from studies.chain.steps import Steps
+from studies.chain import resolve
 from studies.export.averaged_motor import AveragedMotor, averaged_motor, ring_speed
 from studies.motor.controllers import MotorNumbers, controller
 from studies.motor.followed_motor import STEPS, FollowedMotor
-from studies.motor.position_loop import BANDS, Loop, Move, moved, replayed
+from studies.motor.position_loop import Loop, Move, moved, replayed
+from studies.motor.short_bursts import short_bursts, step_scatter, steps_in_words
 from studies.record.plots import COLOURS, curve, finished
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.override import parts_of, toml_value
 from studies.scene.quantity import si_value
-from studies.study import Answered, Panel, driven_contact, judged, of_record, study
+from studies.study import Answered, Panel, judged, of_record, study
 
 QUICK = {"cycles": (8, 25, 100)}
 CYCLES = (2, 4, 8, 12, 16, 25, 36, 50, 72, 100, 150, 200)
-USUAL = 1e-5  # m, the target of one that names none
-GOOD = 2e-9  # m, the error at rest that is asked for
-EXACT = 1e-10  # m, the error of the positions that is asked for
+DEFAULT_TARGET = 1e-5  # m
+MAX_REST_ERROR = 2e-9  # m, for the error at rest to be confirmed
+MAX_POSITION_ERROR = 1e-10  # m, of the positions that are computed
 UNITS = {
     "resolution": "m", "noise": "m", "delay": "s", "period": "s", "force": "N", "force_at": "s", "preload": "N",
     "limit": "s", "hold": "s", "seed": "", "coarse": "m", "tolerance": "m", "single": "m", "settle": "s",
 }  # fmt: skip
-DRAWS = 24  # motors of the tolerances' scatter
-SCATTER_CYCLES = 100
 
 
 @study("twente-contact")
 def run(
-    scene: Scene,
-    *,
-    target: str | float | None = None,
-    controller: str = "two_phase",
-    loop: list[str] | None = None,
-    cycles: tuple[int, ...] = CYCLES,
-    progress=None,
-) -> Answered:
+    scene: Scene, *, target: str | float | None = None, controller: str = "two_phase", loop: list[str] | None = None,
+    cycles: tuple[int, ...] = CYCLES, progress=None,
+) -> Answered:  # fmt: skip
     """Return the moves to a target and back, and the steps of short bursts.
 
     Parameters
     ----------
     target : str or float, optional
-        Where to go, m from the start; 10 um the way of the first drive when absent.
+        Where to go, m from the start; 10 um in the direction of the first drive when absent.
     controller : str
         A name of `studies.motor.controllers.CONTROLLERS`, or ``FILE.py:FUNCTION``.
     loop : list of str
@@ -70,77 +65,74 @@ def run(
     cycles : tuple of int
         Lengths of the bursts whose steps are shown.
     """
-    surroundings, control = read_loop(loop or [], controller)
-    way = None
+    settings, make_controller = read_loop(loop or [], controller)
+    distance = None
     if target is not None:
-        way = si_value("--target", toml_value(target) if isinstance(target, str) else target, "m")
-        if way == 0.0:
+        distance = si_value("--target", toml_value(target) if isinstance(target, str) else target, "m")
+        if distance == 0.0:
             raise SceneError("--target", "must not be 0: that is where the slider stands")
-        refuse_beyond(scene, way)
+        refuse_beyond(scene, distance)
     motor = averaged_motor(scene, progress=progress)
     numbers, direction = motor_numbers(motor)
-    if way is None:
-        way = USUAL * direction
-        refuse_beyond(scene, way)
-    if len(motor.drives) == 1 and way * direction < 0.0:
-        raise SceneError(
-            "--target", f"must be {'negative' if way > 0 else 'positive'}: one transducer drives one way"
-        )
+    if distance is None:
+        distance = DEFAULT_TARGET * direction
+        refuse_beyond(scene, distance)
+    one_way = len(motor.drives) == 1
+    if one_way and distance * direction < 0.0:
+        sign = "negative" if distance > 0 else "positive"
+        raise SceneError("--target", f"must be {sign}: one transducer drives one way")
     progress("positioning: the way there and back")
-    state = FollowedMotor(motor, preload=surroundings.preload)
-    powers = (*(drive.power for drive in motor.drives), 0.0)
-    given = {
-        "powers": powers[:2],
-        "direction": direction,
+    state = FollowedMotor(motor, preload=settings.preload)
+    drive = {
+        "powers": (*(each.power for each in motor.drives), 0.0)[:2], "direction": direction, "one_way": one_way,
         "frequency": motor.drives[0].orbits[0].frequency,
-        "one_way": len(motor.drives) == 1,
-    }
-    ways = {"there": moved(state, way, control(), numbers, surroundings, **given)}
-    if len(motor.drives) == 2:
-        again = replace(surroundings, seed=surroundings.seed + 1)
-        ways["back"] = moved(state, 0.0, control(), numbers, again, **given)
-    coarse = FollowedMotor(motor, preload=surroundings.preload, steps=STEPS // 2)
-    apart = [
-        _apart(ways, replayed(other, tuple(ways.values()), surroundings))
-        for other in (coarse, motor.start(preload=surroundings.preload))
-    ]
+    }  # fmt: skip
+    moves = {"there": moved(state, distance, make_controller(), numbers, settings, **drive)}
+    if not one_way:
+        next_seed = replace(settings, seed=settings.seed + 1)
+        moves["back"] = moved(state, 0.0, make_controller(), numbers, next_seed, **drive)
+    coarse = FollowedMotor(motor, preload=settings.preload, steps=STEPS // 2)
+    error, _ = _difference(moves, coarse, settings)
+    averaging = _difference(moves, motor.start(preload=settings.preload), settings)
     progress("positioning: steps of short bursts")
-    steps = _steps(scene, motor, cycles, progress)
-    scatter = _scatter(scene, motor, progress)
-    panels = [_panel(motor, ways), *_steps_panel(motor, steps)]
-    findings = [_finding(motor, name, move) for name, move in ways.items()]
-    findings.append(judged(
-        "The positions are those of the motor followed in steps twice as long.",
-        "largest difference on the way, m", apart[0][0], high=EXACT,
-    ))  # fmt: skip
-    findings.append(judged(
-        "The averaged motor makes the steps of the contact followed through every cycle.",
-        "largest difference of a step, m", steps["difference"], high=math.inf, holds=None,
-        expected="0.3 nm for a wave that fades, up to two elastic deformations for one that stops at once",
-    ))  # fmt: skip
-    return panels, findings, _answer(motor, ways, apart, steps, scatter)
+    steps = short_bursts(scene, motor, cycles, progress)
+    scatter = step_scatter(scene, motor, progress)
+    findings = [
+        *(judged("The slider comes to rest at the target, " + name + ".", "mean error at rest, m",
+                 abs(move.error_at_rest), high=MAX_REST_ERROR,
+                 holds=None if not move.settled and abs(move.error_at_rest) < MAX_REST_ERROR else True,
+                 remark="" if move.settled else "the controller was not satisfied within the limit")
+          for name, move in moves.items()),
+        judged("The positions are those of the motor followed in steps twice as long.",
+               "largest difference on the way, m", error, high=MAX_POSITION_ERROR),
+        judged("The averaged motor makes the steps of the contact followed through every cycle.",
+               "largest difference of a step, m", steps.pop("difference"), holds=None,
+               expected="0.3 nm for a wave that fades, up to two elastic deformations for one that stops at once"),
+    ]  # fmt: skip
+    answer = [line for name, move in moves.items() for line in _move_in_words(name, move)]
+    answer += _errors_in_words(motor, error, averaging)
+    answer += steps_in_words(steps, float(findings[-1].found), scatter)
+    return _panels(motor, moves, steps), findings, answer
 
 
-def _apart(ways: dict[str, Move], others: list[np.ndarray]) -> tuple[float, float]:
-    """Return how far another motor under the same drive is beside the moves, m: at most, and in the end."""
-    largest = max(
-        float(np.max(np.abs(move.position - other)))
-        for move, other in zip(ways.values(), others, strict=True)
-    )
-    return largest, abs(float(list(ways.values())[-1].position[-1] - others[-1][-1]))
+def _difference(moves: dict[str, Move], other, loop: Loop) -> tuple[float, float]:
+    """Return how far another motor under the same drive is from the moves, m: the largest distance and the last."""
+    positions = replayed(other, tuple(moves.values()), loop)
+    differences = [abs(move.position - each) for move, each in zip(moves.values(), positions, strict=True)]
+    return float(max(np.max(each) for each in differences)), float(differences[-1][-1])
 
 
 def read_loop(settings: list[str], name: str):
-    """Return the `Loop` of texts KEY=VALUE and a maker of the controller with what is its own.
+    """Return the `Loop` that texts KEY=VALUE describe, and a function that makes the controller with its settings.
 
     Raises
     ------
     SceneError
         If a key is neither the loop's nor the controller's, or a value is out of range.
     """
+    of_loop: dict = {}
+    of_controller: dict = {}
     known = {each.name for each in fields(Loop)}
-    given: dict = {}
-    own: dict = {}
     for text in settings:
         key, value = parts_of("--loop", text, "KEY=VALUE")
         number = si_value(f"--loop {key}", toml_value(value), UNITS.get(key, ""))
@@ -148,35 +140,33 @@ def read_loop(settings: list[str], name: str):
             raise SceneError(f"--loop {key}", f"must be zero or positive, got {value}")
         if key in ("period", "limit", "preload", "readings", "gain") and not number > 0.0:
             raise SceneError(f"--loop {key}", f"must be positive, got {value}")
-        (given if key in known else own)[key] = int(number) if key == "seed" else number
-    controller(name, own)  # refused before anything is computed
-    return Loop(**given), lambda: controller(name, own)
+        (of_loop if key in known else of_controller)[key] = int(number) if key == "seed" else number
+    controller(name, of_controller)  # refused before anything is computed
+    return Loop(**of_loop), lambda: controller(name, of_controller)
 
 
-def refuse_beyond(scene: Scene, way: float) -> None:
+def refuse_beyond(scene: Scene, distance: float) -> None:
     """Refuse a target at which a ball would leave the stator or stand on fingers.
 
     Raises
     ------
     SceneError
-        Naming the way that there is.
+        Naming the distances that the stator allows.
     """
     if scene.stator is None or scene.slider is None:
         return
-    from studies.chain import resolve
-
-    chosen = resolve.resolved(scene)
-    places = [x for x, _ in chosen.slider.places]
-    low, high = -min(places), chosen.stator.length - max(places)
-    for each in chosen.transducer if not chosen.crossed else ():
+    resolved = resolve.resolved(scene)
+    places = [x for x, _ in resolved.slider.places]
+    low, high = -min(places), resolved.stator.length - max(places)
+    for each in resolved.transducer if not resolved.crossed else ():
         half = each.half_length
         if each.place[0] < min(places):
             low = max(low, each.place[0] + half - min(places))
         elif each.place[0] > max(places):
             high = min(high, each.place[0] - half - max(places))
-    if not low < way < high:
+    if not low < distance < high:
         rule = f"must keep the slider on the free surface, {low:.4g} to {high:.4g} m from its place"
-        raise SceneError("--target", f"{rule}, got {way:.4g} m")
+        raise SceneError("--target", f"{rule}, got {distance:.4g} m")
 
 
 def motor_numbers(motor: AveragedMotor) -> tuple[MotorNumbers, float]:
@@ -198,127 +188,52 @@ def motor_numbers(motor: AveragedMotor) -> tuple[MotorNumbers, float]:
     return numbers, math.copysign(1.0, push)
 
 
-def _steps(scene: Scene, motor: AveragedMotor, cycles, progress) -> dict:
-    """Return the steps of short bursts at the largest level: the farthest place, and where the slider stayed."""
-    driven = driven_contact(scene, progress=progress)
-    bursts = Steps.of(driven, progress=progress)
-    level, frequency, drive = motor.levels[-1], motor.drives[0].orbits[0].frequency, motor.drives[0]
-    lasting = 0.0 if drive.response is None else drive.response_step * len(drive.response)
-    exact = [bursts.step(level, number) for number in cycles]
-    reached, stayed = [], []
-    for number in cycles:
-        state = motor.start()
-        state.advance(number / frequency, level)
-        farthest, step = 0.0, 2e-6
-        for _ in range(math.ceil((lasting + 2e-4) / step)):
-            state.advance(step, 0.0)
-            farthest = max(farthest, state.position, -state.position, key=abs)
-        state.advance(0.02, 0.0)
-        reached.append(math.copysign(farthest, exact[-1].displacement))
-        stayed.append(state.position + state.deformation)
-    truth = np.array([each.displacement for each in exact])
-    z = motor.slider.rest_approach(len(drive.orbits))
-    return {
-        "cycles": np.array(cycles), "exact_m": truth, "averaged_m": np.array(stayed), "farthest_m": np.array(reached),
-        "ring_m": np.array([each.ring for each in exact]), "elastic_m": motor.slider.limit_slope * z,
-        "difference": float(np.max(np.abs(np.array(stayed) - truth))),
-    }  # fmt: skip
-
-
-def _scatter(scene: Scene, motor: AveragedMotor, progress) -> tuple[float, float] | None:
-    """Return mean and standard deviation of a burst's step over motors within the tolerances of [uncertain]."""
-    if scene.uncertain is None:
-        return None
-    from studies.chain.predictor import Predictor
-    from studies.chain.resolve import resolved
-    from studies.chain.solved_stator import of_stator
-    from studies.scene.keys import LEVELS, tolerances
-
-    progress("positioning: scatter by the tolerances")
-    bands = [each for each in tolerances(resolved(scene)) if each.key in LEVELS or not of_stator(each.key)]
-    if not bands:
-        return None
-    predictor = Predictor(resolved(replace(scene, uncertain=None)).to_table(), tolerance=1e-2, steps=1)
-    random, steps = np.random.default_rng(0), []
-    for _ in range(DRAWS):
-        # half widths of 95 %; what changes from step to step is taken to be as large as what is not known
-        drawn = {each.key: each.value + each.half_width / 1.96 * random.standard_normal() for each in bands}
-        level = motor.levels[-1] * next((value for key, value in drawn.items() if key in LEVELS), 1.0)
-        driven = predictor.contact({key: value for key, value in drawn.items() if key not in LEVELS})
-        steps.append(contact.step(driven.slider, driven.at(level), cycles=SCATTER_CYCLES).displacement)
-    return float(np.mean(steps)), float(np.std(steps, ddof=1))
-
-
-def _panel(motor: AveragedMotor, ways: dict[str, Move]) -> Panel:
+def _panels(motor: AveragedMotor, moves: dict[str, Move], steps: dict) -> list[Panel]:
+    """Return the moves over time, one after the other, and the steps of short bursts."""
     data: dict = {}
-    begin = 0.0
-    for name, move in ways.items():
-        data |= {f"{name}_time_s": begin + move.time, f"{name}_position_m": move.position,
+    start_time = 0.0
+    for name, move in moves.items():
+        data |= {f"{name}_time_s": start_time + move.time, f"{name}_position_m": move.position,
                  f"{name}_level": move.level, f"{name}_target_m": move.target}  # fmt: skip
-        begin += move.time[-1]
-    return Panel(name="positioning", title=f"{motor.title}: to the target and back", data=data)
-
-
-def _steps_panel(motor: AveragedMotor, steps: dict) -> list[Panel]:
-    data = {key: value for key, value in steps.items() if key != "difference"}
+        start_time += move.time[-1]
     level = f"{motor.levels[-1]:.4g} V" if motor.unit == "V" else f"{motor.levels[-1] * 1e9:.4g} nm"
-    return [Panel(name="single_steps", title=f"{motor.title}: bursts of a few cycles at {level}", data=data)]
+    return [
+        Panel(name="positioning", title=f"{motor.title}: to the target and back", data=data),
+        Panel(name="single_steps", title=f"{motor.title}: bursts of a few cycles at {level}", data=steps),
+    ]
 
 
-def _finding(motor: AveragedMotor, name: str, move: Move):
-    return judged(
-        f"The slider comes to rest at the target, {name}.", "mean error at rest, m", abs(move.error_at_rest), high=GOOD,
-        holds=None if not move.settled and abs(move.error_at_rest) < GOOD else True,
-        remark="" if move.settled else "the controller was not satisfied within the limit",
-    )  # fmt: skip
+def _move_in_words(name: str, move: Move) -> Iterator[tuple[str, str]]:
+    """Yield times, overshoot, error at rest and drives of a move."""
+    times = ", ".join(
+        f"{band * 1e9:g} nm " + ("never" if math.isnan(time) else f"after {time * 1e3:.4g} ms")
+        for band, time in move.within.items()
+    )
+    yield name, f"{move.start * 1e6:.6g} to {move.target * 1e6:.6g} um: within {times}"
+    rest = f"error at rest {move.error_at_rest * 1e9:+.3g} nm, ring {move.ring * 1e9:.3g} nm"
+    yield "", f"overshoot {move.overshoot * 1e9:.3g} nm, {rest}"
+    counts = ", ".join(f"{number} {phase}" for phase, number in move.bursts.items()) or "none"
+    energy = f", {move.energy * 1e3:.4g} mJ" if move.energy else ""
+    yield "", f"drives: {counts}; {move.cycles:.0f} cycles{energy}"
 
 
-def _answer(
-    motor: AveragedMotor, ways: dict[str, Move], apart, steps: dict, scatter
+def _errors_in_words(
+    motor: AveragedMotor, error: float, averaging: tuple[float, float]
 ) -> list[tuple[str, str]]:
-    rows = []
-    for name, move in ways.items():
-        times = ", ".join(
-            f"{band * 1e9:g} nm "
-            + ("never" if math.isnan(move.within[band]) else f"after {move.within[band] * 1e3:.4g} ms")
-            for band in BANDS
-        )
-        counts = ", ".join(f"{number} {phase}" for phase, number in move.bursts.items()) or "none"
-        rows += [
-            (name, f"{move.start * 1e6:.6g} to {move.target * 1e6:.6g} um: within {times}"),
-            ("", f"overshoot {move.overshoot * 1e9:.3g} nm, error at rest {move.error_at_rest * 1e9:+.3g} nm, ring "
-                 f"{move.ring * 1e9:.3g} nm"),
-            ("", f"drives: {counts}; {move.cycles:.0f} cycles"
-                 + (f", {move.energy * 1e3:.4g} mJ" if move.energy else "")),
-        ]  # fmt: skip
-    (error, _), (largest, left) = apart
+    """Return the error of the positions, and how far the averaged motor is from them."""
+    largest, last = averaging
     speed = ring_speed(motor.slider, len(motor.drives[0].orbits))
-    rows += [
+    return [
         ("error", f"of the positions: at most {error * 1e9:.2g} nm, from steps twice as long"),
-        ("averaging", f"the averaged motor under the same drive is at most {largest * 1e9:.2g} nm beside these,"),
-        ("", f"{left * 1e9:.2g} nm in the end: it loses the phase of a ring of at most {speed * 1e6:.2g} um/s"),
-    ]  # fmt: skip
-    inside = np.flatnonzero(np.abs(steps["exact_m"]) < steps["elastic_m"])
-    rows.append(("elastic", f"the contacts give way by {steps['elastic_m'] * 1e9:.3g} nm before they slip"))
-    if inside.size:
-        k = int(inside[-1])
-        rows.append(("", f"{steps['cycles'][k]} cycles move the slider by {steps['farthest_m'][k] * 1e9:+.3g} nm at "
-                         f"most, and leave it at {steps['exact_m'][k] * 1e9:+.3g} nm: it comes back"))  # fmt: skip
-    rows.append(
+        (
+            "averaging",
+            f"the averaged motor under the same drive is at most {largest * 1e9:.2g} nm beside these,",
+        ),
         (
             "",
-            f"its steps differ by at most {steps['difference'] * 1e9:.2g} nm from those of the exact contact",
-        )
-    )
-    if scatter is not None:
-        mean, deviation = scatter
-        rows.append(
-            (
-                "scatter",
-                f"{SCATTER_CYCLES} cycles: {mean * 1e9:.4g} +- {deviation * 1e9:.3g} nm by [uncertain]",
-            )
-        )
-    return rows
+            f"{last * 1e9:.2g} nm in the end: it loses the phase of a ring of at most {speed * 1e6:.2g} um/s",
+        ),
+    ]
 
 
 @of_record

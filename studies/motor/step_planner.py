@@ -2,14 +2,14 @@
 
 Method: the slider of a scene (``twente-contact`` when none is named) from rest at up to four of its amplitudes or
 voltages above threshold: bursts of 8 to 4096 cycles of the drive, each followed until the slider has slipped for the
-last time and only rings in its spring; then the inverse, by bisection on whole cycles.  On a stator the wave arrives
-late, grows over the transducer's length and rings on after the drive, as in a run with ``drive.burst``: a burst shorter
-than that hardly moves the slider.  Where the growth cannot be found the findings say so, and the wave is at full size
-from the first cycle on, as a given [wave] is.  Expected: far from its steady speed the slider gains speed evenly, so
-that steps grow as N^2; the step found for a distance reaches it, and a cycle less does not; the travel is that of the
-velocity itself.  Growth and travel are judged of steps that are large against the ring which the burst leaves, growth
-of bursts that are long against the wave's and against the bounce of the start.  Run time: about 5 s, and twice the
-stator's.
+last time and only rings in its spring; then the inverse, by bisection on whole cycles. On a stator the wave arrives
+late, grows over the transducer's length and rings on after the drive, as in a run with ``drive.burst``: a burst
+shorter than that hardly moves the slider. Where the growth cannot be computed the findings say so, and the wave is at
+full size from the first cycle on, as a given [wave] is. Expected: far from its steady speed the slider gains speed
+evenly, so that steps grow as N^2; the step planned for a distance reaches it, and a cycle less does not; the travel is
+that of the velocity itself. Growth and travel are judged of steps that are large against the ring which the burst
+leaves, growth of bursts that are long against the wave's and against the bounce of the start. Run time: about 5 s, and
+twice the stator's.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Whether the motors that are published run as their papers say.
+"""Whether the motors that are published run as their papers progress.
 
 Method: Kurosawa, Takahashi and Higuchi's ball on 128YX lithium niobate (1998), the contact alone at the amplitude that
 they give, and the whole chain from 180 V; the seed's motor; what Tjeung and others (2011) tell; Raj and Behera's
@@ -113,12 +113,12 @@ def tables(record: StudyRecord) -> dict[str, str]:
     return {"published_motors.md": "\n".join(lines) + "\n", "published_motors.csv": file.getvalue()}
 
 
-def _kurosawa(say) -> list[dict]:
+def _kurosawa(progress) -> list[dict]:
     """Return the contact at the published amplitude, then the chain from the voltage."""
     published, motor = KUROSAWA.published, "Kurosawa 1998"
     unknowns = {name: KUROSAWA[name] for name in ON_CONTACT}
     known = _known(unknowns)
-    say("Kurosawa: the contact at the published amplitude")
+    progress("Kurosawa: the contact at the published amplitude")
 
     def pull(case):
         return thrust(case) / published["mass_kg"]
@@ -146,7 +146,7 @@ def _known(unknowns: dict) -> dict:
     return {"ratio": ratio(str(KUROSAWA["material"].taken)), **values}
 
 
-def _from_voltage(say) -> list[dict]:
+def _from_voltage(progress) -> list[dict]:
     """Return the amplitude and the speed from the voltage."""
     published, motor = KUROSAWA.published, "Kurosawa 1998"
     known = _known({name: KUROSAWA[name] for name in ON_CONTACT})
@@ -154,7 +154,7 @@ def _from_voltage(say) -> list[dict]:
     taken = {name: each.taken for name, each in stator.items()}
     amplitudes = {}
     for case in corners(stator):
-        say(f"Kurosawa: {case['pairs']} finger pairs on {case['material']}")
+        progress(f"Kurosawa: {case['pairs']} finger pairs on {case['material']}")
         amplitudes[case["pairs"], case["material"]] = published["voltage_V"] * per_volt(**case)
 
     def from_voltage(case):
@@ -163,7 +163,7 @@ def _from_voltage(say) -> list[dict]:
     def chain(case):
         return speed(case | {"amplitude": from_voltage(case)})
 
-    say("Kurosawa: from the voltage to the speed")
+    progress("Kurosawa: from the voltage to the speed")
     swept = stator | {name: KUROSAWA[name] for name in ("friction", "preload", "law")}
     amplitude, velocity = published["amplitude_m"], published["velocity_m_per_s"]
     return [
@@ -222,11 +222,11 @@ def _raj() -> list[dict]:
     return [_row(motor, "speed, at least", stated, speed, known, swept, "m/s", 1.0)]
 
 
-def _kurosawa_asai(say) -> list[dict]:
+def _kurosawa_asai(progress) -> list[dict]:
     """Return wave power, speed and stall of the 10 MHz motor at 40 nm peak."""
     swept = {name: getattr(sliders, name.upper()) for name in ("friction", "scatter", "number", "preload")}
     known = {name: each.taken for name, each in swept.items()} | {"amplitude": 40e-9}
-    say("Kurosawa and Asai: silicon sliders on 40 nm")
+    progress("Kurosawa and Asai: silicon sliders on 40 nm")
     width = Unknown(name="beam", taken=9e-3, swept=(9e-3, 11e-3), unit="mm", scale=1e3)
 
     def power(case):

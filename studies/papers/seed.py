@@ -13,9 +13,9 @@ TOLERANCE = 1e-3  # of steady velocities
 class Seed:
     """The paper's slider and wave, and what several figures share; ``steps`` are the amplitudes of its bursts in m."""
 
-    def __init__(self, say: Callable[[str], None], *, steps: tuple[float, ...] = ()):
+    def __init__(self, progress: Callable[[str], None], *, steps: tuple[float, ...] = ()):
         scene = resolved(Scene.load("twente-contact"))
-        self.say, self.steps = say, steps
+        self.progress, self.steps = progress, steps
         self.slider = bridge.contact_slider(scene.slider)
         self.shape = bridge.given_orbits(scene.wave)
         self.levels = scene.levels

@@ -25,19 +25,19 @@ def figure_2(seed: Seed):
         ends.append(curves[name][-1] / (seed.slider.friction_coefficient * force * 1e3))
         ends.append(limit / share ** (2 / 3))
     data = {"x": x, "left": curves, "x_axis": "tangential deformation x (nm)", "left_axis": "Q (mN)"}
-    found = judged('Fig. 2: "The displacement x_max(P) can be found by substituting Q = mu P in equation 2."',
-                   "Q(x_max) / (mu P) at three P", ends[2], expected="1",
-                   holds=all(abs(end - 1) < 1e-12 for end in ends[::2])
-                   and max(ends[1::2]) - min(ends[1::2]) < 1e-12 * max(ends[1::2]),
-                   remark="x_max grows as P^(2/3): it is (mu E/4 G) z")  # fmt: skip
-    return [Panel(name="fig_2", title="Fig. 2: tangential stiffness", data=data)], [found]
+    finding = judged('Fig. 2: "The displacement x_max(P) can be found by substituting Q = mu P in equation 2."',
+                     "Q(x_max) / (mu P) at three P", ends[2], expected="1",
+                     holds=all(abs(end - 1) < 1e-12 for end in ends[::2])
+                     and max(ends[1::2]) - min(ends[1::2]) < 1e-12 * max(ends[1::2]),
+                     remark="x_max grows as P^(2/3): it is (mu E/4 G) z")  # fmt: skip
+    return [Panel(name="fig_2", title="Fig. 2: tangential stiffness", data=data)], [finding]
 
 
 def figure_5a(seed: Seed):
     """Fig. 5(a): step response to a burst."""
     x, curves = {}, {}
     for amplitude in seed.steps or STEPS:
-        seed.say(f"seed figures: Fig. 5(a), {amplitude * 1e9:g} nm")
+        seed.progress(f"seed figures: Fig. 5(a), {amplitude * 1e9:g} nm")
         steady = seed.steady(amplitude).velocity
         stopping = steady * seed.slider.mass / (seed.slider.friction_coefficient * seed.slider.preload)
         motion = contact.burst(

@@ -114,8 +114,9 @@ def _field_writers(record: Record, wanted: Wanted, show: str, progress, note) ->
         Path(file).write_text(wave_page.page(field, span=span, **drawn_as), encoding="utf-8")
 
     def data(file) -> None:
-        told = {"instants": wanted.frames or INSTANTS, "progress": progress, "note": note}
-        field_data.save(field, file, span=span, surface=wanted.surface, **told)
+        reports = {"progress": progress, "note": note}
+        instants = wanted.frames or INSTANTS
+        field_data.save(field, file, span=span, surface=wanted.surface, instants=instants, **reports)
 
     def window() -> None:
         stretch = () if show == "solid" else chosen_views(field, span or near(field))[-1:]

@@ -167,7 +167,7 @@ class SlowMotion:
         self.figure.suptitle(title, fontsize="medium")
         self.show(0)
         self.figure.canvas.draw()
-        self.figure.set_layout_engine("none")  # found once: finding it again takes most of a picture's time
+        self.figure.set_layout_engine("none")  # the layout stays: computing it takes most of a picture's time
 
     def show(self, index: int) -> None:
         """Show an instant."""

@@ -10,7 +10,7 @@ from PIL import Image
 
 from studies.refusal import RunError
 
-COLOURS = 128  # of a GIF whose palette is found in its pictures
+COLOURS = 128  # of a GIF that comes without a palette: one is made of its pictures
 
 
 def save(
@@ -25,7 +25,7 @@ def save(
     """Write a count of pictures as a movie that repeats (GIF) or plays (MP4), ``rate`` per second.
 
     ``image`` returns a picture by its number, bytes of shape (height, width, 3).  The colours of a GIF are those of
-    the ``palette`` (an image), or found in its pictures, which passes over rare ones.
+    the ``palette`` (an image); without one they are chosen from its pictures, where rare colours are lost.
     """
     pictures = []
     for number in range(count):

@@ -2,7 +2,7 @@
 
 A quantity at the phase omega t is mean + Re(amplitude exp(i n omega t)), n = 1 for the field itself and 2 for energy
 and power.  The colour maps are matplotlib's: RdBu_r, blue over white to red, for what takes both signs, and Blues for
-what is never negative.  Both are told apart by colour-blind eyes and change evenly in lightness.
+what is never negative.  Both are legible to colour-blind readers and change evenly in lightness.
 """
 
 from collections.abc import Callable

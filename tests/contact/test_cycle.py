@@ -95,7 +95,7 @@ def test_a_cycle_with_more_events_than_are_followed_has_no_means(monkeypatch):
 
     problem = balanced(slider(), (orbit(3e-9),)).problem
     work, plain = cycle_room(1), getattr(cycle_mean.cycle, "function", cycle_mean.cycle)
-    names = ("_contact", "_passed")
+    names = ("_add_contact", "_follow_contact")
     for name in names:
         monkeypatch.setattr(
             cycle_mean, name, getattr(getattr(cycle_mean, name), "function", getattr(cycle_mean, name))

@@ -244,6 +244,6 @@ def test_the_ring_after_the_burst_is_damped_by_the_law_itself():
 
 def test_a_full_memory_is_said():
     motion = motion_of(slider(law="hysteretic"), 3e-9)
-    motion.memory.count[0] = hysteretic.PIECES
+    motion.memory.number[0] = hysteretic.PIECES
     with pytest.raises(ConvergenceError, match="memory full"):
         motion.turn(1)

@@ -19,7 +19,7 @@ def test_the_worked_example_of_the_hysteretic_law():
         regime, sign, x = hysteretic.jump(memory, 0, regime, sign, old, new, C)
         z = 1.0
         force, front = hysteretic.moment(memory, 0, regime, sign, z, x, C)
-        chain = [int(kind) for kind in memory.kind[0, : memory.count[0]]]
+        chain = [int(kind) for kind in memory.kind[0, : memory.number[0]]]
         known.append((regime, sign, chain, force, front))
     pressed, sheared, back, beyond = known
     assert pressed[0] == Regime.GROW

@@ -115,6 +115,15 @@ def test_answer_and_files_hold_them(motor, tmp_path):
     )
 
 
+def test_a_slider_without_friction_loads_the_wave_by_its_normal_force(motor):
+    slider = replace(motor.scene.slider, friction_coefficient=0.0, preload=100 * motor.scene.slider.preload)
+    found = model_error(replace(motor, scene=replace(motor.scene, slider=slider)))
+    load = next(each["size"] for each in found if each["effect"] == "load of the slider on the wave")
+    body = bridge.contact_slider(slider)
+    k_n = body.mass * (2 * math.pi * body.normal_resonance(1)) ** 2
+    assert load == pytest.approx(4.8674e-12 * k_n / 0.02, rel=0.01)
+
+
 def test_a_heavy_slider_changes_the_wave_by_much(motor):
     # A hundred times as heavy, its ball is a spring that turns the phase by Gamma (k_n + r^2 k_t)/w, but for its slip
     slider = replace(motor.scene.slider, preload=100 * motor.scene.slider.preload, mass=0.0089)

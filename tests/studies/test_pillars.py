@@ -88,6 +88,27 @@ def test_the_load_on_the_wave_is_computed_from_a_loading_number_of_one_in_twenty
     assert run(scene(loading=False)).velocity[-1] == pytest.approx(alone.velocity, rel=1e-12)
 
 
+def test_the_sensitivity_to_the_amplitude_and_the_own_vibration_have_their_values():
+    # Oracle: runs at 0.1 % less and more, over a half power of ten in the amplitude; the bounce from sum k_n by hand
+    record = run(scene(wave={"normal_amplitude": [5e-9, 20e-9]}))
+    body, wave = by_hand()
+    for point, size in zip(record.points, (0.25, 1.0), strict=True):
+        low, high = (
+            contact.pillar_motion(
+                body, replace(wave, backward=wave.backward * size * (1.0 + change))
+            ).velocity
+            for change in (-1e-3, 1e-3)
+        )
+        slope = (high - low) / (2e-3 * point["velocity_m_per_s"])
+        reference = 9.61e6 * 2 * math.pi * 0.88995 * 20e-9 * size / 10
+        assert point["velocity_m_per_s"] > reference  # else it would be smaller by their ratio
+        assert point["amplitude_sensitivity"] == pytest.approx(slope, rel=5e-3)
+    assert record.points[0]["amplitude_sensitivity"] != pytest.approx(1.0, abs=0.02)
+    sizes = {row["effect"]: row["size"] for row in record.model_error}
+    bounce = math.sqrt(60 * body.normal_stiffness[0] / SLIDER["mass"]) / (2 * math.pi)
+    assert sizes["the slider's own vibration"] == pytest.approx((bounce / 9.61e6) ** 2, rel=1e-9)
+
+
 def test_overtones_are_computed_and_leave_the_model_error():
     levels = {"normal_amplitude": 20e-9, "burst": 2e-3}
     record = run(scene(wave=levels, loading="harmonics", pillars={"height_scatter": 5e-9, "seed": 3}))

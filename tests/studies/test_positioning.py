@@ -15,6 +15,7 @@ from studies.motor import positioning
 from studies.motor.controllers import CONTROLLERS, Command, MotorNumbers, Reading, controller
 from studies.motor.followed_motor import FollowedMotor
 from studies.motor.position_loop import Loop, moved, replayed
+from studies.motor.short_bursts import SCATTER_CYCLES, step_scatter
 from studies.refusal import SceneError
 from studies.scene import Scene
 
@@ -304,11 +305,11 @@ def test_scatter_of_a_step_follows_from_the_tolerances():
     scene = Scene.load("twente-contact").replace(
         wave={"normal_amplitude": "12 nm"}, uncertain={"slider.friction_coefficient": 0.01}
     )
-    mean, deviation = positioning._scatter(scene, motor(), lambda text: None)
-    truth = contact.step(motor().slider, orbits(12e-9), cycles=positioning.SCATTER_CYCLES).displacement
+    mean, deviation = step_scatter(scene, motor(), lambda text: None)
+    truth = contact.step(motor().slider, orbits(12e-9), cycles=SCATTER_CYCLES).displacement
     assert mean == pytest.approx(truth, rel=0.1)
     assert deviation == pytest.approx(0.01 / 1.96 / 0.08 * truth, rel=0.5)
-    assert positioning._scatter(Scene.load("twente-contact"), motor(), lambda text: None) is None
+    assert step_scatter(Scene.load("twente-contact"), motor(), lambda text: None) is None
 
 
 def test_controllers_are_data():

@@ -52,26 +52,26 @@ def run(*, parts: tuple[str, ...] = tuple(PARTS), cases: int | None = None, prog
     parts : tuple of str
         Names in `PARTS`.
     cases : int, optional
-        Of each part, evenly chosen; all without a number.
+        Of each part, evenly spaced; all without a number.
     progress : callable, optional
         Told which case is being judged.
     """
     modules = {part: import_module(f"studies.evidence.stability.{PARTS[part]}") for part in parts}
-    chosen = [
+    selected = [
         (module.judge, case)
         for part, module in modules.items()
         for case in _some(getattr(module, f"{PARTS[part]}_cases")(), cases)
     ]
     rows = []
-    for number, (judge, case) in enumerate(chosen, start=1):
+    for number, (judge, case) in enumerate(selected, start=1):
         value = f"{case.value:g} {case.unit}".rstrip()
-        progress(f"stability: {number} of {len(chosen)}, {case.part}, {case.varied} {value}")
+        progress(f"stability: {number} of {len(selected)}, {case.part}, {case.varied} {value}")
         rows.append(_row(case, judge(case)))
     return [_panel(part, [row for row in rows if row["part"] == part]) for part in parts], _findings(rows)
 
 
 def _some(cases, number: int | None):
-    """Return so many cases, evenly chosen."""
+    """Return so many cases, evenly spaced."""
     cases = list(cases)
     return cases if number is None else cases[:: max(len(cases) // number, 1)][:number]
 

@@ -205,9 +205,9 @@ def _velocities(record) -> list[float]:
 def _worst(record, known: list[float]) -> tuple[float, float]:
     """Return error and estimate of the point whose error is furthest from its estimate."""
     omega = 2 * math.pi * record.scene.frequency
-    found = []
+    errors = []
     for point, truth in zip(record.points, known, strict=True):
         scale = max(abs(truth), omega * point["tangential_amplitude_m"] / 10)
         off = abs(point["velocity_m_per_s"] - truth)
-        found.append((off / scale if scale > 0 else off, point["relative_error"]))
-    return max(found, key=lambda pair: pair[0] - 2 * pair[1])
+        errors.append((off / scale if scale > 0 else off, point["relative_error"]))
+    return max(errors, key=lambda pair: pair[0] - 2 * pair[1])

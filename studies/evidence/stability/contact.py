@@ -73,14 +73,14 @@ def motor(case: Case):
 
 def built(values: dict):
     """Return (slider, orbits) from values by name, those of the seed where there are none."""
-    chosen = dict(values)
-    factor = chosen.pop("moduli over the seed's", 1.0)
-    amplitude = chosen.pop("amplitude", AMPLITUDE)
-    ratio = chosen.pop("tangential_ratio", RATIO)
-    frequency = chosen.pop("frequency", FREQUENCY)
-    angle, contacts = chosen.pop("angle", -0.5 * math.pi), chosen.pop("contacts", 1)
+    rest = dict(values)
+    factor = rest.pop("moduli over the seed's", 1.0)
+    amplitude = rest.pop("amplitude", AMPLITUDE)
+    ratio = rest.pop("tangential_ratio", RATIO)
+    frequency = rest.pop("frequency", FREQUENCY)
+    angle, contacts = rest.pop("angle", -0.5 * math.pi), rest.pop("contacts", 1)
     moduli = {name: factor * SLIDER[name] for name in ("effective_modulus", "tangential_modulus")}
-    slider = contact.Slider(**(SLIDER | moduli | chosen))
+    slider = contact.Slider(**(SLIDER | moduli | rest))
     one = contact.Orbit(
         frequency=frequency, normal=amplitude, tangential=ratio * amplitude * complex(np.exp(1j * angle))
     )

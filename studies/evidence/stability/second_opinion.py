@@ -86,19 +86,19 @@ def second_opinion(state: SteadyState) -> SecondOpinion:
         every = np.arange(problem.contacts)
         reach = slider.limit_slope * (abs(begin[0]) + max(normal_amplitude(problem.paths, every)))
         reach += max(tangential_amplitude(problem.paths, every))
-        error, found = 2.0 * reach / (2.0 * math.pi * (cycles // 4)), [b]
+        error, settled = 2.0 * reach / (2.0 * math.pi * (cycles // 4)), [b]
     else:
         begin[2] += BESIDE * reference
         a2, b2 = _quarters(_rows(problem, stepped, resolutions[-1], begin, cycles))[:2]
         apart = a2 - a
         rho = min(max((b2 - b) / apart, 0.0), 1.0 - 1e-9) if abs(apart) > 1e-3 * BESIDE * reference else 0.0
-        found = [early + (late - early) / (1.0 - rho) for early, late in runs]
+        settled = [early + (late - early) / (1.0 - rho) for early, late in runs]
         # resolutions, and a secant that is straight to second order in how far it had to reach
-        reached = abs(found[-1] - b) + abs(b2 - b)
-        error = max(abs(found[-1] - other) for other in found[:-1])
+        reached = abs(settled[-1] - b) + abs(b2 - b)
+        error = max(abs(settled[-1] - other) for other in settled[:-1])
         error += reached * min(1.0, 4.0 * reached / max(reference, 1e-300)) + drift * reference / (1.0 - rho)
     return SecondOpinion(
-        velocity=float(side * found[-1] * unit), error=float(error * unit), way="stepped" if stepped else "exact",
+        velocity=float(side * settled[-1] * unit), error=float(error * unit), way="stepped" if stepped else "exact",
         cycles=cycles,
     )  # fmt: skip
 
