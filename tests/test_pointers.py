@@ -15,7 +15,7 @@ FILE = re.compile(r"`{1,2}((?:[\w-]+/)+[\w-]+\.(?:py|md|toml|html|json))`{1,2}")
 NAME = re.compile(r"`{1,2}(\w+(?:\.\w+)+)(?:\(\))?`{1,2}")
 BARE = re.compile(r"(?<![\w/.*])((?:[\w-]+/)*[\w-]+\.py)\b")
 # files of a user, in examples
-EXAMPLES = {"FILE.py", "my_law.py", "my_controller.py", "viscous.py", "plain.py", "meshes/chip.py"}
+EXAMPLES = {"FILE.py", "my_law.py", "my_controller.py", "viscous.py", "plain.py"}
 ENDINGS = ("py", "md", "toml", "csv", "json", "png", "html", "vtu", "gif", "msh")
 WRITTEN = ("results/", "DIR/")  # by the program, not in the repository
 SOURCES = sorted(
