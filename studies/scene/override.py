@@ -36,11 +36,6 @@ def setting_of(text: str) -> tuple[str, object]:
     return ".".join(keys), toml_value(value)
 
 
-def assigned(table: dict, setting: str) -> dict:
-    """Return a copy of a scene's table changed by ``KEY=VALUE``."""
-    return replaced(table, *setting_of(setting))
-
-
 def replaced(holder, key: str, value, done: str = ""):
     """Return a scene's table with the value at a dotted key replaced, lists numbered from 0; it is left as it is."""
     key, dot, rest = key.partition(".")

@@ -45,10 +45,6 @@ def reference() -> str:
     return "\n".join([*parts, f"## Materials\n\n{_materials()}\n", f"## Scenes that ship\n\n{shipped}\n"])
 
 
-def _first_line(kind: type[Block]) -> str:
-    return (kind.__doc__ or "").partition("\n")[0]
-
-
 def _keys(kind: type[Block]) -> str:
     rows = [("key", "unit", "default", "allowed", "meaning")]
     for name, key in keys_of(kind).items():

@@ -11,7 +11,7 @@ from studies.chain.left_out import left_out
 from studies.chain.resolve import resolved
 from studies.chain.ring_up import ring_up
 from studies.scene import read_table
-from studies.scene.override import assigned
+from tests.studies.settings import assigned
 
 
 def chip(*settings):
