@@ -35,7 +35,7 @@ class SurfaceMotion:
     beam: "SurfaceBeam | CrossedBeam | None" = field(default=None, repr=False)
     reason: str = ""  # why there is no beam; empty where there is one, or none is wanted
     # Motion and error by place (x, y): what has been evaluated
-    known: dict = field(default_factory=dict, repr=False, compare=False)
+    known: dict = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
     def circuit(self):
