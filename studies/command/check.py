@@ -2,7 +2,7 @@
 
 import argparse
 
-from studies.command.given_scene import changed_file
+from studies.command.scene_argument import changed_file
 from studies.command.options import add_shared
 from studies.command.output import warn
 from studies.scene import Scene

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from studies.command.given_scene import without_bands
+from studies.command.scene_argument import without_bands
 from studies.command.options import add_shared
 from studies.command.output import committed_pictures, origin_of, say
 from studies.progress import Progress

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from studies.command.given_scene import changed_file, tolerance
+from studies.command.scene_argument import changed_file, read_tolerance
 from studies.command.options import add_shared
 from studies.scene import scene_path
 from studies.scene.override import axes_given
@@ -39,4 +39,4 @@ def call(arguments: argparse.Namespace) -> int:
 
     table = changed_file(arguments).table
     out = arguments.out or Path("results") / f"{scene_path(arguments.scene).stem}-sweep"
-    return run_sweep(arguments, table, axes_given(arguments.over), tolerance(arguments.tolerance), out)
+    return run_sweep(arguments, table, axes_given(arguments.over), read_tolerance(arguments.tolerance), out)

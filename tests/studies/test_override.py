@@ -2,7 +2,7 @@
 
 import pytest
 
-from studies.command.given_scene import changed_scene
+from studies.command.scene_argument import changed_scene
 from studies.command.parser import parser
 from studies.refusal import SceneError
 from studies.scene import Scene, read_table
