@@ -291,7 +291,9 @@ class Predictor:
                     answer = side_by_side[at] or steady_answer(driven, driven.level, self.tolerance)
                 else:
                     answer = self._alone(driven, step)
-                answers[at] = amplitudes(driven) | also_asked(also, tolerance, driven, answer)
+                answers[at] = amplitudes(driven) | also_asked(
+                    also, tolerance, driven, answer, averaged=averaged
+                )
             except Exception as error:
                 answers[at] = {"status": reason(error)}
         return answers

@@ -1,4 +1,4 @@
-"""The chain from a scene to its record: motion of the stator's surface per volt, orbits at each voltage, contact, velocity.
+"""The chain from a scene to its record: surface motion per volt, orbits at each voltage, contact, velocity.
 
 Only what the scene needs is imported and computed.  The tolerance bounds the last quantity.  The stator is first solved
 to a quarter of it.  The contact multiplies the stator's error, by 20 near the threshold: where the velocity then misses
@@ -156,7 +156,7 @@ def _driven(scene: Scene, predictor: Predictor) -> Record:
 def _with_contact(
     scene: Scene, predictor: Predictor
 ) -> tuple[SurfaceMotion, SliderAnswer, RingUp | None, float]:
-    """Return motion, answer, ring-up and seconds of the contact, the stator solved as accurately as the velocity needs."""
+    """Return motion, answer, ring-up and the contact's seconds; the stator is as accurate as the velocity needs."""
     stator, places, seconds = stator_alone(scene), places_of(scene), 0.0
     motion = predictor.motion(stator, places, SHARE * predictor.tolerance)
     ringing = predictor.ring_up(DrivenContact.of_stator(scene, SolvedStator.of(motion, places), motion))

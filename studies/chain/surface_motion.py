@@ -35,7 +35,7 @@ class SurfaceMotion:
     beam: "SurfaceBeam | CrossedBeam | None" = field(default=None, repr=False)
     reason: str = ""  # why there is no beam; empty where there is one, or none is wanted
     # Motion and error by place (x, y): what has been evaluated
-    known: dict = field(default_factory=dict, repr=False, compare=False)
+    known: dict = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
     def circuit(self):
@@ -68,7 +68,7 @@ class SurfaceMotion:
         return place[0] if self.beam is None else self.beam.in_section(*place)
 
     def covered(self, place: tuple[float, float]) -> bool:
-        """Whether a place lies under a transducer of the section."""
+        """Whether a place lies under a transducer or on a meshed piece of the section."""
         return self.wave.covered(self.in_section(place))
 
     def _known_at(self, places) -> list:

@@ -3,9 +3,9 @@
 import argparse
 from pathlib import Path
 
-from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.command.options import add_shared
 from studies.command.output import print_answer
+from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.progress import Progress
 from studies.scene import scene_path
 

@@ -3,9 +3,9 @@
 import argparse
 from pathlib import Path
 
-from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.command.options import add_shared
 from studies.command.output import committed_pictures, say
+from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.export.exported import Exported
 from studies.progress import Progress
 from studies.refusal import SceneError, nearest

@@ -2,9 +2,9 @@
 
 import argparse
 
-from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.command.options import add_shared
 from studies.command.output import committed_pictures, print_answer, results_of
+from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.progress import Progress
 
 HELP = "numbers of a scene from measured curves, and what the data cannot tell"

@@ -4,9 +4,9 @@ import argparse
 from contextlib import ExitStack
 from dataclasses import replace
 
-from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.command.options import add_shared
 from studies.command.output import committed_pictures, print_answer, results_of, say, warn
+from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.progress import Progress
 from studies.refusal import SceneError
 
