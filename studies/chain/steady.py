@@ -43,7 +43,7 @@ def steady_answer(driven: DrivenContact, level: float, tolerance: float) -> dict
 
 
 def rated(point: dict, parts: tuple[float, float], tolerance: float) -> dict:
-    """Return a point's values with ``finer``: whether a more accurate stator would help; without an answer its status."""
+    """Return a point's values, and as ``finer`` whether a more accurate stator would help; else its status."""
     if "relative_error" not in point:
         return {"status": f"no answer: {point['status']}"}
     return point | {"finer": point["relative_error"] > tolerance and parts[0] > SHARE * tolerance}
