@@ -11,14 +11,12 @@ its jump (implicit midpoint): the change of |U+|^2 + |U-|^2 is then the power th
 
 The forces F = (sum P_1 + C* Q_1, sum P_1 + C Q_1) of a row depend on its own amplitudes
 q = (U+ exp(-i k x), U- exp(+i k x)) alone. `march` takes F_0 + J (q - q_0), with which (1) and (2) are a linear chain
-of rows: a step of Newton's method where J is the derivative. J is a real matrix, 4 x 4, because contacts that touch for
-a short time answer a change of the amplitude by many times what their forces over the amplitude say, and a change of
-the phase by another factor.
+of rows. J is a complex 2 x 2 matrix where the forces are those of springs. Their derivative, for a step of Newton's
+method, is a real 4 x 4 matrix: contacts that touch for a short time answer a change of the amplitude by many times what
+their forces over the amplitude say, and a change of the phase by another factor.
 """
 
 import numpy as np
-
-BAND = 7  # a row's four real equations reach from U+ before it to U- behind it
 
 
 def real_form(matrix):
@@ -37,8 +35,8 @@ def march(turn, force, slope, amplitude, g, incident):
         exp(-i k x) of the rows, from left to right.
     force, amplitude : (m, 2) array, complex
         F_0 and q_0 of each row.
-    slope : (m, 4, 4) array
-        J, for real and imaginary parts in turn.
+    slope : (m, 2, 2) array, complex, or (m, 4, 4) array
+        J; the real one is for real and imaginary parts in turn.
     g : float
         Gamma/w, 1/(Pa m).
     incident : (2,) array, complex
@@ -46,31 +44,33 @@ def march(turn, force, slope, amplitude, g, incident):
     """
     from scipy.linalg import solve_banded
 
-    m = turn.size
+    m, kind, n = turn.size, slope.dtype, slope.shape[1]  # n equations for each row
     to_wave = np.zeros(
         (m, 2, 2), complex
     )  # from the row's frame: jumps of U+ and -U- are i g times this times F
     to_wave[:, 0, 0], to_wave[:, 1, 1] = turn.conj(), turn
-    to_row, half = real_form(to_wave.conj()), real_form(0.5j * g * to_wave)
+    to_row, half = to_wave.conj(), 0.5j * g * to_wave
+    if n == 4:
+        to_row, half = real_form(to_row), real_form(half)
     answer = half @ slope @ to_row
-    source = np.empty((m, 2), complex)
-    source.view(float)[:] = 2.0 * np.einsum(
-        "jab,jb->ja", half, force.view(float) - np.einsum("jab,jb->ja", slope, amplitude.view(float))
-    )
+    fixed = force.view(kind)[..., None] - slope @ amplitude.view(kind)[..., None]
+    source = 2.0 * (half @ fixed)[..., 0]
     # unknowns of row j are U+ behind it and U- before it:
     # (U+_j+1 - U+_j, U-_j - U-_j+1) - answer (U+_j + U+_j+1, U-_j + U-_j+1) = source
-    own, neighbours = np.eye(4) - answer, -np.eye(4) - answer
-    source.view(float)[0] -= neighbours[0, :, :2] @ incident[:1].view(float)
-    source.view(float)[-1] -= neighbours[-1, :, 2:] @ incident[1:].view(float)
-    bands = np.zeros((2 * BAND + 1, 4 * m))
-    for row in range(4):
-        for column in range(4):
-            bands[BAND + row - column, column::4] = own[:, row, column]
-            if column < 2:  # U+ before row j is that behind row j - 1
-                bands[BAND + row - column + 4, column : 4 * (m - 1) : 4] = neighbours[1:, row, column]
+    own, neighbours = np.eye(n) - answer, -np.eye(n) - answer
+    source[0] -= neighbours[0, :, : n // 2] @ incident[:1].view(kind)
+    source[-1] -= neighbours[-1, :, n // 2 :] @ incident[1:].view(kind)
+    band = 2 * n - 1  # a row's equations reach from U+ before it to U- behind it
+    bands = np.zeros((2 * band + 1, n * m), kind)
+    for row in range(n):
+        for column in range(n):
+            bands[band + row - column, column::n] = own[:, row, column]
+            if column < n // 2:  # U+ before row j is that behind row j - 1
+                bands[band + row - column + n, column : n * (m - 1) : n] = neighbours[1:, row, column]
             else:
-                bands[BAND + row - column - 4, 4 + column :: 4] = neighbours[:-1, row, column]
-    found = solve_banded((BAND, BAND), bands, source.view(float).ravel()).view(complex).reshape(m, 2)
+                bands[band + row - column - n, n + column :: n] = neighbours[:-1, row, column]
+    found = solve_banded((band, band), bands, source.ravel(), overwrite_ab=True, check_finite=False)
+    found = found.view(complex).reshape(m, 2)
     forward = np.append(incident[0], found[:, 0])
     backward = np.append(found[:, 1], incident[1])
     return 0.5 * np.stack(

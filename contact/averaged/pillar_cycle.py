@@ -13,7 +13,7 @@ import numpy as np
 from contact import body
 from contact.averaged import ball_cycle, flat_cycle
 from contact.averaged import flat_cycle as columns
-from contact.averaged.march import march, passed, real_form
+from contact.averaged.march import march, passed
 from contact.averaged.pillars import PassingWave, Pillars
 from contact.body import Coordinates, tilted
 
@@ -153,7 +153,7 @@ class PillarCycle:
         tangential = np.divide(tangential, u_x, out=np.zeros_like(u_x), where=seen)
         # u_z = q_0 + q_1 and u_x = C q_0 + C* q_1 in F = (P_1 + C* Q_1, P_1 + C Q_1)
         shares = np.array([[abs(c) ** 2, c.conjugate() ** 2], [c**2, abs(c) ** 2]])
-        return real_form(normal[:, None, None] + shares * tangential[:, None, None])
+        return normal[:, None, None] + shares * tangential[:, None, None]
 
     def tangent(self, approach, w: float, side: float, forces: Forces):
         """Return the derivatives of the rows' forces by their amplitudes, shape (m, 4, 4); see `march`."""

@@ -16,6 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.linalg import eigvals
 
 from fem.condense.mesh import Assembly, MeshedPiece
 from fem.condense.piece import Port, RecoveredField
@@ -60,6 +61,12 @@ class RationalPiece:
     size: int
     stiffness: np.ndarray = field(repr=False)
     inertia: np.ndarray = field(repr=False)
+
+    @property
+    def resonances(self) -> np.ndarray:
+        """Omega^2 of the resonances with lines and ports held that are seen at the nodes, (rad/s)^2, complex."""
+        kept = self.frame.shape[1]
+        return eigvals(self.stiffness[kept:, kept:], self.inertia[kept:, kept:])
 
     def at(self, frequency: float) -> ReducedPiece:
         """The piece at a frequency in Hz; the field inside costs a condensation on first use."""

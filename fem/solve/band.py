@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem.circuit import Drive
+from fem.condense.mesh import MeshedPiece
+from fem.condense.reduced import PieceSample, rational_piece
 from fem.convergence_error import ConvergenceError
 from fem.discretize.refinement import LEVELS, first_level
 from fem.geometry import Stator, Transducer, outer_gaps
@@ -180,36 +182,66 @@ def frequency_band(
 
 def _unreduced_band(problem: BandProblem) -> Band:
     """Band of a stator with a step of thickness, or of one mesh, which the reduced model cannot hold: no reduction."""
-    (low, high), drive = problem.limits, problem.drive
+    level_tolerance = problem.tolerance
+    for _ in range(MAX_ROUNDS):
+        band = _unreduced_attempt(problem, level_tolerance)
+        if band.relative_error <= problem.tolerance:
+            return band
+        level_tolerance *= 0.5 * problem.tolerance / band.relative_error
+    raise ConvergenceError(
+        f"the stator's surface motion in the band is known to {band.relative_error:.1e} only, "
+        f"{problem.tolerance:.1e} was asked for: ask for less, or solve one frequency at a time",
+        reached=band,
+    )
+
+
+def _unreduced_attempt(problem: BandProblem, level_tolerance: float) -> Band:
+    """Band on the finest of the discretisations that meet a tolerance at three of its frequencies."""
+    (low, high), drive, stator = problem.limits, problem.drive, problem.stator
+    given = {"drive": drive, "tolerance": level_tolerance, "places": tuple(problem.places)}
     waves = [
-        driven_wave(
-            problem.stator,
-            problem.transducers,
-            frequency=frequency,
-            drive=drive,
-            tolerance=problem.tolerance,
-            places=tuple(problem.places),
-        )
+        driven_wave(stator, problem.transducers, frequency=frequency, **given)
         for frequency in (low, (low + high) / 2, high)
     ]
-    checks = [_Check.of(problem, wave.solution) for wave in waves]
-    worst = max(check.worst for check in checks)
-    growth = [max(1.0, worst / check.here / ESTIMATE_EXCESS) for check in checks]
     finest = max((wave.solution.fields.resolution for wave in waves), key=lambda resolution: resolution.order)
-    band = Band(
-        model=FullModel(
-            stator=problem.stator, transducers=problem.transducers, limits=problem.limits, resolution=finest
-        ),
+    model = FullModel(
+        stator=stator, transducers=problem.transducers, limits=problem.limits, resolution=finest
+    )
+    if stator.placement.whole is None:
+        checks = [_Check.of(problem, wave.solution) for wave in waves]
+        here, worst = [check.here for check in checks], max(check.worst for check in checks)
+    else:
+        fields = (wave.solution.fields for wave in waves)
+        here, worst = _closed_amplification(
+            [each if each.resolution == finest else model.port_fields(each.frequency) for each in fields]
+        )
+    growth = [max(1.0, worst / each / ESTIMATE_EXCESS) for each in here]
+    return Band(
+        model=model,
         relative_error=max(more * wave.relative_error for more, wave in zip(growth, waves, strict=True)),
         admittance_error=max(more * wave.admittance_error for more, wave in zip(growth, waves, strict=True)),
     )
-    if band.relative_error > problem.tolerance:
-        raise ConvergenceError(
-            f"the stator's surface motion in the band is known to {band.relative_error:.1e} only, "
-            f"{problem.tolerance:.1e} was asked for: ask for less, or solve one frequency at a time",
-            reached=band,
-        )
-    return band
+
+
+def _closed_amplification(nodes: list[PortFields]) -> tuple[list[float], float]:
+    """Resonant amplification of a stator of one mesh at some frequencies, and the largest between them.
+
+    Near a resonance p of omega^2 the motion goes as 1 / (p - omega^2), so that a relative error of p has
+    |p / (p - omega^2)| times the effect.
+    """
+    scatterers = [each.network.scatterers[0] for each in nodes]
+    pieces = [each.piece for each in scatterers if isinstance(each.piece, MeshedPiece)]
+    frame = scatterers[0].potentials
+    samples = [PieceSample.of(each, frame) for each in pieces]
+    resonances = rational_piece(pieces[0], frame, 0, samples).resonances
+    squares = np.array([(2 * np.pi * each.frequency) ** 2 for each in nodes])
+    nearest = np.clip(resonances.real, squares.min(), squares.max())
+
+    def amplification(square: np.ndarray | float) -> float:
+        with np.errstate(divide="ignore"):
+            return float(np.max(abs(resonances / (resonances - square)), initial=1.0))
+
+    return [amplification(square) for square in squares], amplification(nearest)
 
 
 def _attempt(problem: BandProblem, level_tolerance: float) -> tuple[Band, float]:

@@ -19,8 +19,8 @@ def left_out(
     """Return what is left out of the answer to a resolved scene.
 
     ``beam``: whether the motion of the surface is that of the finite apertures; ``reason``: why it is not, where the
-    scene leaves that open; ``ringing``: of a burst, None where the slider stands over a transducer; ``trajectories``:
-    levels and `contact.Trajectory` of the bursts.
+    scene leaves that open; ``ringing``: of a burst, None where the slider stands over a transducer or a mesh;
+    ``trajectories``: levels and `contact.Trajectory` of the bursts.
     """
     rows: list[tuple[bool, str]] = []
     if scene.wave is not None:
@@ -56,7 +56,8 @@ def _driven(scene: Scene) -> Iterator[tuple[bool, str]]:
     yield symmetric, "half of the guided-mode problem: x -> -x is a symmetry of this orientation"
     yield stator.above == "none", "field in the vacuum above: D_n = 0 on the bare surface"
     yield thin, "a Rayleigh wave: the plate is thinner than a wavelength, what is named so is a plate mode"
-    yield True, "elements in the uniform stretches: sums of guided modes instead"
+    whole = resolve.whole_stator(scene).placement.whole
+    yield whole is None, "elements in the uniform stretches: sums of guided modes instead"
     yield True, "interior field: only the surface was asked for"
 
 
@@ -100,7 +101,7 @@ def _recovery(scene: Scene) -> Iterator[tuple[bool, str]]:
 
 def _ring_up(slider, ringing: RingUp | None, trajectories) -> Iterator[tuple[bool, str]]:
     if ringing is None:
-        yield True, "the burst's ring-up: the slider stands over a transducer"
+        yield True, "the burst's ring-up: the slider stands over a transducer or a meshed piece"
         return
     count = len(trajectories)
     silent = sum(motion.rang == 0.0 for _, motion in trajectories)

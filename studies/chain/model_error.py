@@ -106,7 +106,12 @@ def _aperture(record: Record) -> Rows:
     """Yield what the finite aperture or, where it counts, the side faces do to u_z: the worst over the contacts."""
     motion, slider, block = record.surface_motion, record.scene.slider, record.scene.stator
     places = [(block.length / 2, 0.0)] if slider is None else list(slider.places)
-    if any(motion.covered(place) for place in places):
+    if record.scene.piece:  # a mesh has no modes, but the beam of the fingers reaches it
+        spans = [each.extent for each in resolve.transducers(record.scene)]
+        covered = any(low <= x <= high for x, _ in places for low, high in spans)
+    else:
+        covered = any(motion.covered(place) for place in places)
+    if covered:
         return
     if motion.beam is None:
         worst = max(_spread(record, *zip(*places, strict=True)) - 1, key=abs)

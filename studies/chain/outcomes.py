@@ -1,4 +1,4 @@
-"""What a point of a sweep is answered with beside its velocity: amplitudes, power, limits, thrust, efficiency."""
+"""Outcomes of a sweep's point other than the velocity: amplitudes, power, thresholds, thrust, efficiency."""
 
 from contextlib import suppress
 from typing import TYPE_CHECKING
@@ -38,8 +38,13 @@ def amplitudes(driven: DrivenContact) -> dict:
     return outcomes | dict(zip(ELECTRICAL, taken, strict=True))
 
 
-def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict) -> dict:
-    """Return the answer with what was asked for beside the velocity, words of ``ALSO``; totals of the slider."""
+def also_asked(
+    also, tolerance: float, driven: DrivenContact, answer: dict, *, averaged: bool = False
+) -> dict:
+    """Return the answer with the outcomes that ``also`` names, words of ``ALSO``; forces and powers are totals.
+
+    ``averaged``: a start is followed by averaging where that applies, whatever its error.
+    """
     if not also or "velocity_m_per_s" not in answer:
         return answer
     import contact
@@ -60,7 +65,8 @@ def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict) -> d
                 thrust = max(contact.blocked_thrust(slider, orbits)[0], 0.0)
             answer["thrust_N"] = thrust * share
         if "start-up" in also:
-            time = start_up_time(slider, orbits, abs(answer["velocity_m_per_s"]), thrust, tolerance)
+            final = abs(answer["velocity_m_per_s"])
+            time = start_up_time(slider, orbits, final, thrust, tolerance, averaged=averaged)
             answer |= {} if time is None else {"start_up_time_s": time}
         if "efficiency" in also:
             out, answer["contact_efficiency"] = half_thrust(slider, orbits, thrust, tolerance)
@@ -71,11 +77,19 @@ def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict) -> d
 
 
 def start_up_time(
-    slider: "contact.Slider", orbits: tuple, final: float, thrust: float, tolerance: float
+    slider: "contact.Slider",
+    orbits: tuple,
+    final: float,
+    thrust: float,
+    tolerance: float,
+    *,
+    averaged: bool = False,
 ) -> float | None:
     """Return the time from rest to 63 % of the steady velocity ``final``, s; None where a burst does not reach it.
 
-    The burst is four times as long as the blocked ``thrust`` would take to that velocity.
+    The burst is four times as long as the blocked ``thrust`` would take to that velocity.  ``averaged``: for
+    differences between times that are nearly the same, where averaging's error cancels and the exact motion would take
+    100 times as long.
     """
     from scipy.interpolate import CubicSpline
 
@@ -84,9 +98,13 @@ def start_up_time(
     if not final * thrust > 0.0:
         return None
     duration = 4.0 * slider.mass * final / thrust
-    motion = contact.burst(
-        slider, orbits, duration=duration, after=0.0, tolerance=tolerance, samples=400, method="auto"
-    )
+    options = {"duration": duration, "after": 0.0, "tolerance": tolerance, "samples": 400}
+    try:
+        motion = contact.burst(slider, orbits, method="averaged" if averaged else "auto", **options)
+    except contact.ConvergenceError:
+        if not averaged:
+            raise
+        motion = contact.burst(slider, orbits, method="auto", **options)
     share = CubicSpline(motion.time, np.abs(motion.velocity) / final - RISE)
     times = [root for root in share.roots(extrapolate=False) if root > 0.0]
     return float(times[0]) if times else None

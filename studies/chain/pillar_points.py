@@ -69,6 +69,14 @@ class PillarContact:
         return abs(other - velocity) / (SENSITIVITY_STEP * abs(velocity))
 
 
+def pillar_velocity(driven: DrivenContact, level: float) -> float:
+    """Return the velocity at a level alone, m/s, without its error; NaN where there is none."""
+    try:
+        return PillarContact.of(driven).motion(level).velocity
+    except contact.ConvergenceError:
+        return math.nan
+
+
 def point_of(motion) -> dict:
     """Return what a point of run.json says of a `contact.PillarMotion`."""
     if motion.held:

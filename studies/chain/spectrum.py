@@ -17,7 +17,7 @@ from studies.chain import resolve
 from studies.refusal import RunError
 from studies.scene import Scene
 
-WIDEST = 1.6  # highest over lowest frequency of one band
+MAX_BAND_RATIO = 1.6  # highest over lowest frequency of one band
 FEW = 5  # frequencies that cost less one by one than the set-up of a band
 
 
@@ -111,7 +111,7 @@ def driving_point(ports, transducers, drive):
 
 def _edges(lowest: float, highest: float) -> list[float]:
     """Return the ends of the bands that a range is cut into, Hz."""
-    count = max(1, math.ceil(math.log(highest / lowest) / math.log(WIDEST)))
+    count = max(1, math.ceil(math.log(highest / lowest) / math.log(MAX_BAND_RATIO)))
     return [lowest * (highest / lowest) ** (k / count) for k in range(count)] + [highest]
 
 

@@ -31,7 +31,7 @@ class Steps:
         if scene.wave is not None:
             return cls(driven=driven)
         if driven.record.surface_motion.covered(center):
-            return cls(driven=driven, reason="the slider stands over a transducer")
+            return cls(driven=driven, reason="the slider stands over a transducer or a meshed piece")
         if scene.slider.method == "exact":
             return cls(driven=driven, reason="slider.method is exact")
         flat = contact.Envelope(time=[0.0], amplitude=[1.0], phase=[0.0])

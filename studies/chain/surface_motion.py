@@ -68,7 +68,7 @@ class SurfaceMotion:
         return place[0] if self.beam is None else self.beam.in_section(*place)
 
     def covered(self, place: tuple[float, float]) -> bool:
-        """Whether a place lies under a transducer of the section."""
+        """Whether a place lies under a transducer or on a meshed piece of the section."""
         return self.wave.covered(self.in_section(place))
 
     def _known_at(self, places) -> list:

@@ -3,9 +3,9 @@
 import argparse
 from pathlib import Path
 
-from studies.command.given_scene import without_bands
 from studies.command.options import add_shared
 from studies.command.output import committed_pictures, origin_of, say
+from studies.command.scene_argument import without_bands
 from studies.progress import Progress
 from studies.results import Origin, result_directory
 from studies.scene import read_table

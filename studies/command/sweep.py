@@ -3,8 +3,8 @@
 import argparse
 from pathlib import Path
 
-from studies.command.given_scene import changed_file, tolerance
 from studies.command.options import add_shared
+from studies.command.scene_argument import changed_file, read_tolerance
 from studies.scene import scene_path
 from studies.scene.override import axes_given
 
@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="",
         metavar="LIST",
         help="beside the velocity: limits (threshold, release), thrust (blocked), efficiency, pressure, step (cycle), "
-        "start-up (time to 63 % of the velocity)",
+        "start-up (time to 63 %% of the velocity)",
     )
     parser.add_argument(
         "--tolerance", metavar="T", help="bound of the relative error of the last quantity (1e-3)"
@@ -39,4 +39,4 @@ def call(arguments: argparse.Namespace) -> int:
 
     table = changed_file(arguments).table
     out = arguments.out or Path("results") / f"{scene_path(arguments.scene).stem}-sweep"
-    return run_sweep(arguments, table, axes_given(arguments.over), tolerance(arguments.tolerance), out)
+    return run_sweep(arguments, table, axes_given(arguments.over), read_tolerance(arguments.tolerance), out)

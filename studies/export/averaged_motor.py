@@ -273,7 +273,9 @@ def _drive(driven: DrivenContact, progress, left_out: list) -> Drive:
     record, center = driven.record, driven.scene.slider.center
     ringing = RingUp(error=0.0)
     if record.surface_motion.covered(center):
-        left_out.append("the wave follows its drive at once, because the slider stands over a transducer")
+        left_out.append(
+            "the wave follows its drive at once, because the slider stands over a transducer or a meshed piece"
+        )
     else:
         alone = record.scene
         drive = replace(alone.drive, burst=1.0 / alone.frequency)

@@ -19,6 +19,7 @@ from studies.refusal import RunError
 STEP = 1e-4  # of the logarithm, or of the range: differences err by its square, predictions by 1e-9
 STATOR_STEP = 1e-3  # a stator's answer is known to the predictor's tolerance only
 SAMPLES, MAX_LOOKED_AT = 64, 8  # starts; of which the best are looked at
+FEW_SAMPLES, FEW_LOOKED_AT = 8, 3  # likewise, of velocities that are solved one by one
 BETWEEN = 9  # points on the line between two minima
 MAX_EVALUATIONS = 60
 CLEARLY = 1e-3  # lower, relative: what is no other minimum but the same one along a direction of no effect
@@ -125,7 +126,8 @@ class Problem:
         starts = self.starts()
         squares = np.sum(self.residuals(starts) ** 2, axis=1)
         solutions = [self.minimum(starts[0])]
-        for k in [k for k in np.argsort(squares)[:MAX_LOOKED_AT] if k > 0]:
+        looked_at = FEW_LOOKED_AT if self.predictor.one_by_one else MAX_LOOKED_AT
+        for k in [k for k in np.argsort(squares)[:looked_at] if k > 0]:
             if not all(self._parted(starts[k], other, squares[k]) for other, _ in solutions):
                 continue  # in the valley of a minimum that is known
             x, least = self.minimum(starts[k])
@@ -158,7 +160,8 @@ class Problem:
         if slow or any(each.quantity == "burst" for each in self.measurements):
             return starts
         count = len(self.parameters)
-        for point in qmc.LatinHypercube(count, rng=np.random.default_rng(0)).random(SAMPLES):
+        samples = FEW_SAMPLES if self.predictor.one_by_one else SAMPLES
+        for point in qmc.LatinHypercube(count, rng=np.random.default_rng(0)).random(samples):
             spread = self.low[:count] + point * (self.high - self.low)[:count]
             starts.append(np.array([*spread, *shared]))
         return starts

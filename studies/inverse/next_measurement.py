@@ -12,8 +12,10 @@ import numpy as np
 from studies.inverse.least_squares import Problem
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
 from studies.record.measured import FIELD, Measurement
+from studies.report.intermediate import si
 
 FREQUENCY_ERROR, AMPLITUDE_ERROR, WEIGHED = 0.01, 0.02, 0.01
+USELESS = 0.99  # of the standard deviation: a measurement that leaves more than this is not named
 WEIGHABLE = ("slider.preload", "slider.mass", "slider.radius")
 INSTANTS = 40
 
@@ -55,7 +57,7 @@ def candidates(problem: Problem) -> list[Measurement]:
         spread = tuple(np.linspace(min(levels), top, 12)) if len(levels) > 1 else (top,)
         for size in (0.5 * preload, 2.0 * preload):
             settings = base.settings | {"slider.preload": size}
-            think(f"velocity at a preload of {size * 1e3:.3g} mN", at=spread, settings=settings)
+            think(f"velocity at a preload of {si(size, 'N', 3)}", at=spread, settings=settings)
         think("velocity up to twice the level", at=tuple(np.linspace(top, 2 * top, 6)))
         if "burst" not in own and base.quantity != "position":
             start = [p.start(predictor.value(p.key)) for p in problem.parameters]
@@ -80,7 +82,7 @@ def candidates(problem: Problem) -> list[Measurement]:
 
 
 def ranked(problem: Problem, best: np.ndarray, information: np.ndarray) -> list[Candidate]:
-    """Return the candidates, each with the number that it narrows most, the most useful first.
+    """Return the candidates that narrow a number, each with the one that it narrows most, the most useful first.
 
     ``information``: Fisher information of the data and the ranges, over x.
     """
@@ -99,7 +101,8 @@ def ranked(problem: Problem, best: np.ndarray, information: np.ndarray) -> list[
             row[0, k] = 1.0 / WEIGHED / (1.0 if parameter.logarithmic else parameter.outer(best[k]) or 1.0)
             name = f"{parameter.key} itself, to {100 * WEIGHED:g} %"
             gains.append(_gain(problem, name, information, row, before))
-    return sorted(gains, key=lambda each: each.after / each.before)
+    useful = [each for each in gains if each.after < USELESS * each.before]
+    return sorted(useful, key=lambda each: each.after / each.before)
 
 
 def _gain(problem, name, information, slopes, before) -> Candidate:

@@ -115,13 +115,16 @@ class Fit:
         """Return (level or time, best, low, high) of a measurement's 95 % predictive band, without its noise.
 
         The percentiles of ``DRAWS`` normal draws of the logarithms about the best fit, kept within the ranges; where
-        the stator or a burst would be computed for each, two standard deviations of the linearised prediction.
+        the stator, a burst or a slider on pillars would be computed for each, two standard deviations of the
+        linearised prediction.
         """
         problem, imagined = self.problem, _drawn(measurement)
         at = np.array(imagined.coordinate)
         best = problem.predictions([self.best], (imagined,))[0][0]
-        slow = measurement.quantity not in ("velocity", "amplitude") or any(
-            problem.predictor.needs_stator(p.key) for p in problem.parameters
+        slow = (
+            problem.predictor.one_by_one
+            or measurement.quantity not in ("velocity", "amplitude")
+            or any(problem.predictor.needs_stator(p.key) for p in problem.parameters)
         )
         if slow:
             steps = np.linalg.cholesky(self.covariance).T

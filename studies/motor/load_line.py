@@ -15,6 +15,7 @@ import contact
 from studies.chain.pillar_points import PillarContact
 from studies.record.plots import curve, family, finished
 from studies.record.quantities import quantity
+from studies.report.intermediate import load_axis, si
 from studies.scene import Scene
 from studies.study import Answered, Panel, driven_contact, judged, of_record, study
 
@@ -58,27 +59,39 @@ def run(scene: Scene, *, points: int = 17, progress=None) -> Answered:
                holds=all(0 < int(np.argmax(line.efficiency)) < points - 1 for line in lines.values()),
                remark="of the power that the wave gives the contacts, not of the electrical power"),
     )  # fmt: skip
+    stalls = {key: balls * line.blocked_thrust for key, line in lines.items()}
+    best, line = max(lines.items(), key=lambda each: np.max(each[1].efficiency))
+    at = int(np.argmax(line.efficiency))
+    answer = [
+        ("blocked thrust", ", ".join(f"{si(stall, 'N', 4)} at {key}" for key, stall in stalls.items())),
+        (
+            "efficiency",
+            f"of the contact at most {100 * line.efficiency[at]:.3g} %: at {best}, under "
+            f"{si(balls * line.load[at], 'N', 3)}, at {si(abs(line.velocity[at]), 'm/s', 3)}",
+        ),
+    ]
     panels = [
         Panel(name=file, title=f"{resolved_scene.title}: {title}", data={
             "load_N": {key: balls * line.load for key, line in lines.items()},
             "value": {key: np.abs(getattr(line, value)) for key, line in lines.items()}, 
             "axis": quantity(key).axis, "factor": quantity(key).scale,
-            "blocked_thrust_N": {key: balls * line.blocked_thrust for key, line in lines.items()},
+            "blocked_thrust_N": stalls,
         })
         for file, title, value, key in (
             ("load_line", "load line", "velocity", "velocity_m_per_s"),
             ("efficiency", "efficiency of the contact", "efficiency", "efficiency"),
         )
     ]  # fmt: skip
-    return panels, findings
+    return panels, findings, answer
 
 
 @of_record
 def figure(record: Panel, ax):
     """Draw a quantity against load."""
     data = record.data
+    factor, label = load_axis(max(max(load) for load in data["load_N"].values()))
     for name, load, colour in family(data["load_N"]):
         values = np.asarray(data["value"][name]) * data["factor"]
-        curve(ax, np.asarray(load) * 1e6, values, ".-", colour, name)
+        curve(ax, np.asarray(load) * factor, values, ".-", colour, name)
     ax.set_ylim(bottom=0)
-    return finished(ax, quantity("load_N").axis, data["axis"], record.title, columns=3)
+    return finished(ax, label, data["axis"], record.title, columns=3)

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from studies.chain.moduli import direction_dependence
 from studies.chain.resolve import solid
+from studies.report.intermediate import si
 from studies.scene import Scene
 from studies.scene.blocks import Stator
 
@@ -22,6 +23,9 @@ def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
         kind = each.pattern or ("split fingers" if each.split else "plain")
         pairs = f"{each.finger_pairs} pairs, {kind}, period {each.wavelength * 1e3:.6g} mm"
         yield "transducer", [f"{each.name}: {pairs}, {driven}"]
+    for piece in scene.piece:
+        places = ", ".join(f"{place * 1e3:g}" for place in piece.position)
+        yield "piece", [f"{piece.label}: its x = 0 at {places} mm"]
     yield "frequency", [f"{scene.frequency / 1e6:g} MHz"]
     if scene.levels:
         name, factor, unit = ("voltage", 1, "V") if scene.wave is None else ("amplitude", 1e9, "nm")
@@ -31,7 +35,7 @@ def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
     if scene.slider is not None:
         slider = scene.slider
         moduli = f"E* {slider.effective_modulus / 1e9:.4g} GPa, G* {slider.tangential_modulus / 1e9:.4g} GPa"
-        weight = f"{slider.mass * 1e3:g} g, preload {slider.preload_force * 1e3:g} mN"
+        weight = f"{slider.mass * 1e3:g} g, preload {si(slider.preload_force, 'N')}"
         if slider.pillars is not None:
             from studies.chain.pillars import layout, stiffnesses
 

@@ -5,7 +5,7 @@ from studies.record.quantities import quantity
 from studies.record.run_pictures import velocity
 from studies.record.text import sentences
 from studies.report.datasheet import SETTLED, Datasheet, Row
-from studies.report.intermediate import si
+from studies.report.intermediate import load_axis, si
 from studies.report.page import rendered
 from studies.results.content import provenance
 
@@ -74,11 +74,12 @@ def speed(sheet: Datasheet, ax):
 
 def load_lines(sheet: Datasheet, ax):
     """Draw speed against load at some levels of the drive."""
+    factor, label = load_axis(max(sheet.balls * line.load[-1] for line in sheet.lines.values()))
     for name, line, colour in family(sheet.lines):
-        curve(ax, sheet.balls * line.load * 1e6, line.velocity * 1e3, ".-", colour, name)
+        curve(ax, sheet.balls * line.load * factor, line.velocity * 1e3, ".-", colour, name)
     ax.set_xlim(left=0)
     ax.set_ylim(bottom=0)
-    return finished(ax, quantity("load_N").axis, quantity("velocity_m_per_s").axis, "speed against load")
+    return finished(ax, label, quantity("velocity_m_per_s").axis, "speed against load")
 
 
 def start_and_stop(sheet: Datasheet, ax):

@@ -46,6 +46,18 @@ def prefixed(size: float) -> tuple[int, str]:
     return (power, PREFIXES[power]) if power in PREFIXES else (0, "")
 
 
+def load_axis(largest: float) -> tuple[float, str]:
+    """Return the factor and the label of an axis of loads, in the unit of the largest, which is in N.
+
+    Examples
+    --------
+    >>> load_axis(1.2), load_axis(3e-4)
+    ((1.0, 'load (N)'), (1000000.0, 'load (µN)'))
+    """
+    power, letter = prefixed(largest)
+    return 10.0**-power, f"load ({letter}N)"
+
+
 def intermediate_numbers(record: Record) -> tuple[Number, ...]:
     """Return the numbers between the scene and the answer, in the order of the chain."""
     stages = {"drive": _drive(record)}

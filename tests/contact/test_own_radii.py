@@ -15,9 +15,10 @@ WAVE = PassingWave(
 )
 
 
-def test_balls_of_one_radius_in_phase_are_the_slider_of_equal_balls():
+@pytest.mark.parametrize("changed", [{}, {"shape": "punch", "radius": 2e-5}])
+def test_contacts_of_one_radius_in_phase_are_the_slider_of_equal_contacts(changed):
     # Twin: the compiled equilibrium of `mean_motion`
-    body = slider(load=1e-5)
+    body = slider(load=1e-5, **changed)
     old = mean_motion(body, (orbit(3e-9).mirrored(),) * 3)
     found = pillar_motion(balls_of(body, [0.0], weights=3.0), WAVE, load=body.load, loading=False)
     assert found.velocity == pytest.approx(float(old.first_order), rel=1e-9)
@@ -73,5 +74,7 @@ def test_balls_of_a_law_that_the_equilibrium_does_not_know_are_refused():
         balls_of(slider(law="hysteretic"), [0.0])
     with pytest.raises(InputError, match="radius"):
         balls_of(slider(), [0.0], radius=-1.0)
+    with pytest.raises(InputError, match="must be one of 'punch', 'sphere'"):
+        replace(balls_of(slider(), [0.0]), shape="cone")
     with pytest.raises(InputError, match="harmonics"):
         pillar_motion(balls_of(slider(), [0.0]), WAVE, loading="harmonics")

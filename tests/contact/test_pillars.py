@@ -144,7 +144,7 @@ def test_the_loaded_wave_leaves_as_independent_programs_say(monkeypatch):
 
     def forward_only(turns, force, slope, amplitude, g, incident):
         here, half, found = incident[0], 0.5j * g, amplitude.copy()
-        own = slope[:, 0, 0] + 1j * slope[:, 1, 0]
+        own = slope[:, 0, 0]
         for j, turn in enumerate(turns):
             before = here * turn
             found[j, 0] = (before + half * (force[j, 0] - own[j] * amplitude[j, 0])) / (1.0 - half * own[j])

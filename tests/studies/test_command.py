@@ -9,6 +9,7 @@ import sys
 import pytest
 
 from studies.__main__ import main
+from studies.command.parser import COMMANDS
 from studies.record import Record
 from studies.results import MANIFEST
 from studies.scene import Scene, shipped_scenes
@@ -289,6 +290,13 @@ def test_help_names_every_call(call):
     assert status == 0
     assert all(word in out for word in ("run", "wave", "study", "sweep", "view", "scenes", "check"))
     assert call()[0] == 0
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_prints_its_help(call, name):
+    status, out, _ = call(name, "--help")
+    assert status == 0
+    assert out.startswith(f"usage: sawmotor {name}")
 
 
 HEAVY = ("skfem", "numba", "pyvista", "matplotlib", "pint", "rich", "dask")

@@ -12,6 +12,7 @@ from studies.motor import load_line, regime_map, step_planner
 from studies.record.plots import new_figure
 from studies.refusal import SceneError
 from studies.scene import Scene, read_table
+from studies.study import Panel
 from tests.studies.legible import assert_legible
 from tests.studies.settings import assigned
 
@@ -96,6 +97,18 @@ def test_load_line_stalls_and_is_below_one():
     ax = load_line.figure(record.panels[0], new_figure(7.0, 4.3)[1])
     assert_legible(ax.figure)
     assert len(ax.get_lines()) == 4
+    assert ax.get_xlabel() == "load (µN)"
+    stalls = record.panels[0].data["blocked_thrust_N"]
+    said = dict(record.answer)["blocked thrust"]
+    assert [float(each.split()[0]) for each in said.split(", ")] == pytest.approx(
+        [1e6 * stall for stall in stalls.values()], rel=1e-3
+    )
+
+
+def test_a_load_line_s_axis_has_the_unit_of_its_loads():
+    data = {"load_N": {"100 V": [0.0, 1.2]}, "value": {"100 V": [0.8, 0.0]}, "axis": "", "factor": 1.0}
+    ax = load_line.figure(Panel(name="load_line", title="", data=data), new_figure(7.0, 4.3)[1])
+    assert (ax.get_xlabel(), ax.get_lines()[0].get_xdata()[-1]) == ("load (N)", 1.2)
 
 
 def test_steps_are_planned_and_grow_as_the_square_of_the_cycles():

@@ -24,7 +24,7 @@ LEVELS = tuple(np.linspace(1.0, 4.0, 7))
 class Model:
     """A predictor whose answer is a formula of its numbers and the level."""
 
-    given_wave, table = True, {}
+    given_wave, one_by_one, table = True, False, {}
 
     def __init__(self, formula, **own):
         self.formula, self.own = formula, own

@@ -11,6 +11,7 @@ import contact
 import fem
 from studies import Scene, run
 from studies.chain import pillars
+from studies.inverse import Measurement
 from studies.record import Record
 from studies.refusal import SceneError
 
@@ -473,3 +474,38 @@ def test_the_pictures_show_the_tables():
     )
     ax = drawn["pressure"](Figure().add_subplot())
     assert ax.collections[0].get_array().sum() == pytest.approx(180.0, rel=1e-6)  # mN
+
+
+def test_a_fit_on_pillars_solves_hundreds_of_slider_motions_not_thousands(monkeypatch):
+    """Each costs 0.06 s for 2500 pillars: a band of drawn motors and a close search would take an hour."""
+    from studies.inverse import fit, prediction
+    from studies.inverse.result import GRID
+
+    true = scene(
+        wave={"normal_amplitude": [10e-9, 15e-9, 20e-9]}, friction_coefficient=0.2, pillars={"rows": 4}
+    )
+    speeds = tuple(run(true).velocity)
+    solved, velocities = [], prediction.MeasurementPredictor.velocities
+
+    def counted(predictor, states):
+        solved.append(len(states))
+        return velocities(predictor, states)
+
+    monkeypatch.setattr(prediction.MeasurementPredictor, "velocities", counted)
+    lab = Measurement(
+        name="lab", quantity="velocity", level_key="normal_amplitude_m", levels=(10e-9, 15e-9, 20e-9),
+        values=speeds, deviations=tuple(0.01 * abs(each) for each in speeds),
+    )  # fmt: skip
+    found = fit(
+        true.replace(slider={"friction_coefficient": 0.1}),
+        [lab],
+        {"slider.friction_coefficient": (0.02, 0.6)},
+    )
+    assert found.values["slider.friction_coefficient"] == pytest.approx(0.2, rel=1e-5)
+    assert sum(solved) < 500
+    solved.clear()
+    _, best, low, high = found.band(lab)
+    assert (low < best).all()
+    assert (best < high).all()
+    assert sum(solved) <= 2 * GRID
+    assert all(each.after < 0.99 * each.before for each in found.candidates)

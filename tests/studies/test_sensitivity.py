@@ -89,6 +89,15 @@ def test_the_start_up_time_goes_as_the_mass(predictor):
     assert 2e-4 < times[0] < 5e-3  # a light slider, to be quick
 
 
+def test_an_averaged_start_is_the_exact_one(predictor):
+    changes = [{"slider.mass": 0.04 * predictor.value("slider.mass"), "wave.normal_amplitude": 6.3e-9}]
+    (averaged,), (exact,) = (
+        predictor.answers(changes, ("start-up",), tolerance=1e-6, averaged=way) for way in (True, False)
+    )
+    assert averaged["start_up_time_s"] == pytest.approx(exact["start_up_time_s"], rel=2e-3)
+    assert averaged["start_up_time_s"] != exact["start_up_time_s"]
+
+
 @pytest.mark.slow
 def test_numbers_of_a_stator(monkeypatch):
     """Against differences of whole runs; without diffraction the aperture moves nothing."""

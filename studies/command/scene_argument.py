@@ -1,4 +1,4 @@
-"""The scene of a call, with the changes that its options make."""
+"""The scene that a call of the command names, changed by its options ``--set`` and ``--voltage``."""
 
 import argparse
 
@@ -31,11 +31,11 @@ def changed_file(arguments: argparse.Namespace) -> SceneFile:
 
 
 def without_bands(table: dict) -> None:
-    """Say that the tolerances of a scene are not looked at, if it has any."""
+    """Say that this command ignores the tolerances of a scene, if it has any."""
     if "uncertain" in parted(table):
         say(["[uncertain] is not used here: its bands are those of sawmotor run"])
 
 
-def tolerance(text: str | None) -> float:
-    """Return the tolerance of a call, 1e-3 when absent."""
+def read_tolerance(text: str | None) -> float:
+    """Return the value of ``--tolerance``; 1e-3 when absent."""
     return Quantity(below=1.0).read("--tolerance", 1e-3 if text is None else toml_value(text))
