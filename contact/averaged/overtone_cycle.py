@@ -8,7 +8,7 @@ import numpy as np
 
 from contact.averaged import flat_cycle as columns
 from contact.averaged.flat_cycle import COLUMNS
-from contact.averaged.march import passed
+from contact.averaged.march import march
 from contact.averaged.overtone_march import Classes, Spectrum, Waves, overtone_march, samples
 from contact.averaged.pillar_cycle import Forces, PillarCycle
 from contact.convergence_error import ConvergenceError
@@ -100,19 +100,18 @@ class OvertoneCycle(PillarCycle):
         Contacts in touch are springs to it: the forces F of a row follow F_0 + S (U - U_0), S the sum of their normal
         stiffnesses, each for its share of the cycle. What this leaves out shrinks by about ten times in each sweep.
         """
-        upstream = slice(None, None, -1) if self.forward_drives else slice(None)
-        other, entry = (self.backward, 1) if self.forward_drives else (self.forward, 0)
-        other, turn = other[upstream, 0], (self.turn.conj() if self.forward_drives else self.turn)[upstream]
+        side, m = (1 if self.forward_drives else 0), self.turn.size  # of the wave against, in (U+, U-)
+        other = (self.forward, self.backward)[side][:, 0]
         orbit = self.wave.orbit if self.forward_drives else self.wave.orbit.conjugate()
-        force = self._forces()[upstream, :, 0]
-        spring = 0.5j * self.g * self.sums(forces.cycles[:, columns.SHARE] * self.k_n)[upstream]
-        # U behind a row, as it meets them, is that before it times (1 + spring)/(1 - spring), and a source
-        phase = np.cumprod((1.0 + spring) / (1.0 - spring))
-        source = 1j * self.g * (force[:, 0] + orbit * force[:, 1]) - 2.0 * spring * other
-        source *= turn.conj() / (1.0 - spring)
-        behind = phase * (self.incident[entry] + np.cumsum(source / phase))
-        before = np.concatenate([self.incident[entry : entry + 1], behind[:-1]])
-        step = 0.5 * (before + behind) * turn - other
+        normal, tangential = self.row_forces(forces)[..., 0].T
+        force, amplitude, slope = (
+            np.zeros((m, 2), complex),
+            np.zeros((m, 2), complex),
+            np.zeros((m, 2, 2), complex),
+        )
+        force[:, side], amplitude[:, side] = normal + orbit * tangential, other
+        slope[:, side, side] = self.sums(forces.cycles[:, columns.SHARE] * self.k_n)
+        step = march(self.turn, force, slope, amplitude, self.g, self.incident)[:, side] - other
         change = float(np.abs(step).max()) / max(self.wave.amplitude, 1e-300)
         # D. G. Anderson, J. ACM 12 (1965) 547: of the last sweeps the combination with the smallest step
         self.sweeps = [*self.sweeps[1 - MEMORY :], (other.copy(), step)]
@@ -127,26 +126,26 @@ class OvertoneCycle(PillarCycle):
     def tangent(self, *_):
         """Return None: there is no step of Newton's, the sweeps go on."""
 
-    def _forces(self):
+    def row_forces(self, _forces: Forces):
         """Return sum P_n and sum Q_n of the rows from left to right, shape (m, 2, N)."""
         return self.spectrum.force[self.downstream]
 
-    def passed(self, _forces: Forces):
-        """Return U+ behind each row and U- before it, shape (2, m, N); the one against has no overtones."""
-        force = self._forces()
-        found = passed(self.turn, force[:, 0], force[:, 1], self.wave.orbit, self.g, self.incident)
+    def passed(self, forces: Forces):
+        """Return U+ behind each row and U- before it, shape (2, m, N); the wave against has no overtones."""
+        found = super().passed(forces)
         found[1 if self.forward_drives else 0, :, 1:] = 0.0
         return found
 
     def radiated(self, g: float, approach, w: float, side: float) -> complex:
         """Return the last overtone at the exit that contacts on the amplitudes as they stand send along with them."""
-        self.forces(approach, w, side)
+        forces = self.forces(approach, w, side)
         self.g = g
-        return complex(self.passed(None)[0, -1, -1] if self.forward_drives else self.passed(None)[1, 0, -1])
+        found = self.passed(forces)
+        return complex(found[0, -1, -1] if self.forward_drives else found[1, 0, -1])
 
-    def work(self, _forces: Forces):
+    def work(self, forces: Forces):
         """Return the complex power over omega of the surface on each row and in each harmonic."""
-        force, (u_z, u_x) = self._forces(), self.amplitudes()
+        force, (u_z, u_x) = self.row_forces(forces), self.amplitudes()
         driving, orbit = (
             (self.forward, self.wave.orbit)
             if self.forward_drives

@@ -136,7 +136,7 @@ class PillarCycle:
             return 0.0
         amplitude, size = np.stack([self.forward, self.backward], axis=1), max(self.wave.amplitude, 1e-300)
         given = self._proportional(forces) if slope is None else slope
-        step = march(self.turn, self._row_forces(forces), given, amplitude, self.g, self.incident) - amplitude
+        step = march(self.turn, self._driving(forces), given, amplitude, self.g, self.incident) - amplitude
         change = float(np.abs(step).max()) / size
         if slope is not None and change > MAX_STEP:
             step *= MAX_STEP / change
@@ -145,7 +145,7 @@ class PillarCycle:
 
     def _proportional(self, forces):
         """Return the slope of forces P_1 = s_n u_z and Q_1 = s_t u_x: exact where contacts stick all the time."""
-        normal, tangential = self.sums(forces.first_normal), self.sums(forces.first_tangential)
+        normal, tangential = self.row_forces(forces)[..., 0].T
         (u_z, u_x), c = self.amplitudes(), self.wave.orbit
         reach = abs(self.forward) + abs(self.backward)
         seen = abs(u_x) > TANGENTIAL_SHARE * abs(c) * reach
@@ -157,34 +157,38 @@ class PillarCycle:
 
     def tangent(self, approach, w: float, side: float, forces: Forces):
         """Return the derivatives of the rows' forces by their amplitudes, shape (m, 4, 4); see `march`."""
-        here, size = self._row_forces(forces).view(float), max(self.wave.amplitude, 1e-300)
+        here, size = self._driving(forces).view(float), max(self.wave.amplitude, 1e-300)
         slope = np.empty((self.turn.size, 4, 4))
         kept = self.forward, self.backward
         for k, step in enumerate((STEP, 1j * STEP, STEP, 1j * STEP)):
             moved = list(kept)
             moved[k // 2] = kept[k // 2] + step * size
             self.forward, self.backward = moved
-            there = self._row_forces(self.forces(approach, w, side)).view(float)
+            there = self._driving(self.forces(approach, w, side)).view(float)
             slope[:, :, k] = (there - here) / (STEP * size)
         self.forward, self.backward = kept
         return slope
 
-    def passed(self, forces: Forces):
-        """Return U+ behind each row and U- before it, with the forces that belong to the amplitudes as they stand.
+    def row_forces(self, forces: Forces):
+        """Return sum P_n and sum Q_n of the rows from left to right, shape (m, 2, number of harmonics), here one."""
+        return np.stack([self.sums(forces.first_normal), self.sums(forces.first_tangential)], axis=1)[
+            ..., None
+        ]
 
-        Shape (2, m, number of harmonics).
+    def passed(self, forces: Forces):
+        """Return U+ behind each row and U- before it, shape (2, m, number of harmonics).
+
+        With the forces that belong to the amplitudes as they stand.
         """
-        normal, tangential = self.sums(forces.first_normal), self.sums(forces.first_tangential)
-        return passed(self.turn, normal[:, None], tangential[:, None], self.wave.orbit, self.g, self.incident)
+        force = self.row_forces(forces)
+        return passed(self.turn, force[:, 0], force[:, 1], self.wave.orbit, self.g, self.incident)
 
     def work(self, forces: Forces):
         """Return the complex power over omega of the surface on each row; what it takes is the imaginary part."""
-        normal, tangential = self.sums(forces.first_normal), self.sums(forces.first_tangential)
-        u_z, u_x = self.amplitudes()
-        return 0.5 * (normal * u_z.conj() + tangential * u_x.conj())
+        force, (u_z, u_x) = self.row_forces(forces)[..., 0], self.amplitudes()
+        return 0.5 * (force[:, 0] * u_z.conj() + force[:, 1] * u_x.conj())
 
-    def _row_forces(self, forces):
+    def _driving(self, forces):
         """Return (sum P_1 + C* Q_1, sum P_1 + C Q_1) of each row, shape (m, 2)."""
-        normal, tangential = self.sums(forces.first_normal), self.sums(forces.first_tangential)
         orbit = self.wave.orbit
-        return np.stack([normal + orbit.conjugate() * tangential, normal + orbit * tangential], axis=1)
+        return self.row_forces(forces)[..., 0] @ np.array([[1.0, 1.0], [orbit.conjugate(), orbit]])

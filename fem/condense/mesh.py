@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from fem.condense.fronts import Dissection, Factor
 from fem.condense.interface import line_projection
@@ -23,6 +24,7 @@ from fem.discretize.grading import Resolution
 from fem.discretize.quads import QuadSpace, medium_block, medium_tables
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.geometry import Stator
+from fem.materials import fields as coupled_fields
 from fem.materials.christoffel import slowest_wavelength
 from fem.materials.medium import Medium, medium, units
 from fem.mesh.layout import MAX_UNKNOWNS
@@ -36,7 +38,7 @@ from fem.mesh.section_mesh import ELECTRODE
 ELEMENT_SHARE = 0.5
 ORDERS_LESS = 1
 MORE_LAYERS = 1
-HELD = {"clamped": ("u",), "grounded": ("phi",), "free": ()}
+HELD: dict[str, tuple[str, ...]] = {"clamped": ("u",), "grounded": ("phi",), "free": ()}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -326,7 +328,7 @@ def assembled(
     unit = (
         next(iter(sections.values())).length_unit if sections else slowest_wavelength(stator.solid, frequency)
     )
-    names = fields_of(stator)
+    names = coupled_fields(stator.solid)
     solids = {"stator": stator.solid} | dict(piece.solids)
     space = QuadSpace(
         quad_mesh(
@@ -350,9 +352,9 @@ def assembled(
     for name in piece.mesh.solids:
         own = tuple(each for each in names if each != "phi" or solids[name].is_piezoelectric)
         media[name] = medium(solids[name], own, scales=units(stator.solid))
-    constraints = _Constraints(piece, stator, space, media, names)
+    unknowns = _Unknowns(piece, stator, space, media, names)
     sides = tuple(side for side in ("left", "right") if side in sections)
-    numbers, projection = constraints.numbered({side: sections[side] for side in sides})
+    numbers, projection = unknowns.numbered({side: sections[side] for side in sides})
     return Assembly(
         piece=piece,
         space=space,
@@ -360,98 +362,79 @@ def assembled(
         fields=names,
         sides=sides,
         lines=tuple(sections[side].size for side in sides),
-        ports=constraints.ports,
+        ports=unknowns.ports,
         numbers=numbers,
         projection=projection,
-        grounded=constraints.grounded,
+        grounded=unknowns.grounded,
     )
 
 
-def fields_of(stator: Stator) -> tuple[str, ...]:
-    """Fields of the stator's section."""
-    from fem.materials import fields
+class _Unknowns:
+    """The unknowns of a piece's skeleton: held at zero, tied to an electrode, given by the section's line, or free."""
 
-    return fields(stator.solid)
-
-
-class _Constraints:
-    """Which unknowns of a mesh are held, tied to an electrode, or the section's line's."""
-
-    def __init__(self, piece: MeshPiece, stator: Stator, space: QuadSpace, media: dict, names: tuple):
-        self.piece, self.space, self.names = piece, space, names
-        count = len(names)
-        self.exists = np.zeros((space.skeleton, count), dtype=bool)
-        for name, own in media.items():
-            numbers = np.unique(space.numbers[space.mesh.solids == name][:, : space.rim])
-            self.exists[np.ix_(numbers, [names.index(each) for each in own.fields])] = True
-        self.zero = np.zeros((space.skeleton, count), dtype=bool)
-        self.tied = np.full((space.skeleton, count), -1)  # number of the electrode
+    def __init__(
+        self,
+        piece: MeshPiece,
+        stator: Stator,
+        space: QuadSpace,
+        media: dict[str, Medium],
+        names: tuple[str, ...],
+    ):
+        self.space, self.names = space, names
+        self.held = np.ones((space.skeleton, len(names)), dtype=bool)  # at zero, or in no element
+        for solid, own in media.items():
+            numbers = np.unique(space.numbers[space.mesh.solids == solid][:, : space.rim])
+            self.held[numbers[:, None], [names.index(name) for name in own.fields]] = False
         lines, self.grounded = space.mesh.lines, False
-        for group, word in (("bottom", stator.bottom), ("clamped", "clamped"), ("grounded", "grounded")):
+        for group, condition in (("bottom", stator.bottom), ("clamped", "clamped"), ("grounded", "grounded")):
             if group in lines:
-                held = HELD.get(word, ())
-                columns = [k for k, name in enumerate(names) if ("phi" if name == "phi" else "u") in held]
-                numbers = np.unique(space.edge_numbers(lines[group]))
-                self.zero[np.ix_(numbers, columns)] = True
-                self.grounded |= "phi" in held and "phi" in names
-        self.electrodes = [name for name in piece.mesh.electrodes if "phi" in names]
+                zero = [("phi" if name == "phi" else "u") in HELD[condition] for name in names]
+                self.held[np.unique(space.edge_numbers(lines[group]))] |= zero
+                self.grounded |= "phi" in names and condition == "grounded"
+        electrodes = [name for name in piece.mesh.electrodes if "phi" in names]
+        connections = [piece.connection(name) for name in electrodes]
         self.ports = tuple(
-            Port(kind="voltage", name=piece.connection(name))
-            for name in self.electrodes
-            if piece.connection(name) not in (FLOATING, GROUNDED)
+            Port(kind="voltage", name=each) for each in connections if each not in (FLOATING, GROUNDED)
         )
-        for index, name in enumerate(self.electrodes):
-            self._tie(index, name)
-
-    def _tie(self, index: int, name: str) -> None:
-        phi = self.names.index("phi")
-        edges = self.space.mesh.lines[ELECTRODE + name]
-        numbers = self.space.edge_numbers(edges)
-        vertices, bubbles = np.unique(numbers[:, :2]), np.unique(numbers[:, 2:])
-        self.zero[bubbles, phi] = True
-        if self.piece.connection(name) == GROUNDED:
-            self.zero[vertices, phi] = True
-            self.grounded = True
-        else:
-            self.tied[vertices, phi] = index
+        self.tied = np.full(self.held.shape, -1)  # number of the electrode; its inner functions are held
+        for index, name in enumerate(electrodes):
+            numbers, phi = space.edge_numbers(lines[ELECTRODE + name]), names.index("phi")
+            self.held[np.unique(numbers[:, 2:]), phi] = True
+            if connections[index] == GROUNDED:
+                self.held[np.unique(numbers[:, :2]), phi] = True
+                self.grounded = True
+            else:
+                self.tied[np.unique(numbers[:, :2]), phi] = index
+        self.floating = [k for k, each in enumerate(connections) if each == FLOATING]
+        self.wired = [k for k, each in enumerate(connections) if each not in (FLOATING, GROUNDED)]
 
     def numbered(self, sections: dict[str, Section]) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers of the skeleton's unknowns, those of the interfaces and ports last; these from lines and ports.
+        """``numbers`` and ``projection`` of the `Assembly`.
 
-        As of `Assembly`.
+        First the unknowns that are eliminated, free ones and floating electrodes; then the interfaces and the ports.
         """
-        count = len(self.names)
-        held = ~self.exists | self.zero | (self.tied >= 0)
-        number = np.where(held, -1, 0)
-        blocks = []  # functions * fields on an interface, projection from its line
+        count, tied = len(self.names), self.tied.ravel()
+        given = self.held | (self.tied >= 0)
+        free = ~given.ravel()
+        interfaces, projections = [], []  # unknowns of an interface, and these from the section's line
         for side, section in sections.items():
-            edges = self.space.mesh.lines[side]
             by_field = line_projection(
-                self.space, edges, section, {name: held[:, k] for k, name in enumerate(self.names)}
+                self.space,
+                self.space.mesh.lines[side],
+                section,
+                {name: given[:, column] for column, name in enumerate(self.names)},
             )
-            own = np.concatenate([by_field[name][0] * count + k for k, name in enumerate(self.names)])
-            blocks.append((own, np.concatenate([by_field[name][1] for name in self.names])))
-            number.flat[own] = -1
-        free = np.flatnonzero(number.ravel() == 0)
-        number.flat[free] = np.arange(len(free))
-        total = len(free)
-
-        def tie(wired: bool) -> None:
-            nonlocal total
-            for index, name in enumerate(self.electrodes):
-                connection = self.piece.connection(name)
-                if connection != GROUNDED and (connection != FLOATING) == wired:
-                    number[self.tied == index] = total
-                    total += 1
-
-        tie(wired=False)
-        for own, _ in blocks:
-            number.flat[own] = total + np.arange(len(own))
-            total += len(own)
-        tie(wired=True)
-        parts = [each for _, each in blocks] + [np.eye(len(self.ports))]
-        rows, columns = np.cumsum([[0, 0]] + [each.shape for each in parts], axis=0).T
-        projection = np.zeros((rows[-1], columns[-1]))
-        for k, each in enumerate(parts):
-            projection[rows[k] : rows[k + 1], columns[k] : columns[k + 1]] = each
-        return number.ravel(), projection
+            functions, parts = zip(*(by_field[name] for name in self.names), strict=True)
+            own = np.concatenate([each * count + column for column, each in enumerate(functions)])
+            interfaces.append(own)
+            projections.append(np.concatenate(parts))
+            free[own] = False
+        numbers, total = np.full(free.shape, -1), int(free.sum())
+        numbers[free] = np.arange(total)
+        for electrode in self.floating:
+            numbers[tied == electrode], total = total, total + 1
+        for places in interfaces:
+            numbers[places], total = total + np.arange(len(places)), total + len(places)
+        for electrode in self.wired:
+            numbers[tied == electrode], total = total, total + 1
+        return numbers, block_diag(*projections, np.eye(len(self.ports)))

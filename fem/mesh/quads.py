@@ -7,7 +7,9 @@ a quadrilateral (v, a, c, b) is split into (v, A, C, B), (A, a, c, C) and (B, C,
 of the way, as often as there are layers: a geometric mesh (Schwab, *p- and hp-Finite Element Methods*, 1998).
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -51,92 +53,124 @@ class QuadMesh:
     singular: np.ndarray = field(repr=False)
 
 
+class _Quad(NamedTuple):
+    """A quadrilateral while the mesh is split; its first vertex is the one that layers may gather at."""
+
+    owner: tuple[int, int]  # element of the file: block of cells, number in it
+    vertices: tuple[int, int, int, int]
+    places: np.ndarray  # of the vertices in the element's reference triangle or square, (4, 2)
+
+
+Edges = list[tuple[int, int]]
+
+
 class _Splitting:
-    """Vertices by the way they were made, each with an element and a reference place that it lies at."""
+    """The vertices of a mesh that is being split, numbered in the order in which they are made.
+
+    A key says how a vertex was made, so that neighbouring elements find the one on their common edge: ("middle", a, b)
+    of two vertices a < b, ("centre", ...) of an element or a quadrilateral, ("layer", v, b) on the edge from a singular
+    vertex v to b.  The nodes of the file come first.
+    """
 
     def __init__(self, mesh: SectionMesh):
         self.mesh = mesh
-        self.number = {("v", node): node for node in range(len(mesh.points))}
-        self.owner: list[tuple[int, int] | None] = [None] * len(mesh.points)  # (block, element)
-        self.place: list[np.ndarray | None] = [None] * len(mesh.points)
+        self.number: dict[tuple, int] = {}
+        self.made: list[
+            tuple[tuple[int, int], np.ndarray]
+        ] = []  # an element that holds it, its reference place
 
     def vertex(self, key: tuple, owner: tuple[int, int], place: np.ndarray) -> int:
-        """Number of the vertex made in one way; a new one if it is the first."""
+        """Number of the vertex with a key; a new one if it is the first."""
         if key not in self.number:
-            self.number[key] = len(self.owner)
-            self.owner.append(owner)
-            self.place.append(place)
+            self.number[key] = len(self.mesh.points) + len(self.made)
+            self.made.append((owner, place))
         return self.number[key]
 
-    def initial(self):
-        """Quadrilaterals (owner, vertices, reference places) of all elements."""
+    def middle(self, one: int, other: int) -> int:
+        """Number of the middle of two vertices, which has been made."""
+        return self.number["middle", min(one, other), max(one, other)]
+
+    def initial(self) -> Iterator[_Quad]:
+        """Every element in three or four: (corner, middle of an edge, centre, middle of the other edge)."""
         for block, cells in enumerate(self.mesh.cells):
-            count = CORNERS[cells.kind]
-            corners = reference_corners(cells.kind)
-            middle = corners.mean(axis=0)
+            count, corners = CORNERS[cells.kind], reference_corners(cells.kind)
+            centre_place = corners.mean(axis=0)
             for element, nodes in enumerate(cells.nodes[:, :count].tolist()):
                 owner = block, element
-                center = self.vertex(("c", *owner), owner, middle)
-                halves = []
+                centre = self.vertex(("centre", *owner), owner, centre_place)
+                middles = []
                 for side in range(count):
                     one, other = nodes[side], nodes[(side + 1) % count]
-                    at = 0.5 * (corners[side] + corners[(side + 1) % count])
-                    halves.append((self.vertex(("m", min(one, other), max(one, other)), owner, at), at))
+                    place = 0.5 * (corners[side] + corners[(side + 1) % count])
+                    key = "middle", min(one, other), max(one, other)
+                    middles.append((self.vertex(key, owner, place), place))
                 for corner, node in enumerate(nodes):
-                    (ahead, at_ahead), (behind, at_behind) = halves[corner], halves[corner - 1]
-                    places = np.array([corners[corner], at_ahead, middle, at_behind])
-                    yield owner, (node, ahead, center, behind), places
+                    (ahead, at_ahead), (behind, at_behind) = middles[corner], middles[corner - 1]
+                    places = np.array([corners[corner], at_ahead, centre_place, at_behind])
+                    yield _Quad(owner, (node, ahead, centre, behind), places)
 
-    def halved(self, quads: list) -> list:
+    def halved(self, quads: list[_Quad]) -> list[_Quad]:
         """Every quadrilateral in four."""
         result = []
         for owner, (v, a, c, b), places in quads:
+            edges = ((v, a), (a, c), (b, c), (v, b))
             pv, pa, pc, pb = places
-
-            def half(one, other, at, owner=owner):
-                return self.vertex(("h", min(one, other), max(one, other)), owner, at)
-
-            p = [0.5 * (pv + pa), 0.5 * (pa + pc), 0.5 * (pb + pc), 0.5 * (pv + pb)]
-            va, ac, bc, vb = half(v, a, p[0]), half(a, c, p[1]), half(b, c, p[2]), half(v, b, p[3])
-            middle = places.mean(axis=0)
-            o = self.vertex(("o", v, a, c, b), owner, middle)
-            for vertices, own in (
-                ((v, va, o, vb), (pv, p[0], middle, p[3])),
-                ((va, a, ac, o), (p[0], pa, p[1], middle)),
-                ((vb, o, bc, b), (p[3], middle, p[2], pb)),
-                ((o, ac, c, bc), (middle, p[1], pc, p[2])),
-            ):
-                result.append((owner, vertices, np.array(own)))
-        return result
-
-    def layered(self, quads: list, singular: set[int]) -> list:
-        """One layer at every quadrilateral that begins at a singular vertex."""
-        result = []
-        for owner, vertices, places in quads:
-            v, a, c, b = vertices
-            if v not in singular:
-                result.append((owner, vertices, places))
-                continue
-            pv, pa, pc, pb = places
-            near = [pv + LAYER_RATIO * (p - pv) for p in (pa, pc, pb)]
-            A, C, B = (self.vertex(("s", v, end), owner, at) for end, at in zip((a, c, b), near, strict=True))
+            p_va, p_ac, p_bc, p_vb = ends = 0.5 * np.array([pv + pa, pa + pc, pb + pc, pv + pb])
+            va, ac, bc, vb = (
+                self.vertex(("middle", min(edge), max(edge)), owner, place)
+                for edge, place in zip(edges, ends, strict=True)
+            )
+            p_o = places.mean(axis=0)
+            o = self.vertex(("centre", v, a, c, b), owner, p_o)
             result += [
-                (owner, (v, A, C, B), np.array([pv, *near])),
-                (owner, (A, a, c, C), np.array([near[0], pa, pc, near[1]])),
-                (owner, (B, C, c, b), np.array([near[2], near[1], pc, pb])),
+                _Quad(owner, (v, va, o, vb), np.array([pv, p_va, p_o, p_vb])),
+                _Quad(owner, (va, a, ac, o), np.array([p_va, pa, p_ac, p_o])),
+                _Quad(owner, (vb, o, bc, b), np.array([p_vb, p_o, p_bc, pb])),
+                _Quad(owner, (o, ac, c, bc), np.array([p_o, p_ac, pc, p_bc])),
             ]
         return result
 
-    def positions(self, owners: list, places: np.ndarray) -> np.ndarray:
+    def layered(self, quads: list[_Quad], singular: set[int]) -> list[_Quad]:
+        """One layer at every quadrilateral that begins at a singular vertex."""
+        result = []
+        for quad in quads:
+            owner, (v, a, c, b), places = quad
+            if v not in singular:
+                result.append(quad)
+                continue
+            pv, pa, pc, pb = places
+            near = [pv + LAYER_RATIO * (p - pv) for p in (pa, pc, pb)]
+            A, C, B = (
+                self.vertex(("layer", v, end), owner, at) for end, at in zip((a, c, b), near, strict=True)
+            )
+            result += [
+                _Quad(owner, (v, A, C, B), np.array([pv, *near])),
+                _Quad(owner, (A, a, c, C), np.array([near[0], pa, pc, near[1]])),
+                _Quad(owner, (B, C, c, b), np.array([near[2], near[1], pc, pb])),
+            ]
+        return result
+
+    def halved_edges(self, edges: Edges) -> Edges:
+        """Every edge in two, in its direction."""
+        return [part for a, b in edges for m in [self.middle(a, b)] for part in ((a, m), (m, b))]
+
+    def layered_edges(self, edges: Edges) -> Edges:
+        """Edges, those from a singular vertex in two where the layer cuts them."""
+        result: Edges = []
+        for start, stop in edges:
+            near = self.number.get(("layer", start, stop))
+            result += [(start, stop)] if near is None else [(start, near), (near, stop)]
+        return result
+
+    def positions(self, owners: list[tuple[int, int]], places: np.ndarray) -> np.ndarray:
         """Positions (m, 2) of reference places in elements."""
         out = np.empty((len(places), 2))
-        owners = np.array(owners)
+        block_of, element_of = np.array(owners, dtype=int).reshape(-1, 2).T
         for block, cells in enumerate(self.mesh.cells):
-            here = np.flatnonzero(owners[:, 0] == block)
-            if len(here):
-                values = shape_functions(cells.kind, places[here])
-                nodes = cells.nodes[owners[here, 1]]
-                out[here] = np.einsum("mn,mnd->md", values, self.mesh.points[nodes])
+            here = np.flatnonzero(block_of == block)
+            values = shape_functions(cells.kind, places[here])
+            nodes = cells.nodes[element_of[here]]
+            out[here] = np.einsum("mn,mnd->md", values, self.mesh.points[nodes])
         return out
 
 
@@ -150,74 +184,53 @@ def quad_mesh(
     """
     splitting = _Splitting(mesh)
     quads = list(splitting.initial())
-    lines = {
-        name: [
-            (node, splitting.number["m", min(pair), max(pair)]) for pair in nodes.tolist() for node in pair
-        ]
-        for name, nodes in mesh.lines.items()
+    groups = {name: nodes.tolist() for name, nodes in mesh.lines.items()} | {"": mesh.boundary}
+    lines: dict[str, Edges] = {  # edges run from the nodes of the file to the middles
+        name: [(node, splitting.middle(*pair)) for pair in pairs for node in pair]
+        for name, pairs in groups.items()
     }
-    lines[""] = [
-        (node, splitting.number["m", min(pair), max(pair)]) for pair in mesh.boundary for node in pair
-    ]
     for _ in range(_halvings(splitting, quads, largest)):
         quads = splitting.halved(quads)
-        lines = {
-            name: [
-                piece
-                for start, stop in edges
-                for middle in [splitting.number["h", min(start, stop), max(start, stop)]]
-                for piece in ((start, middle), (middle, stop))
-            ]
-            for name, edges in lines.items()
-        }
+        lines = {name: splitting.halved_edges(edges) for name, edges in lines.items()}
     singular = singular_vertices(mesh, conditions)
     for _ in range(layers):
         quads = splitting.layered(quads, singular)
-        lines = {name: _layered_lines(splitting, edges, singular) for name, edges in lines.items()}
+        lines = {name: splitting.layered_edges(edges) for name, edges in lines.items()}
     return _finished(splitting, quads, lines, singular)
 
 
-def _layered_lines(splitting: _Splitting, edges: list, singular: set[int]) -> list:
-    result = []
-    for start, stop in edges:
-        near = splitting.number.get(("s", start, stop)) if start in singular else None
-        result += [(start, stop)] if near is None else [(start, near), (near, stop)]
-    return result
-
-
-def _halvings(splitting: _Splitting, quads: list, largest: dict[str, float]) -> int:
+def _halvings(splitting: _Splitting, quads: list[_Quad], largest: dict[str, float]) -> int:
     """How often every quadrilateral is to be halved so that none is too large."""
-    owners = [owner for owner, _, _ in quads for _ in range(4)]
-    corners = splitting.positions(owners, np.concatenate([places for _, _, places in quads])).reshape(
-        -1, 4, 2
-    )
+    owners = [quad.owner for quad in quads for _ in range(4)]
+    corners = splitting.positions(owners, np.concatenate([quad.places for quad in quads])).reshape(-1, 4, 2)
     sizes = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1).max(axis=1)
-    allowed = np.array([largest[splitting.mesh.cells[block].solid] for (block, _), _, _ in quads])
+    allowed = np.array([largest[splitting.mesh.cells[quad.owner[0]].solid] for quad in quads])
     return max(0, int(np.ceil(np.log2(np.max(sizes / allowed)) - 1e-9)))
 
 
-def _finished(splitting: _Splitting, quads: list, lines: dict, singular: set[int]) -> QuadMesh:
+def _finished(
+    splitting: _Splitting, quads: list[_Quad], lines: dict[str, Edges], singular: set[int]
+) -> QuadMesh:
+    """The mesh with its vertices numbered anew, those of no quadrilateral left out."""
     mesh = splitting.mesh
-    made = len(mesh.points)
-    points = np.concatenate(
-        [mesh.points, splitting.positions(splitting.owner[made:], np.array(splitting.place[made:]))]
+    made = splitting.positions(
+        [owner for owner, _ in splitting.made], np.array([place for _, place in splitting.made])
     )
-    vertices = np.array([each for _, each, _ in quads])
-    owners = [owner for owner, _, _ in quads]
+    points, vertices = np.concatenate([mesh.points, made]), np.array([quad.vertices for quad in quads])
     if any(cells.kind not in ("triangle", "quad") for cells in mesh.cells):
-        corners = np.array([places for _, _, places in quads])
-        rest = np.einsum("nk,ekd->end", shape_functions("quad", SQUARE_NODES[4:]), corners)
-        extra = splitting.positions([owner for owner in owners for _ in range(5)], rest.reshape(-1, 2))
+        corners = np.array([quad.places for quad in quads])
+        places = np.einsum("nk,ekd->end", shape_functions("quad", SQUARE_NODES[4:]), corners)
+        extra = splitting.positions([quad.owner for quad in quads for _ in range(5)], places.reshape(-1, 2))
         numbers = len(points) + np.arange(len(extra)).reshape(-1, 5)
         points, vertices = np.concatenate([points, extra]), np.hstack([vertices, numbers])
     used = np.unique(vertices[:, :4])
-    rest = np.setdiff1d(np.unique(vertices), used)
+    kept = np.concatenate([used, np.setdiff1d(np.unique(vertices), used)])
     number = np.full(len(points), -1)
-    number[np.concatenate([used, rest])] = np.arange(len(used) + len(rest))
+    number[kept] = np.arange(len(kept))
     return QuadMesh(
-        points=points[np.concatenate([used, rest])],
+        points=points[kept],
         quads=number[vertices],
-        solids=np.array([mesh.cells[block].solid for block, _ in owners]),
+        solids=np.array([mesh.cells[quad.owner[0]].solid for quad in quads]),
         lines={name: number[np.array(edges).reshape(-1, 2)] for name, edges in lines.items() if name},
         boundary=number[np.array(lines[""]).reshape(-1, 2)],
         singular=number[np.array(sorted(singular), dtype=int)],

@@ -10,8 +10,8 @@ import cmath
 from collections.abc import Callable
 from dataclasses import replace
 
-SLENDEREST = 1e3  # larger over smaller amplitude up to which the smaller's error grows
-LEAST_STEP = 1e-4  # relative; a difference over a smaller step would measure the contact solver's rounding
+MAX_AXIS_RATIO = 1e3  # larger over smaller amplitude up to which the smaller's error grows
+MIN_STEP = 1e-4  # relative; a difference over a smaller step would measure the contact solver's rounding
 
 
 def reference_speed(velocity: float, orbits: tuple) -> float:
@@ -48,7 +48,7 @@ def velocity_sensitivities(
     speed = reference_speed(velocity, orbits)
     if relative_error == 0 or speed == 0:
         return 0.0, 0.0, 0.0
-    step = max(relative_error, LEAST_STEP)
+    step = max(relative_error, MIN_STEP)
     tried = (
         tuple(orbit.scaled(1 + step) for orbit in orbits),
         tuple(orbit.scaled(1 - step) for orbit in orbits),
@@ -62,7 +62,7 @@ def velocity_sensitivities(
 def _slenderness(orbit) -> float:
     """Return the larger amplitude over the smaller: the error is relative to the larger, and both may err by it."""
     small, large = sorted((abs(orbit.normal), abs(orbit.tangential)))
-    return min(large / small, SLENDEREST) if small > 0 else 1.0
+    return min(large / small, MAX_AXIS_RATIO) if small > 0 else 1.0
 
 
 def _sheared(orbit, factor: complex):

@@ -10,6 +10,7 @@ import contact
 import fem
 from studies.chain import resolve
 from studies.chain.pillars import layout, strip_width
+from studies.refusal import SceneError
 from studies.scene import Scene
 
 FITTED = 49  # places along x at which the waves from both sides are told apart
@@ -32,6 +33,12 @@ def stator_wave(scene: Scene, motion):
     weights = np.polynomial.legendre.leggauss(ACROSS)[1] / 2
     centre, middle = slider.center
     along = np.clip(centre + np.linspace(-reach, reach, FITTED), 0.0, wave.length)
+    if motion.beam is None and any(map(wave.covered, along)):
+        rule = (
+            "must leave the pillars, and a wavelength either side of their centre, on the bare uniform stator"
+        )
+        where = f"{along[0] * 1e3:.4g} to {along[-1] * 1e3:.4g} mm"
+        raise SceneError("slider.position", f"{rule}: from {where} there are fingers or a meshed piece")
     if motion.beam is None:
         u_z = wave.rayleigh_motion(along)[1]
     else:

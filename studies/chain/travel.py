@@ -17,7 +17,7 @@ import numpy as np
 
 import contact
 
-LEAST_TRAVEL = 0.1  # wavelengths from which the travel counts
+MIN_TRAVEL = 0.1  # wavelengths from which the travel counts
 PER_WAVELENGTH = 12  # places of the table; the standing wave has a period of half a wavelength
 # of the table, from rest past the surface's own speed: the force has kinks there; 33 leave 2e-3 of v
 SPEEDS = 129

@@ -7,7 +7,7 @@ from studies.refusal import SceneError
 from studies.scene import Scene, SceneFile
 from studies.scene.numbers import Quantity
 from studies.scene.override import toml_value
-from studies.scene.uncertain import parted
+from studies.scene.uncertain import split_tolerances
 
 
 def changed_scene(arguments: argparse.Namespace) -> Scene:
@@ -32,7 +32,7 @@ def changed_file(arguments: argparse.Namespace) -> SceneFile:
 
 def without_bands(table: dict) -> None:
     """Say that this command ignores the tolerances of a scene, if it has any."""
-    if "uncertain" in parted(table):
+    if "uncertain" in split_tolerances(table):
         say(["[uncertain] is not used here: its bands are those of sawmotor run"])
 
 

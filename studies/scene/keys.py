@@ -1,4 +1,4 @@
-"""The rule of any key of a scene, by its dotted path, the unit of its numbers, and those that are uncertain."""
+"""The rule and unit of any key of a scene by its dotted path, and the tolerances of a scene's numbers."""
 
 from studies.refusal import SceneError, nearest, shown
 from studies.scene.block import Blocks, Within, keys_of
@@ -43,7 +43,7 @@ def unit_of(rule: Rule) -> str | None:
 
 
 def tolerances(scene: Scene) -> tuple[Tolerance, ...]:
-    """Return the numbers of a resolved scene that are uncertain; refuse what is none, and ends that break a rule."""
+    """Return the tolerances of a resolved scene; refuse keys without a number, and intervals beyond a key's rule."""
     numbers, table = [], scene.to_table()
     for key, text in scene.uncertain or ():
         path = f"uncertain.{key}"

@@ -1,4 +1,4 @@
-"""The whole scene: its blocks, what it tells, and how it is read and changed."""
+"""A scene: its blocks, how it is read, checked and changed, and what follows from several blocks."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from studies.scene.file import SceneFile
 from studies.scene.override import merged
 from studies.scene.rule import TEXT
 from studies.scene.slider import Slider, Wave
-from studies.scene.uncertain import Uncertain, parted
+from studies.scene.uncertain import Uncertain, split_tolerances
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,7 +94,7 @@ class Scene(Block):
     @classmethod
     def from_table(cls, path: Any, table: Any) -> Any:
         """Build the scene from its TOML document; ``"0.08 +- 0.02"`` at a key is a tolerance of [uncertain]."""
-        return super().from_table(path, parted(table) if isinstance(table, dict) else table)
+        return super().from_table(path, split_tolerances(table) if isinstance(table, dict) else table)
 
     checks = consistency.CHECKS
 
@@ -134,7 +134,7 @@ class Scene(Block):
 
 
 def _unknown_solids(table: dict) -> Iterator[SceneError]:
-    """Yield the names of solids that the catalogue lacks, to be said beside the faults of the text."""
+    """Yield refusals of solids that the catalogue lacks, so that they appear together with the faults of the text."""
     from fem import InputError, material
 
     for block, key in (("stator", "material"), ("slider", "ball")):

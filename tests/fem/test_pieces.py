@@ -9,11 +9,13 @@ import pytest
 
 from fem.circuit import Drive
 from fem.condense.reduced import PieceSample, rational_piece
+from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import LEVELS, level_gain
 from fem.geometry import Stator, Transducer
 from fem.input_error import InputError
 from fem.materials import material
+from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.piece import MeshPiece
 from fem.mesh.section_mesh import read_mesh
 from fem.results.evaluation import surface_of
@@ -27,6 +29,7 @@ from fem.solve.p_matrix import cascade_admittance, p_matrix
 from fem.solve.reflector import reflector
 from fem.waveguide.force import LineForce
 from fem.waveguide.port_fields import solve_ports
+from fem.waveguide.row import PieceRow
 from tests.fem.drawings import bevelled_end, chip, rectangle
 from tests.fem.stators import comb, cut, plate, wave_of
 
@@ -88,6 +91,38 @@ def test_a_meshed_plain_stretch_is_invisible(tmp_path, name, orientation, sides,
     # between free ends rounding is amplified by the resonances
     assert abs(after - after.T).max() < 5e-11 * abs(after).max() + 3 * abs(before - before.T).max()
     assert power_balance(meshed).residual < 1e-11
+
+
+@pytest.mark.parametrize(
+    ("bottom", "connection", "floats"),
+    [
+        ("free", "floating", True),
+        ("clamped", "floating", True),
+        ("free", "grounded", False),
+        ("grounded", "floating", False),
+        ("free", "a+", False),
+    ],
+)
+def test_the_potential_of_a_piece_without_fingers_is_a_matter_of_gauge(tmp_path, bottom, connection, floats):
+    """It is where the constant potential, on both lines, has no flux: nothing in the piece holds it, and no port."""
+    stator = plate(cut("PZT-4", "Z", quality=200), length=9.0, bottom=bottom)
+    groups = ("left", "right", "bottom", "electrode:strip")
+    path = rectangle(tmp_path / "strip.msh", 0.9, 0.8, size=0.45, strip=(0.35, 0.2, 0.1), groups=groups)
+    rest = {"solids": (("strip", material("aluminium")),), "electrodes": (("strip", connection),)}
+    stator = _with_pieces(stator, path, (4.2,), **rest)
+    level = Resolution(order=5, edge_layers=0)
+    unit = slowest_wavelength(stator.solid, 2.3e6)
+    section = discretise(stator, level, wavelength=unit, surface_scale=np.inf)
+    row = PieceRow(stator, section, level, 2.3e6)
+    (piece,) = row.condensed(2.3e6).values()
+    assert piece.floating_potential == floats
+    constant = np.zeros(len(piece.matrix))
+    constant[: len(section.constant_potential)] = section.constant_potential
+    constant[piece.size :][: len(section.constant_potential)] = section.constant_potential
+    flux = abs(piece.matrix @ constant).max() / abs(piece.matrix).max()
+    assert flux < 1e-12 if floats else flux > 1e-6
+    found = reflector(stator, frequency=2.3e6, tolerance=0.5)
+    assert 1e-3 < abs(found.reflection) < 1
 
 
 def test_a_groove_reflects_and_its_power_balances(tmp_path):

@@ -143,10 +143,10 @@ def test_a_left_end_is_the_mirror_image_of_a_right_end(tmp_path):
 def whole(tmp_path, stator=None, electrodes=None, position="0 mm", drawn=None, row=ROW):
     """A scene whose stator is one mesh, with the fingers of its transducer drawn."""
     fingers = {"p": [[1.625, 1.875], [2.625, 2.875]], "m": [[2.125, 2.375], [3.125, 3.375]]}
-    file = chip(tmp_path / "chip.msh", 6.0, 1.1, drawn or fingers, size=0.5)
+    file = chip(tmp_path / "chip.msh", 8.0, 1.1, drawn or fingers, size=0.5)
     piece = {"file": str(file), "length_unit": "mm", "position": position}
     piece["electrodes"] = electrodes or {"p": "t+", "m": "t-"}
-    blocks = {"stator": STATOR | {"length": "6 mm", "ends": "free"} | (stator or {}), "drive": DRIVE}
+    blocks = {"stator": STATOR | {"length": "8 mm", "ends": "free"} | (stator or {}), "drive": DRIVE}
     return Scene.from_table("", blocks | {"transducer": [row], "piece": [piece]})
 
 
@@ -155,9 +155,11 @@ def test_a_stator_that_is_one_mesh(tmp_path):
     given = whole(tmp_path)
     record = run(given, tolerance=1e-2)
     assert not [line for line in record.warnings if "mesh draws" in line]
+    (aperture,) = [row["size"] for row in record.model_error if row["effect"] == "finite aperture"]
+    assert 1e-5 < abs(aperture) < 0.2
     field = run_field(record, progress=lambda text: None).field
-    assert field.pieces[0].span == pytest.approx((0, 6e-3))
-    moved = record.surface_motion.wave.motion(field.x.clip(0, 6e-3))
+    assert field.pieces[0].span == pytest.approx((0, 8e-3))
+    moved = record.surface_motion.wave.motion(field.x.clip(0, 8e-3))
     assert abs(field.displacement[:, -1, [0, 2]].T - moved).max() < 1e-6 * abs(moved).max()
     for name in ("p_matrix", "reflector"):
         with pytest.raises(SceneError, match="piece must leave some uniform stator: this piece is all of it"):
@@ -172,12 +174,25 @@ def test_a_stator_that_is_one_mesh(tmp_path):
     )
 
 
+def test_pillars_on_a_mesh_are_refused(tmp_path):
+    """Their wave is that of the bare surface's mode, which a mesh has not."""
+    table = whole(tmp_path).to_table()
+    table["slider"] = {
+        "position": "4.5 mm", "mass": "0.3 g", "preload": "1 mN", "friction_coefficient": 0.18, "ball": "silicon",
+        "pillars": {"diameter": "20 um", "height": "2 um", "pitch": "40 um", "rows": 4, "columns": 4},
+    }  # fmt: skip
+    with pytest.raises(
+        SceneError, match=r"slider.position must leave the pillars.*fingers or a meshed piece"
+    ):
+        run(Scene.from_table("", table), tolerance=0.1)
+
+
 WHOLE_FAULTS = {
     "place": (
         {"position": "1 mm"},
-        "without them it must be the whole stator, 0 to 6 mm, it reaches from 1 to 7 mm",
+        "without them it must be the whole stator, 0 to 8 mm, it reaches from 1 to 9 mm",
     ),
-    "length": ({"stator": {"length": "6 m"}}, r"is the file's length unit m\?"),
+    "length": ({"stator": {"length": "8 m"}}, r"is the file's length unit m\?"),
     "thickness": (
         {"stator": {"thickness": "1 mm"}},
         r"must reach from z = -1 mm \(minus stator.thickness\) to 0, it reaches from -1.1 to 0 mm",

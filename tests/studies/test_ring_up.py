@@ -114,7 +114,7 @@ def test_a_stator_that_rings_too_long_is_an_error_and_said(monkeypatch):
 
     ring = import_module("studies.chain.ring_up")
 
-    monkeypatch.setattr(ring, "MOST", 40)
+    monkeypatch.setattr(ring, "MAX_FREQUENCIES", 40)
     scene = chip("drive.burst=2 ms", "drive.voltage=60", "stator.material=PZT-8")
     record = run(scene, tolerance=2e-2)
     assert "settling_time_s" not in record.wave
