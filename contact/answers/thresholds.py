@@ -77,7 +77,7 @@ def threshold(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
     >>> print(threshold(slider, Orbit(frequency=2.2e6, normal=1e-9, tangential=-0.7e-9j)))
     0.706283 +- 7.1e-07 (ok: periodic motion up to the first event)
     """
-    listed = as_orbits(orbits)
+    _, listed = towards_plus(as_orbits(orbits))
     if all(orbit.normal == 0 and orbit.tangential == 0 for orbit in listed):
         return Answer(value=math.inf, error=0.0, reasons=("there is no wave",))
     if slider.static_friction(len(listed)) <= slider.load:
@@ -89,12 +89,8 @@ def threshold(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
     if slider.law == "elastic" and not (slider.reciprocal or slider.heights or bent) and _alike(listed):
         own_spring = isinstance(slider.friction, UserLaw)
         return (_averaged if own_spring else _followed)(slider, listed, elastic)
-    _, driven = towards_plus(listed)
-    return _averaged(
-        slider,
-        listed,
-        _edge(lambda k: not balanced(slider, tuple(o.scaled(k) for o in driven)).held, elastic),
-    )
+    held = _edge(lambda k: not balanced(slider, tuple(o.scaled(k) for o in listed)).held, elastic)
+    return _averaged(slider, listed, held)
 
 
 def threshold_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
@@ -107,7 +103,7 @@ def release(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
 
     Inf without normal motion. Parameters as for `threshold`. Contacts that do not touch at rest do not count.
     """
-    listed = as_orbits(orbits)
+    _, listed = towards_plus(as_orbits(orbits))
     factor = _released(slider, listed)
     if slider.reciprocal and slider.law == "elastic":
         return _averaged(slider, listed, factor)
@@ -137,11 +133,10 @@ def _followed(slider, orbits, first, margins=None):
     averaged, margins = _averaged(slider, orbits, first), margins or _sticks
     if math.isinf(first) or first == 0.0:
         return averaged
-    direction = -1.0 if sum(orbit.crest_velocity for orbit in orbits) < 0.0 else 1.0
 
     def root(samples, which):
         def margin(factor):
-            problem = scaled(slider, tuple(o.scaled(factor) for o in orbits), direction=direction, start=0.0)
+            problem = scaled(slider, tuple(o.scaled(factor) for o in orbits), direction=1.0, start=0.0)
             motion = normal_motion(problem, riding_approach(problem), samples)
             return margins(problem, motion, slider)[which]
 
@@ -181,9 +176,16 @@ def _sticks(problem, motion, slider):
     rooms = [room_to_stick(problem, motion, side) for side in (1.0, -1.0)]
     unit = problem.limit_slope * slider.rest_approach(problem.contacts) / problem.length
     left = np.array([0.5 * (room.forward + room.backward) / unit for room in rooms])
-    scale = problem.friction * problem.preload
-    load = min((rooms[0].traction - problem.load) / scale, (problem.load - rooms[1].traction) / scale)
-    return min(float(np.min(left)), load), min(float(np.max(left)), load)
+    held = _held_load(rooms[1].traction, rooms[0].traction, problem.load, problem.friction * problem.preload)
+    return min(float(np.min(left)), held), min(float(np.max(left)), held)
+
+
+def _held_load(least, largest, load, friction):
+    """Return how far a load lies between the mean forces that contacts can hold, over the friction; < 0 outside.
+
+    No threshold is reached before, so that the wave does not move the unloaded slider and the load is positive.
+    """
+    return min(largest - load, load - least) / friction
 
 
 def _own_mirror_image(slider, orbits):
@@ -229,10 +231,9 @@ def _released(slider, listed):
     friction = slider.static_friction(len(listed))
     if not slider.reciprocal or slider.law != "elastic" or friction <= slider.load:
         return elastic
-    _, driven = towards_plus(listed)
 
     def parts(factor):
-        found = balanced(slider, tuple(orbit.scaled(factor) for orbit in driven))
+        found = balanced(slider, tuple(orbit.scaled(factor) for orbit in listed))
         return np.min(found.height * found.problem.length + heights - factor * reach) < 0.0
 
     return _edge(parts, elastic)
@@ -288,7 +289,6 @@ def _holding_margin(slider, orbits, factor):
     c, mu, shape = slider.limit_slope, slider.static_coefficient, slider.contact_shape
     scaled = tuple(orbit.scaled(factor) for orbit in orbits)
     h = riding_height(slider, scaled)
-    load = math.copysign(slider.load, sum(orbit.crest_velocity for orbit in orbits))
     room, highest, lowest = math.inf, 0.0, 0.0
     for orbit in scaled:
         up = c * h - abs(orbit.tangential - c * orbit.normal)
@@ -298,8 +298,7 @@ def _holding_margin(slider, orbits, factor):
         friction = mu * slider.normal_stiffness
         highest += float(np.mean(tangential_force(u_x + up, z, friction, c, shape)))
         lowest += float(np.mean(tangential_force(u_x - down, z, friction, c, shape)))
-    scale = mu * slider.preload
-    return min(room, (highest - load) / scale, (load - lowest) / scale)
+    return min(room, _held_load(lowest, highest, slider.load, mu * slider.preload))
 
 
 def _falling_root(function, slider, orbits):

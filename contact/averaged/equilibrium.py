@@ -158,15 +158,24 @@ def full_slip_speed(problem):
 
 
 @formula
+def load_direction(largest):
+    """Return +1 or -1, the direction of motion that a load opposes, of `drive.towards_plus` orbits.
+
+    It is that of the unloaded slider: -1 where even the largest mean force of a cycle at rest is negative. The load on
+    a slider that the wave does not move without it acts against the crests.
+    """
+    return -1.0 if largest < 0.0 else 1.0
+
+
+@formula
 def way_out(least, largest, load, friction):
     """Return (way, load) of a slider at rest: +1, -1 or 0 where it is held, and the load with its sign.
 
-    `least` and `largest` bound the mean tangential force of a cycle at rest; the load opposes the unloaded motion, so
-    its sign is turned where the wave drives against its crests. `friction` is mu times the preload.
+    `least` and `largest` bound the mean tangential force of a cycle at rest, `friction` is mu times the preload; the
+    load is zero or positive.
     """
     rounding = 1e-13 * friction
-    if largest < 0.0 and load > 0.0:
-        load = -load
+    load *= load_direction(largest)
     if least - load > rounding:
         return 1.0, load
     return (-1.0 if largest - load < -rounding else 0.0), load

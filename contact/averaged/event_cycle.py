@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.averaged.equilibrium import balanced_speed, force_left, full_slip_speed, way_out
+from contact.averaged.equilibrium import balanced_speed, force_left, full_slip_speed, load_direction, way_out
 from contact.averaged.riding import riding_approach
 from contact.body import normal_amplitude
 from contact.codes import Status, Tangential
@@ -126,12 +126,12 @@ def _held(problem, height, rest):
 
 
 def opposed(slider: Slider, orbits: tuple[Orbit, ...]) -> float:
-    """Return +1 or -1, the direction of motion that a load opposes: that in which the unloaded wave drives at rest."""
+    """Return the direction of motion that a load opposes (`equilibrium.load_direction`)."""
     if slider.load == 0.0 or slider.static_coefficient * slider.preload == 0.0:
         return 1.0
     problem = scaled(slider, orbits, direction=1.0, start=0.0)
     _, (largest, _) = _rest_cycles(problem, riding_approach(problem))
-    return -1.0 if largest < 0.0 else 1.0
+    return load_direction(largest)
 
 
 def traction(problem, height, speed, deformations):

@@ -11,6 +11,10 @@ and, where Cattaneo's and Mindlin's spring is not wanted,
     def limit(approach, normal_force, contact):                  # m, the deformation at which slip begins
     def stuck(approach, normal_force, deformation, contact):     # N in stick, up to the limit
 
+The exact method places its events at contact, release, slip and stick. A kink of the user's functions in between is no
+event: the segments around it become shorter until the truncation allowed is kept (some ten more per kink). Guards,
+transitions and memory of a user's own are not taken; a file that defines them is refused.
+
 `contact` has friction_coefficient, radius, effective_modulus, tangential_modulus (SI units) and punch (0 or 1). Without
 `limit` and `stuck` the spring is that of `law.elastic` with the coefficient sliding(..., 0, ...)/normal_force.
 
@@ -42,6 +46,8 @@ ARGUMENTS = {
     "limit": ("approach", "normal_force", "contact"),
     "stuck": ("approach", "normal_force", "deformation", "contact"),
 }
+# what `protocol.Law` has besides, and a user's file may not define: guards, transitions and memory
+RESERVED = ("force", "guard", "guard_rate", "follow", "memory")
 # Numbers of the law: those of `Contact`, and K
 STIFFNESS = 5
 # Least approach at which the coefficient is asked for, scaled; relative step of differences
@@ -85,6 +91,10 @@ class UserLaw:
     source: str
 
     def __post_init__(self):
+        for name in RESERVED:
+            if name in self.functions:
+                rule = f"must not define {name}, but {self.name} does: it may have {', '.join(ARGUMENTS)}"
+                raise InputError("slider.law", rule)
         for name, arguments in ARGUMENTS.items():
             function = self.functions.get(name)
             wanted = f"{name}({', '.join(arguments)})"

@@ -15,7 +15,6 @@ from fem.convergence_error import ConvergenceError
 from fem.discretize.absorber import absorber_kind, backwardness
 from fem.discretize.grading import Resolution
 from fem.geometry import Stator
-from fem.mesh.quads import SLENDER, corner_aspect
 
 # From coarse to fine: measured on Feenstra and Breedveld's stator (admittance and surface motion move together).
 LEVELS = (
@@ -33,7 +32,6 @@ GAIN = 8.0  # a level divides the error by more: 6.7 per edge layer, and more by
 # Where a viscous layer stands for the half-space its depth decides, squared; so does that of a selective layer
 # whose waves are backward beyond MAX_BACKWARDNESS (Z quartz: 1e-3 at a depth of 2 and of 3 wavelengths).
 SLOW_GAIN, MAX_BACKWARDNESS = 1.5, 0.03
-SLENDER_GAIN = 1.8  # with slender elements at the corners of a mesh: 2 to 3 seen at an aspect of 20
 
 
 def absorbs_slowly(stator: Stator) -> bool:
@@ -45,8 +43,6 @@ def absorbs_slowly(stator: Stator) -> bool:
 
 def level_gain(stator: Stator) -> float:
     """By how much a level divides the error, at least."""
-    if any(corner_aspect(piece, stator.bottom) > SLENDER for piece in stator.pieces):
-        return SLENDER_GAIN
     return SLOW_GAIN if absorbs_slowly(stator) else GAIN
 
 

@@ -1,10 +1,11 @@
 """Any mesh as quadrilaterals, refined towards singular vertices.
 
-Every element is split into quadrilaterals (vertex, middle of an edge, centre, middle of the other edge), so that every
-edge of the new mesh runs from a vertex of the file to the middle of one of its edges, or from there to a centre.  All
-neighbours then agree on the direction of their common edge, which hierarchical elements need.  At a singular vertex v
-a quadrilateral (v, a, c, b) is split into (v, A, C, B), (A, a, c, C) and (B, C, c, b) with A, B and C at `LAYER_RATIO`
-of the way, as often as there are layers: a geometric mesh (Schwab, *p- and hp-Finite Element Methods*, 1998).
+Elements that are slender beside a singular vertex are halved first (`fem.mesh.even_corners`).  Every element is then
+split into quadrilaterals (vertex, middle of an edge, centre, middle of the other edge), so that every edge of the new
+mesh runs from a vertex of the file to the middle of one of its edges, or from there to a centre.  All neighbours then
+agree on the direction of their common edge, which hierarchical elements need.  At a singular vertex v a quadrilateral
+(v, a, c, b) is split into (v, A, C, B), (A, a, c, C) and (B, C, c, b) with A, B and C at `LAYER_RATIO` of the way, as
+often as there are layers: a geometric mesh (Schwab, *p- and hp-Finite Element Methods*, 1998).
 """
 
 from collections.abc import Iterator
@@ -13,12 +14,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.mesh.even_corners import with_even_corners
 from fem.mesh.piece import MeshPiece
 from fem.mesh.section_mesh import ELECTRODE, SectionMesh
 from fem.mesh.shapes import CORNERS, reference_corners, shape_functions
 
 LAYER_RATIO = 0.15  # as in fem.discretize.grading
-SLENDER = 6.0  # aspect of an element at a corner from which the error falls slowly
 NEAR_INTERFACE = 1 / 8  # wavelengths: at 0.12 the admittance errs by 1e-5, at a third by 6e-7
 STRAIGHT = np.deg2rad(0.5)  # a boundary that turns by less is straight
 SQUARE_NODES = np.array(  # of the quadratic map: corners, middles of the edges, centre
@@ -182,6 +183,8 @@ def quad_mesh(
     ``largest``: of an edge in m by solid; ``conditions``: by line group a word for what holds there; where it changes
     along the boundary, the field is singular.
     """
+    singular = singular_vertices(mesh, conditions)
+    mesh = with_even_corners(mesh, singular)
     splitting = _Splitting(mesh)
     quads = list(splitting.initial())
     groups = {name: nodes.tolist() for name, nodes in mesh.lines.items()} | {"": mesh.boundary}
@@ -192,7 +195,6 @@ def quad_mesh(
     for _ in range(_halvings(splitting, quads, largest)):
         quads = splitting.halved(quads)
         lines = {name: splitting.halved_edges(edges) for name, edges in lines.items()}
-    singular = singular_vertices(mesh, conditions)
     for _ in range(layers):
         quads = splitting.layered(quads, singular)
         lines = {name: splitting.layered_edges(edges) for name, edges in lines.items()}
@@ -319,33 +321,12 @@ def conditions_of(piece: MeshPiece, bottom: str) -> dict[str, str]:
     return words
 
 
-def corner_aspect(piece: MeshPiece, bottom: str) -> float:
-    """Longest over shortest edge of the most slender element at a singular vertex, at least 1.
-
-    Layers towards a corner keep the shape of its elements.  At 20 a level divides the error of a groove by 2.6 only,
-    below 4 by 8 and more.
-    """
-    singular, worst = list(singular_vertices(piece.mesh, conditions_of(piece, bottom))), 1.0
-    for cells in piece.mesh.cells:
-        nodes = cells.nodes[:, : CORNERS[cells.kind]]
-        corners = piece.mesh.points[nodes[np.isin(nodes, singular).any(axis=1)]]
-        lengths = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
-        worst = max(worst, (lengths.max(axis=1) / lengths.min(axis=1)).max(initial=1.0))
-    return float(worst)
-
-
 def corner_warnings(piece: MeshPiece, bottom: str, wavelength: float) -> list[str]:
     """Warn of singular corners near an interface, whose field the section's line cannot resolve.
 
     ``wavelength``: of the slowest bulk wave, m.
     """
     result = []
-    aspect = corner_aspect(piece, bottom)
-    if aspect > SLENDER:
-        result.append(
-            f'piece "{piece.name}": an element at a corner is {aspect:.0f} times as long as wide, so that the error '
-            "falls slowly: draw the mesh evener there"
-        )
     corners = piece.mesh.points[sorted(singular_vertices(piece.mesh, conditions_of(piece, bottom)))]
     for side in ("left", "right"):
         line = piece.mesh.interface(side)

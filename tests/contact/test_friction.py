@@ -2,6 +2,7 @@
 
 import math
 import textwrap
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -52,6 +53,17 @@ LINEAR = (
 )
 
 
+# Stribeck's curve in two straight lines: a kink in the slip speed, where the exact method has no event
+BILINEAR = """
+    STATIC, SLIDING, SPEED = 0.3, 0.15, 0.02
+
+    def sliding(approach, normal_force, slip_speed, contact):
+        if slip_speed < SPEED:
+            return normal_force * (STATIC - (STATIC - SLIDING) * slip_speed / SPEED)
+        return normal_force * SLIDING
+    """
+
+
 def law(text):
     return UserLaw("law.py", textwrap.dedent(text))
 
@@ -70,6 +82,28 @@ def motor(friction, shape="sphere"):
         heights=heights, punch=shape == "punch", **own,
     )  # fmt: skip
     return s, waves, same
+
+
+@pytest.mark.parametrize(("shape", "near"), [("punch", 2e-8), ("sphere", 1e-6)])
+def test_a_users_law_with_a_kink_is_followed_to_the_truncation(shape, near):
+    s, waves, same = motor(None, shape)
+    s = replace(s, friction=law(BILINEAR))
+    same = replace(same, mu=lambda p, w: 0.3 - 0.15 * min(w / 0.02, 1.0))
+    state, _, _, tangential, _ = follow(same, 6)
+    exact = burst(s, waves, duration=6 / 2.2e6, after=0.0, tolerance=1e-9, samples=6, method="exact")
+    assert exact.velocity_at_burst_end == pytest.approx(state[2], rel=near)
+    assert exact.ledger.wave_tangential == pytest.approx(tangential, rel=near)
+    assert exact.ledger.relative_residual < 1e-9
+    assert exact.statistics["halvings"] > 20  # the kinks shorten the segments
+    steps = burst(s, waves, duration=6 / 2.2e6, after=0.0, tolerance=1e-5, samples=6, method="stepped")
+    apart = abs(steps.velocity_at_burst_end - exact.velocity_at_burst_end)
+    assert apart < 2.0 * steps.answer.error + 2.0 * exact.answer.error
+
+
+@pytest.mark.parametrize("name", ["guard", "follow", "memory"])
+def test_guards_and_memory_of_a_users_law_are_refused(name):
+    with pytest.raises(InputError, match=rf"slider\.law must not define {name}, but law\.py does"):
+        law(VISCOUS + f"\n    def {name}(*arguments):\n        return 1.0\n    ")
 
 
 # Oracle: DOP853 between events, which is good to some 1e-7 where the sphere's force has a root

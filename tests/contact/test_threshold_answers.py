@@ -100,6 +100,24 @@ def test_a_mirrored_loaded_orbit_out_of_quadrature_has_the_same_threshold():
     assert (moving.velocity != 0.0, still.velocity) == (True, 0.0)
 
 
+@pytest.mark.parametrize("phase", [-1.9, -1.1, -0.2, 0.05, 0.6, 1.1, 2.0])
+@pytest.mark.parametrize("load", [1e-5, 3e-5])
+def test_a_loaded_slider_starts_where_the_steady_state_does_out_of_quadrature(phase, load):
+    """Also on orbits that drive against their crests: the load's direction is that of `steady`."""
+    body, wave = slider(load=load), orbit(1e-9, 0.8e-9 * np.exp(1j * phase))
+    answer = threshold(body, wave)
+
+    def moves(factor):
+        return steady(body, wave.scaled(factor), tolerance=1e-2, method="averaged").velocity != 0.0
+
+    assert not any(moves(share * answer.value) for share in (0.3, 0.5, 0.7, 0.9))
+    low, high = 0.95 * answer.value, 1.05 * answer.value
+    while high - low > 1e-4 * answer.value:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if moves(middle) else (middle, high)
+    assert high == pytest.approx(answer.value, rel=1e-3)  # f_n/f = 0.02
+
+
 @pytest.mark.parametrize(
     "changed", [{}, {"shape": "punch", "radius": 3e-6}, {"load": 9e-5}, {"contact_damping": 1e-6}]
 )

@@ -35,29 +35,32 @@ def rectangle(
     depth: float,
     *,
     size: float,
-    groove: tuple[float, float, float] | None = None,
+    groove: tuple[float, float, float] | list[tuple[float, float, float]] | None = None,
     strip: tuple[float, float, float] | None = None,
     groups=("left", "right", "bottom"),
 ) -> Path:
-    """A plate section of irregular triangles; ``groove`` or ``strip``: left edge, width, depth or height."""
+    """A plate section of irregular triangles; ``groove`` or ``strip``: left edge, width, depth or height.
+
+    Several grooves have one depth; one that reaches the right edge is a step.
+    """
+    grooves = groove if isinstance(groove, list) else [groove] if groove else []
     rng = np.random.default_rng(7)
     across = np.linspace(0, width, 1 + round(width / size))
-    if groove or strip:
-        left, wide, _ = groove or strip
+    for left, wide, _ in grooves or ([strip] if strip else []):
         across = np.unique(np.round(np.concatenate([across, [left, left + wide]]), 12))
     down = np.linspace(-depth, 0, 1 + round(depth / size))
-    if groove:
-        down = np.unique(np.round(np.concatenate([down, [-groove[2]]]), 12))
+    if grooves:
+        down = np.unique(np.round(np.concatenate([down, [-grooves[0][2]]]), 12))
     up = np.append(down, strip[2]) if strip else down
     x, z = (each.ravel() for each in np.meshgrid(across, up, indexing="ij"))
-    inside = (x > 0) & (x < width) & (z > -depth) & (z < (-groove[2] if groove else 0) - 1e-9)
+    inside = (x > 0) & (x < width) & (z > -depth) & (z < (-grooves[0][2] if grooves else 0) - 1e-9)
     gap = min(np.diff(across).min(), np.diff(down).min())
     points = np.stack([x, z], axis=1) + inside[:, None] * rng.uniform(-0.2, 0.2, (len(x), 2)) * gap
     cells = []
     for i in range(len(across) - 1):
         for j in range(len(up) - 1):
             middle = (across[i] + across[i + 1]) / 2, (up[j] + up[j + 1]) / 2
-            if groove and groove[0] < middle[0] < groove[0] + groove[1] and middle[1] > -groove[2]:
+            if any(a < middle[0] < a + wide and middle[1] > -deep for a, wide, deep in grooves):
                 continue
             if strip and middle[1] > 0 and not strip[0] < middle[0] < strip[0] + strip[1]:
                 continue
@@ -74,7 +77,11 @@ def rectangle(
     below = len(down)
     lines = {
         "left": [(j, j + 1) for j in range(below - 1)],
-        "right": [(len(points) - column + j, len(points) - column + j + 1) for j in range(below - 1)],
+        "right": [
+            (len(points) - column + j, len(points) - column + j + 1)
+            for j in range(below - 1)
+            if np.isin([len(points) - column + j, len(points) - column + j + 1], used).all()
+        ],
         "bottom": [(i * column, (i + 1) * column) for i in range(len(across) - 1)],
         "electrode:strip": [
             (i * column + below - 1, (i + 1) * column + below - 1)

@@ -15,7 +15,6 @@ import numpy as np
 from contact.answers.methods import rest_problem, stepped_refusals
 from contact.answers.steady import SteadyState
 from contact.body import normal_amplitude, tangential_amplitude
-from contact.codes import Tangential
 from contact.convergence_error import ConvergenceError
 from contact.drive import reference_speed, towards_plus
 from contact.events.collocation import collocation
@@ -24,9 +23,9 @@ from contact.stepping.time_stepping import steps
 
 # steps per cycle, the last for the answer and all for its error, and nodes of the exact way
 STEPS, NODES = (64, 90, 128), (9, 14)
-# cycles by steps, least number of cycles and segments by events; how far beside, of the reference;
-# by how much the height may still move
-STEPPED_CYCLES, LEAST_CYCLES, EXACT_SEGMENTS = 20_000, 64, 60_000
+# cycles by steps; cycles by events at least, segments that they usually and at most take (5 s a run); how far beside,
+# of the reference; by how much the height may still move
+STEPPED_CYCLES, LEAST_CYCLES, EXACT_SEGMENTS, MAX_SEGMENTS = 20_000, 64, 60_000, 200_000
 BESIDE, STILL = 1e-2, 1e-4
 
 
@@ -115,8 +114,8 @@ def _quarters(rows):
 
 def _affordable(problem):
     each = max(24.0, problem.segments)
-    cycles = int(EXACT_SEGMENTS / each / (6.0 if problem.law == Tangential.HYSTERETIC else 1.0))
-    if cycles < LEAST_CYCLES:
+    cycles = max(LEAST_CYCLES, int(EXACT_SEGMENTS / each))
+    if cycles * each > MAX_SEGMENTS:
         raise ConvergenceError(
             "out of reach",
             f"a cycle takes {each:.3g} segments of the motion: too many to follow {LEAST_CYCLES} of them",
