@@ -1,4 +1,4 @@
-"""What the tolerances of a scene's numbers make of its answer: bands of the velocity, the threshold and the release.
+"""Bands of the velocity, the threshold and the release that follow from the tolerances of a scene's numbers.
 
 linear: half the difference of the answers at the two ends of each tolerance, added in quadrature (GUM, JCGM 100:2008,
 eq. 10, with the secant in place of the derivative).  Where the middle does not lie between the ends (the answer bends:
