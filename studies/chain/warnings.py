@@ -24,13 +24,8 @@ OFF_RESONANCE = (
 )
 PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # 1/(Pa m), V/(Pa m), -: air
 AIR = 101325.0  # Pa
-<<<<<<< HEAD
 SIDEWAYS = 0.1  # |u_y| over |u_x|, from which on a warning says so
-NODE_RATIO = 1e6  # standing-wave ratio: waves from both sides that cancel to rounding
-=======
-SIDEWAYS = 0.1  # |u_y| over |u_x| from which it is said
 NODE = 1e-6  # of |u_x|: smaller |u_z| are those of waves from both sides that cancel
->>>>>>> main
 CREEP = 0.01  # of the surface's own speed along x
 SPREADS = 0.1  # of u_z that the finite aperture changes, from which it is said that the section leaves it out
 DECIDES = 0.1  # relative change of u_z or of the velocity from which an effect outside the model is a warning
