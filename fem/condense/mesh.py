@@ -211,7 +211,8 @@ class MeshField:
     def at(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Scaled u_x, u_y, u_z and phi at points (m, 2) from the left edge and the surface, length units.
 
-        Values and their derivatives along x and z, (m, 4) each, zero outside the mesh; and whether a point lies in it.
+        Values and their derivatives along x and z, (m, 4) each, zero outside the mesh; and the group of the solid that
+        holds each point, empty outside.
         """
         space = self.assembly.space
         owner, places = space.locate(np.asarray(points) + self._origin)
@@ -224,7 +225,7 @@ class MeshField:
                 here = order[first[element] : first[element + 1]]
                 if len(here):
                     out[:, here[:, None], columns] = _local_fields(space, element, places[here], nodal)
-        return *out, owner >= 0
+        return *out, np.where(owner >= 0, space.mesh.solids[owner], "")
 
     @property
     def _origin(self) -> np.ndarray:

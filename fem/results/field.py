@@ -12,6 +12,7 @@ import numpy as np
 
 from fem.condense.columns import ColumnsField
 from fem.discretize.spectral import gll_nodes, lagrange
+from fem.materials import Solid
 from fem.results.densities import Densities, densities, flattened, shared, upward_slope
 from fem.results.driven_answer import SurfaceWave
 from fem.results.evaluation import ENDS, columns_in_row, recovered
@@ -155,7 +156,7 @@ def wave_field(
             part = part.chosen(slice(1, None))
         parts.append(part)
     units = section.field_units
-    return _of_values(
+    whole = _of_values(
         solution.fields.stator.solid,
         wave.frequency,
         np.concatenate([part.x for part in parts]),
@@ -167,6 +168,20 @@ def wave_field(
         inside=np.concatenate([np.broadcast_to(part.inside, part.values.shape[:2]) for part in parts]),
         pieces=tuple(meshed),
     )
+    if energies:
+        first = np.cumsum([0, *(len(part.x) for part in parts)])
+        for part, start in zip(parts, first, strict=False):
+            _in_other_solids(whole, part, slice(start, start + len(part.x)), units)
+    return whole
+
+
+def _in_other_solids(whole: WaveField, part: "_Part", lines: slice, units: np.ndarray) -> None:
+    """Put the densities of a part's nodes in other solids than the stator's into the whole field."""
+    for solid, nodes in part.solids:
+        fields = ((each[nodes] * units)[None] for each in (part.values, part.along, part.upward))
+        own = densities(solid, whole.frequency, *fields)
+        for name in Densities.__annotations__:
+            getattr(whole.densities, name)[lines][nodes] = getattr(own, name)[0]
 
 
 @dataclass(frozen=True)
@@ -180,13 +195,15 @@ class _Part:
     inside: np.ndarray = field(
         default_factory=lambda: np.ones((1, 1), dtype=bool)
     )  # whether there is a solid
+    solids: tuple[tuple[Solid, np.ndarray], ...] = ()  # others than the stator's, and the nodes in them
 
     def chosen(self, which) -> "_Part":
         """Some of the lines."""
         cut = (None if each is None else each[which] for each in (self.along, self.upward))
         inside = self.inside if len(self.inside) == 1 else self.inside[which]
         along, upward = cut
-        return _Part(self.x[which], self.values[which], along, upward, inside)
+        solids = tuple((solid, nodes[which]) for solid, nodes in self.solids)
+        return _Part(self.x[which], self.values[which], along, upward, inside, solids)
 
     def raised(self, section, depth: np.ndarray) -> np.ndarray:
         """Derivatives along z per m."""
@@ -205,10 +222,14 @@ def _in_piece(
     unit = solution.fields.section.length_unit
     x = _lines(piece.start, piece.stop, step, ())
     points = np.stack(np.meshgrid(x - piece.start, depth, indexing="ij"), axis=-1).reshape(-1, 2) / unit
-    values, along, upward, inside = inside.at(points)
+    values, along, upward, group = inside.at(points)
     shape = (len(x), len(depth))
     values, along, upward = (each.reshape(*shape, 4) for each in (values, along / unit, upward / unit))
-    return _Part(x, values, along if slopes else None, upward if slopes else None, inside.reshape(shape))
+    group = group.reshape(shape)
+    if not slopes:
+        return _Part(x, values, None, inside=group != "")
+    solids = tuple((solid, group == name) for name, solid in inside.assembly.piece.solids)
+    return _Part(x, values, along, upward, group != "", solids)
 
 
 def _on_mesh(

@@ -1,4 +1,4 @@
-"""What an export consists of: files by name, an answer in words, and pictures."""
+"""The result of an export: files by name, an answer in words, and pictures."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field

@@ -1,8 +1,9 @@
-"""Directions in which the free numbers can move without the measurements noticing, and their names in words.
+"""Directions in which the free numbers change without changing the predicted measurements, described in words.
 
-The Jacobian's columns are scaled by half the range of each number.  A singular value below ``ENOUGH`` says that a move
-from the middle of the ranges to their edge changes the sum of squares by less than the 95 % level: undetermined.  Their
-space is given by a basis with few components (reduced echelon form), so that each direction says one thing.
+The Jacobian's columns are scaled by half the range of each number.  Where a singular value is below ``ENOUGH``, a move
+from the middle of the ranges to their edge changes the sum of squares by less than the 95 % level: the data do not
+determine that direction.  The undetermined directions are given by a basis in which most components are zero (reduced
+echelon form), so that each can be described in one sentence.
 """
 
 from dataclasses import dataclass
@@ -15,22 +16,21 @@ from studies.inverse.parameters import Parameter
 
 LEVEL = 0.95
 ENOUGH = float(np.sqrt(chi2.ppf(LEVEL, 1)))
-EXACT = 1e-3  # of the largest singular value: what is below is no effect, but for terms of second order
-SMALL = 0.1  # components that are left out, over the largest
+EXACT = 1e-3  # of the largest singular value; below it the first-order effect is zero but for rounding
+SMALL = 0.1  # over the largest component; smaller ones are not named
 
 
 @dataclass(frozen=True, kw_only=True)
 class Direction:
-    """A direction of no effect."""
+    """A combination of numbers that the measurements do not determine."""
 
-    # By key; of the logarithm, or of the number itself over its range where that may be zero. The largest is
-    # 1
+    # by key: change of the logarithm, or of the number itself where that may be zero; the largest component is 1
     components: dict[str, float]
-    exact: bool  # whether the measurements do not change at all along it, to first order
+    exact: bool  # True: to first order the predictions do not change at all along it
 
     @property
     def sentence(self) -> str:
-        """What it says."""
+        """The direction in words."""
         keys = list(self.components)
         how = (
             "has no effect on these data"

@@ -1,7 +1,7 @@
-"""Evaluations of a search: points of a sweep that are asked for one generation after the other, kept in its store.
+"""Evaluations of a search: points of a sweep, requested one generation after the other and kept in its store.
 
-A search asks for its points in an order that depends on nothing but its options and the answers before.  So a search
-that was interrupted, however it ended, asks for the same points again, finds them in the store and goes on.
+A search requests its points in an order that depends only on its options and on earlier answers.  A search that was
+interrupted therefore requests the same points again, reads them from the store and goes on.
 """
 
 import json

@@ -1,8 +1,8 @@
 """Weighted least squares of measurements over a few free numbers, with derivatives by central differences.
 
 Residuals are (measured - predicted) over the standard deviation.  A systematic error s of a measurement is one more
-unknown b with the residual b / s; its predictions are multiplied by 1 + b.  The minimum is looked for by
-`scipy.optimize.least_squares` from the best of a Latin hypercube of starts.
+unknown b with the residual b / s; its predictions are multiplied by 1 + b.  `scipy.optimize.least_squares` searches
+for the minimum from the best points of a Latin hypercube.
 """
 
 from dataclasses import dataclass, field
@@ -16,18 +16,18 @@ from studies.inverse.prediction import MeasurementPredictor
 from studies.record.measured import Measurement
 from studies.refusal import RunError
 
-STEP = 1e-4  # of the logarithm, or of the range: differences err by its square, predictions by 1e-9
+STEP = 1e-4  # of the logarithm, or of the range: the difference errs by its square, a prediction by 1e-9
 STATOR_STEP = 1e-3  # a stator's answer is known to the predictor's tolerance only
-SAMPLES, MAX_LOOKED_AT = 64, 8  # starts; of which the best are looked at
-FEW_SAMPLES, FEW_LOOKED_AT = 8, 3  # likewise, of velocities that are solved one by one
-BETWEEN = 9  # points on the line between two minima
+SAMPLES, MAX_STARTS = 64, 8  # starts; of which the best are looked at
+SLOW_SAMPLES, MAX_SLOW_STARTS = 8, 3  # likewise, of velocities that are solved one by one
+BETWEEN = 9  # points on the line between two minima, to see whether the sum of squares rises there
 MAX_EVALUATIONS = 60
-CLEARLY = 1e-3  # lower, relative: what is no other minimum but the same one along a direction of no effect
+CLEARLY = 1e-3  # relative difference of two sums of squares below which two minima count as equally good
 
 
 @dataclass(frozen=True, kw_only=True)
 class Problem:
-    """What is to be minimised: a function of x, the inner values of the parameters, then one b per systematic error."""
+    """The sum of squares as a function of x: the inner values of the parameters, then one b per systematic error."""
 
     predictor: MeasurementPredictor = field(repr=False)
     parameters: tuple[Parameter, ...]
@@ -57,7 +57,7 @@ class Problem:
 
     @property
     def points(self) -> int:
-        """How many values were measured."""
+        """Number of measured values."""
         return sum(len(each.values) for each in self.measurements)
 
     def numbers(self, x) -> dict[str, float]:
@@ -126,7 +126,7 @@ class Problem:
         starts = self.starts()
         squares = np.sum(self.residuals(starts) ** 2, axis=1)
         solutions = [self.minimum(starts[0])]
-        looked_at = FEW_LOOKED_AT if self.predictor.one_by_one else MAX_LOOKED_AT
+        looked_at = MAX_SLOW_STARTS if self.predictor.one_by_one else MAX_STARTS
         for k in [k for k in np.argsort(squares)[:looked_at] if k > 0]:
             if not all(self._parted(starts[k], other, squares[k]) for other, _ in solutions):
                 continue  # in the valley of a minimum that is known
@@ -144,7 +144,7 @@ class Problem:
         return solutions
 
     def _parted(self, one, other, highest: float) -> bool:
-        """Whether the sum of squares rises between two minima, so that they are not the same valley."""
+        """Return whether the sum of squares rises between two points, so that they lie in different valleys."""
         if np.max(np.abs(one - other) / self.half_width) < 1e-3:
             return False
         shares = np.linspace(0.0, 1.0, BETWEEN + 2)[1:-1]
@@ -152,7 +152,7 @@ class Problem:
         return bool(np.max(squares) > highest + 0.1)
 
     def starts(self) -> list[np.ndarray]:
-        """Return where minima are looked for: the scene's own values, then a Latin hypercube where that is cheap."""
+        """Return the starts of the search: the scene's own values, then a Latin hypercube if predictions are cheap."""
         own = [p.start(self.predictor.value(p.key) if p.value is None else p.value) for p in self.parameters]
         shared = [0.0] * len(self.systematic)
         starts = [np.array([*own, *shared])]
@@ -160,7 +160,7 @@ class Problem:
         if slow or any(each.quantity == "burst" for each in self.measurements):
             return starts
         count = len(self.parameters)
-        samples = FEW_SAMPLES if self.predictor.one_by_one else SAMPLES
+        samples = SLOW_SAMPLES if self.predictor.one_by_one else SAMPLES
         for point in qmc.LatinHypercube(count, rng=np.random.default_rng(0)).random(samples):
             spread = self.low[:count] + point * (self.high - self.low)[:count]
             starts.append(np.array([*spread, *shared]))

@@ -1,4 +1,4 @@
-"""Which next measurement would narrow which number most.
+"""Which further measurement would narrow which number most.
 
 Each candidate adds its Fisher information, from derivatives at the best fit, to that of the data; the ranges stand for
 a weak prior (a standard deviation of half the range), so that numbers the data leave open have a finite width to begin
@@ -22,16 +22,16 @@ INSTANTS = 40
 
 @dataclass(frozen=True, kw_only=True)
 class Candidate:
-    """What a measurement would do."""
+    """A further measurement and the number that it narrows most."""
 
     name: str  # what to measure
     key: str  # the number that it narrows most
     before: float  # standard deviation of that number, relative (of a number that may be zero: in its unit)
-    after: float  # likewise, with the measurement
+    after: float  # the same with the measurement
 
 
 def candidates(problem: Problem) -> list[Measurement]:
-    """Return measurements to think of; empty deviations are to be those of the data."""
+    """Return possible measurements; those without deviations get those of the data."""
     predictor, own = problem.predictor, {each.quantity: each for each in reversed(problem.measurements)}
     own_levels = "normal_amplitude_m" if predictor.given_wave else "voltage_V"
     moving = [each for each in problem.measurements if each.quantity not in FIELD]

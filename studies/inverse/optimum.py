@@ -133,7 +133,7 @@ def design(
 
 
 def _front(feasible: list[dict], searcher: Search) -> list[dict]:
-    """Return the points that no other beats: of one goal the best."""
+    """Return the Pareto front: the points that no other point exceeds in all goals; with one goal the best point."""
     rows = {tuple(searcher.goal(row, goal) for goal in searcher.goals): row for row in reversed(feasible)}
     values = np.array(list(rows))
     beaten = {each: np.any(np.all(values >= each, axis=1) & np.any(values > each, axis=1)) for each in rows}
@@ -141,7 +141,7 @@ def _front(feasible: list[dict], searcher: Search) -> list[dict]:
 
 
 def _robustness(searcher: Search, optimum: dict) -> dict:
-    """Return what is left of the first goal when each variable is 5 % off; changed counts are one off."""
+    """Return the share of the first goal that is left with each variable 5 % off, or a whole number 1 off."""
     goal = searcher.goals[0]
     base, robustness = searcher.goal(optimum, goal), {}
     own = [optimum[each.key] for each in searcher.variables]

@@ -1,10 +1,10 @@
-"""Profile likelihood intervals: each number fixed in turn, all others fitted again.
+"""Profile likelihood intervals: each number is fixed at a series of values while all others are fitted again.
 
 An end of the interval is where the sum of squares exceeds its minimum by the quantile of chi^2 with one degree of
 freedom (of F, where the standard deviations come from the residuals themselves).  The
-square root of the excess is nearly linear in the number: a few refits find the end.  An end is open where the range
-ends before, and where another number has come to an end of its range: the range would then make the interval, not the
-data.
+square root of the excess is nearly linear in the number, so that a few refits locate the end.  An end is open where the
+number's range ends before it, or where another number has reached an end of its range: then the ranges would determine
+the interval, and not the data.
 """
 
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ class End:
     """One end of an interval."""
 
     x: np.ndarray  # all inner values there
-    closed: bool  # whether the data make this end
+    closed: bool  # whether the data determine this end
     because: str = ""  # why it is open
 
 
@@ -85,7 +85,7 @@ def profile(
 
 
 def _between(x, best, j, value):
-    """Return where a refit begins: along the line from the minimum through the last refit."""
+    """Return the start of a refit: on the line from the minimum through the last refit."""
     start = x.copy()
     moved = x[j] - best[j]
     if moved:

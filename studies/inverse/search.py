@@ -1,4 +1,4 @@
-"""One search over the unit box of the variables: differential evolution, then COBYQA from its best point.
+"""Search for the best point in the unit box of the variables: differential evolution, then COBYQA from its best.
 
 Where each evaluation solves a stator, differential evolution takes the coarsest discretisation (``coarse``); its best
 points are evaluated again at the tolerance, and COBYQA goes on there from the best of them.
@@ -55,19 +55,19 @@ class Search:
         )
 
     def goal(self, row: dict, goal: str) -> float:
-        """Return what is to be large; 0 without an answer."""
+        """Return the quantity of a goal so that larger is better; 0 where a point has no answer."""
         columns, _, less = GOALS[goal]
         value = next((abs(row[name]) for name in columns if row.get(name) is not None), 0.0)
         return value if not less else (1.0 / value if value > 0.0 else 0.0)
 
     def broken(self, row: dict) -> float:
-        """Return by how much a point breaks the constraints; a point without an answer breaks all."""
+        """Return the sum of the relative excesses over the constraints, and `UNKNOWN` where a point has no answer."""
         if row["status"] != "ok" and not row["status"].startswith("above tolerance"):
             return UNKNOWN
         return sum(max(0.0, each.excess(row)) for each in self.constraints)
 
     def merit(self, row: dict, weights) -> float:
-        """Return what is maximised: the first goal with weight; of two the weighted distance from the best of each."""
+        """Return the objective: the goal of largest weight, or 1 less the weighted distance from the best of both."""
         goals = [self.goal(row, goal) for goal in self.goals]
         if self.best_of_each is None:
             return goals[int(np.argmax(weights))]
@@ -75,7 +75,7 @@ class Search:
         return 1.0 - max(weight * share for weight, share in zip(weights, shares, strict=True))
 
     def value(self, row: dict, weights) -> float:
-        """Return what is minimised."""
+        """Return the value that the search minimises: infeasible points count as worse than all feasible ones."""
         broken = self.broken(row)
         return INFEASIBLE + broken if broken > 0.0 else -self.merit(row, weights)
 
@@ -91,7 +91,7 @@ class Search:
         return np.array([each.share(start[each.key]) for each in self.variables])
 
     def _local(self, start, free, weights, budget: int) -> None:
-        """Go on from the best point by COBYQA, the constraints as such; counts stay."""
+        """Improve the best point by COBYQA, which takes the constraints themselves; whole numbers are held."""
 
         def at(part):
             point = np.array(start, float)

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from studies.inverse.prediction import MeasurementPredictor
+from studies.record.plots import COLOURS, finished
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
@@ -39,7 +40,7 @@ PHASED = ("center", "position", "thickness", "frequency")  # many wavelengths: a
 NO_EFFECT = 1e-4  # elasticity below which a number is said to have none
 LIMITS = ("threshold", "release")
 COLUMNS = ("key", "elasticity", "error", "change_for_1_percent_more", "change_for_1_percent_less")
-NAMED = 4  # numbers in the answer's line
+NAMED, MAX_DRAWN = 4, 14  # numbers in the answer's line, and in the picture
 SIDE = 0.01  # change of a number to either side, beside its elasticity
 BENDS = 0.2  # difference of both sides, over the larger, from which the study says that the answer bends
 SILENT_STEP = 0.02  # by which the numbers without effect are changed together
@@ -242,12 +243,10 @@ def tables(record: StudyRecord) -> dict[str, str]:
 @of_record
 def figure(record: Panel, ax):
     """Draw what 1 % more and 1 % less of each number make of one answer, and its elasticity, the largest on top."""
-    from studies.record.plots import COLOURS
-
     rows = [
         row for row in zip(*(record.data[name] for name in COLUMNS), strict=True) if abs(row[1]) >= NO_EFFECT
     ]
-    rows = rows[:14]
+    rows = rows[:MAX_DRAWN]
     for side, (colour, label, sign) in enumerate((("slip", "1 % more", 1), ("intermittent", "1 % less", -1))):
         changes = [100 * (row[3 + side] or 0.0) for row in rows]
         places = [k - sign * 0.18 for k in range(len(rows))]
@@ -257,8 +256,4 @@ def figure(record: Panel, ax):
     ax.set_yticks(range(len(rows)), [row[0] for row in rows], fontsize="small")
     ax.invert_yaxis()
     ax.axvline(0.0, color=COLOURS["line"], linewidth=0.8)
-    ax.set_xlabel(f"change of the {record.data['outcome']} (%)")
-    ax.set_title(record.title, fontsize="medium", parse_math=False)
-    ax.grid(axis="x", alpha=0.3)
-    ax.legend(fontsize="small", loc="best")
-    return ax
+    return finished(ax, f"change of the {record.data['outcome']} (%)", "", record.title)

@@ -1,4 +1,4 @@
-"""An encoder's trace: what the instrument makes of a motion, and where the trace lies in time."""
+"""An encoder's trace: the filters of the instrument, and the alignment of a trace in time."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Controllers of a position loop, as data: what a reading of the sensor makes of the drive.
+"""Controllers of a position loop: they turn a reading of the sensor into a command of the drive.
 
 A controller is called once per period with a `Reading` and returns a `Command`: a level in the direction in which the
 slider shall be pushed (positive: towards +x) and how long it lasts.  ``two_phase``: full drive until friction alone
@@ -21,7 +21,7 @@ MAX_BURST = 0.05  # s, of one burst
 
 @dataclass(frozen=True, kw_only=True)
 class MotorNumbers:
-    """What a controller knows of its motor.
+    """Numbers of a motor that a controller uses.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Reading:
 
 @dataclass(frozen=True, kw_only=True)
 class Command:
-    """What the drive shall do: ``level`` towards +x (V or m, signed) for ``duration`` s, then nothing."""
+    """Command of the drive: ``level`` towards +x (V or m, signed) for ``duration`` s, then nothing."""
 
     level: float
     duration: float
@@ -123,7 +123,7 @@ class TwoPhase:
         return self._burst(reading, memory, motor)
 
     def _coarse(self, reading: Reading, memory: dict, motor: MotorNumbers) -> Command | None:
-        """Drive until friction stops the slider in front of the target; None where that is over."""
+        """Drive until friction will stop the slider short of the target; None once the slider has stopped."""
         error = reading.target - reading.position
         old = memory.get("last")
         memory["last"] = reading.position
@@ -134,7 +134,7 @@ class TwoPhase:
             return None
         memory.setdefault("start", way)
         if not memory.get("off"):
-            # what is travelled before the next decision shows, and until the wave is gone, then by friction
+            # distance until the next decision takes effect and the wave has faded, then until friction stops it
             late = reading.period + motor.delay
             ahead = abs(speed) + motor.acceleration * late
             stop = ahead * late + ahead**2 / (2.0 * motor.braking)
@@ -156,10 +156,10 @@ class TwoPhase:
         sums.append(reading.position)
         if len(sums) < self.readings:
             return rest
-        place = sum(sums) / len(sums)
+        position = sum(sums) / len(sums)
         memory["sums"] = []
-        self._learn(place, memory, motor)
-        error = reading.target - place
+        self._learn(position, memory, motor)
+        error = reading.target - position
         memory["error"] = error
         if abs(error) <= self.tolerance:
             memory["settled"] = True
@@ -173,22 +173,22 @@ class TwoPhase:
         )
         gain = memory["gains"].get(phase, memory["gains"]["burst"])
         length = min(math.sqrt(self.gain * abs(error) / gain), MAX_BURST)
-        memory |= {"from": place, "stepped": (phase, length, math.copysign(1.0, error))}
+        memory |= {"from": position, "stepped": (phase, length, math.copysign(1.0, error))}
         memory["until"] = (
             reading.time + self.settle + length + motor.delay + length * motor.acceleration / motor.braking
         )
         return Command(level=math.copysign(level, error), duration=length, phase=phase)
 
-    def _learn(self, place: float, memory: dict, motor: MotorNumbers) -> None:
-        """Take the last burst's step into the model: distance = gain length^2, a gain for either phase."""
+    def _learn(self, position: float, memory: dict, motor: MotorNumbers) -> None:
+        """Update the model distance = gain length^2 by the last burst's step; each phase has a gain of its own."""
         a, b = motor.acceleration, motor.braking
         gains = memory.setdefault("gains", {"burst": 0.5 * a * (1.0 + a / b)})
         if "from" not in memory:
             return
         phase, length, way = memory["stepped"]
         old = gains.get(phase, gains["burst"])
-        moved = (place - memory.pop("from")) * way
-        # the contacts' springs take or give part of a step of a few nm: it is believed by half
+        moved = (position - memory.pop("from")) * way
+        # the contacts' springs change a step of a few nm, so that only the square root of its ratio is taken over
         gains[phase] = old * min(max(moved / (old * length**2), 0.25), 4.0) ** 0.5
 
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from studies.motor.controllers import Command, MotorNumbers, Reading
 
-BANDS = (1e-7, 1e-8, 2e-9)  # m, the errors whose times are asked for
-PARTS = 10  # samples of the true motion per period
-LATEST = 0.2  # share of the readings of a move over which the error at rest is taken
+BANDS = (1e-7, 1e-8, 2e-9)  # m: errors within which the time of arrival is stated
+SAMPLES = 10  # of the true motion per period
+REST_SHARE = 0.2  # last part of a move that is not settled, over which the error at rest is averaged
 
 
 class Moving(Protocol):
@@ -28,7 +28,7 @@ class Moving(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class Loop:
-    """What surrounds the motor.
+    """Sensor, controller period and disturbances of a position loop.
 
     Attributes
     ----------
@@ -133,18 +133,18 @@ def moved(
     memory: dict = {}
     seen = [start] * (late + 1)
     bursts: dict = {}
-    rows, energy, cycles, satisfied = [(0.0, start, motor.velocity, 0.0)], 0.0, 0.0, 0.0
+    samples, energy, cycles, satisfied = [(0.0, start, motor.velocity, 0.0)], 0.0, 0.0, 0.0
     last = "rest"
 
     def push(duration, level):
         nonlocal energy, cycles
         if duration <= 0.0:
             return
-        steps = max(1, math.ceil(PARTS * duration / loop.period))
+        steps = max(1, math.ceil(SAMPLES * duration / loop.period))
         for _ in range(steps):
             force = loop.force if motor.time >= loop.force_at else 0.0
             motor.advance(duration / steps, level * direction, force=force, preload=loop.preload)
-            rows.append((motor.time - begin, motor.position, motor.velocity, level * direction))
+            samples.append((motor.time - begin, motor.position, motor.velocity, level * direction))
         energy += powers[int(level * direction < 0.0)] * level**2 * duration
         cycles += frequency * duration * (level != 0.0)
 
@@ -174,7 +174,7 @@ def moved(
         satisfied = satisfied + loop.period if memory.get("settled") and not driven else 0.0
         if satisfied >= loop.hold:
             break
-    table = np.array(rows)
+    table = np.array(samples)
     return _judged(table, start, target, bursts, energy, cycles, bool(memory.get("settled")))
 
 
@@ -182,12 +182,12 @@ def replayed(motor: Moving, moves: tuple[Move, ...], loop: Loop) -> list[np.ndar
     """Return the positions of another motor that is driven as in some moves, one after the other; it is moved."""
     positions = []
     for move in moves:
-        way = [motor.position]
+        path = [motor.position]
         for duration, level in zip(np.diff(move.time), move.level[1:], strict=True):
             force = loop.force if motor.time >= loop.force_at else 0.0
             motor.advance(float(duration), float(level), force=force, preload=loop.preload)
-            way.append(motor.position)
-        positions.append(np.array(way))
+            path.append(motor.position)
+        positions.append(np.array(path))
     return positions
 
 
@@ -199,15 +199,15 @@ def _judged(table, start: float, target: float, bursts, energy: float, cycles: f
         outside = np.flatnonzero(error > band)
         last = int(outside[-1]) + 1 if outside.size else 0
         within[band] = float(time[last]) if last < len(time) else math.nan
-    way = math.copysign(1.0, target - start)
-    tail = position[time >= time[-1] * (1.0 - LATEST)] if len(time) > 1 else position
+    sign = math.copysign(1.0, target - start)
+    tail = position[time >= time[-1] * (1.0 - REST_SHARE)] if len(time) > 1 else position
     if settled:  # since the last burst
         driven = np.flatnonzero(table[:, 3] != 0.0)
-        quiet = position[(driven[-1] + 1 if driven.size else 0) :]
-        tail = quiet[len(quiet) // 2 :]
+        undriven = position[(driven[-1] + 1 if driven.size else 0) :]
+        tail = undriven[len(undriven) // 2 :]
     return Move(
         start=start, target=target, time=time, position=position, velocity=table[:, 2], level=table[:, 3],
-        within=within, overshoot=max(0.0, float(np.max((position - target) * way))),
+        within=within, overshoot=max(0.0, float(np.max((position - target) * sign))),
         error_at_rest=float(np.mean(tail)) - target, ring=0.5 * float(np.ptp(tail)), bursts=bursts, energy=energy,
         cycles=cycles, settled=settled,
     )  # fmt: skip

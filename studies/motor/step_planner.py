@@ -31,7 +31,7 @@ RING = 0.05  # of the step, from which on the ring hides it: 0.03 bends the expo
 TRAVEL = 0.01  # of the step: the integral of a trajectory of 4000 samples
 SETTLINGS = 20.0  # of the wave, in a burst whose growth is judged: a delay of 1/20 bends the exponent by 0.1
 
-# A bounce whose first swing is larger than this, over the approach at rest, changes the force while it lives: growth is
+# A bounce whose first swing is larger than this, over the approach at rest, changes the force while it lasts: growth is
 # judged of bursts of twice the cycles in which it falls to 1/e. At 2.9 it bends the exponent by 0.02, at 9.6 by 0.4.
 LIVELY, DECAYS = 5.0, 2.0
 

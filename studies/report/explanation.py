@@ -21,7 +21,7 @@ from studies.scene import Scene
 
 TIME_WITHIN, MEMORY_WITHIN = 3.0, 2.0  # factors within which the predictions have been seen to hold
 SPEED = 2.5e10  # real operations per second of the stator's algebra: one core of an x86_64 machine of 2026
-START, COMPILE = 0.3, 15.0  # s: imports; the contact's kernels when they are not there yet
+START, COMPILE = 0.18, 15.0  # s: imports; the contact's kernels when they are not there yet
 # s of a point with one contact, and the power of their number: 1, 4, 16 and 64 balls take 0.05, 0.04, 0.4 and 6 s
 POINT, CONTACTS = 0.02, 1.2
 AVERAGED_POINT = 3e-4  # s of a point of a sweep, its averaged contact in the compiled loop

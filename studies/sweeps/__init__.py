@@ -155,9 +155,9 @@ def sweep(
     design = designed(_table(scene), over, tolerance=tolerance, also=tuple(also))
     _refuse_hopeless(design)
     with closing(Store(None if out is None else Path(out), design)) as store:
-        with closing(chosen_workers(workers)) as staff:
+        with closing(chosen_workers(workers)) as pool:
             try:
-                Driver(design, store, staff, progress or (lambda *_: None)).run()
+                Driver(design, store, pool, progress or (lambda *_: None)).run()
             except KeyboardInterrupt:
                 kept = sum(store.counts().values())
                 where = "" if out is None else " and the same command goes on from there"

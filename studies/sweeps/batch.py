@@ -1,7 +1,7 @@
 """A batch of a sweep's points: a row for every one of them, the failed ones with their reason.
 
-What a row holds depends on its own point alone, to the last bit: not on the other points of the batch, the
-worker, or the number of threads.
+A row depends on its own point alone, to the last bit: neither on the other points of the batch, nor on the worker, nor
+on the number of threads.
 """
 
 import math
@@ -46,5 +46,5 @@ def _predictor(question: Question) -> Predictor:
 
 
 def _kept(value):
-    """Return a value as the store holds it: what is not finite is none."""
+    """Return a value for the store: None where it is not finite."""
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,7 +1,7 @@
 """The driver of a sweep: batches of points given out to workers, their rows kept as they come.
 
-Points of one stator follow one another, so that a worker solves it once for many of them.  A batch that vanished with
-its worker is halved and given out again, until a single point has taken ``LIVES`` workers with it.
+Points of one stator follow one another, so that a worker solves it once for many of them.  If a worker's process dies,
+its batch is halved and submitted again; a single point is given up after ``MAX_ATTEMPTS`` workers have died with it.
 """
 
 from collections import deque
@@ -17,18 +17,18 @@ from studies.sweeps.workers import Workers
 
 BATCH_SECONDS, LARGEST_BATCH = 0.5, 8192
 BAND_STATORS = 64  # frequencies of a band in one batch; of stators that are solved one by one a batch has one
-LIVES = 3  # workers that a batch may take with it
+MAX_ATTEMPTS = 3  # workers that may die with a batch of one point
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Batch:
     points: tuple[int, ...]
     values: tuple[tuple, ...]
-    lives: int = LIVES
+    attempts_left: int = MAX_ATTEMPTS
 
 
 class Driver:
-    """Gives out the points of one sweep and keeps what comes back.
+    """Submits the points of one sweep to workers and stores their rows.
 
     ``progress`` is called with (points, of them kept, of those failed, seconds of work).
     """
@@ -38,7 +38,7 @@ class Driver:
         self.size = 4  # points in the next batch
 
     def run(self) -> None:
-        """Compute what is missing."""
+        """Compute the points that the store does not hold."""
         done, counts, question = self.store.done(len(self.design)), self.store.counts(), self.design.question
         cost, kept = self.store.cost(), int(done.sum())
         failed = kept - counts.get("ok", 0)
@@ -48,7 +48,7 @@ class Driver:
             rows, batches = [], []
             for batch, answer in finished:
                 if answer is None:
-                    reason = f"{LOST}{LIVES} workers that computed it vanished"
+                    reason = f"{LOST}{MAX_ATTEMPTS} workers that computed it vanished"
                     blank = (None,) * (len(question.outcomes) - 1)
                     rows.append((batch.points[0], *batch.values[0], *blank, reason))
                     continue
@@ -121,8 +121,8 @@ class Driver:
                 parts = (slice(None, half), slice(half, None))
                 if half:
                     again += [replace(batch, points=batch.points[k], values=batch.values[k]) for k in parts]
-                elif batch.lives > 1:
-                    again.append(replace(batch, lives=batch.lives - 1))
+                elif batch.attempts_left > 1:
+                    again.append(replace(batch, attempts_left=batch.attempts_left - 1))
                 else:
                     answers.append((batch, None))
             if answers:

@@ -29,7 +29,7 @@ FEWEST = 6  # frequencies from which a band is cheaper than one solution each
 
 @dataclass(frozen=True, kw_only=True)
 class Question:
-    """What is asked at every point: all that a worker needs beside a point's own values."""
+    """What every point of a sweep shares: all that a worker needs beside a point's own values."""
 
     document: str  # TOML document of the scene, as JSON
     keys: tuple[str, ...]  # of the point's values
@@ -48,7 +48,7 @@ class Question:
 
     @property
     def kind(self) -> str:
-        """What moves: "given", "driven", or "free", the wave alone."""
+        """Kind of wave: "given" by the scene, "driven" by a transducer, or "free", a surface wave alone."""
         if "wave" in self.table:
             return "given"
         return "driven" if self.table.get("transducer") else "free"
@@ -61,13 +61,13 @@ class Question:
 
     @property
     def stator_keys(self) -> tuple[str, ...]:
-        """Those keys for each of whose values a stator is solved."""
+        """The keys whose every value needs a stator of its own."""
         own = (key for key in self.keys if of_stator(key) or (key in PLACE_KEYS and not self.places))
         return tuple(own) if self.kind == "driven" else ()
 
     @property
     def outcomes(self) -> tuple[str, ...]:
-        """The columns that a point is answered with."""
+        """Columns of a point's answer."""
         names = list(FREE) if self.kind == "free" else [*AMPLITUDES]
         if self.kind == "driven":
             names += ELECTRICAL
@@ -127,7 +127,7 @@ class Design:
 
     @property
     def identity(self) -> dict[str, str]:
-        """What makes two sweeps the same one: digests of scene, its files, axes, tolerance and what is also asked."""
+        """Digests of scene, files, axes, tolerance and further outcomes; two sweeps with equal digests are the same."""
         parts = {
             "scene": self.question.table,
             "tolerance": self.question.tolerance,

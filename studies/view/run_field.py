@@ -29,7 +29,7 @@ NO_STATOR = "there is no wave field: the scene of this run gives the surface mot
 
 @dataclass(frozen=True, kw_only=True)
 class RunField:
-    """A field and what stands on it."""
+    """The wave field of a run with the electrodes and the slider on it."""
 
     # the field in m per V, or over u_z at the surface of a free wave; keywords ``span`` (m), ``per_wavelength`` and
     # ``energies`` as in `fem.wave_field`

@@ -1,7 +1,7 @@
-"""The points of a field that are drawn, at rest, and how they move: of the section, of a solid, of a beam's surface.
+"""Points of the field for drawing, at rest and with their displacement: a section, a solid, or the surface of a beam.
 
-Field points are nodes: those nearer to the one before than a pixel are passed over, and where nodes are far apart the
-modes and the elements' polynomials give points between them.  Nothing is averaged.
+The points are nodes of the mesh.  Nodes closer together than a pixel are skipped.  Where nodes are far apart, points
+between them are evaluated from the modes and the elements' polynomials.  No value is an average.
 """
 
 from collections.abc import Callable

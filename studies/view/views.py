@@ -1,4 +1,4 @@
-"""Which stretches of the section are shown, and where they lie in a picture."""
+"""The stretches of the section that a picture shows, and their frames in it."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -26,7 +26,10 @@ class View:
 
 
 class Frame(NamedTuple):
-    """Where the solid or a view is drawn: left, low, right, high in pixels; of a view m per pixel and the top's z."""
+    """Rectangle of a view, or of the solid, in the picture: left, low, right, high in pixels.
+
+    A view also has its scale ``pixel`` in m per pixel, and ``top``, the z in m at its upper edge.
+    """
 
     box: tuple[float, float, float, float]
     view: View | None = None

@@ -12,6 +12,9 @@ scene           level   steady m/s   driven   loaded   stopped  of the truth   t
 twente-contact  5 nm    0.0286       7.4e-6   7.0e-6   3.9e-6   8.8e-6         160
 twente-contact  10 nm   0.0693       2.9e-6   3.4e-6   1.7e-6   9.6e-6         149
 twente-contact  20 nm   0.1529       1.3e-6   2.7e-6   1.8e-6   4.8e-5         145
+twente          15 V    0.0133       1.2e-5   1.6e-5   2.6e-5   5.8e-6         149
+twente          30 V    0.0387       5.1e-6   6.0e-6   7.9e-6   6.0e-6         153
+twente          60 V    0.0907       7.9e-6   1.1e-6   4.4e-7   1.1e-5         141
 """
 
 import subprocess

@@ -306,6 +306,39 @@ def test_the_field_inside_a_mesh_joins_its_neighbours(tmp_path, groove):
         assert abs(moved[same] - moved[same + 1]).max() < 1e-3 * abs(moved).max()
 
 
+def test_strain_energy_in_another_solid(tmp_path):
+    """On the grid and on the piece's own elements it is that of the solid which is there."""
+    stator = plate(cut("PZT-4", "Z", quality=300), length=9.0)
+    path = rectangle(tmp_path / "plain.msh", 0.9, 0.8, size=0.3)
+    stator = _with_pieces(stator, path, (4.2,), solids=(("inlay", material("aluminium")),))
+    (piece,) = stator.pieces
+    (cells,) = piece.mesh.cells
+    unit = stator.thickness / 0.8
+    x, z = piece.mesh.points[cells.nodes].mean(axis=1).T / unit
+    inlaid = (abs(x - 0.45) < 0.2) & (z > -0.3)
+    parts = tuple(
+        replace(cells, solid=name, nodes=cells.nodes[which])
+        for name, which in (("stator", ~inlaid), ("inlay", inlaid))
+    )
+    stator = replace(stator, pieces=(replace(piece, mesh=replace(piece.mesh, cells=parts, digest="inlay")),))
+    solved = _solved(stator, level=Resolution(order=7, edge_layers=0))
+    field = wave_field(wave_of(solved), span=(4.2 * unit, 5.1 * unit), energies=True)
+    (own,) = field.pieces
+    # no traction acts on the surface: with the constants of the ceramic power would flow through it
+    middle = abs(field.x / unit - 4.65) < 0.1
+    on_grid = abs(field.densities.power_flow_pulse[middle])
+    assert on_grid[:, -1, 1].max() < 0.02 * on_grid[..., 0].max()
+    inside = (abs(own.points[:, 0] / unit - 4.65) < 0.1) & (own.points[:, 1] > -0.2 * unit)
+    top, flow = inside & (abs(own.points[:, 1]) < 1e-12), abs(own.densities.power_flow_pulse)
+    assert flow[top, 1].max() < 0.02 * flow[inside, 0].max()
+    in_line = np.flatnonzero(middle)[0]
+    near = inside & (abs(own.points[:, 0] - field.x[in_line]) < 0.02 * unit)
+    energy = own.densities.strain_energy[near]
+    grid_energy = field.densities.strain_energy[in_line, field.z > -0.2 * unit]
+    assert 0.7 * energy.min() < grid_energy.min()
+    assert grid_energy.max() < 1.4 * energy.max()
+
+
 def test_reflection_of_a_groove_and_of_a_row(tmp_path):
     """Lossless: no power is made, S is symmetric; a plain stretch reflects nothing and turns the phase."""
     stator = plate(cut("PZT-4", "Z", quality=np.inf, loss=0.0), length=9.0, thickness=0.8)

@@ -22,9 +22,9 @@ piecewise constant, and the last `ENTRIES` changes of each drive are kept.  Wher
 larger wave alone counts.
 
 Integration: slip by the explicit midpoint rule in steps of at most `MAX_STEP`; stick by Nystrom's method of order 4 in
-steps of `RING_STEP`; the approach by the classical Runge-Kutta method; `FAST_STEP` while the wave changes, and while
-the bounce lives on a surface at rest.  Ends of stick and slip are located within their step.  Tables are read by cubic
-interpolation over four neighbours; on a wave at rest (`glide`, `hold`) what does not change is read once.
+steps of `RING_STEP`; the approach by the classical Runge-Kutta method; `FAST_STEP` while the wave changes and while
+the slider bounces on a surface at rest. Ends of stick and slip are located within their step. Tables are read by cubic
+interpolation over four neighbours; on a steady wave (`glide`, `hold`) what does not change is read once.
 """
 
 from studies.export.reduced_motor.advance import advance, begin
