@@ -8,6 +8,7 @@ ones made small and the small ones left alone.
 
 import numpy as np
 
+COMPANION_SHIFT = 2 * np.pi * (0.31 + 0.57j)  # away from all wavenumbers of a body with little loss
 WIDE_SPECTRUM = 1e7  # largest over typical eigenvalue above which one eigensolve cannot serve both ends
 
 
@@ -37,6 +38,50 @@ def even_odd_modes(second, skew, zeroth, odd):
     return wavenumbers, scale[:, None] * shapes
 
 
+def opposite_modes(second, skew, zeroth):
+    """Eigenpairs (k, v), then all (-k, w), of k^2 second + k skew + zeroth: symmetric matrices, antisymmetric skew.
+
+    With p = k second v + skew v / 2 the problem is H (v, p) = k (v, p), H a Hamiltonian matrix, H^T J = -J H with
+    J = [[0, 1], [-1, 0]].  All eigenvalues of W = (H - s)^-1 (H + s)^-1, 1 / (k^2 - s^2), are double and W^T J = J W: a
+    Krylov space of W that is kept orthogonal to J times its conjugate holds one vector of each pair, so that a matrix
+    of the size n is left of one of 2 n (Mehrmann and Watkins, SIAM J. Sci. Comput. 22 (2001) 1905).
+    """
+    size, shift = len(second), COMPANION_SHIFT
+    inverse = np.linalg.inv(shift**2 * second + shift * skew + zeroth)
+
+    def resolvent(inverse, at):
+        """(H - at)^-1."""
+        half = skew / 2 + at * second
+        product = inverse @ half
+        return np.block([[-product, -inverse], [second - half @ product, -half @ inverse]])
+
+    operator = resolvent(inverse, shift) @ resolvent(inverse.T, -shift)
+    vectors = np.empty(
+        (2 * size, 2 * size), dtype=complex
+    )  # of the space and J times their conjugates in turn
+    adjoint, reduced = np.empty_like(vectors), np.zeros((size, size), dtype=complex)
+    new = np.random.default_rng(0).normal(size=2 * size) + 0j
+    for number in range(size):
+        length = np.linalg.norm(new)
+        if number:
+            reduced[number, number - 1] = length
+        new = new / length
+        last = slice(2 * number, 2 * number + 2)
+        vectors[:, last] = np.transpose([new, np.append(new[size:], -new[:size]).conj()])
+        adjoint[last] = vectors[:, last].conj().T
+        new, so_far = operator @ new, slice(0, last.stop)
+        for _ in range(2):  # the second time removes what rounding has left
+            parts = adjoint[so_far] @ new
+            new = new - vectors[:, so_far] @ parts
+            reduced[: number + 1, number] += parts[::2]
+    inverses, combinations = np.linalg.eig(reduced)
+    wavenumbers = np.sqrt(shift**2 + 1 / inverses)
+    mixed = vectors[:, ::2] @ combinations  # of the two eigenvectors of each pair, which H +- k tells apart
+    slope = np.linalg.solve(second, mixed[size:] - skew @ mixed[:size] / 2)
+    change = wavenumbers * mixed[:size]
+    return np.append(wavenumbers, -wavenumbers), np.hstack([slope + change, slope - change])
+
+
 def companion_modes(second, skew, zeroth):
     """All eigenpairs (k, v) of k^2 second + k skew + zeroth, both directions together, 2 n of them."""
     size = len(second)
@@ -46,7 +91,7 @@ def companion_modes(second, skew, zeroth):
     nothing, unit = np.zeros((size, size)), np.eye(size)
     left = np.block([[unit, nothing], [nothing, second]])
     right = np.block([[nothing, unit], [-zeroth, -skew]])
-    wavenumbers, pairs = _graded_eigenpairs(left, right, 2 * np.pi * (0.31 + 0.57j))
+    wavenumbers, pairs = _graded_eigenpairs(left, right, COMPANION_SHIFT)
     return wavenumbers, scale[:, None] * pairs[:size]
 
 

@@ -18,7 +18,7 @@ side than their phase; the integral over k_y ends smoothly at the surface wave's
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from fem.beam.line_source import KEPT, LOCAL, Branch, charge_scale
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
-from fem.eigenproblem import companion_modes, even_odd_modes
+from fem.eigenproblem import companion_modes, even_odd_modes, opposite_modes
 from fem.waveguide.port_fields import PortFields
 
 FADE = (
@@ -46,8 +46,9 @@ TWIN_SHARE, TWIN_DISTANCE = (
 # of its power's angle; it is kept up to STEEPEST, and a growth by the layer's error over the surface wave's wavenumber
 STEEPEST, GROWTH = 1.0, 1e-3
 PARITY_SHARE = 0.1  # where x -> -x is a symmetry, and the modes cost a quarter
-COARSER = (1.6, 1.25)  # spacing of the rule, 2e-5, and from FINE_LEVEL on, 1e-6
-FINE_LEVEL = 2
+# Spacing and distance from the real axis of the rule: 2e-5 on YZ and 128YX lithium niobate.  Not where the potential
+# floats, for u_x depends on |k_y| then.
+COARSER, TILTED = 1.6, 0.06
 # Wave vectors of the reduced basis: directions over a half circle, sizes over the surface wave's, and their angle in
 # the complex plane, rad, which keeps them from the modes of a body without loss
 DIRECTIONS, SIZES, TILT = 7, (0.02, 1.2), 0.05
@@ -87,8 +88,6 @@ class CutSource:
         Hz.
     wavenumber : float
         Of the surface wave at k_y = 0, rad/m.
-    level : int
-        Of refinement, of the stator's section.
     surface_only : bool
         Whether the surface wave alone is wanted.
     static : float
@@ -99,10 +98,8 @@ class CutSource:
     reduced: "_Reduced" = field(repr=False)
     frequency: float
     wavenumber: float
-    level: int
     surface_only: bool = False
     static: float = 0.0
-    rule_gain: ClassVar[float] = 1.0  # as of `LineSource`: a mode that is missed at a node errs by as much
     _spectra: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property
@@ -114,6 +111,11 @@ class CutSource:
     def surface_mode(self) -> "CutSource":
         """The surface wave alone."""
         return replace(self, surface_only=True)
+
+    @property
+    def rough(self) -> "CutSource":
+        """On half of the basis, to 1e-3, at a fifth of the cost."""
+        return replace(self, reduced=self.reduced.half, _spectra={})
 
     def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
         """As of `LineSource`, for real lateral wavenumbers."""
@@ -127,12 +129,9 @@ class CutSource:
         """Waves to both sides at the nodes of a rule that serves points up to ``reach``."""
         rounded = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # so that few rules are needed
         low, high = (each * self.wavenumber for each in FADE)
-        # u_x depends on |k_y| where the potential floats
-        coarser = 1.0 if self.section.floating_potential else COARSER[self.level >= FINE_LEVEL]
+        dear = {} if self.section.floating_potential else {"coarser": COARSER, "max_tilt": TILTED}
         narrow = NARROWER * low, NARROWER * high
-        rule = lateral_rule(
-            self.wavenumber, rounded, (low, high), mirror_width, coarser=coarser, narrow=narrow
-        )
+        rule = lateral_rule(self.wavenumber, rounded, (low, high), mirror_width, narrow=narrow, **dear)
         yield from self._lasting(rule, distance)
 
     def plane(self, _resolved: float) -> Iterator[Branch]:
@@ -246,7 +245,23 @@ class _Reduced(NamedTuple):
     matrices: _Polynomials
     surface: np.ndarray  # (4, r): u_x, u_y, u_z and phi at the surface
     odd: np.ndarray | None  # (r,): parity of the columns under x -> -x, where that is a symmetry
+    opposite: bool  # whether y -> -y is a symmetry, so that k and -k are modes together
     error: float  # of the response at wave vectors between those that made the basis, relative
+
+    @property
+    def half(self) -> "_Reduced":
+        """The same on the half of the vectors, of either parity, that counts most."""
+        groups = (
+            [np.arange(len(self.surface.T))]
+            if self.odd is None
+            else map(np.flatnonzero, (self.odd, ~self.odd))
+        )
+        kept = np.concatenate([group[: (len(group) + 1) // 2] for group in groups])
+        matrices = [tuple(each[np.ix_(kept, kept)] for each in parts) for parts in self.matrices.coefficients]
+        odd = None if self.odd is None else self.odd[kept]
+        return self._replace(
+            basis=self.basis[:, kept], matrices=_Polynomials(matrices), surface=self.surface[:, kept], odd=odd
+        )
 
     def response(self, along: complex, lateral: complex) -> np.ndarray:
         """Fields at the surface of loads there, (4, 4)."""
@@ -260,7 +275,8 @@ class _Reduced(NamedTuple):
             k = np.append(k, -k)
             shapes = np.hstack([shapes, np.where(self.odd, -1.0, 1.0)[:, None] * shapes])
         else:
-            k, shapes = companion_modes(second, 1j * (first - adjoint), zeroth)
+            solve = opposite_modes if self.opposite else companion_modes
+            k, shapes = solve(second, 1j * (first - adjoint), zeroth)
         shapes = shapes / np.linalg.norm(shapes, axis=0) / np.maximum(1.0, abs(k))
         load = np.zeros((len(k), 4), dtype=complex)
         load[len(second) :] = np.linalg.solve(second, self.surface.T)
@@ -296,7 +312,8 @@ def _reduced(section: Section, frequency: float, wavenumber: float, singular: fl
         columns = [_singular_vectors(np.hstack(seen), group, section, singular) for group in groups]
         basis = np.hstack(columns)
         parity = None if odd is None else np.arange(basis.shape[1]) < columns[0].shape[1]
-        reduced = _Reduced(basis, whole.projected(basis), basis[surface], parity, np.inf)
+        opposite = section.solid.mirror_y is not None
+        reduced = _Reduced(basis, whole.projected(basis), basis[surface], parity, opposite, np.inf)
         missed = 0.0
         for trial in trials:
             true = np.linalg.solve(whole.operator(*vector(*trial)), loads)[surface]
@@ -342,5 +359,4 @@ def cut_source(fields: PortFields) -> CutSource:
         reduced=_reduced(section, modes.frequency, wavenumber, SINGULAR[given.absorber]),
         frequency=modes.frequency,
         wavenumber=wavenumber,
-        level=given.absorber,
     )

@@ -30,7 +30,7 @@ class LateralRule:
     Attributes
     ----------
     nodes, weights : ndarray, shape (n,)
-        rad/m, complex; n odd, so that every second node is a rule too, with twice the weights.
+        rad/m, complex; every second and every fourth node are rules too, with twice and four times the weights.
     share : ndarray, shape (n,)
         Of the weights that is left where the integral fades out earlier; all without such a rule.
     """
@@ -52,6 +52,7 @@ def lateral_rule(
     mirror_width: float | None = None,
     *,
     coarser: float = 1.0,
+    max_tilt: float = MAX_TILT,
     narrow: tuple[float, float] | None = None,
 ) -> LateralRule:
     """Nodes and weights of the integral over k_y.
@@ -68,6 +69,8 @@ def lateral_rule(
         Distance in m of two faces y = const that reflect; the rule is then the exact sum and has no coarser one.
     coarser : float
         Factor of the nodes' spacing, where a node is dear.
+    max_tilt : float
+        Largest distance of the contour from the real axis over ``highest``.
     narrow : tuple of float, optional
         As ``fade``, of the rule's narrower weights.
 
@@ -82,10 +85,10 @@ def lateral_rule(
         return LateralRule(
             nodes=nodes, weights=weights, share=1.0 if narrow is None else _faded(nodes, *narrow)
         )
-    offset = min(GROWTH / reach, MAX_TILT * highest)
+    offset = min(GROWTH / reach, max_tilt * highest)
     scale = 3.0 * offset
     start, stop = (each + scale for each in fade)
-    count = 2 * int(np.ceil(stop / (coarser * SPACING * offset) / 2))
+    count = 4 * int(np.ceil(stop / (coarser * SPACING * offset) / 4))
     t = np.linspace(0.0, stop, count + 1)
     weights = t[1] / np.pi * _faded(t, start, stop)
     weights[0] *= 0.5

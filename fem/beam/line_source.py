@@ -17,7 +17,7 @@ u_z and u_x at k_y = 0.
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -84,13 +84,16 @@ class LineSource:
     static: complex
     slope: complex
     error: float = 0.0  # of the modes at other lateral wavenumbers
-    # power of the error of half the rule's nodes that bounds the rule's; 1.8 measured, 2 in theory
-    rule_gain: ClassVar[float] = 1.5
 
     @property
     def surface_mode(self) -> "LineSource":
         """The surface wave alone."""
         return self.some(self.surface)
+
+    @property
+    def rough(self) -> "LineSource":
+        """As of `CutSource`; here all modes cost little."""
+        return self
 
     def some(self, modes: np.ndarray) -> "LineSource":
         """Only some of the modes, without the pole at k = 0."""

@@ -46,6 +46,8 @@ GROUPS = (
 COARSER_SHARE = 0.5
 CHUNK = 2000  # points at a time whose distances to all fingers, or whose spectra, are tabulated
 FULL_GRID = 4  # points of the grid of all x and y per point asked for, up to which the whole grid is computed
+RULES = 4  # of the integral over k_y: all nodes, half, a quarter, and an earlier end
+TINY = 1e-300
 SAME_STEP = 1e-15  # m: steps from node to node that differ by less share their phases
 
 
@@ -114,19 +116,22 @@ class SurfaceBeam:
     def relative_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
         """Estimate of the error over max(|u_x|, |u_z|) at each point: the integral's, the section's, the modes'.
 
-        The integral's follows from half as many nodes and, in cuts whose integral ends before all waves are evanescent
-        along x, from what an earlier end changes.  The section's error is relative to the section's amplitude,
-        which interference may make larger than the beam's.  The modes' is what their sum at k_y = 0 leaves of the
-        section's motion; nearer than a wavelength to the fingers the field contains it as far as the aperture goes.
+        The integral's follows from half and a quarter of the nodes, whose errors e_2 and e_4 make e_2^2 / e_4 probable:
+        right where errors fall by a power of the spacing, stay or, with e_4 near 1, fall exponentially.  In cuts whose
+        integral ends before all waves are evanescent along x, what an earlier end changes is added.  The section's
+        error is relative to the section's amplitude, which interference may make larger than the beam's.  The modes' is
+        what their sum at k_y = 0 leaves of the section's motion; nearer than a wavelength to the fingers the field
+        contains it as far as the aperture goes.
         """
         return self.motion_and_error(x, y)[1]
 
     def motion_and_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0):
         """`motion` and `relative_error` at once."""
-        fine, coarse, narrow = self._by_rules(x, y)
+        fine, half, quarter, narrow = self._by_rules(x, y)
         size = abs(fine[[0, 2]]).max(axis=0)
         largest = float(size.max())
-        rule = (abs(fine - coarse).max(axis=0) / largest) ** self.source.rule_gain * largest / size
+        second, fourth = (abs(fine - each).max(axis=0) / largest for each in (half, quarter))
+        rule = second**2 / np.clip(fourth, np.maximum(second, TINY), 1.0) * largest / size
         rule = rule + abs(fine - narrow).max(axis=0) / size
         if self.faces is not None:  # whose static part depends on |k_y|
             static = self._returned(*(each.ravel() for each in np.broadcast_arrays(x, y)), self.faces.static)
@@ -196,6 +201,10 @@ class SurfaceBeam:
             for each in self.solution.fields.transducers
         )
 
+    def with_side_faces(self, width: float | None) -> "SurfaceBeam":
+        """The same charges between mirrors a width apart, or None, in m; the waves to 1e-3, for an estimate."""
+        return replace(self, mirror_width=width, source=self.source.rough)
+
     @property
     def surface_mode(self) -> "SurfaceBeam":
         """The part of the field that the surface wave alone carries."""
@@ -227,14 +236,14 @@ class SurfaceBeam:
     def _section_charges(self) -> tuple[ElectrodeCharges, ...]:
         return _charges_of(self.wave.solution)
 
-    def _by_rules(self, x, y) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Motion by the rule, by half its nodes, and by one that ends at smaller lateral wavenumbers."""
+    def _by_rules(self, x, y) -> tuple[np.ndarray, ...]:
+        """Motion by the rule, by half and a quarter of its nodes, and by one that ends at smaller k_y."""
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         shape, x, y = x.shape, x.ravel(), y.ravel()
         self._refuse(x, y)
         distance = self._distances(x)
         group = np.searchsorted(np.divide(GROUPS, GROUPS[0]) * self._resolved, distance)
-        total = np.empty((3, 3, len(x)), dtype=complex)
+        total = np.empty((RULES, 3, len(x)), dtype=complex)
         for number in set(group.tolist()):
             some = group == number
             total[..., some] = self._modal(x[some], y[some], float(distance[some].min()))
@@ -244,7 +253,7 @@ class SurfaceBeam:
             total += self._static(x, y)
         if self.faces is not None:
             total += self._returned(x, y, self.faces.wanted)
-        return tuple(total.reshape(3, 3, *shape))
+        return tuple(total.reshape(RULES, 3, *shape))
 
     def _refuse(self, x, y):
         if not np.all((x >= 0) & (x <= self.wave.length)):
@@ -254,10 +263,10 @@ class SurfaceBeam:
             raise BeamError(f"y must be finite and lie between the side faces, +-{limit:g} m")
 
     def _modal(self, x, y, distance: float) -> np.ndarray:
-        """Sum of the modes at points that are at least a distance from all charges, by all rules, (3, 3, points)."""
+        """Sum of the modes at points at least a distance from all charges, by all rules, (RULES, 3, points)."""
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
-        total = np.zeros((3, 3, len(x)), dtype=complex)
+        total = np.zeros((RULES, 3, len(x)), dtype=complex)
         for branch in self.source.branches(self._reach(y), distance, self._resolved, self.mirror_width):
             total += self._inverse(
                 branch,
@@ -269,7 +278,7 @@ class SurfaceBeam:
         return total
 
     def _returned(self, x, y, modes) -> np.ndarray:
-        """What the faces send back in some modes, by all rules, (3, 3, points)."""
+        """What the faces send back in some modes, by all rules, (RULES, 3, points)."""
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
         found = self.faces.returned(self._reach(y), _sources(self._sheets), self.mirror_width)
@@ -283,7 +292,7 @@ class SurfaceBeam:
         return float((abs(spans) + np.divide(self.apertures, 2)).max())
 
     def _inverse(self, waves, sent_by, lines, column, row) -> np.ndarray:
-        """Fields at points (``column`` of the places, ``row`` of the lines y) of waves, by all rules, (3, 3, points).
+        """Fields of waves at points, by all rules, (RULES, 3, points); ``column`` of the places, ``row`` of y.
 
         ``sent_by``: spectra of u at the places, (places, 3, n), from those of the apertures, (transducers, n).
         """
@@ -294,13 +303,14 @@ class SurfaceBeam:
             np.array([getattr(each, name) for each in self._sheets]) for name in ("length", "center")
         )
         uniform = lengths[:, None] * np.sinc(np.outer(lengths, lateral / (2 * np.pi)))
-        total = np.zeros((3, 3, count), dtype=complex)
+        total = np.zeros((RULES, 3, count), dtype=complex)
         for sign, factors in waves.signs:
             if sent is None or centers.any():
                 sent = sent_by(uniform * np.exp(1j * sign * np.outer(centers, lateral)))
             phases = np.exp(-1j * sign * np.outer(lateral, lines))
-            half = 1 if self.mirror_width is not None else 2
-            for rule, step, own in ((0, 1, weights), (1, half, half * weights), (2, 1, narrow)):
+            half, quarter = (1, 1) if self.mirror_width is not None else (2, 4)
+            rules = (1, weights), (half, half * weights), (quarter, quarter * weights), (1, narrow)
+            for rule, (step, own) in enumerate(rules):
                 if own is None:
                     total[rule] = total[0]
                     continue

@@ -125,8 +125,12 @@ def _aperture(record: Record) -> Rows:
     if record.scene.crossed:
         yield from _crossed(record, places)
         return
-    other = replace(motion.beam, mirror_width=None if block.mirror_width else block.width)
-    ratios = abs(other.motion(*zip(*places, strict=True))[2] / motion.at(places)[2])
+    beam, at = motion.beam, tuple(zip(*places, strict=True))
+    here, other = (
+        beam.with_side_faces(each).motion(*at)[2]
+        for each in (beam.mirror_width, None if block.mirror_width else block.width)
+    )
+    ratios = abs(other / here)
     worst = max((float(each) - 1 for each in ratios), key=abs)
     how = "the beam between side faces that reflect it as mirrors against none, or the other way round"
     yield "side faces", "u_z", worst, how

@@ -311,6 +311,7 @@ class Predictor:
             stator = self._stator(
                 scene.stator, scene.transducer, scene.piece, at_one_volt(scene.drive), spread
             )
+            resolve.refuse_gaps(scene)
             if scene.crossed:
                 resolve.refuse_covered(replace(scene, transducer=stator.transducer))
             drive = replace(stator.drive, voltage=scene.levels, burst=scene.drive.burst)

@@ -5,6 +5,7 @@ the scene kept with a result runs again without asking anything.  What only the 
 layout) is refused here.
 """
 
+import itertools
 import math
 from contextlib import contextmanager
 from dataclasses import replace
@@ -30,6 +31,7 @@ def resolved(scene: Scene, *, spread: bool | None = None) -> Scene:
         if scene.transducer:
             scene = _with_source_numbers(scene)
         _check_layout(scene)
+        refuse_gaps(scene)
         if scene.crossed:
             scene = replace(scene, stator=replace(scene.stator, diffraction=True))
         if scene.transducer:
@@ -369,6 +371,25 @@ def _check_layout(scene: Scene) -> None:
         )
         raise SceneError("transducer", f"{rule} {block.solid.name} is none")
     refuse_covered(scene)
+
+
+def refuse_gaps(scene: Scene) -> None:
+    """Refuse contacts on a meshed piece where it has no plain surface."""
+    if scene.slider is None or not scene.piece:
+        return
+    centre, reached = scene.slider.center[0], [(x, x) for x, _ in scene.slider.places]
+    if scene.slider.pillars is not None:
+        from studies.chain.pillars import layout
+
+        place = layout(scene.slider)
+        half = place["diameter"] / 2
+        reached = [(centre + (place["x"] - half).min(), centre + (place["x"] + half).max())]
+    for each in pieces(scene):
+        for (low, high), (left, right) in itertools.product(each.gaps, reached):
+            if left < high and right > low:
+                rule = f"must keep the contacts off {each.name!r} from {low * 1e3:g} to {high * 1e3:g} mm, where it has"
+                got = f"{left * 1e3:g}" + (f" to {right * 1e3:g}" if right > left else "")
+                raise SceneError("slider.position", f"{rule} no plain surface at z = 0, got some at {got} mm")
 
 
 def refuse_covered(scene: Scene) -> None:

@@ -102,8 +102,7 @@ class SurfaceMotion:
             abs(self.wave.phase_velocity) / self.wave.frequency * np.linspace(-1, 1, 2 * PER_WAVELENGTH + 1)
         )
         along = x + reach[(x + reach >= 0) & (x + reach <= self.beam.length)]
-        size = abs(self.beam.motion(along, y)[2])
-        return float(size.max() / size.min())
+        return fem.standing_wave_ratio(self.beam.motion(along, y)[2])
 
 
 def solved_motion(

@@ -47,6 +47,33 @@ CUTS = {
 }
 
 
+def test_a_mode_missed_at_one_node_is_in_the_stated_error():
+    """Where half and a quarter of the nodes do not show an exponential convergence."""
+    beam = beam_in(lossless(*CUTS["YZ"]), thickness=0.8, length=14.0, pairs=1, order=5)
+    beam = replace(beam, wave=replace(beam.wave, relative_error=0.0))
+    place = beam.charges[0].x[-1] + 4e-3, 0.4e-3
+    expected, unspoilt = beam.motion_and_error(*place)
+    ((_, poles),) = ((key, each) for key, each in beam.source._spectra.items() if len(each) > 1)
+    poles[5] = poles[5]._replace(column=np.where(poles[5].surface[:, None], 0.0, poles[5].column))
+    found, stated = beam.motion_and_error(*place)
+    off = abs(found - expected).max() / abs(found[[0, 2]]).max()
+    assert unspoilt < off / 10
+    assert off < 2 * stated
+
+
+@pytest.mark.parametrize("name", ["128YX", "YZ"])
+def test_side_faces_by_half_of_the_basis(name):
+    """What mirrors change, to a tenth of it."""
+    beam = beam_in(lossless(*CUTS[name]), thickness=np.inf, length=14.0, pairs=1, order=5, aperture=2e-3)
+    place, width = (beam.charges[0].x[-1] + 4e-3, 0.4e-3), 3e-3
+    changes = [
+        replace(each, mirror_width=width).motion(*place)[2] / each.motion(*place)[2] - 1
+        for each in (beam, beam.with_side_faces(None))
+    ]
+    assert abs(changes[0]) > 0.02
+    assert abs(changes[1] / changes[0] - 1) < 0.1
+
+
 @pytest.mark.parametrize("name", CUTS)
 def test_response_of_the_reduced_basis(name):
     """Fields at the surface of loads there, at wave vectors of its own disc, against the whole section."""
