@@ -43,7 +43,7 @@ STUDIES = {
     "step_planner": ("motor", 5),
     "positioning": ("motor", 20),
     "design_map": ("motor", 5),
-    "sensitivity": ("inverse", 60),
+    "sensitivity": ("inverse", 10),
     "cell_parameters": ("stator", 10),
     "p_matrix": ("stator", 15),
     "reflector": ("stator", 30),
