@@ -47,7 +47,7 @@ class SliderAnswer:
             if error > tolerance:
                 blocks["shortfall"] = (
                     f"the velocity's error is {error:.1e} (stator {stator:.1e}, contact {contact:.1e}), "
-                    f"{tolerance:.1e} was asked for: see error.parts, or ask for less"
+                    f"{tolerance:.1e} was asked for: see error.parts, or give a larger tolerance"
                 )
         if failed:
             what = f"{len(failed)} of {len(self.points)} points have no answer: {failed[0]['status']}"
@@ -201,11 +201,11 @@ def followed_burst(
 
 def _along(driven: DrivenContact, trajectory, level: float):
     """Return the trajectory along the field, and what the point says of it; unchanged where the slider hardly moves."""
-    from studies.chain.travel import LEAST_TRAVEL, travelled, with_travel
+    from studies.chain.travel import MIN_TRAVEL, travelled, with_travel
 
     on = trajectory.time <= trajectory.duration * (1 + 1e-12)
     expected = float(np.trapezoid(trajectory.velocity[on], trajectory.time[on]))
-    if driven.scene.slider.travel is None and abs(expected) <= LEAST_TRAVEL * driven.along.wavelength:
+    if driven.scene.slider.travel is None and abs(expected) <= MIN_TRAVEL * driven.along.wavelength:
         return trajectory, {}
     travel = travelled(driven.slider, driven.along, level, trajectory.duration, expected)
     if travel.ended:
