@@ -1,4 +1,4 @@
-"""What a physicist would remark about a run that gave an answer: each with its number and what to do about it.
+"""Warnings on a run that gave an answer, each with its number and what to do about it.
 
 Every function takes the record of a run and yields sentences, none where nothing is wrong. They take 0.05 s:
 closed forms of what the run has computed already.
@@ -19,10 +19,12 @@ from studies.chain.scene_warnings import scene_warnings
 from studies.record import Record
 from studies.scene import Scene
 
-OFF_RESONANCE = 1.15  # largest over present amplitude from which it is said; the ripple of a plate makes 1.1
+OFF_RESONANCE = (
+    1.15  # largest over present amplitude, from which on a warning says so; a plate's ripple makes 1.1
+)
 PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # 1/(Pa m), V/(Pa m), -: air
 AIR = 101325.0  # Pa
-SIDEWAYS = 0.1  # |u_y| over |u_x| from which it is said
+SIDEWAYS = 0.1  # |u_y| over |u_x|, from which on a warning says so
 NODE = 1e-6  # of |u_x|: smaller |u_z| are those of waves from both sides that cancel
 CREEP = 0.01  # of the surface's own speed along x
 SPREADS = 0.1  # of u_z that the finite aperture changes, from which it is said that the section leaves it out
