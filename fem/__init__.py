@@ -40,6 +40,7 @@ _PUBLIC = {
     ),
     "results.evaluation": "surface_of",
     "results.driven_answer": "surface_wave SurfaceWave",
+    "results.surface": "standing_wave_ratio",
     "results.segment_modes": "FreeWave SegmentModes",
     "results.field": "free_field PieceField wave_field WaveField",
     "results.densities": "Densities",

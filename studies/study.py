@@ -43,7 +43,7 @@ STUDIES = {
     "step_planner": ("motor", 5),
     "positioning": ("motor", 20),
     "design_map": ("motor", 5),
-    "sensitivity": ("inverse", 60),
+    "sensitivity": ("inverse", 10),
     "cell_parameters": ("stator", 10),
     "p_matrix": ("stator", 15),
     "reflector": ("stator", 30),
@@ -67,7 +67,7 @@ class Finding:
     statement: str  # a sentence of the paper in quotation marks, or of the theory
     quantity: str  # what was computed, with its unit
     expected: str  # the number or the range that confirms it
-    found: float  # the number
+    found: float  # the number that was computed
     confirmed: bool | None  # whether it does; None where the statement does not apply
     remark: str = ""  # what to know about it
 

@@ -9,7 +9,7 @@ Between two of the M samples of a cycle the surface moves along a straight line.
 end at roots of linear functions, and all integrals are closed. P_n is the coefficient of the piecewise constant mean
 force; with it sum_n n omega Im(U_n* P_n + ...)/2 is the power of the path to rounding. Amplitudes and forces are both
 multiplied by s_n = (n pi/M)/sin(n pi/M), which makes a contact that never lifts off nor slips exact. The error falls
-as 1/M^2 (tests/contact/test_overtones.py).
+as 1/M^2 (tests/contact/test_pillars_overtones.py).
 """
 
 from typing import NamedTuple

@@ -46,6 +46,11 @@ class MeshPiece:
         low, high = self.mesh.extent
         return self.position + low, self.position + high
 
+    @property
+    def gaps(self) -> tuple[tuple[float, float], ...]:
+        """Spans on the stator, m from its left end, without plain surface at z = 0, such as a groove."""
+        return tuple((self.position + low, self.position + high) for low, high in self.mesh.gaps)
+
     def connection(self, electrode: str) -> str:
         """What an electrode is connected to."""
         return dict(self.electrodes).get(electrode, FLOATING)

@@ -88,6 +88,23 @@ class SectionMesh:
         """Smallest and largest x of the mesh in m."""
         return float(self.points[:, 0].min()), float(self.points[:, 0].max())
 
+    @cached_property
+    def gaps(self) -> tuple[tuple[float, float], ...]:
+        """Spans of x in m without plain surface: the upper side is not at z = 0 there, or of another solid."""
+        level, spans = SAME * float(np.ptp(self.points[:, 1])), []
+        for one, other in self.boundary:
+            ((block, _),) = self.edges[one, other]
+            (x, z), (end, foot) = self.points[one], self.points[other]
+            if self.cells[block].solid == "stator" and end < x and max(abs(z), abs(foot)) <= level:
+                spans.append((float(end), float(x)))
+        at, last = self.extent
+        found = []
+        for low, high in [*sorted(spans), (last, last)]:
+            if low > at + level:
+                found.append((at, low))
+            at = max(at, high)
+        return tuple(found)
+
     @property
     def depth(self) -> tuple[float, float]:
         """Smallest and largest z of the stator's own material in m."""

@@ -17,6 +17,7 @@ from fem.input_error import InputError
 MAX_SAMPLES = 50_000  # along the whole surface
 # M per V; a resonant PZT stator reaches 1e-8: beyond this an answer is a numerical artefact
 MAX_MOTION_PER_VOLT = 1e-6
+FINER = 64  # points of a spline between two samples
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,8 +151,7 @@ class Surface:
         """Largest over smallest |u_z| within one wavelength either side of x."""
         reach = abs(self.phase_velocity) / self.frequency  # of a backward plate mode it is negative
         places = np.linspace(max(0.0, x - reach), min(self.length, x + reach), 401)
-        size = abs(self.normal_at(places))
-        return float(size.max() / size.min())
+        return standing_wave_ratio(self.normal_at(places))
 
     def samples(self, per_wavelength: int = 12) -> tuple[np.ndarray, np.ndarray]:
         """Places along the whole surface (m), fewer on a very long one, and the motion there: (n,) and (2, n)."""
@@ -183,3 +183,30 @@ class Surface:
                 "give the solid a mechanical_quality, or change the frequency slightly"
             )
         return out.reshape(2, *x.shape)
+
+
+def standing_wave_ratio(samples: np.ndarray) -> float:
+    """Return the largest over the smallest size of a wave along a line, nodes between the samples found.
+
+    Parameters
+    ----------
+    samples : ndarray, shape (n,), complex
+        At equal distances, ten or more of them to a wavelength: a quintic spline runs through them. Between its points
+        the smallest size is the distance of the origin from the chord.
+
+    Examples
+    --------
+    >>> phase = np.linspace(-2 * np.pi, 2 * np.pi, 49)
+    >>> round(standing_wave_ratio(np.exp(-1j * phase) + 0.99 * np.exp(1j * (phase + 1.0))), 1)
+    199.0
+    """
+    from scipy.interpolate import make_interp_spline
+
+    count = len(samples)
+    spline = make_interp_spline(np.arange(count), samples, k=min(5, count - 1))
+    fine = spline(np.linspace(0, count - 1, (count - 1) * FINER + 1))
+    chord = np.diff(fine)
+    squares = np.maximum(abs(chord) ** 2, np.finfo(float).tiny)
+    nearest = np.clip(-(fine[:-1].conj() * chord).real / squares, 0.0, 1.0)
+    largest, smallest = abs(fine).max(), abs(fine[:-1] + nearest * chord).min()
+    return float(largest / max(smallest, np.finfo(float).eps * largest))

@@ -10,7 +10,7 @@ as one.
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -105,18 +105,18 @@ def _friction(slider: Slider):
 
 @dataclass(frozen=True, kw_only=True)
 class DrivenContact:
-    """A slider and the surface motion that drives it: what the contact's solvers are asked about."""
+    """A slider and the surface motion that drives it: the problem that the contact's solvers are given."""
 
     scene: Scene  # as resolved
     # Under the balls for a level of 1: 1 V of the source, or 1 m of given amplitude
     orbits: tuple = field(repr=False)
     amplitudes: tuple[float, float]  # |u_z| and |u_x| under the slider's centre for a level of 1, m
     stator_error: float = 0.0  # of the orbits, relative
-    ringing: "RingUp | None" = None  # how they grow during a burst
+    ringing: "RingUp | None" = None  # how the orbits grow during a burst
     # the waves under a slider on pillars per volt, a contact.PassingWave, and their misfit
-    passing: tuple | None = field(default=None, repr=False)
-    along: "WaveAlong | None" = None  # how they change with the slider's place
-    record: Record | None = field(default=None, repr=False)  # of the run that solved the stator
+    passing: tuple | Any = field(default=None, repr=False)
+    along: "WaveAlong | Any" = None  # how the orbits change while the slider travels
+    record: Record | Any = field(default=None, repr=False)  # of the run that solved the stator
     solved: SolvedStator | None = field(
         default=None, repr=False
     )  # what is kept of it; None with a given wave
@@ -161,7 +161,7 @@ class DrivenContact:
 
     @property
     def level(self) -> float:
-        """Of several voltages or given amplitudes of the scene the first."""
+        """First voltage in V, or given amplitude in m, of the scene."""
         return self.scene.levels[0]
 
     @property

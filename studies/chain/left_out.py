@@ -1,6 +1,6 @@
-"""What the models do without in a scene, and why: the lines of ``left_out``, in the order of the chain.
+"""Effects that the models of a scene neglect, and why: the lines of ``left_out``, in the order of the chain.
 
-Each part of the chain is a list of conditions and of the sentences that are said where they hold.
+Each part of the chain yields conditions, each with the sentence that is printed where the condition holds.
 """
 
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""A vibrometer's scan or a burst's trace beside a run: the run's own field and motion at the measured points."""
+"""Comparison of a run with a vibrometer's scan or the trace of a burst: field and motion at the measured points."""
 
 from collections.abc import Callable
 

@@ -1,9 +1,9 @@
-"""How large the effects are that the model leaves out, for one run: closed forms, apart from the numerical error.
+"""Sizes of the effects that the model neglects in one run, by closed forms; the numerical error does not contain them.
 
-Each function takes the record of a run and yields effect, quantity, size and source; nothing where the effect does
-not arise or is not neglected.
-A size is a share of the quantity named with it, unless that has a unit.  Estimates hold to a factor of about 2; that of
-the finite aperture is the size of a ripple, whose sign may be wrong in cuts that hardly spread a beam.
+Each function takes the record of a run and yields effect, quantity, size and source, or nothing where the effect does
+not arise or is not neglected.  A size is a share of the quantity named with it, unless that has a unit.  Estimates hold
+to a factor of about 2; that of the finite aperture is the size of a ripple, whose sign may be wrong in cuts that hardly
+spread a beam.
 
 Sources: side faces: `fem.surface_beam`; finite aperture: `fem.Slowness`, the angular spectrum of a slit.  Load of a
 contact on the wave, mass of the electrodes: reciprocity with the surface wave and perturbation (Auld, Acoustic Fields
@@ -104,7 +104,7 @@ def _wavelength(record: Record) -> float:
 
 
 def _aperture(record: Record) -> Rows:
-    """Yield what the finite aperture or, where it counts, the side faces do to u_z: the worst over the contacts."""
+    """Yield the effect on u_z of the finite aperture or, with a beam, of the side faces: worst over the contacts."""
     motion, slider, block = record.surface_motion, record.scene.slider, record.scene.stator
     places = [(block.length / 2, 0.0)] if slider is None else list(slider.places)
     if record.scene.piece:  # a mesh has no modes, but the beam of the fingers reaches it
@@ -138,7 +138,7 @@ def _aperture(record: Record) -> Rows:
 
 
 def _crossed(record: Record, places) -> Rows:
-    """Yield what is left out where beams cross: images in the side faces, and metal in one another's way."""
+    """Yield what is neglected where beams cross: their images in the side faces, and the metal that they pass under."""
     beam, (x, y) = record.surface_motion.beam, zip(*places, strict=True)
     here, solid = abs(beam.motion(x, y)[2]), resolve.solid(record.scene.stator)
     images = float((beam.first_images(x, y) / here).max())

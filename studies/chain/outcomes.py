@@ -1,4 +1,4 @@
-"""What a point of a sweep is answered with beside its velocity: amplitudes, power, limits, thrust, efficiency."""
+"""Outcomes of a sweep's point other than the velocity: amplitudes, power, thresholds, thrust, efficiency."""
 
 from contextlib import suppress
 from typing import TYPE_CHECKING
@@ -41,7 +41,7 @@ def amplitudes(driven: DrivenContact) -> dict:
 def also_asked(
     also, tolerance: float, driven: DrivenContact, answer: dict, *, averaged: bool = False
 ) -> dict:
-    """Return the answer with what was asked for beside the velocity, words of ``ALSO``; totals of the slider.
+    """Return the answer with the outcomes that ``also`` names, words of ``ALSO``; forces and powers are totals.
 
     ``averaged``: a start is followed by averaging where that applies, whatever its error.
     """

@@ -1,4 +1,4 @@
-"""The passband of a scene's driven transducer: which frequencies a study takes, and the estimate beside them."""
+"""The passband of a scene's driven transducer: the frequencies that a study computes, and a closed-form estimate."""
 
 from pathlib import Path
 
@@ -9,8 +9,8 @@ from studies.chain import resolve
 from studies.scene import Scene
 
 LOBES = 1.5  # bandwidths 1/N either side of the middle: the main lobe and half of its neighbours
-WIDEST = 0.45  # of the middle frequency, for transducers of few fingers
-MOST = 2000  # frequencies that a study chooses
+MAX_HALF_BAND = 0.45  # over the middle frequency, for transducers of few fingers
+MAX_FREQUENCIES = 2000  # that a study takes by default
 
 
 def driven_scene(scene: str | Path | Scene) -> Scene:
@@ -22,7 +22,7 @@ def driven_scene(scene: str | Path | Scene) -> Scene:
 
 
 def place(scene: Scene) -> tuple[float, float]:
-    """Return where the motion is wanted, x and y in m: under the slider, or mid-stator."""
+    """Return where the motion is evaluated, x and y in m: under the slider, or in the middle of the stator."""
     return (scene.stator.length / 2, 0.0) if scene.slider is None else scene.slider.center
 
 
@@ -39,15 +39,15 @@ def frequencies(scene: Scene, count: int | None, least: int = 2):
     driven = scene.driven_transducer
     velocity = fem.rayleigh(resolve.solid(scene.stator), "open").velocity
     middle = velocity / driven.period
-    half = middle * min(LOBES / driven.finger_pairs, WIDEST)
+    half = middle * min(LOBES / driven.finger_pairs, MAX_HALF_BAND)
     if count is None:
         ripples = 2 * half / (velocity / (2 * scene.stator.length)) if waves_return(scene) else 0.0
-        count = int(np.clip(np.ceil(4 * ripples) + 1, least, max(least, MOST)))
+        count = int(np.clip(np.ceil(4 * ripples) + 1, least, max(least, MAX_FREQUENCIES)))
     return np.linspace(middle - half, middle + half, count)
 
 
 def group_delay(at, transfer, way: float):
-    """Return -d(phase)/d(omega) in s of a transfer function whose delay is about ``way``.
+    """Return the group delay -d(phase)/d(omega) in s of a transfer function; ``way`` is its approximate delay.
 
     The phase turns by 2 pi ``way`` df from one frequency to the next, often more than half a turn: what is left of it
     after that delay is unwrapped.

@@ -78,7 +78,7 @@ def pillar_velocity(driven: DrivenContact, level: float) -> float:
 
 
 def point_of(motion) -> dict:
-    """Return what a point of run.json says of a `contact.PillarMotion`."""
+    """Return the values of a point of run.json from a `contact.PillarMotion`."""
     if motion.held:
         regime = "stick"
     else:
@@ -99,7 +99,7 @@ def point_of(motion) -> dict:
 
 
 def at_the_transducers(body: PillarContact, motion, level: float) -> dict:
-    """Return what transducers see of the loaded wave: the driven one's change of admittance, and what is received.
+    """Return the effect of the loaded wave on the transducers: the driven one's change of admittance, and reception.
 
     A force F on the stator sends the current i omega F u/V into a transducer that moves its place by u at a voltage V
     (reciprocity; tests/fem/solve/test_forced.py). The forces are those of the loaded wave, u is that of the wave

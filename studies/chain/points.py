@@ -201,11 +201,11 @@ def followed_burst(
 
 def _along(driven: DrivenContact, trajectory, level: float):
     """Return the trajectory along the field, and what the point says of it; unchanged where the slider hardly moves."""
-    from studies.chain.travel import LEAST_TRAVEL, travelled, with_travel
+    from studies.chain.travel import MIN_TRAVEL, travelled, with_travel
 
     on = trajectory.time <= trajectory.duration * (1 + 1e-12)
     expected = float(np.trapezoid(trajectory.velocity[on], trajectory.time[on]))
-    if driven.scene.slider.travel is None and abs(expected) <= LEAST_TRAVEL * driven.along.wavelength:
+    if driven.scene.slider.travel is None and abs(expected) <= MIN_TRAVEL * driven.along.wavelength:
         return trajectory, {}
     travel = travelled(driven.slider, driven.along, level, trajectory.duration, expected)
     if travel.ended:

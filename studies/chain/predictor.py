@@ -1,9 +1,10 @@
-"""The motor of one scene at other values of some keys: what a change concerns is solved again, the rest is kept.
+"""Answers of one motor for other values of some keys of its scene; a solved stator is reused wherever it still holds.
 
-A change of the stator, its transducers or the frequency needs the section and its circuit again; a change of the slider
-its contact; voltage, power and burst need neither.  Sweeps, fits, tolerances, measured curves, sensitivities and design
-searches all take their answers from here.  Where a point near the threshold turns out to need a better stator, the next
-``step`` is ten times better: which of the ``STEPS`` a point uses depends on that point alone.
+A change of the stator, its transducers or the frequency requires a new solution of the section and its circuit; a
+change of the slider requires a new contact alone; voltage, power and burst require neither.  Runs, sweeps, fits,
+tolerances, measured curves, sensitivities and design searches take their answers from here.  Near the threshold the
+contact multiplies the stator's error: such a point is solved again on a stator ten times as accurate, at most ``STEPS``
+times.  The step that a point ends at depends on that point alone, so that its answer does not depend on its neighbours.
 """
 
 import logging
@@ -34,21 +35,38 @@ from studies.scene.blocks import Drive, Stator
 from studies.scene.override import replaced
 
 LOGGER = logging.getLogger("studies.run")
-KEPT = 10_000  # blocks of a kind in memory
-MAX_KEPT = 1_000_000  # places of solved stators in memory, about 300 MB
-GAIN = 0.1  # of the step before
-BAND_SHARE = 0.1  # a band a level finer costs half as much again, two bands twice as much
+MAX_BLOCKS = 10_000  # of each kind, in memory
+MAX_PLACES = 1_000_000  # of all solved stators in memory, about 300 MB
+GAIN = 0.1  # tolerance of the stator at a step, over that of the step before
+# Of the velocity's tolerance, for a stator solved in a band: a band that is one level finer costs half as much again,
+# a second band costs twice as much
+BAND_SHARE = 0.1
 STEPS = 3
 
 
 class Predictor:
-    """Contacts of one scene with some of its keys changed.
+    """Answers of one scene with some of its keys changed.
 
-    ``table``: the scene's TOML document; ``tolerance``: of the velocity; ``places``: (x, y) in m for which one solution
-    of the stator serves; ``limits``: lowest and highest frequency in Hz where there are enough of them for a band;
-    ``coarse`` takes the stator's coarsest discretisation; ``slider``: whether the scenes have one; ``steps``: how often
-    a better stator is tried; ``as_run``: a stator that misses its goal is taken with its error, and progress is told in
-    detail.
+    Parameters
+    ----------
+    table : dict
+        The scene's TOML document.
+    tolerance : float
+        Of the velocity, over its reference speed.
+    places : sequence of (float, float)
+        Places (x, y) in m that one solution of the stator is evaluated at, for all contacts that stand on some of them.
+    limits : (float, float), optional
+        Lowest and highest frequency in Hz, where enough frequencies are asked for to interpolate over a band.
+    coarse : bool
+        True takes the stator's coarsest discretisation.
+    slider : bool
+        Whether the scenes have a slider.
+    steps : int
+        How often the stator may be solved more accurately.
+    as_run : bool
+        True accepts a stator that misses its tolerance, with its error, and reports progress in detail.
+    progress : callable, optional
+        Told what is being computed.
     """
 
     def __init__(
@@ -67,8 +85,11 @@ class Predictor:
         self.seconds = 0.0  # spent on stators
         self._rules, self._count = rules, 0
         self._answers: dict[tuple, SolvedStator | Exception] = {}
-        self._latest: tuple[tuple | None, SurfaceMotion | None] = (None, None)
-        self._block, self._slider = lru_cache(KEPT)(self._read), lru_cache(KEPT)(resolve.resolved_slider)
+        self._latest: tuple[tuple | None, SurfaceMotion | Any] = (None, None)
+        self._block, self._slider = (
+            lru_cache(MAX_BLOCKS)(self._read),
+            lru_cache(MAX_BLOCKS)(resolve.resolved_slider),
+        )
         self._ring_up = lru_cache(64)(ring_up)
         self._stator, self._band = lru_cache(64)(_resolved_stator), lru_cache(4)(response)
 
@@ -92,16 +113,16 @@ class Predictor:
         Parameters
         ----------
         many : sequence of dict
-            Key of the scene to value; each leaves one voltage, power or amplitude.
+            Each maps keys of the scene to values and leaves one voltage, power or amplitude.
         also : sequence of str
-            Beside the velocity: of `studies.chain.outcomes.ALSO`.
+            Outcomes other than the velocity, of `studies.chain.outcomes.ALSO`.
         tolerance : float, optional
-            Of the velocity and of what is also asked; the predictor's own without it, which the stator always keeps.
+            Of the velocity and the other outcomes; by default the predictor's own, which the stator always keeps.
         averaged : bool
-            Whether averaged steady states are taken as they are, whatever their error: a smooth function of the
-            numbers, for derivatives.
+            True takes averaged steady states whatever their error: they are smooth functions of the numbers, as
+            derivatives need.
         threads : int, optional
-            Of the compiled loop; all processors without it.
+            Of the compiled loop; by default all processors.
 
         Returns
         -------
@@ -141,7 +162,7 @@ class Predictor:
         return Scene(**blocks)
 
     def contact(self, changes: dict, step: int = 0) -> DrivenContact:
-        """Return the contact with some keys changed, its stator solved at a step if it is not known.
+        """Return the contact with some keys changed; its stator is solved at a step, unless a solution is known.
 
         Raises
         ------
@@ -167,7 +188,7 @@ class Predictor:
     def motion(self, stator: Scene, places: Any, goal: float) -> SurfaceMotion:
         """Return the surface motion of a `stator_alone` at places (x, y) in m; only the latest is kept.
 
-        ``goal``: its relative error.  Where it is not reached there is none, but in a run, whose record says so.
+        ``goal``: its relative error.  RunError where it is not reached; a run takes what was reached, with its error.
         """
         question = stator, places, goal
         latest, motion = self._latest  # once: a worker may have several threads
@@ -176,9 +197,9 @@ class Predictor:
             if not self.as_run:
                 self.progress(f"stator {self._count}")
             start_time, solve = time.perf_counter(), fem.one_blas_thread(solved_motion)
-            told = {"progress": self.progress, "missed": True} if self.as_run else {}
+            options = {"progress": self.progress, "missed": True} if self.as_run else {}
             try:
-                motion = solve(stator, places, tolerance=goal, slider=self.slider, **told)
+                motion = solve(stator, places, tolerance=goal, slider=self.slider, **options)
             finally:
                 self.seconds += time.perf_counter() - start_time
             self._latest = question, motion
@@ -194,11 +215,11 @@ class Predictor:
         )
         along = wave_along(motion, driven.scene.slider) if travels else None
         driven = replace(driven, ringing=self.ring_up(driven), along=along)
-        told = self.progress if self.as_run else _silent
-        return slider_answer(driven, tolerance=self.tolerance, progress=told)
+        progress = self.progress if self.as_run else _silent
+        return slider_answer(driven, tolerance=self.tolerance, progress=progress)
 
     def take(self, record: Record) -> None:
-        """Take the stator's answer from a run of the scene."""
+        """Keep the stator's solution of a run of the scene."""
         scene, stator = self._resolved({})
         if stator is not None:
             places = self.own_and_shared_places(scene)[0]
@@ -215,11 +236,11 @@ class Predictor:
 
     def solve_together(self, many: Iterable[dict], step: int) -> None:
         """Solve the frequencies of one geometry side by side, where they make a band."""
-        if len(self._answers) * max(1, len(self.places)) > MAX_KEPT:
+        if len(self._answers) * max(1, len(self.places)) > MAX_PLACES:
             self._answers.clear()
         groups: dict = {}
         for changes in many if self.limits else ():
-            with suppress(SceneError):  # said when it is its turn
+            with suppress(SceneError):  # raised again when the point is answered
                 scene, stator = self._resolved(changes)
                 places = self.own_and_shared_places(scene)[1]
                 if self._in_band(stator, places) and (stator, places, step) not in self._answers:
@@ -227,7 +248,7 @@ class Predictor:
                     groups.setdefault((fixed, places), {})[stator.frequency] = stator
         for (fixed, places), stators in groups.items():
             start_time = time.perf_counter()
-            # what fails here is tried by itself, and says why
+            # a band that fails leaves each of its stators to be solved alone, which says why it fails
             with suppress(RunError, ValueError, ArithmeticError, fem.ConvergenceError):
                 along, goal = tuple(dict.fromkeys(x for x, _ in places)), self._goal(fixed, places, step)
                 band = self._band(fixed, *self.limits, places=along, tolerance=goal, progress=_silent)
@@ -240,7 +261,7 @@ class Predictor:
     def _answers_of(
         self, many: list[dict], also: Any, step: int, threads: int | None, tolerance: float, averaged: bool
     ) -> list[dict]:
-        """Return the answers with the stator of a step; ``finer`` where a better one would help."""
+        """Return the answers on the stator of a step; ``finer`` is true where a more accurate one would help."""
         answers: list[dict] = [{} for _ in many]
         ready: dict[int, DrivenContact] = {}
         for at, changes in enumerate(many):
@@ -301,16 +322,17 @@ class Predictor:
         except SceneError as error:
             return error.with_traceback(None)
 
-    def _resolved(self, changes: dict) -> tuple[Scene, Scene | None]:
-        """Return the scene with its automatic values found, and its stator alone at 1 V; None for a given wave."""
+    def _resolved(self, changes: dict) -> tuple[Scene, Scene | Any]:
+        """Return the scene with numbers for automatic values, and its stator alone at 1 V; None for a given wave."""
         scene, stator = self.scene(changes), None
         blocks: dict[str, Any] = {}
         if scene.stator is not None:
-            found_circuit = scene.drive.match == "auto" or scene.drive.recovery is not None
-            spread = found_circuit and resolve.diffracts(scene)
+            computed_circuit = scene.drive.match == "auto" or scene.drive.recovery is not None
+            spread = computed_circuit and resolve.diffracts(scene)
             stator = self._stator(
                 scene.stator, scene.transducer, scene.piece, at_one_volt(scene.drive), spread
             )
+            resolve.refuse_gaps(scene)
             if scene.crossed:
                 resolve.refuse_covered(replace(scene, transducer=stator.transducer))
             drive = replace(stator.drive, voltage=scene.levels, burst=scene.drive.burst)
@@ -328,9 +350,9 @@ class Predictor:
         places = places_of(scene)
         if scene.slider is None:
             return places, places
-        # without a ball beside the axis the section may stand for the wave
-        beside, length = any(y for _, y in places), scene.stator.length
-        shared = tuple((x, y) for x, y in self.places if 0.0 <= x <= length and (beside or not y))
+        # with all balls on the axis the section may stand for the wave, and knows no place off it
+        off_axis, length = any(y for _, y in places), scene.stator.length
+        shared = tuple((x, y) for x, y in self.places if 0.0 <= x <= length and (off_axis or not y))
         return places, shared if set(places) <= set(shared) else places
 
     def _answer(self, stator: Scene, places: Any, step: int) -> SolvedStator:
@@ -390,4 +412,4 @@ def _free_answer(scene: Scene, tolerance: float) -> dict:
 
 
 def _silent(text: str) -> None:
-    """Say nothing: a band is one of many."""
+    """Report no progress: what is solved here is one of many."""

@@ -7,12 +7,11 @@ and downwards: near the threshold one side may stick where the other slips.
 """
 
 import cmath
-import math
 from collections.abc import Callable
 from dataclasses import replace
 
-SLENDEREST = 1e3  # larger over smaller amplitude up to which the smaller's error grows
-LEAST_STEP = 1e-4  # relative; a difference over a smaller step would measure the contact solver's rounding
+MAX_AXIS_RATIO = 1e3  # larger over smaller amplitude up to which the smaller's error grows
+MIN_STEP = 1e-4  # relative; a difference over a smaller step would measure the contact solver's rounding
 
 
 def reference_speed(velocity: float, orbits: tuple) -> float:
@@ -28,28 +27,28 @@ def judged(tolerance: float, of_stator: float, of_contact: float, status: str = 
     return {"relative_error": error, "status": status}
 
 
-def velocity_error(
-    velocity: float, orbits: tuple, relative_error: float, solve: Callable[[tuple], float]
-) -> float:
-    """Return the error of the velocity (m/s) that comes from the orbits' relative error, over the reference speed.
-
-    ``solve`` returns the steady velocity of other orbits.
-    """
-    return relative_error * math.hypot(*velocity_sensitivities(velocity, orbits, relative_error, solve))
-
-
 def velocity_sensitivities(
     velocity: float, orbits: tuple, relative_error: float, solve: Callable[[tuple], float]
 ) -> tuple[float, float, float]:
-    """Return the changes of the velocity, over the reference speed, for a relative change of one of the orbits.
+    """Return the changes of the velocity, over the reference speed, for a relative change of 1 of the orbits.
 
-    Of both amplitudes (the larger of growing and shrinking), of their ratio, and of their phase. Arguments as for
-    `velocity_error`; all zero without an error or a reference speed.
+    The three changes are those of all amplitudes (the larger of growing and shrinking), of their ratio, and of their
+    phase; all are zero without an error or a reference speed.
+
+    Parameters
+    ----------
+    velocity : float
+        Steady velocity in m/s with these orbits.
+    orbits : tuple of contact.Orbit
+    relative_error : float
+        Of the orbits; the changes that are tried have this size.
+    solve : callable
+        Returns the steady velocity of other orbits, m/s.
     """
     speed = reference_speed(velocity, orbits)
     if relative_error == 0 or speed == 0:
         return 0.0, 0.0, 0.0
-    step = max(relative_error, LEAST_STEP)
+    step = max(relative_error, MIN_STEP)
     tried = (
         tuple(orbit.scaled(1 + step) for orbit in orbits),
         tuple(orbit.scaled(1 - step) for orbit in orbits),
@@ -63,7 +62,7 @@ def velocity_sensitivities(
 def _slenderness(orbit) -> float:
     """Return the larger amplitude over the smaller: the error is relative to the larger, and both may err by it."""
     small, large = sorted((abs(orbit.normal), abs(orbit.tangential)))
-    return min(large / small, SLENDEREST) if small > 0 else 1.0
+    return min(large / small, MAX_AXIS_RATIO) if small > 0 else 1.0
 
 
 def _sheared(orbit, factor: complex):

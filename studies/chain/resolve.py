@@ -1,15 +1,17 @@
 """A scene with numbers in place of words, and its stator as ``fem`` knows it.
 
 ``period = "auto"``, ``frequency = "center"``, ``preload = "weight"`` and ``ball = "steel"`` become numbers, so that
-the scene kept with a result runs again without asking anything.  What only the physics can refuse (a material, a
-layout) is refused here.
+the scene that is kept with a result runs again to the same numbers.  What only the physics can refuse (an unknown
+material, an impossible layout) is refused here.
 """
 
+import itertools
 import math
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
@@ -25,11 +27,15 @@ MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 o
 
 
 def resolved(scene: Scene, *, spread: bool | None = None) -> Scene:
-    """Return the scene with its automatic values found; SceneError if material, moduli or layout are impossible."""
+    """Return the scene with numbers for its automatic values; SceneError if material, moduli or layout are impossible.
+
+    ``spread``: whether the admittances behind an automatic match take finite apertures; the scene decides without it.
+    """
     if scene.stator is not None:
         if scene.transducer:
             scene = _with_source_numbers(scene)
         _check_layout(scene)
+        refuse_gaps(scene)
         if scene.crossed:
             scene = replace(scene, stator=replace(scene.stator, diffraction=True))
         if scene.transducer:
@@ -47,7 +53,7 @@ def resolved(scene: Scene, *, spread: bool | None = None) -> Scene:
     return scene
 
 
-def resolved_slider(slider: Slider, stator: Stator | None) -> Slider:
+def resolved_slider(slider: Slider, stator: Stator | Any) -> Slider:
     """Return a slider with its preload and its moduli as numbers, those of a named ball on this stator."""
     slider = replace(slider, preload=slider.preload_force)
     if slider.pillars is not None:
@@ -270,7 +276,7 @@ def port_admittance(scene: Scene, frequency, tolerance: float, *, spread: bool |
 
 
 def _with_circuit(scene: Scene, spread: bool | None) -> Scene:
-    """Find the voltages of given powers, the receiver's load and the elements of an automatic match."""
+    """Return the scene with the voltages of its powers, the receiver's load and the elements of an automatic match."""
     import fem
 
     old_drive = scene.drive
@@ -307,7 +313,7 @@ def _with_circuit(scene: Scene, spread: bool | None) -> Scene:
 
 
 def _with_load(scene: Scene, load: complex | None = None) -> Scene:
-    """Return the scene with the load of `drive.recovery`, given or found, across the receiver."""
+    """Return the scene with the load of ``drive.recovery`` as the receiver's termination; ``load``: of "matched"."""
     recovery = scene.drive.recovery
     if recovery is None:
         return scene
@@ -320,7 +326,7 @@ def _with_load(scene: Scene, load: complex | None = None) -> Scene:
 
 
 def _with_source_numbers(scene: Scene) -> Scene:
-    """Find the automatic periods, or the drive's frequency, of the strongest surface wave (fem/solve/passband.py)."""
+    """Return the scene with the periods, or the frequency, of the strongest surface wave (fem/solve/passband.py)."""
     import fem
 
     block = stator(scene.stator)
@@ -371,6 +377,25 @@ def _check_layout(scene: Scene) -> None:
     refuse_covered(scene)
 
 
+def refuse_gaps(scene: Scene) -> None:
+    """Refuse contacts on a meshed piece where it has no plain surface."""
+    if scene.slider is None or not scene.piece:
+        return
+    centre, reached = scene.slider.center[0], [(x, x) for x, _ in scene.slider.places]
+    if scene.slider.pillars is not None:
+        from studies.chain.pillars import layout
+
+        place = layout(scene.slider)
+        half = place["diameter"] / 2
+        reached = [(centre + (place["x"] - half).min(), centre + (place["x"] + half).max())]
+    for each in pieces(scene):
+        for (low, high), (left, right) in itertools.product(each.gaps, reached):
+            if left < high and right > low:
+                rule = f"must keep the contacts off {each.name!r} from {low * 1e3:g} to {high * 1e3:g} mm, where it has"
+                got = f"{left * 1e3:g}" + (f" to {right * 1e3:g}" if right > left else "")
+                raise SceneError("slider.position", f"{rule} no plain surface at z = 0, got some at {got} mm")
+
+
 def refuse_covered(scene: Scene) -> None:
     """Refuse contacts on a turned transducer."""
     import fem
@@ -408,13 +433,13 @@ def refuse_endless_burst(scene: Scene, frequency: float) -> None:
 
 
 def _given(block, *names: str) -> dict:
-    """Return the keys of a block that were given."""
+    """Return the keys of a block that are present, with their values."""
     return {name: getattr(block, name) for name in names if getattr(block, name) is not None}
 
 
 @contextmanager
 def _refused(path: str, names=(), pieces=()):
-    """Turn a refusal of fem into the scene's, and no answer into the run's.
+    """Turn an InputError of fem into a SceneError of the scene's key, and a ConvergenceError into a RunError.
 
     ``names`` are those of the transducers, ``pieces`` those of the meshed pieces.
     """

@@ -7,7 +7,7 @@ end the surface rings down under the slider as the same envelope goes on, until 
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
     from fem.solve.burst import BurstEnvelope
 
 LOBES = 1.2  # of 1/N: the band taken on either side, the main lobe and a little
-WIDEST = 0.22  # of the frequency: one band of frequencies
+MAX_HALF_BAND = 0.22  # over the frequency: one band of interpolation
 TOLERANCE = 2e-2  # of the response and of what rings on, over the steady amplitude
-MOST = 1024  # frequencies: half a minute; what rings longer is left out and counted as an error
+MAX_FREQUENCIES = 1024  # half a minute; a stator that rings longer is an error of the burst instead
 
 
 @dataclass(frozen=True, kw_only=True)
 class RingUp:
-    """What a burst does under the slider."""
+    """Growth and decay of the surface's motion under the slider in a burst, as factors on the steady orbits."""
 
     # Of a velocity at the burst's end: the envelope's error for as long as it rings up, over the burst's
     # length; without an envelope, how long it certainly rings over the burst's length
@@ -39,7 +39,7 @@ class RingUp:
     ring_down: "Envelope | None" = field(
         default=None, repr=False
     )  # the same from the burst's end on, time from there
-    response: "BurstEnvelope | None" = field(default=None, repr=False)  # fem's answer
+    response: "BurstEnvelope | Any" = field(default=None, repr=False)  # fem's answer
 
     @classmethod
     def of(cls, burst_envelope) -> "RingUp":
@@ -81,7 +81,7 @@ def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str
     """Return the ring-up at a place (x, y) in m of a scene with transducers, a burst and a frequency in Hz."""
     scene, x = resolve.first_row(scene, place)
     driven = scene.driven_transducer
-    half = min(LOBES / driven.finger_pairs, WIDEST) * scene.frequency
+    half = min(LOBES / driven.finger_pairs, MAX_HALF_BAND) * scene.frequency
     prepared = response(
         scene,
         scene.frequency - half,
@@ -99,8 +99,8 @@ def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str
             frequency=scene.frequency,
             duration=scene.burst,
             tolerance=TOLERANCE,
-            max_frequencies=MOST,
+            max_frequencies=MAX_FREQUENCIES,
         )
     except fem.ConvergenceError:
-        return RingUp(error=min(1.0, MOST / (2 * half) / scene.burst))
+        return RingUp(error=min(1.0, MAX_FREQUENCIES / (2 * half) / scene.burst))
     return RingUp.of(response_envelope)

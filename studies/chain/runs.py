@@ -1,8 +1,8 @@
-"""The chain from a scene to its record: stator at its frequency, times the voltage, contact, velocity.
+"""The chain from a scene to its record: surface motion per volt, orbits at each voltage, contact, velocity.
 
-Only what the scene needs is imported and computed.  The tolerance bounds the last quantity.  The stator
-begins with a quarter of it; where the contact turns out to multiply the stator's error (near the threshold
-by 20), the stator is solved again, better.
+Only what the scene needs is imported and computed.  The tolerance bounds the last quantity.  The stator is first solved
+to a quarter of it.  The contact multiplies the stator's error, by 20 near the threshold: where the velocity then misses
+its tolerance, the stator is solved again, as accurately as needed.
 """
 
 import logging
@@ -30,10 +30,12 @@ from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 
 LOGGER = logging.getLogger("studies.run")
-# of the motion's error: what is left then is the beam's own, which no finer section makes smaller
+# Error of the motion over that of the round before, above which no further round is tried: what remains is the beam's
+# own error, which no finer section reduces
 STALLED = 0.7
-HOPELESS = 3  # tolerances of the beam's own error at the best point, beyond which no finer section is tried
-ROUNDS = 3  # of the stator, each with the tolerance that the one before found to be needed
+# The beam's own error at the best point over the tolerance, above which no finer section is tried
+HOPELESS = 3
+ROUNDS = 3  # solutions of the stator, each to the tolerance that the previous round turned out to need
 
 
 def run(
@@ -154,7 +156,7 @@ def _driven(scene: Scene, predictor: Predictor) -> Record:
 def _with_contact(
     scene: Scene, predictor: Predictor
 ) -> tuple[SurfaceMotion, SliderAnswer, RingUp | None, float]:
-    """Return motion, answer, ring-up and the contact's seconds; a motion with too large an error is solved again."""
+    """Return motion, answer, ring-up and the contact's seconds; the stator is as accurate as the velocity needs."""
     stator, places, seconds = stator_alone(scene), places_of(scene), 0.0
     motion = predictor.motion(stator, places, SHARE * predictor.tolerance)
     ringing = predictor.ring_up(DrivenContact.of_stator(scene, SolvedStator.of(motion, places), motion))
@@ -189,10 +191,10 @@ def _with_contact(
 def needed_section_tolerance(
     answer: SliderAnswer, reached: float, tolerance: float, ringing: float, beam_share: float = 0.0
 ) -> float | None:
-    """Return the section's tolerance that would do, or None where it is good enough or cannot help.
+    """Return the tolerance of the section that the velocity needs; None where the section suffices or cannot help.
 
-    ``ringing`` is what the ring-up adds to the stator's part, and ``beam_share`` the share of it that is the beam's
-    own: no finer section makes these smaller.
+    ``reached``: the section's present error; ``ringing``: what the ring-up contributes to the stator's part of the
+    velocity's error; ``beam_share``: share of the rest that is the beam's own.  No finer section reduces the last two.
     """
     parts = [stator for stator, contact in answer.parts if stator + contact > tolerance]
     if not parts or max(parts) <= ringing:

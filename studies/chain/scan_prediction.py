@@ -1,4 +1,4 @@
-"""What a vibrometer would see: the surface motion of a scene at a scan's own places or frequencies, per volt."""
+"""Prediction of a vibrometer's scan: the surface motion of a scene at the scan's places or frequencies, per volt."""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Remarks on a scene before anything is computed: sizes that no motor has, mistaken units, balls where none can be."""
+"""Warnings on a scene before anything is computed: sizes that no motor has, mistaken units, contacts that overlap."""
 
 import math
 from collections.abc import Iterator

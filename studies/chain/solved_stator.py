@@ -1,4 +1,4 @@
-"""What is kept of a solved stator, and the contact that stands on it: predictions for other values share both."""
+"""The few numbers of a solved stator that contacts and answers need, kept while many scenes share its solution."""
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -7,20 +7,22 @@ from studies.chain.surface_motion import SurfaceMotion
 from studies.scene import Scene
 from studies.scene.blocks import Drive
 
-COARSE_ERROR = 0.05  # of the coarsest discretisation, which does not estimate its own (1.7 to 4.5 % seen)
-KEPT = 10_000  # drives in memory
+COARSE_ERROR = (
+    0.05  # relative, of the coarsest discretisation, which has no estimate of its own: 1.7 to 4.5 % seen
+)
+MAX_DRIVES = 10_000  # in memory
 PLACE_KEYS = ("slider.position", "slider.contacts")
 
 
 def of_stator(key: str) -> bool:
-    """Return whether a change of a key needs the section or its circuit again."""
+    """Return whether a change of a key requires a new solution of the section or its circuit."""
     own = key.startswith(("stator.", "transducer.", "drive."))
     return own and key not in ("drive.voltage", "drive.power", "drive.burst")
 
 
 @dataclass(frozen=True, kw_only=True)
 class SolvedStator:
-    """What is kept of a solved stator."""
+    """Motion at some places and admittance of a solved stator, per volt of the source."""
 
     # by place (x, y) in m: u_x and u_z in m per V, relative error, whether it lies under a transducer
     at: dict[tuple[float, float], tuple[complex, complex, float, bool]]
@@ -30,7 +32,7 @@ class SolvedStator:
 
     @classmethod
     def of(cls, motion: SurfaceMotion, places, *, coarse: bool = False) -> "SolvedStator":
-        """Return what is kept of a surface motion; ``coarse``: of the coarsest discretisation."""
+        """Evaluate a surface motion at places (x, y) in m; ``coarse``: it is that of the coarsest discretisation."""
         tangential, _, normal = motion.at(places)
         errors = [COARSE_ERROR] * len(places) if coarse else motion.errors(places)
         covered = map(motion.covered, places)
@@ -46,14 +48,14 @@ class SolvedStator:
 
         return tuple(
             Orbit(frequency=self.frequency, tangential=tangential, normal=normal)
-            for tangential, normal, _, _ in map(self.at.get, places)
+            for tangential, normal, _, _ in (self.at[place] for place in places)
         )
 
 
 def places_of(scene: Scene) -> tuple[tuple[float, float], ...]:
-    """Return the places (x, y) in m at which a scene asks for the motion: its slider's centre first, then the balls.
+    """Return the places (x, y) in m at which a scene needs the motion: its slider's centre, then its contacts.
 
-    Without a slider the middle of the stator.
+    Without a slider it is the middle of the stator.
     """
     if scene.slider is None:
         return ((scene.stator.length / 2, 0.0),)
@@ -66,7 +68,7 @@ def stator_alone(scene: Scene) -> Scene:
     return Scene(**alone, drive=at_one_volt(scene.drive))
 
 
-@lru_cache(KEPT)
+@lru_cache(MAX_DRIVES)
 def at_one_volt(drive: Drive) -> Drive:
     """Return a drive at 1 V, without power and burst."""
     return replace(drive, voltage=(1.0,) if drive.levels else None, power=None, burst=None)

@@ -1,8 +1,8 @@
-"""A driven scene at many frequencies: prepared once as bands where its transducers allow, else one by one.
+"""A driven scene at many frequencies: interpolated over bands where its transducers allow it, else solved one by one.
 
 `fem.frequency_band` takes a band of limited width and transducers whose gaps are all whole; a wider range is cut
 into several bands.  Where it cannot be used (fingers left out, a neighbour or an end nearer than half a gap, a
-place under a transducer) every frequency is solved by itself: slower, the same numbers.
+place under a transducer) every frequency is solved alone: slower, with the same numbers.
 """
 
 import math
@@ -17,13 +17,13 @@ from studies.chain import resolve
 from studies.refusal import RunError
 from studies.scene import Scene
 
-WIDEST = 1.6  # highest over lowest frequency of one band
-FEW = 5  # frequencies that cost less one by one than the set-up of a band
+MAX_BAND_RATIO = 1.6  # highest over lowest frequency of one band
+MAX_SINGLE = 5  # frequencies that cost less one by one than the set-up of a band
 
 
 @dataclass(frozen=True, kw_only=True)
 class Response:
-    """A driven stator that answers at any frequency of a range; what ``fem.burst_response`` asks of a band."""
+    """A driven stator that answers at any frequency of a range; the interface is that of ``fem.burst_response``."""
 
     limits: tuple[float, float]  # Hz
     # fem.Band, from low to high; empty where every frequency is solved by itself
@@ -86,7 +86,7 @@ def port_admittances(scene: Scene, frequencies, tolerance: float, progress: Call
     block, row = resolve.whole_stator(scene), resolve.section_row(scene)
     edges = _edges(frequencies[0], frequencies[-1])[1:-1]
     groups = np.split(frequencies, np.searchsorted(frequencies, edges))
-    if len(frequencies) <= FEW * len(groups) or not _takes_bands(block, row, ()):
+    if len(frequencies) <= MAX_SINGLE * len(groups) or not _takes_bands(block, row, ()):
         groups = np.split(frequencies, len(frequencies))
     parts = []
     for group in groups:
@@ -111,12 +111,12 @@ def driving_point(ports, transducers, drive):
 
 def _edges(lowest: float, highest: float) -> list[float]:
     """Return the ends of the bands that a range is cut into, Hz."""
-    count = max(1, math.ceil(math.log(highest / lowest) / math.log(WIDEST)))
+    count = max(1, math.ceil(math.log(highest / lowest) / math.log(MAX_BAND_RATIO)))
     return [lowest * (highest / lowest) ** (k / count) for k in range(count)] + [highest]
 
 
 def _takes_bands(block, transducers, places) -> bool:
-    """Return whether bands serve: whole gaps everywhere, no finger left out, no place under a transducer."""
+    """Return whether bands can be used: whole gaps everywhere, no finger left out, no place under a transducer."""
     row = tuple(sorted(transducers, key=lambda each: each.center))
     for each, gaps in zip(row, fem.outer_gaps(block, row), strict=True):
         left, right = each.extent[0] - gaps[0], each.extent[1] + gaps[1]

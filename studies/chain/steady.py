@@ -1,7 +1,7 @@
 """Steady states of many contacts at once, each with its error.
 
-An averaged state is taken where its error keeps a share of the tolerance, else the motion itself is solved, as in a
-run. Every answer at other values comes from here: one rule decides between both.
+Averaged states cost microseconds, side by side in a compiled loop.  One is accepted if its error keeps a share of the
+tolerance; otherwise the motion itself is solved, as in a run.
 """
 
 import contact
@@ -30,10 +30,10 @@ def steady_answers(
         ``velocity_m_per_s``, ``regime``, ``relative_error`` and ``status``; the status alone where there is no answer.
     """
     answers = averaged_answers(states, tolerance, threads=threads)
-    for at, (driven, level) in enumerate(states):
-        if answers[at] is None:
-            answers[at] = steady_answer(driven, level, tolerance)
-    return answers
+    return [
+        steady_answer(driven, level, tolerance) if answer is None else answer
+        for answer, (driven, level) in zip(answers, states, strict=True)
+    ]
 
 
 def steady_answer(driven: DrivenContact, level: float, tolerance: float) -> dict:
@@ -43,7 +43,7 @@ def steady_answer(driven: DrivenContact, level: float, tolerance: float) -> dict
 
 
 def rated(point: dict, parts: tuple[float, float], tolerance: float) -> dict:
-    """Return a point's values, and whether a better stator would help; the status alone where there is no answer."""
+    """Return a point's values, and as ``finer`` whether a more accurate stator would help; else its status."""
     if "relative_error" not in point:
         return {"status": f"no answer: {point['status']}"}
     return point | {"finer": point["relative_error"] > tolerance and parts[0] > SHARE * tolerance}
@@ -52,7 +52,7 @@ def rated(point: dict, parts: tuple[float, float], tolerance: float) -> dict:
 def averaged_answers(
     states: list[tuple[DrivenContact, float]], tolerance: float, *, threads: int | None = None
 ) -> list[dict | None]:
-    """Return what `steady_answers` does, None where averaging does not know the state well enough."""
+    """Return the averaged steady state of each contact, as `steady_answers` does; None where its error is too large."""
     sliders = [driven.scene.slider for driven, _ in states]
     takes = [each.method in AVERAGED_METHODS and each.pillars is None for each in sliders]
     rows = iter(

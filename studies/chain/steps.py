@@ -26,7 +26,7 @@ class Steps:
 
     @classmethod
     def of(cls, driven: DrivenContact, *, progress: Callable[[str], None]) -> "Steps":
-        """Return the steps of a driven contact, the ring-up of a stator's wave found if it can be."""
+        """Return the steps of a driven contact, with the ring-up of the stator's wave where it can be computed."""
         scene, center = driven.scene, driven.scene.slider.center
         if scene.wave is not None:
             return cls(driven=driven)

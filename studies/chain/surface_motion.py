@@ -1,8 +1,8 @@
 """Motion of the surface under the slider, per volt: of the finite aperture where that is known, else of the section.
 
 The section knows x alone.  The beam (`fem.surface_beam`) spreads the section's charges over the aperture, so that the
-amplitude depends on x and y and a motion u_y arises beside the axis.  `surface_motion` decides which of the two stands
-for a scene: every answer that needs an orbit takes it from there.  Turned transducers have a section for each row of
+amplitude depends on x and y and a motion u_y arises off the axis.  `surface_motion` chooses between the two; every
+answer that needs an orbit takes it from there.  Turned transducers have a section for each row of
 them (`fem.crossed_beam`); the section of the motion is then that of the driven row whose waves run nearest to x.
 """
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from fem.beam.surface_beam import SurfaceBeam
     from fem.results.driven_answer import SurfaceWave
 
-# places where the beam's standing wave is looked at; a minimum between them is missed by 1 %
+# samples of the beam's standing wave; they miss a minimum between them by 1 %
 PER_WAVELENGTH = 24
 
 
@@ -102,8 +102,7 @@ class SurfaceMotion:
             abs(self.wave.phase_velocity) / self.wave.frequency * np.linspace(-1, 1, 2 * PER_WAVELENGTH + 1)
         )
         along = x + reach[(x + reach >= 0) & (x + reach <= self.beam.length)]
-        size = abs(self.beam.motion(along, y)[2])
-        return float(size.max() / size.min())
+        return fem.standing_wave_ratio(self.beam.motion(along, y)[2])
 
 
 def solved_motion(
@@ -111,9 +110,9 @@ def solved_motion(
 ) -> SurfaceMotion:
     """Return the motion of a driven scene, its section solved to a tolerance at places (x, y) in m.
 
-    ``slider``: whether one is to be driven, where the scene does not say.  ``missed``: whether a motion that misses the
-    tolerance is returned, with its error.  Raises RunError; what the beam refuses is the scene's
-    ``stator.diffraction``.
+    ``slider``: True if the motion is to drive a slider; by default, if the scene has one.  ``missed``: True returns a
+    motion that misses the tolerance, with its error, instead of raising RunError.  A refusal of the beam becomes one of
+    the key ``stator.diffraction``.
     """
     slider = scene.slider is not None if slider is None else slider
 
@@ -156,7 +155,7 @@ def crossed_motion(scene, places, solve) -> SurfaceMotion:
 
 
 def surface_motion(wave, block: Stator, places, *, slider: bool = True) -> SurfaceMotion:
-    """Return what stands for the motion of a solved stator (fem.SurfaceWave) at places (x, y) in m.
+    """Return the motion of a solved stator (fem.SurfaceWave) for places (x, y) in m: that of the beam or the section.
 
     ``stator.diffraction`` is True: the finite aperture (fem.BeamError where it cannot be computed); False: the plane
     section; None: the finite aperture under a slider, where `resolve.default_refusal` has nothing against it and the
@@ -183,5 +182,5 @@ def surface_motion(wave, block: Stator, places, *, slider: bool = True) -> Surfa
 
 
 def wanted_diffraction(diffraction: bool | None, has_slider: bool) -> bool | None:
-    """Return what a scene's ``stator.diffraction`` means: absent, it is tried under a slider."""
+    """Return the effective value of ``stator.diffraction``; None, where the scene leaves it open, is tried."""
     return diffraction if diffraction is not None or has_slider else False

@@ -1,7 +1,7 @@
-"""What a point of a run says about its own motion: events by kind, the smallest gap, chatter, the ledger's residual.
+"""Statistics of the motion at a point of a run: events by kind, smallest gap, chatter, residual of the energy balance.
 
-Flat, for they are columns of velocity.csv as well. Steady states count per wave cycle; a burst over all of it where it
-was followed event by event, and the slide after it always.
+The dictionaries are flat, because their keys are also columns of velocity.csv.  Events of steady states are counted per
+wave cycle; those of a burst over its whole length, if it was followed event by event, and over the slide after it.
 """
 
 import math

@@ -2,12 +2,12 @@
 
     dX/dt = v,    m dv/dt = Q(X, v) - R_t v - q,
 
-Q the mean tangential force of first-order averaging (`contact.mean_traction`) of the orbits at the balls' places + X, q
-the load.  The wave's phase, which moves with X too, is left out: it changes the frequency under the balls by v / c,
-1e-4.  The bounce is taken as settled: it is faster than the field changes by a thousand.
+Q is the mean tangential force of first-order averaging (`contact.mean_traction`) for the orbits at the balls' places
+plus X, and q the load.  The wave's phase, which changes with X too, is neglected: it changes the frequency under the
+balls by v/c, 1e-4.  The bounce is taken as settled: it settles a thousand times faster than the field changes.
 
 The equation is solved twice, with the slider's travel and with X = 0, and the difference is added to the burst that was
-followed at one place.  So start, bounce and ring-up stay what they were, and a slow slider's answer too.
+followed at one place.  Start, bounce and ring-up are then those of that burst, as is the answer of a slow slider.
 """
 
 from collections.abc import Callable
@@ -17,9 +17,9 @@ import numpy as np
 
 import contact
 
-LEAST_TRAVEL = 0.1  # wavelengths from which the travel counts
-PER_WAVELENGTH = 12  # places of the table; the standing wave has a period of half a wavelength
-# of the table, from rest past the surface's own speed: the force has kinks there; 33 leave 2e-3 of v
+MIN_TRAVEL = 0.1  # wavelengths from which the travel counts
+PER_WAVELENGTH = 12  # displacements of the table; the standing wave has a period of half a wavelength
+# of the table, from rest to beyond the surface's own speed, where the force has kinks; 33 leave an error of 2e-3 of v
 SPEEDS = 129
 STEP = 0.05  # wavelengths of travel in a step of time, at the surface's own speed
 MIN_STEPS = 400
@@ -28,7 +28,7 @@ MARGIN = 1.3  # the table's reach over the travel at one place, at first
 
 @dataclass(frozen=True, kw_only=True)
 class WaveAlong:
-    """Orbits under a slider's balls when it has moved along x."""
+    """Orbits under a slider's balls as functions of its displacement along x."""
 
     wavelength: float  # m
     limits: tuple[float, float]  # displacements in m between which all balls stay on the stator
@@ -64,7 +64,7 @@ class _Table:
         rows = [tuple(each.scaled(level) for each in orbits) for orbits in wave.orbits(self.places)]
         self.top = 1.2 * max(each.omega * abs(each.tangential) for orbits in rows for each in orbits)
         speeds = np.linspace(0.0, self.top, (SPEEDS - 1) // coarser + 1)
-        # at rest a sticking contact holds between two limits: either side of v = 0 is its own table
+        # at rest a sticking contact holds any force between two limits: each side of v = 0 has a table of its own
         least = np.where(speeds == 0.0, np.finfo(float).tiny, speeds)
         forces = np.array(
             [contact.mean_traction(slider, orbits, np.append(least, -least)) for orbits in rows]

@@ -1,4 +1,4 @@
-"""What the tolerances of a scene's numbers make of its answer: bands of the velocity, the threshold and the release.
+"""Bands of the velocity, the threshold and the release that follow from the tolerances of a scene's numbers.
 
 linear: half the difference of the answers at the two ends of each tolerance, added in quadrature (GUM, JCGM 100:2008,
 eq. 10, with the secant in place of the derivative).  Where the middle does not lie between the ends (the answer bends:
@@ -32,7 +32,7 @@ BEND = 0.1
 
 def with_bands(record: Record, *, progress: Callable[[str], None] | None = None) -> Record:
     """Return the record of a scene with [uncertain] with its bands: two more values of each point, one more block."""
-    own = {key: value for key, value in record.scene.uncertain if key in DEFAULTS}
+    own = {key: value for key, value in record.scene.uncertain or () if key in DEFAULTS}
     options, numbers = DEFAULTS | own, tolerances(record.scene)
     predictor = Predictor.of_record(record, progress=progress)
     # changes of the answers at the upper and the lower end of each tolerance, (numbers, 2, answers)

@@ -1,4 +1,4 @@
-"""What a physicist would remark about a run that gave an answer: each with its number and what to do about it.
+"""Warnings on a run that gave an answer, each with its number and what to do about it.
 
 Every function takes the record of a run and yields sentences, none where nothing is wrong. They take 0.05 s:
 closed forms of what the run has computed already.
@@ -19,11 +19,13 @@ from studies.chain.scene_warnings import scene_warnings
 from studies.record import Record
 from studies.scene import Scene
 
-OFF_RESONANCE = 1.15  # largest over present amplitude from which it is said; the ripple of a plate makes 1.1
+OFF_RESONANCE = (
+    1.15  # largest over present amplitude, from which on a warning says so; a plate's ripple makes 1.1
+)
 PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # 1/(Pa m), V/(Pa m), -: air
 AIR = 101325.0  # Pa
-SIDEWAYS = 0.1  # |u_y| over |u_x| from which it is said
-NODE_RATIO = 1e6  # standing-wave ratio: waves from both sides that cancel to rounding
+SIDEWAYS = 0.1  # |u_y| over |u_x|, from which on a warning says so
+NODE = 1e-6  # of |u_x|: smaller |u_z| are those of waves from both sides that cancel
 CREEP = 0.01  # of the surface's own speed along x
 SPREADS = 0.1  # of u_z that the finite aperture changes, from which it is said that the section leaves it out
 DECIDES = 0.1  # relative change of u_z or of the velocity from which an effect outside the model is a warning
@@ -179,9 +181,10 @@ def _left_out(record: Record) -> Iterator[str]:
 
 def _contact(record: Record, driven: DrivenContact) -> Iterator[str]:
     """Yield warnings where a ball is moved sideways, or presses harder than it or the stator bears."""
-    if record.wave.get("standing_wave_ratio", 1.0) > NODE_RATIO:
+    normal, tangential = (abs(record.wave.get(f"{way}_m_per_V", 1.0)) for way in ("normal", "tangential"))
+    if normal < NODE * tangential:
         yield (
-            "u_z vanishes at the slider's centre or within a wavelength of it: the amplitudes of the points are taken "
+            "u_z vanishes at the slider's centre: the amplitudes of the points are taken "
             "at the centre and say nothing about the wave under the balls: another slider.position"
         )
     ratio = record.wave.get("largest_lateral_ratio", 0.0)

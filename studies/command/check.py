@@ -2,9 +2,9 @@
 
 import argparse
 
-from studies.command.given_scene import changed_file
 from studies.command.options import add_shared
 from studies.command.output import warn
+from studies.command.scene_argument import changed_file
 from studies.scene import Scene
 
 HELP = "a scene's text, material and layout, without running it"

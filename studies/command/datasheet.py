@@ -2,9 +2,9 @@
 
 import argparse
 
-from studies.command.given_scene import changed_scene, tolerance
 from studies.command.options import add_shared
 from studies.command.output import committed_pictures, print_answer, results_of, warn
+from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.progress import Progress
 
 HELP = "a motor's datasheet: one page with speed, force, steps, power and limits"
@@ -23,9 +23,9 @@ def call(arguments: argparse.Namespace) -> int:
     from studies.report.datasheet_page import page, table
     from studies.results.content import write_json
 
-    wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
+    tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
     with results_of(arguments, "datasheet", "-datasheet") as (result, out), Progress() as progress:
-        sheet = computed(scene, tolerance=wanted, progress=progress)
+        sheet = computed(scene, tolerance=tolerance, progress=progress)
         if result is not None:
             write_json(result.folder / "datasheet.json", sheet.to_dict())
             result.commit()

@@ -3,9 +3,9 @@
 import argparse
 from pathlib import Path
 
-from studies.command.given_scene import changed_scene, tolerance
 from studies.command.options import add_shared
 from studies.command.output import print_answer
+from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.progress import Progress
 from studies.scene import scene_path
 
@@ -56,7 +56,7 @@ def call(arguments: argparse.Namespace) -> int:
     from studies.inverse.optimum import Options
     from studies.inverse.optimum import design as search
 
-    wanted = tolerance(arguments.tolerance or "3e-2")
+    tolerance = read_tolerance(arguments.tolerance or "3e-2")
     table = changed_scene(arguments).to_table()
     variables = [read_variable(text) for text in arguments.over]
     out = Path(arguments.out or Path("results") / f"{scene_path(arguments.scene).stem}-design")
@@ -68,7 +68,7 @@ def call(arguments: argparse.Namespace) -> int:
             [read_constraint(text) for text in arguments.subject],
             options=Options(
                 **{key: getattr(arguments, key) for key in ("evaluations", "seed", "workers")},
-                tolerance=wanted,
+                tolerance=tolerance,
                 out=out,
             ),
             progress=progress,

@@ -3,9 +3,9 @@
 import argparse
 from pathlib import Path
 
-from studies.command.given_scene import changed_scene, tolerance
 from studies.command.options import add_shared
 from studies.command.output import committed_pictures, say
+from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.export.exported import Exported
 from studies.progress import Progress
 from studies.refusal import SceneError, nearest
@@ -66,12 +66,12 @@ def call(arguments: argparse.Namespace) -> int:
     ending, _ = checked(arguments)
     source, name = arguments.scene, Path(arguments.scene).stem
     arguments.scene = scene_of(source)
-    wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
+    tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
     alone = bool(ending) and arguments.out is not None and Path(arguments.out).suffix.lower() == ending
     if alone and Path(arguments.out).exists():
         raise SceneError("--out", f"{arguments.out!r} exists already, and is not replaced")
     with Progress() as progress:
-        done = exported(arguments, scene, name, tolerance=wanted, progress=progress)
+        done = exported(arguments, scene, name, tolerance=tolerance, progress=progress)
         out = Path(arguments.out or Path("results") / f"{name}-export-{arguments.format}")
         if alone:
             done.write_alone(out)

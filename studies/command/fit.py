@@ -2,9 +2,9 @@
 
 import argparse
 
-from studies.command.given_scene import changed_scene, tolerance
 from studies.command.options import add_shared
 from studies.command.output import committed_pictures, print_answer, results_of
+from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.progress import Progress
 
 HELP = "numbers of a scene from measured curves, and what the data cannot tell"
@@ -42,11 +42,11 @@ def call(arguments: argparse.Namespace) -> int:
     from studies.inverse import read_measurement, read_parameter
     from studies.inverse.fit_report import draw_fit, fit_answer, write_fit
 
-    wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
+    tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
     measurements = [read_measurement(file, tuple(settings)) for file, *settings in arguments.data]
     parameters = [read_parameter(text) for text in arguments.free]
     with results_of(arguments, "fit", "-fit") as (result, out), Progress() as progress, blas_on_one_thread():
-        result_of_fit = fitted(scene, measurements, parameters, tolerance=wanted, progress=progress)
+        result_of_fit = fitted(scene, measurements, parameters, tolerance=tolerance, progress=progress)
         if result is not None:
             write_fit(result_of_fit, result.folder)
             result.commit()

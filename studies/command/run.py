@@ -4,9 +4,9 @@ import argparse
 from contextlib import ExitStack
 from dataclasses import replace
 
-from studies.command.given_scene import changed_scene, tolerance
 from studies.command.options import add_shared
 from studies.command.output import committed_pictures, print_answer, results_of, say, warn
+from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.progress import Progress
 from studies.refusal import SceneError
 
@@ -60,7 +60,7 @@ def call(arguments: argparse.Namespace) -> int:
     from studies.report.drawing import Drawing
     from studies.report.explanation import explanation, long_wait, plan
 
-    wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
+    tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
     measured = None
     if arguments.measured is not None:
         from studies.record.measured import compared, read_measured, refuse_incomparable
@@ -68,7 +68,7 @@ def call(arguments: argparse.Namespace) -> int:
         measured = read_measured(arguments.measured)
         refuse_incomparable(scene, measured)
     if arguments.explain:
-        planned = plan(scene, tolerance=wanted)
+        planned = plan(scene, tolerance=tolerance)
         print_answer(arguments, planned, explanation(planned))
         return 0
     if arguments.plot:
@@ -83,13 +83,13 @@ def call(arguments: argparse.Namespace) -> int:
         raise SceneError(
             "--field", "keeps the field of a driven stator, and this scene has no [[transducer]]"
         )
-    say(long_wait(scene, tolerance=wanted))
+    say(long_wait(scene, tolerance=tolerance))
     with ExitStack() as stack:
         result, out = stack.enter_context(results_of(arguments, "run", ""))
         plotted = result is not None and not (arguments.json or arguments.no_plot)
         drawing = stack.enter_context(Drawing()) if plotted else None
         with Progress() as progress:
-            record = run_chain(scene, tolerance=wanted, progress=progress)
+            record = run_chain(scene, tolerance=tolerance, progress=progress)
             if measured is not None and measured.quantity != "velocity":
                 from studies.chain.measured_run import beside
 

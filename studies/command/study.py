@@ -3,13 +3,13 @@
 import argparse
 from pathlib import Path
 
-from studies.command.given_scene import without_bands
 from studies.command.options import add_shared
 from studies.command.output import committed_pictures, origin_of, say
+from studies.command.scene_argument import without_bands
 from studies.progress import Progress
 from studies.results import Origin, result_directory
 from studies.scene import read_table
-from studies.scene.override import axes_given
+from studies.scene.override import read_axes
 
 HELP = "a study, or without a name the list of them"
 
@@ -76,7 +76,7 @@ def call(arguments: argparse.Namespace) -> int:
             arguments.scene,
             result.folder,
             progress=progress,
-            over=axes_given(arguments.over),
+            over=read_axes(arguments.over),
             options={
                 name: value
                 for name in ("band", "z0", "measured", "target", "controller", "loop")

@@ -3,10 +3,10 @@
 import argparse
 from pathlib import Path
 
-from studies.command.given_scene import changed_file, tolerance
 from studies.command.options import add_shared
+from studies.command.scene_argument import changed_file, read_tolerance
 from studies.scene import scene_path
-from studies.scene.override import axes_given
+from studies.scene.override import read_axes
 
 HELP = "many points of one scene, here, on processes or on a Dask cluster"
 
@@ -39,4 +39,4 @@ def call(arguments: argparse.Namespace) -> int:
 
     table = changed_file(arguments).table
     out = arguments.out or Path("results") / f"{scene_path(arguments.scene).stem}-sweep"
-    return run_sweep(arguments, table, axes_given(arguments.over), tolerance(arguments.tolerance), out)
+    return run_sweep(arguments, table, read_axes(arguments.over), read_tolerance(arguments.tolerance), out)

@@ -38,28 +38,14 @@ VARIABLES = (
     ("preload", "input", "continuous", "N", "preload", "normal force that holds the slider down, positive"),
     ("position", "output", "continuous", "m", None, "of the slider along x"),
     ("velocity", "output", "continuous", "m/s", None, "of the slider along +x"),
-    (
-        "surface_amplitude",
-        "output",
-        "continuous",
-        "m",
-        None,
-        "largest normal amplitude under the contacts, peak",
-    ),
+    ("surface_amplitude", "output", "continuous", "m", None, "largest normal amplitude under the contacts, peak"),
     ("power", "output", "continuous", "W", None, "into the driven transducer in the steady state"),
-    (
-        "tangential_force",
-        "local",
-        "continuous",
-        "N",
-        None,
-        "mean force of the surface on the slider along +x",
-    ),
+    ("tangential_force", "local", "continuous", "N", None, "mean force of the surface on the slider along +x"),
     ("deformation", "local", "continuous", "m", None, "tangential, of the contacts"),
     ("approach", "local", "continuous", "m", None, "mean normal approach of the contacts"),
     ("sticks", "local", "discrete", "", None, "the slider sticks to the surface"),
     ("position_start", "parameter", "fixed", "m", 0.0, "position at the beginning"),
-)
+)  # fmt: skip
 UNITS = {"V": 'kg="1" m="2" s="-3" A="-1"', "m": 'm="1"', "m/s": 'm="1" s="-1"', "N": 'kg="1" m="1" s="-2"',
          "W": 'kg="1" m="2" s="-3"'}  # fmt: skip
 
@@ -119,18 +105,9 @@ def _library(sources: dict[str, str], compiled) -> tuple[bytes | None, str]:
         for name, text in sources.items():
             (Path(folder) / name).write_text(text, encoding="utf-8")
         target = f"{MODEL}{known[2]}"
-        flags = [
-            "-O2",
-            "-std=c99",
-            "-shared",
-            "-fPIC",
-            "-fvisibility=hidden",
-            "-ffp-contract=off",
-            "-fno-math-errno",
-        ]
-        done = subprocess.run(
-            [*command, *flags, "-o", target, *compiled, "-lm"], cwd=folder, capture_output=True, text=True
-        )
+        flags = "-O2 -std=c99 -shared -fPIC -fvisibility=hidden -ffp-contract=off -fno-math-errno".split()
+        call = [*command, *flags, "-o", target, *compiled, "-lm"]
+        done = subprocess.run(call, cwd=folder, capture_output=True, text=True)
         if done.returncode != 0:
             first = (done.stderr.strip().splitlines() or ["no message"])[0]
             raise RunError(f"the C compiler {command[0]} refuses the sources of the FMU: {first}")
@@ -179,13 +156,7 @@ def _variable(motor: AveragedMotor, reference: int, row, fmi: str) -> str:
         f'name="{name}" valueReference="{reference}" description={quoteattr(meaning)} causality="{causality}"'
     )
     numbers = (f' unit="{unit}"' if unit else "") + ("" if start is None else f' start="{start!r}"')
-    kind = (
-        ("Boolean" if name == "sticks" else "Real")
-        if fmi == "2"
-        else "Boolean"
-        if name == "sticks"
-        else "Float64"
-    )
+    kind = "Boolean" if name == "sticks" else {"2": "Real", "3": "Float64"}[fmi]
     if fmi == "3":
         return f'<{kind} {head} variability="{variability}"{numbers}/>'
     initial = ' initial="calculated"' if start is None else ""

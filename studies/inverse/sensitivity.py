@@ -8,7 +8,7 @@ would take 100 times as long.  Beside each stands what 1 % more and 1 % less of 
 near a resonance, or where a wave's phase turns, these differ from the elasticity and from each other, and the study
 says so. Numbers of the stator take six solutions each, good to 1e-2. Expected: both ways agree to a few (f_n/f)^2, the
 elasticities keep the contact's scaling law, preload + E* - friction coefficient = 0, and a change of everything that
-has no effect changes nothing. Run time: 10 s; of twente with its stator 60 s of one processor.
+has no effect changes nothing. Run time: 10 s; of twente with its stator 90 s of one processor.
 """
 
 import math

@@ -12,7 +12,7 @@ analysers' files by `studies.lab.network`.
 import csv
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from studies.lab.heads import DISPLACEMENTS, TIMES, Heads
 from studies.lab.network import TOUCHSTONE, NetworkData, read_network
@@ -70,7 +70,7 @@ class Measurement:
     levels: tuple[float, ...] = ()
     time: tuple[float, ...] = ()
     values: tuple[float, ...] = ()
-    deviations: tuple[float, ...] | None = None
+    deviations: tuple[float, ...] | Any = None
     systematic: float = 0.0
     settings: dict = field(default_factory=dict)
     # of a vibrometer or a network analyser; the values are then its real parts, followed by the imaginary ones
@@ -132,7 +132,7 @@ class MeasuredTable(Heads):
         noun = next((noun for noun in nouns for unit in units if f"{noun}_{unit}" in self.names), None)
         if noun is None:
             return None
-        values = self.known(noun, units)
+        values = self.known(noun, units) or ()
         if min(values) <= 0:
             rule = f"{str(self.path)!r}: {noun}_{next(iter(units))} must be positive, got {min(values)!r}"
             raise SceneError(self.option, rule)

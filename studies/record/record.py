@@ -31,14 +31,14 @@ USUAL = ("voltage_V", "normal_amplitude_m", "tangential_amplitude_m", "velocity_
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Record:
-    """What a run found; blocks that do not apply are empty.
+    """The answer of a run; blocks that do not apply are empty.
 
     Attributes
     ----------
     scene : Scene
         As resolved: it runs again to the same numbers at the same tolerance.
     tolerance : float
-        What was asked for.
+        Of the last quantity, that the run was asked to keep.
     wave, electrical, summary : dict
         As in run.json: quantities in SI units, named with their unit.
     points : tuple of dict
@@ -127,7 +127,7 @@ class Record:
 
     @property
     def remark(self) -> str:
-        """What a study that is a run has to remark: its shortfall."""
+        """The shortfall, under the name that the records of studies have for it."""
         return self.shortfall
 
     def to_dict(self) -> dict:

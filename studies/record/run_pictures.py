@@ -197,11 +197,13 @@ def surface(record: "Record", ax, *, curves: bool = False):
         )
     if "section_normal_m_per_V" in record.wave and scene.slider is not None:
         place = [scene.slider.center[0] * scale]
-        for part, colour, what in (
+        for part, colour, label_of_part in (
             ("normal", "slip", "finite aperture"),
             ("tangential", "intermittent", None),
         ):
-            curve(ax, place, [abs(record.wave[f"{part}_m_per_V"]) * 1e9], "D", colour, what, size=6.0)
+            curve(
+                ax, place, [abs(record.wave[f"{part}_m_per_V"]) * 1e9], "D", colour, label_of_part, size=6.0
+            )
     ax.set_ylim(bottom=0, top=WINDOW_ROOM * max(size.max() for size in sizes) if rippled else None)
     title = f"{scene.title}: {record.wave['frequency_Hz'] / 1e6:g} MHz"
     return finished(ax, label, quantity("amplitude_m_per_V").axis, title, columns=3, grid=False)

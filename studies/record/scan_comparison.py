@@ -43,7 +43,7 @@ def compared_scan(scan: Scan, predicted: np.ndarray, *, wavelength: float, sourc
     block |= _along(scan, values, predicted, wavelength, source)
     if scan.kind in ("y", "x, y"):
         block |= {f"beam_center_{name}_m": _center(scan.y, each) for name, each in _pair(values, predicted)}
-    if scan.kind == "frequency":
+    if scan.frequency is not None and scan.kind == "frequency":
         block |= {f"{name}_maximum_at_Hz": float(scan.frequency[np.argmax(np.abs(each))])
                   for name, each in _pair(values, predicted)}  # fmt: skip
     if scan.deviation is not None:

@@ -1,4 +1,4 @@
-"""The answer of a run as text: a table of the points, then what it is worth and what was left out."""
+"""The answer of a run as text: a table of the points, then its errors and what the model neglects."""
 
 import codecs
 import json

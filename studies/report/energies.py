@@ -1,4 +1,4 @@
-"""The ledger of a run's contact: where the work of the wave goes, at a few of its points, as mean powers."""
+"""The energy balance of a run's contact at a few of its points: where the work of the wave goes, as mean powers."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ from studies.chain.bridge import DrivenContact
 from studies.chain.points import SHARE, STEADY_METHODS
 from studies.record import Record
 
-MOST = 3  # points: the first that moves, one between, the last
+MAX_POINTS = 3  # the first that moves, one between, the last
 LEDGER = {
     "wave_normal": "wave, normal force",
     "wave_tangential": "wave, friction force",
@@ -55,6 +55,6 @@ def balances(record: Record) -> tuple[Balance, ...]:
 
 def _chosen(record: Record) -> list[float]:
     moving = sorted({point[record.level] for point in record.points if point.get("velocity_m_per_s")})
-    if len(moving) <= MOST:
+    if len(moving) <= MAX_POINTS:
         return moving
     return [moving[0], moving[len(moving) // 2], moving[-1]]

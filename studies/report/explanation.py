@@ -1,9 +1,9 @@
-"""What a run would compute, before it: sizes, memory, time and what is left out; nothing is solved.
+"""The plan of a run: sizes, memory, time and what the model neglects; nothing is solved.
 
 Unknowns, lines and pieces are counted from the geometry, as the run will have them.  At which discretisation the stator
-ends only the run can tell: what ordinary layouts need is taken.  The stator's work is dense algebra whose operations
-are counted and divided by one measured speed; a point of the contact takes a time that grows with its contacts at
-different places, and a burst that is followed event by event about 5e-5 s for each cycle of the wave.
+ends only the run can tell: the plan assumes what ordinary layouts need.  The stator's work is dense algebra, whose
+operations are counted and divided by one measured speed; a point of the contact takes a time that grows with its
+contacts at different places, and a burst that is followed event by event about 5e-5 s for each cycle of the wave.
 """
 
 import textwrap

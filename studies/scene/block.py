@@ -42,11 +42,11 @@ def keys_of(kind: type) -> dict[str, Key]:
 
 
 class UnreadError(Exception):
-    """A check asked for a key that was refused already."""
+    """A check used the value of a key that is missing or was refused: the check is skipped."""
 
 
 class Unread:
-    """Stands for a value that is missing or was refused while the others are checked: nothing is known of it."""
+    """Stands for a value that is missing or was refused, while the others are checked; any use of it raises."""
 
 
 def _refuse(*_):
@@ -115,7 +115,7 @@ class Block:
             problems.append(SceneError(f"{at}{word}", f"is no key of a scene{hint}"))
         absent = [name for name, key in known.items() if key.required and name not in table]
         for name in absent:
-            if name not in misspelt:  # else said already, with the word that stands for it
+            if name not in misspelt:  # else the misspelt word is refused, with this key as the hint
                 rule = f"is required and missing: give {known[name].rule.expected}"
                 problems.append(SceneError(f"{at}{name}", rule))
         values = {name: table[name] for name in known if name in table} | {name: Unread() for name in absent}
@@ -147,7 +147,7 @@ def block_schema(kind: type[Block]) -> dict:
         if not key.required and key.default not in (None, ()) and not isinstance(key.default, Block):
             properties[name]["default"] = key.rule.written(key.default)
     required = [name for name, key in keys_of(kind).items() if key.required]
-    schema = {"type": "object", "description": kind.__doc__.splitlines()[0], "properties": properties}
+    schema = {"type": "object", "description": (kind.__doc__ or "").splitlines()[0], "properties": properties}
     return schema | ({"required": required} if required else {}) | {"additionalProperties": False}
 
 

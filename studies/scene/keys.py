@@ -1,4 +1,4 @@
-"""The rule of any key of a scene, by its dotted path, the unit of its numbers, and those that are uncertain."""
+"""The rule and unit of any key of a scene by its dotted path, and the tolerances of a scene's numbers."""
 
 from studies.refusal import SceneError, nearest, shown
 from studies.scene.block import Blocks, Within, keys_of
@@ -43,7 +43,7 @@ def unit_of(rule: Rule) -> str | None:
 
 
 def tolerances(scene: Scene) -> tuple[Tolerance, ...]:
-    """Return the numbers of a resolved scene that are uncertain; refuse what is none, and ends that break a rule."""
+    """Return the tolerances of a resolved scene; refuse keys without a number, and intervals beyond a key's rule."""
     numbers, table = [], scene.to_table()
     for key, text in scene.uncertain or ():
         path = f"uncertain.{key}"
@@ -60,10 +60,10 @@ def tolerances(scene: Scene) -> tuple[Tolerance, ...]:
                 raise SceneError(path, f"must be a percentage, common to all levels, got {shown(text)}")
             numbers.append(Tolerance(key, 1.0, half_width(path, text, 1.0, "")))
             continue
-        value = value_at(table, key)
-        if isinstance(rule.number, Count) or unit_of(rule) is None or not isinstance(value, (int, float)):
+        value, unit = value_at(table, key), unit_of(rule)
+        if isinstance(rule.number, Count) or unit is None or not isinstance(value, (int, float)):
             raise SceneError(path, f"must be the key of a number that this scene has, got {shown(value)}")
-        size = half_width(path, text, value, unit_of(rule))
+        size = half_width(path, text, value, unit)
         for end in (value - size, value + size):
             rule.read(f"{path}, an end of whose interval, {end:g},", end)
         numbers.append(Tolerance(key, float(value), size))

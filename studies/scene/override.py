@@ -36,13 +36,8 @@ def setting_of(text: str) -> tuple[str, object]:
     return ".".join(keys), toml_value(value)
 
 
-def assigned(table: dict, setting: str) -> dict:
-    """Return a copy of a scene's table changed by ``KEY=VALUE``."""
-    return replaced(table, *setting_of(setting))
-
-
 def replaced(holder, key: str, value, done: str = ""):
-    """Return a scene's table with the value at a dotted key replaced, lists numbered from 0; it is left as it is."""
+    """Return a copy of a scene's table with the value at a dotted key replaced; entries of lists count from 0."""
     key, dot, rest = key.partition(".")
     here = f"{done}.{key}" if done else key
     if isinstance(holder, list):
@@ -56,7 +51,7 @@ def replaced(holder, key: str, value, done: str = ""):
 
 
 def merged(holder, changes):
-    """Return a scene's table with changes: key by key, of a list the blocks of a name; what becomes None is removed."""
+    """Return a scene's table with changes key by key; None removes a key, and a list of blocks is changed by names."""
     if isinstance(changes, dict) and isinstance(holder, dict):
         whole = holder | {key: merged(holder.get(key), value) for key, value in changes.items()}
         return {key: value for key, value in whole.items() if value is not None}
@@ -104,7 +99,7 @@ def parts_of(option: str, text: str, wanted: str) -> tuple[str, str]:
     return key, value
 
 
-def axes_given(settings: list[str]) -> dict[str, str]:
+def read_axes(settings: list[str]) -> dict[str, str]:
     """Return the axes of ``--over KEY=VALUES``, values by key."""
     axes = {}
     for setting in settings:

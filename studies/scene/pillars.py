@@ -4,7 +4,7 @@ import csv
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from studies.refusal import SceneError
 from studies.scene.block import Block
@@ -24,7 +24,7 @@ class Pillars(Block):
     """The flat-topped pillars of a slider, instead of its radius, contacts and heights."""
 
     block: ClassVar[str] = "slider.pillars"
-    diameter: Annotated[float | None, Quantity("m"), "Of each pillar."] = None
+    diameter: Annotated[float | Any, Quantity("m"), "Of each pillar."] = None
     height: Annotated[
         float | None, Quantity("m"), "Of each pillar, which makes it softer. Absent: rigid pillars."
     ] = None
@@ -34,9 +34,9 @@ class Pillars(Block):
         "Distance of neighbours, one value or [along the wave, across].",
     ] = None
     rows: Annotated[
-        int | None, Count(MAX_PILLARS), "Number along the wave; required with pitch unless area is given."
+        int | Any, Count(MAX_PILLARS), "Number along the wave; required with pitch unless area is given."
     ] = None
-    columns: Annotated[int | None, Count(MAX_PILLARS), "Number across; likewise."] = None
+    columns: Annotated[int | Any, Count(MAX_PILLARS), "Number across; likewise."] = None
     area: Annotated[
         float | tuple[float, float] | None,
         PAIR,
@@ -74,11 +74,11 @@ class Pillars(Block):
         False
     )
     youngs_modulus: Annotated[
-        float | None, Quantity("Pa"), "Of the pillars. Absent: that of slider.ball, or of silicon."
+        float | Any, Quantity("Pa"), "Of the pillars. Absent: that of slider.ball, or of silicon."
     ] = None
-    poisson_ratio: Annotated[
-        float | None, Quantity(negative=True, below=0.5), "Of the pillars, likewise."
-    ] = None
+    poisson_ratio: Annotated[float | Any, Quantity(negative=True, below=0.5), "Of the pillars, likewise."] = (
+        None
+    )
 
     def check_layout(self):
         if self.file is not None:

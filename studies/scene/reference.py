@@ -38,7 +38,7 @@ def reference() -> str:
     parts = [PAGE.read_text(encoding="utf-8").partition(MARK)[0] + MARK]
     for header, kind in BLOCKS.items():
         name = f"`{header}`" if header.startswith("[") and "," not in header else header
-        parts.append(f"## {name}\n\n{kind.__doc__.splitlines()[0]}\n\n{_keys(kind)}\n")
+        parts.append(f"## {name}\n\n{(kind.__doc__ or '').splitlines()[0]}\n\n{_keys(kind)}\n")
     shipped = _table(
         [("name", "title"), *((f"`{name}`", Scene.load(name).title) for name in shipped_scenes())]
     )

@@ -26,7 +26,7 @@ class Rule:
         raise NotImplementedError
 
     def takes(self, value) -> bool:
-        """Return whether this rule, of several, reads a value or says what is wrong with it."""
+        """Return whether, among several rules, this one is to read a value or to refuse it."""
         raise NotImplementedError
 
     def written(self, value):
@@ -167,7 +167,7 @@ def entries_of(value) -> list | None:
 
 
 def read_each(rules, path: str, values, names=None) -> tuple:
-    """Return the entries of a list, or of a table with names, as rules read them; every fault is said."""
+    """Return the entries of a list, or of a table with names, as rules read them; one error carries all faults."""
     problems, entries = [], []
     for name, rule, value in zip(names or range(len(rules)), rules, values, strict=True):
         try:

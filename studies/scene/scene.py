@@ -1,4 +1,4 @@
-"""The whole scene: its blocks, what it tells, and how it is read and changed."""
+"""A scene: its blocks, how it is read, checked and changed, and what follows from several blocks."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,27 +13,30 @@ from studies.scene.file import SceneFile
 from studies.scene.override import merged
 from studies.scene.rule import TEXT
 from studies.scene.slider import Slider, Wave
-from studies.scene.uncertain import Uncertain, parted
+from studies.scene.uncertain import Uncertain, split_tolerances
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scene(Block):
-    """A stator with its transducers and drive, or a given wave, and perhaps a slider."""
+    """A stator with its transducers and drive, or a given wave, and perhaps a slider.
+
+    A block that is absent is None; its type says Any instead, for what needs a block refuses the scene before it asks.
+    """
 
     block: ClassVar[str] = ""
     title: Annotated[str, TEXT, "Shown on results."] = ""
-    stator: Annotated[Stator | None, Within(Stator), "The block of material that carries the wave."] = None
+    stator: Annotated[Stator | Any, Within(Stator), "The block of material that carries the wave."] = None
     transducer: Annotated[
         tuple[Transducer, ...],
         Blocks(Transducer),
         "The transducers on its surface; none: the free wave of the section is the result.",
     ] = ()
     piece: Annotated[tuple[Piece, ...], Blocks(Piece), "Parts of the stator's section given as meshes."] = ()
-    drive: Annotated[Drive | None, Within(Drive), "The source; required with a stator."] = None
+    drive: Annotated[Drive | Any, Within(Drive), "The source; required with a stator."] = None
     wave: Annotated[
-        Wave | None, Within(Wave), "A given surface motion, instead of stator, transducers and drive."
+        Wave | Any, Within(Wave), "A given surface motion, instead of stator, transducers and drive."
     ] = None
-    slider: Annotated[Slider | None, Within(Slider), "The slider; absent: the wave is the result."] = None
+    slider: Annotated[Slider | Any, Within(Slider), "The slider; absent: the wave is the result."] = None
     uncertain: Annotated[
         tuple | None,
         Uncertain(),
@@ -91,7 +94,7 @@ class Scene(Block):
     @classmethod
     def from_table(cls, path: Any, table: Any) -> Any:
         """Build the scene from its TOML document; ``"0.08 +- 0.02"`` at a key is a tolerance of [uncertain]."""
-        return super().from_table(path, parted(table) if isinstance(table, dict) else table)
+        return super().from_table(path, split_tolerances(table) if isinstance(table, dict) else table)
 
     checks = consistency.CHECKS
 
@@ -125,13 +128,13 @@ class Scene(Block):
         return frequency
 
     @property
-    def burst(self) -> float | None:
+    def burst(self) -> float | Any:
         """Length of the driven interval in s; None for the steady state alone."""
         return (self.wave or self.drive).burst
 
 
 def _unknown_solids(table: dict) -> Iterator[SceneError]:
-    """Yield the names of solids that the catalogue lacks, to be said beside the faults of the text."""
+    """Yield refusals of solids that the catalogue lacks, so that they appear together with the faults of the text."""
     from fem import InputError, material
 
     for block, key in (("stator", "material"), ("slider", "ball")):

@@ -138,11 +138,15 @@ class LawFile(Rule):
 
 @dataclass(frozen=True, kw_only=True)
 class Slider(Block):
-    """A rigid slider on balls or flat punches; mass, forces and viscous dampers are totals."""
+    """A rigid slider on balls or flat punches; mass, forces and viscous dampers are totals.
+
+    Keys that what touches the stator decides, such as ``radius`` and ``pillars``, are None where they are absent; as
+    of the blocks of a scene, their types say Any instead.
+    """
 
     block: ClassVar[str] = "slider"
     position: Annotated[
-        float | tuple[float, float] | None,
+        float | tuple[float, float] | Any,
         place(),
         "Of its centre, from the stator's left end, or [x, y], y from the middle of the apertures; required "
         "with a stator, absent with a given wave.",
@@ -153,7 +157,7 @@ class Slider(Block):
         "Of each contact. punch: a rigid flat cylindrical projection, P = 2 a E* z, which slips as a whole.",
     ] = "sphere"
     radius: Annotated[
-        float | None, Quantity("m"), "Radius of each ball or punch; required without pillars."
+        float | Any, Quantity("m"), "Radius of each ball or punch; required without pillars."
     ] = None
     mass: Annotated[float, Quantity("kg"), "Mass of the whole slider."]
     contacts: Annotated[
@@ -184,12 +188,12 @@ class Slider(Block):
         'pressure, such as { static = 0.3, sliding = 0.15, speed = "0.05 m/s" }.',
     ]
     effective_modulus: Annotated[
-        float | None,
+        float | Any,
         Quantity("Pa"),
         "E* of the pair, 1/E* = sum of (1 - nu^2)/E; required unless ball is given.",
     ] = None
     tangential_modulus: Annotated[
-        float | None,
+        float | Any,
         Quantity("Pa"),
         "G* of the pair, 1/G* = sum of (2 - nu)/G; required unless ball is given.",
     ] = None
@@ -225,7 +229,7 @@ class Slider(Block):
     ] = None
     damping: Annotated[Damping, Within(Damping), "Losses of the slider's motion."] = Damping()
     pillars: Annotated[
-        Pillars | None,
+        Pillars | Any,
         Within(Pillars),
         "Flat pillars, thousands of them, instead of radius, contacts and heights.",
     ] = None

@@ -98,12 +98,12 @@ def stated_schema(rule: Rule) -> list[dict]:
     ]
 
 
-def parted(table: dict) -> dict:
+def split_tolerances(table: dict) -> dict:
     """Return a scene's table with every ``"VALUE +- TOLERANCE"`` as its value and an entry of [uncertain].
 
     Examples
     --------
-    >>> parted({"slider": {"preload": "5 +- 0.2 mN"}})
+    >>> split_tolerances({"slider": {"preload": "5 +- 0.2 mN"}})
     {'slider': {'preload': '5 mN'}, 'uncertain': {'slider': {'preload': '+- 0.2 mN'}}}
     """
     tolerances = {}

@@ -12,7 +12,7 @@ from fem.condense.reduced import PieceSample, rational_piece
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import LEVELS
-from fem.geometry import Stator, Transducer
+from fem.geometry import Stator, Transducer, check_layout
 from fem.input_error import InputError
 from fem.materials import material
 from fem.materials.christoffel import slowest_wavelength
@@ -500,15 +500,15 @@ def test_a_grounded_electrode_takes_no_net_charge_from_the_transducers(tmp_path)
 
 def test_a_band_of_a_whole_stator(tmp_path):
     """Each frequency is solved anew; the error is that of the sharpest resonance between those that are checked."""
-    stator = _whole(tmp_path)
+    stator = replace(_whole(tmp_path), solid=cut("PZT-4", "Z", quality=1000))
     places = (4e-3,)
     band = frequency_band(
         stator, CHIP_ROW, lowest=2.13e6, highest=2.21e6, drive="a", tolerance=5e-2, places=places
     )
     middle = driven_wave(stator, CHIP_ROW, frequency=2.17e6, drive="a", tolerance=5e-2, places=places)
-    assert 1.2 * middle.relative_error < band.relative_error < 5e-2
+    assert 3 * middle.relative_error < band.relative_error < 5e-2
     finer = LEVELS[LEVELS.index(band.model.resolution) + 1]
-    for frequency in (2.137e6, 2.188e6):  # of the largest error, on a resonance, and of a small one
+    for frequency in (2.1335e6, 2.188e6):  # of the largest error, on a resonance, and of a small one
         wave = band.wave(frequency, "a")
         exact = solve_driven(stator, CHIP_ROW, frequency=frequency, drive="a", resolution=finer)
         assert abs(wave.admittance / exact.circuit.admittance - 1) < band.admittance_error
@@ -521,13 +521,14 @@ def test_a_band_of_a_whole_stator(tmp_path):
     samples = [PieceSample.of(each.network.scatterers[0].piece, at) for each in nodes]
     found = rational_piece(nodes[0].network.scatterers[0].piece, at, 0, samples).resonances
     (square,) = (each for each in found if 2.17e6 < abs(each) ** 0.5 / 2 / np.pi < 2.2e6)
-    assert 0.8 < abs(square / square.imag) / 200 < 1.3  # lossy in permittivity and coupling, too
-    width, peak = abs(square) ** 0.5 / 2 / np.pi / 200, abs(square) ** 0.5 / 2 / np.pi
+    assert 0.6 < abs(square / square.imag) / 1000 < 1.3  # lossy in permittivity and coupling, too
+    peak = abs(square) ** 0.5 / 2 / np.pi
+    width = peak * abs(square.imag / square)
     conductance = [
         solve_ports(stator, CHIP_ROW, frequency=peak + more * width, resolution=LEVELS[0])
         .admittances[0, 0]
         .real
-        for more in (-0.5, 0.0, 0.5)
+        for more in (-1.0, 0.0, 1.0)
     ]
     assert conductance[0] < 0.7 * conductance[1] > conductance[2], conductance
 
@@ -535,6 +536,10 @@ def test_a_band_of_a_whole_stator(tmp_path):
 def test_what_a_whole_stator_has_not(tmp_path):
     """A wave from outside, and for now a line force, are refused in a sentence."""
     stator = _whole(tmp_path)
+    path = rectangle(tmp_path / "plain.msh", 0.5, 1.1, size=0.5)
+    other = MeshPiece(name="plain", mesh=read_mesh(path, 1e-3), position=6e-3)
+    with pytest.raises(InputError, match="is the whole stator: it must be the only piece, got 2"):
+        check_layout(replace(stator, pieces=(*stator.pieces, other)), ())
     with pytest.raises(InputError, match="this piece is all of it"):
         reflector(stator, frequency=2.17e6, tolerance=0.1)
     with pytest.raises(InputError, match="must leave some uniform stator for a line force"):

@@ -10,7 +10,7 @@ import time
 from studies.chain import run
 from studies.evidence.own_process import peak_memory
 from studies.scene import Scene, read_table
-from studies.scene.override import assigned
+from tests.studies.settings import assigned
 
 
 def changed(name: str, *settings: str) -> Scene:

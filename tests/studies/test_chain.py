@@ -15,13 +15,12 @@ from studies.record.text import answer
 from studies.refusal import RunError
 from studies.results.content import plain
 from studies.scene import read_table
-from studies.scene.override import assigned
+from tests.studies.settings import assigned
 
 
 def changed(name, *settings):
     table = read_table(name)
-    for setting in settings:
-        table = assigned(table, setting)
+    table = assigned(table, *settings)
     return Scene.from_table("", table)
 
 

@@ -12,9 +12,9 @@ from studies.motor import load_line, regime_map, step_planner
 from studies.record.plots import new_figure
 from studies.refusal import SceneError
 from studies.scene import Scene, read_table
-from studies.scene.override import assigned
 from studies.study import Panel
 from tests.studies.legible import assert_legible
+from tests.studies.settings import assigned
 
 
 @pytest.fixture(scope="module")
@@ -30,8 +30,7 @@ def motor():
         "stator.diffraction=false",
     ]
     settings += ["slider.position=14.123 mm", 'slider.contacts=["0 mm", "0.35 mm"]', "drive.voltage=[40, 80]"]
-    for setting in settings:
-        table = assigned(table, setting)
+    table = assigned(table, *settings)
     scene = Scene.from_table("", table)
     return scene, run(scene, tolerance=1e-3)
 

@@ -22,8 +22,8 @@ from studies.refusal import SceneError
 from studies.report import datasheet_page
 from studies.report.datasheet import datasheet
 from studies.scene import Scene, read_table
-from studies.scene.override import assigned
 from tests.studies.legible import assert_legible
+from tests.studies.settings import assigned
 
 CHROMIUM = shutil.which("chromium")
 MOTOR = ("stator.length=24 mm", "stator.thickness=1 mm", "transducer.0.center=9 mm", "transducer.0.finger_pairs=10",
@@ -35,8 +35,7 @@ MOTOR = ("stator.length=24 mm", "stator.thickness=1 mm", "transducer.0.center=9 
 def motor():
     """A short motor of ten finger pairs and two balls at one place, with a name that a page must escape."""
     table = read_table("twente-left")
-    for setting in MOTOR:
-        table = assigned(table, setting)
+    table = assigned(table, *MOTOR)
     return Scene.from_table("", table | {"title": "Motor <A> & co"})
 
 

@@ -9,8 +9,8 @@ import pytest
 from studies.refusal import SceneError
 from studies.results import MANIFEST
 from studies.scene import Scene, read_table
-from studies.scene.override import assigned
 from studies.study import Panel, StudyRecord, draw_study, run_study
+from tests.studies.settings import assigned
 
 ROOT = Path(__file__).parents[2]
 KEPT = ROOT / "studies" / "pictures" / "gallery"

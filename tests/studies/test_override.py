@@ -2,12 +2,13 @@
 
 import pytest
 
-from studies.command.given_scene import changed_scene
 from studies.command.parser import parser
+from studies.command.scene_argument import changed_scene
 from studies.refusal import SceneError
 from studies.scene import Scene, read_table
 from studies.scene.keys import rule_at
-from studies.scene.override import assigned, toml_value
+from studies.scene.override import toml_value
+from tests.studies.settings import assigned
 
 
 def rest_equal(changed, original, key):

@@ -9,9 +9,9 @@ from studies import Scene, SceneError
 from studies.chain import passband, run
 from studies.record.plots import saved
 from studies.scene import read_table
-from studies.scene.override import assigned
 from studies.stator import admittance, frequency_response
 from studies.study import StudyRecord, judged
+from tests.studies.settings import assigned
 
 
 @pytest.fixture(scope="module")
@@ -26,8 +26,7 @@ def chip():
         "drive.voltage=60",
     ]
     table = read_table("twente-left")
-    for setting in settings:
-        table = assigned(table, setting)
+    table = assigned(table, *settings)
     return Scene.from_table("", table)
 
 

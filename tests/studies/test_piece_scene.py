@@ -12,6 +12,8 @@ import pytest
 import fem
 import studies
 from studies import Scene, SceneError, run
+from studies.chain import resolve
+from studies.chain.predictor import Predictor
 from studies.chain.resolve import resolved, whole_stator
 from studies.study import module
 from studies.sweeps.plan import designed
@@ -302,6 +304,34 @@ def test_places_and_overlaps(plain):
         plain, position="11.5 mm"
     )
     assert "must name different places" in refused(plain, position=["6 mm", "6 mm"])
+
+
+def test_a_ball_over_a_groove_is_refused_wherever_it_is_asked_for(tmp_path):
+    corners = [(0, -1.1), (1, -1.1), (1, 0), (0.65, 0), (0.6, -0.1), (0.4, -0.1), (0.35, 0), (0, 0)]
+    triangles = [(0, 1, 4), (1, 2, 3), (1, 3, 4), (0, 4, 5), (0, 5, 6), (0, 6, 7)]
+    lines = {"left": [(7, 0)], "right": [(1, 2)]}
+    drawn = scene(write_msh(tmp_path / "v.msh", corners, {"stator": triangles}, lines))
+    assert resolve.pieces(drawn)[0].gaps == (pytest.approx((6.35e-3, 6.65e-3)),)
+    slider = {
+        "mass": "0.1 g", "preload": "1 mN", "friction_coefficient": 0.1, "radius": "1 mm", "ball": "steel",
+        "contacts": ["-0.5 mm", "0.5 mm"],
+    }  # fmt: skip
+    on_groove = drawn.replace(slider=slider | {"position": "6.9 mm"})
+    with pytest.raises(SceneError) as error:
+        resolved(on_groove)
+    assert "off 'v' from 6.35 to 6.65 mm, where it has no plain surface at z = 0, got some at 6.4 mm" in str(
+        error.value
+    )
+    beside = drawn.replace(slider=slider | {"position": "6.5 mm"})
+    assert resolved(beside).slider.places[0][0] == pytest.approx(6e-3)
+    with pytest.raises(SceneError, match="no plain surface"):
+        Predictor(beside.to_table(), tolerance=1e-3).contact({"slider.position": 6.9e-3})
+    wide = {"diameter": "20 um", "pitch": "0.2 mm", "rows": 10, "columns": 1}
+    slider = {key: value for key, value in slider.items() if key not in ("radius", "contacts")} | {
+        "pillars": wide
+    }
+    with pytest.raises(SceneError, match=r"got some at 6\.09 to 7\.91 mm"):
+        resolved(drawn.replace(slider=slider | {"position": "7 mm"}))
 
 
 def test_materials_and_electrodes(tmp_path):

@@ -9,7 +9,7 @@ import pytest
 from studies import Scene, SceneError, Wave
 from studies.chain.resolve import resolved
 from studies.scene import read_table
-from studies.scene.override import assigned
+from tests.studies.settings import assigned
 
 SHORT = {
     "FALLING": "slider.friction_coefficient={static=0.3, sliding=0.15, speed=0.05}",

@@ -11,7 +11,7 @@ from studies.chain.left_out import left_out
 from studies.chain.resolve import resolved
 from studies.chain.ring_up import ring_up
 from studies.scene import read_table
-from studies.scene.override import assigned
+from tests.studies.settings import assigned
 
 
 def chip(*settings):
@@ -114,7 +114,7 @@ def test_a_stator_that_rings_too_long_is_an_error_and_said(monkeypatch):
 
     ring = import_module("studies.chain.ring_up")
 
-    monkeypatch.setattr(ring, "MOST", 40)
+    monkeypatch.setattr(ring, "MAX_FREQUENCIES", 40)
     scene = chip("drive.burst=2 ms", "drive.voltage=60", "stator.material=PZT-8")
     record = run(scene, tolerance=2e-2)
     assert "settling_time_s" not in record.wave

@@ -11,7 +11,7 @@ from studies.chain import run
 from studies.chain.resolve import drive, resolved, stator, transducers
 from studies.chain.spectrum import Response, response
 from studies.scene import read_table
-from studies.scene.override import assigned
+from tests.studies.settings import assigned
 
 
 def quiet(text):

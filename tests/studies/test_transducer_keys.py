@@ -13,9 +13,9 @@ from studies import Scene
 from studies.chain import run
 from studies.chain.resolve import resolved, transducers
 from studies.scene import read_table
-from studies.scene.override import assigned
 from studies.scene.toml import document
 from studies.view.run_field import run_field
+from tests.studies.settings import assigned
 
 CHIP = [
     "stator.length=24 mm",

@@ -9,7 +9,7 @@ from studies.chain import run
 from studies.record.measured import compared, read_measured
 from studies.record.quantities import ENDINGS, quantities, with_quantities
 from studies.scene import Scene, read_table
-from studies.scene.override import assigned
+from tests.studies.settings import assigned
 
 TUTORIAL = Path(__file__).parents[2] / "studies" / "README.md"
 ROW = re.compile(r"^\| `([a-z_]+(?:\.[\w-]+)*)` \| ([^|]+?) \| ?([^|]*?) ?\|$", re.MULTILINE)
@@ -33,8 +33,7 @@ def keys(path, value):
 
 def changed(name, *settings):
     table = read_table(name)
-    for setting in settings:
-        table = assigned(table, setting)
+    table = assigned(table, *settings)
     return Scene.from_table("", table)
 
 

@@ -25,7 +25,6 @@ from studies.chain import run
 from studies.record.files import write_run
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene, read_table
-from studies.scene.override import assigned
 from studies.view import field_data, movie, wave_page
 from studies.view.options import Wanted
 from studies.view.picture import Picture
@@ -33,6 +32,7 @@ from studies.view.quantities import shade
 from studies.view.run_field import run_field
 from studies.view.section import magnification, piece
 from studies.view.views import View, chosen_views, limits, near, views
+from tests.studies.settings import assigned
 
 MM = 1e3
 CHROMIUM = shutil.which("chromium")
@@ -80,8 +80,7 @@ def folder(tmp_path_factory):
         "slider.position=14.123 mm",
         "drive.voltage=60",
     ]
-    for setting in settings:
-        table = assigned(table, setting)
+    table = assigned(table, *settings)
     folder = tmp_path_factory.mktemp("run")
     write_run(run(Scene.from_table("", table), tolerance=1e-2), folder, field=False)
     return folder

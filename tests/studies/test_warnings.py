@@ -19,8 +19,8 @@ from studies.chain.surface_motion import SurfaceMotion
 from studies.chain.warnings import breakdown_voltage, warnings_of
 from studies.record import Record
 from studies.scene import Scene, read_table
-from studies.scene.override import assigned
 from tests.contact.motors import slider as slider_of
+from tests.studies.settings import assigned
 
 
 class Surface(SimpleNamespace):
@@ -36,8 +36,7 @@ class Surface(SimpleNamespace):
 
 def scene(name, *settings) -> Scene:
     table = read_table(name)
-    for setting in settings:
-        table = assigned(table, setting)
+    table = assigned(table, *settings)
     return resolved(Scene.from_table("", table))
 
 

@@ -13,6 +13,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from fem.materials import material, rotated
+from tests.fem.piece_references import REFERENCES, places
+
 RATIO = 0.15  # of the geometric layers
 STRAINS = {0: {0: 0, 2: 4}, 1: {0: 5, 2: 3}, 2: {0: 4, 2: 2}}  # displacement: derivative: Voigt number
 SAME = 1e-9  # mm
@@ -233,3 +236,65 @@ def _couples_y(solid) -> bool:
     return bool(
         solid.stiffness[np.ix_(plane, across)].any() or (solid.coupling[np.ix_((0, 2), across)]).any()
     )
+
+
+FREQUENCY, APERTURE = 2.17e6, 10e-3
+LENGTH, THICKNESS = 8.0, 1.1
+RESOLUTIONS = {
+    "five grooves": (11, 10, 0.5),
+    "step": (10, 10, 0.5),
+}  # order, layers, size; others: 12, 12, 0.45
+SURFACE = {"step": -0.3}  # at the last place
+
+
+def drawing_of(case: str) -> tuple[Drawing, dict]:
+    """Drawing and solids of a case of `tests.fem.piece_references`."""
+    fingers = [((1.325 + 0.5 * k, 0.0), (1.575 + 0.5 * k, 0.0)) for k in range(4)]
+    electrodes = {"t+": fingers[::2], "t-": fingers[1::2]}
+    solids = {"stator": rotated(material("PZT-4"), "Z")}
+    grooves = {
+        "groove": [(5.25, 0.25, 0.15)],
+        "five grooves": [(4.5 + 0.5 * k, 0.25, 0.1) for k in range(5)],
+    }.get(case, [])
+    left, bottom = [(0.0, 0.0), (0.0, -THICKNESS)], (LENGTH, -THICKNESS)
+    outline = [*left, bottom, (LENGTH, 0.0)]
+    for x, width, depth in grooves[::-1]:
+        outline += [(x + width, 0.0), (x + width, -depth), (x, -depth), (x, 0.0)]
+    singular = [(x, -depth) for a, width, depth in grooves for x in (a, a + width)]
+    regions, absorbers = [("stator", outline)], {}
+    if case == "strip":
+        solids["strip"] = material("aluminium")
+        regions.append(("strip", [(5.2, 0.0), (5.5, 0.0), (5.5, 0.1), (5.2, 0.1)]))
+        electrodes["strip"] = [((5.2, 0.0), (5.5, 0.0))]
+    elif case == "bevel":
+        regions = [("stator", [*left, bottom, (7.6, 0.0)])]
+    elif case == "step":
+        low, foot = -0.3, (5.5, -0.3)
+        before, behind = LENGTH, 10.0  # mm of absorber
+        regions = [
+            ("stator", [*left, bottom, (LENGTH, low), foot, (5.5, 0.0)]),
+            ("ahead", [(-before, 0.0), (-before, -THICKNESS), left[1], left[0]]),
+            ("behind", [(LENGTH, low), bottom, (LENGTH + behind, -THICKNESS), (LENGTH + behind, low)]),
+        ]
+        absorbers = {"ahead": ("stator", 1 - 1.5j), "behind": ("stator", 2 - 0.36j)}
+        singular = [foot]
+    return Drawing(regions=regions, electrodes=electrodes, singular=singular, absorbers=absorbers), solids
+
+
+def reference_of(case: str, order: int, layers: int, size: float) -> tuple[complex, np.ndarray]:
+    """Admittance (S) and u_x, u_z (m/V, shape (2, 3)) of a case."""
+    solved = Reference(*drawing_of(case), order=order, layers=layers, size=size)
+    solved.solve(FREQUENCY)
+    x = places(case) * 1e3
+    return solved.driven("t", APERTURE, [(x[0], 0.0), (x[1], 0.0), (x[2], SURFACE.get(case, 0.0))])
+
+
+def main() -> None:
+    """Print every case as `tests.fem.piece_references` holds it; 2 CPU minutes."""
+    for case in REFERENCES:
+        admittance, motion = reference_of(case, *RESOLUTIONS.get(case, (12, 12, 0.45)))
+        print(f'"{case}": ({admittance:.10e}, np.array({motion.tolist()})),')
+
+
+if __name__ == "__main__":
+    main()

@@ -7,7 +7,7 @@ import pytest
 
 from fem.convergence_error import ConvergenceError
 from fem.results.evaluation import recovered
-from fem.results.surface import CondensedPiece, UniformSegment
+from fem.results.surface import CondensedPiece, UniformSegment, standing_wave_ratio
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
 
 CASES = (
@@ -117,3 +117,12 @@ def test_an_amplitude_that_no_stator_reaches_is_refused(wave):
     for asked in (loud.motion, loud.rayleigh_motion, loud.standing_wave_ratio):
         with pytest.raises(ConvergenceError, match="more than 1e-06 m per V"):
             asked(at)
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.011, 0.3, 0.499])
+@pytest.mark.parametrize("back", [0.05, 0.9, 0.999])
+def test_a_node_between_the_samples_of_a_standing_wave_is_found(shift, back):
+    """24 samples to a wavelength, wherever a node lies: (1 + r) / (1 - r) of a wave and r of it from the other side."""
+    phase = np.linspace(-2 * np.pi, 2 * np.pi, 49) + 2 * np.pi * shift / 24
+    found = standing_wave_ratio(np.exp(-1j * phase) + back * np.exp(1j * phase))
+    assert found == pytest.approx((1 + back) / (1 - back), rel=2e-2 if back > 0.99 else 1e-3)

@@ -85,6 +85,6 @@ def test_a_wave_that_is_longer_than_the_stator():
     x = np.linspace(0.0, stator.length, 401)
     expected = abs(wave.motion(x)[1])
     assert wave.phase_velocity / wave.frequency > stator.length
-    assert wave.standing_wave_ratio(0.02) == pytest.approx(expected.max() / expected.min(), rel=1e-9)
+    assert wave.standing_wave_ratio(0.02) >= expected.max() / expected.min() > 1e9  # a node, to rounding
     with pytest.raises(ConvergenceError, match="far smaller than a wavelength, a higher frequency"):
         driven_wave(stator, (row,), frequency=1.0, drive="t", tolerance=1e-3)

@@ -1,4 +1,4 @@
-"""The scene of a call, with the changes that its options make."""
+"""The scene that a call of the command names, changed by its options ``--set`` and ``--voltage``."""
 
 import argparse
 
@@ -7,7 +7,7 @@ from studies.refusal import SceneError
 from studies.scene import Scene, SceneFile
 from studies.scene.numbers import Quantity
 from studies.scene.override import toml_value
-from studies.scene.uncertain import parted
+from studies.scene.uncertain import split_tolerances
 
 
 def changed_scene(arguments: argparse.Namespace) -> Scene:
@@ -31,11 +31,11 @@ def changed_file(arguments: argparse.Namespace) -> SceneFile:
 
 
 def without_bands(table: dict) -> None:
-    """Say that the tolerances of a scene are not looked at, if it has any."""
-    if "uncertain" in parted(table):
+    """Say that this command ignores the tolerances of a scene, if it has any."""
+    if "uncertain" in split_tolerances(table):
         say(["[uncertain] is not used here: its bands are those of sawmotor run"])
 
 
-def tolerance(text: str | None) -> float:
-    """Return the tolerance of a call, 1e-3 when absent."""
+def read_tolerance(text: str | None) -> float:
+    """Return the value of ``--tolerance``; 1e-3 when absent."""
     return Quantity(below=1.0).read("--tolerance", 1e-3 if text is None else toml_value(text))
