@@ -205,6 +205,11 @@ class SurfaceBeam:
         """The same charges between mirrors a width apart, or None, in m; the waves to 1e-3, for an estimate."""
         return replace(self, mirror_width=width, source=self.source.rough)
 
+    def with_longer_fingers(self, periods: float) -> "SurfaceBeam":
+        """The same charges per length on fingers that are longer at both ends, by a part of their period."""
+        longer = (each.aperture + 2 * periods * each.period for each in self.solution.fields.transducers)
+        return replace(self, apertures=tuple(longer))
+
     @property
     def surface_mode(self) -> "SurfaceBeam":
         """The part of the field that the surface wave alone carries."""
