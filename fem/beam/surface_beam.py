@@ -214,6 +214,11 @@ class SurfaceBeam:
         """The beam of the same charges between mirrors a width (m) apart, or None; for estimates, accurate to 1e-3."""
         return replace(self, mirror_width=width, source=self.source.rough)
 
+    def with_longer_fingers(self, periods: float) -> "SurfaceBeam":
+        """The same charges per length on fingers that are longer at both ends, by a part of their period."""
+        longer = (each.aperture + 2 * periods * each.period for each in self.solution.fields.transducers)
+        return replace(self, apertures=tuple(longer))
+
     @property
     def surface_mode(self) -> "SurfaceBeam":
         """The same beam with the field of the surface wave alone."""
