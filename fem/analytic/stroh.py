@@ -10,14 +10,14 @@ Stroh's problem is N (u, b) = p (u, b) with the real matrix (Stroh 1962; Ting, *
 Below the limiting velocity all p are complex.  The decaying half is the +i eigenspace of the real matrix
 W = [[S, H], [-L, S^T]], W^2 = -1, which shares its invariant subspaces with N (Barnett and Lothe 1973).
 W is the limit of W <- (W - 1/W)/2 from W = N, the matrix sign iteration of -iN (Roberts 1980; Higham,
-*Functions of Matrices*, 2008, chapter 5): quadratic, and blind to coinciding p.  The impedance, traction
-= k Z u, is
+*Functions of Matrices*, 2008, chapter 5).  It converges quadratically, and coinciding p cause no difficulty, because no
+eigenvectors are computed.  The impedance Z, with traction = k Z u, is
 
     Z = H^-1 + i H^-1 S,    Hermitian.
 
-The surface fixes phi in terms of u (phi = 0, D_n = 0, or D_n = eps0 k phi under vacuum).  What remains
-acts on displacements alone, is positive definite at v = 0, and its eigenvalues fall with v (Lothe and
-Barnett 1976).
+The electrical condition at the surface determines phi in terms of u (phi = 0, D_n = 0, or D_n = eps0 k phi under
+vacuum).  The impedance that remains acts on displacements alone.  It is positive definite at v = 0, and its eigenvalues
+fall with v (Lothe and Barnett 1976).
 """
 
 import numpy as np
@@ -27,13 +27,14 @@ from fem.materials import VACUUM_PERMITTIVITY
 from fem.materials.christoffel import christoffel
 from fem.materials.medium import Medium
 
-_SIGN_STEPS = 60  # near the limit each step doubles the angle of p
+# Many steps are allowed, because near the limiting velocity the p are almost real and a step only doubles their angle.
+_SIGN_STEPS = 60
 
 
 class SurfaceImpedance:
-    """Z(v) of a medium with real tables under a surface "vacuum", "open" or "metallised", and what follows from it.
+    """Surface impedance Z(v) of a lossless medium whose surface is under "vacuum", "open" or "metallised".
 
-    Scaled: velocity in sqrt(stress_unit / rho).
+    Velocities are in units of sqrt(stress_unit / rho).
     """
 
     def __init__(self, body: Medium, surface: str):
@@ -52,15 +53,15 @@ class SurfaceImpedance:
         self.electric = surface != "metallised" and "phi" in body.fields
 
     def eigenvalues(self, velocity: float) -> np.ndarray:
-        """Ascending, of the impedance of the displacements alone."""
+        """Eigenvalues of the impedance of the displacements alone, in ascending order."""
         return np.linalg.eigvalsh(self.stiff(velocity))
 
     def stiff(self, velocity: float) -> np.ndarray:
-        """Z of the displacements alone, shape (displacements, displacements)."""
+        """Impedance of the displacements alone, shape (displacements, displacements)."""
         return self._condensed(self._full(velocity))
 
     def mode(self, velocity: float, index: int) -> np.ndarray:
-        """Surface amplitude of all fields, shape (fields,), where eigenvalue ``index`` vanishes."""
+        """Surface amplitude of all fields, shape (fields,), at a velocity where eigenvalue ``index`` vanishes."""
         full = self._full(velocity)
         amplitude = np.zeros(len(self.displaced), dtype=complex)
         amplitude[self.displaced] = np.linalg.eigh(self._condensed(full))[1][:, index]
@@ -70,7 +71,7 @@ class SurfaceImpedance:
         return amplitude
 
     def decay(self, velocity: float) -> np.ndarray:
-        """G with u(z) = exp(-i k G z) u(0), shape (fields, fields); its eigenvalues are the p that decay."""
+        """Matrix G of u(z) = exp(-i k G z) u(0), shape (fields, fields); its eigenvalues are the decaying p."""
         return self.upper + 1j * self.inverse @ self._full(velocity)
 
     def _condensed(self, full: np.ndarray) -> np.ndarray:

@@ -1,13 +1,14 @@
-r"""How much surface wave a force on the surface makes: the residue of the surface's compliance at the Rayleigh pole.
+r"""Excitation of the surface wave by tractions: the residue Gamma of the surface's compliance at the Rayleigh pole.
 
 A traction t exp(i(omega t - k x)) moves the surface by u = Z(omega/k)^-1 t/k with the surface impedance Z of `stroh`.
-Next to the root of its eigenvalue lambda (with unit vector m), at fixed frequency,
+At the Rayleigh velocity v_R an eigenvalue lambda(v) of Z, with unit eigenvector m, vanishes. Near it, at fixed
+frequency,
 
     u_z = |m_z|^2 t_z / (k lambda' (v - v_R)) = Gamma t_z/(k - k_R),    Gamma = -|m_z|^2 / (lambda'(v_R) v_R),
 
-for v - v_R = -v_R (k - k_R)/k. Gamma in 1/Pa does not depend on the frequency. The wave's power per width is
-|u_z|^2 omega/(4 Gamma), and u_x answers a tangential traction by r^2 Gamma. Compare Auld, *Acoustic Fields and Waves in
-Solids* II (1973), sections 10 and 12.
+because v - v_R = -v_R (k - k_R)/k. Gamma in 1/Pa does not depend on the frequency. The power of the wave per width is
+|u_z|^2 omega/(4 Gamma). The corresponding residue for u_x and a tangential traction is r^2 Gamma, r = |u_x/u_z|.
+Compare Auld, *Acoustic Fields and Waves in Solids* II (1973), sections 10 and 12.
 """
 
 import numpy as np
@@ -16,7 +17,8 @@ from fem.analytic.half_space import _BELOW_LIMIT, _bulk, _root, rayleigh, surfac
 from fem.analytic.stroh import SurfaceImpedance
 from fem.materials import Solid
 
-STEP = 1e-4  # of the angle, in five points: the derivative is good to 1e-11, as its halves and doubles show
+# Step of the angle in the five-point derivative, which is accurate to 1e-11: steps of half and twice the size agree.
+STEP = 1e-4
 
 
 def wave_compliance(solid: Solid, surface: str = "vacuum") -> float:
@@ -27,7 +29,7 @@ def wave_compliance(solid: Solid, surface: str = "vacuum") -> float:
     solid : Solid
         In the frame x along the propagation, z out of the surface; its losses are ignored.
     surface : str
-        As of `rayleigh`.
+        Electrical condition, as in `rayleigh`.
 
     Raises
     ------
@@ -62,27 +64,27 @@ def wave_compliance(solid: Solid, surface: str = "vacuum") -> float:
 def spring_shift(
     solid: Solid, normal: float, tangential: float, frequency: float, surface: str = "vacuum"
 ) -> float | None:
-    """Return (k - k_R)/k_R of a Rayleigh wave below springs to a plane at rest, exactly.
+    """Return (k - k_R)/k_R of a Rayleigh wave on a surface that springs connect to a plane at rest.
 
-    The surface bears the tractions -K_n u_z and -K_t u_x, so that det(k Z(omega/k) + diag(K_t, 0, K_n)) = 0; for an
-    isotropic solid and K_t = 0 that is mu R(k) = K k_T^2 q_L (Boechler et al., PRL 111, 036103 (2013)). To first order
-    the shift is -Gamma (K_n + r^2 K_t)/k.
+    The springs exert the tractions -K_n u_z and -K_t u_x, so that det(k Z(omega/k) + diag(K_t, 0, K_n)) = 0, which is
+    solved without approximation. For an isotropic solid and K_t = 0 this is mu R(k) = K k_T^2 q_L (Boechler et al., PRL
+    111, 036103 (2013)). To first order the shift is -Gamma (K_n + r^2 K_t)/k.
 
     Parameters
     ----------
     solid : Solid
-        As of `wave_compliance`.
+        As in `wave_compliance`.
     normal, tangential : float
         K_n and K_t, Pa/m.
     frequency : float
         Hz.
     surface : str
-        As of `rayleigh`.
+        Electrical condition, as in `rayleigh`.
 
     Returns
     -------
     float or None
-        None: the wave would be faster than bulk waves, and leaks into them.
+        None if the wave would be faster than a bulk wave, so that it leaks.
 
     Examples
     --------
@@ -109,6 +111,6 @@ def spring_shift(
         return None
     root = _root(lowest, top)
     moved = np.abs(np.linalg.eigh(sprung(root))[1][:, 0]) ** 2
-    if moved[0] + moved[-1] < 0.1:  # a shear-horizontal wave, which springs along x and z leave bound
+    if moved[0] + moved[-1] < 0.1:  # a shear-horizontal wave, on which springs along x and z hardly act
         return None
     return float(velocity / unit / root - 1.0)

@@ -198,7 +198,7 @@ def _pieces(
 
 
 def _interpolated(evaluate, s: np.ndarray, t: np.ndarray, step: float) -> np.ndarray:
-    """Interpolate values at many points from a grid whose lines are ``step`` apart, in m."""
+    """Values at many points, interpolated from a grid whose lines are ``step`` apart, in m."""
     from scipy.ndimage import map_coordinates
 
     lines = [

@@ -1,17 +1,20 @@
-"""A transducer's response to its own charges where its fingers end at y = +-W/2 and the charge varies along them.
+"""Response of a transducer with fingers of finite length to its own charges, which vary along the fingers.
 
-Galerkin's method along y: a finger's charge is a sum of charges that are uniform over |y| < L_b / 2, with L_0 = W the
-aperture and the others shorter by steps before both ends, where the charge crowds and ripples (`sheet_lengths`); the
-potential of every finger is tested by the same functions.  With T of `point_potential.py`, the potential of a charge on
-sheet b of one finger tested by sheet a of another, less what the section gives where both are, is
+The fingers end at y = +-W/2.  Along y the charge is found by Galerkin's method.  It is a sum of sheets, each uniform
+over |y| < L_b / 2: L_0 = W is the aperture, and the other sheets are shorter, because the charge concentrates and
+oscillates near both ends (`sheet_lengths`).  The potential of every finger is tested by the same functions.  With T of
+`point_potential.py`, the potential of a charge on sheet b of one finger tested by sheet a of another, minus the value
+that the section gives where both sheets are present, is
 
     D_ab(x) = [T(a) - a Z(x)] - [T(b) - b Z(x)],    a, b = (L_a +- L_b) / 2,
 
-Z(x) the potential of a line in the section, which extends without end along y.
+with Z(x) the potential of a line of charge in the section, which is infinitely long in y.
 
-The charges across the fingers are combinations of those that the section has for one volt on each finger.  In these
-small changes a finger's charge q counts as q / (pi (a^2 - x^2)^(1/2)), a the half width, and its dipole by that and x.
-What an uneven change of the potential adds to the dipoles is, to the first order, that of a strip on a half-space,
+Across the fingers the charge is a combination of the distributions that the section has for one volt on each finger.
+The change D is small, so that for D alone a simple distribution suffices: a finger of half width a with charge q has
+the density q / (pi (a^2 - x^2)^(1/2)), and its dipole moment adds a density proportional to x / (a^2 - x^2)^(1/2).  If
+the potential varies across a finger, the finger gets an additional dipole moment M, to first order that of a strip on a
+half-space,
 
     M = -(a^2 / 2) (d phi / d x) / [x d G(x; 0) / d x],    x << wavelength.
 """
@@ -24,13 +27,17 @@ from fem.beam.line_source import LineSource
 from fem.beam.point_potential import PointPotential
 from fem.geometry import Transducer
 
-# Places on a finger for the charge 1 / sqrt(1 - s^2): Chebyshev nodes, exact to the seventh power of s
+# Points across a finger for the density 1 / sqrt(1 - s^2): Chebyshev nodes, exact up to the seventh power of s.
 ACROSS = 4
-WIDEST, SLOW = 16.0, 4.0  # over the largest wavenumber: k_y of mirrors, and modes that reach them
-# Periods before the fingers' ends at which a sheet ends, finest set first.  Against 64 and 96 equal steps, in PZT-8
-# (worst and rms of |u_z| over the section's, admittance; tests/fem/beam/test_finger_ends.py): 20 fingers of 20
-# wavelengths 0.4 %, 0.1 %, 1e-4; 60 fingers of 15 wavelengths 0.8 %, 0.3 %, 4e-4; the third set 1.0 %, 0.3 %, 8e-4 and
-# 3.9 %, 1.6 %, 3e-4; without steps 4.5 %, 1.4 %, 2e-3 and 10 %, 3.7 %, 6e-3.
+# Over the largest wavenumber: largest k_y of the sum over mirror images, and largest |k| of modes that reach mirrors.
+WIDEST, SLOW = 16.0, 4.0
+# Distance in periods from a finger's end to the end of each shorter sheet, finest set first.  Errors against 64 and 96
+# equal steps in PZT-8: maximum and rms of |u_z| relative to the section's, and admittance
+# (tests/fem/beam/test_finger_ends.py).
+#              20 fingers of 20 wavelengths    60 fingers of 15 wavelengths
+# first set    0.4 %, 0.1 %, 1e-4              0.8 %, 0.3 %, 4e-4
+# third set    1.0 %, 0.3 %, 8e-4              3.9 %, 1.6 %, 3e-4
+# no steps     4.5 %, 1.4 %, 2e-3              10 %, 3.7 %, 6e-3
 STEPS = (
     (0.015, 0.06, 0.18, 0.45, 0.85, 1.35, 2.0, 2.8, 4.0, 6.0),
     (0.06, 0.35, 1.0, 1.8, 3.0),
@@ -38,15 +45,16 @@ STEPS = (
     (0.1,),
     (),
 )
-SHORTEST_SHEET = 0.2  # of the aperture
-MAX_UNKNOWNS = 1500  # sheets of all fingers of a transducer; 0.5 s
+SHORTEST_SHEET = 0.2  # fraction of the aperture; shorter sheets are omitted
+MAX_UNKNOWNS = 1500  # sheets of all fingers of a transducer; solving for them takes 0.5 s
 
 
 class Coupling(NamedTuple):
-    """Change of the fingers' potentials by charges and dipoles of all sheets, tested by all; in SI units.
+    """Change of the fingers' potentials by the charges and dipoles of all sheets, tested by all sheets; in SI units.
 
-    Shape (sheets, sheets, 2 fingers - 1), by the number of fingers from one to the other, from the last before to the
-    last behind: charge and charge, charge and dipole, dipole and dipole, in V m, V and V/m per C/m or C m/m.
+    ``charges``, ``mixed`` and ``moments`` couple charge to charge, charge to dipole and dipole to dipole, in V m, V and
+    V/m per C/m or C m/m.  Shape (sheets, sheets, 2 fingers - 1); the last index is the offset from one finger to the
+    other, from 1 - fingers to fingers - 1.
     """
 
     charges: np.ndarray
@@ -56,9 +64,9 @@ class Coupling(NamedTuple):
 
 
 def sheet_lengths(transducer: Transducer, fineness: int = 0, most: int = MAX_UNKNOWNS) -> np.ndarray:
-    """Lengths along y in m of the uniform charges that make up a finger's, the aperture first.
+    """Lengths along y in m of the sheets of a finger's charge, the aperture first.
 
-    ``fineness``: how many of the finer sets of steps are left out; ``most``: sheets of all fingers together.
+    ``fineness``: number of finer sets of STEPS that are skipped; ``most``: largest number of sheets on all fingers.
     """
     fingers, aperture = sum(sign in "+-" for sign in transducer.signs), transducer.aperture
     allowed = [
@@ -70,12 +78,12 @@ def sheet_lengths(transducer: Transducer, fineness: int = 0, most: int = MAX_UNK
 
 
 def section_potential(source: LineSource, distances: np.ndarray) -> np.ndarray:
-    """Z(x) in V per C/m at distances in m, (n,)."""
+    """Potential Z(x) of a line of charge in the section, V per C/m, at distances in m, shape (n,)."""
     return np.exp(-1j * np.outer(distances, source.wavenumbers)) @ source.potential + source.slope * distances
 
 
 def _between_mirrors(k: complex, aperture: float, x: np.ndarray, width: float, highest: float) -> np.ndarray:
-    """Mean over the aperture of a mode beyond the section's, where the field is a sum over k_y = 2 pi n / width."""
+    """Mean of a mode over the aperture between mirrors, a sum over k_y = 2 pi n / width, minus the section's value."""
     lateral = np.arange(1, int(highest * width / (2 * np.pi))) * (2 * np.pi / width)
     along = np.sqrt(k**2 - lateral**2) * (-1 if k.real < 0 else 1)
     along[along.imag > 0] *= -1
@@ -84,10 +92,10 @@ def _between_mirrors(k: complex, aperture: float, x: np.ndarray, width: float, h
 
 
 def image_potential(source: LineSource, aperture: float, x: np.ndarray, width: float) -> np.ndarray:
-    """Mean potential over the aperture of its images in two mirrors a width apart, V per C/m, (n,)."""
+    """Mean potential over the aperture by its mirror images in two faces ``width`` apart, V per C/m, shape (n,)."""
     k = source.wavenumbers
     highest = WIDEST * float(np.sqrt((k**2).real.max()))
-    slow = abs(k) < highest / WIDEST * SLOW  # others do not reach the mirrors
+    slow = abs(k) < highest / WIDEST * SLOW  # the other modes decay before they reach the mirrors
     part = source.some(slow)
     total = sum(
         potential * _between_mirrors(each, aperture, x, width, highest)
@@ -98,7 +106,7 @@ def image_potential(source: LineSource, aperture: float, x: np.ndarray, width: f
 
 
 def polarisability(source: LineSource, finger_width: float) -> complex:
-    """Dipole of a strip, C, per V/m of the potential along it."""
+    """Dipole moment of a strip per length, C, over the potential gradient across it in V/m."""
     a, k = finger_width / 2, source.wavenumbers
     slope = np.sum(-1j * k * source.potential * np.exp(-1j * k * a)) + source.slope
     return complex(-a / (2 * slope))
@@ -107,12 +115,13 @@ def polarisability(source: LineSource, finger_width: float) -> complex:
 def finger_coupling(
     source: LineSource, transducer: Transducer, lengths: np.ndarray, mirror_width: float | None = None
 ) -> Coupling:
-    """Change of a transducer's potentials by its charges, for sheets of these lengths (m)."""
+    """Change of a transducer's potentials by its own charges, for sheets of the given lengths (m)."""
     half, count = transducer.finger_width / 2, len(transducer.signs)
     across = half * np.cos(np.pi * (np.arange(ACROSS) + 0.5) / ACROSS)
     apart = np.arange(1 - count, count) * transducer.pitch
     distances = abs(apart[:, None, None] + np.subtract.outer(across, across))
-    # in the place of 0, for which the rule is exact for the mean of log |x| over two such charges
+    # A point's distance to itself is replaced by the one for which the rule gives the exact mean of log |x| over two
+    # densities 1 / sqrt(1 - s^2).
     distances[count - 1][np.eye(ACROSS, dtype=bool)] = half / (ACROSS * 2 ** (2 - 1 / ACROSS))
     different, which = np.unique(distances.round(12), return_inverse=True)
     line = section_potential(source, different)
@@ -125,7 +134,9 @@ def finger_coupling(
     change[1:] = table.strips(different, spans[1:]) - np.multiply.outer(spans[1:], line)
     of_sums, of_gaps = np.split(number[1:], 2)
     between = (change[of_sums] - change[of_gaps]).reshape(*sums.shape, -1)
-    if source.slope:  # a matter of gauge, which fingers without net charge cancel in the last digits only
+    # The zero of the potential is arbitrary if the section floats.  For fingers without net charge it cancels, but only
+    # after a loss of digits, so that it is subtracted here.
+    if source.slope:
         between -= (
             np.multiply.outer(np.outer(lengths, lengths), between[0, 0].mean(keepdims=True)) / lengths[0] ** 2
         )

@@ -1,16 +1,18 @@
-"""Potential of a point of charge on the bare surface, and of strips along y that carry a uniform charge.
+"""Electric potential of a point charge on the bare surface, and of uniformly charged strips along y.
 
-In a solid isotropic about z every mode of a line source, g_p exp(-i k_p |x|), is k_p H_0(k_p r) / 2 for a point (H:
-Hankel functions of the second kind), and the pole at k = 0, s |x|, is (s / pi) log r.  Their sum G(r) is tabulated
-once, by Chebyshev polynomials on pieces that grow geometrically from r = 0 and are half a wavelength long beyond.
+In a solid isotropic about z a mode g_p exp(-i k_p |x|) of a line source becomes g_p k_p H_0(k_p r) / 2 for a point
+source (H: Hankel functions of the second kind), and the term s |x| of the pole at k = 0 becomes (s / pi) log r.  Their
+sum G(r) is tabulated once by Chebyshev polynomials on intervals, whose lengths grow geometrically from r = 0 up to half
+a wavelength and are constant from there on.
 
-A charge that is uniform over |y| < A / 2, tested by one over |y| < B / 2 at a distance x, gives the integral of G over
-the correlation of both, a trapezium: with a = (A + B) / 2 and b = |A - B| / 2
+The potential of a charge that is uniform on |y| < A / 2, integrated over |y| < B / 2 at a distance x, is the integral
+of G over the correlation of the two intervals, which is a trapezium.  With a = (A + B) / 2 and b = |A - B| / 2,
 
     K_AB(x) = T(a, x) - T(b, x),    T(h, x) = 2 int_0^h (h - y) G((x^2 + y^2)^(1/2)) dy.
 
-Over many wavelengths T(h) = h Z - 2 int_0^oo y G dy + 2 int_h^oo (y - h) G dy, Z the potential of a line: the second
-term is x H_1(k x) for every mode, the third follows from the path of steepest descent from y = h.
+If h is many wavelengths long, T(h) = h Z - 2 int_0^oo y G dy + 2 int_h^oo (y - h) G dy with Z the potential of a line
+of charge.  The second term is proportional to x H_1(k x) for every mode, and the third is integrated along the path of
+steepest descent from y = h.
 """
 
 from functools import cache
@@ -22,19 +24,23 @@ from fem.analytic.hankel import scaled_hankel
 from fem.beam.line_source import LineSource
 from fem.discretize.spectral import chebyshev_nodes
 
-TERMS, NODES = 12, 8  # of a piece's polynomial, and of Gauss's rule on a panel: 1e-10
-# m: below it G counts as constant.  1e-8 errs by 1 % in T(h, 0), for a sum of modes has a logarithm at 0.
+# Terms of the polynomial on an interval, and nodes of the Gauss rule on a panel; both are accurate to 1e-10.
+TERMS, NODES = 12, 8
+# m: G is constant below this distance.  The sum of modes has a logarithm at 0, so that 1e-8 m gives an error of 1 % in
+# T(h, 0).
 SMALLEST = 1e-12
-DECAYED = 45.0  # exponent beyond which a Hankel function is nothing
-SERIES = 2e-4  # |z| below which H_0 = 1 - 2i/pi (log(z / 2) + Euler's constant), to 1e-8
-MAX_PANELS = 300_000  # half wavelengths up to the longest h, for all distances together; more take the path
-LAGUERRE = 12  # nodes of the path: 1e-10
+DECAYED = 45.0  # a Hankel function is neglected if its exponent exceeds this
+SERIES = 2e-4  # |z| below which H_0 = 1 - 2i/pi (log(z / 2) + Euler's constant) is accurate to 1e-8
+# Largest number of half wavelengths up to the longest h, times the number of distances, for integration over panels;
+# beyond it the path of steepest descent is used.
+MAX_PANELS = 300_000
+LAGUERRE = 12  # nodes on the path of steepest descent: 1e-10
 
 laguerre_rule = cache(np.polynomial.laguerre.laggauss)
 
 
 class PointPotential:
-    """G(r) in V per C up to a distance in m; a matter of gauge up to a constant."""
+    """G(r) in V per C, tabulated up to a distance in m; an additive constant is arbitrary."""
 
     def __init__(self, source: LineSource, farthest: float):
         k, self.source = source.wavenumbers, source
@@ -54,7 +60,7 @@ class PointPotential:
         )
 
     def __call__(self, distances: np.ndarray) -> np.ndarray:
-        """Values at distances in m, of any shape."""
+        """G at distances in m, an array of any shape."""
         r = np.maximum(distances, self.edges[0])
         exponent = np.floor(np.log2(np.minimum(r / self.half_wavelength, 1.0))).astype(int)
         piece = self.halvings + np.where(
@@ -68,7 +74,7 @@ class PointPotential:
         return self._coefficients[piece, 0] + twice / 2 * last - before
 
     def strips(self, distances: np.ndarray, lengths: np.ndarray) -> np.ndarray:
-        """T(h, x) in V m2 per C for all h = ``lengths`` (m, increasing) and x = ``distances`` (m), shape (h, x)."""
+        """T(h, x) in V m2 per C for h = ``lengths`` (m, increasing) and x = ``distances`` (m), (lengths, distances)."""
         top = lengths[-1]
         near = lengths < top / 4
         if top / self.half_wavelength * len(distances) < MAX_PANELS:
@@ -87,7 +93,7 @@ class PointPotential:
         return out
 
     def _integrals(self, x: np.ndarray, start: float, stops: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Integrals of G dy and y G dy from y = ``start`` to some places, shape (stops, x) each."""
+        """Integrals of G dy and y G dy from y = ``start`` to each of ``stops``, shape (stops, x) each."""
         half, last = self.half_wavelength, stops[-1]
         edges = np.concatenate(
             [[start], half * 2.0 ** np.arange(-self.halvings, 0), half * np.arange(1, last / half), stops]
@@ -107,7 +113,7 @@ class PointPotential:
 
 
 def _wide(source: LineSource, x: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
-    """T(h, x) of a length of many wavelengths, and its derivative over h, shape (x,) each."""
+    """T(h, x) for a length h of many wavelengths, and its derivative with respect to h, shape (x,) each."""
     reach = np.hypot(x, h)
     angle, squares = x * np.arctan2(h, x), x**2 * np.log(np.where(x > 0, x, 1.0))
     inner = h * np.log(reach) - h + angle

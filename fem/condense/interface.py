@@ -1,15 +1,16 @@
-"""Where a mesh meets the uniform stator: the mesh's unknowns from those of the section's line, by L2 projection.
+"""Interface between a mesh and the uniform stator: L2 projection from the section's line to the mesh (mortar method).
 
-The line of the section is master, the mesh slave (mortar method; Bernardi, Maday and Patera 1994): with phi_i the
-mesh's functions on the interface and psi_j the line's,
+The unknowns of the section's line are the master and those of the mesh the slave (Bernardi, Maday and Patera 1994).
+With phi_i the functions of the mesh on the interface and psi_j those of the line,
 
     u_mesh = P u_line,    P = M^-1 B,    M_ik = int mu_i phi_k dz,    B_ij = int mu_i psi_j dz,
 
-with mu_i = phi_i but beside a vertex that is held at zero (at a clamped or grounded bottom).  The flux does not vanish
-there, and the mu_i must be able to balance it (Bernardi, Maday and Patera 1994): the hat of the held vertex replaces
-the highest function of its edge.  With phi_i alone a line graded towards a clamped bottom errs by 1e-4, with mu_i by
-2e-8.  Integrals are exact, over the union of both sets of breakpoints.  P^T A P keeps symmetry, reciprocity and energy
-whatever P is: only a comparison with the same stretch without a mesh sees a wrong one.
+The multipliers are mu_i = phi_i, except next to a vertex that is fixed at zero (at a clamped or grounded bottom).  The
+flux does not vanish there, and the mu_i must be able to represent it: the hat function of the fixed vertex replaces the
+function of highest order of its edge.  On a line graded towards a clamped bottom the error is 1e-4 with the phi_i alone
+and 2e-8 with the mu_i.  The integrals are exact, because they are taken over the union of both sets of breakpoints.
+P^T A P is symmetric, reciprocal and conserves energy whatever P is.  An error in P can therefore be detected only by
+comparison with the same segment without a mesh.
 """
 
 import numpy as np
@@ -19,16 +20,16 @@ from fem.discretize.quads import QuadSpace
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.discretize.spectral import lagrange
 
-SAME_CUT = 1e-12  # length units: breakpoints nearer than this are one
+SAME_CUT = 1e-12  # length units: breakpoints nearer to each other than this are one breakpoint
 
 
 def line_projection(
     space: QuadSpace, edges: np.ndarray, section: Section, held: dict[str, np.ndarray]
 ) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """For each field: functions of the mesh on an interface that are free, and P from the section's line to them.
+    """For each field, the free functions of the mesh on an interface, and P from the section's line to them.
 
-    ``edges``: directed edges of the interface, (m, 2); ``held``: by field, whether a function of the mesh is held or
-    tied, (skeleton,).  P has the shape (functions, n).
+    ``edges``: directed edges of the interface, (m, 2); ``held``: for each field, True for functions of the mesh that
+    are fixed at zero or tied to an electrode, (skeleton,).  P has the shape (functions, n).
     """
     numbers, place = np.unique(space.edge_numbers(edges), return_inverse=True)
     heights = (space.mesh.points[:, 1] - space.mesh.points[np.unique(edges), 1].max()) / space.unit

@@ -1,11 +1,12 @@
-"""A medium whose depth is stretched by a complex factor that varies through an element, with a loss along x.
+"""Medium of an absorbing layer: complex coordinate stretching that varies within an element, and a loss along x.
 
-With the stretch s(z) and the loss delta(z) of a table R the weak form has (forms.py, section.py)
+With the stretch s(z) of the depth, the loss factor delta(z) and the table R of the moduli that are lossy, the weak form
+(forms.py, section.py) has the coefficients
 
-    s (C_xx + i delta R),   C_xz,   C_zz / s,   s rho omega^2,
+    s (C_xx + i delta R),   C_xz,   C_zz / s,   s rho omega^2.
 
-so that the matrices of a line are weighted by s, 1, 1/s, s and s delta; tractions stay continuous from element to
-element, because R acts on d/dx alone.
+The one-dimensional matrices of an element are therefore integrated with the weights s, 1, 1/s, s and s delta.  The
+tractions stay continuous from element to element, because R multiplies derivatives along x only.
 """
 
 from collections.abc import Callable
@@ -17,12 +18,12 @@ from numpy.polynomial import legendre
 from fem.discretize.spectral import LineMatrices, lagrange, reference_matrices
 from fem.materials.medium import Medium
 
-POINTS = 8  # of the Gauss rule beyond the order: s varies slowly within an element
+POINTS = 8  # Gauss points in excess of the order, for the weights; s varies slowly within an element
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class GradedMedium(Medium):
-    """A medium in one element of a layer whose stretch varies through it."""
+    """Medium of one element in a layer whose stretch varies within the element."""
 
     line: LineMatrices  # of the element, weighted by s over its mean; the element's height contains the mean
     lossy_mass: np.ndarray  # shape (order + 1,) * 2: the mass weighted by s delta over the mean of s
@@ -32,10 +33,10 @@ class GradedMedium(Medium):
 def graded_medium(
     body: Medium, order: int, *, stretch: Callable, damping: Callable, loss: np.ndarray
 ) -> tuple[complex, GradedMedium]:
-    """Mean stretch of an element and its medium.
+    """Mean of the stretch over an element, and the medium of the element.
 
-    ``stretch``, ``damping``: s and delta as functions of the height in the element, 0 to 1; ``loss``: R over the
-    stress unit, shape (fields, fields).
+    ``stretch`` and ``damping`` are s and delta as functions of the relative height in the element, from 0 to 1;
+    ``loss`` is R over the stress unit, shape (fields, fields).
     """
     points, weights = legendre.leggauss(order + POINTS)
     points, weights = (points + 1) / 2, weights / 2
@@ -57,12 +58,12 @@ def graded_medium(
 
 
 def element_line(medium: Medium, order: int) -> LineMatrices:
-    """Matrices of an element's line through the depth, for the height 1."""
+    """One-dimensional matrices of an element through the depth, for an element of height 1."""
     return medium.line if isinstance(medium, GradedMedium) else reference_matrices(order)
 
 
 def along_x(medium: Medium, order: int, height: complex) -> np.ndarray:
-    """Factor of (d_x v)(d_x u) in an element: over nodes, then fields, shape ((order + 1) fields,) * 2."""
+    """Matrix that multiplies (d_x v)(d_x u) in an element, fields innermost, shape ((order + 1) fields,) * 2."""
     out = np.kron(height * element_line(medium, order).mass, medium.xx)
     if isinstance(medium, GradedMedium):
         out = out + 1j * np.kron(height * medium.lossy_mass, medium.loss)

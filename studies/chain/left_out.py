@@ -16,11 +16,19 @@ UNCOUPLED = "out-of-plane displacement: uncoupled in this orientation"
 def left_out(
     scene: Scene, *, beam: bool = False, reason: str = "", ringing: RingUp | None = None, trajectories=()
 ) -> tuple[str, ...]:
-    """Return what is left out of the answer to a resolved scene.
+    """Return the sentences on effects that are neglected in the answer to a resolved scene.
 
-    ``beam``: whether the motion of the surface is that of the finite apertures; ``reason``: why it is not, where the
-    scene leaves that open; ``ringing``: of a burst, None where the slider stands over a transducer or a mesh;
-    ``trajectories``: levels and `contact.Trajectory` of the bursts.
+    Parameters
+    ----------
+    scene : Scene
+    beam : bool
+        True if the surface motion is that of finite apertures.
+    reason : str
+        Why it is not, if the scene does not decide this itself.
+    ringing : RingUp or None
+        Ring-up of the surface in a burst; None if the slider stands over a transducer or a meshed piece.
+    trajectories : sequence of (float, contact.Trajectory)
+        Level and motion of every burst.
     """
     rows: list[tuple[bool, str]] = []
     if scene.wave is not None:
@@ -36,6 +44,7 @@ def left_out(
 
 
 def _free(scene: Scene) -> Iterator[tuple[bool, str]]:
+    """Yield what is neglected in a free wave, without transducers."""
     names = fem.fields(resolve.solid(scene.stator))
     yield True, "electrodes: the scene has no transducer"
     yield True, "elements along x: the wave is a mode of the section"
@@ -48,6 +57,7 @@ def _free(scene: Scene) -> Iterator[tuple[bool, str]]:
 
 
 def _driven(scene: Scene) -> Iterator[tuple[bool, str]]:
+    """Yield what is neglected in the section of a driven stator."""
     stator = resolve.stator(scene.stator)
     names = fem.fields(stator.solid)
     symmetric = fem.medium(stator.solid, names).parity is not None
@@ -70,7 +80,7 @@ def _surface_speed(stator) -> float:
 
 
 def _diffraction(scene: Scene, beam: bool, reason: str) -> Iterator[tuple[bool, str]]:
-    """Yield where and why the wave does not spread."""
+    """Yield the parts of the answer in which diffraction is neglected, and why."""
     if not beam:
         said = "is false" if scene.stator.diffraction is False else "is absent, and the scene has no slider"
         why = reason or f"stator.diffraction {said}"
@@ -89,6 +99,7 @@ def _diffraction(scene: Scene, beam: bool, reason: str) -> Iterator[tuple[bool, 
 
 
 def _recovery(scene: Scene) -> Iterator[tuple[bool, str]]:
+    """Yield what is neglected in the circuit that recovers power."""
     recovery = scene.drive.recovery
     if recovery is not None:
         diodes = "harmonics of the rectifier and its diodes' drop: a resistance for sinusoidal current"
@@ -100,6 +111,7 @@ def _recovery(scene: Scene) -> Iterator[tuple[bool, str]]:
 
 
 def _ring_up(slider, ringing: RingUp | None, trajectories) -> Iterator[tuple[bool, str]]:
+    """Yield what is neglected of the surface's ring-up and ring-down in a burst."""
     if ringing is None:
         yield True, "the burst's ring-up: the slider stands over a transducer or a meshed piece"
         return
@@ -115,6 +127,7 @@ def _ring_up(slider, ringing: RingUp | None, trajectories) -> Iterator[tuple[boo
 
 
 def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
+    """Yield what is neglected in the slider and its contacts."""
     slider = scene.slider
     if slider is None:
         yield True, "slider and contact: the scene has none"
@@ -142,6 +155,7 @@ def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
 
 
 def _pillars(scene: Scene) -> Iterator[tuple[bool, str]]:
+    """Yield what is neglected in a slider on pillars."""
     slider = scene.slider
     known = scene.wave is None or scene.wave.compliance is not None
     yield True, "the slider's bounce and vibration: it is heavy on the wave's time scale, a plane on pillars"

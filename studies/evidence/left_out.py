@@ -19,7 +19,7 @@ from studies.record.plots import finished
 from studies.record.text import markdown
 from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
 
-# the plane section with and without a slider: under one the beam would be the default
+# Diffraction is switched off, because by default it is on with a slider and off without one.
 ONE = ("--set", "drive.voltage=10", "--set", "stator.diffraction=false")
 COMMANDS = {
     "whole chain": ("twente-left", *ONE),
@@ -52,7 +52,7 @@ modules = sorted(name for name in sys.modules)
 print(json.dumps([time.process_time(), peak_memory(), wave, modules]))
 """
 QUICK = {"parts": ("electric potential",), "blocks": ("no stator",)}
-SAME = 1e-11  # relative: rounding, and what puts a part back
+SAME = 1e-11  # relative difference up to which two answers are equal but for rounding
 COLUMNS = (
     "part",
     "question",
@@ -72,16 +72,16 @@ COLUMNS = (
 def run(
     *, parts: tuple[str, ...] | None = None, blocks: tuple[str, ...] = tuple(COMMANDS), progress=None
 ) -> Answered:
-    """Return what each omission saves and by how much the answer differs with the part in.
+    """Return the cost that each omission saves, and how much the answer changes if the part is included.
 
     Parameters
     ----------
     parts : tuple of str, optional
-        Of `OMISSIONS`; all without it.
+        Names of parts in `OMISSIONS`; all by default.
     blocks : tuple of str
-        Of `COMMANDS`.
+        Keys of `COMMANDS`.
     progress : callable, optional
-        Told what is being measured.
+        Called with a line of text before each measurement.
     """
     rows = []
     for omission in (each for each in OMISSIONS if parts is None or each.part in parts):
@@ -133,7 +133,7 @@ def tables(record: StudyRecord) -> dict[str, str]:
 
 @of_record
 def figure(record: Panel, ax):
-    """Draw the cost of the parts over that of the answer without them, or the whole commands' time and memory."""
+    """Draw the cost with each part over the cost without it, or the time and memory of the whole commands."""
     data = record.data
     ax.invert_yaxis()
     if record.name == "blocks":
@@ -159,7 +159,9 @@ def figure(record: Panel, ax):
 
 
 def _measured(omission) -> dict:
-    first, second = omission.without(), omission.put_back()  # compiles what is to be compiled
+    """Row of the table of parts: cost with and without one part, and the relative difference of the answers."""
+    # This first evaluation also compiles the kernels, so that no compilation is timed below.
+    first, second = omission.without(), omission.put_back()
     difference = abs(first.values - second.values).max() / abs(second.values).max()
     return {
         "part": omission.part,
@@ -177,14 +179,14 @@ def _measured(omission) -> dict:
 
 
 def _seconds(way: Callable) -> float:
-    """Processor time of one more answer."""
+    """Processor time in s of one call."""
     start_time = time.process_time()
     way()
     return time.process_time() - start_time
 
 
 def _peak(way: Callable) -> int:
-    """Peak of what Python and numpy allocate for an answer, in bytes."""
+    """Peak memory in bytes that Python and numpy allocate during one call."""
     tracemalloc.start()
     try:
         way()
@@ -194,7 +196,7 @@ def _peak(way: Callable) -> int:
 
 
 def _command(name: str, words: tuple[str, ...]) -> dict:
-    """Run a scene in a process of its own: time, memory, the wave under the slider, what was imported."""
+    """Run a scene in its own process: time, memory, the wave under the slider, and the modules that were imported."""
     done = subprocess.run(
         [sys.executable, "-c", CENSUS, *words], capture_output=True, text=True, check=True
     ).stdout

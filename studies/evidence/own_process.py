@@ -1,7 +1,7 @@
-"""Work in a process of its own, with one thread for each library, and the peak memory of a process.
+"""Measurements in a fresh process in which every library uses one thread, and the peak memory of a process.
 
-Libraries that thread are told so before they are loaded.  Two measurements never share a process: a thread pool or a
-cache of the first would change what the second costs.
+The number of threads is set by environment variables before the libraries are imported.  Two measurements never share a
+process, because a thread pool or a cache of the first would change the time and the memory of the second.
 """
 
 import os
@@ -19,12 +19,12 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def alone(what: str, work: Callable, *arguments):
-    """Return what some work gives in a fresh process with one thread; the function must be importable.
+    """Return ``work(*arguments)``, called in a fresh process with one thread; ``work`` must be importable.
 
     Raises
     ------
     RunError
-        If the process was ended; ``what`` names it.
+        If the process was terminated; ``what`` names it in the message.
     """
     before = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))
@@ -42,7 +42,7 @@ def alone(what: str, work: Callable, *arguments):
 
 
 def peak_memory() -> int:
-    """Peak memory of this process in bytes; on Linux not what the process that it was forked from had."""
+    """Peak memory of this process in bytes; on Linux the memory of its parent process is not included."""
     status = Path("/proc/self/status")
     if status.exists():
         (line,) = (line for line in status.read_text().splitlines() if line.startswith("VmHWM"))

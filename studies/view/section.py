@@ -1,7 +1,7 @@
-"""Points of the field for drawing, at rest and with their displacement: a section, a solid, or the surface of a beam.
+"""Points for drawing a field, with their displacements: of a section, of a solid, or of the surface under a beam.
 
-The points are nodes of the mesh.  Nodes closer together than a pixel are skipped.  Where nodes are far apart, points
-between them are evaluated from the modes and the elements' polynomials.  No value is an average.
+The points are nodes of the mesh.  Nodes closer together than a pixel are skipped.  Between nodes that are far apart,
+further points are evaluated from the modes and the elements' polynomials.  No value is an average.
 """
 
 from collections.abc import Callable
@@ -17,41 +17,45 @@ from studies.refusal import SceneError
 from studies.view.quantities import QUANTITIES, Shade, shade_of
 from studies.view.run_field import LINES, RunField
 
-AMPLITUDE = 0.08  # of a wavelength: as large as the largest displacement is drawn
+AMPLITUDE = 0.08  # wavelengths: size at which the largest displacement is drawn
 FACET = 4.0  # largest distance of drawn points over the smallest
-BEAM_LINES, ACROSS = 12, 81  # of the surface of a beam: per wavelength along x, and across the width
-CROSSED_LINES = 8  # per wavelength along both, where beams cross
+BEAM_LINES, ACROSS = 12, 81  # lines on the surface under a beam: per wavelength along x, and across the width
+CROSSED_LINES = 8  # lines per wavelength along x and y where beams cross
 MOTIONS = ("u_x", "u_y", "u_z")
 
 
 def magnification(run: RunField) -> float:
-    """Return how many times the displacement is enlarged unless asked otherwise: one round digit."""
+    """Return the default factor by which displacements are enlarged, rounded to one digit."""
     largest = float(abs(run.field.displacement).max())
     return float(f"{AMPLITUDE * run.wavelength / largest:.0e}") if largest else 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class Piece:
-    """A piece of the section: x (n,) and z (m,) in m, complex u_x and u_z (n, m, 2), parts of a shade (n, m)."""
+    """Part of the section on a grid x (n,) and z (m,) in m: complex u_x and u_z (n, m, 2), and the drawn quantity.
+
+    ``mean`` and ``amplitude``, (n, m), are those of the quantity that colours the picture (`Shade.parts`).
+    """
 
     x: np.ndarray
     z: np.ndarray
     displacement: np.ndarray
     mean: np.ndarray
     amplitude: np.ndarray
-    inside: np.ndarray  # shape (n, m): whether a point lies in the solid
-    meshed: tuple = ()  # `fem.PieceField` of the meshed pieces in it
+    inside: np.ndarray  # shape (n, m): True for points in the solid
+    meshed: tuple = ()  # `fem.PieceField` of every meshed piece in this part
 
     def surface(self, at: np.ndarray) -> np.ndarray:
-        """Return the displacement of the surface at places (x, y) in m, shape (k, 3)."""
+        """Return the displacement of the surface at points (x, y) in m, shape (k, 3)."""
         u_x, u_z = (np.interp(at[:, 0], self.x, each) for each in self.displacement[:, -1].T)
         return np.stack([u_x, 0.0 * u_x, u_z], axis=-1)
 
 
 class Sheet(NamedTuple):
-    """Points at rest (n, m, copies, 3) in m; what broadcasts to them: complex displacement, parts of a shade.
+    """A surface to be drawn: points at rest, (n, m, copies, 3) in m, and values that broadcast to these points.
 
-    ``quads``: of points (n, 1, 1, 3), where they are no grid; ``hidden``: cells of a grid that are not drawn.
+    The values are the complex displacement, and the mean and amplitude of the quantity that colours the picture.
+    ``quads``: elements, if the points (n, 1, 1, 3) are no grid; ``hidden``: cells of a grid that are not drawn.
     """
 
     name: str
@@ -66,7 +70,7 @@ class Sheet(NamedTuple):
 def piece(
     run: RunField, shading: Shade, *, span: tuple[float, float], bottom: float, spacing: float
 ) -> Piece:
-    """Return a piece of the field between two places and down to a depth; neighbours at least a spacing (m) apart."""
+    """Return the field within a span of x and down to z = ``bottom`` on points at least ``spacing`` (m) apart."""
     energies, facet = shading.quantity.turns == 2, FACET * spacing
     if facet < run.wavelength / LINES:
         field = run.compute(span=span, per_wavelength=run.wavelength / facet, energies=energies)
@@ -96,7 +100,7 @@ def piece(
 
 
 def sheets(run: RunField, drawn: Piece, *, solid: bool) -> list[Sheet]:
-    """Return the section, and of a solid the surface and the right end of the aperture's width."""
+    """Return the section; for a solid also its surface and its right end, as wide as the aperture."""
     moved = np.insert(drawn.displacement, 1, 0.0, axis=-1)
     edges = np.array([-0.5, 0.5]) * run.aperture if solid else np.zeros(1)
     whole, last = slice(None), slice(-1, None)
@@ -113,7 +117,7 @@ def sheets(run: RunField, drawn: Piece, *, solid: bool) -> list[Sheet]:
 
 
 def mesh_sheets(run: RunField, drawn: Piece, shading: Shade, *, solid: bool) -> list[Sheet]:
-    """Return the meshed pieces of the section, each on its own elements."""
+    """Return one sheet for each meshed piece of the section, on the piece's own elements."""
     y, listed = -0.5 * run.aperture if solid else 0.0, []
     for number, each in enumerate(drawn.meshed):
         rest = np.insert(each.points, 1, y, axis=1)[:, None, None]
@@ -124,7 +128,7 @@ def mesh_sheets(run: RunField, drawn: Piece, shading: Shade, *, solid: bool) -> 
 
 
 def _hidden(drawn: Piece, rows: slice) -> np.ndarray:
-    """Cells of the grid that are drawn on a mesh instead, or that a mesh leaves empty at the surface."""
+    """Cells of the grid that are not drawn, because a mesh is drawn there or the mesh has no solid at the surface."""
     middle = 0.5 * (drawn.x[1:] + drawn.x[:-1])
     if rows != slice(None):
         inside = drawn.inside[:, -1]
@@ -136,9 +140,9 @@ def _hidden(drawn: Piece, rows: slice) -> np.ndarray:
 
 
 def beam_sheet(run: RunField, name: str, *, envelope: bool = False) -> tuple[Shade, Sheet, Callable]:
-    """Return the surface that the beam moves, coloured by a quantity, and its motion over (x, y) in m.
+    """Return the colouring and the sheet of the surface under a beam, and its motion as a function of (x, y) in m.
 
-    ``envelope``: the colour is the amplitude, for a picture in which a wavelength is a few pixels.
+    ``envelope``: colour by the amplitude, for pictures in which a wavelength is only a few pixels.
     """
     if name not in MOTIONS:
         rule = f"must be one of {', '.join(MOTIONS)} on the surface of the beam, got {name!r}"
@@ -160,7 +164,10 @@ def beam_sheet(run: RunField, name: str, *, envelope: bool = False) -> tuple[Sha
 
 
 def strips(run: RunField, electrode, *, spreads: bool) -> np.ndarray:
-    """Return the corners (x, y) of an electrode's strips in m, shape (4 n, 2), as they are or in the section."""
+    """Return the corners (x, y) of an electrode's strips in m, shape (4 n, 2).
+
+    ``spreads``: as they lie on the surface, for a beam; otherwise as wide as the drawn section.
+    """
     if spreads:
         rows = resolve.transducers(run.scene)
         corners = np.concatenate([each.on_surface(each.strips(electrode.sign)) for each in rows])
@@ -170,9 +177,9 @@ def strips(run: RunField, electrode, *, spreads: bool) -> np.ndarray:
 
 
 def thinned(places: np.ndarray, spacing: float, start: float, stop: float) -> np.ndarray:
-    """Return the numbers of increasing places between two limits, each at least a spacing after the one before.
+    """Return indices of increasing positions between two limits, such that neighbours are at least a spacing apart.
 
-    The first and the last within the limits are always among them.
+    The first and the last position within the limits are always included.
 
     Examples
     --------
@@ -185,6 +192,6 @@ def thinned(places: np.ndarray, spacing: float, start: float, stop: float) -> np
         if places[number] - places[kept[-1]] >= spacing:
             kept.append(number)
     if kept[-1] != inside[-1]:
-        # the end is kept: its neighbour gives way
+        # The last position replaces the one that is too near to it.
         kept[max(len(kept) - 1, 1) :] = inside[-1:]
     return np.array(kept)

@@ -1,10 +1,11 @@
-"""Extreme cases of the driven stator: one quantity of a small motor taken to its ends, against witnesses.
+"""Extreme cases of the driven stator: one quantity of a small motor is varied to extreme values.
 
-A plate of hard PZT of 9 x 0.7 mm with one transducer of two finger pairs at 2.2 MHz, lossy, absorbing ends, unless a
-case says otherwise.  Witnesses, by what a case allows: one sparse matrix of the whole section (fem.direct); the same
-problem in another unit of length (nothing may change); circuit laws; and, where that matrix would be too large, the
-next level of the discretisation.  The power balance of every answer is part of its verdict.  The same cases against
-charges on strips of an infinite plate, by exact partial waves, are in `tests/validation`.
+The motor is a lossy plate of hard PZT of 9 x 0.7 mm with absorbing ends and one transducer of two finger pairs at
+2.2 MHz, except for the quantity that a case varies.  Each answer is compared with a reference that suits the case: one
+sparse matrix of the whole section (fem.direct), the next level of discretisation if that matrix would be too large, the
+same problem in another unit of length (the answer must not change), or circuit laws.  The power balance must hold in
+every case.  `tests/validation` compares the same cases with charges on strips of an infinite plate, solved by exact
+partial waves.
 """
 
 import math
@@ -19,7 +20,7 @@ from studies.evidence.stability.witness import compared
 
 PART = "stator"
 TOLERANCE = 1e-3
-BALANCE = 1e-7  # of the apparent power; clamped corners and thick sections reach 1e-9
+BALANCE = 1e-7  # allowed error of the power balance over the apparent power; the measured ones are up to 1e-9
 ENDS = ("absorbing", "free", "clamped")
 BOTTOMS = ("free", "grounded", "clamped", "absorbing")
 SIDES = tuple((ends, bottom) for ends in ENDS for bottom in BOTTOMS)
@@ -36,7 +37,7 @@ TERMINATIONS = ("open", "short", 0.0, 1e-9, 1e9, 50j, -50j)
 
 @dataclass(frozen=True, kw_only=True)
 class Motor:
-    """A driven stator and where its motion is asked for.
+    """A driven stator, and the position at which its motion is computed.
 
     Attributes
     ----------
@@ -46,7 +47,7 @@ class Motor:
     frequency : float
         Hz.
     place : float
-        m.
+        Position x in m.
     source_impedance : complex
         Ohm.
     """
@@ -58,15 +59,15 @@ class Motor:
     source_impedance: complex = 0.0
 
     def solid(self, **changes) -> "Motor":
-        """Return the motor with other constants of its solid."""
+        """Return the motor with some constants of its solid replaced."""
         return replace(self, stator=replace(self.stator, solid=replace(self.stator.solid, **changes)))
 
     def section(self, **changes) -> "Motor":
-        """Return the motor with another block."""
+        """Return the motor with some fields of its stator replaced."""
         return replace(self, stator=replace(self.stator, **changes))
 
     def comb(self, **changes) -> "Motor":
-        """Return the motor with another driven transducer."""
+        """Return the motor with some fields of its driven transducer replaced."""
         return replace(self, transducers=(replace(self.transducers[0], **changes), *self.transducers[1:]))
 
     @property
@@ -81,7 +82,7 @@ class Motor:
 
 
 def small_motor(material: str = "PZT-8", orientation="Z", *, stretch: float = 1.0) -> Motor:
-    """Return the motor of the cases; on another solid as large in wavelengths, or stretched."""
+    """Return the motor of the cases; with another solid it has the same size in wavelengths, ``stretch`` scales it."""
     solid = fem.rotated(fem.material(material), orientation)
     frequency = 2.2e6 / stretch
     period = fem.automatic_period(fem.rotated(fem.material("PZT-8"), "Z"), frequency, 0.5)
@@ -95,19 +96,20 @@ def small_motor(material: str = "PZT-8", orientation="Z", *, stretch: float = 1.
 
 
 def other_motor(motor: Motor, **changes) -> Motor:
-    """Return the motor with a second transducer."""
+    """Return the motor with a second transducer at the mirror image of the first."""
     first = motor.transducers[0]
     second = replace(first, name="right", center=motor.stator.length - first.center, **changes)
     return replace(motor, transducers=(first, second), place=motor.stator.length / 2)
 
 
 def _at(frequency: float) -> Motor:
-    """Return the motor at a frequency over that of its centre."""
+    """Return the motor at a frequency relative to its centre frequency."""
     motor = small_motor()
     return replace(motor, frequency=motor.frequency * frequency)
 
 
 def _pairs(count: float) -> Motor:
+    """Return the motor with a number of finger pairs, on a stator of the corresponding length."""
     motor = small_motor()
     period = motor.transducers[0].period
     extent = (count + 1) * period
@@ -118,6 +120,7 @@ def _pairs(count: float) -> Motor:
 
 
 def _long(wavelengths: float) -> Motor:
+    """Return the motor with a length of bare surface, near whose end the motion is computed."""
     motor = small_motor()
     period = motor.transducers[0].period
     motor = motor.comb(center=1.5 * period).section(length=(3 + wavelengths) * period)
@@ -155,7 +158,7 @@ def _terminated(number: float) -> Motor:
 
 
 def _stiff(factor: float) -> Motor:
-    """Stiffer by a factor, at as many wavelengths."""
+    """Return the motor with a stiffness multiplied by a factor, at the frequency that keeps its size in wavelengths."""
     motor = small_motor()
     motor = motor.solid(stiffness=motor.stator.solid.stiffness * factor)
     return replace(motor, frequency=motor.frequency * math.sqrt(factor))
@@ -174,18 +177,18 @@ def _one(key: str) -> Callable[[float], Motor]:
 
 
 def _cut_off(distance: float) -> Motor:
-    """A lossless plate at a relative distance from a mode's cut-off, in the discretisation that will be asked."""
+    """Return a lossless plate at a relative distance from the cut-off of a mode of the discretisation that is used."""
     motor = _lossless(small_motor())
     return replace(motor, frequency=cut_off(motor) * (1 + distance))
 
 
 def _resonant(distance: float) -> Motor:
-    """A lossless plate near the resonance of a clamped piece, in the discretisation that will be asked."""
+    """Return a lossless plate at a relative distance from a clamped piece's resonance in the same discretisation."""
     motor = _lossless(small_motor())
     return replace(motor, frequency=piece_resonance(motor) * (1 + distance))
 
 
-# quantity: unit, values, motor, witness
+# quantity: unit, values, motor as a function of the value, kind of reference
 VARIED: dict[str, tuple[str, tuple, Callable[[float], Motor], str]] = {
     "mechanical quality": ("", (5.0, 20.0, 1e4, 1e6), _one("mechanical_quality"), "direct"),
     "mechanical quality, lossless": ("", (math.inf,), lambda _: _lossless(small_motor()), "finer"),
@@ -232,7 +235,7 @@ def stator_cases() -> tuple[Case, ...]:
 
 
 def judge(case: Case) -> Outcome:
-    """Return what became of a case."""
+    """Return the outcome of a case."""
     _, _, motor, witness = VARIED[case.varied]
 
     def posed():
