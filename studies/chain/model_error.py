@@ -20,6 +20,7 @@ import numpy as np
 import contact
 import fem
 from studies.chain import bridge, resolve
+from studies.chain.blocks import node
 from studies.chain.radiation import point_admittance
 from studies.record import Record
 
@@ -236,7 +237,9 @@ def _contact(record: Record) -> Rows:
     effect, how = "radiation of a contact into the stator", "point load on an isotropic half-space, nu = 1/4"
     yield effect, "the contact's elastic force", sent, how
     moved = [point for point in record.points if point["normal_amplitude_m"] > 0]
-    if moved and _amplitude_per_power(record) is not None:
+    if not moved or node(record.surface_motion, list(slider.places)):
+        return
+    if _amplitude_per_power(record) is not None:
         how = "averaged equilibrium of the contacts on a wave that they load (elastic law)"
         load = max(_loaded(record, point) for point in (moved[0], moved[-1]))
         yield "load of the slider on the wave", "u_z", load, how

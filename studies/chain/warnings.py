@@ -181,8 +181,10 @@ def _left_out(record: Record) -> Iterator[str]:
 
 def _contact(record: Record, driven: DrivenContact) -> Iterator[str]:
     """Yield warnings where a ball is moved sideways, or presses harder than it or the stator bears."""
-    normal, tangential = (abs(record.wave.get(f"{way}_m_per_V", 1.0)) for way in ("normal", "tangential"))
-    if normal < NODE * tangential:
+    normal, tangential = (
+        abs(record.wave.get(f"{name}_m_per_V", np.nan)) for name in ("normal", "tangential")
+    )
+    if normal < NODE * tangential:  # not of a given wave, which has no motion per volt
         yield (
             "u_z vanishes at the slider's centre: the amplitudes of the points are taken "
             "at the centre and say nothing about the wave under the balls: another slider.position"
