@@ -4,8 +4,7 @@ A question (a burst, a step, a steady state, ...) has a table of methods, the ch
 that applies and whose estimated error keeps the tolerance; a method that was asked for by name and misses the tolerance
 gives way to the exact one where that can be afforded. Every answer is a number with an error, a status and reasons.
 
-Status: "ok"; "above tolerance" (the error is stated, and larger than was asked for); "not reached" (the motion repeats,
-but a start from rest was not seen to come to it).
+Status: "ok", or "above tolerance" (the error is stated, and larger than was asked for).
 """
 
 import math
@@ -17,7 +16,7 @@ from contact.convergence_error import ConvergenceError
 from contact.drive import relative_to_reference
 from contact.orbit import Orbit
 
-OK, ABOVE_TOLERANCE, NOT_REACHED = "ok", "above tolerance", "not reached"
+OK, ABOVE_TOLERANCE = "ok", "above tolerance"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,7 +30,7 @@ class Answer:
     error : float
         Estimated, in the unit of `value`: the truth of the model lies within twice as much in 98 of 100 cases.
     status : str
-        "ok", or what is to be known: "above tolerance", "not reached".
+        "ok" or "above tolerance".
     reasons : tuple of str
         How the number was found, and why it is not better.
 

@@ -45,6 +45,9 @@ SETTLED, VISIBLE = 1e-12, 1e-3
 # Least error, over the largest of the step, its travel during the burst and the slip limit at rest: two levels may
 # agree by chance, and the finer one errs by up to 3e-11 (90 draws of `tests/contact/aimed.py`)
 LEAST_ERROR = 2e-11
+# A hysteretic contact remembers partial slip, so that the ring dies out about another place: 0.07 to 0.37 of the ring
+# away in `tests/contact/test_stall_and_steps.py` and five scenes like it
+MEMORY_SHIFT = 0.5
 # regimes of a contact that holds its place; in the last two it does not slip as a whole
 HOLDING = (Regime.STICK, Regime.ANNULUS, Regime.GROW)
 
@@ -69,7 +72,8 @@ class Step:
     ring : float
         Amplitude of the ring that is left, m.
     error : float
-        Estimated error of the displacement, m, from a second computation at another order or step size.
+        Estimated error of the displacement, m, from a second computation at another order or step size; with the
+        hysteretic law mostly half of the ring, by which its memory may shift the place where it settles.
     """
 
     cycles: int
@@ -118,50 +122,59 @@ def step(
         raise ConvergenceError(
             "runaway", "friction cannot hold the load, so the slider never stops; lower slider.load"
         )
-    fine, coarse = (_followed(slider, listed, cycles, envelope, after, level) for level in (FINE, COARSE))
+    (fine, factor), (coarse, _) = (
+        _step_at(slider, listed, cycles, envelope, after, level) for level in (FINE, COARSE)
+    )
     scale = max(
         abs(fine.displacement), abs(fine.during), slider.limit_slope * slider.rest_approach(len(listed))
     )
-    apart = coarse.error * abs(fine.displacement - coarse.displacement)
-    return replace(fine, error=apart + LEAST_ERROR * scale)
+    estimate = factor * abs(fine.displacement - coarse.displacement)
+    remembered = MEMORY_SHIFT * fine.ring if slider.law == "hysteretic" else 0.0
+    return replace(fine, error=estimate + LEAST_ERROR * scale + remembered)
 
 
 class _Level(NamedTuple):
-    """How finely a step is followed: by events, in fixed steps, and while the surface rings down."""
+    """How finely a step is computed."""
 
-    nodes: int
-    truncation: float
-    longest: float  # segment, over that of the problem
-    steps: int  # per cycle
-    ringing_steps: int
+    nodes: int  # per segment of the event-driven motion
+    truncation: float  # allowed per segment
+    longest: float  # longest segment over that of the problem
+    steps: int  # fixed steps per cycle, under an envelope
+    ringing_steps: int  # fixed steps per cycle while the surface rings down
 
 
 FINE = _Level(12, 1e-10, 1.0, 96, 80)
 COARSE = _Level(10, 1e-8, 0.8, 64, 56)
 
 
-def _followed(slider, orbits, cycles, envelope, after, level):
-    """Return the step at one level; its `error` is the factor on the difference from a finer one."""
+def _step_at(slider, orbits, cycles, envelope, after, level):
+    """Return (step at one level, its error left 0; factor from the difference of two levels to the finer one's error).
+
+    Every event is followed with spectral accuracy, so that the difference is the coarser level's error; fixed steps
+    are counted on to converge with first order.
+    """
     side, driven = towards_plus(orbits)
     problem = rest_problem(slider, driven)
     problem = problem._replace(longest=level.longest * problem.longest)
     factor = complex(envelope.at(np.zeros(1))[0]) if envelope is not None else 1.0
     motion = rest(slider, driven, problem, nodes=level.nodes, truncation=level.truncation, factor=factor)
-    unit = side * problem.length
-    travelled, stepped = _drive(slider, motion, cycles, envelope, level.steps)
-    velocity, rang, followed = float(motion.state[2]), 0.0, 0.0
+    burst_travel, stepped = _drive(slider, motion, cycles, envelope, level.steps)
+    velocity, ringing_time, ringing_travel = float(motion.state[2]), 0.0, 0.0
     if after is not None:
         times, rows = ring_down(slider, motion, after, least=level.ringing_steps)
-        rang, stepped = float(times[-1]) if times.size else 0.0, True
-        followed = _distance(rows)
-    relaxed, last, ring = _stopped(slider, motion)
-    relaxed += followed
-    return Step(
-        cycles=cycles, displacement=unit * (travelled + relaxed), during=unit * travelled, stopping=unit * relaxed,
-        velocity=side * velocity * problem.speed, stopping_time=rang + last / problem.omega,
-        # fixed steps are counted on with first order
-        ring=ring * problem.length, error=1.0 / (FINE.steps / COARSE.steps - 1.0) if stepped else 1.0,
+        ringing_time, stepped = float(times[-1]) if times.size else 0.0, True
+        ringing_travel = _distance(rows)
+    still_travel, last_slip, ring = _stopped(slider, motion)
+    during, stopping = (
+        side * problem.length * burst_travel,
+        side * problem.length * (ringing_travel + still_travel),
+    )
+    found = Step(
+        cycles=cycles, displacement=during + stopping, during=during, stopping=stopping,
+        velocity=side * velocity * problem.speed, stopping_time=ringing_time + last_slip / problem.omega,
+        ring=ring * problem.length, error=0.0,
     )  # fmt: skip
+    return found, 1.0 / (FINE.steps / COARSE.steps - 1.0) if stepped else 1.0
 
 
 def cycles_for(
@@ -198,31 +211,31 @@ def cycles_for(
 
     def at(number):
         if number not in known:
-            known[number] = _followed(slider, listed, number, *shape(number), FINE)
+            known[number], _ = _step_at(slider, listed, number, *shape(number), FINE)
         return known[number]
 
     def with_error(number):
         envelope, after = shape(number)
         return step(slider, listed, cycles=number, envelope=envelope, after=after) if number else at(0)
 
-    # a few cycles leave the contacts strained, whichever way, and a wave may take longer to arrive: the motor's
-    # direction shows after some more
-    far = 256
-    while abs(at(far).displacement) < wanted:
-        far *= 2
-        if far > MAX_CYCLES:
+    # A few cycles may leave the slider on either side of its start, and a wave may take longer to arrive: the motor's
+    # direction is that of many cycles.
+    many = 256
+    while abs(at(many).displacement) < wanted:
+        many *= 2
+        if many > MAX_CYCLES:
             raise ConvergenceError(
                 "out of reach",
-                f"{far // 2} cycles move the slider by {at(far // 2).displacement:.3g} m; raise the amplitude or the "
+                f"{many // 2} cycles move the slider by {at(many // 2).displacement:.3g} m; raise the amplitude or the "
                 "time",
             )
-    way = math.copysign(1.0, at(far).displacement)
+    direction = math.copysign(1.0, at(many).displacement)
     low, high = 0, 8
-    while way * at(high).displacement < wanted:
+    while direction * at(high).displacement < wanted:
         low, high = high, 2 * high
     while high - low > 1:
         middle = (low + high) // 2
-        low, high = (low, middle) if way * at(middle).displacement >= wanted else (middle, high)
+        low, high = (low, middle) if direction * at(middle).displacement >= wanted else (middle, high)
     return with_error(low), with_error(high)
 
 

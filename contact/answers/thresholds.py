@@ -46,13 +46,14 @@ from contact.roots import bracketed
 from contact.slider import Slider
 
 ACCURACY = 1e-5
-# phases of a cycle of the periodic motion; tolerance of its roots; how far from averaging they are looked for
+# phases of a cycle of the periodic motion; relative tolerance of its roots, and how far from the factor of averaging
+# they are searched
 SAMPLES, ROOT, MAX_REACH = 256, 1e-10, 0.5
-# least relative error: bisection of the full motion at f_n/f = 0.2 differs by 5e-7
-SEEN = 1e-6
+# least relative error of such a root: bisection of the full motion at f_n/f = 0.2 differs by 5e-7
+LEAST_ERROR = 1e-6
 # relative error of a factor over (f_n/f)^2; true: 0.5 to 1.4 (`tests/contact/test_threshold_answers.py`)
 AVERAGING_ERROR = 1.5
-# how far above the first slip of any contact a motion of the slider is looked for
+# largest factor over that of the first slip of any contact at which the slider may still be held: above, "never"
 CLIMB = 100.0
 # relative difference of orbits that are alike
 ALIKE = 1e-9
@@ -88,9 +89,9 @@ def threshold(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
     elastic = _elastic_threshold(_guess(slider) if slider.heights or bent else slider, listed)
     if slider.law == "elastic" and not (slider.reciprocal or slider.heights or bent) and _alike(listed):
         own_spring = isinstance(slider.friction, UserLaw)
-        return (_averaged if own_spring else _followed)(slider, listed, elastic)
+        return (_by_averaging if own_spring else _by_full_motion)(slider, listed, elastic)
     held = _edge(lambda k: not balanced(slider, tuple(o.scaled(k) for o in listed)).held, elastic)
-    return _averaged(slider, listed, held)
+    return _by_averaging(slider, listed, held)
 
 
 def threshold_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
@@ -106,8 +107,8 @@ def release(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
     _, listed = towards_plus(as_orbits(orbits))
     factor = _released(slider, listed)
     if slider.reciprocal and slider.law == "elastic":
-        return _averaged(slider, listed, factor)
-    return _followed(slider, listed, factor, _touches)
+        return _by_averaging(slider, listed, factor)
+    return _by_full_motion(slider, listed, factor, _contact_margins)
 
 
 def release_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
@@ -115,8 +116,8 @@ def release_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
     return release(slider, orbits).value
 
 
-def _averaged(slider, orbits, factor):
-    """Return the answer that a factor by cycle means is."""
+def _by_averaging(slider, orbits, factor):
+    """Return a factor that cycle means gave as an answer, with the error of averaging."""
     if math.isinf(factor):
         return Answer(value=factor, error=0.0, reasons=(f"none up to {CLIMB:g} times the first slip",))
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
@@ -124,13 +125,14 @@ def _averaged(slider, orbits, factor):
     return Answer(value=factor, error=factor * relative, reasons=("cycle means",))
 
 
-def _followed(slider, orbits, first, margins=None):
-    """Return the answer of the periodic motion near the factor of first order, or that where there is none.
+def _by_full_motion(slider, orbits, first, margins=None):
+    """Return the factor by the periodic motion of the full equations, searched near the averaged factor `first`.
 
-    `margins(problem, motion, slider)` are two that fall through zero at the factor, the second not before the first:
-    the answer lies half-way, and the difference is its error. They are taken at different numbers of samples.
+    `margins(problem, motion, slider)` returns a lower and an upper bound of a margin that falls through zero at the
+    factor. Their roots are taken with different numbers of samples; the answer lies half-way between them, and their
+    distance is its error. Without a root the averaged factor is returned.
     """
-    averaged, margins = _averaged(slider, orbits, first), margins or _sticks
+    averaged, margins = _by_averaging(slider, orbits, first), margins or _stick_margins
     if math.isinf(first) or first == 0.0:
         return averaged
 
@@ -153,21 +155,21 @@ def _followed(slider, orbits, first, margins=None):
         value, other = root(SAMPLES, 0), root(SAMPLES // 2, 1)
     except ConvergenceError:
         return averaged
-    error = abs(value - other) + SEEN * value
+    error = abs(value - other) + LEAST_ERROR * value
     return Answer(
         value=0.5 * (value + other), error=error, reasons=("periodic motion up to the first event",)
     )
 
 
-def _touches(problem, motion, slider):
-    """Return the least approach of the contacts that touch at rest, twice."""
+def _contact_margins(problem, motion, slider):
+    """Return the least approach of the contacts that touch at rest, as both bounds: it is exact."""
     contacts = problem.contacts
     touch = slider.rest_approach(contacts) + slider.offsets(contacts) > 0.0
     margin = float(np.min(least(motion.approaches[touch])))
     return margin, margin
 
 
-def _sticks(problem, motion, slider):
+def _stick_margins(problem, motion, slider):
     """Return the margins of the first and of the last contact to slip, of contacts that stick and carry the load.
 
     Contacts that stick have the offsets of their history, the largest or the least ones or any between. As long as one
@@ -310,18 +312,18 @@ def _falling_root(function, slider, orbits):
     return bracketed(function, 0.0, high)
 
 
-def _edge(beyond, guess):
-    """Return the factor from which on `beyond` holds, at or below the guess or above it; inf where it is not met."""
+def _edge(is_above, guess):
+    """Return the factor at which `is_above` becomes true, found by bisection from a guess; inf far above the guess."""
     low, high = guess, guess
-    while not beyond(high):
+    while not is_above(high):
         low, high = high, 1.1 * high
         if high > CLIMB * guess:
             return math.inf
-    while low == high or beyond(low):
+    while low == high or is_above(low):
         low *= 0.8
         if low < 1e-6 * guess:
             return 0.0
     while high - low > ACCURACY * high:
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if beyond(middle) else (middle, high)
+        low, high = (low, middle) if is_above(middle) else (middle, high)
     return 0.5 * (low + high)

@@ -18,6 +18,8 @@ their forces over the amplitude say, and a change of the phase by another factor
 
 import numpy as np
 
+from contact.convergence_error import ConvergenceError
+
 
 def real_form(matrix):
     """Return complex matrices (m, n, n) as real ones (m, 2n, 2n), real and imaginary parts in turn."""
@@ -45,9 +47,8 @@ def march(turn, force, slope, amplitude, g, incident):
     from scipy.linalg import solve_banded
 
     m, kind, n = turn.size, slope.dtype, slope.shape[1]  # n equations for each row
-    to_wave = np.zeros(
-        (m, 2, 2), complex
-    )  # from the row's frame: jumps of U+ and -U- are i g times this times F
+    # from the row's frame: the jumps of U+ and -U- are i g times this matrix times F
+    to_wave = np.zeros((m, 2, 2), complex)
     to_wave[:, 0, 0], to_wave[:, 1, 1] = turn.conj(), turn
     to_row, half = to_wave.conj(), 0.5j * g * to_wave
     if n == 4:
@@ -69,10 +70,15 @@ def march(turn, force, slope, amplitude, g, incident):
                 bands[band + row - column + n, column : n * (m - 1) : n] = neighbours[1:, row, column]
             else:
                 bands[band + row - column - n, n + column :: n] = neighbours[:-1, row, column]
-    found = solve_banded((band, band), bands, source.ravel(), overwrite_ab=True, check_finite=False)
-    found = found.view(complex).reshape(m, 2)
-    forward = np.append(incident[0], found[:, 0])
-    backward = np.append(found[:, 1], incident[1])
+    try:
+        solution = solve_banded((band, band), bands, source.ravel(), overwrite_ab=True, check_finite=False)
+    except np.linalg.LinAlgError as error:
+        raise ConvergenceError(
+            "the rows' forces change so fast with the wave that it is not determined"
+        ) from error
+    amplitudes = solution.view(complex).reshape(m, 2)
+    forward = np.append(incident[0], amplitudes[:, 0])
+    backward = np.append(amplitudes[:, 1], incident[1])
     return 0.5 * np.stack(
         [turn * (forward[:-1] + forward[1:]), turn.conj() * (backward[:-1] + backward[1:])], axis=1
     )

@@ -80,11 +80,12 @@ class LongRun:
     @property
     def height(self) -> float:
         """Minus the mean of z_s over some more cycles; u_z itself has none."""
-        ahead, at = self.motion.copy(), 2.0 * math.pi * np.arange(1, 65) / 64
-        more = [
-            ahead.move(0.0, 2.0 * math.pi, at)[:, 0, Sample.APPROACH].mean() for _ in range(self.period or 4)
+        motion, phases = self.motion.copy(), 2.0 * math.pi * np.arange(1, 65) / 64
+        approaches = [
+            motion.move(0.0, 2.0 * math.pi, phases)[:, 0, Sample.APPROACH].mean()
+            for _ in range(self.period or 4)
         ]
-        return float(np.mean(more) - self.motion.problem.paths.height[0])
+        return float(np.mean(approaches) - self.motion.problem.paths.height[0])
 
 
 class Reached(NamedTuple):

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.averaged.event_cycle import Balance
+from contact.codes import Count
 from contact.convergence_error import ConvergenceError
 from contact.events.collocation import collocation
 from contact.events.energy import Sum
@@ -48,9 +49,9 @@ class Periodic:
 
     @property
     def rounding(self) -> float:
-        """What the rounding of one cycle makes of the speed, a quotient of small numbers for a heavy slider."""
-        away = np.linalg.inv(self.jacobian - np.eye(self.state.size))[2]
-        return 2.2e-16 * float(np.abs(away) @ np.abs(self.state))
+        """Error of the speed by rounding: those of the segments add up at random, 1/(1 - multiplier) enlarges them."""
+        enlarged = np.abs(np.linalg.inv(self.jacobian - np.eye(self.state.size))[2]) @ np.abs(self.state)
+        return 2.2e-16 * math.sqrt(max(1, self.motion.tally[Count.SEGMENTS])) * float(enlarged)
 
 
 def periodic(

@@ -257,9 +257,13 @@ def _loaded(record: Record, point: dict) -> float:
     places = [0.0] if equal else [x - slider.center[0] for x, _ in slider.places]
     count = len(slider.offsets) if equal else 1
     balls = contact.balls_of(replace(body, preload=body.preload * count), places, weights=count)
+    tangential, _, normal = abs(record.surface_motion.at(list(slider.places)))
+    strongest = int(np.argmax(normal))  # the centre may be a node of the wave
     wave = contact.PassingWave(
-        frequency=record.wave["frequency_Hz"], wavelength=_wavelength(record), forward=point["normal_amplitude_m"],
-        ratio=point["tangential_amplitude_m"] / point["normal_amplitude_m"],
+        frequency=record.wave["frequency_Hz"],
+        wavelength=_wavelength(record),
+        forward=float(normal[strongest]) * point["voltage_V"],
+        ratio=float(tangential[strongest] / normal[strongest]),
         compliance=fem.wave_compliance(stator.solid, stator.bare_surface),
         strip_width=record.scene.driven_transducer.aperture,
     )  # fmt: skip

@@ -130,6 +130,22 @@ def test_no_slip_is_missed_after_the_burst(draw, parting, cycles):
     assert found.error < 1e-10 * abs(truth)
 
 
+@pytest.mark.parametrize("cycles", [60, 200])
+def test_a_hysteretic_step_ends_near_where_its_ring_dies_out(cycles):
+    body = slider(law="hysteretic", normal_damping=2.0, tangential_damping=0.5)
+    found = step(body, orbit(8e-9), cycles=cycles)
+    problem = methods.rest_problem(body, (orbit(8e-9),))
+    motion = methods.rest(body, (orbit(8e-9),), problem, nodes=16, truncation=1e-12)
+    motion.turn(cycles)
+    still, half = methods.silence(motion), 0.5 * problem.omega / body.tangential_resonance(1)
+    for k in range(40):
+        still.move(k * half, (k + 1) * half, np.empty(0))
+    travel = float(motion.sums[Sum.DISPLACEMENT] + still.sums[Sum.DISPLACEMENT]) * problem.length
+    assert abs(float(still.state[2])) < 1e-5  # it is at rest
+    assert abs(found.displacement - travel) < 2.0 * found.error
+    assert 1e-12 < found.error < 0.7 * found.displacement
+
+
 def test_steps_that_are_planned_have_errors_too():
     short, enough = cycles_for(slider(), orbit(10e-9), displacement=1e-8)
     assert enough == step(slider(), orbit(10e-9), cycles=enough.cycles)

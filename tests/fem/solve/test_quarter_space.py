@@ -1,4 +1,4 @@
-"""The Rayleigh wave at a corner of 90 degrees: an end of the stator as a mesh against what is known of it.
+"""The Rayleigh wave at a corner of 90 degrees and at a step: pieces of the stator as meshes against what is known.
 
 A quarter space has no length, so that what its corner sends back and passes on depends on Poisson's ratio alone, also
 where both moduli have the same loss; a lossy plate of a few wavelengths stands for it, since nothing comes back from
@@ -7,6 +7,7 @@ plots them against Poisson's ratio (Gautesen, J. Appl. Mech. 52 (1985) 664) and 
 stays in surface waves at 0.17 (de Bremaecker, Geophysics 23 (1958) 253; |R|^2 + |T|^2 = 0.54 here).
 """
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -139,3 +140,42 @@ def test_the_corner_passes_the_rayleigh_wave_down_the_wall(tmp_path, poisson_rat
         reciprocity(stator.solid, downwards, up) @ measure
     )
     assert abs(passed / at_corner) == pytest.approx(REFLECTED_AND_PASSED[poisson_ratio][1], abs=5e-5)
+
+
+# |R| of a step of a quarter of a Rayleigh wavelength at nu = 0.25, of the same independent program: down, up
+STEP_HEIGHT, STEPS = 0.25, {"down": 0.28745, "up": 0.32848}
+LOSSY = ((2.0, 6.0), (2.5, 7.0), (3.5, 9.0), (5.0, 12.0), (7.0, 16.0))  # quality, depth in wavelengths
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", STEPS)
+def test_a_step_of_the_surface_reflects_the_rayleigh_wave(tmp_path, way):
+    """A step has a length, so that loss counts: R at k (1 - i eta) for five eta, taken to eta = 0."""
+    found = []
+    for quality, depth in LOSSY:
+        plain, wavenumber = quarter_space(tmp_path, 0.25, width=1.0, depth=1.0, quality=quality)
+        wavelength = 2 * np.pi / wavenumber.real
+        path = rectangle(tmp_path / "step.msh", 2.0, depth, size=0.5, groove=(1.0, 1.0, STEP_HEIGHT))
+        mesh = read_mesh(path, wavelength)
+        if way == "up":  # seen from behind, z = 0 on the lower surface
+            mesh = replace(
+                mesh,
+                digest=f"up {quality}",
+                points=np.array([2, STEP_HEIGHT]) * wavelength + mesh.points * np.array([-1, 1]),
+                cells=tuple(replace(each, nodes=each.nodes[:, [0, 2, 1]]) for each in mesh.cells),
+                lines=mesh.lines | {"left": mesh.lines["right"], "right": mesh.lines["left"]},
+            )
+        stator = Stator(
+            solid=plain.solid,
+            length=3 * wavelength,
+            thickness=(depth - STEP_HEIGHT * (way == "up")) * wavelength,
+            ends="absorbing",
+            pieces=(MeshPiece(name="step", mesh=mesh, position=wavelength),),
+        )
+        ((_, reflection),) = reflector(stator, frequency=FREQUENCY, tolerance=1e-4).ends
+        eta = -wavenumber.imag / wavenumber.real
+        found.append((eta, reflection * np.exp(2j * wavenumber * wavelength)))
+    etas, reflections = np.array(found).T
+    lossless = np.polyfit(etas.real, reflections, len(found) - 1)[-1]
+    assert abs(lossless) == pytest.approx(STEPS[way], abs=2e-4)
+    assert abs(reflections[-1]) != pytest.approx(STEPS[way], abs=4e-3)
