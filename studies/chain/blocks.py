@@ -82,7 +82,7 @@ def amplitude_blocks(
         }
         for voltage in scene.levels
     )
-    short = f"the surface amplitude's error is {error:.1e}, {tolerance:.1e} was asked for: ask for less"
+    short = f"the surface amplitude's error is {error:.1e}, {tolerance:.1e} was asked for: give a larger tolerance"
     return {
         "points": points,
         "error": {"relative": error, "parts": {"stator": error}},

@@ -47,7 +47,7 @@ class SliderAnswer:
             if error > tolerance:
                 blocks["shortfall"] = (
                     f"the velocity's error is {error:.1e} (stator {stator:.1e}, contact {contact:.1e}), "
-                    f"{tolerance:.1e} was asked for: see error.parts, or ask for less"
+                    f"{tolerance:.1e} was asked for: see error.parts, or give a larger tolerance"
                 )
         if failed:
             what = f"{len(failed)} of {len(self.points)} points have no answer: {failed[0]['status']}"

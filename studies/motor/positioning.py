@@ -80,7 +80,10 @@ def run(
     one_way = len(motor.drives) == 1
     if one_way and distance * direction < 0.0:
         sign = "negative" if distance > 0 else "positive"
-        raise SceneError("--target", f"must be {sign}: one transducer drives one way")
+        there = f"{-distance * 1e6:g} um"
+        raise SceneError(
+            "--target", f'must be {sign}, such as "{there}": one transducer drives the slider that way alone'
+        )
     progress("positioning: the way there and back")
     state = FollowedMotor(motor, preload=settings.preload)
     drive = {
