@@ -24,7 +24,7 @@ _PUBLIC = {
     "analytic.half_space": "automatic_period coupling HalfSpaceWave rayleigh surface_named",
     "analytic.slowness": "Slowness",
     "analytic.point_load": "point_load PointLoad",
-    "analytic.quasistatic": "surface_permittivity transducer_estimate TransducerEstimate",
+    "analytic.quasistatic": "end_excess surface_permittivity transducer_estimate TransducerEstimate",
     "analytic.coupled_modes": "relative_amplitude",
     "discretize.absorber": "absorber_kind",
     "discretize.grading": "Resolution",

@@ -1,10 +1,11 @@
 """The stator and its transducers: the sagittal section, x along the surface, z out of it, body at z < 0.
 
-A transducer is a row of massless, perfectly conducting, equipotential fingers of equal width and pitch.  In the plain
-one they alternate: finger 0 on the positive electrode, finger 1 on the negative one; two fingers and two gaps make a
-period.  A pattern says otherwise, one sign per finger: "+" and "-" the electrodes, "0" a finger left out (withdrawal
-weighting), "o" an open strip, at whatever potential leaves it without charge.  Split fingers are four to a period,
-"++--".  A row of "o" is an open reflector, a row of "+" a shorted one.
+A transducer is a row of massless, perfectly conducting, equipotential fingers of equal width and pitch.  By default
+the fingers alternate: finger 0 belongs to the positive electrode and finger 1 to the negative one, and two fingers and
+two gaps make a period.  Split fingers ("++--") are four to a period.  Any other arrangement is given by a pattern with
+one sign per finger: "+" and "-" are the two electrodes, "0" is a finger that is omitted (withdrawal weighting), and "o"
+is an open strip, whose potential is such that it carries no net charge.  A row of "o" is an open reflector, a row of
+"+" a shorted one.
 """
 
 from dataclasses import dataclass
@@ -25,27 +26,30 @@ Bottom = Literal["free", "grounded", "clamped", "absorbing"]
 Ends = Literal["absorbing", "free", "clamped"]
 Above = Literal["none", "vacuum"]
 SIGNS = "+-0o"
-SAME_FINGER = 1e-3  # of the pitch: edges of fingers nearer than this are one
-SAME_END = 1e-4  # of the length: an end piece that ends nearer than this to the stator's end ends there
-CLEARANCE = 0.45  # of the bare surface between two transducers that one of them may take for its outer gap
+# Finger edges of a mesh and of a transducer are equal if they differ by less than this fraction of the pitch.
+SAME_FINGER = 1e-3
+# A mesh ends at the stator's end if the two differ by less than this fraction of the stator's length.
+SAME_END = 1e-4
+# Largest outer gap of a transducer, as a fraction of the bare surface up to its neighbour: both gaps together fit.
+CLEARANCE = 0.45
 
 
 @dataclass(frozen=True, kw_only=True)
 class Stator:
-    """The block: its solid, rotated to the stator's axes, and the section's sides.
+    """Body of the stator: its solid, its size and the boundary conditions on its sides.
 
     Attributes
     ----------
     solid : Solid
-        In the frame x (propagation), y, z (outward normal).
+        Rotated to the stator's axes x (propagation), y, z (outward normal).
     length : float
         Extent along x in m.
     thickness : float
         Extent along z in m; infinite for a half-space.
     bottom, ends, above : str
-        Conditions on the other sides, the words of the scene file.
+        Boundary conditions on the other sides, in the words of the scene file.
     pieces : tuple of MeshPiece
-        Parts of the section that are given as meshes.
+        Parts of the section that the user describes by meshes.
     """
 
     solid: Solid
@@ -69,16 +73,16 @@ class Stator:
 
     @property
     def absorbs_below(self) -> bool:
-        """Whether nothing comes back from the bottom."""
+        """True if no wave is reflected from the bottom."""
         return self.bottom == "absorbing" or not np.isfinite(self.thickness)
 
     @property
     def placement(self) -> Placement:
-        """Meshed pieces by their part in the row, and where the uniform stator begins and ends."""
+        """Position of each meshed piece in the row of pieces, and both ends of the uniform part of the stator."""
         return placement(self.pieces, length=self.length, thickness=self.thickness)
 
     def piece_warnings(self, frequency: float, transducers: tuple["Transducer", ...] = ()) -> tuple[str, ...]:
-        """Sentences about the meshed pieces that a user should know, at a frequency in Hz."""
+        """Warnings about the meshed pieces at a frequency in Hz, one sentence each."""
         found, placed = [], self.placement
         for piece in self.pieces:
             found += corner_warnings(piece, self.bottom, slowest_wavelength(self.solid, frequency))
@@ -108,27 +112,28 @@ class Transducer:
     Attributes
     ----------
     name : str
-        What the drive refers to.
+        Name by which the drive refers to it.
     center : float
-        Of the fingers, from the stator's left end, in m.
+        x of the centre of the fingers, measured from the stator's left end, in m.
     finger_pairs : int
-        Pairs of fingers, one of each electrode.
+        Number of finger pairs, one finger of each electrode in a pair.
     period : float
-        Of two fingers and two gaps, in m.
+        Width of two fingers and two gaps, in m.
     metallisation : float
         Finger width over finger width plus gap, between 0 and 1.
     aperture : float
         Overlap of the fingers along y, in m.
     termination : str or complex
-        Of a transducer that is not driven: "open", "short" or an impedance in ohm between its electrodes.
+        "open", "short" or the impedance in ohm between the electrodes, if the transducer is not driven.
     pattern : str, optional
-        One of "+-0o" per finger; "+-" (split: "++--") over and over if not given.
+        One of "+-0o" per finger; by default "+-" (split: "++--") is repeated.
     split : bool
-        Four fingers to a period instead of two.
+        True for four fingers per period instead of two.
     center_y : float
-        Of the fingers, from the stator's middle line, in m.  The section does not know it, the beam does.
+        y of the centre of the fingers, measured from the stator's middle line, in m.  It affects only the beam, not the
+        solution of the section.
     angle : float
-        By which it is turned about the surface normal, from x towards y, in rad; a section takes 0 alone.
+        Rotation about the surface normal, from x towards y, in rad; it must be 0 in a section.
     """
 
     name: str
@@ -175,7 +180,7 @@ class Transducer:
 
     @property
     def pitch(self) -> float:
-        """From finger to finger in m."""
+        """Distance between the centres of neighbouring fingers in m."""
         return self.period / (4 if self.split else 2)
 
     @property
@@ -185,29 +190,29 @@ class Transducer:
 
     @property
     def half_gap(self) -> float:
-        """Half the bare surface between two fingers in m."""
+        """Half of the gap between two fingers in m."""
         return (1 - self.metallisation) * self.pitch / 2
 
     @property
     def extent(self) -> tuple[float, float]:
-        """Outer edges of the first and the last finger, there or left out, in m."""
+        """Left edge of the first and right edge of the last finger in m; omitted fingers count too."""
         half = len(self.signs) * self.pitch / 2 - self.half_gap
         return self.center - half, self.center + half
 
     @property
     def corners(self) -> np.ndarray:
-        """Corners (x, y) of the rectangle of its fingers in m, shape (4, 2), in turn."""
+        """Corners (x, y) in m of the rectangle that contains all fingers, in cyclic order, shape (4, 2)."""
         return self.on_surface(np.array([self.extent]))[0]
 
     def on_surface(self, strips: np.ndarray) -> np.ndarray:
-        """Corners (x, y) in m, shape (n, 4, 2), of strips with these edges (n, 2) on the transducer's own line."""
+        """Corners (x, y) in m, shape (n, 4, 2), of strips whose edges (n, 2) are measured along the transducer."""
         along = np.asarray(strips)[:, [0, 1, 1, 0]] - self.center
         across = np.broadcast_to(self.aperture / 2 * np.array([-1, -1, 1, 1]), along.shape)
         return np.array([self.center, self.center_y]) + np.stack([along, across], axis=-1) @ turn(self.angle)
 
     @property
     def fingers(self) -> np.ndarray:
-        """Left and right edges of the fingers in m, shape (fingers, 2), those left out included."""
+        """Left and right edges of all fingers in m, including the omitted ones, shape (fingers, 2)."""
         left = self.extent[0] + np.arange(len(self.signs)) * self.pitch
         return np.stack([left, left + self.finger_width], axis=1)
 
@@ -217,7 +222,7 @@ class Transducer:
 
 
 def _other_fingers(piece: MeshPiece, transducer: Transducer) -> list[str]:
-    """Warn of a mesh that draws other fingers than a transducer has."""
+    """Return a warning if the fingers in a mesh differ from those of a transducer."""
     drawn = [piece.strips(transducer.name + sign) for sign in "+-"]
     meant = [transducer.strips(sign) for sign in "+-"]
     if all(
@@ -241,12 +246,12 @@ def _other_fingers(piece: MeshPiece, transducer: Transducer) -> list[str]:
 
 
 def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
-    """Refuse transducers of a section that leave the stator, overlap, are turned or share a name.
+    """Check that the transducers of a section lie on the stator, do not overlap, are not rotated and differ in name.
 
     Raises
     ------
     ValueError
-        Names the transducers, the edges and the unit.
+        If a rule is broken; the message names the transducers and their edges in m.
     """
     _check_names(transducers)
     for transducer in transducers:
@@ -281,12 +286,12 @@ def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
 
 
 def check_plan(stator: Stator, width: float, transducers: tuple[Transducer, ...]) -> None:
-    """Refuse transducers that leave the surface or overlap, seen from above, or share a name.
+    """Check in the plan view that the transducers lie on the surface, do not overlap and differ in name.
 
     Raises
     ------
     ValueError
-        Names the transducers, the edges and the unit.
+        If a rule is broken; the message names the transducers and their edges in m.
     """
     _check_names(transducers)
     for each in transducers:
@@ -315,10 +320,10 @@ def _check_along(name: str, left: float, right: float, length: float, axis: str 
 
 
 def separation(one: Transducer, other: Transducer) -> tuple[float, float]:
-    """Widest gap between two transducers in m, 0 or less where they overlap, and the angle in rad at which it lies.
+    """Widest gap between two transducers in m, and the direction of this gap in rad; overlap gives 0 or less.
 
-    Two rectangles that do not overlap are apart along a side of one of them; the line from middle to middle is tried
-    besides.
+    Two rectangles that do not overlap are separated by a line parallel to a side of one of them (separating axis
+    theorem).  The direction from centre to centre is tried as well, because the gap may be wider there.
     """
     between = np.arctan2(other.center_y - one.center_y, other.center - one.center)
     sides = [each.angle + quarter * np.pi / 2 for each in (one, other) for quarter in range(4)]
@@ -330,14 +335,17 @@ def separation(one: Transducer, other: Transducer) -> tuple[float, float]:
 
 
 def covers(transducer: Transducer, place: tuple[float, float]) -> bool:
-    """Whether a place (x, y) in m lies within the rectangle of a transducer's fingers."""
+    """True if a point (x, y) in m lies within the rectangle of a transducer's fingers."""
     across = turn(transducer.angle)
     own, corners = across @ np.array(place), transducer.corners @ across.T
     return bool(np.all((own >= corners.min(axis=0)) & (own <= corners.max(axis=0))))
 
 
 def turn(angle: float) -> np.ndarray:
-    """Rows are the unit vectors along and across a direction at an angle (rad) to x: own places @ turn are x and y."""
+    """Rotation matrix whose rows are the unit vectors along and across a direction at an angle (rad) to x.
+
+    Coordinates in the rotated axes times this matrix are x and y.
+    """
     c, s = (each if abs(each) > 1e-12 else 0.0 for each in (np.cos(angle), np.sin(angle)))  # 90 deg is exact
     return np.array([[c, s], [-s, c]])
 
@@ -349,9 +357,9 @@ def _check_names(transducers: tuple[Transducer, ...]) -> None:
 
 
 def outer_gaps(stator: Stator, transducers: tuple[Transducer, ...]) -> list[tuple[float, float]]:
-    """Bare surface left and right of each transducer that counts to it, m, from left to right.
+    """Widths in m of the bare surface to the left and right of each transducer that are computed as part of it.
 
-    Half a gap, or less where a neighbour or an end is near.
+    Each is half a gap between fingers, or less if a neighbour or an end of the stator is near.
     """
     gaps, placed = [], stator.placement
     others = [each.extent for each in (*placed.between, *transducers)]

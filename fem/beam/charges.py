@@ -1,7 +1,8 @@
-"""Charge of the electrodes of a solved section: what drives a stator whose fingers are massless and thin.
+"""Charges on the electrodes of a solved section: the sources of the beam in surface_beam.py.
 
-The reactions of the potential at the surface's nodes are summed over the columns that meet there, so that a field
-outside follows from the sum over the nodes of charge times the response of the bare surface.
+Fingers that are massless and thin drive the stator through their charges alone.  The charge of a node on the surface is
+the sum of the reactions of the potential in the columns that meet there.  The field at any point is then the sum over
+all nodes of the charge times the response of the bare surface.
 """
 
 from dataclasses import dataclass, field, replace
@@ -13,13 +14,19 @@ from fem.discretize.spectral import gll_nodes
 from fem.results.evaluation import left_edge
 from fem.results.solution import Solution
 
-SAME_NODE = 1e-9  # length units: nodes of neighbouring columns that are nearer are one
-UNCHARGED = 0.2  # of the largest charge of a finger, below which a finger's profile is not its own
-MAX_PHASE, TERMS = 3.0, 28  # across half a finger, and of the Taylor series then: rounding
+SAME_NODE = 1e-9  # length units: nodes of neighbouring columns that are nearer to each other are one node
+# A finger with less than this fraction of the largest charge of a finger gets the profile of an isolated strip instead
+# of its own, which a division by a small charge would make inaccurate.
+UNCHARGED = 0.2
+# Largest phase in rad across half a finger, and the terms with which the Taylor series then reaches rounding.
+MAX_PHASE, TERMS = 3.0, 28
 
 
 class Fingers(NamedTuple):
-    """Places of fingers, half of the widest, and the moments of their charges about their middles over its powers."""
+    """First and last node of every finger (m), half the largest width (m), and the moments of the charges.
+
+    Moment n of a finger is sum_j q_j ((x_j - centre) / half_width)^n.
+    """
 
     first: np.ndarray
     last: np.ndarray
@@ -32,14 +39,15 @@ class Fingers(NamedTuple):
         starts = np.flatnonzero(np.diff(finger, prepend=finger[0] - 1))
         stops = np.append(starts[1:], len(x))
         first, last = x[starts], x[stops - 1]
-        half = float((last - first).max()) / 2 or np.finfo(float).tiny  # of lines
+        # tiny avoids a division by zero if every finger is a single node (a line of charge)
+        half = float((last - first).max()) / 2 or np.finfo(float).tiny
         local = (x - np.repeat((first + last) / 2, stops - starts)) / half
         moments = np.add.reduceat(charge[:, None] * np.vander(local, TERMS, increasing=True), starts)
         return cls(first, last, half, moments)
 
     @property
     def middles(self) -> np.ndarray:
-        """Return the places of the fingers' middles, m."""
+        """Return x of the centres of the fingers, m."""
         return (self.first + self.last) / 2
 
     def phase(self, wavenumbers: np.ndarray) -> np.ndarray:
@@ -54,7 +62,7 @@ class Fingers(NamedTuple):
 
 
 class ChargeSheet(NamedTuple):
-    """Charges that are uniform over |y - center| < length / 2; as of `ElectrodeCharges`."""
+    """Charges that are uniform over |y - center| < length / 2; x, charge and finger as in `ElectrodeCharges`."""
 
     x: np.ndarray
     charge: np.ndarray
@@ -64,7 +72,10 @@ class ChargeSheet(NamedTuple):
 
     @property
     def lumps(self) -> tuple[np.ndarray, np.ndarray]:
-        """Places (m) and charges of three lumps per finger with its charge, dipole and spread: for static fields."""
+        """Positions (m) and sizes of three point charges per finger, for static fields.
+
+        They have the total charge, the dipole moment and the second moment of the finger.
+        """
         fingers = Fingers.of(self.x, self.charge, self.finger)
         half = np.maximum(fingers.last - fingers.first, np.finfo(float).tiny) / 2  # of lines
         total, dipole, spread = (
@@ -82,13 +93,13 @@ class ElectrodeCharges:
     Attributes
     ----------
     x : ndarray, shape (nodes,)
-        m from the stator's left end, increasing.
+        Positions in m from the stator's left end, increasing.
     charge : ndarray, shape (nodes,)
         C per metre of aperture, per volt of the source; complex; uniform along the whole aperture.
     finger : ndarray of int, shape (nodes,)
-        Number of the finger.
+        Number of the finger of each node.
     steps : tuple of (float, ndarray)
-        Length along y (m) of charges that are uniform over a shorter part in the middle, and these charges, (nodes,).
+        Charges on the shorter sheets: the length of each sheet along y (m), and its charges, (nodes,).
     """
 
     x: np.ndarray = field(repr=False)
@@ -99,7 +110,7 @@ class ElectrodeCharges:
     def transform(self, wavenumbers: np.ndarray, origin: float) -> np.ndarray:
         """T(k) = sum_j q_j exp(i k (x_j - x_0)) in C/m per V, for k in rad/m of any shape and x_0 = ``origin`` in m.
 
-        Of the charge that is uniform along the whole aperture.
+        Only the charge that is uniform along the whole aperture is included.
         """
         k, fingers = np.asarray(wavenumbers), Fingers.of(self.x, self.charge, self.finger)
         out = np.empty(k.shape, dtype=complex)
@@ -110,7 +121,7 @@ class ElectrodeCharges:
         return out
 
     def plane_transform(self, vector: np.ndarray, aperture: float, origin: float) -> np.ndarray:
-        """Charges over the plane at wave vectors (k_x, k_y), shape (2, n), about their middle, in C per V."""
+        """Fourier transform in the plane at wave vectors (k_x, k_y), shape (2, n), about the centre, in C per V."""
         return sum(
             replace(self, charge=charge, steps=()).transform(vector[0], origin)
             * (length * np.sinc(vector[1] * length / (2 * np.pi)))
@@ -118,7 +129,7 @@ class ElectrodeCharges:
         )
 
     def sheets(self, aperture: float, center: float) -> list[ChargeSheet]:
-        """Uniform charges that add up to these, for the aperture and its middle in m."""
+        """Uniform sheets whose charges add up to these, for an aperture and its centre along y in m."""
         return [
             ChargeSheet(self.x, charge, self.finger, length, center)
             for length, charge in ((aperture, self.charge), *self.steps)
@@ -132,7 +143,7 @@ def electrode_charges(solution: Solution, index: int) -> ElectrodeCharges:
     ----------
     solution : Solution
     index : int
-        Of the transducer, from left to right.
+        Number of the transducer, from left to right.
 
     Returns
     -------
@@ -144,7 +155,7 @@ def electrode_charges(solution: Solution, index: int) -> ElectrodeCharges:
         return ElectrodeCharges(x=x, charge=charge, finger=finger)
     sheets, volts = solution.fields.sheets[index], solution.circuit.voltages
     signs = solution.fields.transducers[index].signs.replace("0", "")
-    # the charge of open strips on every sheet is known at the nodes only
+    # Only the recovery at the nodes gives the charge of open strips, so that it is needed for every sheet then.
     resolved = len(sheets) if "o" in signs else 1
     x, charges, finger = _node_charges(
         solution, piece, np.stack([each.sides @ volts for each in sheets[:resolved]], axis=-1)
@@ -171,16 +182,17 @@ def electrode_charges(solution: Solution, index: int) -> ElectrodeCharges:
 
 
 def _finger_numbers(finger: np.ndarray, signs: str) -> np.ndarray:
-    """Number among the fingers "+" and "-" of each node's finger, -1 on an open strip."""
+    """Number of each node's finger, counting the fingers "+" and "-" only; -1 on an open strip."""
     charged = np.array([sign in "+-" for sign in signs])
     return np.where(charged, np.cumsum(charged) - 1, -1)[finger - finger[0]]
 
 
 def _profiles(x: np.ndarray, charge: np.ndarray, number: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Shares (nodes,) of the nodes of fingers in the fingers' charges, and of a unit dipole (1/m) beside the arm (m).
+    """Fraction of a finger's charge on each node, (nodes,); nodal charges of a unit dipole (1/m) and lever arms (m).
 
-    The shares are those of ``charge`` or, where that is small on the whole, of 1 / (pi (a^2 - x^2)^(1/2)), of which a
-    node takes what lies between the middles to its neighbours; of the dipole's, x times as much.
+    The fractions are those of ``charge``.  On a finger whose total charge is small they are those of an isolated strip,
+    1 / (pi (a^2 - x^2)^(1/2)), integrated between the midpoints to the neighbouring nodes.  The dipole has the nodal
+    charges of the strip times x.
     """
     fingers = range(number.max(initial=-1) + 1)
     totals = np.array([charge[number == each].sum() for each in fingers])
@@ -199,9 +211,9 @@ def _profiles(x: np.ndarray, charge: np.ndarray, number: np.ndarray) -> tuple[np
 def _node_charges(
     solution: Solution, index: int, sides: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Places of a piece's nodes on metal in m, their charges in C/m and the numbers of their fingers.
+    """Positions in m of a piece's nodes on metal, their charges in C/m, (sheets, nodes), and their finger numbers.
 
-    ``sides`` of the transducer, (2 n + potentials, sheets); charges (sheets, nodes).
+    ``sides``: unknowns of the transducer's two lines and its potentials, (2 n + potentials, sheets).
     """
     section, begin = solution.fields.section, left_edge(solution, index)
     places, reactions, metal = [], [], []

@@ -1,11 +1,13 @@
-"""Transducers turned about the surface normal, or beside one another: several beams on one surface.
+"""Surface motion of transducers that are rotated about the surface normal or lie beside one another.
 
-Parallel transducers that a section can hold one behind the other form a row.  In a solid isotropic about z every row is
-the section problem of the same stator in its own axes, s along its waves and t across; its beam is `SurfaceBeam` in
-those axes, and the beams add up.  Rows are coupled through their charges (mutual_admittance.py).
+Parallel transducers that lie one behind the other, so that one section can contain them, form a row.  In a solid
+isotropic about z every row is a section problem of the same stator in its own axes, s along its waves and t across.
+Each row sends a `SurfaceBeam` in its axes, and the beams add up.  The rows are coupled through their charges
+(mutual_admittance.py).
 
-Left out between rows: what the metal of one scatters of another's beam at given voltages (its fingers are then bare
-surface to that beam), and their electrostatic coupling.  Within a row reception.py has the former.
+Two effects between rows are neglected: the scattering of one row's beam by the metal of another row at given voltages
+(to that beam the fingers are bare surface), and the electrostatic coupling of the rows.  Scattering within a row is
+included (reception.py).
 """
 
 from collections.abc import Callable
@@ -26,9 +28,10 @@ from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.solution import Solution
 
-# Places in a row at an oblique angle, where each has an s of its own, beyond which a grid in s and t is interpolated by
-# splines of order 5: its lines per wavelength, lines beyond the places, and wavelengths from the fingers' charges
-# within which no place is interpolated, for the field has kinks there.  They leave 3e-5 of the largest amplitude
+# In a row at an oblique angle every point has its own s, which makes direct evaluation expensive.  More than FEW
+# points are therefore interpolated by splines of order 5 from a grid in s and t with PER_WAVELENGTH lines per
+# wavelength, which extends MARGIN lines beyond the points.  Points within CLEAR wavelengths of the fingers are
+# evaluated directly, because the field has kinks there.  The error is 3e-5 of the largest amplitude
 # (test_passive_transducers.py).
 FEW, PER_WAVELENGTH, MARGIN, CLEAR = 500, 9, 12, 2.0
 
@@ -44,11 +47,11 @@ class CrossedBeam:
     rows : tuple of Row
         The first is the driven one whose waves run nearest to x.
     beams : tuple of SurfaceBeam
-        Of each row, in its axes.
+        One per row, in the axes of the row.
     circuit : Circuit
         Voltages and currents of all ports.
     length, width : float
-        Of the surface, m.
+        Size of the surface, m.
     """
 
     rows: tuple[Row, ...]
@@ -59,28 +62,28 @@ class CrossedBeam:
 
     @property
     def wave(self) -> SurfaceWave:
-        """Of the first row's section."""
+        """Solution of the first row's section."""
         return self.beams[0].wave
 
     def in_section(self, x: float, y: float) -> float:
-        """Where a place in m lies on the line of the section `wave`, m."""
+        """Coordinate s in m, in the section `wave`, of a point (x, y) in m."""
         return float(self.rows[0].local(x, y)[0])
 
     @property
     def surface_mode(self) -> "CrossedBeam":
-        """The part of the field that the surface wave alone carries."""
+        """The same beam with the field of the surface wave alone."""
         return replace(self, beams=tuple(each.surface_mode for each in self.beams))
 
     @property
     def _moving(self) -> list[tuple[Row, SurfaceBeam]]:
-        """Rows that have a voltage at any port, and their beams."""
+        """Rows with a voltage at one port at least, and their beams; the other rows send no wave."""
         pairs = zip(self.rows, self.beams, strict=True)
         return [(row, beam) for row, beam in pairs if np.any(beam.circuit.voltages)]
 
     def motion(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
-        """u_x, u_y and u_z in m per V at places (x, y) in m, as `SurfaceBeam.motion`.
+        """u_x, u_y and u_z in m per V at points (x, y) in m, as `SurfaceBeam.motion`.
 
-        Of rows at an oblique angle many places are interpolated, but for those near their own fingers.
+        The beam of a row at an oblique angle is interpolated if there are many points, except near its own fingers.
         """
         total: np.ndarray = np.zeros(())
         for row, beam in self._moving:
@@ -88,7 +91,7 @@ class CrossedBeam:
         return total
 
     def relative_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
-        """Sum of the beams' errors over max(|u_x|, |u_z|) at each place."""
+        """Sum of the beams' errors over max(|u_x|, |u_z|) at each point."""
         return self.motion_and_error(x, y)[1]
 
     def motion_and_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0):
@@ -103,7 +106,7 @@ class CrossedBeam:
 
     @cached_property
     def power(self) -> PowerBalance:
-        """Where the power goes: sum over the rows, what one sends to another counted with the circuit's input."""
+        """Power balance summed over the rows; power sent from row to row is part of the circuit's input."""
         parts = [power_balance(each.solution) for _, each in self._moving]
         return PowerBalance(
             input=self.circuit.power,
@@ -115,7 +118,7 @@ class CrossedBeam:
         )
 
     def first_images(self, x: float | np.ndarray, y: float | np.ndarray) -> np.ndarray:
-        """Sum of the sizes of u_z, m per V, that the first images of all beams in both side faces have at places."""
+        """Sum of |u_z| in m per V of the first images of all beams in the two side faces, at points (x, y) in m."""
         images = [side * self.width - np.asarray(y) for side in (1, -1)]
         total: np.ndarray = np.zeros(())
         for row, beam in self._moving:
@@ -125,7 +128,7 @@ class CrossedBeam:
         return total
 
     def charge_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray | None:
-        """As of `SurfaceBeam`, of all beams together."""
+        """`SurfaceBeam.charge_error` for the sum of all beams."""
         total, x, y = 0.0, np.asarray(x, dtype=float), np.asarray(y, dtype=float)
         for row, beam in self._moving:
             s, t = row.local(x, y)
@@ -136,9 +139,10 @@ class CrossedBeam:
         return total / abs(self.motion(x, y)[2])
 
     def shadowed(self, slowing: float) -> float:
-        """Sum of u_z at the transducers of other rows, m per V, times the phase that their metal gives the beams.
+        """Estimated change of u_z, in m per V, by the metal of other rows, which this model neglects.
 
-        ``slowing``: by metal, relative to the velocity on the bare surface.
+        It is the sum over all transducers of other rows of |u_z| at their centre times the phase shift by their metal.
+        ``slowing`` is the relative reduction of the velocity under metal.
         """
         total = 0.0
         for row, beam in self._moving:
@@ -152,7 +156,7 @@ class CrossedBeam:
         return float(total)
 
     def _plan(self, row: Row, each: Transducer) -> tuple[np.ndarray, np.ndarray]:
-        """Middle of a row's transducer on the surface."""
+        """Centre (x, y) of a row's transducer on the surface, m."""
         (xs, ys), (xt, yt) = turn(row.angle)
         s = each.center - row.middle[1]
         return (
@@ -161,7 +165,7 @@ class CrossedBeam:
         )
 
     def _of_row(self, row: Row, evaluate, x, y) -> np.ndarray:
-        """Values of a row's beam at places, shape (n, *shape of x and y)."""
+        """Values of a row's beam at points (x, y) in m, shape (n, *shape of x and y)."""
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         if not np.all((x >= 0) & (x <= self.length) & (abs(y) <= self.width / 2)):
             raise BeamError(
@@ -186,7 +190,7 @@ class CrossedBeam:
 def _pieces(
     s: np.ndarray, transducers: tuple[Transducer, ...], clear: float
 ) -> list[tuple[np.ndarray, bool]]:
-    """Masks of the places on each side of and near each transducer of a row, and whether these are the near ones."""
+    """Split the points by s into those near a transducer and those between: masks, each with True for "near"."""
     edges = np.array([each.extent + clear * np.array([-1, 1]) for each in transducers])
     edges = np.maximum.accumulate(edges[np.argsort(edges[:, 0])].ravel())
     piece = np.searchsorted(edges, s)
@@ -194,7 +198,7 @@ def _pieces(
 
 
 def _interpolated(evaluate, s: np.ndarray, t: np.ndarray, step: float) -> np.ndarray:
-    """Values at many places from those on a grid of a step in m."""
+    """Interpolate values at many points from a grid whose lines are ``step`` apart, in m."""
     from scipy.ndimage import map_coordinates
 
     lines = [
@@ -208,13 +212,13 @@ def _interpolated(evaluate, s: np.ndarray, t: np.ndarray, step: float) -> np.nda
 
 
 def _stacked(beam: SurfaceBeam, s, t):
-    """Motion and, in its size, error of a beam."""
+    """Motion of a beam, and its absolute error."""
     motion, error = beam.motion_and_error(s, t)
     return motion, (error * abs(motion[[0, 2]]).max(axis=0))[None]
 
 
 def _in_plan(row: Row, motion: np.ndarray) -> np.ndarray:
-    """u_x, u_y and u_z of u_s, u_t and u_z."""
+    """Rotate (u_s, u_t, u_z) to (u_x, u_y, u_z)."""
     if row.angle == 0:
         return motion
     (xs, ys), (xt, yt) = turn(row.angle)
@@ -240,23 +244,23 @@ def crossed_beam(
     transducers : tuple of Transducer
         Each with two electrodes.
     width : float
-        Of the surface along y, m; its sides absorb.
+        Width of the surface along y, m; its sides absorb.
     frequency : float
         Hz.
     drive : str or Drive
         Its first source drives a transducer of the first row.
     solve : callable
-        Solves a section: from the stator and the transducers of a row, its drive and the places (m along the row) that
-        matter returns a `SurfaceWave`.
+        Solver of one section: called with the stator and the transducers of a row, its drive and the points (m along
+        the row) at which the error matters; returns a `SurfaceWave`.
     places : tuple of (float, float)
-        x and y in m, where the field matters; the middle of the surface if empty.
+        Points x and y in m at which the error matters; the centre of the surface if empty.
 
     Raises
     ------
     BeamError
-        For another solid or other ends, or a transducer without two electrodes.
+        If the solid is not isotropic about z, the ends do not absorb, or a transducer lacks one of its electrodes.
     ValueError
-        For a layout that is impossible.
+        If the layout is impossible.
     """
     check_plan(stator, width, transducers)
     if stator.ends != "absorbing" or not isotropic_about_normal(stator.solid):
@@ -294,7 +298,7 @@ def crossed_beam(
 
 
 def _own(drive: Drive, row: Row) -> Drive:
-    """The drive of a row alone; one without sources is driven at its first transducer."""
+    """Drive for solving one row alone; a row without sources is driven at its first transducer."""
     sources = {each.name: drive.sources[each.name] for each in row.transducers if each.name in drive.sources}
     return (
         replace(drive, sources=sources)
@@ -304,7 +308,7 @@ def _own(drive: Drive, row: Row) -> Drive:
 
 
 def _part(circuit: Circuit, names: tuple[str, ...], row: Row) -> Circuit:
-    """The ports of a row; where none of them is driven all count as sources of its power balance."""
+    """Part of the circuit at the ports of a row; if none is driven, the power balance takes all ports as sources."""
     index = [circuit.names.index(name) for name in names]
     sources = [index.index(at) for at in circuit.sources if at in index] or range(len(index))
     return replace(

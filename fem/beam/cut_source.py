@@ -114,8 +114,8 @@ class CutSource:
 
     @property
     def rough(self) -> "CutSource":
-        """On half of the basis, to 1e-3, at a fifth of the cost."""
-        return replace(self, reduced=self.reduced.half, _spectra={})
+        """On half of the basis, to 1e-3 at a fifth of the cost; as it is where x -> -x is a symmetry."""
+        return self if self.reduced.odd is not None else replace(self, reduced=self.reduced.half, _spectra={})
 
     def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
         """As of `LineSource`, for real lateral wavenumbers."""
@@ -250,17 +250,14 @@ class _Reduced(NamedTuple):
 
     @property
     def half(self) -> "_Reduced":
-        """The same on the half of the vectors, of either parity, that counts most."""
-        groups = (
-            [np.arange(len(self.surface.T))]
-            if self.odd is None
-            else map(np.flatnonzero, (self.odd, ~self.odd))
-        )
-        kept = np.concatenate([group[: (len(group) + 1) // 2] for group in groups])
-        matrices = [tuple(each[np.ix_(kept, kept)] for each in parts) for parts in self.matrices.coefficients]
-        odd = None if self.odd is None else self.odd[kept]
+        """The same on the half of the vectors that counts most, without their parity."""
+        kept = slice((len(self.surface.T) + 1) // 2)
+        matrices = [tuple(each[kept, kept] for each in parts) for parts in self.matrices.coefficients]
         return self._replace(
-            basis=self.basis[:, kept], matrices=_Polynomials(matrices), surface=self.surface[:, kept], odd=odd
+            basis=self.basis[:, kept],
+            matrices=_Polynomials(matrices),
+            surface=self.surface[:, kept],
+            odd=None,
         )
 
     def response(self, along: complex, lateral: complex) -> np.ndarray:

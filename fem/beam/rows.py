@@ -1,4 +1,4 @@
-"""Rows of parallel transducers: what one section holds, in the axes of their waves."""
+"""Rows of parallel transducers, each of which one section describes in axes s along and t across its waves."""
 
 from dataclasses import dataclass, replace
 
@@ -7,8 +7,9 @@ import numpy as np
 from fem.circuit import Drive, as_drive
 from fem.geometry import Stator, Transducer, turn
 
-PARALLEL = 1e-9  # rad
-ROOM = 4.0  # periods beyond a turned row's diagonal, for the lines of `crossed_beam._interpolated`
+PARALLEL = 1e-9  # rad; transducers whose angles differ by less are parallel
+# Periods added to the length of a rotated row, so that the grid of `crossed_beam._interpolated` lies on its stator.
+ROOM = 4.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,13 +19,13 @@ class Row:
     Attributes
     ----------
     angle : float
-        Of s from x, rad, above -pi/2 and up to pi/2.
+        Angle from x to s in rad, above -pi/2 and up to pi/2.
     stator : Stator
-        Along s.
+        The stator of the section, which extends along s.
     transducers : tuple of Transducer
-        Their places are s and t; one turned by pi has its fingers in the reverse order.
+        With s and t as their centres.  The fingers of a transducer rotated by pi are in reverse order.
     middle : tuple of float
-        x and s of the stator's middle, m.
+        x and s of the stator's centre, m.
     """
 
     angle: float
@@ -33,7 +34,7 @@ class Row:
     middle: tuple[float, float]
 
     def local(self, x, y) -> tuple[np.ndarray, np.ndarray]:
-        """Places s and t in m of places x and y."""
+        """Coordinates s and t in m of points (x, y) in m."""
         if self.angle == 0:
             return np.asarray(x, dtype=float), np.asarray(y, dtype=float)
         (xs, ys), (xt, yt) = turn(self.angle)
@@ -42,21 +43,21 @@ class Row:
 
     @property
     def along_an_axis(self) -> bool:
-        """Whether a grid of x and y is one of s and t."""
+        """True if s lies along x or y, so that a grid in x and y is also a grid in s and t."""
         return bool(np.any(turn(self.angle)[0] == 0))
 
 
 def rows_of(
     stator: Stator, width: float, transducers: tuple[Transducer, ...], drive: str | Drive
 ) -> tuple[Row, ...]:
-    """Rows of a stator's transducers; the first is the driven one whose waves run nearest to x."""
+    """Group a stator's transducers into rows; the first is the driven row whose waves run nearest to x."""
     rows: list[Row] = []
     for each in transducers:
         angle = each.angle - np.pi * np.ceil(each.angle / np.pi - 0.5 - PARALLEL)
         if abs(angle) < PARALLEL:
             angle = 0.0
         reversed_order = np.cos(each.angle - angle) < 0
-        length = stator.length  # of a turned row: its diagonal and room for the lines of `_interpolated`
+        length = stator.length  # a rotated row extends over the diagonal of the surface, and ROOM
         if angle:
             length = float(np.hypot(length, width)) + ROOM * max(other.period for other in transducers)
         row = Row(
@@ -84,10 +85,11 @@ def rows_of(
 
 
 def _clear(one: Transducer, others: tuple[Transducer, ...]) -> bool:
+    """True if a transducer overlaps none of the others along s."""
     (left, right), spans = one.extent, [each.extent for each in others]
     return all(right < start or stop < left for start, stop in spans)
 
 
 def driven_names(row: Row, drive: Drive) -> list[str]:
-    """Transducers of a row that have a source."""
+    """Names of the transducers of a row that have a source."""
     return [each.name for each in row.transducers if drive.sources.get(each.name)]

@@ -1,21 +1,21 @@
-"""Surface motion in three dimensions of a stator whose fingers end at y = +-W/2, per volt of the source.
+"""Surface beam: motion of the surface in three dimensions, computed from the charges on fingers of finite length.
 
-A finger's charge is a sum of sheets, uniform over |y| < L_b / 2 (charges.py): the aperture and, for solids isotropic
-about z between absorbing ends, shorter ones, by the mean potentials over the fingers (own_aperture.py, reception.py);
-in other cuts and between reflecting ends it is the section's, uniform along y.  For every lateral wavenumber the bare
-stator's response to it is a sum of guided modes (line_source.py): at x, what the charges q_j to the left send,
+The fingers end at y = +-W/2, and motions are per volt of the source.  The charge of a finger is a sum of sheets, each
+uniform over |y| < L_b / 2 (charges.py).  In a solid isotropic about z with absorbing ends there is one sheet over the
+whole aperture and several shorter ones, whose charges follow from the mean potentials over the fingers
+(own_aperture.py, reception.py).  In other cuts and between reflecting ends the charge is that of the section, uniform
+along y.  For every lateral wavenumber k_y the bare stator's response to the charge is a sum of guided modes p
+(line_source.py).  The charges q_j at x_j < x contribute at x, for a sheet of length W,
 
     u(x, y) = int dk_y / 2 pi  W sinc(k_y W / 2) exp(-i k_y y) sum_p a_p(k_y) sum_j q_j exp(-i kappa_p (x - x_j)),
 
-for a sheet of length W, and the same from the right.  The contributions of all transducers add up: massless fingers
-scatter by their charges alone.  So the field is known between and under the fingers too.  Free and clamped ends add
-what they send back at each k_y (faces.py).
+and those to the right of x contribute a similar sum over the modes that run to the left.  The contributions of all
+transducers add up, also between and under the fingers, because massless fingers scatter by their charges alone.  Free
+and clamped ends add the waves that they reflect at each k_y (faces.py).  On the axis y = 0, u_y vanishes by symmetry.
 
-On the axis y = 0, u_y vanishes by symmetry.
-
-Nothing nearer than a wavelength to the fingers' ends is resolved (evanescent modes that reach less far end there with
-the aperture).  A strongly coupled plate mode near its cut-off changes the charge all along short fingers
-(tests/fem/beam/test_volume.py).
+Limits: the field is not resolved within a wavelength of the fingers' ends, because evanescent modes with a shorter
+range are cut off at the edge of the aperture.  A strongly coupled plate mode near its cut-off changes the charge all
+along short fingers (tests/fem/beam/test_volume.py).
 """
 
 from collections.abc import Sequence
@@ -41,18 +41,21 @@ from fem.results.solution import Solution, driven_solution
 GROUPS = (
     1.0,
     8.0,
-)  # wavelengths from the charges between which points share a rule; nothing nearer is resolved in y
-# of the difference to fewer steps along the fingers that is left; 0.2 to 0.4 seen (test_finger_ends.py)
+)  # wavelengths from the charges: limits of the groups of points that share a quadrature rule in k_y
+# Error by the steps of the charge along the fingers, over the change by taking fewer steps.  Measured ratios are 0.2 to
+# 0.4 (test_finger_ends.py).
 COARSER_SHARE = 0.5
-CHUNK = 2000  # points at a time whose distances to all fingers, or whose spectra, are tabulated
-FULL_GRID = 4  # points of the grid of all x and y per point asked for, up to which the whole grid is computed
-RULES = 4  # of the integral over k_y: all nodes, half, a quarter, and an earlier end
-TINY = 1e-300
-SAME_STEP = 1e-15  # m: steps from node to node that differ by less share their phases
+CHUNK = 2000  # points for which distances or spectra are tabulated at a time, to limit memory
+# The field is computed on the whole grid of all x and y if that has at most this many points per requested point.
+FULL_GRID = 4
+# Quadrature rules in k_y: all nodes, every second, every fourth, and one that ends at a smaller k_y.
+RULES = 4
+TINY = 1e-300  # avoids division by zero
+SAME_STEP = 1e-15  # m: steps from node to node that differ by less share their phase factors
 
 
 class BeamError(ValueError):
-    """A stator whose field in three dimensions is not covered, and why."""
+    """Raised for a stator whose field in three dimensions is not covered; the message says why."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,20 +65,21 @@ class SurfaceBeam:
     Attributes
     ----------
     wave : SurfaceWave
-        Of the section.
+        Solution of the section.
     solution : Solution
-        Ports and circuit with each transducer receiving the mean of the beams over its aperture.
+        Voltages and currents if each transducer receives the mean of the beams over its aperture.
     source : LineSource or CutSource
+        Response of the bare stator to a line of charge.
     charges : tuple of ElectrodeCharges
-        Of each transducer from left to right.
+        One per transducer, from left to right.
     apertures, centers : tuple of float
-        Sizes and middles along y, m.
+        Length and centre of the fingers of each transducer along y, m.
     mirror_width : float or None
-        m between two side faces that reflect like mirrors; None where nothing comes back from the sides.
+        Distance in m of two side faces that reflect like mirrors; None if the sides do not reflect.
     complete : bool
-        Whether all modes of the section take part.
+        True if all modes of the section take part.
     faces : Faces or None
-        Free or clamped ends; None where they absorb.
+        Free or clamped ends; None if the ends absorb.
 
     Examples
     --------
@@ -99,8 +103,8 @@ class SurfaceBeam:
         Parameters
         ----------
         x, y : float or ndarray
-            m from the stator's left end and from its middle line; broadcast against each other.  Many
-            points at few x, or on a grid, cost little more than few points.
+            Distances in m from the stator's left end and from its middle line, broadcast against each other.  Many
+            points at few different x, or on a grid, cost little more than a few points.
 
         Returns
         -------
@@ -109,19 +113,23 @@ class SurfaceBeam:
         Raises
         ------
         BeamError
-            Outside the stator.
+            If a point lies outside the stator.
         """
         return self._by_rules(x, y)[0]
 
     def relative_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
-        """Estimate of the error over max(|u_x|, |u_z|) at each point: the integral's, the section's, the modes'.
+        """Estimate of the error over max(|u_x|, |u_z|) at each point.
 
-        The integral's follows from half and a quarter of the nodes, whose errors e_2 and e_4 make e_2^2 / e_4 probable:
-        right where errors fall by a power of the spacing, stay or, with e_4 near 1, fall exponentially.  In cuts whose
-        integral ends before all waves are evanescent along x, what an earlier end changes is added.  The section's
-        error is relative to the section's amplitude, which interference may make larger than the beam's.  The modes' is
-        what their sum at k_y = 0 leaves of the section's motion; nearer than a wavelength to the fingers the field
-        contains it as far as the aperture goes.
+        It is the sum of three errors.
+
+        1. The error of the integral over k_y.  The rules with a half and a quarter of the nodes differ from the full
+           rule by e_2 and e_4, and the error is estimated as e_2^2 / e_4.  This is right if errors are a power of the
+           node spacing, do not depend on it or, with e_4 near 1, fall exponentially.  In cuts where the integral ends
+           before all waves are evanescent along x, the change by an earlier end is added.
+        2. The error of the section's solution.  It is relative to the amplitude in the section, which can be larger
+           than the amplitude of the beam where waves interfere.
+        3. The part of the section's motion that the sum of modes at k_y = 0 does not represent.  Within a wavelength of
+           the fingers this part is added to the field over the width of the aperture.
         """
         return self.motion_and_error(x, y)[1]
 
@@ -133,7 +141,7 @@ class SurfaceBeam:
         second, fourth = (abs(fine - each).max(axis=0) / largest for each in (half, quarter))
         rule = second**2 / np.clip(fourth, np.maximum(second, TINY), 1.0) * largest / size
         rule = rule + abs(fine - narrow).max(axis=0) / size
-        if self.faces is not None:  # whose static part depends on |k_y|
+        if self.faces is not None:  # the static part of the reflection depends on |k_y|
             static = self._returned(*(each.ravel() for each in np.broadcast_arrays(x, y)), self.faces.static)
             rule = rule + abs(static[0, 0]).reshape(size.shape) / size
         places, where = np.unique(np.broadcast_to(x, size.shape), return_inverse=True)
@@ -144,28 +152,28 @@ class SurfaceBeam:
 
     @property
     def length(self) -> float:
-        """Of the surface, m."""
+        """Length of the surface, m."""
         return self.wave.length
 
     def in_section(self, x: float, y: float) -> float:
-        """Where a place in m lies on the line of the section `wave`, m."""
+        """Coordinate x in m, in the section `wave`, of a point (x, y) in m."""
         return x
 
     @property
     def circuit(self) -> Circuit:
-        """Voltages and currents that belong to the motion."""
+        """Voltages and currents of the circuit for this motion."""
         return self.solution.circuit
 
     @cached_property
     def power(self) -> PowerBalance:
-        """Where the power goes, of the mean waves over the apertures."""
+        """Power balance of the waves averaged over the apertures."""
         if self.solution.fields is self.wave.solution.fields:
             return self.wave.power
         return power_balance(self.solution)
 
     @cached_property
     def coarser(self) -> "SurfaceBeam | None":
-        """The same with fewer steps of the charge along the fingers; None where the charge has none."""
+        """The same beam with fewer steps of the charge along the fingers; None if the charge is uniform."""
         steps = [len(each.steps) for each in self.charges]
         if not any(steps):
             return None
@@ -178,10 +186,10 @@ class SurfaceBeam:
         return None
 
     def charge_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray | None:
-        """What is left of |u_z| by the steps of the charge along the fingers: against fewer of them.
+        """Relative error of |u_z| by the finite number of steps of the charge along the fingers.
 
-        It bounds the difference to 100 steps in combs of PZT (tests/fem/beam/test_finger_ends.py).  None where the
-        charge is uniform along the fingers.
+        It is estimated from the change by taking fewer steps.  It bounds the difference from 100 steps in transducers
+        on PZT (tests/fem/beam/test_finger_ends.py).  None if the charge is uniform along the fingers.
         """
         if self.coarser is None:
             return None
@@ -189,10 +197,11 @@ class SurfaceBeam:
         return COARSER_SHARE * abs(abs(self.coarser.motion(x, y)[2]) - abs(here)) / abs(here)
 
     def unresolved(self, x: float, y: float) -> bool:
-        """Return whether a place (m) is beside fingers or within a wavelength of their ends, in a cut of `CutSource`.
+        """True if a point (m) lies beside fingers or within a wavelength of their ends and the source is a `CutSource`.
 
-        What leaves at more than 45 degrees is left out there, which the error does not contain: 0.06 to 6 of the motion
-        on YZ lithium niobate, 0.01 from a wavelength before the fingers on.
+        The field lacks the waves that leave at more than 45 degrees there, and `relative_error` does not include them.
+        On YZ lithium niobate they are 0.06 to 6 times the motion, and 0.01 of it a wavelength or more before the
+        fingers.
         """
         near = abs(self._resolved)
         return isinstance(self.source, CutSource) and any(
@@ -202,25 +211,31 @@ class SurfaceBeam:
         )
 
     def with_side_faces(self, width: float | None) -> "SurfaceBeam":
-        """The same charges between mirrors a width apart, or None, in m; the waves to 1e-3, for an estimate."""
+        """The beam of the same charges between mirrors a width (m) apart, or None; for estimates, accurate to 1e-3."""
         return replace(self, mirror_width=width, source=self.source.rough)
+
+    def with_longer_fingers(self, periods: float) -> "SurfaceBeam":
+        """The same charges per length on fingers that are longer at both ends, by a part of their period."""
+        longer = (each.aperture + 2 * periods * each.period for each in self.solution.fields.transducers)
+        return replace(self, apertures=tuple(longer))
 
     @property
     def surface_mode(self) -> "SurfaceBeam":
-        """The part of the field that the surface wave alone carries."""
+        """The same beam with the field of the surface wave alone."""
         returned = self.faces and self.faces.surface_mode
         return replace(self, source=self.source.surface_mode, complete=False, faces=returned)
 
     def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
-        """Slowness curve: wavenumber along x of the surface wave, as it decays, at real lateral wavenumbers, rad/m.
+        """Slowness curve: complex wavenumber along x of the surface wave at real lateral wavenumbers, rad/m.
 
-        Its slope at 0 is minus the tangent of the power-flow angle; -k times its second derivative is 1 + gamma.
+        Its slope at 0 is minus the tangent of the power-flow angle; -k times its second derivative at 0 is 1 + gamma,
+        gamma the anisotropy parameter of the diffraction.
         """
         return self.source.surface_wavenumbers(np.asarray(lateral, dtype=float))
 
     @cached_property
     def _sheets(self) -> list[ChargeSheet]:
-        """Uniform charges of all transducers from left to right."""
+        """Charge sheets of all transducers, from left to right."""
         each = zip(self.charges, self.apertures, self.centers, strict=True)
         return [sheet for charges, aperture, center in each for sheet in charges.sheets(aperture, center)]
 
@@ -237,7 +252,7 @@ class SurfaceBeam:
         return _charges_of(self.wave.solution)
 
     def _by_rules(self, x, y) -> tuple[np.ndarray, ...]:
-        """Motion by the rule, by half and a quarter of its nodes, and by one that ends at smaller k_y."""
+        """Motion by all RULES of the integral over k_y."""
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         shape, x, y = x.shape, x.ravel(), y.ravel()
         self._refuse(x, y)
@@ -263,7 +278,7 @@ class SurfaceBeam:
             raise BeamError(f"y must be finite and lie between the side faces, +-{limit:g} m")
 
     def _modal(self, x, y, distance: float) -> np.ndarray:
-        """Sum of the modes at points at least a distance from all charges, by all rules, (RULES, 3, points)."""
+        """Sum of the modes at points no nearer than ``distance`` to any charge, shape (RULES, 3, points)."""
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
         total = np.zeros((RULES, 3, len(x)), dtype=complex)
@@ -278,7 +293,7 @@ class SurfaceBeam:
         return total
 
     def _returned(self, x, y, modes) -> np.ndarray:
-        """What the faces send back in some modes, by all rules, (RULES, 3, points)."""
+        """Motion of the waves that the end faces reflect, in some modes, shape (RULES, 3, points)."""
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
         found = self.faces.returned(self._reach(y), _sources(self._sheets), self.mirror_width)
@@ -287,14 +302,15 @@ class SurfaceBeam:
         )
 
     def _reach(self, y) -> float:
-        """Farthest lateral distance from points to an end of a finger, m."""
+        """Largest distance along y from a point to the end of a finger, m."""
         spans = np.subtract.outer(y, self.centers)
         return float((abs(spans) + np.divide(self.apertures, 2)).max())
 
     def _inverse(self, waves, sent_by, lines, column, row) -> np.ndarray:
-        """Fields of waves at points, by all rules, (RULES, 3, points); ``column`` of the places, ``row`` of y.
+        """Inverse Fourier transform from k_y to y, shape (RULES, 3, points).
 
-        ``sent_by``: spectra of u at the places, (places, 3, n), from those of the apertures, (transducers, n).
+        ``sent_by`` maps the spectra of the charge sheets, (sheets, n), to the spectra of u at the different x,
+        (places, 3, n).  Point number i has the x of index ``column[i]`` and the y ``lines[row[i]]``.
         """
         count, sent = len(column), None
         lateral, weights = waves.rule.nodes, waves.rule.weights / 2
@@ -326,7 +342,7 @@ class SurfaceBeam:
         return total
 
     def _local(self, x, y) -> np.ndarray:
-        """What the section has beyond the modes above, within the aperture of the nearest transducer, (3, points)."""
+        """Part of the section's motion beyond the modes, within the aperture of the nearest transducer, (3, points)."""
         places, column = np.unique(x, return_inverse=True)
         nodes = self._section_nodes
         nearest = nodes.owner[abs(places[:, None] - nodes.x).argmin(axis=1)]
@@ -335,13 +351,13 @@ class SurfaceBeam:
         return np.insert(self._beyond_the_modes(places), 1, 0.0, axis=0)[:, column] * within
 
     def _distances(self, x) -> np.ndarray:
-        """Of places to the nearest charge, m."""
+        """Distance along x from each point to the nearest charge, m."""
         nodes = self._nodes.x
         after = np.searchsorted(nodes, x).clip(1, len(nodes) - 1)
         return np.minimum(abs(x - nodes[after - 1]), abs(x - nodes[after]))
 
     def _beyond_the_modes(self, places) -> np.ndarray:
-        """Motion of the section less that of the modes at k_y = 0 from the same charges, shape (2, places)."""
+        """Motion of the section minus that of the modes at k_y = 0 by the same charges, shape (2, places)."""
         nodes, source, ones = self._section_nodes, self.source, np.ones((len(self.apertures), 1))
         sent = sum(_sent(nodes, branch, places, ones) for branch in source.plane(self._resolved))[..., 0]
         if self.faces is not None:
@@ -379,7 +395,7 @@ class SurfaceBeam:
 
 
 class _Nodes(NamedTuple):
-    """Places and charges of all nodes from left to right, and the transducers and fingers that they belong to."""
+    """Positions and charges of all nodes from left to right, and the transducer and finger of each."""
 
     x: np.ndarray
     charge: np.ndarray
@@ -388,7 +404,7 @@ class _Nodes(NamedTuple):
 
 
 def beam_refusal(stator: Stator) -> str:
-    """Why the field in three dimensions of a stator is not known, in a sentence; empty where it is."""
+    """Sentence that says why a stator's field in three dimensions cannot be computed; empty if it can."""
     if stator.pieces:
         return "the field in three dimensions of a stator with meshed pieces is not computed"
     if stator.ends != "absorbing" and not isotropic_about_normal(stator.solid):
@@ -419,7 +435,7 @@ def _nodes_of(charges: Sequence[ElectrodeCharges | ChargeSheet]) -> _Nodes:
 
 
 def _sent(nodes: _Nodes, branch: Branch, places, spectra) -> np.ndarray:
-    """Spectra of u at places from the charges that send a branch there, shape (places, 3, n)."""
+    """Spectra of u at the positions ``places`` by all charges upstream of them in one branch, shape (places, 3, n)."""
     side, along = branch.side, branch.along
     out = np.zeros((len(places), 3, len(spectra[0])), dtype=complex)
     if not along.size:
@@ -431,7 +447,8 @@ def _sent(nodes: _Nodes, branch: Branch, places, spectra) -> np.ndarray:
     arrived = np.zeros((len(along), len(spectra[0])), dtype=complex)
     steps: dict[int, np.ndarray] = {}
     before, sends = 0.0, False
-    for number in np.lexsort((side * is_place, at)):  # a charge counts at its own place, once
+    # Walk downstream from charge to charge.  The sort counts a charge at its own position in one direction only.
+    for number in np.lexsort((side * is_place, at)):
         if sends and at[number] != before:
             key = round((at[number] - before) / SAME_STEP)
             if key not in steps:
@@ -447,9 +464,10 @@ def _sent(nodes: _Nodes, branch: Branch, places, spectra) -> np.ndarray:
 
 
 def _sources_beside(nodes: _Nodes, places, along) -> tuple[np.ndarray, np.ndarray, list]:
-    """Places of the charges, their transducers, and what each sends, a number or of the shape of ``along`` (signed).
+    """Positions of the charges, their transducers, and their amplitudes (numbers, or arrays of the shape of ``along``).
 
-    A finger on which no place lies counts as one, by the exponentials' Taylor series about its middle.
+    All charges of a finger without any requested position on it are combined to one source at its centre, by the Taylor
+    series of the exponentials about the centre.  ``along`` is signed by the direction of the branch.
     """
     fingers = Fingers.of(nodes.x, nodes.charge, nodes.finger)
     ordered = np.sort(places)
@@ -470,13 +488,13 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     Parameters
     ----------
     wave : SurfaceWave
-        Of `fem.driven_wave`.  Between free or clamped ends, and unless the solid is isotropic about z, the first
-        evaluation takes some seconds, for a problem at every lateral wavenumber, and transducers receive as in the
-        section.
+        Result of `fem.driven_wave`.  With free or clamped ends, or if the solid is not isotropic about z, the first
+        evaluation takes some seconds, because a problem is solved at every lateral wavenumber, and the transducers
+        receive as in the section.
     mirror_width : float, optional
-        Distance in m of two side faces that reflect like mirrors (u_y = 0, no shear traction); without, the stator is
-        infinitely wide.  Free faces are neither: the difference shows how much the width could matter.  In cuts without
-        the symmetry y -> -y the images repeat the field, unmirrored.
+        Distance in m of two side faces that reflect like mirrors (u_y = 0, no shear traction).  By default the stator
+        is infinitely wide.  A real stator has free faces, for which neither holds: the difference of both answers shows
+        how much the width can matter.  In cuts without the symmetry y -> -y the images repeat the field, unmirrored.
 
     Returns
     -------
@@ -485,9 +503,9 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     Raises
     ------
     BeamError
-        For free or clamped ends in cuts that are not isotropic about z, and a width smaller than an aperture.
+        If the ends are free or clamped and the solid is not isotropic about z, or an aperture exceeds the width.
     InputError
-        For an aperture below half a wavelength.
+        If an aperture is less than half a wavelength.
     """
     solution = wave.solution
     refusal = beam_refusal(solution.fields.stator)
@@ -512,7 +530,7 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
 
 
 def aperture_beam(wave: SurfaceWave, solution: Solution, mirror_width: float | None = None) -> SurfaceBeam:
-    """Field of the charges of a solution, whose circuit may be part of a larger one."""
+    """Beam of the charges of a solution; its circuit may be a part of a larger one (`crossed_beam`)."""
     transducers, stator = solution.fields.transducers, solution.fields.stator
     isotropic = isotropic_about_normal(stator.solid)
     source = line_source(solution.fields.modes) if isotropic else cut_source(solution.fields)

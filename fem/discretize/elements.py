@@ -1,8 +1,8 @@
-"""Elements and unknowns through the depth of a stator.
+"""Sizes of the elements through the depth of a stator, and the numbering of the unknowns on a vertical line.
 
-Elements are graded geometrically towards the surface, where the charge of a finger edge is singular (r^-1/2), by a
-fixed ratio per layer, and towards the bottom where a clamped face meets a free one.  An absorbing bottom is described
-in absorber.py.
+The elements shrink by a fixed ratio per layer towards the surface, where the charge at a finger edge is singular
+(r^-1/2), and towards a bottom corner where a clamped face meets a free one.  An absorbing bottom is described in
+absorber.py.  The matrices of the elements (stiffness, inertia) are integrated in forms.py, and on meshes in quads.py.
 """
 
 import numpy as np
@@ -17,9 +17,10 @@ from fem.materials import fields as coupled_fields
 from fem.materials.medium import medium, units, vacuum_medium
 
 HALF_SPACE_DEPTH, MAX_DEPTH = 2.0, 8.0  # wavelengths of ordinary solid above the absorbing layer
-# Wavelengths; the near field of a wider finger needs no layers of its own through the depth.
+# Wavelengths: least height of the element that is graded; under narrower fingers it is divided into more layers.
 FINGER_SCALE = 0.125
-MAX_UNKNOWNS, TYPICAL_ORDER = 2000, 7  # of a line; a driven stator with as many takes
+# Most unknowns on a vertical line, at a typical polynomial order; a driven stator then takes about MINUTES_AT_MAX.
+MAX_UNKNOWNS, TYPICAL_ORDER = 2000, 7
 MINUTES_AT_MAX = 10
 # Length units; the field of a transducer without net charge decays as the square of the distance.
 VACUUM_HEIGHT = 64.0
@@ -34,19 +35,27 @@ def discretise(
     lateral: bool = False,
     least_depth: float = HALF_SPACE_DEPTH,
 ) -> Section:
-    """Elements and unknowns through the depth of a stator.
+    """Divide the depth of a stator into elements and number the unknowns of a vertical line.
 
     Parameters
     ----------
+    stator : Stator
+    resolution : Resolution
     wavelength : float
-        Of the slowest bulk wave at the drive frequency, in m: it sets the largest element.
+        Wavelength of the slowest bulk wave at the drive frequency in m; it limits the size of the elements.
     surface_scale : float
-        Length in m over which the surface's electrodes vary (half a finger): the graded element's height; infinite
-        where there is no electrode.
+        Length in m over which the electrodes vary along the surface (half a finger); it sets the height of the graded
+        element.  Infinite if there is no electrode.
     lateral : bool
-        The fields will have a lateral wavenumber: all displacements, and phi of a piezoelectric solid, take part.
+        True if the fields will have a lateral wavenumber, so that all displacements, and phi in a piezoelectric solid,
+        take part.
     least_depth : float
-        Wavelengths of ordinary solid above an absorbing layer, all that a half-space has.
+        Least depth of ordinary solid above an absorbing layer, in wavelengths; a half-space has exactly this depth.
+
+    Raises
+    ------
+    ConvergenceError
+        If the plate is so thick that a line would have many more unknowns than MAX_UNKNOWNS.
     """
     names = lateral_fields(stator.solid) if lateral else coupled_fields(stator.solid)
     body = medium(stator.solid, names)
@@ -63,7 +72,7 @@ def discretise(
     layers = resolution.edge_layers if np.isfinite(surface_scale) else 0
     depth = stator.thickness / unit if np.isfinite(stator.thickness) else least_depth
     if stator.absorbs_below:
-        # Any thickness is the same half-space; too near the surface the layer errs by 1e-4.
+        # Every thickness stands for the same half-space, but an absorbing layer near the surface causes errors of 1e-4.
         depth = min(max(depth, least_depth), MAX_DEPTH)
     scale = surface_scale / unit
     top = min(max(scale, FINGER_SCALE), depth / 2, largest) if layers else min(depth, largest)
@@ -107,11 +116,12 @@ def discretise(
 
 
 def lateral_fields(solid) -> tuple[str, ...]:
-    """Fields that take part where something depends on y."""
+    """Names of the fields that take part if the solution depends on y."""
     return ("ux", "uy", "uz", "phi") if solid.is_piezoelectric else ("ux", "uy", "uz")
 
 
 def _surface_speed(solid) -> float | None:
+    """Velocity of the half-space's Rayleigh wave in m/s; None if it is leaky."""
     try:
         return rayleigh(solid, "open").velocity
     except ConvergenceError:
@@ -119,6 +129,7 @@ def _surface_speed(solid) -> float | None:
 
 
 def _numbered(names, solid_elements, elements, order, stator) -> np.ndarray:
+    """Number of each field's unknown at each node of a line, shape (nodes, 4); -1 if absent or fixed at zero."""
     exists = np.zeros((elements * order + 1, 4), dtype=bool)
     for name in names:
         exists[: solid_elements * order + 1, FIELD_COLUMN[name]] = True

@@ -1,7 +1,8 @@
-"""Weak form of time-harmonic piezoelectricity (medium.py), element by element.
+"""Element matrices: stiffness, piezoelectric coupling, permittivity and inertia integrated over one element.
 
-On a tensor grid of a homogeneous medium an element's matrix is a sum of Kronecker products of the matrices of a line
-(spectral.py); the same form for a general mesh is written for scikit-fem.
+They discretise the weak form of time-harmonic piezoelectricity (medium.py).  In a rectangular element of a homogeneous
+medium every integral is a product of integrals along x and z, so that the element's matrix is a sum of Kronecker
+products of one-dimensional matrices (spectral.py).  For a general mesh the same form is written for scikit-fem.
 """
 
 from functools import lru_cache
@@ -16,7 +17,7 @@ from fem.materials.medium import Medium
 def scikit_fem_derivatives():
     """Scalar forms (d_x v)(d_x u), (d_x v)(d_z u), (d_z v)(d_z u) and v u for a scikit-fem basis in (x, z).
 
-    All real: complex factors come with the tables that multiply them.
+    All are real: complex factors are contained in the tables of moduli that multiply them.
     """
     from skfem import BilinearForm
 

@@ -17,6 +17,11 @@ PHASES = {"rad": 1.0, "deg": np.pi / 180.0}
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
 
 
+def file_error(path: Path, option: str, rule: str) -> SceneError:
+    """Return the error that a file, named by an option of the command, breaks a rule."""
+    return SceneError(option, f"{str(path)!r} {rule}")
+
+
 @dataclass(frozen=True, kw_only=True)
 class Heads:
     """The columns of a file as text, with the option of the command that named it."""
@@ -40,9 +45,13 @@ class Heads:
             return None
         if len(matches) != 1:
             rule = f"must have one column {noun}_UNIT with a unit of {', '.join(units)}, got {', '.join(own)}"
-            raise SceneError(self.option, f"{str(self.path)!r} {rule}")
+            raise self.error(rule)
         at, unit = self.names.index(matches[0]), matches[0].removeprefix(f"{noun}_")
         return np.array([self._number(k, at) for k in range(len(self.rows))]) * units[unit], unit
+
+    def error(self, rule: str) -> SceneError:
+        """Return the error that this file breaks a rule."""
+        return file_error(self.path, self.option, rule)
 
     def _number(self, row: int, column: int) -> float:
         text = self.rows[row][column] if column < len(self.rows[row]) else ""

@@ -18,7 +18,16 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.lab.heads import DISPLACEMENTS, FREQUENCIES, PHASES, PLACES, VELOCITIES, VOLTAGES, Heads
+from studies.lab.heads import (
+    DISPLACEMENTS,
+    FREQUENCIES,
+    PHASES,
+    PLACES,
+    VELOCITIES,
+    VOLTAGES,
+    Heads,
+    file_error,
+)
 from studies.refusal import RunError, SceneError
 
 COMPONENTS = ("u_x", "u_y", "u_z")
@@ -128,20 +137,18 @@ def scan_of_columns(heads: Heads) -> Scan:
         heads.column("frequency", FREQUENCIES),
     )
     if x is None and y is None and frequency is None:
-        raise SceneError(
-            heads.option,
-            f"{str(heads.path)!r} must have a column x_UNIT, y_UNIT or frequency_UNIT, got {', '.join(heads.names)}",
+        raise heads.error(
+            f"must have a column x_UNIT, y_UNIT or frequency_UNIT, got {', '.join(heads.names)}"
         )
     values, unit = _values(heads, noun, units)
     deviation = heads.column(f"{noun}_standard_deviation", units)
     if deviation is not None and np.min(deviation[0]) <= 0.0:
-        raise SceneError(
-            heads.option,
-            f"{str(heads.path)!r}: {noun}_standard_deviation must be positive, got {float(np.min(deviation[0])):g}",
+        raise heads.error(
+            f"must have a {noun}_standard_deviation that is positive, got {float(np.min(deviation[0])):g}"
         )
     voltage = heads.column("voltage", VOLTAGES)
     if voltage is not None and np.ptp(voltage[0]) > 0.0:
-        raise SceneError(heads.option, f"{str(heads.path)!r} must hold one voltage_V, got several")
+        raise heads.error("must hold one voltage_V, got several")
     zeros = np.zeros(len(heads.rows))
     # a place that no column says is the slider's, or the stator's middle: NaN until the scene is known
     unknown = zeros * np.nan
@@ -159,10 +166,7 @@ def _motion(heads: Heads) -> str:
     known = [f"{kind}_{axis}" for kind in "uv" for axis in "xyz"]
     motions = sorted({each for each in known for name in heads.names if name.startswith(f"{each}_")})
     if len(motions) != 1:
-        raise SceneError(
-            heads.option,
-            f"{str(heads.path)!r} must hold one motion, such as u_z, got {', '.join(motions) or 'none'}",
-        )
+        raise heads.error(f"must hold one motion, such as u_z, got {', '.join(motions) or 'none'}")
     return motions[0]
 
 
@@ -170,31 +174,21 @@ def _values(heads: Heads, noun: str, units) -> tuple[np.ndarray, str]:
     """Return the motion, complex or magnitudes, and its unit."""
     real, imaginary = (heads.column(f"{noun}_{part}", units) for part in ("real", "imag"))
     size, phase = heads.column(f"{noun}_magnitude", units), heads.column(f"{noun}_phase", PHASES)
-    where = f"{str(heads.path)!r}"
     if (real is None) != (imaginary is None):
         missing = "imag" if imaginary is None else "real"
-        raise SceneError(
-            heads.option, f"{where} must have a column {noun}_{missing}_UNIT beside the other part"
-        )
+        raise heads.error(f"must have a column {noun}_{missing}_UNIT beside the other part")
     if real is not None:
         if size is not None:
-            raise SceneError(
-                heads.option, f"{where} must hold {noun} once, as complex parts or as a magnitude"
-            )
+            raise heads.error(f"must hold {noun} once, as complex parts or as a magnitude")
         if real[1] != imaginary[1]:
-            raise SceneError(
-                heads.option, f"{where}: {noun} must have one unit, got {real[1]} and {imaginary[1]}"
-            )
+            raise heads.error(f"must have one unit for {noun}, got {real[1]} and {imaginary[1]}")
         return real[0] + 1j * imaginary[0], real[1]
     if size is None:
         wanted = f"{noun}_real_UNIT with {noun}_imag_UNIT, or {noun}_magnitude_UNIT"
-        raise SceneError(
-            heads.option, f"{where} must have the columns {wanted}; got {', '.join(heads.names)}"
-        )
+        raise heads.error(f"must have the columns {wanted}; got {', '.join(heads.names)}")
     if np.min(size[0]) < 0.0:
-        raise SceneError(
-            heads.option,
-            f"{where}: {noun}_magnitude must be zero or positive, got {float(np.min(size[0])):g}",
+        raise heads.error(
+            f"must have a {noun}_magnitude that is zero or positive, got {float(np.min(size[0])):g}"
         )
     return (size[0] if phase is None else size[0] * np.exp(1j * phase[0])), size[1]
 
@@ -276,20 +270,16 @@ def scan_of_uff(path: Path, option: str) -> Scan:
         sets = [file.read_sets(k) for k, kind in enumerate(kinds) if int(kind) == 58]
     except (OSError, ValueError, IndexError, UnicodeDecodeError, AttributeError) as error:
         text = " ".join(str(error).split())
-        raise SceneError(option, f"{str(path)!r} is no Universal File Format file: {text}") from None
+        raise file_error(path, option, f"is no Universal File Format file: {text}") from None
     if not sets:
-        raise SceneError(
-            option, f"{str(path)!r} must hold a dataset 58, got {', '.join(map(str, kinds)) or 'none'}"
-        )
+        raise file_error(path, option, f"must hold a dataset 58, got {', '.join(map(str, kinds)) or 'none'}")
     parts = [_of_dataset(each, path, option) for each in sets]
     first = parts[0]
     same = ("component", "is_velocity", "per_volt", "voltage", "is_complex")
     if any(getattr(each, name) != getattr(first, name) for each in parts for name in same):
-        raise SceneError(
-            option, f"{str(path)!r} must hold one motion in one unit, complex or real, got several"
-        )
+        raise file_error(path, option, "must hold one motion in one unit, complex or real, got several")
     if any((each.frequency is None) != (first.frequency is None) for each in parts):
-        raise SceneError(option, f"{str(path)!r} must be a scan over places or over frequencies, got both")
+        raise file_error(path, option, "must be a scan over places or over frequencies, got both")
     x, y, values = (np.concatenate([getattr(each, name) for each in parts]) for name in ("x", "y", "values"))
     whole = replace(first, x=x, y=y, values=values)
     if first.frequency is None:
@@ -305,14 +295,12 @@ def _of_dataset(dataset: dict, path: Path, option: str) -> Scan:
     unit = unit.replace("/", "_per_")
     if motion not in (DISPLACEMENT, VELOCITY) or unit not in base:
         wanted = "displacements (data type 8: m, um, nm, pm) or velocities (11: m/s, mm/s, um/s)"
-        raise SceneError(
-            option, f"{str(path)!r} must hold {wanted}, got data type {motion} in {unit or 'no unit'}"
-        )
+        raise file_error(path, option, f"must hold {wanted}, got data type {motion} in {unit or 'no unit'}")
     abscissa = {FREQUENCY: FREQUENCIES, GENERAL: PLACES, DISPLACEMENT: PLACES}.get(kind, {})
     if length not in abscissa:
         wanted = "frequencies (data type 18, Hz) or places (1 or 8, m or mm)"
-        raise SceneError(
-            option, f"{str(path)!r} must have {wanted} as abscissa, got type {kind} in {length or 'no unit'}"
+        raise file_error(
+            path, option, f"must have {wanted} as abscissa, got type {kind} in {length or 'no unit'}"
         )
     at, values = np.array(dataset["x"], float) * abscissa[length], np.array(dataset["data"]) * base[unit]
     place, volts = PLACE.search(str(dataset["id4"])), re.search(r"voltage = (\S+) V", str(dataset["id5"]))

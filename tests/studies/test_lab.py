@@ -182,7 +182,9 @@ def test_a_virtual_scan_gives_back_the_truth():
     assert sizes[0] == pytest.approx(2 * 1.96 * size / np.sqrt(np.sum(weights)), rel=0.05)
     spread = np.sqrt(np.sum(weights * (scan.x - np.average(scan.x, weights=weights)) ** 2))
     assert sizes[1] == pytest.approx(2 * 1.96 * size / (spread * 2 * np.pi * 2.2e6 / 2181.9), rel=0.05)
-    assert found.candidates[0].name == "slider velocity at 12 levels" or found.candidates
+    assert (
+        found.candidates == ()
+    )  # the scan knows both numbers so well that no other measurement narrows them
 
 
 @pytest.mark.slow
@@ -434,7 +436,7 @@ X_HEAD, ROW = "x_mm,u_z_real_nm_per_V,u_z_imag_nm_per_V", "40,0.1,0.2"
         (
             "a.csv",
             "x_mm,u_z_magnitude_nm_per_V\n40,-0.1\n",
-            "u_z_magnitude must be zero or positive, got -1e-10",
+            "must have a u_z_magnitude that is zero or positive, got -1e-10",
         ),
         ("a.csv", "x_mm,u_z_magnitude_nm\n40,0.1\n", "holds motions at an unknown voltage"),
         ("a.csv", f"{X_HEAD}\n400,0.1,0.2\n", "x must lie on the stator, 0 to 0.06 m, got 0.4 to 0.4 m"),

@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 from scipy.special import ellipk
 
 from fem.analytic.half_space import automatic_period
 from fem.analytic.quasistatic import (
     charge_transform,
+    end_excess,
     strip_charges,
     surface_permittivity,
     transducer_estimate,
@@ -17,6 +19,7 @@ from fem.geometry import Transducer
 from fem.materials import VACUUM_PERMITTIVITY, anisotropic, material, rotated
 from fem.solve.harmonic import driven_wave
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate
+from tests.oracles import fem_finger_ends
 
 
 def test_without_coupling_the_permittivity_is_the_geometric_mean():
@@ -114,3 +117,18 @@ def test_power_of_the_wave_is_what_the_source_gives():
     potential = abs(theory.potential) * theory.normal(at)
     carried = 2 * np.pi * at * theory.permittivity * potential**2 / (4 * theory.velocity_change)
     np.testing.assert_allclose(theory.conductance(at) / 2, 2 * carried * row.aperture, rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["PZT-8 Z", "LiNbO3 (Kovacs) 128YX", "LiNbO3 (Warner) YZ"])
+def test_static_ends_of_fingers(name):
+    """Boundary elements in the plane, with the permittivity of every direction and the vacuum above."""
+    table, orientation = name.rsplit(" ", 1)
+    solid, degrees = lossless(table, orientation), np.linspace(0.0, 180.0, 19)
+    values = [surface_permittivity(rotated(solid, (each, 0.0, 0.0))) for each in degrees[:-1]]
+    permittivity = CubicSpline(np.radians(degrees), [*values, values[0]], bc_type="periodic")
+    expected = fem_finger_ends.end_excess(
+        lambda k_x, k_y: permittivity(np.arctan2(k_y, k_x)) * np.hypot(k_x, k_y),
+        metallisation=0.5,
+        length=6.0,
+    )
+    assert end_excess(solid) == pytest.approx(expected, rel=0.15)

@@ -7,11 +7,13 @@ import pytest
 
 import fem
 from fem.beam import own_aperture
+from fem.beam.charges import electrode_charges
 from fem.beam.reception import with_apertures
 from fem.beam.surface_beam import aperture_beam, surface_beam
 from fem.discretize.refinement import LEVELS
 from fem.results.solution import Solution
 from fem.solve.harmonic import solve_driven
+from studies.chain.model_error import UNEVEN_CHARGE, UNEVEN_PER_PAIR
 from tests.fem.stators import wave_of
 
 SOLID = fem.rotated(fem.material("PZT-8"), "Z")
@@ -75,6 +77,12 @@ def test_many_steps_of_the_charge(monkeypatch, pairs, aperture, steps, given, li
     fields = with_apertures(wave.solution.fields, fineness=len(own_aperture.STEPS))
     uniform = aperture_beam(wave, Solution(fields=fields, circuit=wave.circuit))
     assert abs(abs(uniform.motion(x, y)[2]) - expected).max() > 3 * limits[0] * section.max()
+    plain = replace(found, solution=wave.solution, charges=(electrode_charges(wave.solution, 0),))
+    if "split" not in given and "pattern" not in given:
+        longer = plain.with_longer_fingers(fem.end_excess(SOLID)).motion(x, y)[2]
+        rest = np.sqrt(np.mean((abs(longer) / here - 1) ** 2))
+        assert rest < 1.2 * max(UNEVEN_CHARGE, UNEVEN_PER_PAIR * pairs)
+        assert np.sqrt(np.mean((abs(plain.motion(x, y)[2]) / here - 1) ** 2)) > rest
 
 
 def test_the_ball_of_the_seed():
