@@ -19,9 +19,8 @@ from studies.chain.scene_warnings import scene_warnings
 from studies.record import Record
 from studies.scene import Scene
 
-OFF_RESONANCE = (
-    1.15  # largest over present amplitude, from which on a warning says so; a plate's ripple makes 1.1
-)
+# Largest over present amplitude, from which on a warning says so; a plate's ripple makes 1.1
+OFF_RESONANCE = 1.15
 PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # 1/(Pa m), V/(Pa m), -: air
 AIR = 101325.0  # Pa
 SIDEWAYS = 0.1  # |u_y| over |u_x|, from which on a warning says so
