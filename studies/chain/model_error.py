@@ -90,7 +90,7 @@ def with_model_error(record: Record) -> Record:
         if row["quantity"] in SHARED and abs(row["size"]) >= NO_ANSWER and row["effect"] not in NEVER_DECISIVE
     ]
     shortfall = record.shortfall
-    if decisive:
+    if decisive and not shortfall.startswith("no answer"):  # a node of the wave is the better reason
         worst = max(decisive, key=lambda row: abs(row["size"]))
         shortfall = (
             f"no answer: the model leaves out what changes {worst['quantity']} by about {100 * worst['size']:+.2g} % "
