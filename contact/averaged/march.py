@@ -73,9 +73,8 @@ def march(turn, force, slope, amplitude, g, incident):
     try:
         solution = solve_banded((band, band), bands, source.ravel(), overwrite_ab=True, check_finite=False)
     except np.linalg.LinAlgError as error:
-        raise ConvergenceError(
-            "the rows' forces change so fast with the wave that it is not determined"
-        ) from error
+        message = "the rows' forces change so fast with the wave that it is not determined"
+        raise ConvergenceError("not converged", message) from error
     amplitudes = solution.view(complex).reshape(m, 2)
     forward = np.append(incident[0], amplitudes[:, 0])
     backward = np.append(amplitudes[:, 1], incident[1])

@@ -21,7 +21,7 @@ LOADED = 0.05  # loading number above which a slider acts back on the wave, wher
 FULL_SLIP = 1.001  # of the velocity beyond which every contact slips all the time
 HARMONICS = "harmonics"  # the word for a load on the wave with its overtones
 NUMBERS = (8, 16, 32, 64)  # harmonics, until the last doubling leaves the velocity an error below
-OVERTONE_ERROR = 1e-3
+OVERTONE_ERROR = 5e-4  # half of the default tolerance
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,6 +20,7 @@ import numpy as np
 import contact
 import fem
 from studies.chain import bridge, resolve
+from studies.chain.blocks import node
 from studies.chain.radiation import point_admittance
 from studies.record import Record
 
@@ -89,7 +90,7 @@ def with_model_error(record: Record) -> Record:
         if row["quantity"] in SHARED and abs(row["size"]) >= NO_ANSWER and row["effect"] not in NEVER_DECISIVE
     ]
     shortfall = record.shortfall
-    if decisive:
+    if decisive and not shortfall.startswith("no answer"):  # a node of the wave is the better reason
         worst = max(decisive, key=lambda row: abs(row["size"]))
         shortfall = (
             f"no answer: the model leaves out what changes {worst['quantity']} by about {100 * worst['size']:+.2g} % "
@@ -243,7 +244,9 @@ def _contact(record: Record) -> Rows:
     effect, how = "radiation of a contact into the stator", "point load on an isotropic half-space, nu = 1/4"
     yield effect, "the contact's elastic force", sent, how
     moved = [point for point in record.points if point["normal_amplitude_m"] > 0]
-    if moved and _amplitude_per_power(record) is not None:
+    if not moved or node(record.surface_motion, list(slider.places)):
+        return
+    if _amplitude_per_power(record) is not None:
         how = "averaged equilibrium of the contacts on a wave that they load (elastic law)"
         load = max(_loaded(record, point) for point in (moved[0], moved[-1]))
         yield "load of the slider on the wave", "u_z", load, how

@@ -19,9 +19,8 @@ from studies.chain.scene_warnings import scene_warnings
 from studies.record import Record
 from studies.scene import Scene
 
-OFF_RESONANCE = (
-    1.15  # largest over present amplitude, from which on a warning says so; a plate's ripple makes 1.1
-)
+# Largest over present amplitude, from which on a warning says so; a plate's ripple makes 1.1
+OFF_RESONANCE = 1.15
 PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # 1/(Pa m), V/(Pa m), -: air
 AIR = 101325.0  # Pa
 SIDEWAYS = 0.1  # |u_y| over |u_x|, from which on a warning says so
@@ -181,8 +180,10 @@ def _left_out(record: Record) -> Iterator[str]:
 
 def _contact(record: Record, driven: DrivenContact) -> Iterator[str]:
     """Yield warnings where a ball is moved sideways, or presses harder than it or the stator bears."""
-    normal, tangential = (abs(record.wave.get(f"{way}_m_per_V", 1.0)) for way in ("normal", "tangential"))
-    if normal < NODE * tangential:
+    normal, tangential = (
+        abs(record.wave.get(f"{name}_m_per_V", np.nan)) for name in ("normal", "tangential")
+    )
+    if normal < NODE * tangential:  # not of a given wave, which has no motion per volt
         yield (
             "u_z vanishes at the slider's centre: the amplitudes of the points are taken "
             "at the centre and say nothing about the wave under the balls: another slider.position"

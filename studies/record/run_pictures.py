@@ -259,6 +259,13 @@ def errors(record: "Record", ax):
     return finished(ax, unit, quantity("relative_error").axis, record.scene.title)
 
 
+def _at_last_level(record: "Record") -> str:
+    """Return the level whose pillars and waves a record keeps, for a title."""
+    shown = quantity(record.level)
+    known = [point[record.level] for point in record.points if "velocity_m_per_s" in point]
+    return f" at {known[-1] * shown.scale:g} {shown.shown}" if known else ""
+
+
 def slider_wave(record: "Record", ax):
     """Draw amplitude and phase of the waves along the slider, the phase on an axis of its own."""
     table = record.slider_wave
@@ -280,7 +287,7 @@ def slider_wave(record: "Record", ax):
     )
     right.set_ylabel(quantity("phase_rad").axis)
     legend_below(ax, [each for axis in (ax, right) for each in axis.get_lines()], columns=3)
-    title = f"{record.scene.title}: wave under the slider"
+    title = f"{record.scene.title}: wave under the slider{_at_last_level(record)}"
     return finished(ax, quantity("offset_m").axis, quantity("normal_amplitude_m").axis, title, columns=0)
 
 
@@ -293,7 +300,7 @@ def pressure(record: "Record", ax):
     dots = ax.scatter(x * 1e3, y * 1e3, c=force * 1e3, s=size, marker="s", cmap="viridis", linewidths=0)
     ax.set_aspect("equal", adjustable="box")
     ax.figure.colorbar(dots, ax=ax, label=quantity("normal_force_N").axis)
-    title = f"{record.scene.title}: forces on the pillars"
+    title = f"{record.scene.title}: forces on the pillars{_at_last_level(record)}"
     return finished(ax, quantity("offset_m").axis, quantity("y_m").axis, title, columns=0, grid=False)
 
 

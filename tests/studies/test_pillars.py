@@ -509,3 +509,12 @@ def test_a_fit_on_pillars_solves_hundreds_of_slider_motions_not_thousands(monkey
     assert (best < high).all()
     assert sum(solved) <= 2 * GRID
     assert all(each.after < 0.99 * each.before for each in found.candidates)
+
+
+def test_pictures_of_pillars_name_the_level_that_they_show():
+    from studies.record import run_pictures
+    from studies.record.plots import new_figure
+
+    record = run(scene(wave={"normal_amplitude": [10e-9, 20e-9]}, pillars={"rows": 4}))
+    for draw in (run_pictures.slider_wave, run_pictures.pressure):
+        assert draw(record, new_figure(5.0, 4.0)[1]).get_title().endswith(" at 20 nm")

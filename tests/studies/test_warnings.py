@@ -61,6 +61,7 @@ def record(name, *settings, transfer_length=math.inf, points=(), summary=None) -
             "frequency_Hz": chosen.frequency,
             "phase_velocity_m_per_s": velocity,
             "normal_m_per_V": 2.4e-10,
+            "tangential_m_per_V": 1.7e-10j,
             "standing_wave_ratio": 236.0,
             "relative_error": 2e-4,
         },
