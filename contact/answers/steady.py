@@ -1,13 +1,17 @@
-r"""The steady velocity: the periodic motion itself, found without waiting for it.
+r"""Steady velocity of a slider on a continuous wave, computed without following the transient.
 
-Two steps. *Averaged*: a slider that is heavy on the wave's time scale keeps height h and velocity v through a cycle;
-h follows from <sum P_i> = preload and v from <sum Q_i>(v) = R_t v + load, with the cycle mean between exact events.
-For the elastic law this is `sweep.mean_motion`, with its second-order correction and its error; for other laws it is of
-first order. *Exact*: the map of one whole cycle of the full equations, (z_s, z_s', v, x_i) -> the same a cycle later,
-is brought to its fixed point by Newton's method from the averaged state.
+The computation has two steps.
 
-Held: if one contact can stick for good, the deformations that the wave drives them to (from above and from below)
-leave a whole interval of mean tractions. If load lies in it the slider stays, and its velocity is exactly zero.
+1. *Averaged equilibrium.* A slider that is heavy on the wave's time scale keeps its height h and its velocity v nearly
+   constant through a cycle. The condition <sum P_i> = preload gives h, and <sum Q_i>(v) = R_t v + load gives v, where
+   <> is the mean over a cycle, integrated exactly between events. For the elastic law `sweep.mean_motion` adds the
+   second-order correction and an error estimate. The other laws are averaged to first order.
+2. *Shooting* (method "exact"). The cycle map of the full equations takes the state (z_s, z_s', v, x_i) to the state one
+   cycle later. Newton's method finds the fixed point of this map, starting from the averaged equilibrium.
+
+A slider is held if at least one contact can stick through all cycles. The mean tangential force at v = 0 then depends
+on the deformations at the start and fills an interval. If the load lies in this interval, the slider stays at rest and
+its velocity is exactly zero.
 """
 
 import time
@@ -34,43 +38,47 @@ from contact.problem import scaled
 from contact.slider import Slider
 
 METHODS = ("auto", "exact", "averaged")
-# largest ratio of contact resonance to wave for which a periodic motion is searched, and cycles to settle before
+# SLOWEST_WAVE: largest ratio of contact resonance to wave frequency for which shooting is tried.
+# SETTLE: largest number of cycles to follow before shooting if it fails from the averaged equilibrium; also the
+# smallest number of cycles for the mean velocity of an undamped bounce.
 SLOWEST_WAVE, SETTLE = 20.0, 200
-# periods of a bounce that nothing damps, and cycles at most, over which its mean velocity is taken
+# That mean covers this many bounce periods, but at most this many wave cycles.
 BOUNCES, MAX_BOUNCE_CYCLES = 20.0, 4000
-# segments of a cycle up to which that is worth its time
+# Shooting would take too long if a cycle has more segments than this.
 MAX_SEGMENTS = 8000.0
-# error of first order over (f_n/f)^2; true: 0.1 to 1.9 from 0.75 to 20 nm (`tests/benchmarks/contact_ways.py`)
+# Estimated relative error of first-order averaging, divided by (f_n/f)^2. The true value was 0.1 to 1.9 at amplitudes
+# from 0.75 to 20 nm (`tests/benchmarks/contact_ways.py`).
 AVERAGING_ERROR = 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class SteadyState(Answered):
-    """The periodic motion of a slider on a continuous wave.
+    """Steady state of a slider on a continuous wave.
 
     Attributes
     ----------
     slider, orbits
-        What was asked.
+        The arguments of `steady`.
     answer : Answer
-        Mean velocity over a cycle, m/s, exactly 0 when held; its error, with what is in doubt about the motion that a
-        start from rest reaches; status and reasons.
+        Mean velocity over a cycle in m/s (exactly 0 when held), its error, status and reasons. The error includes the
+        doubt whether a slider that starts from rest reaches this motion.
     regime : str
         "stick", "slip" or "intermittent".
     height : float
         Mean approach h of the contacts, m; the slider's mean position is -h.
     method : str
-        What was used: "exact" or "averaged".
+        Method that gave the answer: "exact" or "averaged".
     ledger : Ledger
-        Energies over one cycle; all zero where a closed form answers.
+        Energies over one cycle; all zero if a closed form gives the velocity.
     other_velocity : float or None
-        m/s, mean velocity of a second steady motion where one is known: the motion that repeats with the wave's period
-        but is not reached from rest, or the one that a start from rest goes on with where nothing damps the bounce.
+        Mean velocity of a second steady motion in m/s, None if none is known. It is either a motion that repeats with
+        the wave's period but is not reached from rest, or the motion of a slider that starts from rest and whose
+        undamped bounce never ends.
     statistics : dict
-        Events by kind in one cycle, smallest gap between two in s (inf: fewer), chatter (whether events crowded at
-        one instant); segments (`stretches`) and sweeps of the cycles counted.
+        Number of events of each kind in one cycle; smallest time between two events in s (inf for fewer than two);
+        chatter (True if many events occurred at almost the same time); number of segments (`stretches`) and sweeps.
     seconds : float
-        Time taken.
+        Computing time.
     """
 
     slider: Slider
@@ -93,7 +101,7 @@ class SteadyState(Answered):
 def steady(
     slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: float, method: str = "auto"
 ) -> SteadyState:
-    """Return the steady state.
+    """Return the steady state of a slider on a continuous wave.
 
     Parameters
     ----------
@@ -102,22 +110,22 @@ def steady(
     orbits : Orbit or tuple of Orbit
         Motion of the surface under each contact.
     tolerance : float
-        Error allowed in the velocity, relative to max(|v|, omega |u_x|/10).
+        Allowed error of the velocity, relative to max(|v|, omega |u_x|/10).
     method : str
-        "exact", "averaged", or "auto".
+        "exact", "averaged" or "auto".
 
     Returns
     -------
     SteadyState
-        With the error estimated; its status says when the estimate exceeds the tolerance.
+        Its status says if the estimated error exceeds the tolerance.
 
     Raises
     ------
     ValueError
-        For parameters that do not go together.
+        If the parameters contradict each other.
     ConvergenceError
-        Status "runaway" (nothing balances the load), "unstable" (no stable motion repeats with the wave's period),
-        or what the motion ran into.
+        With status "runaway" (nothing balances the load), "unstable" (no stable motion repeats with the wave's period)
+        or the status of the solver that failed.
     """
     begun = time.perf_counter()
     listed = as_orbits(orbits)
@@ -135,34 +143,41 @@ def steady(
 
 
 def _closed(slider, orbits):
-    """Return the answer of a closed form, else None."""
-    found = closed_form(slider, orbits)
-    if found is None:
+    """Return the fields of a `SteadyState` by a closed form, or None if no closed form applies."""
+    fields = closed_form(slider, orbits)
+    if fields is None:
         return None
-    known = {"relative_error": 0.0, "message": f"{found.pop('why')}: closed form", "method": "exact"}
-    return found | known | {"statistics": {}, "ledger": Ledger(*[0.0] * len(Ledger._fields))}
+    known = {"relative_error": 0.0, "message": f"{fields.pop('why')}: closed form", "method": "exact"}
+    return fields | known | {"statistics": {}, "ledger": Ledger(*[0.0] * len(Ledger._fields))}
 
 
 class _Search(NamedTuple):
-    """A steady state, searched on the side on which the crests drive towards +x: mirrored waves, mirrored answers."""
+    """Inputs of the search for a steady state.
+
+    The orbits are mirrored if necessary so that the wave crests drive the slider towards +x; `side` is the sign that
+    turns a velocity back to the original orbits.
+    """
 
     slider: Slider
     orbits: tuple[Orbit, ...]
     side: float
-    ratio: float
-    balance: Balance
+    ratio: float  # resonance frequency of the contacts over wave frequency
+    balance: Balance  # averaged equilibrium
 
     @property
     def unit(self):
-        """Unit of velocity of the balance's problem, m/s."""
+        """Unit of velocity of the scaled problem, m/s."""
         return self.balance.problem.speed
 
     def relative(self, difference, velocity):
-        """Return a difference of velocities over the reference speed."""
+        """Return a velocity difference divided by the reference speed."""
         return relative_to_reference(difference, velocity, self.orbits)
 
     def answer(self, message, motion, *, velocity, error, height, sticks, cycles=1, **statistics):
-        """Return the answer of a motion whose sums cover some cycles; `velocity` on this side, `height` in m."""
+        """Return the fields of a `SteadyState`, with energies and events from a motion over a number of cycles.
+
+        `velocity` in m/s is that on the mirrored orbits, `height` is in m.
+        """
         counted = motion.events()
         moving = "intermittent" if counted["release"] else "slip"
         return {
@@ -173,40 +188,43 @@ class _Search(NamedTuple):
 
 
 def _searched(slider, orbits, method):
+    """Return the fields of a `SteadyState` by averaging, shooting or a long run from rest."""
     side, driven = towards_plus(orbits)
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
     mean, balance = _equilibrium(slider, driven, ratio, method)
     search = _Search(slider, driven, side, ratio, balance)
     if method == "averaged" or (mean is not None and mean["held"]):
-        found = _averaged(search, mean)
-        return _held_bouncing(search, found) if method != "averaged" and _undamped(slider) else found
+        found = _averaged_answer(search, mean)
+        return _held_with_bounce_error(search, found) if method != "averaged" and _undamped(slider) else found
     if balance.held or ratio > SLOWEST_WAVE:
-        return _waited(search)
+        return _answer_of_long_run_from_rest(search)
     try:
-        return _reached(search)
+        return _answer_from_rest(search)
     except ConvergenceError as failed:
-        # the contact's damper acts on the slider within a few cycles, so that it does not ride still
+        # a strong contact damper moves the slider within a few cycles, so that averaging does not apply
         adhesive = balance.problem.contact_damping * balance.problem.preload > 1e-2
         if ratio > MAX_RATIO_HELD or failed.status == "unstable" or adhesive:
-            return _waited(search)
+            return _answer_of_long_run_from_rest(search)
         if method == "exact":
             raise
-        found = _averaged(search, mean)
+        found = _averaged_answer(search, mean)
         return found | {"message": f"{found['message']}, for the full motion was not found: {failed}"}
 
 
-def _reached(search):
-    """Return the motion that repeats with the wave's period, or the one that a slider from rest reaches instead."""
-    slider, answer, periodic_motion = search.slider, *_repeating(search)
+def _answer_from_rest(search):
+    """Return the answer by shooting, or by a long run if a slider from rest reaches another motion."""
+    slider, answer, periodic_motion = search.slider, *_answer_by_shooting(search)
     if search.ratio <= MAX_RATIO_HELD:
-        return _bouncing(search, answer) if _undamped(slider) and answer["velocity"] != 0.0 else answer
+        return (
+            _with_bounce_error(search, answer) if _undamped(slider) and answer["velocity"] != 0.0 else answer
+        )
     seen, unit, velocity = (
         reached(slider, search.orbits, search.balance, periodic_motion), search.unit, answer["velocity"],
     )  # fmt: skip
     if seen.instead is not None:
-        found = _settled(search, seen.instead)
+        other_answer = _answer_of_long_run(search, seen.instead)
         note = f"; a motion that repeats every cycle has {velocity:.4g} m/s, but is not reached from rest"
-        return found | {"message": found["message"] + note, "other_velocity": velocity}
+        return other_answer | {"message": other_answer["message"] + note, "other_velocity": velocity}
     if not seen.reason:
         return answer
     other = None if seen.speed is None else float(search.side * seen.speed * unit)
@@ -218,14 +236,14 @@ def _reached(search):
 
 
 def _undamped(slider):
-    """Return whether nothing ends the bounce of a start from rest."""
+    """Return True if no damper ends the bounce of a slider that starts from rest."""
     return slider.normal_damping == 0.0 and slider.contact_damping == 0.0
 
 
-def _bouncing(search, answer):
-    """Return the answer with the bounce that no damper ends as a part of its error.
+def _with_bounce_error(search, answer):
+    """Return the answer with the effect of an undamped bounce on the velocity added to its error.
 
-    For the laws that the cycle means do not know the difference in velocity is that of the elastic law.
+    The effect is computed with the elastic law, because only its cycle means are available.
     """
     elastic = replace(search.slider, law="elastic", reciprocal=False)
     problem = scaled(elastic, search.orbits, direction=search.balance.load_sign, start=0.0)
@@ -246,8 +264,8 @@ def _bouncing(search, answer):
     return answer | {"relative_error": error, "message": message, "other_velocity": float(other)}
 
 
-def _held_bouncing(search, answer):
-    """Return the answer of a slider that is held, with what the bounce of a start from rest, never damped, moves it."""
+def _held_with_bounce_error(search, answer):
+    """Return the answer of a held slider, with the drift that an undamped bounce causes added to its error."""
     cycles = int(min(max(BOUNCES / search.ratio, SETTLE), MAX_BOUNCE_CYCLES))
     try:
         moved = search.side * mean_from_rest(search.slider, search.orbits, search.balance.load_sign, cycles)
@@ -266,9 +284,10 @@ def _held_bouncing(search, answer):
 
 
 def _equilibrium(slider, orbits, ratio, method):
-    """Return (averaged steady state or None where averaging is no answer, balance to start the full motion from).
+    """Return (averaged steady state, averaged equilibrium from which shooting starts).
 
-    The averaged state is a dictionary: velocity on this side, height, held, error (relative) and regime.
+    The averaged state is a dictionary with velocity on the mirrored orbits, height, held, relative error and regime. It
+    is None if averaging does not apply.
     """
     if not refusals(slider, orbits, STIFFEST_STEADY):
         try:
@@ -292,12 +311,13 @@ def _equilibrium(slider, orbits, ratio, method):
 
 
 def _first_order(slider, orbits, balance, ratio):
-    """Return the averaged steady state of a law that only the event-driven solver knows; of first order."""
+    """Return the first-order averaged steady state of a law that only the event-driven solver supports."""
     error = AVERAGING_ERROR * ratio**2
     if balance.held:
         larger = 1.0 + min(THRESHOLD_ERROR * ratio**2, MAX_THRESHOLD_ERROR)
-        beyond = balanced(slider, tuple(orbit.scaled(larger) for orbit in orbits))
-        error = relative_to_reference(beyond.speed * beyond.problem.speed, 0.0, orbits)
+        # the threshold has an error: take the velocity on a wave that is larger by that error
+        on_larger_wave = balanced(slider, tuple(orbit.scaled(larger) for orbit in orbits))
+        error = relative_to_reference(on_larger_wave.speed * on_larger_wave.problem.speed, 0.0, orbits)
     events = balance.motion.events()
     slips = "slip" if events["stick_to_slip"] or not balance.held else "stick"
     return {
@@ -306,8 +326,8 @@ def _first_order(slider, orbits, balance, ratio):
     }  # fmt: skip
 
 
-def _repeating(search):
-    """Return (answer of the full equations, the motion): stable, and repeating with the wave's period."""
+def _answer_by_shooting(search):
+    """Return (answer, periodic motion) by shooting; raise if the periodic motion is unstable."""
     balance = search.balance
     unit, segments = balance.problem.speed, balance.problem.segments
     if segments > MAX_SEGMENTS:
@@ -317,7 +337,8 @@ def _repeating(search):
     try:
         fine = periodic(balance, nodes=16, truncation=1e-12)
     except ConvergenceError:
-        # averaging is no start here: let the motion settle by itself first, for some 30 000 segments at most
+        # Newton's method does not converge from the averaged equilibrium: follow the full motion for some cycles first,
+        # about 30 000 segments at most
         settle = int(min(SETTLE, 5.0 + 5000.0 * balance.problem.longest))
         fine = periodic(balance, nodes=16, truncation=1e-12, settle=settle)
     coarse = periodic(balance, nodes=10, truncation=1e-8, near=fine)
@@ -330,7 +351,7 @@ def _repeating(search):
     velocity, error = fine.speed * unit, (abs(fine.speed - coarse.speed) + fine.step + fine.rounding) * unit
     velocity, error = (
         (0.0, 0.0) if sticks else (velocity, search.relative(error, velocity))
-    )  # sticks: rounding
+    )  # velocity and error of a sticking slider are rounding errors
     answer = search.answer(
         "periodic motion of the full equations", fine.motion, velocity=velocity, error=error, sticks=sticks,
         height=-fine.state[0] * balance.problem.length,
@@ -338,13 +359,13 @@ def _repeating(search):
     return answer, fine
 
 
-def _waited(search):
-    """Return the answer of a long run from rest: the slider hops, or is carried by a slow wave."""
-    return _settled(search, long_run(search.slider, search.orbits, search.balance.load_sign))
+def _answer_of_long_run_from_rest(search):
+    """Return the answer of a long run from rest, for a slider that hops or that a slow wave carries along."""
+    return _answer_of_long_run(search, long_run(search.slider, search.orbits, search.balance.load_sign))
 
 
-def _settled(search, run):
-    """Return the answer that a long run gives."""
+def _answer_of_long_run(search, run):
+    """Return the answer for a long run (`periodic.settling.LongRun`)."""
     unit = run.motion.problem.speed
     if run.sticks:
         note = "every contact sticks"
@@ -363,12 +384,12 @@ def _settled(search, run):
     )  # fmt: skip
 
 
-def _averaged(search, mean):
-    """Return the averaged answer; the energies are those of a cycle at constant height and velocity."""
+def _averaged_answer(search, mean):
+    """Return the averaged answer, with the energies of a cycle at constant height and velocity."""
     held = mean.pop("held")
     regime = mean.pop("regime")
     note = "held by friction" if held else "cycle means"
     motion = search.balance.motion
-    motion.begun = motion.energy()  # the cycle repeats
+    motion.begun = motion.energy()  # the cycle repeats, so that the stored energy does not change
     answer = search.answer(note, motion, sticks=held, **mean)
     return answer | {"method": "averaged", "regime": regime}
