@@ -1,4 +1,4 @@
-"""How fast a slider on many contacts runs on a wave that it loads, what it takes from the wave, and its load line."""
+"""Steady motion of a slider on many contacts on a wave that it loads: velocity, powers and load line."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -17,10 +17,11 @@ from contact.codes import Status
 from contact.convergence_error import ConvergenceError
 from contact.input_error import InputError
 
-LOADED = 0.05  # loading number above which a slider acts back on the wave, where `loading` is None
-FULL_SLIP = 1.001  # of the velocity beyond which every contact slips all the time
-HARMONICS = "harmonics"  # the word for a load on the wave with its overtones
-NUMBERS = (8, 16, 32, 64)  # harmonics, until the last doubling leaves the velocity an error below
+LOADED = 0.05  # if `loading` is None, the slider loads the wave above this loading number
+FULL_SLIP = 1.001  # end of the search, over the velocity beyond which every contact slips all the time
+HARMONICS = "harmonics"  # value of `loading` for a load on the wave that includes overtones
+# Numbers of harmonics, tried in turn until the velocity has an error below OVERTONE_ERROR.
+NUMBERS = (8, 16, 32, 64)
 OVERTONE_ERROR = 5e-4  # half of the default tolerance
 
 
@@ -33,48 +34,48 @@ class PillarMotion:
     velocity : float
         m/s, along +x.
     held : bool
-        True: v = 0, and contacts that stick carry the load.
+        True if v = 0 and sticking contacts carry the load.
     approach : float
-        Mean approach H of a pillar of height 0 at the slider's centre, m; of a soft backing the mean over the rows.
+        Mean approach H of a pillar of height 0 at the slider's centre, m; with a soft backing, the mean over the rows.
     tilt : tuple of float
         Rotations in rad: growth of the approach along x (pitch) and along y (roll).
     load : float
-        Force on the slider against which it runs, N, with the sign of the motion it opposes.
+        Force against the slider's motion, N, with the sign of the motion that it opposes.
     traction : float
         Mean tangential force of all pillars, N.
     row_x : ndarray, shape (m,)
-        Places of the rows, m.
+        Positions of the rows, m.
     forward, backward : ndarray, shape (m,), complex
         U+ behind each row and U- before it (at smaller x), m, without the factors exp(-i k x) and exp(+i k x).
     exit_over_entry, reflected_over_entry : complex
-        Of the larger incident wave: what leaves of it, and what leaves against it beyond the other incident wave, over
-        the incident amplitude.
+        Transmission and reflection of the larger incident wave: amplitude at the slider's far end, and the amplitude in
+        the opposite direction in excess of the other incident wave, over the incident amplitude.
     share_in_contact, duty : float
-        Part of the pillars that touch at all, and the mean part of the cycle for which these do.
+        Fraction of the pillars that touch at any time, and the mean fraction of the cycle in which these touch.
     friction_power, thrust_power, damping_power : float
-        Of slip, of the load, and of the viscous damper, W. The elastic law's spring of a ball is not conservative: what
-        it loses or gains counts as friction.
+        Powers of slip, of the load, and of the viscous damper, W. In the elastic law the tangential spring of a ball is
+        not conservative; its gain or loss is part of the friction power.
     wave_power_in, wave_power_out : float
-        Of both waves within the strip, W; 0 without Gamma.
+        Incident and outgoing power of both waves within the strip, W; 0 without Gamma.
     loading_number : float
         Lambda = 2 Gamma F/(w A).
     loading : bool
-        Whether the wave was loaded.
+        True if the wave is changed by the slider.
     harmonics : int
-        Number of harmonics of the wave that were followed; 1: the fundamental alone.
+        Number of harmonics of the wave in the solution; 1 for the fundamental alone.
     overtones : ndarray, shape (m, harmonics - 1), complex
-        U_2, U_3 ... of the wave that drives, m, behind each row as it meets them, in the order of `row_x`.
+        U_2, U_3 ... of the driving wave, m, downstream of each row, in the order of `row_x`.
     wave_work, apparent_power : float
-        Power that the surface under the pillars gives them by the harmonics of their forces, W, and in VA.
+        Power from the surface to the pillars by the harmonics of their forces, W, and the apparent power, VA.
     normal_force, friction : ndarray, shape (n,)
-        Of each pillar: mean normal force in N and mean friction power in W.
+        Mean normal force in N and mean friction power in W of each pillar.
     first_normal, first_tangential : ndarray, shape (n,), complex
         First harmonics P_1 and Q_1 of the force of each pillar on the slider, N.
     relative_error, truncation : float
-        Numerical, of the velocity, over max(|v|, omega |u_x|/10), and the part of it that is left by the number of
-        harmonics: a third of the change by its last doubling, for it falls as their square.
+        Numerical error of the velocity over max(|v|, omega |u_x|/10), and its part by the number of harmonics. That
+        part is a third of the change by the last doubling, because it falls as the square of the number.
     sweeps : int
-        Cycles of all pillars that were computed.
+        Number of times that the cycles of all pillars were computed.
     """
 
     pillars: Pillars = field(repr=False)
@@ -110,15 +111,15 @@ class PillarMotion:
     relative_error: float
     truncation: float
     sweeps: int
-    # From which a near motion begins: unknowns of `Equilibrium`, amplitudes of U+ and of U- at the rows, mean
-    # approaches of the pillars, w = v/omega in m, sign of the motion from which a velocity of zero comes
+    # Warm start of a similar motion: unknowns of `Equilibrium`, amplitudes of U+ and of U- at the rows, mean approaches
+    # of the pillars, w = v/omega in m, and at v = 0 the sign of the motion before
     state: tuple = field(repr=False)
 
     @property
     def ledger_residual(self) -> float:
-        """What the energy balance misses: power taken from the wave less friction, load and damper, over the incident.
+        """Residual of the energy balance: power from the wave minus friction, load and damper, over the incident power.
 
-        Without loading, the work of the surface on the pillars takes the wave's place, over the apparent power.
+        Without loading it is the work of the surface on the pillars minus these powers, over the apparent power.
         """
         spent = self.friction_power + self.thrust_power + self.damping_power
         if self.loading:
@@ -127,20 +128,21 @@ class PillarMotion:
 
     @property
     def speed_scale(self) -> float:
-        """The velocity that errors are measured by, max(|v|, omega |u_x|/10), m/s."""
+        """Reference of relative errors, max(|v|, omega |u_x|/10), m/s."""
         wave = self.wave
         return max(abs(self.velocity), wave.omega * abs(wave.orbit) * wave.amplitude / 10.0, 1e-300)
 
     @property
     def exit_overtones(self) -> np.ndarray:
-        """U_2, U_3 ... where the wave that drives leaves the slider, m, shape (harmonics - 1,)."""
+        """U_2, U_3 ... at the end of the slider where the driving wave leaves it, m, shape (harmonics - 1,)."""
         return self.overtones[-1 if abs(self.wave.forward) >= abs(self.wave.backward) else 0]
 
     @property
     def overtone(self) -> float:
-        """|U_2| at the exit over the incident |U_1|; of a motion without overtones what its contacts would radiate.
+        """|U_2| at the exit over the incident |U_1|.
 
-        0 for balls, for which it is not computed.
+        If the solution has no overtones, U_2 is the wave that the contact forces would radiate. 0 for balls, for which
+        it is not computed.
         """
         wave = self.wave
         if wave.compliance == 0.0 or wave.amplitude == 0.0 or self.pillars.shape != "punch":
@@ -157,16 +159,17 @@ class PillarMotion:
 
 @dataclass(frozen=True, kw_only=True)
 class PillarLoadLine:
-    """Steady motions under loads from nothing to the stall.
+    """Steady motions under loads from zero to the stall.
 
     Attributes
     ----------
     motions : tuple of PillarMotion
-        In the order of the loads; the last at the stall, held.
+        In the order of the loads; the last one is held at the stall.
     stall : float
-        Largest load that a slider in motion carries, N: the mean tangential force for v -> 0 from its side.
+        Largest load that a moving slider carries, N: the limit of the mean tangential force as v falls to 0.
     held_up_to : float
-        Largest load that holds it at rest, N; larger ones drag it backwards. Between both is the stick band.
+        Largest load at which the slider stays at rest, N; larger ones drag it backwards. Between `stall` and this load
+        the slider sticks.
     """
 
     motions: tuple[PillarMotion, ...]
@@ -190,7 +193,7 @@ class PillarLoadLine:
 
     @property
     def efficiency(self) -> np.ndarray:
-        """Mechanical power over what the wave gives the pillars."""
+        """Mechanical power over the power from the wave to the pillars."""
         taken = [each.thrust_power + each.friction_power + each.damping_power for each in self.motions]
         return np.divide(self.power, taken, out=np.zeros(len(taken)), where=np.array(taken) > 0.0)
 
@@ -201,22 +204,22 @@ class PillarLoadLine:
 
     @property
     def status(self) -> str:
-        """Always "ok": a motion that is not found raises."""
+        """Always "ok", because a failed motion raises a ConvergenceError."""
         return "ok"
 
     @property
     def message(self) -> str:
-        """How the velocities were found, as a `LoadLine` says it."""
+        """Method of the velocities, as in `LoadLine.message`."""
         return "averaged equilibria of the pillars"
 
     @property
     def blocked_thrust(self) -> float:
-        """The stall, as a `LoadLine` names it, N."""
+        """The stall load in N, under the name that it has in `LoadLine`."""
         return self.stall
 
 
 class Asked(NamedTuple):
-    """What `balanced_speed` asks of a problem, velocities over omega."""
+    """Parameters of a problem that `balanced_speed` needs; velocities over omega."""
 
     friction: float
     preload: float
@@ -225,7 +228,7 @@ class Asked(NamedTuple):
 
 
 class _Slider:
-    """The equilibria of one slider on one wave, each begun at the last; w = v/omega is the velocity, m."""
+    """Equilibria of one slider on one wave, each started from the one before; w = v/omega is the velocity, m."""
 
     def __init__(self, pillars, wave, loading, harmonics=1):
         if loading is None:
@@ -240,7 +243,7 @@ class _Slider:
         self.equilibrium, self.truncation = Equilibrium(self.cycle), 0.0
 
     def begin_at(self, near: PillarMotion) -> None:
-        """Begin the search at a motion of the same pillars."""
+        """Start the search from a motion of the same pillars (warm start)."""
         unknowns, forward, backward, *_ = near.state
         if len(forward) == len(self.cycle.forward):
             size = self.wave.amplitude / near.wave.amplitude if near.wave.amplitude > 0.0 else 1.0
@@ -250,18 +253,18 @@ class _Slider:
         self.truncation = near.truncation
 
     def rest(self, side: float, load: float = 0.0) -> Balance:
-        """Return the equilibrium at v = 0 of a slider that came from a motion of this sign."""
+        """Return the equilibrium at v = 0 after a motion of the given sign."""
         return self.equilibrium.solve(load, 0.0, side)
 
     def under(self, load: float) -> Balance:
-        """Return the equilibrium under a load with its sign, which may be held."""
+        """Return the equilibrium under a signed load; the slider may be held at rest."""
         kept = self.equilibrium.unknowns.copy()
         if self.wave.amplitude == 0.0:
             return self._bracketed(load)
         try:
-            found = self.equilibrium.solve(load)
-            if self._is_moving(found):
-                return found
+            balance = self.equilibrium.solve(load)
+            if self._is_moving(balance):
+                return balance
         except ConvergenceError:
             pass
         self.equilibrium.unknowns = kept
@@ -269,14 +272,14 @@ class _Slider:
         return self._bracketed(load)
 
     def _is_moving(self, found):
-        """Whether the velocity is above rounding: below, it may be that of a band of sticking contacts."""
+        """True if the velocity is above rounding; otherwise the slider may be held by sticking contacts."""
         return abs(found.w) > 1e-9 * self.equilibrium.speed
 
     def _bracketed(self, load):
         """Return the equilibrium by a search for the velocity alone: at rest, or where the mean force changes sign."""
         side = -1.0 if load <= 0.0 else 1.0
         other = self.rest(-side, load)
-        # the last, so that the wave's amplitudes are those of its forces if the slider is held
+        # This is computed last, so that the wave's amplitudes belong to its forces if the slider is held.
         held = self.rest(side, load)
         low, high = (other, held) if side < 0.0 else (held, other)
         rounding = 1e-12 * self.equilibrium.friction
@@ -289,24 +292,24 @@ class _Slider:
             self.pillars.friction_coefficient, self.pillars.preload, load,
             self.pillars.tangential_damping * self.wave.omega,
         )  # fmt: skip
-        found = balanced_speed(
+        equilibrium = balanced_speed(
             asked, self, way, (low if way > 0.0 else high).traction, max(fastest, 1e-300), 1e-6
         )
-        if found.status == Status.RUNAWAY:
+        if equilibrium.status == Status.RUNAWAY:
             raise ConvergenceError(
                 "runaway",
                 f"friction of {self.equilibrium.friction:.4g} N cannot balance the load of {abs(load):.4g} N",
             )
-        self.equilibrium.unknowns[SPEED] = found.velocity
+        self.equilibrium.unknowns[SPEED] = equilibrium.velocity
         return self.equilibrium.solve(load)
 
     @staticmethod
     def left(asked, slider, w):
-        """Return the mean tangential force that is left to accelerate the slider at a velocity over omega."""
+        """Return the mean tangential force minus load and damping, which accelerates the slider, at w = v/omega."""
         return slider.equilibrium.solve(asked.load, w).traction - asked.load - asked.tangential_damping * w
 
     def directed(self, load: float) -> float:
-        """Return a load with the sign of the motion that it opposes."""
+        """Return a load with the sign of the motion without load, which it opposes."""
         if load == 0.0:
             return 0.0
         free = self.under(0.0)
@@ -322,14 +325,14 @@ class _Slider:
             # a load at a height tilts the slider and so changes the traction: repeat with load = traction until both
             # agree
             for _ in range(40):
-                found = self.rest(side, load)
+                balance = self.rest(side, load)
                 if (
                     self.pillars.load_height == 0.0
-                    or abs(found.traction - load) < 1e-12 * self.equilibrium.friction
+                    or abs(balance.traction - load) < 1e-12 * self.equilibrium.friction
                 ):
                     break
-                load = found.traction
-            ends.append(way * found.traction)
+                load = balance.traction
+            ends.append(way * balance.traction)
         return ends[0], ends[1]
 
     def motion(self, found: Balance, load: float) -> PillarMotion:
