@@ -133,8 +133,8 @@ class Faces:
         key = rule.nodes.tobytes(), *(each.tobytes() for source in sources for each in source)
         if key not in self._known:
             gap = self._gap(sources)
-            found = [self._at_node(lateral, sources, gap) for lateral in rule.nodes]
-            along, motion = (np.stack(each, axis=-1) for each in zip(*found, strict=True))
+            by_node = [self._at_node(lateral, sources, gap) for lateral in rule.nodes]
+            along, motion = (np.stack(each, axis=-1) for each in zip(*by_node, strict=True))
             self._known[key] = Returned(rule, along, motion, SIGNS)
         return self._known[key]
 

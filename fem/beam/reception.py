@@ -404,15 +404,15 @@ def _response(
     added = polarisability * projected(gradient)
     own = projected(own + gradient.T @ added)
     columns = sheets * 2 * m + ports
-    caught = np.zeros((sheets, fingers, columns), dtype=complex)
-    given = np.zeros((sheets, fingers, columns), dtype=complex)
+    by_arriving = np.zeros((sheets, fingers, columns), dtype=complex)
+    load = np.zeros((sheets, fingers, columns), dtype=complex)
     for sheet in range(sheets):
-        caught[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] = by_waves
-    given[0, :, sheets * 2 * m :] = scatterer.potentials
-    given += (own @ caught.reshape(size, columns)).reshape(given.shape)
+        by_arriving[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] = by_waves
+    load[0, :, sheets * 2 * m :] = scatterer.potentials
+    load += (own @ by_arriving.reshape(size, columns)).reshape(load.shape)
     system = np.eye(size) - (own.reshape(size, sheets, fingers) @ by_fingers).reshape(size, size)
-    found = np.linalg.solve(system, given.reshape(size, columns)).reshape(given.shape)
-    on_fingers = caught + by_fingers @ found
+    finger_potentials = np.linalg.solve(system, load.reshape(size, columns)).reshape(load.shape)
+    on_fingers = by_arriving + by_fingers @ finger_potentials
 
     passed = np.append(
         np.exp(-1j * modes.wavenumbers[kept] * width), np.exp(1j * modes.backwards[kept] * width)
@@ -422,12 +422,12 @@ def _response(
         [modes.right_amplitudes(out[at.right])[kept], modes.left_amplitudes(out[at.left])[kept]]
     )
     leaving[:, : 2 * m] -= np.diag(passed)
-    sent = leaving[:, 2 * m :] @ found
+    sent = leaving[:, 2 * m :] @ finger_potentials
     for sheet in range(sheets):
         sent[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] += leaving[:, : 2 * m]
-    dipoles = (added @ on_fingers.reshape(size, columns)).reshape(found.shape)
+    dipoles = (added @ on_fingers.reshape(size, columns)).reshape(finger_potentials.shape)
     by_waves = moments @ sides[:, : 2 * m]
-    first_moments = (moments @ sides[:, 2 * m :]) @ found + dipoles
+    first_moments = (moments @ sides[:, 2 * m :]) @ finger_potentials + dipoles
     for sheet in range(sheets):
         first_moments[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] += by_waves
     return _Response(
@@ -435,7 +435,7 @@ def _response(
         lengths=lengths,
         arriving=arriving[:, : 2 * m],
         lines=lines,
-        potentials=found,
+        potentials=finger_potentials,
         sent=sent.reshape(sheets * 2 * m, columns),
         reactions=on_fingers,
         moments=first_moments,

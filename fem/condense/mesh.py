@@ -421,15 +421,15 @@ class _Unknowns:
         Unknowns to be eliminated (free ones and floating electrodes) come first, then the interfaces and the ports.
         """
         count, tied = len(self.names), self.tied.ravel()
-        given = self.held | (self.tied >= 0)
-        free = ~given.ravel()
+        prescribed = self.held | (self.tied >= 0)
+        free = ~prescribed.ravel()
         interfaces, projections = [], []  # unknowns of an interface, and these from the section's line
         for side, section in sections.items():
             by_field = line_projection(
                 self.space,
                 self.space.mesh.lines[side],
                 section,
-                {name: given[:, column] for column, name in enumerate(self.names)},
+                {name: prescribed[:, column] for column, name in enumerate(self.names)},
             )
             functions, parts = zip(*(by_field[name] for name in self.names), strict=True)
             own = np.concatenate([each * count + column for column, each in enumerate(functions)])
@@ -440,8 +440,8 @@ class _Unknowns:
         numbers[free] = np.arange(total)
         for electrode in self.floating:
             numbers[tied == electrode], total = total, total + 1
-        for places in interfaces:
-            numbers[places], total = total + np.arange(len(places)), total + len(places)
+        for interface in interfaces:
+            numbers[interface], total = total + np.arange(len(interface)), total + len(interface)
         for electrode in self.wired:
             numbers[tied == electrode], total = total, total + 1
         return numbers, block_diag(*projections, np.eye(len(self.ports)))

@@ -147,7 +147,7 @@ def save_axes(answer: dict, file: str | Path) -> None:
     try:
         saved(Path(file), lambda ax: axes_figure(answer, ax), size=(5.0, 5.0))
     except OSError as error:
-        raise RunError(f"the picture {str(file)!r} cannot be written: {error.strerror or error}") from None
+        raise SceneError("--plot", f"cannot write {str(file)!r}: {error.strerror or error}") from None
 
 
 def _table(rows, heads, columns, unit: float) -> list[str]:
