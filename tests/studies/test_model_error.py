@@ -153,7 +153,7 @@ def test_a_model_error_of_a_tenth_is_a_warning_and_one_of_the_whole_no_answer(mo
         assert bool(said) == warned, size
         assert bool(judged.shortfall) == refused, size
         if warned:
-            assert f"u_z by about {100 * size:+.2g} %" in said[0]
+            assert f"u_z by about {round(100 * size):+d} %, which" in said[0]
     assert "u_z by about +1.2e+02 % (load of the slider on the wave)" in judged.shortfall
 
 
