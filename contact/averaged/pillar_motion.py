@@ -368,7 +368,7 @@ class _Slider:
             forward=passed[0, :, 0], backward=passed[1, :, 0], exit_over_entry=complex(gone[0] / entry),
             reflected_over_entry=complex((back[0] - other) / entry),
             share_in_contact=touching / pillars.number, duty=float(np.sum(weight * share)) / max(touching, 1.0),
-            friction_power=float(np.sum(weight * friction)), thrust_power=load * velocity,
+            friction_power=float(np.sum(weight * friction)), thrust_power=load * velocity + 0.0,  # not -0.0
             damping_power=pillars.tangential_damping * velocity**2,
             wave_power_in=wave.power(wave.forward) + wave.power(wave.backward),
             wave_power_out=sum(n * (wave.power(a) + wave.power(b)) for n, a, b in zip(order, gone, back, strict=True)),
