@@ -1,8 +1,10 @@
 r"""Which method answers a question, how large its error is, and in which words it refuses: one place for all questions.
 
-A question (a burst, a step, a steady state, ...) has a table of methods, the cheapest first. `choose` takes the first
-that applies and whose estimated error keeps the tolerance; a method that was asked for by name and misses the tolerance
-gives way to the exact one where that can be afforded. Every answer is a number with an error, a status and reasons.
+A question (a burst, a step, a steady state, ...) has a table of methods. `choose` takes the first, the cheapest, that
+applies and whose estimated error keeps the tolerance; a method that was asked for by name and misses the tolerance
+gives way to the exact one where that can be afforded. For steady states `first_to_converge` takes the first that
+applies and converges; whether a method applies may depend on why the one before it failed. Every answer is a number
+with an error, a status and reasons.
 
 Status: "ok", or "above tolerance" (the error is stated, and larger than was asked for).
 """
@@ -100,7 +102,7 @@ class Result(NamedTuple):
 
 
 class Method(NamedTuple):
-    """A way to answer: `follow(question) -> Result`; `refusals(question) -> reasons`, none where it applies."""
+    """A way to answer: `follow(question)` returns the result; `refusals(question)` why it does not apply, if so."""
 
     follow: Callable
     refusals: Callable
@@ -167,6 +169,31 @@ def choose(methods: dict[str, Method], question, asked: str, *, what: str, exact
     if best is None:
         raise failure
     return best
+
+
+def first_to_converge(methods: dict[str, Method], question):
+    """Return the result of the first method that applies and converges.
+
+    Parameters
+    ----------
+    methods : dict
+        In the order in which they are tried.
+    question : NamedTuple
+        What every method takes; its field `failure` is None, then the error that stopped the method before.
+
+    Raises
+    ------
+    ConvergenceError
+        The error that stopped the last method.
+    """
+    for method in methods.values():
+        if method.refusals(question):
+            continue
+        try:
+            return method.follow(question)
+        except ConvergenceError as failed:
+            question = question._replace(failure=failed)
+    raise question.failure
 
 
 def refused(what: str, reasons: dict[str, tuple[str, ...]], way: str) -> ConvergenceError:

@@ -24,7 +24,7 @@ from contact.averaged.event_cycle import Balance, balanced, cycle_at
 from contact.averaged.run import STIFFEST_STEADY, refusals
 from contact.averaged.sweep import mean_motion
 from contact.averaged.sweep_rows import MAX_RATIO_HELD, MAX_THRESHOLD_ERROR, THRESHOLD_ERROR
-from contact.choice import Answer, Answered
+from contact.choice import Answer, Answered, Method, first_to_converge
 from contact.convergence_error import ConvergenceError
 from contact.drive import reference_speed, relative_to_reference, towards_plus
 from contact.orbit import Orbit, as_orbits
@@ -42,6 +42,10 @@ BOUNCES, MAX_BOUNCE_CYCLES = 20.0, 4000
 MAX_SEGMENTS = 8000.0
 # error of first order over (f_n/f)^2; true: 0.1 to 1.9 from 0.75 to 20 nm (`tests/benchmarks/contact_ways.py`)
 AVERAGING_ERROR = 3.0
+GOES_ON = (
+    "without normal damping a start from rest goes on bouncing, at {:.4g} m/s in the mean: give slider.damping.normal "
+    "or slider.damping.contact"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,153 +127,114 @@ def steady(
     listed = as_orbits(orbits)
     bounds.positive("tolerance", tolerance, "")
     bounds.choice("method", method, METHODS)
-    found = _closed(slider, listed) or _searched(slider, listed, method)
-    velocity, message, relative = (found.pop(key) for key in ("velocity", "message", "relative_error"))
-    reference = reference_speed(velocity, listed) or 1.0
-    near = found["method"] == "averaged" and velocity == 0.0
-    answer = Answer(value=velocity, error=relative * reference, reasons=(message,)).judged(
+    motion = _closed(slider, listed) or _by_methods(slider, listed, method)
+    reference = reference_speed(motion.velocity, listed) or 1.0
+    near = motion.method == "averaged" and motion.velocity == 0.0
+    error = motion.relative_error * reference
+    answer = Answer(value=motion.velocity, error=error, reasons=(motion.message,)).judged(
         tolerance, reference, "so near the threshold the slider may move" if near else ""
     )
-    seconds = time.perf_counter() - begun
-    return SteadyState(slider=slider, orbits=listed, answer=answer, seconds=seconds, **found)
+    return SteadyState(
+        slider=slider, orbits=listed, answer=answer, regime=motion.regime, height=motion.height, method=motion.method,
+        ledger=motion.ledger, other_velocity=motion.other_velocity, statistics=motion.statistics,
+        seconds=time.perf_counter() - begun,
+    )  # fmt: skip
+
+
+class _Solution(NamedTuple):
+    """A steady motion as a method returns it, its error relative to the reference speed."""
+
+    velocity: float
+    relative_error: float
+    message: str
+    regime: str
+    height: float
+    method: str
+    ledger: Ledger
+    statistics: dict
+    other_velocity: float | None = None
+
+    def in_doubt(self, error, reason, other=None):
+        """Return the motion with a larger error, the reason for it, and the velocity of the other motion."""
+        return self._replace(
+            relative_error=self.relative_error + error, message=f"{self.message}; {reason}", other_velocity=other
+        )  # fmt: skip
+
+    def unchecked(self, reason):
+        """Return the motion with an error of at least the reference speed, since it could not be checked."""
+        return self.in_doubt(0.0, reason)._replace(relative_error=max(self.relative_error, 1.0))
 
 
 def _closed(slider, orbits):
-    """Return the answer of a closed form, else None."""
-    found = closed_form(slider, orbits)
-    if found is None:
+    """Return the motion of a closed form, else None."""
+    known = closed_form(slider, orbits)
+    if known is None:
         return None
-    known = {"relative_error": 0.0, "message": f"{found.pop('why')}: closed form", "method": "exact"}
-    return found | known | {"statistics": {}, "ledger": Ledger(*[0.0] * len(Ledger._fields))}
+    return _Solution(
+        message=f"{known.pop('why')}: closed form", method="exact", relative_error=0.0, statistics={},
+        ledger=Ledger(*[0.0] * len(Ledger._fields)), **known,
+    )  # fmt: skip
 
 
-class _Search(NamedTuple):
-    """A steady state, searched on the side on which the crests drive towards +x: mirrored waves, mirrored answers."""
+class _Mean(NamedTuple):
+    """The averaged steady state: velocity where the crests drive towards +x, and its relative error."""
+
+    velocity: float
+    error: float
+    height: float
+    regime: str
+
+
+class _Question(NamedTuple):
+    """A steady state to compute, on the side on which the crests drive towards +x: mirrored waves, mirrored answers."""
 
     slider: Slider
     orbits: tuple[Orbit, ...]
-    side: float
-    ratio: float
-    balance: Balance
+    method: str
+    side: float  # sign of velocities on that side
+    ratio: float  # contact resonance over frequency of the wave
+    mean: _Mean | None  # None where averaging is no answer
+    balance: Balance  # from which the full motion starts
+    failure: ConvergenceError | None = None  # what the method before ran into
 
     @property
     def unit(self):
         """Unit of velocity of the balance's problem, m/s."""
         return self.balance.problem.speed
 
+    @property
+    def hops(self):
+        """Whether a slider whose motion does not repeat with the wave's period may leave its mean height."""
+        # the contact's damper acts on the slider within a few cycles, so that it does not ride still
+        adhesive = self.balance.problem.contact_damping * self.balance.problem.preload > 1e-2
+        unstable = self.failure is not None and self.failure.status == "unstable"
+        return self.ratio > MAX_RATIO_HELD or unstable or adhesive
+
     def relative(self, difference, velocity):
         """Return a difference of velocities over the reference speed."""
         return relative_to_reference(difference, velocity, self.orbits)
 
-    def answer(self, message, motion, *, velocity, error, height, sticks, cycles=1, **statistics):
+    def solution(self, message, motion, *, velocity, error, height, sticks, cycles=1, **statistics):
         """Return the answer of a motion whose sums cover some cycles; `velocity` on this side, `height` in m."""
         counted = motion.events()
         moving = "intermittent" if counted["release"] else "slip"
-        return {
-            "velocity": float(self.side * velocity) if velocity else 0.0, "regime": "stick" if sticks else moving,
-            "relative_error": float(error), "height": float(height), "message": message, "method": "exact",
-            "statistics": counted | statistics, "ledger": ledger(self.slider, motion, spans=cycles),
-        }  # fmt: skip
+        return _Solution(
+            velocity=float(self.side * velocity) if velocity else 0.0, regime="stick" if sticks else moving,
+            relative_error=float(error), height=float(height), message=message, method="exact",
+            statistics=counted | statistics, ledger=ledger(self.slider, motion, spans=cycles),
+        )  # fmt: skip
 
 
-def _searched(slider, orbits, method):
+def _by_methods(slider, orbits, method):
+    """Return the motion by the method wanted, or by the first of the table that applies and converges."""
     side, driven = towards_plus(orbits)
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
-    mean, balance = _equilibrium(slider, driven, ratio, method)
-    search = _Search(slider, driven, side, ratio, balance)
-    if method == "averaged" or (mean is not None and mean["held"]):
-        found = _averaged(search, mean)
-        return _held_bouncing(search, found) if method != "averaged" and _undamped(slider) else found
-    if balance.held or ratio > SLOWEST_WAVE:
-        return _waited(search)
-    try:
-        return _reached(search)
-    except ConvergenceError as failed:
-        # the contact's damper acts on the slider within a few cycles, so that it does not ride still
-        adhesive = balance.problem.contact_damping * balance.problem.preload > 1e-2
-        if ratio > MAX_RATIO_HELD or failed.status == "unstable" or adhesive:
-            return _waited(search)
-        if method == "exact":
-            raise
-        found = _averaged(search, mean)
-        return found | {"message": f"{found['message']}, for the full motion was not found: {failed}"}
-
-
-def _reached(search):
-    """Return the motion that repeats with the wave's period, or the one that a slider from rest reaches instead."""
-    slider, answer, periodic_motion = search.slider, *_repeating(search)
-    if search.ratio <= MAX_RATIO_HELD:
-        return _bouncing(search, answer) if _undamped(slider) and answer["velocity"] != 0.0 else answer
-    seen, unit, velocity = (
-        reached(slider, search.orbits, search.balance, periodic_motion), search.unit, answer["velocity"],
-    )  # fmt: skip
-    if seen.instead is not None:
-        found = _settled(search, seen.instead)
-        note = f"; a motion that repeats every cycle has {velocity:.4g} m/s, but is not reached from rest"
-        return found | {"message": found["message"] + note, "other_velocity": velocity}
-    if not seen.reason:
-        return answer
-    other = None if seen.speed is None else float(search.side * seen.speed * unit)
-    mean = "" if other is None else f", with {other:.4g} m/s in the mean"
-    return answer | {
-        "relative_error": answer["relative_error"] + search.relative(seen.doubt * unit, velocity),
-        "message": f"{answer['message']}; {seen.reason}{mean}", "other_velocity": other,
-    }  # fmt: skip
-
-
-def _undamped(slider):
-    """Return whether nothing ends the bounce of a start from rest."""
-    return slider.normal_damping == 0.0 and slider.contact_damping == 0.0
-
-
-def _bouncing(search, answer):
-    """Return the answer with the bounce that no damper ends as a part of its error.
-
-    For the laws that the cycle means do not know the difference in velocity is that of the elastic law.
-    """
-    elastic = replace(search.slider, law="elastic", reciprocal=False)
-    problem = scaled(elastic, search.orbits, direction=search.balance.load_sign, start=0.0)
-    rest, level = (
-        elastic.rest_approach(len(search.orbits)) / problem.length,
-        answer["height"] / problem.length,
-    )
-    lost = speed_lost(problem, rest, level) * problem.speed
-    if not np.isfinite(lost):
-        message = f"{answer['message']}; how fast the slider is while it bounces without normal damping was not found"
-        return answer | {"relative_error": max(answer["relative_error"], 1.0), "message": message}
-    other = answer["velocity"] + search.side * lost
-    error = answer["relative_error"] + search.relative(lost, answer["velocity"])
-    message = (
-        f"{answer['message']}; without normal damping a start from rest goes on bouncing, at {other:.4g} m/s in the "
-        "mean: give slider.damping.normal or slider.damping.contact"
-    )
-    return answer | {"relative_error": error, "message": message, "other_velocity": float(other)}
-
-
-def _held_bouncing(search, answer):
-    """Return the answer of a slider that is held, with what the bounce of a start from rest, never damped, moves it."""
-    cycles = int(min(max(BOUNCES / search.ratio, SETTLE), MAX_BOUNCE_CYCLES))
-    try:
-        moved = search.side * mean_from_rest(search.slider, search.orbits, search.balance.load_sign, cycles)
-    except ConvergenceError as failed:
-        return answer | {
-            "relative_error": max(answer["relative_error"], 1.0),
-            "message": f"{answer['message']}; the bounce of a start from rest was not followed: {failed}",
-        }
-    if search.relative(moved, 0.0) <= answer["relative_error"]:
-        return answer
-    return answer | {
-        "relative_error": answer["relative_error"] + search.relative(moved, 0.0), "other_velocity": float(moved),
-        "message": f"{answer['message']}; without normal damping a start from rest goes on bouncing, at {moved:.4g} "
-                   "m/s in the mean: give slider.damping.normal or slider.damping.contact",
-    }  # fmt: skip
+    question = _Question(slider, driven, method, side, ratio, *_equilibrium(slider, driven, ratio, method))
+    return _averaged(question) if method == "averaged" else first_to_converge(STEADY_METHODS, question)
 
 
 def _equilibrium(slider, orbits, ratio, method):
-    """Return (averaged steady state or None where averaging is no answer, balance to start the full motion from).
-
-    The averaged state is a dictionary: velocity on this side, height, held, error (relative) and regime.
-    """
+    """Return (averaged steady state, None where averaging is no answer; balance to start the full motion from)."""
     if not refusals(slider, orbits, STIFFEST_STEADY):
         try:
             mean = mean_motion(slider, orbits)
@@ -277,10 +242,11 @@ def _equilibrium(slider, orbits, ratio, method):
             if failed.status == "runaway" or method == "averaged":
                 raise
         else:
-            known = {"height": mean.height, "held": bool(mean.held)}
-            balance = cycle_at(slider, orbits, velocity=mean.first_order, load_sign=mean.load_sign, **known)
-            known |= {"velocity": mean.velocity, "error": mean.relative_error, "regime": str(mean.regime)}
-            return known, balance
+            balance = cycle_at(
+                slider, orbits, height=mean.height, velocity=mean.first_order, held=bool(mean.held),
+                load_sign=mean.load_sign,
+            )  # fmt: skip
+            return _Mean(mean.velocity, mean.relative_error, mean.height, str(mean.regime)), balance
     elif method == "averaged" and ratio > MAX_RATIO_HELD:
         raise ConvergenceError(
             "not applicable",
@@ -300,15 +266,41 @@ def _first_order(slider, orbits, balance, ratio):
         error = relative_to_reference(beyond.speed * beyond.problem.speed, 0.0, orbits)
     events = balance.motion.events()
     slips = "slip" if events["stick_to_slip"] or not balance.held else "stick"
-    return {
-        "velocity": balance.speed * balance.problem.speed, "height": balance.height * balance.problem.length,
-        "regime": "intermittent" if events["release"] else slips, "held": balance.held, "error": error,
-    }  # fmt: skip
+    return _Mean(
+        balance.speed * balance.problem.speed, error, balance.height * balance.problem.length,
+        "intermittent" if events["release"] else slips,
+    )  # fmt: skip
 
 
-def _repeating(search):
-    """Return (answer of the full equations, the motion): stable, and repeating with the wave's period."""
-    balance = search.balance
+def _periodic(question):
+    """Return the motion that repeats with the wave's period, or the one that a slider from rest reaches instead."""
+    motion, repeating = _repeating(question)
+    if question.ratio <= MAX_RATIO_HELD:
+        bounces = motion.velocity != 0.0 and _undamped(question.slider)
+        return _bouncing(question, motion) if bounces else motion
+    seen = reached(question.slider, question.orbits, question.balance, repeating)
+    if seen.instead is not None:
+        note = (
+            f"a motion that repeats every cycle has {motion.velocity:.4g} m/s, but is not reached from rest"
+        )
+        return _settled(question, seen.instead).in_doubt(0.0, note, motion.velocity)
+    if not seen.reason:
+        return motion
+    other = None if seen.speed is None else float(question.side * seen.speed * question.unit)
+    mean = "" if other is None else f", with {other:.4g} m/s in the mean"
+    doubt = question.relative(seen.doubt * question.unit, motion.velocity)
+    return motion.in_doubt(doubt, f"{seen.reason}{mean}", other)
+
+
+def _periodic_refusals(question):
+    if question.balance.held:
+        return ("friction holds the slider in the mean",)
+    return ("the wave is too slow for the contact",) if question.ratio > SLOWEST_WAVE else ()
+
+
+def _repeating(question):
+    """Return (motion of the full equations, as `periodic` returns it): stable, repeating with the wave's period."""
+    balance = question.balance
     unit, segments = balance.problem.speed, balance.problem.segments
     if segments > MAX_SEGMENTS:
         raise ConvergenceError(
@@ -328,22 +320,80 @@ def _repeating(search):
         )
     sticks = fine.motion.memory is None and fine.motion.sticks
     velocity, error = fine.speed * unit, (abs(fine.speed - coarse.speed) + fine.step + fine.rounding) * unit
-    velocity, error = (
-        (0.0, 0.0) if sticks else (velocity, search.relative(error, velocity))
-    )  # sticks: rounding
-    answer = search.answer(
+    velocity, error = (0.0, 0.0) if sticks else (velocity, question.relative(error, velocity))  # 0: rounding
+    motion = question.solution(
         "periodic motion of the full equations", fine.motion, velocity=velocity, error=error, sticks=sticks,
         height=-fine.state[0] * balance.problem.length,
     )  # fmt: skip
-    return answer, fine
+    return motion, fine
 
 
-def _waited(search):
+def _undamped(slider):
+    """Return whether nothing ends the bounce of a start from rest."""
+    return slider.normal_damping == 0.0 and slider.contact_damping == 0.0
+
+
+def _bouncing(question, motion):
+    """Return the motion with the bounce that no damper ends as a part of its error.
+
+    For the laws that the cycle means do not know the difference in velocity is that of the elastic law.
+    """
+    elastic = replace(question.slider, law="elastic", reciprocal=False)
+    problem = scaled(elastic, question.orbits, direction=question.balance.load_sign, start=0.0)
+    rest = elastic.rest_approach(len(question.orbits)) / problem.length
+    lost = speed_lost(problem, rest, motion.height / problem.length) * problem.speed
+    if not np.isfinite(lost):
+        return motion.unchecked(
+            "how fast the slider is while it bounces without normal damping was not found"
+        )
+    other = float(motion.velocity + question.side * lost)
+    return motion.in_doubt(question.relative(lost, motion.velocity), GOES_ON.format(other), other)
+
+
+def _held_bouncing(question, motion):
+    """Return the answer of a slider that is held, with what the bounce of a start from rest, never damped, moves it."""
+    cycles = int(min(max(BOUNCES / question.ratio, SETTLE), MAX_BOUNCE_CYCLES))
+    try:
+        mean = mean_from_rest(question.slider, question.orbits, question.balance.load_sign, cycles)
+    except ConvergenceError as failed:
+        return motion.unchecked(f"the bounce of a start from rest was not followed: {failed}")
+    moved = float(question.side * mean)
+    error = question.relative(moved, 0.0)
+    return motion if error <= motion.relative_error else motion.in_doubt(error, GOES_ON.format(moved), moved)
+
+
+def _averaged(question):
+    """Return the averaged motion; the energies are those of a cycle at constant height and velocity."""
+    mean, held, cycle = question.mean, question.balance.held, question.balance.motion
+    cycle.begun = cycle.energy()  # the cycle repeats
+    note = "held by friction" if held else "cycle means"
+    if question.failure is not None:
+        note += f", for the full motion was not found: {question.failure}"
+    motion = question.solution(
+        note, cycle, velocity=mean.velocity, error=mean.error, height=mean.height, sticks=held
+    )._replace(method="averaged", regime=mean.regime)
+    bounces = held and question.method != "averaged" and _undamped(question.slider)
+    return _held_bouncing(question, motion) if bounces else motion
+
+
+def _averaged_refusals(question):
+    if question.mean is not None and question.balance.held:
+        return ()
+    if question.method == "exact":
+        return ("the exact motion is wanted",)
+    return ("the slider may leave its mean height",) if question.hops else ()
+
+
+def _from_rest(question):
     """Return the answer of a long run from rest: the slider hops, or is carried by a slow wave."""
-    return _settled(search, long_run(search.slider, search.orbits, search.balance.load_sign))
+    return _settled(question, long_run(question.slider, question.orbits, question.balance.load_sign))
 
 
-def _settled(search, run):
+def _from_rest_refusals(question):
+    return () if question.hops else ("the slider keeps its mean height and takes long to settle",)
+
+
+def _settled(question, run):
     """Return the answer that a long run gives."""
     unit = run.motion.problem.speed
     if run.sticks:
@@ -356,19 +406,17 @@ def _settled(search, run):
         )
     if run.starts > 1:
         note += "; two runs from almost the same start were compared"
-    return search.answer(
-        note, run.motion, velocity=run.speed * unit, error=search.relative(run.error * unit, run.speed * unit),
+    return question.solution(
+        note, run.motion, velocity=run.speed * unit, error=question.relative(run.error * unit, run.speed * unit),
         sticks=run.sticks, height=run.height * run.motion.problem.length, cycles=run.cycles, period_cycles=run.period,
         averaged_cycles=run.cycles,
     )  # fmt: skip
 
 
-def _averaged(search, mean):
-    """Return the averaged answer; the energies are those of a cycle at constant height and velocity."""
-    held = mean.pop("held")
-    regime = mean.pop("regime")
-    note = "held by friction" if held else "cycle means"
-    motion = search.balance.motion
-    motion.begun = motion.energy()  # the cycle repeats
-    answer = search.answer(note, motion, sticks=held, **mean)
-    return answer | {"method": "averaged", "regime": regime}
+# In the order in which they are tried. The averaged method answers for a slider that friction holds, and for one that
+# keeps its height but whose periodic motion was not found; a long run from rest answers for the others.
+STEADY_METHODS = {
+    "periodic": Method(_periodic, _periodic_refusals),
+    "averaged": Method(_averaged, _averaged_refusals),
+    "from rest": Method(_from_rest, _from_rest_refusals),
+}
