@@ -83,21 +83,21 @@ class Stator:
 
     def piece_warnings(self, frequency: float, transducers: tuple["Transducer", ...] = ()) -> tuple[str, ...]:
         """Warnings about the meshed pieces at a frequency in Hz, one sentence each."""
-        found, placed = [], self.placement
+        warnings, placed = [], self.placement
         for piece in self.pieces:
-            found += corner_warnings(piece, self.bottom, slowest_wavelength(self.solid, frequency))
+            warnings += corner_warnings(piece, self.bottom, slowest_wavelength(self.solid, frequency))
         for side, piece in enumerate(placed.ends):
             if piece is None or is_step(piece, self.thickness):
                 continue
             end, meant = piece.extent[side], (0.0, self.length)[side]
             if abs(end - meant) > SAME_END * self.length:
-                found.append(
+                warnings.append(
                     f'the end piece "{piece.name}" ends at x = {end * 1e3:.6g} mm, the stator at {meant * 1e3:.6g} '
                     "mm: the piece counts"
                 )
         if placed.whole is not None:
-            found += [each for one in transducers for each in _other_fingers(placed.whole, one)]
-        return tuple(dict.fromkeys(found))
+            warnings += [each for one in transducers for each in _other_fingers(placed.whole, one)]
+        return tuple(dict.fromkeys(warnings))
 
     @property
     def bare_surface(self) -> str:

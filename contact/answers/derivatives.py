@@ -1,12 +1,15 @@
-r"""Derivative of the averaged steady velocity along a change of slider and wave, by the implicit function theorem.
+r"""Derivative of the averaged steady velocity with respect to a parameter, by the implicit function theorem.
 
-The velocity v of first-order averaging satisfies F(s, v) = <sum Q>(s, v) - R_t v - load = 0 along a family of motors
-s -> (slider, orbits), the height included in <sum Q>, so that
+A family of motors s -> (slider, orbits) depends on a parameter s. The velocity v of first-order averaging satisfies
 
-    dv/ds = -(dF/ds)/(dF/dv),
+    F(s, v) = <sum Q>(s, v) - R_t v - load = 0,
 
-by central differences of fourth order: no equilibrium is solved again. Against the full periodic motion the derivative
-errs by O((f_n/f)^2), as the averaged velocity does.
+where <sum Q> is taken at the height that balances the preload. Hence
+
+    dv/ds = -(dF/ds)/(dF/dv).
+
+Both partial derivatives are central differences of fourth order, so that no equilibrium is solved again. The error with
+respect to the full periodic motion is O((f_n/f)^2), as for the averaged velocity.
 """
 
 from collections.abc import Callable
@@ -18,7 +21,7 @@ from contact.drive import drive_direction
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
 
-STEP = 2e-3  # relative, of v; in s: forces are known to 1e-11
+STEP = 2e-3  # of v (relative) and of s; fourth-order differences of forces that are accurate to 1e-11
 
 
 def velocity_derivative(
@@ -29,14 +32,14 @@ def velocity_derivative(
     Parameters
     ----------
     family : callable
-        s to (slider, orbits); s = 0 is the motor itself.
+        Takes s and returns (slider, orbits); s = 0 gives the motor itself.
     step : float
-        Of s, for the differences at fixed velocity.
+        Step of s for the differences at fixed velocity.
 
     Raises
     ------
     ConvergenceError
-        If the equilibrium is not regular: at the threshold, or where averaging does not apply.
+        If the slider is at its threshold, where dF/dv vanishes, or if averaging does not apply.
 
     Examples
     --------
@@ -50,25 +53,26 @@ def velocity_derivative(
     -0.0071
     """
     slider, orbits = family(0.0)
-    found = mean_motion(slider, orbits)
-    if found.held:
+    mean = mean_motion(slider, orbits)
+    if mean.held:
         return 0.0
-    v, against = found.first_order, found.load_sign * drive_direction(as_orbits(orbits))
+    v, load_sign = mean.first_order, mean.load_sign * drive_direction(as_orbits(orbits))
 
-    def excess(s, velocity):
+    def residual(s, velocity):
+        """Return F(s, v), the mean tangential force less damper and load."""
         slider, orbits = family(s)
-        drag = slider.tangential_damping * velocity + against * slider.load
+        drag = slider.tangential_damping * velocity + load_sign * slider.load
         return float(mean_traction(slider, orbits, [velocity])[0]) - drag
 
-    by_velocity = _slope(lambda x: excess(0.0, v + x), STEP * abs(v))
+    by_velocity = _slope(lambda x: residual(0.0, v + x), STEP * abs(v))
     if by_velocity == 0.0:
         raise ConvergenceError(
             "not applicable", "the equilibrium is not regular: the slider is at its threshold"
         )
-    return float(-_slope(lambda s: excess(s, v), step) / by_velocity)
+    return float(-_slope(lambda s: residual(s, v), step) / by_velocity)
 
 
 def _slope(function, step) -> float:
-    """Return the derivative at 0, of fourth order."""
+    """Return the derivative at 0 by a central difference of fourth order."""
     one, two = (function(k * step) - function(-k * step) for k in (1, 2))
     return (8.0 * one - two) / (12.0 * step)

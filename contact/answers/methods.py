@@ -1,7 +1,8 @@
-r"""Three ways through a burst, one model: every event, fixed steps, many cycles at once.
+r"""Three methods to compute the motion during a burst: event-driven, fixed time steps and averaged.
 
-Each takes a slider at rest at phase 0 and returns its motion at the end, rows (v, z_s) on the way, the estimated error
-of the last v and what it counted; each refuses where it does not apply. The errors come from two runs really made.
+Each method starts from a slider at rest at phase 0. It returns the motion at the end of the burst, rows (v, z_s) during
+the burst, the estimated error of the last v and statistics. A method refuses a problem to which it does not apply.
+Every error estimate compares two runs of different resolution.
 """
 
 import math
@@ -27,51 +28,54 @@ from contact.problem import Problem, largest_resonance, scaled, without_wave
 from contact.slider import Slider
 from contact.stepping.time_stepping import steps
 
-# largest number of cycles for which `auto` follows every event, whatever the tolerance
+# Method "auto" uses the event-driven method up to this number of cycles, whatever the tolerance.
 EXACT_CYCLES = 3000
-# of the velocity, per cycle that is followed exactly
+# rounding error of the velocity per cycle of the event-driven method, relative to the reference speed
 ROUNDING = 1e-15
-# largest number of cycles for which the exact method takes over from one that misses the tolerance; some ten seconds
+# If another method misses the tolerance, the exact method takes over up to this number of cycles (about 10 s).
 MAX_EXACT_CYCLES = 100_000
-# cycles of a longer burst in which the errors of the other methods are calibrated
+# The errors of the other methods are calibrated by the exact method in this many first cycles of a burst.
 WINDOW = 1000
-# factors on that calibration, on an estimate beyond the window, and on the error of a run that cannot be calibrated
+# Safety factors: on the calibration ratio, on an estimate after the calibration window, and on the estimate of a run
+# that cannot be calibrated.
 CALIBRATION, BEYOND, UNCHECKED = 2.0, 1.5, 5.0
-# segments that the exact method takes on at most, some minutes
+# The exact method refuses bursts of more segments than this (some minutes).
 MAX_SEGMENTS = 1e8
-# steps per cycle that are tried, and the tolerance down to which each has been seen to serve
+# Numbers of steps per cycle, and the smallest tolerance for which each was observed to be fine enough.
 STEPS = ((24, 2e-3), (32, 4e-4), (56, 4e-5), (80, 1e-5), (128, 1.5e-6), (192, 2e-7), (256, 0.0))
-# Order in the step size that is counted on. Spheres converge with 1.5 to 2, punches and contact dampers with 1, and
-# either may do so more slowly between two neighbouring step sizes.
+# Order of convergence in the step size that the error estimate assumes. Spheres converge with order 1.5 to 2, punches
+# and contact dampers with order 1. Both may converge more slowly between two neighbouring step sizes.
 ORDER = 1.0
-# instants in the second half of a burst at which two runs are compared
+# number of times in the second half of a burst at which two runs are compared
 COMPARED = 24
-# added to every estimate of fixed steps: this share of the tolerance for which the step size serves (`STEPS`), so that
-# two runs that agree by chance do not claim a vanishing error
+# Every error estimate of the fixed time steps is increased by this fraction of the tolerance in `STEPS`, because two
+# runs may agree by chance.
 FLOOR = 0.01
-# Nodes per segment, truncation of a segment, its longest length over that of the problem, and the tolerance down to
-# which each serves. Neighbours differ in all three: where events set the segments' lengths the truncation changes
-# nothing, and where the forces are polynomials (a punch) the nodes do not either.
+# Nodes per segment, truncation error of a segment, maximum segment length over that of the problem, and the smallest
+# tolerance for which this level is fine enough. Neighbouring levels differ in all three, so that their difference shows
+# the error: the truncation has no effect if events limit the segments, and the number of nodes has none if the forces
+# are polynomials (a punch).
 ORDERS = ((8, 1e-5, 0.8, math.inf), (10, 1e-7, 1.0, 1e-8), (12, 1e-9, 0.8, 1e-10), (16, 1e-12, 1.0, 0.0))
-# amplitude over the envelope's largest below which a surface that rings down stands still; least steps per cycle there
+# SPENT: a ring-down ends when the amplitude is below this fraction of the envelope's maximum.
+# RINGING_STEPS: minimum number of steps per cycle during the ring-down.
 SPENT, RINGING_STEPS = 1e-3, 80
-# change of the contact's own oscillation in a step, omega_n dt, above which fixed steps are refused
+# largest omega_n dt (contact resonance times step) for which fixed time steps are allowed
 MAX_STEP = 0.2
-# share of its velocity that the contact's damper may take in a step
+# largest relative change of velocity in one step by the contact damper
 MAX_DAMPING = 5e-3
 
 
 def rest_problem(slider, orbits):
-    """Return the scaled problem whose phase 0 is where u_z of the first contact passes zero upwards."""
+    """Return the scaled problem; at phase 0 u_z of the first contact crosses zero upwards."""
     start = -0.5 * math.pi - float(np.angle(orbits[0].normal))
     return scaled(slider, orbits, direction=opposed(slider, orbits), start=start)
 
 
 def rest(slider, orbits, problem, *, nodes, truncation, factor=1.0):
-    """Return the motion at phase 0 of a slider at rest, its contacts deformed by the load alone.
+    """Return the motion at phase 0 of a slider at rest whose contacts are deformed by the load alone.
 
-    `factor` is that on the wave at phase 0, the envelope's first: a contact that the wave has not parted keeps its
-    deformation.
+    `factor` is the envelope's value at phase 0. The wave of that size decides which contacts touch at the start: a
+    contact that touches keeps its deformation.
     """
     contacts = len(orbits)
     begun = problem._replace(paths=_times(problem.paths, factor))
@@ -91,7 +95,7 @@ def _times(paths, factor):
 
 
 def silence(motion):
-    """Return the motion that goes on where this one stands, at phase 0, when the wave stops."""
+    """Return a copy of the motion that continues from the state at phase 0 without the wave."""
     still = motion.copy()
     still.problem = without_wave(motion.problem)
     still.place(*motion.state[:3], motion.state[3:])
@@ -100,7 +104,7 @@ def silence(motion):
 
 
 def shaped_steps(slider, problem, least: int) -> int:
-    """Return the fewest steps per cycle, a number of `STEPS` or the least, in which an envelope can be followed."""
+    """Return the smallest number of steps per cycle, from `least` and `STEPS`, that can follow an envelope."""
     for number in (least, *(number for number, _ in STEPS if number > least)):
         reasons = stepped_refusals(slider, problem, number)
         if not reasons:
@@ -109,9 +113,9 @@ def shaped_steps(slider, problem, least: int) -> int:
 
 
 def ring_down(slider, motion, envelope, *, longest=math.inf, samples=0, least=RINGING_STEPS):
-    """Move the slider in fixed steps while the surface rings down.
+    """Move the slider in fixed time steps while the surface rings down.
 
-    Returns (times in s from the end of the burst, rows), about as many as `samples`, one per cycle for 0.
+    Returns (times in s from the end of the burst, rows). There are about `samples` rows, or one per cycle if it is 0.
     """
     frequency = motion.problem.omega / (2.0 * math.pi)
     number = shaped_steps(slider, motion.problem, least)
@@ -131,7 +135,7 @@ ENVELOPE_OUT = (
 
 
 class Burst(NamedTuple):
-    """A burst to follow from rest; a row every `stride` cycles, `envelope` as in `time_stepping.steps`."""
+    """A burst from rest that returns a row every `stride` cycles; `envelope` as in `time_stepping.steps`."""
 
     slider: Slider
     orbits: tuple[Orbit, ...]
@@ -143,45 +147,47 @@ class Burst(NamedTuple):
 
     @property
     def inner(self) -> int:
-        """Cycles between the rows that are compared: a divisor of `stride`."""
+        """Number of cycles between two compared rows, a divisor of `stride`."""
         return _divisor(self.stride, max(1, self.cycles // (2 * COMPARED)))
 
     @property
     def every(self) -> int:
-        """Compared rows from one reported row to the next."""
+        """Number of compared rows for each returned row."""
         return self.stride // self.inner
 
     def allowed(self, velocity: float) -> float:
-        """Return the error allowed in a velocity, scaled."""
+        """Return the allowed error of a velocity, both scaled."""
         return self.tolerance * self.reference(velocity)
 
     def reference(self, velocity: float = 0.0) -> float:
-        """Return the reference speed of a velocity; both scaled."""
+        """Return the reference speed for a velocity, both scaled."""
         return reference_speed(velocity * self.problem.speed, self.orbits) / self.problem.speed
 
 
 def _exact(burst):
-    """Follow every event at two orders; where they do not agree to the tolerance, at the next."""
+    """Run the event-driven method at two levels of `ORDERS`, and at finer ones until the tolerance is met."""
 
     def follow(level):
         return _every_event(burst, *ORDERS[level][:3])
 
     def error(level, run, difference, reference):
-        # two runs may agree by chance, but not so much better than their segments are laid out
+        # two runs may agree by chance: the error is never taken below that of the segments' truncation
         return max(difference, 3e-6 * ORDERS[level][1] * reference) + ROUNDING * burst.cycles * reference
 
     for least in range(1, len(ORDERS)):
         try:
             _, (_, motion, rows), result = _refined(burst, follow, error, ORDERS, least)
             break
-        except ConvergenceError:  # with few nodes events may follow each other without end
+        except (
+            ConvergenceError
+        ):  # with few nodes the solver may report events without end: try the next level
             if least == len(ORDERS) - 1:
                 raise
     return result._replace(run=(motion, rows[burst.every - 1 :: burst.every]), statistics=motion.events())
 
 
 def _every_event(burst, nodes, truncation, longest):
-    """Return (velocities to compare, motion, rows) of an event-driven run."""
+    """Return (velocities to compare, motion, rows) of one event-driven run."""
     problem = burst.problem._replace(longest=longest * burst.problem.longest)
     motion = rest(burst.slider, burst.orbits, problem, nodes=nodes, truncation=truncation)
     motion.begin()
@@ -206,7 +212,7 @@ def _exact_refusals(burst):
 
 
 def _stepped(burst):
-    """Refine the steps until the error keeps the tolerance."""
+    """Run fixed time steps, refined until the estimated error is within the tolerance."""
     start = _at_rest(burst)
     window = Window.of(burst)
 
@@ -229,7 +235,7 @@ def _stepped(burst):
         return fine, float(np.max(np.abs(fine - coarse))) / gain(level)
 
     def error(level, run, difference, reference):
-        # events fall anywhere in a step: one difference may vanish by chance, the largest of many does not
+        # a single difference may vanish by chance, since events fall anywhere in a step: compare the largest of many
         estimate = difference / gain(level) + FLOOR * STEPS[level][1] * reference
         return window.error(estimate, run[0][-1], lambda: in_window(level)) if reference > 0.0 else 0.0
 
@@ -243,14 +249,14 @@ def _stepped(burst):
 
 
 def _serving_steps(burst):
-    """Return the levels of `STEPS` that are fine enough for the slider."""
+    """Return the levels of `STEPS` whose steps are small enough for the slider's resonances and dampers."""
     return [
         k for k, (number, *_) in enumerate(STEPS) if not stepped_refusals(burst.slider, burst.problem, number)
     ]
 
 
 def _at_rest(burst):
-    """Return the motion at the beginning of a burst."""
+    """Return the motion at the start of a burst."""
     factor = burst.envelope[0] if burst.envelope.size else 1.0
     return rest(burst.slider, burst.orbits, burst.problem, nodes=16, truncation=1e-12, factor=factor)
 
@@ -261,7 +267,7 @@ def _divisor(number, most):
 
 
 def _averaged(burst):
-    """Follow the averaged equations."""
+    """Integrate the averaged equations."""
     window = Window.of(burst)
 
     def follow(asked):
@@ -288,15 +294,15 @@ def _averaged_refusals(burst):
 
 
 class Window(NamedTuple):
-    """The first cycles of a burst, followed exactly: what the error of another method is there.
+    """The first cycles of a burst, computed by the exact method to measure the error of another method.
 
-    Under an envelope the wave is taken at its largest size throughout.
+    If the burst has an envelope, the wave in the window has the envelope's largest amplitude throughout.
     """
 
     burst: Burst
-    velocities: np.ndarray | None  # None where they could not be followed
+    velocities: np.ndarray | None  # None if the exact method failed
     exact_error: float
-    whole: bool  # whether the window is the burst
+    whole: bool  # True if the window is the whole burst, without an envelope
 
     @classmethod
     def of(cls, burst: Burst) -> "Window":
@@ -318,10 +324,10 @@ class Window(NamedTuple):
         return cls(short, runs[-1], float(abs(runs[-1][-1] - runs[0][-1])), whole)
 
     def error(self, estimate: float, velocity: float, in_window: Callable) -> float:
-        """Return the error of a velocity at the burst's end, of which a method states an estimate.
+        """Return the error of a method's velocity at the end of the burst.
 
-        `in_window()` returns the velocities in the window by the same method, and the error that it states for them.
-        The estimate is taken as many times larger as it is too small there.
+        `estimate` is the method's own estimate. `in_window()` returns the method's velocities in the window and its
+        estimate for them. If the true error in the window exceeds that estimate, `estimate` is scaled by their ratio.
         """
         if self.velocities is None:
             return UNCHECKED * estimate
@@ -333,20 +339,24 @@ class Window(NamedTuple):
 
 
 def _refined(burst, follow, error, levels, least):
-    """Return (level, run, result) of the first level of resolution whose estimated error keeps the tolerance.
+    """Return (level, run, result) of the first level of resolution whose estimated error is within the tolerance.
 
-    The error is estimated from the difference to the run of the level before. Of the last level the run is returned
+    The error is estimated from the difference to the run at the previous level. The run at the last level is returned
     whatever its error.
 
     Parameters
     ----------
     follow : callable
-        Level to run: a tuple whose first entry holds the velocities to compare, the one at the end last.
+        Takes a level and returns the run, a tuple. Its first entry holds the velocities to compare; the last of these
+        is the velocity at the end of the burst.
     error : callable
-        (level, run, largest difference of these velocities, reference speed) to the estimated error; scaled.
+        Takes (level, run, largest difference of these velocities, reference speed) and returns the estimated error,
+        all scaled.
     levels : tuple of tuple
-        Resolutions from coarse to fine, such as `STEPS`; the last entry of each is the tolerance down to which it
-        serves. The first that serves, but at least number `least`, is run first.
+        Resolutions from coarse to fine, such as `STEPS`. The last entry of each is the smallest tolerance for which
+        it is fine enough.
+    least : int
+        The first level to run is the coarsest one that is fine enough for the tolerance, but not below this one.
     """
     serving = (k for k, (*_, down_to) in enumerate(levels) if burst.tolerance >= down_to)
     level = max(next(serving, len(levels) - 1), least)
@@ -361,7 +371,7 @@ def _refined(burst, follow, error, levels, least):
 
 
 def _both(work, first, second):
-    """Return work(first) and work(second), from two threads: kernels release the interpreter's lock."""
+    """Return work(first) and work(second), computed in two threads; the kernels release the interpreter lock."""
     if os.environ.get("SAWMOTOR_THREADS") == "1":
         return work(first), work(second)
     with ThreadPoolExecutor(1) as aside:
@@ -370,8 +380,10 @@ def _both(work, first, second):
         return job.result(), result
 
 
-# The cheapest comes first. Error of averaging: half the steps and fewer nodes, first against second order; of stepping:
-# two step sizes; both calibrated by the exact method. Of the exact method: two collocation orders, rounding per cycle.
+# The cheapest method comes first. Sources of the error estimates:
+# averaged: a run with half the steps and fewer nodes, and the difference of first and second order;
+# stepped: two step sizes; both this and the averaged estimate are calibrated by the exact method (`Window`);
+# exact: two collocation orders, plus rounding per cycle.
 BURST_METHODS = {
     "averaged": Method(_averaged, _averaged_refusals),
     "stepped": Method(_stepped, lambda burst: stepped_refusals(burst.slider, burst.problem, STEPS[-2][0])),
@@ -383,7 +395,8 @@ METHODS = ("auto", *BURST_METHODS)
 def run(method: str, burst: Burst) -> Choice:
     """Return the run (motion at the end, rows) of a burst, its error and the method used.
 
-    Up to `EXACT_CYCLES` cycles "auto" follows every event. The exact method leaves the energies in the motion's sums.
+    Method "auto" uses the exact method up to `EXACT_CYCLES` cycles. Only the exact method accumulates the energies in
+    the motion's sums.
     """
     if method == "auto" and burst.cycles <= EXACT_CYCLES and not _exact_refusals(burst):
         method = "exact"
@@ -394,7 +407,7 @@ def run(method: str, burst: Burst) -> Choice:
 
 
 def stepped_refusals(slider, problem, per_cycle) -> tuple[str, ...]:
-    """Return why fixed steps cannot follow this motion; nothing where they can."""
+    """Return the reasons why fixed time steps cannot follow this motion; empty if they can."""
     why: tuple[str, ...] = ()
     if slider.stick_band > 0.0:
         why += ("slider.stick_band needs the events",)
@@ -409,7 +422,7 @@ def stepped_refusals(slider, problem, per_cycle) -> tuple[str, ...]:
             f"the contact resonance is too fast: omega_n dt = {turn:.3g} with {per_cycle} steps "
             f"per cycle, more than {MAX_STEP}",
         )
-    # Hunt-Crossley's force enters by the rate, to first order in the step
+    # the Hunt-Crossley force depends on the approach rate, which the scheme resolves to first order in the step only
     if step * problem.contact_damping * problem.stiffness * load(2.0, problem.shape) > MAX_DAMPING:
         why += (f"the contact's damper is too fast for {per_cycle} steps per cycle",)
     if step * max(problem.normal_damping, problem.tangential_damping) > MAX_STEP:

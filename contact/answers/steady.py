@@ -1,13 +1,17 @@
-r"""The steady velocity: the periodic motion itself, found without waiting for it.
+r"""Steady velocity of a slider on a continuous wave, computed without following the transient.
 
-Two steps. *Averaged*: a slider that is heavy on the wave's time scale keeps height h and velocity v through a cycle;
-h follows from <sum P_i> = preload and v from <sum Q_i>(v) = R_t v + load, with the cycle mean between exact events.
-For the elastic law this is `sweep.mean_motion`, with its second-order correction and its error; for other laws it is of
-first order. *Exact*: the map of one whole cycle of the full equations, (z_s, z_s', v, x_i) -> the same a cycle later,
-is brought to its fixed point by Newton's method from the averaged state.
+The computation has two steps.
 
-Held: if one contact can stick for good, the deformations that the wave drives them to (from above and from below)
-leave a whole interval of mean tractions. If load lies in it the slider stays, and its velocity is exactly zero.
+1. *Averaged equilibrium.* A slider that is heavy on the wave's time scale keeps its height h and its velocity v nearly
+   constant through a cycle. The condition <sum P_i> = preload gives h, and <sum Q_i>(v) = R_t v + load gives v, where
+   <> is the mean over a cycle, integrated exactly between events. For the elastic law `sweep.mean_motion` adds the
+   second-order correction and an error estimate. The other laws are averaged to first order.
+2. *Shooting* (method "exact"). The cycle map of the full equations takes the state (z_s, z_s', v, x_i) to the state one
+   cycle later. Newton's method finds the fixed point of this map, starting from the averaged equilibrium.
+
+A slider is held if at least one contact can stick through all cycles. The mean tangential force at v = 0 then depends
+on the deformations at the start and fills an interval. If the load lies in this interval, the slider stays at rest and
+its velocity is exactly zero.
 """
 
 import time
@@ -34,13 +38,16 @@ from contact.problem import scaled
 from contact.slider import Slider
 
 METHODS = ("auto", "exact", "averaged")
-# largest ratio of contact resonance to wave for which a periodic motion is searched, and cycles to settle before
+# SLOWEST_WAVE: largest ratio of contact resonance to wave frequency for which shooting is tried.
+# SETTLE: largest number of cycles to follow before shooting if it fails from the averaged equilibrium; also the
+# smallest number of cycles for the mean velocity of an undamped bounce.
 SLOWEST_WAVE, SETTLE = 20.0, 200
-# periods of a bounce that nothing damps, and cycles at most, over which its mean velocity is taken
+# That mean covers this many bounce periods, but at most this many wave cycles.
 BOUNCES, MAX_BOUNCE_CYCLES = 20.0, 4000
-# segments of a cycle up to which that is worth its time
+# Shooting would take too long if a cycle has more segments than this.
 MAX_SEGMENTS = 8000.0
-# error of first order over (f_n/f)^2; true: 0.1 to 1.9 from 0.75 to 20 nm (`tests/benchmarks/contact_ways.py`)
+# Estimated relative error of first-order averaging, divided by (f_n/f)^2. The true value was 0.1 to 1.9 at amplitudes
+# from 0.75 to 20 nm (`tests/benchmarks/contact_ways.py`).
 AVERAGING_ERROR = 3.0
 GOES_ON = (
     "without normal damping a start from rest goes on bouncing, at {:.4g} m/s in the mean: give slider.damping.normal "
@@ -50,31 +57,32 @@ GOES_ON = (
 
 @dataclass(frozen=True, kw_only=True)
 class SteadyState(Answered):
-    """The periodic motion of a slider on a continuous wave.
+    """Steady state of a slider on a continuous wave.
 
     Attributes
     ----------
     slider, orbits
-        What was asked.
+        The arguments of `steady`.
     answer : Answer
-        Mean velocity over a cycle, m/s, exactly 0 when held; its error, with what is in doubt about the motion that a
-        start from rest reaches; status and reasons.
+        Mean velocity over a cycle in m/s (exactly 0 when held), its error, status and reasons. The error includes the
+        doubt whether a slider that starts from rest reaches this motion.
     regime : str
         "stick", "slip" or "intermittent".
     height : float
         Mean approach h of the contacts, m; the slider's mean position is -h.
     method : str
-        What was used: "exact" or "averaged".
+        Method that gave the answer: "exact" or "averaged".
     ledger : Ledger
-        Energies over one cycle; all zero where a closed form answers.
+        Energies over one cycle; all zero if a closed form gives the velocity.
     other_velocity : float or None
-        m/s, mean velocity of a second steady motion where one is known: the motion that repeats with the wave's period
-        but is not reached from rest, or the one that a start from rest goes on with where nothing damps the bounce.
+        Mean velocity of a second steady motion in m/s, None if none is known. It is either a motion that repeats with
+        the wave's period but is not reached from rest, or the motion of a slider that starts from rest and whose
+        undamped bounce never ends.
     statistics : dict
-        Events by kind in one cycle, smallest gap between two in s (inf: fewer), chatter (whether events crowded at
-        one instant); segments (`stretches`) and sweeps of the cycles counted.
+        Number of events of each kind in one cycle; smallest time between two events in s (inf for fewer than two);
+        chatter (True if many events occurred at almost the same time); number of segments (`stretches`) and sweeps.
     seconds : float
-        Time taken.
+        Computing time.
     """
 
     slider: Slider
@@ -97,7 +105,7 @@ class SteadyState(Answered):
 def steady(
     slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: float, method: str = "auto"
 ) -> SteadyState:
-    """Return the steady state.
+    """Return the steady state of a slider on a continuous wave.
 
     Parameters
     ----------
@@ -106,43 +114,43 @@ def steady(
     orbits : Orbit or tuple of Orbit
         Motion of the surface under each contact.
     tolerance : float
-        Error allowed in the velocity, relative to max(|v|, omega |u_x|/10).
+        Allowed error of the velocity, relative to max(|v|, omega |u_x|/10).
     method : str
-        "exact", "averaged", or "auto".
+        "exact", "averaged" or "auto".
 
     Returns
     -------
     SteadyState
-        With the error estimated; its status says when the estimate exceeds the tolerance.
+        Its status says if the estimated error exceeds the tolerance.
 
     Raises
     ------
     ValueError
-        For parameters that do not go together.
+        If the parameters contradict each other.
     ConvergenceError
-        Status "runaway" (nothing balances the load), "unstable" (no stable motion repeats with the wave's period),
-        or what the motion ran into.
+        With status "runaway" (nothing balances the load), "unstable" (no stable motion repeats with the wave's period)
+        or the status of the solver that failed.
     """
     begun = time.perf_counter()
     listed = as_orbits(orbits)
     bounds.positive("tolerance", tolerance, "")
     bounds.choice("method", method, METHODS)
-    motion = _closed(slider, listed) or _by_methods(slider, listed, method)
-    reference = reference_speed(motion.velocity, listed) or 1.0
-    near = motion.method == "averaged" and motion.velocity == 0.0
-    error = motion.relative_error * reference
-    answer = Answer(value=motion.velocity, error=error, reasons=(motion.message,)).judged(
+    solution = _closed(slider, listed) or _searched(slider, listed, method)
+    reference = reference_speed(solution.velocity, listed) or 1.0
+    near = solution.method == "averaged" and solution.velocity == 0.0
+    error = solution.relative_error * reference
+    answer = Answer(value=solution.velocity, error=error, reasons=(solution.message,)).judged(
         tolerance, reference, "so near the threshold the slider may move" if near else ""
     )
     return SteadyState(
-        slider=slider, orbits=listed, answer=answer, regime=motion.regime, height=motion.height, method=motion.method,
-        ledger=motion.ledger, other_velocity=motion.other_velocity, statistics=motion.statistics,
-        seconds=time.perf_counter() - begun,
+        slider=slider, orbits=listed, answer=answer, regime=solution.regime, height=solution.height,
+        method=solution.method, ledger=solution.ledger, other_velocity=solution.other_velocity,
+        statistics=solution.statistics, seconds=time.perf_counter() - begun,
     )  # fmt: skip
 
 
 class _Solution(NamedTuple):
-    """A steady motion as a method returns it, its error relative to the reference speed."""
+    """A steady state as a method returns it; fields as in `SteadyState`."""
 
     velocity: float
     relative_error: float
@@ -155,29 +163,29 @@ class _Solution(NamedTuple):
     other_velocity: float | None = None
 
     def in_doubt(self, error, reason, other=None):
-        """Return the motion with a larger error, the reason for it, and the velocity of the other motion."""
+        """Return the solution with a relative error added, the reason for it and the velocity of another motion."""
         return self._replace(
             relative_error=self.relative_error + error, message=f"{self.message}; {reason}", other_velocity=other
         )  # fmt: skip
 
     def unchecked(self, reason):
-        """Return the motion with an error of at least the reference speed, since it could not be checked."""
+        """Return the solution with an error of at least the reference speed, because it could not be checked."""
         return self.in_doubt(0.0, reason)._replace(relative_error=max(self.relative_error, 1.0))
 
 
 def _closed(slider, orbits):
-    """Return the motion of a closed form, else None."""
-    known = closed_form(slider, orbits)
-    if known is None:
+    """Return the solution by a closed form, or None if no closed form applies."""
+    fields = closed_form(slider, orbits)
+    if fields is None:
         return None
     return _Solution(
-        message=f"{known.pop('why')}: closed form", method="exact", relative_error=0.0, statistics={},
-        ledger=Ledger(*[0.0] * len(Ledger._fields)), **known,
+        message=f"{fields.pop('why')}: closed form", method="exact", relative_error=0.0, statistics={},
+        ledger=Ledger(*[0.0] * len(Ledger._fields)), **fields,
     )  # fmt: skip
 
 
 class _Mean(NamedTuple):
-    """The averaged steady state: velocity where the crests drive towards +x, and its relative error."""
+    """Averaged steady state; the velocity is that on the mirrored orbits, the error is relative."""
 
     velocity: float
     error: float
@@ -185,37 +193,44 @@ class _Mean(NamedTuple):
     regime: str
 
 
-class _Question(NamedTuple):
-    """A steady state to compute, on the side on which the crests drive towards +x: mirrored waves, mirrored answers."""
+class _Search(NamedTuple):
+    """Inputs of the search for a steady state.
+
+    The orbits are mirrored if necessary so that the wave crests drive the slider towards +x; `side` is the sign that
+    turns a velocity back to the original orbits.
+    """
 
     slider: Slider
     orbits: tuple[Orbit, ...]
     method: str
-    side: float  # sign of velocities on that side
-    ratio: float  # contact resonance over frequency of the wave
-    mean: _Mean | None  # None where averaging is no answer
-    balance: Balance  # from which the full motion starts
-    failure: ConvergenceError | None = None  # what the method before ran into
+    side: float
+    ratio: float  # resonance frequency of the contacts over wave frequency
+    mean: _Mean | None  # None if averaging does not apply
+    balance: Balance  # averaged equilibrium
+    failure: ConvergenceError | None = None  # error of the method tried before
 
     @property
     def unit(self):
-        """Unit of velocity of the balance's problem, m/s."""
+        """Unit of velocity of the scaled problem, m/s."""
         return self.balance.problem.speed
 
     @property
     def hops(self):
-        """Whether a slider whose motion does not repeat with the wave's period may leave its mean height."""
-        # the contact's damper acts on the slider within a few cycles, so that it does not ride still
+        """Whether averaging is no substitute for a periodic motion that was not found."""
+        # a strong contact damper moves the slider within a few cycles, so that averaging does not apply
         adhesive = self.balance.problem.contact_damping * self.balance.problem.preload > 1e-2
         unstable = self.failure is not None and self.failure.status == "unstable"
         return self.ratio > MAX_RATIO_HELD or unstable or adhesive
 
     def relative(self, difference, velocity):
-        """Return a difference of velocities over the reference speed."""
+        """Return a velocity difference divided by the reference speed."""
         return relative_to_reference(difference, velocity, self.orbits)
 
     def solution(self, message, motion, *, velocity, error, height, sticks, cycles=1, **statistics):
-        """Return the answer of a motion whose sums cover some cycles; `velocity` on this side, `height` in m."""
+        """Return the solution with energies and events from a motion over a number of cycles.
+
+        `velocity` in m/s is that on the mirrored orbits, `height` is in m.
+        """
         counted = motion.events()
         moving = "intermittent" if counted["release"] else "slip"
         return _Solution(
@@ -225,16 +240,19 @@ class _Question(NamedTuple):
         )  # fmt: skip
 
 
-def _by_methods(slider, orbits, method):
-    """Return the motion by the method wanted, or by the first of the table that applies and converges."""
+def _searched(slider, orbits, method):
+    """Return the solution by averaging, shooting or a long run from rest."""
     side, driven = towards_plus(orbits)
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
-    question = _Question(slider, driven, method, side, ratio, *_equilibrium(slider, driven, ratio, method))
-    return _averaged(question) if method == "averaged" else first_to_converge(STEADY_METHODS, question)
+    search = _Search(slider, driven, method, side, ratio, *_equilibrium(slider, driven, ratio, method))
+    return _averaged(search) if method == "averaged" else first_to_converge(STEADY_METHODS, search)
 
 
 def _equilibrium(slider, orbits, ratio, method):
-    """Return (averaged steady state, None where averaging is no answer; balance to start the full motion from)."""
+    """Return (averaged steady state, averaged equilibrium from which shooting starts).
+
+    The averaged state is None if averaging does not apply.
+    """
     if not refusals(slider, orbits, STIFFEST_STEADY):
         try:
             mean = mean_motion(slider, orbits)
@@ -258,12 +276,13 @@ def _equilibrium(slider, orbits, ratio, method):
 
 
 def _first_order(slider, orbits, balance, ratio):
-    """Return the averaged steady state of a law that only the event-driven solver knows; of first order."""
+    """Return the first-order averaged steady state of a law that only the event-driven solver supports."""
     error = AVERAGING_ERROR * ratio**2
     if balance.held:
         larger = 1.0 + min(THRESHOLD_ERROR * ratio**2, MAX_THRESHOLD_ERROR)
-        beyond = balanced(slider, tuple(orbit.scaled(larger) for orbit in orbits))
-        error = relative_to_reference(beyond.speed * beyond.problem.speed, 0.0, orbits)
+        # the threshold has an error: take the velocity on a wave that is larger by that error
+        on_larger_wave = balanced(slider, tuple(orbit.scaled(larger) for orbit in orbits))
+        error = relative_to_reference(on_larger_wave.speed * on_larger_wave.problem.speed, 0.0, orbits)
     events = balance.motion.events()
     slips = "slip" if events["stick_to_slip"] or not balance.held else "stick"
     return _Mean(
@@ -272,35 +291,35 @@ def _first_order(slider, orbits, balance, ratio):
     )  # fmt: skip
 
 
-def _periodic(question):
-    """Return the motion that repeats with the wave's period, or the one that a slider from rest reaches instead."""
-    motion, repeating = _repeating(question)
-    if question.ratio <= MAX_RATIO_HELD:
-        bounces = motion.velocity != 0.0 and _undamped(question.slider)
-        return _bouncing(question, motion) if bounces else motion
-    seen = reached(question.slider, question.orbits, question.balance, repeating)
+def _shooting(search):
+    """Return the solution by shooting, or by a long run if a slider from rest reaches another motion."""
+    solution, periodic_motion = _periodic_solution(search)
+    if search.ratio <= MAX_RATIO_HELD:
+        bounces = solution.velocity != 0.0 and _undamped(search.slider)
+        return _with_bounce_error(search, solution) if bounces else solution
+    seen = reached(search.slider, search.orbits, search.balance, periodic_motion)
+    velocity = solution.velocity
     if seen.instead is not None:
-        note = (
-            f"a motion that repeats every cycle has {motion.velocity:.4g} m/s, but is not reached from rest"
-        )
-        return _settled(question, seen.instead).in_doubt(0.0, note, motion.velocity)
+        note = f"a motion that repeats every cycle has {velocity:.4g} m/s, but is not reached from rest"
+        return _of_long_run(search, seen.instead).in_doubt(0.0, note, velocity)
     if not seen.reason:
-        return motion
-    other = None if seen.speed is None else float(question.side * seen.speed * question.unit)
+        return solution
+    other = None if seen.speed is None else float(search.side * seen.speed * search.unit)
     mean = "" if other is None else f", with {other:.4g} m/s in the mean"
-    doubt = question.relative(seen.doubt * question.unit, motion.velocity)
-    return motion.in_doubt(doubt, f"{seen.reason}{mean}", other)
+    return solution.in_doubt(
+        search.relative(seen.doubt * search.unit, velocity), f"{seen.reason}{mean}", other
+    )
 
 
-def _periodic_refusals(question):
-    if question.balance.held:
+def _shooting_refusals(search):
+    if search.balance.held:
         return ("friction holds the slider in the mean",)
-    return ("the wave is too slow for the contact",) if question.ratio > SLOWEST_WAVE else ()
+    return ("the wave is too slow for the contact",) if search.ratio > SLOWEST_WAVE else ()
 
 
-def _repeating(question):
-    """Return (motion of the full equations, as `periodic` returns it): stable, repeating with the wave's period."""
-    balance = question.balance
+def _periodic_solution(search):
+    """Return (solution, periodic motion) by shooting; raise if the periodic motion is unstable."""
+    balance = search.balance
     unit, segments = balance.problem.speed, balance.problem.segments
     if segments > MAX_SEGMENTS:
         raise ConvergenceError(
@@ -309,7 +328,8 @@ def _repeating(question):
     try:
         fine = periodic(balance, nodes=16, truncation=1e-12)
     except ConvergenceError:
-        # averaging is no start here: let the motion settle by itself first, for some 30 000 segments at most
+        # Newton's method does not converge from the averaged equilibrium: follow the full motion for some cycles first,
+        # about 30 000 segments at most
         settle = int(min(SETTLE, 5.0 + 5000.0 * balance.problem.longest))
         fine = periodic(balance, nodes=16, truncation=1e-12, settle=settle)
     coarse = periodic(balance, nodes=10, truncation=1e-8, near=fine)
@@ -320,81 +340,82 @@ def _repeating(question):
         )
     sticks = fine.motion.memory is None and fine.motion.sticks
     velocity, error = fine.speed * unit, (abs(fine.speed - coarse.speed) + fine.step + fine.rounding) * unit
-    velocity, error = (0.0, 0.0) if sticks else (velocity, question.relative(error, velocity))  # 0: rounding
-    motion = question.solution(
+    # velocity and error of a sticking slider are rounding errors
+    velocity, error = (0.0, 0.0) if sticks else (velocity, search.relative(error, velocity))
+    solution = search.solution(
         "periodic motion of the full equations", fine.motion, velocity=velocity, error=error, sticks=sticks,
         height=-fine.state[0] * balance.problem.length,
     )  # fmt: skip
-    return motion, fine
+    return solution, fine
 
 
 def _undamped(slider):
-    """Return whether nothing ends the bounce of a start from rest."""
+    """Return True if no damper ends the bounce of a slider that starts from rest."""
     return slider.normal_damping == 0.0 and slider.contact_damping == 0.0
 
 
-def _bouncing(question, motion):
-    """Return the motion with the bounce that no damper ends as a part of its error.
+def _with_bounce_error(search, solution):
+    """Return the solution with the effect of an undamped bounce on the velocity added to its error.
 
-    For the laws that the cycle means do not know the difference in velocity is that of the elastic law.
+    The effect is computed with the elastic law, because only its cycle means are available.
     """
-    elastic = replace(question.slider, law="elastic", reciprocal=False)
-    problem = scaled(elastic, question.orbits, direction=question.balance.load_sign, start=0.0)
-    rest = elastic.rest_approach(len(question.orbits)) / problem.length
-    lost = speed_lost(problem, rest, motion.height / problem.length) * problem.speed
+    elastic = replace(search.slider, law="elastic", reciprocal=False)
+    problem = scaled(elastic, search.orbits, direction=search.balance.load_sign, start=0.0)
+    rest = elastic.rest_approach(len(search.orbits)) / problem.length
+    lost = speed_lost(problem, rest, solution.height / problem.length) * problem.speed
     if not np.isfinite(lost):
-        return motion.unchecked(
-            "how fast the slider is while it bounces without normal damping was not found"
-        )
-    other = float(motion.velocity + question.side * lost)
-    return motion.in_doubt(question.relative(lost, motion.velocity), GOES_ON.format(other), other)
+        reason = "how fast the slider is while it bounces without normal damping was not found"
+        return solution.unchecked(reason)
+    other = float(solution.velocity + search.side * lost)
+    return solution.in_doubt(search.relative(lost, solution.velocity), GOES_ON.format(other), other)
 
 
-def _held_bouncing(question, motion):
-    """Return the answer of a slider that is held, with what the bounce of a start from rest, never damped, moves it."""
-    cycles = int(min(max(BOUNCES / question.ratio, SETTLE), MAX_BOUNCE_CYCLES))
+def _held_with_bounce_error(search, solution):
+    """Return the solution of a held slider, with the drift that an undamped bounce causes added to its error."""
+    cycles = int(min(max(BOUNCES / search.ratio, SETTLE), MAX_BOUNCE_CYCLES))
     try:
-        mean = mean_from_rest(question.slider, question.orbits, question.balance.load_sign, cycles)
+        mean = mean_from_rest(search.slider, search.orbits, search.balance.load_sign, cycles)
     except ConvergenceError as failed:
-        return motion.unchecked(f"the bounce of a start from rest was not followed: {failed}")
-    moved = float(question.side * mean)
-    error = question.relative(moved, 0.0)
-    return motion if error <= motion.relative_error else motion.in_doubt(error, GOES_ON.format(moved), moved)
+        return solution.unchecked(f"the bounce of a start from rest was not followed: {failed}")
+    other = float(search.side * mean)
+    error = search.relative(other, 0.0)
+    below = error <= solution.relative_error
+    return solution if below else solution.in_doubt(error, GOES_ON.format(other), other)
 
 
-def _averaged(question):
-    """Return the averaged motion; the energies are those of a cycle at constant height and velocity."""
-    mean, held, cycle = question.mean, question.balance.held, question.balance.motion
-    cycle.begun = cycle.energy()  # the cycle repeats
+def _averaged(search):
+    """Return the averaged solution, with the energies of a cycle at constant height and velocity."""
+    mean, held, motion = search.mean, search.balance.held, search.balance.motion
+    motion.begun = motion.energy()  # the cycle repeats, so that the stored energy does not change
     note = "held by friction" if held else "cycle means"
-    if question.failure is not None:
-        note += f", for the full motion was not found: {question.failure}"
-    motion = question.solution(
-        note, cycle, velocity=mean.velocity, error=mean.error, height=mean.height, sticks=held
+    if search.failure is not None:
+        note += f", for the full motion was not found: {search.failure}"
+    solution = search.solution(
+        note, motion, velocity=mean.velocity, error=mean.error, height=mean.height, sticks=held
     )._replace(method="averaged", regime=mean.regime)
-    bounces = held and question.method != "averaged" and _undamped(question.slider)
-    return _held_bouncing(question, motion) if bounces else motion
+    bounces = held and search.method != "averaged" and _undamped(search.slider)
+    return _held_with_bounce_error(search, solution) if bounces else solution
 
 
-def _averaged_refusals(question):
-    if question.mean is not None and question.balance.held:
+def _averaged_refusals(search):
+    if search.mean is not None and search.balance.held:
         return ()
-    if question.method == "exact":
-        return ("the exact motion is wanted",)
-    return ("the slider may leave its mean height",) if question.hops else ()
+    if search.method == "exact":
+        return ("the exact motion is required",)
+    return ("the slider does not keep its height and velocity through a cycle",) if search.hops else ()
 
 
-def _from_rest(question):
-    """Return the answer of a long run from rest: the slider hops, or is carried by a slow wave."""
-    return _settled(question, long_run(question.slider, question.orbits, question.balance.load_sign))
+def _long_run(search):
+    """Return the solution by a long run from rest, for a slider that hops or that a slow wave carries along."""
+    return _of_long_run(search, long_run(search.slider, search.orbits, search.balance.load_sign))
 
 
-def _from_rest_refusals(question):
-    return () if question.hops else ("the slider keeps its mean height and takes long to settle",)
+def _long_run_refusals(search):
+    return () if search.hops else ("a slider that keeps its height takes too long to settle",)
 
 
-def _settled(question, run):
-    """Return the answer that a long run gives."""
+def _of_long_run(search, run):
+    """Return the solution for a long run (`periodic.settling.LongRun`)."""
     unit = run.motion.problem.speed
     if run.sticks:
         note = "every contact sticks"
@@ -406,8 +427,8 @@ def _settled(question, run):
         )
     if run.starts > 1:
         note += "; two runs from almost the same start were compared"
-    return question.solution(
-        note, run.motion, velocity=run.speed * unit, error=question.relative(run.error * unit, run.speed * unit),
+    return search.solution(
+        note, run.motion, velocity=run.speed * unit, error=search.relative(run.error * unit, run.speed * unit),
         sticks=run.sticks, height=run.height * run.motion.problem.length, cycles=run.cycles, period_cycles=run.period,
         averaged_cycles=run.cycles,
     )  # fmt: skip
@@ -416,7 +437,7 @@ def _settled(question, run):
 # In the order in which they are tried. The averaged method answers for a slider that friction holds, and for one that
 # keeps its height but whose periodic motion was not found; a long run from rest answers for the others.
 STEADY_METHODS = {
-    "periodic": Method(_periodic, _periodic_refusals),
+    "shooting": Method(_shooting, _shooting_refusals),
     "averaged": Method(_averaged, _averaged_refusals),
-    "from rest": Method(_from_rest, _from_rest_refusals),
+    "long run": Method(_long_run, _long_run_refusals),
 }

@@ -1,30 +1,35 @@
-r"""Where a slider starts to move and where contact is first lost, for a slider that is heavy on the wave's time scale.
+r"""Wave amplitudes at which a slider starts to move (threshold) and at which contact is first lost (release).
 
-Such a slider rides at the height at which the cycle mean of the normal forces is the preload, <sum P_i> = preload, so
-contact i has the approach z_i = h + h_i + Re(U_i exp(i omega t)) with one h.
+Both are given as factors on the orbits. The averaged theory below assumes a slider that is heavy on the wave's time
+scale. It rides at a constant height h such that the cycle mean of the normal forces balances the preload,
+<sum P_i> = preload. The approach of contact i is z_i = h + h_i + Re(U_i exp(i omega t)), where h_i is its height.
 
-*Release*: the first contact that touches at rest has h + h_i = |U_i|. For one sphere that is z0/<(1 + sin)^1.5>^(2/3),
-<> = 16 sqrt 2/(6 pi), for one punch z0.
+*Release.* The first contact of those that touch at rest satisfies h + h_i = |U_i|. With the approach z0 at rest this
+gives |U| = z0/<(1 + sin)^1.5>^(2/3), <(1 + sin)^1.5> = 16 sqrt 2/(6 pi), for one sphere and |U| = z0 for one punch.
 
-*Threshold*, elastic law, equal heights: nothing slips while every contact has an offset x0 with
-|x0 + u_x| <= c (h + u_z) at all times, that is x0 + |U_x - c U_z| <= c h and -x0 + |U_x + c U_z| <= c h (complex
-amplitudes, any phase), and the offsets carry the load, <sum Q_i> = load. In quadrature, unloaded:
-|U_x|^2 + c^2 |U_z|^2 = c^2 h^2.
+*Threshold, elastic law, equal heights.* No contact slips while each has an offset x0 such that
+|x0 + u_x| <= c (h + u_z) at all times. In complex amplitudes, for any phase between them, this is
+x0 + |U_x - c U_z| <= c h and -x0 + |U_x + c U_z| <= c h. The offsets must also carry the load, <sum Q_i> = load.
+Without a load, and with u_x and u_z in quadrature, the threshold is |U_x|^2 + c^2 |U_z|^2 = c^2 h^2.
+The normal force p(z) is a homogeneous function. Hence, at equal heights, approach and orbits grow by the same factor,
+and the preload determines this factor.
 
-A hysteretic contact slips at its rim long before it slips as a whole, and what it remembers of a cycle carries the
-slider along: it starts some 10 % below the elastic threshold. The reciprocal force adds to the support, so that the
-slider rides higher and parts earlier. Of contacts at different heights or on different orbits some hold the slider
-while others slip. There the factor is searched in the averaged balance, to 1e-5.
+*Threshold, other cases.* These thresholds are found by bisection of the averaged equilibrium, to a relative accuracy
+of 1e-5:
 
-p(z) is homogeneous: with equal heights the approach and the orbits grow by one factor, and the preload gives it.
+- A hysteretic contact slips in an annulus before it slips as a whole. Its deformation depends on the previous cycle and
+  carries the slider along, so that the slider moves at about 10 % below the elastic threshold.
+- The reciprocal force adds to the support, so that the slider rides higher and contacts separate earlier.
+- If the contacts have different heights or orbits, some may hold the slider while others slip.
 
-*Never*: without a load nothing moves a slider whose motion is its own mirror image a while later: waves that move the
-surface along one axis only, contacts in pairs that drive against each other. Then the threshold is infinite.
+*Infinite threshold.* If the wave, mirrored in x, is the same wave at a later time, then no amplitude moves an unloaded
+slider. Examples are a surface that moves along one axis only, and pairs of contacts that drive against each other.
 
-The slider does answer within a cycle, by (f_n/f)^2 of the wave. Up to the first release its normal motion, and up to
-the first slip its tangential one, is that of the full equations in harmonics of the wave (`periodic.sticking`):
-*release* of every law but the reciprocal one, and the *threshold* of the elastic law, are the factors at which a
-contact of that motion just parts or slips. The other factors keep the error of averaging (`AVERAGING_ERROR`).
+*Corrections within a cycle.* The slider's motion within a cycle is smaller than that of the surface by (f_n/f)^2. Up to
+the first release the normal motion has no event, and up to the first slip the tangential motion has none. The full
+equations are then solved in harmonics of the wave (`periodic.sticking`). The *release* of every law except the
+reciprocal one, and the *threshold* of the elastic law, are the factors at which a contact in this motion just separates
+or slips. All other factors keep the error of averaging (`AVERAGING_ERROR`).
 """
 
 import math
@@ -45,17 +50,18 @@ from contact.problem import scaled
 from contact.roots import bracketed
 from contact.slider import Slider
 
-ACCURACY = 1e-5
-# phases of a cycle of the periodic motion; relative tolerance of its roots, and how far from the factor of averaging
-# they are searched
+ACCURACY = 1e-5  # relative, of the bisection in the averaged equilibrium
+# SAMPLES: phases per cycle of the periodic motion. ROOT: relative tolerance of the factor at which its margin vanishes.
+# MAX_REACH: largest relative distance from the averaged factor at which that factor is searched.
 SAMPLES, ROOT, MAX_REACH = 256, 1e-10, 0.5
-# least relative error of such a root: bisection of the full motion at f_n/f = 0.2 differs by 5e-7
+# smallest stated relative error of this factor: bisection of the full motion at f_n/f = 0.2 differs by 5e-7
 LEAST_ERROR = 1e-6
-# relative error of a factor over (f_n/f)^2; true: 0.5 to 1.4 (`tests/contact/test_threshold_answers.py`)
+# Estimated relative error of an averaged factor, divided by (f_n/f)^2. The true value was 0.5 to 1.4
+# (`tests/contact/test_threshold_answers.py`).
 AVERAGING_ERROR = 1.5
-# largest factor over that of the first slip of any contact at which the slider may still be held: above, "never"
+# The threshold is infinite if the slider is still held at this many times the factor of the first slip of any contact.
 CLIMB = 100.0
-# relative difference of orbits that are alike
+# orbits within this relative difference count as equal
 ALIKE = 1e-9
 PHASES = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 512, endpoint=False))
 
@@ -63,7 +69,7 @@ PHASES = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 512, endpoint=False))
 def threshold(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
     """Return the factor on all orbits above which the slider starts to move, with its error.
 
-    Zero without friction, or with a load that friction cannot hold; inf where no amplitude moves it.
+    The factor is zero without friction or if friction cannot hold the load, and inf if no amplitude moves the slider.
 
     Parameters
     ----------
@@ -86,7 +92,7 @@ def threshold(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
     if slider.load == 0.0 and _own_mirror_image(slider, listed):
         return Answer(value=math.inf, error=0.0, reasons=("the wave drives both ways alike",))
     bent = bool(slider.tangential_law.bent)
-    elastic = _elastic_threshold(_guess(slider) if slider.heights or bent else slider, listed)
+    elastic = _elastic_threshold(_simplified(slider) if slider.heights or bent else slider, listed)
     if slider.law == "elastic" and not (slider.reciprocal or slider.heights or bent) and _alike(listed):
         own_spring = isinstance(slider.friction, UserLaw)
         return (_by_averaging if own_spring else _by_full_motion)(slider, listed, elastic)
@@ -100,9 +106,10 @@ def threshold_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float
 
 
 def release(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
-    """Return the factor on all orbits at which the first contact is lost once per cycle, with its error.
+    """Return the factor on all orbits at which a contact is first lost once per cycle, with its error.
 
-    Inf without normal motion. Parameters as for `threshold`. Contacts that do not touch at rest do not count.
+    The factor is inf without normal motion. Contacts that do not touch at rest are ignored. The parameters are those
+    of `threshold`.
     """
     _, listed = towards_plus(as_orbits(orbits))
     factor = _released(slider, listed)
@@ -117,7 +124,7 @@ def release_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
 
 
 def _by_averaging(slider, orbits, factor):
-    """Return a factor that cycle means gave as an answer, with the error of averaging."""
+    """Return the answer for a factor from the averaged theory, with the error of averaging."""
     if math.isinf(factor):
         return Answer(value=factor, error=0.0, reasons=(f"none up to {CLIMB:g} times the first slip",))
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
@@ -126,11 +133,11 @@ def _by_averaging(slider, orbits, factor):
 
 
 def _by_full_motion(slider, orbits, first, margins=None):
-    """Return the factor by the periodic motion of the full equations, searched near the averaged factor `first`.
+    """Return the factor from the periodic motion of the full equations, searched near the averaged factor `first`.
 
-    `margins(problem, motion, slider)` returns a lower and an upper bound of a margin that falls through zero at the
-    factor. Their roots are taken with different numbers of samples; the answer lies half-way between them, and their
-    distance is its error. Without a root the averaged factor is returned.
+    `margins(problem, motion, slider)` returns a lower and an upper bound of a margin that decreases with the factor and
+    vanishes at the threshold or release. The roots of the two bounds are computed with different numbers of samples.
+    The answer is their mean, and their distance is its error. If there is no root, the averaged factor is returned.
     """
     averaged, margins = _by_averaging(slider, orbits, first), margins or _stick_margins
     if math.isinf(first) or first == 0.0:
@@ -162,7 +169,7 @@ def _by_full_motion(slider, orbits, first, margins=None):
 
 
 def _contact_margins(problem, motion, slider):
-    """Return the least approach of the contacts that touch at rest, as both bounds: it is exact."""
+    """Return the least approach of the contacts that touch at rest, which serves as both bounds."""
     contacts = problem.contacts
     touch = slider.rest_approach(contacts) + slider.offsets(contacts) > 0.0
     margin = float(np.min(least(motion.approaches[touch])))
@@ -170,53 +177,57 @@ def _contact_margins(problem, motion, slider):
 
 
 def _stick_margins(problem, motion, slider):
-    """Return the margins of the first and of the last contact to slip, of contacts that stick and carry the load.
+    """Return the stick margins of the first and of the last contact to slip; both include the margin of the load.
 
-    Contacts that stick have the offsets of their history, the largest or the least ones or any between. As long as one
-    contact sticks it holds the slider.
+    The offsets of sticking contacts depend on the history and lie between a least and a largest value. The first slip
+    is a lower bound of the threshold. The last slip is an upper bound, because one sticking contact holds the slider.
     """
     rooms = [room_to_stick(problem, motion, side) for side in (1.0, -1.0)]
     unit = problem.limit_slope * slider.rest_approach(problem.contacts) / problem.length
-    left = np.array([0.5 * (room.forward + room.backward) / unit for room in rooms])
-    held = _held_load(rooms[1].traction, rooms[0].traction, problem.load, problem.friction * problem.preload)
-    return min(float(np.min(left)), held), min(float(np.max(left)), held)
+    slip_margins = np.array([0.5 * (room.forward + room.backward) / unit for room in rooms])
+    load_margin = _load_margin(
+        rooms[1].traction, rooms[0].traction, problem.load, problem.friction * problem.preload
+    )
+    return min(float(np.min(slip_margins)), load_margin), min(float(np.max(slip_margins)), load_margin)
 
 
-def _held_load(least, largest, load, friction):
-    """Return how far a load lies between the mean forces that contacts can hold, over the friction; < 0 outside.
+def _load_margin(least, largest, load, friction):
+    """Return the distance of a load from the ends of the interval that contacts can hold, over the friction force.
 
-    No threshold is reached before, so that the wave does not move the unloaded slider and the load is positive.
+    It is negative outside the interval. The load is positive: below the threshold the wave does not move the unloaded
+    slider, so that there is no motion that would give the load another sign.
     """
     return min(largest - load, load - least) / friction
 
 
 def _own_mirror_image(slider, orbits):
-    """True if the orbits with u_x negated are the same orbits some time later, of contacts of the same heights."""
+    """True if the orbits with u_x negated equal the orbits at a later time, on contacts of the same heights."""
     heights = slider.offsets(len(orbits))
-    here = [np.array([o.normal, o.tangential]) for o in orbits]
-    size = max(float(np.max(np.abs(each))) for each in here)
-    turned = [np.array([o.normal, -o.tangential]) for o in orbits]
+    amplitudes = [np.array([o.normal, o.tangential]) for o in orbits]
+    size = max(float(np.max(np.abs(each))) for each in amplitudes)
+    mirrored = [np.array([o.normal, -o.tangential]) for o in orbits]
     axis = 0 if any(o.normal != 0 for o in orbits) else 1
-    first = next(k for k, each in enumerate(here) if each[axis] != 0)
+    first = next(k for k, each in enumerate(amplitudes) if each[axis] != 0)
 
     def same(shift):
+        """Return True if each mirrored orbit times the phase factor `shift` equals one orbit."""
         left = list(range(len(orbits)))
-        for each, height in zip(turned, heights, strict=True):
+        for each, height in zip(mirrored, heights, strict=True):
             match = [
                 k for k in left
-                if np.max(np.abs(here[k] - shift * each)) < ALIKE * size and abs(heights[k] - height) < 1e-15
+                if np.max(np.abs(amplitudes[k] - shift * each)) < ALIKE * size and abs(heights[k] - height) < 1e-15
             ]  # fmt: skip
             if not match:
                 return False
             left.remove(match[0])
         return True
 
-    shifts = [each[axis] / turned[first][axis] for each in here]
+    shifts = [each[axis] / mirrored[first][axis] for each in amplitudes]
     return any(abs(abs(shift) - 1.0) < ALIKE and same(shift / abs(shift)) for shift in shifts)
 
 
 def _released(slider, listed):
-    """Return the factor at which the first contact is lost."""
+    """Return the averaged factor at which a contact is first lost."""
     if not slider.heights and not slider.reciprocal:
         reach = [abs(o.normal) for o in listed]
         return _factor_at(max(reach), slider, reach) if max(reach) > 0.0 else math.inf
@@ -225,26 +236,26 @@ def _released(slider, listed):
     if not touch.any() or np.max(reach) == 0.0:
         return math.inf if slider.preload > 0.0 else 0.0
 
-    def least(factor):
+    def smallest_approach(factor):
         h = riding_height(slider, tuple(o.scaled(factor) for o in listed))
         return float(np.min(h + heights - factor * reach))
 
-    elastic = _falling_root(least, slider, listed)
+    elastic = _falling_root(smallest_approach, slider, listed)
     friction = slider.static_friction(len(listed))
     if not slider.reciprocal or slider.law != "elastic" or friction <= slider.load:
         return elastic
 
-    def parts(factor):
-        found = balanced(slider, tuple(orbit.scaled(factor) for orbit in listed))
-        return np.min(found.height * found.problem.length + heights - factor * reach) < 0.0
+    def separates(factor):
+        balance = balanced(slider, tuple(orbit.scaled(factor) for orbit in listed))
+        return np.min(balance.height * balance.problem.length + heights - factor * reach) < 0.0
 
-    return _edge(parts, elastic)
+    return _edge(separates, elastic)
 
 
 def threshold_amplitude(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
     """Return the amplitude |u_z| of the first orbit in m above which the slider starts to move.
 
-    The orbits are scaled together. `threshold_factor` serves where u_z is zero.
+    All orbits are scaled by the same factor. Use `threshold_factor` if u_z is zero.
     """
     return threshold_factor(slider, orbits) * abs(as_orbits(orbits)[0].normal)
 
@@ -254,15 +265,16 @@ def release_amplitude(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> floa
     return release_factor(slider, orbits) * abs(as_orbits(orbits)[0].normal)
 
 
-def _guess(slider):
-    """Return the slider with all contacts at one height, and one coefficient of friction."""
+def _simplified(slider):
+    """Return the slider with all contacts at the same height and with a constant coefficient of friction."""
     return replace(slider, heights=(), friction=None, friction_coefficient=slider.static_coefficient)
 
 
 def _elastic_threshold(slider, orbits):
-    """Return the factor at which the first contact slips, all at one height; see the module's text."""
+    """Return the factor at which a contact first slips, for equal heights (see the module docstring)."""
     c = slider.limit_slope
     end = max(abs(o.tangential - c * o.normal) + abs(o.tangential + c * o.normal) for o in orbits) / (2.0 * c)
+    # at this factor the two bounds on the offset of one contact coincide
     no_room = _factor_at(end, slider, [abs(o.normal) for o in orbits])
     if _holding_margin(slider, orbits, no_room * (1.0 - 1e-9)) >= 0.0:
         return no_room
@@ -270,23 +282,23 @@ def _elastic_threshold(slider, orbits):
 
 
 def _factor_at(height, slider, reach):
-    """Return the factor on |U_z| = reach of all contacts at which the slider rides at the factor times a height."""
+    """Return the factor f for which a slider on the amplitudes |U_z| = f reach rides at the height f height."""
     unit = max(height, *reach)
     mean = sum(mean_load(height / unit, each / unit, slider.contact_shape) for each in reach)
     return slider.approach_under(slider.preload / mean, 1) / unit
 
 
 def _alike(orbits):
-    """True if all orbits are one orbit with different phases."""
+    """True if all orbits are equal except for their phases."""
     first, *others = ((abs(o.normal), abs(o.tangential), o.normal * np.conj(o.tangential)) for o in orbits)
     return all(np.allclose(each, first, rtol=ALIKE, atol=0.0) for each in others)
 
 
 def _holding_margin(slider, orbits, factor):
-    """Return a margin, positive while all contacts stick and the load is held; it falls through zero with factor.
+    """Return a margin that is positive while all contacts stick and hold the load, and decreases with the factor.
 
-    It is the least of the room left for the offsets and of the distances of the load from the mean tractions that
-    the highest and the lowest offsets give.
+    It is the smaller of two margins: the width of the interval of allowed offsets, and the distance of the load from
+    the mean tangential forces at the highest and the lowest offsets.
     """
     c, mu, shape = slider.limit_slope, slider.static_coefficient, slider.contact_shape
     scaled = tuple(orbit.scaled(factor) for orbit in orbits)
@@ -300,11 +312,11 @@ def _holding_margin(slider, orbits, factor):
         friction = mu * slider.normal_stiffness
         highest += float(np.mean(tangential_force(u_x + up, z, friction, c, shape)))
         lowest += float(np.mean(tangential_force(u_x - down, z, friction, c, shape)))
-    return min(room, _held_load(lowest, highest, slider.load, mu * slider.preload))
+    return min(room, _load_margin(lowest, highest, slider.load, mu * slider.preload))
 
 
 def _falling_root(function, slider, orbits):
-    """Return the factor at which a function that is positive at 0 falls through zero."""
+    """Return the root of a decreasing function that is positive at 0."""
     reach = max(max(abs(o.normal), abs(o.tangential)) for o in orbits)
     high = float(np.max(slider.rest_approaches(len(orbits)))) / reach
     while function(high) > 0.0:
@@ -313,7 +325,7 @@ def _falling_root(function, slider, orbits):
 
 
 def _edge(is_above, guess):
-    """Return the factor at which `is_above` becomes true, found by bisection from a guess; inf far above the guess."""
+    """Return the factor at which `is_above` becomes true, by bisection from a guess; inf above `CLIMB` guesses."""
     low, high = guess, guess
     while not is_above(high):
         low, high = high, 1.1 * high

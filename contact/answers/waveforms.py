@@ -1,7 +1,10 @@
-r"""What happens at the contact points, instant by instant: the quantities of Feenstra and Breedveld's Figs 6 and 7.
+r"""Forces, deformations and regimes of the contact points as functions of time within a few wave cycles.
 
-Three stages: "start", after a number of cycles from rest; "steady", in the periodic motion; "after", after the wave
-has stopped in the periodic motion, where one "cycle" is still a period of the wave that was.
+The quantities are those of Figs 6 and 7 of Feenstra and Breedveld. A history covers one of three stages:
+
+- "start": some cycles after a start from rest,
+- "steady": the periodic motion,
+- "after": the motion after the wave stops during the periodic motion. Times are still counted in periods of that wave.
 """
 
 import math
@@ -24,37 +27,37 @@ from contact.periodic.shooting import periodic
 from contact.slider import Slider
 
 STAGES = ("start", "steady", "after")
-# nodes per segment and its truncation, of the answer and of the second computation
+# nodes per segment and truncation error of a segment, for the answer and for the run that estimates its error
 FINE, COARSE = (16, 1e-12), (10, 1e-8)
-# in the order of the numbers in `elastic`; an annulus that slips is "partial", a growing contact sticks
+# Names in the order of `codes.Regime`. A hysteretic contact with a slip annulus is "partial"; one that grows sticks.
 REGIMES = np.array(["separated", "stick", "slip", "creep", "partial", "stick"])
 
 
 @dataclass(frozen=True, kw_only=True)
 class History(Answered):
-    """Contact points over a few cycles; arrays of k instants, those of contacts (k, n).
+    """Waveforms of n contact points at k times.
 
     Attributes
     ----------
     slider, orbits
-        What was asked.
+        The arguments of `contact_history`.
     time : (k,) array
-        s from the first instant of the stage: start of the burst, upward zero of u_z of the first contact, or end of
-        the wave.
+        Time in s. Zero is the start of the burst ("start"), an upward zero crossing of u_z of the first contact
+        ("steady") or the end of the wave ("after").
     approach, deformation : (k, n) arrays
-        z and x, m; z < 0 when separated.
+        Approach z and tangential deformation x, m; z < 0 if the contact is separated.
     normal_force, tangential_force : (k, n) arrays
-        Elastic P, and Q, N.
+        Elastic normal force P and tangential force Q, N.
     regime : (k, n) array of str
-        "separated", "stick", "slip", "creep" (with a stick band) or "partial" (an annulus slips; hysteretic law).
+        "separated", "stick", "slip", "creep" (with a stick band) or "partial" (hysteretic law: an annulus slips).
     surface_velocity : (k, n) array
         Tangential velocity v_t of the surface, m/s.
     slider_velocity : (k,) array
-        v_s, m/s.
+        Velocity v_s of the slider, m/s.
     answer : Answer
-        v_s at the last instant, m/s; its error is that of v_s at any instant, from a second computation.
+        v_s at the last time, m/s. Its error is the largest error of v_s at any time, from a second computation.
     statistics : dict
-        Events by kind over the recorded span.
+        Number of events of each kind in the recorded time.
     """
 
     slider: Slider
@@ -80,7 +83,7 @@ def contact_history(
     cycles: float,
     points_per_cycle: float,
 ) -> History:
-    """Return the history of the contact points.
+    """Return the waveforms of the contact points.
 
     Parameters
     ----------
@@ -89,9 +92,9 @@ def contact_history(
     stage : str
         "start", "steady" or "after".
     skip, cycles : float
-        Cycles of the wave to pass before recording, and to record.
+        Number of wave cycles before the recording starts, and number of cycles to record.
     points_per_cycle : float
-        Instants per cycle; may be below one after the wave has stopped.
+        Number of recorded times per cycle. It may be below one, for a long stage "after".
 
     Returns
     -------
@@ -135,39 +138,39 @@ def contact_history(
 
 
 def _steady_motions(slider, orbits):
-    """Return the steady motion where u_z of the first contact passes zero upwards, at two orders, and its doubt in v.
+    """Return (steady motions at two collocation orders, error of v that their difference does not show).
 
-    It is the motion that `steady` answers with: the one that repeats with the wave's period if it is stable and, where
-    the contact resonates near the wave's frequency, if a slider from rest comes to it; else what it does come to, of
-    which there is one order alone.
+    At phase 0 u_z of the first contact crosses zero upwards. As in `steady`, the motion is the one that repeats with
+    the wave's period if that is stable and if a slider from rest reaches it, which needs a check only where the contact
+    resonance is near the wave frequency. Otherwise it is a long run from rest, computed at one order only.
     """
     balance = balanced(slider, orbits)
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
     try:
-        found = periodic(balance, nodes=FINE[0], truncation=FINE[1])
+        fine = periodic(balance, nodes=FINE[0], truncation=FINE[1])
     except ConvergenceError:
         if ratio <= MAX_RATIO_HELD:
             raise
-        found = None
+        fine = None
     run = None
-    if found is None or not found.stable:
+    if fine is None or not fine.stable:
         run = long_run(slider, orbits, balance.load_sign)
     elif ratio > MAX_RATIO_HELD:
-        run = reached(slider, orbits, balance, found).instead
+        run = reached(slider, orbits, balance, fine).instead
     if run is not None:
         return [run.motion], run.error
-    coarse = periodic(balance, nodes=COARSE[0], truncation=COARSE[1], near=found)
-    problem, motions = rest_problem(slider, orbits), [found.motion, coarse.motion]
+    coarse = periodic(balance, nodes=COARSE[0], truncation=COARSE[1], near=fine)
+    problem, motions = rest_problem(slider, orbits), [fine.motion, coarse.motion]
     for motion in motions:
         motion.move(0.0, _phase_between(motion.problem.paths, problem.paths), np.empty(0))
         motion.problem = problem
-    return motions, found.step + found.rounding
+    return motions, fine.step + fine.rounding
 
 
 def _phase_between(first, second):
-    """Return the phase in [0, 2 pi) after which the first contact's path is the other one."""
+    """Return the phase in [0, 2 pi) by which the second problem's path starts after the first one's, at contact 0."""
     for axis in ("normal", "tangential"):
-        # u = a cos phi + b sin phi: a + i b turns backwards
+        # u = a cos phi + b sin phi: a phase shift by +delta multiplies a + i b by exp(-i delta)
         before, after = (
             complex(getattr(paths, f"{axis}_cos")[0], getattr(paths, f"{axis}_sin")[0])
             for paths in (first, second)

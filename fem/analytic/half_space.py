@@ -24,7 +24,7 @@ Surface = Literal["vacuum", "open", "metallised"]
 SURFACES: tuple[Surface, ...] = get_args(Surface)
 
 _DISPLACEMENTS = ("ux", "uy", "uz")
-_BELOW_LIMIT = 1e-9  # a root nearer to the limiting velocity than this, relative, is not told apart from it
+_BELOW_LIMIT = 1e-9  # relative distance of the largest velocity that is searched from the limiting velocity
 _ROOT_STEPS = 60
 
 
@@ -170,7 +170,7 @@ def _root(function, top: float) -> float:
     while f_low < 0:
         low, high, f_high = low / 2, low, f_low
         f_low = function(low)
-    above = None  # on which side of zero the last value was
+    above = None  # True if the last value was above zero
     for _ in range(_ROOT_STEPS):
         new = (low * f_high - high * f_low) / (f_high - f_low)
         f_new = function(new)

@@ -166,7 +166,7 @@ def electrode_charges(solution: Solution, index: int) -> ElectrodeCharges:
     places = np.flatnonzero(number >= 0)
     number = number[places]
     shares, dipoles = _profiles(x[places], charges[0, places], number)
-    found = []
+    sheet_charges = []
     for at, each in enumerate(sheets):
         charge = charges[at].copy() if at < resolved else np.zeros(len(x), dtype=complex)
         moments = unit * section.length_unit * ((each.dipoles if at < resolved else each.moments) @ volts)
@@ -176,9 +176,9 @@ def electrode_charges(solution: Solution, index: int) -> ElectrodeCharges:
             moments = moments - np.bincount(number, (charge[places] * dipoles[1]).real, len(totals))
             moments = moments - 1j * np.bincount(number, (charge[places] * dipoles[1]).imag, len(totals))
         charge[places] += dipoles[0] * moments[number]
-        found.append(charge)
-    steps = tuple((each.length, charge) for each, charge in zip(sheets[1:], found[1:], strict=True))
-    return ElectrodeCharges(x=x, charge=found[0], finger=finger, steps=steps)
+        sheet_charges.append(charge)
+    steps = tuple((each.length, charge) for each, charge in zip(sheets[1:], sheet_charges[1:], strict=True))
+    return ElectrodeCharges(x=x, charge=sheet_charges[0], finger=finger, steps=steps)
 
 
 def _finger_numbers(finger: np.ndarray, signs: str) -> np.ndarray:

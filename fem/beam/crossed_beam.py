@@ -178,11 +178,11 @@ class CrossedBeam:
             values = None
             for some, near in _pieces(s, row.transducers, CLEAR * wavelength):
                 if near or np.count_nonzero(some) <= FEW:
-                    found = evaluate(s[some], t[some])
+                    part = evaluate(s[some], t[some])
                 else:
-                    found = _interpolated(evaluate, s[some], t[some], wavelength / PER_WAVELENGTH)
-                values = np.empty((len(found), len(s)), dtype=complex) if values is None else values
-                values[:, some] = found
+                    part = _interpolated(evaluate, s[some], t[some], wavelength / PER_WAVELENGTH)
+                values = np.empty((len(part), len(s)), dtype=complex) if values is None else values
+                values[:, some] = part
             return values.reshape(-1, *x.shape)
         return evaluate(s, t).reshape(-1, *x.shape)
 

@@ -1,19 +1,20 @@
-"""Modes that a line of charge sends out at any lateral wavenumber, in any cut.
+"""Guided modes excited by a line of charge at any lateral wavenumber k_y, in any crystal cut.
 
-With L(k) = k^2 K2 + i k (K1 - K1t) + K0 - omega^2 M at a lateral wavenumber k_y (section.py), a line of charge q has
-the response u = L(k)^-1 q e over k_x, e the surface's potential.  With all eigenpairs k_p, v_p of both directions,
+With L(k) = k^2 K2 + i k (K1 - K1t) + K0 - omega^2 M at k_y (section.py), a line of charge q has the response
+u(k_x) = L(k_x)^-1 q e, where e is the unknown of the surface's potential.  With all eigenpairs k_p, v_p of both
+directions,
 
     L(k)^-1 = sum_p v_p l_p^T / (k - k_p),    [V; V diag(k_p)] [l_p^T] = [0; K2^-1],
 
-so that the modes to the right are -i v_p (l_p . e) exp(-i k_p x), those to the left +i ... .  Reciprocity,
-L(k, k_y)^T = L(-k, -k_y), gives the response at -k_y from the same eigenpairs.  In a half-space they stand for the bulk
-waves too.
+so that a mode to the right is -i v_p (l_p . e) exp(-i k_p x), and one to the left has +i instead of -i.  Reciprocity,
+L(k, k_y)^T = L(-k, -k_y), gives the response at -k_y from the same eigenpairs.  In a half-space the discrete modes
+represent the bulk waves too.
 
-The eigenproblem is that of a reduced basis: the fields of loads on the surface at some wave vectors within a disc
-(`_basis`; Benner, Gugercin and Willcox, SIAM Review 57 (2015) 483), at a tenth of the cost of the whole section.
+The eigenproblem is solved on a reduced basis: the fields of loads on the surface at some wave vectors within a disc
+(`_reduced`; Benner, Gugercin and Willcox, SIAM Review 57 (2015) 483), at a tenth of the cost of the whole section.
 
-Left out: waves whose phase runs against their power, and those whose power leaves at more than 45 degrees to the other
-side than their phase; the integral over k_y ends smoothly at the surface wave's wavenumber.
+Limits: backward waves are neglected, and so are waves whose power leaves at more than 45 degrees to the opposite side
+of their phase.  The integral over k_y ends smoothly at the wavenumber of the surface wave.
 """
 
 from collections.abc import Iterator
@@ -30,41 +31,43 @@ from fem.discretize.section import Section
 from fem.eigenproblem import companion_modes, even_odd_modes, opposite_modes
 from fem.waveguide.port_fields import PortFields
 
-FADE = (
-    0.8,
-    1.0,
-)  # of the surface wave's wavenumber: lateral wavenumbers between which the integral fades out
-NARROWER = 0.8  # times both: what that changes bounds what leaves still more obliquely
-NEARLY_ZERO = 1e-5  # of the same: k_y in the place of 0, which makes the constant potential a double root
-NEARLY_REAL = 0.3  # |Im k| / |Re k| below which a mode's power flux tells its direction
-NEAR = 0.02  # relative distance of k at which a mode's localisation counts half
+# Lateral wavenumbers over the surface wave's wavenumber between which the integral is faded out.
+FADE = (0.8, 1.0)
+# Factor on both for a second, narrower integral; the change estimates the error by neglecting more oblique waves.
+NARROWER = 0.8
+# k_y over the surface wave's wavenumber that replaces k_y = 0, where the constant potential is a double root.
+NEARLY_ZERO = 1e-5
+NEARLY_REAL = 0.3  # |Im k| / |Re k| below which the power flux of a mode determines its direction
+NEAR = 0.02  # relative distance of k from the expected one that halves a mode's localisation
 TWIN_SHARE, TWIN_DISTANCE = (
     0.4,
     0.03,
 )  # localisation and k, relative, of a second mode of the surface wave in a plate
-# A wave whose power goes to one side while its lateral phase goes to the other grows along the contour by the tangent
-# of its power's angle; it is kept up to STEEPEST, and a growth by the layer's error over the surface wave's wavenumber
+# On the contour a wave grows if its power leaves to the opposite side of its lateral phase, in proportion to the
+# tangent of the angle of its power.  Waves are kept up to the tangent STEEPEST.  GROWTH, over the surface wave's
+# wavenumber, allows for the error of the absorbing layer.
 STEEPEST, GROWTH = 1.0, 1e-3
-PARITY_SHARE = 0.1  # where x -> -x is a symmetry, and the modes cost a quarter
-# Spacing and distance from the real axis of the rule: 2e-5 on YZ and 128YX lithium niobate.  Not where the potential
-# floats, for u_x depends on |k_y| then.
+PARITY_SHARE = 0.1  # factor on SINGULAR if x -> -x is a symmetry, where the modes cost a quarter
+# Spacing of the nodes and distance of the contour from the real axis; the error is 2e-5 on YZ and 128YX lithium
+# niobate.  They are not used if the potential floats, because u_x then depends on |k_y|.
 COARSER, TILTED = 1.6, 0.06
-# Wave vectors of the reduced basis: directions over a half circle, sizes over the surface wave's, and their angle in
-# the complex plane, rad, which keeps them from the modes of a body without loss
+# Wave vectors of the reduced basis: number of directions on a half circle, range of sizes over the surface wave's, and
+# their angle in the complex plane in rad, which avoids the real wavenumbers of lossless modes.
 DIRECTIONS, SIZES, TILT = 7, (0.02, 1.2), 0.05
 ORDER, LAYER = 7, 3  # least resolution of the section
 DEPTH = 0.5  # wavelengths of the half-space above its absorbing layer; 2 change the motion by less than 1e-4
-# Least singular value, over the largest, of a field that is kept, by the section's level; the response between the wave
-# vectors that made the basis must err by less than ten times as much
+# Least singular value over the largest of the vectors in the basis, for each level of the section.  At TRIALS wave
+# vectors between those of the basis the error of the response must be less than ten times this value.
 SINGULAR, TRIALS = (5e-5, 5e-5, 5e-5, 1e-5, 2e-6, 4e-7), 5
-MOST = 0.8  # of the section's unknowns, from which on the basis is taken as it is
+# Size of the basis over the section's unknowns above which it is accepted whatever its error.
+MAX_BASIS_SHARE = 0.8
 
 
 class _Poles(NamedTuple):
     """Modes of both directions at one k_y.
 
-    Wavenumbers (modes,) in rad/m, whether they go right, whether they are the surface wave; residues (modes, 3) of u
-    per charge, and of the transposed response.
+    ``wavenumbers`` (modes,) are in rad/m; ``right`` is True for modes that run to the right, ``surface`` for those of
+    the surface wave.  ``column`` and ``row`` (modes, 3): residues of u per charge and of the transposed response.
     """
 
     wavenumbers: np.ndarray
@@ -81,17 +84,17 @@ class CutSource:
     Attributes
     ----------
     section : Section
-        With all fields; without the edge layers of the fingers.
+        Section with all fields, but without the layers of elements for the finger edges.
     reduced : _Reduced
-        Its matrices on a reduced basis.
+        Matrices of the section on a reduced basis.
     frequency : float
         Hz.
     wavenumber : float
-        Of the surface wave at k_y = 0, rad/m.
+        Wavenumber of the surface wave at k_y = 0, rad/m.
     surface_only : bool
-        Whether the surface wave alone is wanted.
+        True if the field is that of the surface wave alone.
     static : float
-        As of `LineSource`; 0, for the modes contain it.
+        As in `LineSource`; here 0, because the modes contain the pole at k = 0.
     """
 
     section: Section = field(repr=False)
@@ -104,21 +107,24 @@ class CutSource:
 
     @property
     def error(self) -> float:
-        """Of the reduced basis, relative."""
+        """Relative error by the reduced basis."""
         return self.reduced.error
 
     @property
     def surface_mode(self) -> "CutSource":
-        """The surface wave alone."""
+        """The same source with the surface wave alone."""
         return replace(self, surface_only=True)
 
     @property
     def rough(self) -> "CutSource":
-        """On half of the basis, to 1e-3 at a fifth of the cost; as it is where x -> -x is a symmetry."""
+        """The same source on half of the basis: accurate to 1e-3, at a fifth of the cost.
+
+        It is the source itself if x -> -x is a symmetry, because its modes are cheap then.
+        """
         return self if self.reduced.odd is not None else replace(self, reduced=self.reduced.half, _spectra={})
 
     def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
-        """As of `LineSource`, for real lateral wavenumbers."""
+        """`LineSource.surface_wavenumbers`, at real lateral wavenumbers of either sign."""
         sizes, which = np.unique(abs(np.asarray(lateral)), return_inverse=True)
         poles = self._spectrum(sizes)
         forward = np.array([np.mean(each.wavenumbers[each.surface & each.right]) for each in poles])
@@ -126,16 +132,16 @@ class CutSource:
         return np.where(np.asarray(lateral) < 0, -backward[which], forward[which])
 
     def branches(self, reach: float, distance: float, _resolved: float, mirror_width) -> Iterator[Branch]:
-        """Waves to both sides at the nodes of a rule that serves points up to ``reach``."""
-        rounded = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # so that few rules are needed
+        """Waves to both sides, at the nodes of a rule for points with a lateral reach of at most ``reach`` (m)."""
+        rounded = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # rounded up, so that few rules serve all points
         low, high = (each * self.wavenumber for each in FADE)
-        dear = {} if self.section.floating_potential else {"coarser": COARSER, "max_tilt": TILTED}
+        coarse_rule = {} if self.section.floating_potential else {"coarser": COARSER, "max_tilt": TILTED}
         narrow = NARROWER * low, NARROWER * high
-        rule = lateral_rule(self.wavenumber, rounded, (low, high), mirror_width, narrow=narrow, **dear)
+        rule = lateral_rule(self.wavenumber, rounded, (low, high), mirror_width, narrow=narrow, **coarse_rule)
         yield from self._lasting(rule, distance)
 
     def plane(self, _resolved: float) -> Iterator[Branch]:
-        """Waves that do not depend on y."""
+        """Waves at k_y = 0, for fields that do not depend on y."""
         for branch in self._lasting(LateralRule(nodes=np.zeros(1), weights=np.ones(1)), 0.0):
             if branch.signs[0][0] > 0:
                 yield branch
@@ -149,7 +155,7 @@ class CutSource:
             for sign in (1, -1):
                 along, motion = [], []
                 for each in poles:
-                    # at -k_y the poles are those of the other direction, their residues transposed
+                    # By reciprocity the poles at -k_y are those of the other direction, with transposed residues.
                     here = (each.right == (side * sign > 0)) & (each.surface | (not self.surface_only))
                     here &= -side * sign * each.wavenumbers.imag * distance < -np.log(KEPT)
                     along.append(side * sign * each.wavenumbers[here])
@@ -164,7 +170,7 @@ class CutSource:
                 yield Branch(side, rule, k, u, ((sign, np.ones(3)),))
 
     def _spectrum(self, nodes) -> list[_Poles]:
-        """Modes at every node, which follow one another closely from 0 on."""
+        """Modes at every node; the surface wave is followed from k_y = 0 on, so that nodes must be close together."""
         out, surface = [], self.wavenumber
         for node in nodes:
             lateral = max(abs(node), NEARLY_ZERO * self.wavenumber) * (node / abs(node) if node else 1.0)
@@ -174,9 +180,11 @@ class CutSource:
         return out
 
     def _poles(self, k, shapes, left, carried, expected: complex, allowed: float) -> _Poles:
-        """Forward modes that are not local, of wavenumbers, shapes, left shapes at the surface (4, m) and powers.
+        """Select the forward modes that are not local, and identify the surface wave among them.
 
-        ``allowed``: growth in the direction of the power, radians per length unit.
+        The modes have wavenumbers ``k``, ``shapes``, left shapes ``left`` at the surface (4, m) and powers ``carried``.
+        ``expected``: wavenumber of the surface wave at the k_y before; ``allowed``: largest growth in the direction of
+        the power, radians per length unit.
         """
         section, unit = self.section, self.section.length_unit
         nearly_real = abs(k.imag) < NEARLY_REAL * abs(k.real)
@@ -204,12 +212,12 @@ class CutSource:
 
 
 def _surface(section: Section) -> list[int]:
-    """Unknowns u_x, u_y, u_z and phi at the surface."""
+    """Numbers of the unknowns u_x, u_y, u_z and phi at the surface."""
     return [section.surface_dofs[name] for name in ("ux", "uy", "uz", "phi")]
 
 
 class _Polynomials(NamedTuple):
-    """K2, K1, K1t and K0 - omega^2 M as polynomials of k_y in rad/m, three coefficients each."""
+    """Coefficients of K2, K1, K1t and K0 - omega^2 M as quadratic polynomials of k_y in rad/m."""
 
     coefficients: list[tuple]
 
@@ -225,11 +233,11 @@ class _Polynomials(NamedTuple):
         )
 
     def at(self, lateral: complex) -> list[np.ndarray]:
-        """The four matrices."""
+        """The four matrices at a lateral wavenumber in rad/m."""
         return [a + lateral * (b + lateral * c) for a, b, c in self.coefficients]
 
     def projected(self, basis: np.ndarray) -> "_Polynomials":
-        """The matrices on a basis."""
+        """The polynomials projected on a basis."""
         return _Polynomials([tuple(basis.T @ each @ basis for each in parts) for parts in self.coefficients])
 
     def operator(self, along: complex, lateral: complex) -> np.ndarray:
@@ -239,7 +247,7 @@ class _Polynomials(NamedTuple):
 
 
 class _Reduced(NamedTuple):
-    """The section on a real basis (n, r), which keeps reciprocity and the sign of every loss."""
+    """Section on a reduced basis (n, r).  The basis is real, so that reciprocity and the sign of losses are kept."""
 
     basis: np.ndarray
     matrices: _Polynomials
@@ -250,7 +258,7 @@ class _Reduced(NamedTuple):
 
     @property
     def half(self) -> "_Reduced":
-        """The same on the half of the vectors that counts most, without their parity."""
+        """The same on the half of the vectors with the largest singular values, without their parity."""
         kept = slice((len(self.surface.T) + 1) // 2)
         matrices = [tuple(each[kept, kept] for each in parts) for parts in self.matrices.coefficients]
         return self._replace(
@@ -261,11 +269,11 @@ class _Reduced(NamedTuple):
         )
 
     def response(self, along: complex, lateral: complex) -> np.ndarray:
-        """Fields at the surface of loads there, (4, 4)."""
+        """Fields at the surface for unit loads at the surface, (4, 4)."""
         return self.surface @ np.linalg.solve(self.matrices.operator(along, lateral), self.surface.T)
 
     def modes(self, lateral: complex) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Wavenumbers of both directions (m,), shapes (n, m), left shapes at the surface (4, m), powers (m,)."""
+        """Modes of both directions: k (m,), shapes (n, m), left shapes at the surface (4, m), powers (m,)."""
         second, first, adjoint, zeroth = self.matrices.at(lateral)
         if self.odd is not None:
             k, shapes = even_odd_modes(second, first - adjoint, zeroth, self.odd)
@@ -283,11 +291,11 @@ class _Reduced(NamedTuple):
 
 
 def _reduced(section: Section, frequency: float, wavenumber: float, singular: float) -> _Reduced:
-    """The section on the fields of loads on its surface, at wave vectors of a disc.
+    """Reduce a section to the fields of unit loads on its surface at wave vectors within a disc.
 
-    More take part until the response between them is that of the section.
+    The number of wave vectors is doubled until the reduced response agrees with the section's at others between them.
     """
-    whole, surface, seen = _Polynomials.of(section, frequency, wavenumber), _surface(section), []
+    whole, surface, snapshots = _Polynomials.of(section, frequency, wavenumber), _surface(section), []
     loads, odd = np.eye(section.size)[:, surface], section.lateral_odd
     groups = [np.ones(section.size, dtype=bool)] if odd is None else [odd, ~odd]
     scale = wavenumber * np.exp(1j * TILT)
@@ -303,28 +311,28 @@ def _reduced(section: Section, frequency: float, wavenumber: float, singular: fl
         sizes = SIZES[0] + (SIZES[1] - SIZES[0]) * (np.arange(count) + 0.5) / count
         for number, size in enumerate(sizes):
             for angle in (np.arange(DIRECTIONS) + (number % 3 + 0.5) / 3) * np.pi / DIRECTIONS:
-                found = np.linalg.solve(whole.operator(*vector(size, angle)), loads)
-                found /= abs(found).max(axis=0)
-                seen += [found.real, found.imag]
-        columns = [_singular_vectors(np.hstack(seen), group, section, singular) for group in groups]
+                response = np.linalg.solve(whole.operator(*vector(size, angle)), loads)
+                response /= abs(response).max(axis=0)
+                snapshots += [response.real, response.imag]
+        columns = [_singular_vectors(np.hstack(snapshots), group, section, singular) for group in groups]
         basis = np.hstack(columns)
         parity = None if odd is None else np.arange(basis.shape[1]) < columns[0].shape[1]
         opposite = section.solid.mirror_y is not None
         reduced = _Reduced(basis, whole.projected(basis), basis[surface], parity, opposite, np.inf)
-        missed = 0.0
+        largest_error = 0.0
         for trial in trials:
             true = np.linalg.solve(whole.operator(*vector(*trial)), loads)[surface]
             off = abs(reduced.response(*vector(*trial)) - true).max(axis=0) / abs(true).max(axis=0)
-            missed = max(missed, float(off.max()))
-        if missed < 10 * singular or basis.shape[1] > MOST * section.size:
-            return reduced._replace(error=missed)
+            largest_error = max(largest_error, float(off.max()))
+        if largest_error < 10 * singular or basis.shape[1] > MAX_BASIS_SHARE * section.size:
+            return reduced._replace(error=largest_error)
         count *= 2
 
 
 def _singular_vectors(fields: np.ndarray, group: np.ndarray, section: Section, singular: float) -> np.ndarray:
-    """Orthonormal vectors that span the fields in columns as far as they count, in a group of their unknowns.
+    """Orthonormal basis of the columns of ``fields`` in a group of unknowns, truncated by singular values.
 
-    A floating potential that is constant, which is a mode at k = 0, is one of them.
+    It contains the constant potential if the section floats, because that is a mode at k = 0.
     """
     own, exact = fields[group], section.constant_potential[group, None] * section.floating_potential
     exact = exact[:, np.any(exact, axis=0)]
@@ -338,13 +346,15 @@ def _singular_vectors(fields: np.ndarray, group: np.ndarray, section: Section, s
 
 
 def cut_source(fields: PortFields) -> CutSource:
-    """Source of a solved stator, from the solution's resolution without its edge layers."""
-    modes, given, stator = fields.modes, fields.resolution, fields.stator
-    if stator.absorbs_below:  # any thickness is the same half-space
+    """Source of a solved stator; the section has the resolution of the solution, without layers for finger edges."""
+    modes, resolution, stator = fields.modes, fields.resolution, fields.stator
+    if stator.absorbs_below:  # every thickness stands for the same half-space
         stator = replace(stator, thickness=np.inf)
     section = discretise(
         stator,
-        Resolution(order=max(given.order, ORDER), edge_layers=0, absorber=max(given.absorber, LAYER)),
+        Resolution(
+            order=max(resolution.order, ORDER), edge_layers=0, absorber=max(resolution.absorber, LAYER)
+        ),
         wavelength=modes.section.length_unit,
         surface_scale=np.inf,
         lateral=True,
@@ -353,7 +363,7 @@ def cut_source(fields: PortFields) -> CutSource:
     wavenumber = float(np.mean(modes.wavenumbers[modes.rayleigh].real) / modes.section.length_unit)
     return CutSource(
         section=section,
-        reduced=_reduced(section, modes.frequency, wavenumber, SINGULAR[given.absorber]),
+        reduced=_reduced(section, modes.frequency, wavenumber, SINGULAR[resolution.absorber]),
         frequency=modes.frequency,
         wavenumber=wavenumber,
     )

@@ -1,23 +1,25 @@
-"""Free and clamped ends as faces x = 0 and x = L in three dimensions: what they send back at each lateral wavenumber.
+"""Waves reflected by free or clamped ends, the faces x = 0 and x = L, at each lateral wavenumber k_y.
 
-At a lateral wavenumber k_y the fields of a strip 0 < x < L of the bare stator are those of the endless one and, from
-each face, all guided modes of the section with the amplitudes c (from x = 0, to the right) and d (from x = L),
+At k_y the field of a bare stator 0 < x < L is that of an infinitely long one plus all guided modes of the section from
+each face, with the amplitudes c (from x = 0, to the right) and d (from x = L, to the left),
 
     c = R_0 (b + E d),    d = R_L (a + E c),    E = diag exp(-i kappa_p L),
 
-a and b the amplitudes with which the charges' own waves arrive.  A face's reflection matrix R follows from its
-condition on the nodal fluxes or the displacements (ends.py).  Sagittal and shear horizontal modes (SH) mix there as
-soon as k_y differs from zero, so that the section has all three displacements.
+where a and b are the amplitudes at x = L and x = 0 of the waves that the charges excite.  The reflection matrix R of a
+face follows from its condition on the nodal fluxes or the displacements (ends.py).  For k_y != 0 a face couples
+sagittal and shear-horizontal (SH) modes, so that the section has all three displacements.
 
-In a solid isotropic about z the modes at k_y are those of k_y = 0, turned: with g = u_s / k, the displacement along the
-wave vector over its length, u_x = kappa g and u_y = k_y g; an SH mode w has u_x = -k_y w and u_y = kappa w.
+In a solid isotropic about z the modes at k_y are those at k_y = 0, rotated.  With g = u_s / k, the displacement along
+the wave vector over its length, a sagittal mode has u_x = kappa g and u_y = k_y g; an SH mode w has u_x = -k_y w and
+u_y = kappa w.
 
-The strip's response has its poles on or near the real axis of k_y, where 2 kappa L and the phases of both faces are a
-multiple of 2 pi.  The contour keeps its distance D but near the origin: a lossless strip in resonance at k_y = 0 has no
-answer, with loss the poles are k / Q^(1/2) or more from there.  All modes take the contour of those whose phase runs
-along their power: a mode with phase and power opposed that propagates would be on the wrong sheet beyond its own k.
-Where nothing grounds the section, what the faces send back of the pole at k = 0 depends on |k_y|: the rule's error is
-less than this part (1e-5 to 5e-5 of the amplitude on Feenstra and Breedveld's stator).
+The response has poles on or near the real axis of k_y, where 2 kappa L plus the phases of both reflections is a
+multiple of 2 pi (a resonance).  The contour of lateral.py stays at the distance D from them except near the origin.  A
+lossless stator in resonance at k_y = 0 has no solution; with loss the poles are at least k / Q^(1/2) from the origin.
+All modes use the contour of forward modes.  A propagating backward mode would be on the wrong sheet of the square root
+beyond its own k.  If the section is not grounded, the reflected part of the pole at k = 0 depends on |k_y| and is not
+analytic at k_y = 0.  The error of the quadrature is less than this part, which is 1e-5 to 5e-5 of the amplitude on
+Feenstra and Breedveld's stator.
 """
 
 from collections.abc import Callable
@@ -34,15 +36,14 @@ from fem.waveguide.ends import end_reflection
 from fem.waveguide.modes import GuidedModes
 from fem.waveguide.port_fields import PortFields
 
-NEARLY_ZERO = (
-    1e-8  # of the largest wavenumber: k_y in the place of 0, which makes the constant potential a double root
-)
-SAME_STEP = 1e-15  # m: steps from charge to charge that differ by less share their phases
-ROUNDING = 1e-9  # |Im k| / |k| of a mode without loss
+# k_y over the largest wavenumber that replaces k_y = 0, where the constant potential is a double root.
+NEARLY_ZERO = 1e-8
+SAME_STEP = 1e-15  # m: steps from charge to charge that differ by less share their phase factors
+ROUNDING = 1e-9  # |Im k| / |k| of a mode without loss, by rounding
 
 
 class Sent(NamedTuple):
-    """Modes of the section at one k_y, and their amplitudes to the right and to the left from 1 C/m on a line."""
+    """Modes of the section at one k_y, and the amplitudes to the right and left that 1 C/m on a line excites."""
 
     modes: GuidedModes
     right: np.ndarray
@@ -50,17 +51,17 @@ class Sent(NamedTuple):
 
 
 class Returned(NamedTuple):
-    """Waves that come back from the faces at the nodes of a rule for the lateral wavenumber.
+    """Waves reflected by the faces, at the nodes of a quadrature rule for the lateral wavenumber.
 
     Attributes
     ----------
     rule : LateralRule
     along : ndarray, shape (2, modes, n)
-        rad/m: from x = 0 and from x = L they change as exp(-i along distance).
+        Wavenumbers in rad/m: the waves from x = 0 and from x = L change as exp(-i along distance).
     motion : ndarray, shape (2, 3, sources, modes, n)
-        u_x, u_y, u_z at the surface where they start, m per volt and unit of a source's spectrum.
+        u_x, u_y, u_z on the surface at the face, m per volt and unit of a source's spectrum.
     signs : tuple
-        As of `Branch`.
+        As in `Branch`.
     """
 
     rule: LateralRule
@@ -69,7 +70,10 @@ class Returned(NamedTuple):
     signs: tuple
 
     def spectra(self, x: np.ndarray, length: float, spectra: np.ndarray, modes: np.ndarray) -> np.ndarray:
-        """Spectra of u at places x, shape (places, 3, n), of some modes, for those of the sources, (sources, n)."""
+        """Spectra of u at positions x, shape (positions, 3, n), for the spectra of the sources, (sources, n).
+
+        ``modes`` selects the modes of the sum.
+        """
         out = np.zeros((len(x), 3, len(self.rule.nodes)), dtype=complex)
         for distance, along, motion in zip((x, length - x), self.along, self.motion, strict=True):
             lasting = modes & ((-along.imag).min(axis=1) * distance.min() < -np.log(KEPT))
@@ -86,15 +90,15 @@ class Faces:
     Attributes
     ----------
     length : float
-        Of the stator, m.
+        Length of the stator, m.
     ends : str
         "free" or "clamped".
     highest : float
         Largest wavenumber of a propagating mode, rad/m.
     surface, static, wanted : ndarray of bool, shape (modes,)
-        Which modes are the surface wave, the pole at k = 0, and which count.
+        True for the modes of the surface wave, for the pole at k = 0, and for the modes included in the field.
     at : callable
-        From k_y in rad/m to `Sent`.
+        Returns `Sent` for k_y in rad/m.
     """
 
     length: float
@@ -108,34 +112,34 @@ class Faces:
 
     @property
     def surface_mode(self) -> "Faces":
-        """The surface wave alone."""
+        """The same faces with the surface wave alone in the field."""
         return replace(self, wanted=self.surface)
 
     def returned(self, reach: float, sources: list, mirror_width: float | None) -> Returned:
-        """Waves that come back, of sources (places and charges each) and for points up to a lateral reach in m."""
-        reach = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # so that few rules are needed
+        """Reflected waves of sources (pairs of positions and charges), for points within a lateral reach in m."""
+        reach = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # rounded up, so that few rules serve all points
         rule = lateral_rule(self.highest, reach, evanescent(self.highest, self._gap(sources)), mirror_width)
         return self._at_nodes(rule, sources)
 
     def plane(self, sources: list) -> Returned:
-        """Waves that do not depend on y."""
+        """Reflected waves at k_y = 0, for fields that do not depend on y."""
         return self._at_nodes(LateralRule(nodes=np.zeros(1), weights=np.ones(1)), sources)
 
     def _gap(self, sources: list) -> float:
-        """Distance between a face and the charge next to it, m."""
+        """Smallest distance between a face and a charge, m."""
         return min(min(x.min(), self.length - x.max()) for x, _ in sources)
 
     def _at_nodes(self, rule: LateralRule, sources: list) -> Returned:
         key = rule.nodes.tobytes(), *(each.tobytes() for source in sources for each in source)
         if key not in self._known:
             gap = self._gap(sources)
-            found = [self._at_node(lateral, sources, gap) for lateral in rule.nodes]
-            along, motion = (np.stack(each, axis=-1) for each in zip(*found, strict=True))
+            by_node = [self._at_node(lateral, sources, gap) for lateral in rule.nodes]
+            along, motion = (np.stack(each, axis=-1) for each in zip(*by_node, strict=True))
             self._known[key] = Returned(rule, along, motion, SIGNS)
         return self._known[key]
 
     def _at_node(self, lateral: complex, sources: list, gap: float) -> tuple[np.ndarray, np.ndarray]:
-        """Wavenumbers (2, modes) and motion (2, 3, sources, modes) of what comes back."""
+        """Wavenumbers (2, modes) and motion (2, 3, sources, modes) of the reflected waves."""
         if abs(lateral) < NEARLY_ZERO * self.highest:
             lateral = NEARLY_ZERO * self.highest
         modes, to_right, to_left = self.at(lateral)
@@ -171,7 +175,7 @@ class Faces:
 
 
 def _arriving(k: np.ndarray, x: np.ndarray, charge: np.ndarray) -> np.ndarray:
-    """Sum of q_j exp(-i k x_j) for increasing x_j, most of which are equal steps apart, shape of k."""
+    """Sum of q_j exp(-i k x_j) for increasing x_j, shape of k; equal steps between the x_j share an exponential."""
     steps, which = np.unique(np.round(np.diff(x, prepend=0.0) / SAME_STEP), return_inverse=True)
     return np.cumprod(np.exp(-1j * np.outer(k, steps * SAME_STEP))[:, which], axis=1) @ charge
 
@@ -195,16 +199,16 @@ def faces(fields: PortFields, source: LineSource) -> Faces:
 
 @dataclass(frozen=True, kw_only=True)
 class _TurnedModes:
-    """Modes at any k_y of a section isotropic about z: ``count`` sagittal ones, then SH; as many as unknowns, n."""
+    """Modes at any k_y of a section isotropic about z, as many as unknowns, n: first ``count`` sagittal, then SH."""
 
     section: Section
     frequency: float
     count: int
     wavenumbers: np.ndarray  # (n,), at k_y = 0
-    sent: np.ndarray  # (n,): k times the amplitude that 1 C/m sends at k_y = 0
-    kinds: np.ndarray  # (n,): of the unknowns: 0 for u_x, 1 for u_y (over i), 2 for u_z and phi
-    # (n, n): u_s / k at k_y = 0 on the unknowns of u_x and of u_y, u_z and phi; fluxes but for factors of kappa and
-    # k_y; what k_y^2 adds to them
+    sent: np.ndarray  # (n,): k times the amplitude that 1 C/m excites at k_y = 0
+    kinds: np.ndarray  # (n,): kind of each unknown, 0 for u_x, 1 for u_y (over i), 2 for u_z and phi
+    # (n, n) each, unknowns by modes.  ``shapes``: u_s / k on the unknowns of u_x and of u_y, and u_z and phi, all at
+    # k_y = 0.  ``flux``: nodal fluxes without their factors kappa and k_y.  ``by_square``: their coefficient of k_y^2.
     shapes: np.ndarray
     flux: np.ndarray
     by_square: np.ndarray
@@ -243,6 +247,7 @@ class _TurnedModes:
 
 
 def _turned_modes(fields: PortFields, source: LineSource) -> _TurnedModes:
+    """Modes of a section with all displacements, from the sagittal modes of its solution at k_y = 0."""
     plane, section = fields.modes, _with_all_displacements(fields)
     second, first, _, zeroth = section.lateral_matrices(fields.frequency, 0.0)
     by_k_y = section.lateral_matrices(fields.frequency, 1.0)[1] - first
@@ -267,7 +272,7 @@ def _turned_modes(fields: PortFields, source: LineSource) -> _TurnedModes:
     kinds[u_x], kinds[u_y] = 0, 1
 
     def product(matrix, to: int, of: int) -> np.ndarray:
-        """Rows of one kind of a matrix times the shapes' rows of another."""
+        """Rows of kind ``to`` and columns of kind ``of`` of a matrix, times the shapes on the unknowns ``of``."""
         return matrix[np.ix_(kinds == to, kinds == of)] @ shapes[kinds == of]
 
     # the nodal flux K1(k_y) v - i kappa K2 v, with kappa^2 = k^2 - k_y^2
@@ -300,7 +305,7 @@ def _turned_modes(fields: PortFields, source: LineSource) -> _TurnedModes:
 
 
 def _with_all_displacements(fields: PortFields) -> Section:
-    """The section of a solution with u_y, which is uncoupled at k_y = 0."""
+    """Section of a solution with u_y as an additional unknown, which is uncoupled at k_y = 0."""
     return discretise(
         fields.stator,
         fields.resolution,

@@ -1,15 +1,17 @@
-"""Inverse transform over the lateral wavenumber k_y.
+"""Quadrature over the lateral wavenumber k_y: contour, nodes and weights of the inverse Fourier transform.
 
-The integrand has branch points at k_y = +-k_p near the real axis, from which a contour
+The integrand has branch points at k_y = +-k_p near the real axis.  The contour of integration
 
     k_y = t +- i D tanh(t / 3 D)
 
-keeps its distance (+ for modes whose phase runs along their power, - for the others).  It is analytic in a strip about
-the contour, so that the trapezoidal rule in t converges exponentially, as exp(-2 pi D / h) (Trefethen and Weideman,
-SIAM Review 56 (2014) 385), and half as many nodes leave the square root of its error.  The factor exp(D r) by which
-the integrand grows, r the farthest lateral distance from a point to the aperture, bounds D.
+stays away from them (+ for modes whose phase and group velocities have the same direction, - for backward modes).  The
+integrand is analytic in a strip about the contour.  The trapezoidal rule with steps h in t therefore converges
+exponentially, as exp(-2 pi D / h) (Trefethen and Weideman, SIAM Review 56 (2014) 385), and with half as many nodes the
+error is the square root of that.  On the contour the integrand is larger by a factor up to exp(D r), with r the largest
+distance along y from a point to the far end of the aperture, which limits D.
 
-Between two faces that reflect like mirrors the field is periodic in y: a sum over k_y = 2 pi n / width.
+Between two side faces that reflect like mirrors the field is periodic in y, and the integral becomes a sum over
+k_y = 2 pi n / width.
 """
 
 import math
@@ -17,22 +19,25 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-GROWTH = 4.0  # D r; half or twice as much takes 1.5 times as many nodes
-MAX_TILT = 0.04  # D over the largest wavenumber, where the aperture is a few wavelengths only
-SPACING = 0.36  # h / D: 1e-8 on Feenstra and Breedveld's stator; half as many nodes give 1e-4
-EVANESCENT = (13.0, 20.0)  # exponents between which evanescent k_y are faded out
+GROWTH = 4.0  # D r; half or twice this value needs 1.5 times as many nodes
+MAX_TILT = 0.04  # largest D over the largest wavenumber; it matters if the aperture is a few wavelengths only
+# h / D: the error is 1e-8 on Feenstra and Breedveld's stator, and 1e-4 with half as many nodes.
+SPACING = 0.36
+EVANESCENT = (13.0, 20.0)  # exponents of the decay along x between which evanescent k_y are faded out
 
 
 @dataclass(frozen=True, kw_only=True)
 class LateralRule:
-    """Nodes for the half-line t >= 0 and weights that contain 1/pi (even integrands over the whole line, over 2 pi).
+    """Quadrature rule on the half-line t >= 0.
+
+    The weights contain 1/pi, so that the rule gives the integral of an even integrand over the whole line, over 2 pi.
 
     Attributes
     ----------
     nodes, weights : ndarray, shape (n,)
-        rad/m, complex; every second and every fourth node are rules too, with twice and four times the weights.
+        In rad/m, complex.  Every second or fourth node with twice or four times its weight is a coarser rule.
     share : ndarray, shape (n,)
-        Of the weights that is left where the integral fades out earlier; all without such a rule.
+        Factors of the weights that give a rule which ends at smaller k_y; 1 without such a rule.
     """
 
     nodes: np.ndarray = field(repr=False)
@@ -41,7 +46,7 @@ class LateralRule:
 
     @property
     def conjugate(self) -> "LateralRule":
-        """The same rule below the real axis."""
+        """The same rule with its contour mirrored at the real axis."""
         return LateralRule(nodes=self.nodes.conj(), weights=self.weights.conj(), share=self.share)
 
 
@@ -62,17 +67,17 @@ def lateral_rule(
     highest : float
         Square root of the largest real part of k_p^2, rad/m: beyond it all modes are evanescent along x.
     reach : float
-        Half the aperture and the largest |y| together, m.
+        Half the aperture plus the largest |y|, m.
     fade : tuple of float
         Lateral wavenumbers, rad/m, between which the integrand is faded out.
     mirror_width : float, optional
-        Distance in m of two faces y = const that reflect; the rule is then the exact sum and has no coarser one.
+        Distance in m of two faces y = const that reflect.  The rule is then an exact sum and has no coarser rule.
     coarser : float
-        Factor of the nodes' spacing, where a node is dear.
+        Factor on the spacing of the nodes, for integrands that are expensive to evaluate.
     max_tilt : float
         Largest distance of the contour from the real axis over ``highest``.
     narrow : tuple of float, optional
-        As ``fade``, of the rule's narrower weights.
+        The same as ``fade`` for the rule that ends at smaller k_y.
 
     Returns
     -------
@@ -101,10 +106,11 @@ def lateral_rule(
 
 
 def evanescent(highest: float, distance: float) -> tuple[float, float]:
-    """Lateral wavenumbers between which all that is left at a distance in m fades out."""
+    """Lateral wavenumbers beyond the decay of all waves at a distance in m: start and end of the fade-out."""
     low, high = (float(np.hypot(highest, each / distance)) for each in EVANESCENT)
     return low, high
 
 
 def _faded(t: np.ndarray, start: float, stop: float) -> np.ndarray:
+    """Smooth step from 1 at ``start`` to 0 at ``stop``, by the complementary error function."""
     return np.array([0.5 * math.erfc(5.0 * (2.0 * (each - start) / (stop - start) - 1.0)) for each in t])

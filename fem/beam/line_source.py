@@ -1,17 +1,18 @@
-"""Modes that a line of charge on the bare surface sends out, and how they turn with the lateral wavenumber k_y.
+"""Guided modes excited by a line of charge on the bare surface, and their dependence on the lateral wavenumber k_y.
 
-A section with a surface charge q at x = 0 sends -i q v_p (l_p . e) exp(-i k_p x) / (l_p . L'(k_p) v_p) to the right in
-the guided mode v_p, with L(k) = k^2 K2 + i k (K1 - K1^T) + K0 - omega^2 M, e the surface's potential and l_p the left
-eigenvector: v_p with its odd unknowns turned, by x -> -x.  Where nothing grounds the section, k = 0 is a double pole,
+A surface charge q at x = 0 excites, to its right, -i q v_p (l_p . e) exp(-i k_p x) / (l_p . L'(k_p) v_p) in the guided
+mode v_p, with L(k) = k^2 K2 + i k (K1 - K1^T) + K0 - omega^2 M and e the unknown of the surface's potential.  The left
+eigenvector l_p is v_p with the opposite sign of its odd unknowns, because of the symmetry x -> -x.  If the section is
+not grounded, k = 0 is a double pole,
 
     phi = s |x|,  u = s sgn(x) w,    (K0 - omega^2 M) w = (K1 - K1^T) 1,    s 1.(K2 1 + K1 w) = -q / 2,
 
-whose potential is none for a transducer without net charge but whose u_x drives a near field in three dimensions.
+Its potential vanishes outside a transducer without net charge, but its u_x causes a near field in three dimensions.
 
-In a solid isotropic about z the response in the plane of a wave vector of length k is that of k_y = 0, with u_x along
-the vector.  The response over k is even in k^2 = k_x^2 + k_y^2, so every pole k_p moves to kappa_p = (k_p^2 -
-k_y^2)^(1/2), and its residue's share of u_z becomes k_p / kappa_p, of u_x 1 and of u_y k_y / kappa_p times that of
-u_z and u_x at k_y = 0.
+In a solid isotropic about z the response to a wave vector of length k at any angle is that at k_y = 0, rotated to the
+direction of the vector.  It depends only on k^2 = k_x^2 + k_y^2, so that the pole k_p moves to kappa_p = (k_p^2 -
+k_y^2)^(1/2).  Relative to k_y = 0, the residue of u_z is multiplied by k_p / kappa_p, that of u_x does not change, and
+that of u_y is k_y / kappa_p times that of u_x.
 """
 
 from collections.abc import Iterator
@@ -25,13 +26,14 @@ from fem.beam.lateral import LateralRule, evanescent, lateral_rule
 from fem.materials.medium import Medium
 from fem.waveguide.modes import GuidedModes
 
-LOCAL = 12.0  # exponent over a wavelength by which a mode decays that nothing sideways reaches
-KEPT = 1e-12  # share of a mode's amplitude that must be left at the nearest point for it to count
-SIGNS = ((1, np.ones(3)), (-1, np.array([1, -1, 1])))  # of k_y, where y -> -y is a symmetry
+LOCAL = 12.0  # a mode that decays by more than exp(-LOCAL) in a wavelength is a local field, not a part of the beam
+KEPT = 1e-12  # a mode is neglected if less than this fraction of its amplitude is left at the nearest point
+# With the symmetry y -> -y the waves at -k_y follow from those at k_y: signs of k_y and factors of u_x, u_y and u_z.
+SIGNS = ((1, np.ones(3)), (-1, np.array([1, -1, 1])))
 
 
 class Branch(NamedTuple):
-    """Waves to one side at the nodes of a rule for the lateral wavenumber.
+    """Waves that run to one side of a charge, at the nodes of a quadrature rule for the lateral wavenumber.
 
     Attributes
     ----------
@@ -39,11 +41,11 @@ class Branch(NamedTuple):
         1 for x beyond the charge, -1 for x before it.
     rule : LateralRule
     along : ndarray, shape (modes, n)
-        kappa, rad/m: the phase grows as exp(-i kappa |x|).
+        kappa in rad/m: the waves change as exp(-i kappa |x|).
     motion : ndarray, shape (3, modes, n)
         u_x, u_y, u_z at the surface, m per C/m.
     signs : tuple
-        Signs of k_y that the branch serves, and the factors of u_x, u_y and u_z for each.
+        Signs of k_y for which the branch is valid, each with its factors of u_x, u_y and u_z.
     """
 
     side: int
@@ -55,24 +57,24 @@ class Branch(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class LineSource:
-    """Surface motion of the modes sent to the right by 1 C/m on the line x = 0.
+    """Surface motion of the modes that 1 C/m on the line x = 0 excites to its right.
 
     Attributes
     ----------
     surface : ndarray of bool, shape (modes,)
-        Which modes are the surface wave.
+        True for the modes of the surface wave.
     wavenumbers : ndarray, shape (modes,)
-        rad/m; no zero among them.
+        In rad/m, without k = 0.
     amplitudes : ndarray, shape (modes,)
-        Of the modes as `GuidedModes` scales them, per C/m.
+        Amplitudes per C/m of the modes as scaled in `GuidedModes`.
     tangential, normal : ndarray, shape (modes,)
         u_x and u_z at the surface, m per C/m.
     potential : ndarray, shape (modes,)
         phi at the surface, V per C/m.
     static : complex
-        u_x of the pole at k = 0, m per C/m; 0 where the section is grounded.
+        u_x of the pole at k = 0, m per C/m; 0 if the section is grounded.
     slope : complex
-        Of its potential, phi / |x|, V/m per C/m.
+        phi / |x| of this pole, V/m per C/m.
     """
 
     surface: np.ndarray = field(repr=False)
@@ -83,7 +85,7 @@ class LineSource:
     potential: np.ndarray = field(repr=False)
     static: complex
     slope: complex
-    error: float = 0.0  # of the modes at other lateral wavenumbers
+    error: float = 0.0  # relative error of the modes at k_y != 0; here they are exact
 
     @property
     def surface_mode(self) -> "LineSource":
@@ -92,25 +94,25 @@ class LineSource:
 
     @property
     def rough(self) -> "LineSource":
-        """As of `CutSource`; here all modes cost little."""
+        """The same source: unlike those of a `CutSource`, its modes are cheap, so that none need be left out."""
         return self
 
     def some(self, modes: np.ndarray) -> "LineSource":
-        """Only some of the modes, without the pole at k = 0."""
+        """Source with a selection of the modes, without the pole at k = 0."""
         fields = ("surface", "wavenumbers", "amplitudes", "tangential", "normal", "potential")
         kept = {name: getattr(self, name)[modes] for name in fields}
         return LineSource(**kept, static=0.0, slope=0.0)
 
     def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
-        """Wavenumber along x of the surface wave at lateral wavenumbers, rad/m; in a plate the mean of its two."""
+        """Wavenumber along x of the surface wave at lateral wavenumbers, rad/m; in a plate the mean of both modes."""
         return np.sqrt(np.mean(self.wavenumbers[self.surface]) ** 2 - np.square(lateral))
 
     def branches(
         self, reach: float, distance: float, resolved: float, mirror_width: float | None
     ) -> Iterator[Branch]:
-        """Waves to both sides, at points beyond a distance from the charges and up to a lateral reach (m).
+        """Waves to both sides, for points at least ``distance`` from the charges and at most ``reach`` beside them (m).
 
-        Modes that decay by exp(-12) or more over the length ``resolved`` are left out.
+        Modes that decay by more than exp(-LOCAL) over the length ``resolved`` are omitted.
         """
         highest = float(np.sqrt((self.wavenumbers**2).real.max()))
         rule = lateral_rule(highest, reach, evanescent(highest, max(distance, resolved)), mirror_width)
@@ -128,16 +130,17 @@ class LineSource:
             yield from _both_sides(contour, along, motion)
 
     def plane(self, resolved: float) -> Iterator[Branch]:
-        """The same modes where nothing depends on y; one node of the weight 1."""
+        """The same modes at k_y = 0, for fields that do not depend on y: a rule of one node with weight 1."""
         rule = LateralRule(nodes=np.zeros(1), weights=np.ones(1))
         yield from _both_sides(rule, *self._turned(self._lasting(0.0, resolved), rule.nodes))
 
     def _lasting(self, distance: float, resolved: float) -> np.ndarray:
+        """True for modes that are neither decayed at a distance (m) nor local to the charge."""
         rate = -self.wavenumbers.imag
         return (rate * distance < -np.log(KEPT)) & (rate * resolved < LOCAL)
 
     def _turned(self, modes: np.ndarray, lateral: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Modes at other lateral wavenumbers: kappa_p, shape (modes, n), and u to the right, shape (3, modes, n)."""
+        """Modes at lateral wavenumbers (n,): kappa_p, shape (modes, n), and u of waves to the right, (3, modes, n)."""
         k = self.wavenumbers[modes, None]
         along = np.where(k.real < 0, -1, 1) * np.sqrt(k**2 - lateral**2)
         along[along.imag > 0] *= -1
@@ -148,7 +151,7 @@ class LineSource:
 
 
 def _both_sides(rule: LateralRule, along, motion) -> Iterator[Branch]:
-    """Waves to the right and, mirrored, to the left; u_y turns its sign with k_y."""
+    """Waves to the right, and their mirror images to the left, in which u_x has the opposite sign."""
     yield Branch(1, rule, along, motion, SIGNS)
     yield Branch(-1, rule, along, motion * np.array([-1, 1, 1])[:, None, None], SIGNS)
 
@@ -160,7 +163,7 @@ def line_source(modes: GuidedModes) -> LineSource:
     Parameters
     ----------
     modes : GuidedModes
-        Of a section with a potential and with the symmetry x -> -x.
+        Modes of a section with a potential and with the symmetry x -> -x.
 
     Returns
     -------
@@ -171,7 +174,8 @@ def line_source(modes: GuidedModes) -> LineSource:
     at, moving = section.full.surface_dofs, np.flatnonzero(modes.wavenumbers != 0)
     k, right = modes.wavenumbers[moving], modes.right[:, moving]
     left = np.where(section.odd, -1.0, 1.0)[:, None] * right
-    # biorthogonal but for rounding, which the two surface waves of a thick plate, 1e-8 apart, enlarge to 1e-4
+    # Left and right modes are biorthogonal in exact arithmetic.  The two surface waves of a thick plate, whose k differ
+    # by 1e-8, amplify rounding to 1e-4, so that the products of different modes are kept.
     products = (k[:, None] + k) * (left.T @ second @ right) + 1j * (left.T @ (first - first.T) @ right)
     norms = np.sqrt(np.diag(products))
     scale = charge_scale(section.solid)
@@ -192,12 +196,12 @@ def line_source(modes: GuidedModes) -> LineSource:
 
 
 def charge_scale(medium: Medium) -> float:
-    """Scaled reaction of a charge of 1 C/m."""
+    """Reaction in the section's scaled units that corresponds to a charge of 1 C/m."""
     return -medium.potential_unit / medium.stress_unit
 
 
 def static_mode(modes: GuidedModes) -> tuple[complex, np.ndarray]:
-    """Slope s of the potential s |x| of a unit reaction where nothing grounds the section, and the shape w of u_x."""
+    """Slope s and shape w of the pole at k = 0 (module docstring) for a unit reaction, in a floating section."""
     section = modes.section
     second, first, zeroth = section.matrices(modes.frequency)
     constant = section.constant_potential

@@ -1,12 +1,13 @@
-"""Mutual admittance of two transducers on one surface by reciprocity of their charges.
+"""Mutual admittance of two transducers on one surface, by reciprocity, from the charges of each alone.
 
-With the charges q per volt at port i of one and at port j of another, each alone on the bare surface, reciprocity gives
+Let q_i be the charges per volt at port i of one transducer, alone on the bare surface, and q_j those at port j of the
+other.  By reciprocity
 
     Y_ij = -i omega int q_j phi_i dA = -i omega int dk_t / 2 pi  sum_p A_p (k_p / kappa_p) q_i^(k) q_j^(-k),
 
-phi_i the potential of the beam that port i sends, k = kappa_p n + k_t t with n any direction along which the two
-transducers are apart, q^ the transform of the charges over the plane and A_p the potential of mode p per line charge.
-The solid is isotropic about z.
+with phi_i the potential of the beam that port i excites, k = kappa_p n + k_t t, n any direction along which there is a
+gap between the transducers, t the direction across n, q^ the Fourier transform of the charges in the plane and A_p the
+potential of mode p per line charge.  The solid is isotropic about z.
 """
 
 import numpy as np
@@ -17,7 +18,7 @@ from fem.beam.line_source import KEPT, LOCAL, line_source
 from fem.geometry import Transducer, separation, turn
 from fem.waveguide.modes import GuidedModes
 
-LARGEST_DECAY = 300.0  # exponent between two middles beyond which a mode is left out of their coupling
+LARGEST_DECAY = 300.0  # a mode is neglected if its decay from centre to centre has a larger exponent
 
 
 def mutual_admittance(
@@ -34,22 +35,22 @@ def mutual_admittance(
     Parameters
     ----------
     modes : GuidedModes
-        Of the bare section.
+        Modes of the bare section.
     plan : tuple of Transducer
-        Both on the surface.
+        The two transducers, as they lie on the surface.
     origins : tuple of float
-        Places of their middles on the lines of ``charges``, m.
+        Positions of their centres in the coordinates of ``charges``, m.
     angles : tuple of float
-        Of those lines, rad.
+        Angles of the axes of these coordinates to x, rad.
     charges : tuple of ElectrodeCharges
-        Per volt.
+        Charges of each transducer per volt.
     along : float, optional
-        Direction in rad along which they are apart; by default that of the widest gap.
+        Direction in rad of a gap between them; by default that of the widest gap.
 
     Returns
     -------
     complex
-        The same for both orders.
+        Mutual admittance, which does not depend on the order of the two.
     """
     one, other = plan
     gap, widest = separation(one, other)

@@ -1,27 +1,28 @@
-"""Transducers that receive a beam along their fingers, and send their own in turn.
+"""Coupling of transducers of finite aperture in one row: each receives the beams of the others and sends its own.
 
-In the section a transducer sends waves of amplitude c_p, and another one at a distance L (from middle to middle)
-receives c_p exp(-i k_p L).  Charges that are uniform over the lengths W_i and W_j along y (sheets, own_aperture.py)
-receive B_ij,p times as much,
+In the section a transducer sends waves of amplitude c_p, and another one receives c_p exp(-i k_p L), with L the
+distance of their centres.  For fingers of finite length, charges that are uniform over lengths W_i and W_j along y
+(sheets, own_aperture.py) receive B_ij,p times this amplitude,
 
     B_ij,p = int dk_y / 2 pi  W_i sinc(k_y W_i / 2) sinc(k_y W_j / 2) (k_p / kappa_p) exp(-i (kappa_p - k_p) L)
 
-where their middles lie on one line, and with cos(k_y d) in the integral where they lie d beside each other.
+if their centres have the same y; if these differ by d, the integrand has the factor cos(k_y d).
 
-Massless fingers scatter by their charges alone: what a transducer sends for an arriving wave is the section's answer
-less the wave that passes, and the waves of all others pass it as they pass a bare surface.  W_j B_ij,p does not change
-when i and j are exchanged, so the admittance matrix stays symmetric.
+Massless fingers scatter by their charges alone.  The wave that a transducer sends when a wave arrives is therefore the
+response of the section minus the transmitted wave, and the waves of all other transducers pass it as if its surface
+were bare.  W_j B_ij,p does not change if i and j are exchanged, so that the admittance matrix is symmetric.
 
-One transducer: with q_b the charges of sheet b, a_b the arriving waves' amplitudes and U_b the potentials of the
-fingers that would make q_b in the section, O the sheets' overlap, D of own_aperture.py and V the ports' potentials,
+For one transducer, let q_b be the charges of sheet b, a_b the amplitudes of the arriving waves, U_b the potentials of
+the fingers that would cause q_b in the section, O the overlaps of the sheets, L_c the length of sheet c, D the change
+of the potentials in own_aperture.py and V the potentials of the ports.  Then
 
     q_b = Q_a a_b + Q_U U_b,    sum_b O_cb U_b - sum_b D_cb q_b = L_c V  for all sheets c,
 
-Q_a and Q_U the section's.  An arriving beam phi(y) counts by its projection on the sheets f_c, sum_b O_cb a_b =
+with the matrices Q_a and Q_U of the section.  An arriving beam phi(y) is projected on the sheets f_c: sum_b O_cb a_b =
 int f_c phi dy.
 
-Limits: solids isotropic about z, absorbing ends; elsewhere transducers receive, and respond to their own charges, as in
-the section.  Open strips are as in the section.
+Limits: the solid must be isotropic about z and the ends must absorb.  Otherwise transducers receive waves, and respond
+to their own charges, as in the section.  Open strips always respond as in the section.
 """
 
 from dataclasses import dataclass, field, replace
@@ -44,9 +45,10 @@ from fem.waveguide.network import Network, PortSolution, Scatterer, Sheet
 from fem.waveguide.port_fields import PortFields, Solve, connected
 from fem.waveguide.row_solver import Element, solve_row
 
-SHORTEST = 0.5  # aperture over wavelength: shorter fingers are no line sources
-MAX_WAVES = 3000  # that transducers send one another: two per sheet and mode
-LEAST_NODES, NODES_PER_SWING = 5, 1.2  # of an interpolation over a band: 1e-5 of the admittance
+SHORTEST = 0.5  # least aperture over wavelength: shorter fingers are not line sources
+MAX_WAVES = 3000  # size of the system of waves between transducers: two per sheet and mode
+# Nodes for interpolation over a band, at least and per rad of phase; the admittance is accurate to 1e-5.
+LEAST_NODES, NODES_PER_SWING = 5, 1.2
 
 
 def refuse_short_apertures(transducers: tuple[Transducer, ...], wavelength: float) -> None:
@@ -71,7 +73,7 @@ def aperture_coupling(
     mirror_width: float | None = None,
     offset: float = 0.0,
 ) -> np.ndarray:
-    """Mean over the receiving aperture of each mode's beam, over the section's wave.
+    """Mean of each mode's beam over the receiving aperture, relative to the wave in the section (B of the module).
 
     Parameters
     ----------
@@ -82,9 +84,9 @@ def aperture_coupling(
     distance : float
         m.
     mirror_width : float, optional
-        Of two reflecting side faces, m; both apertures then lie in the middle.
+        Distance of two reflecting side faces, m; both apertures must then be centred between them.
     offset : float
-        Across, from the middle of one aperture to that of the other, m.
+        Distance along y from the centre of one aperture to that of the other, m.
 
     Returns
     -------
@@ -116,18 +118,18 @@ def with_apertures(fields: PortFields, mirror_width: float | None = None, finene
     Parameters
     ----------
     fields : PortFields
-        Of the section.
+        Solution of the section.
     mirror_width : float, optional
-        Of two reflecting side faces, m.
+        Distance of two reflecting side faces, m.
     fineness : int
-        How many of the finer sets of steps along the fingers are left out.
+        Number of finer sets of steps along the fingers that are skipped (`sheet_lengths`).
 
     Returns
     -------
     PortFields
-        Charges and admittances of transducers of finite aperture; ``sides`` are their lines for the mean waves, with
-        the potential of every finger that would make its charge in the section.  Beyond the limits above the fields as
-        they are.
+        Charges and admittances of transducers of finite aperture.  ``sides`` are the unknowns on their lines for the
+        waves averaged over the aperture, with the potential of every finger that would cause its charge in the section.
+        ``fields`` itself is returned if the limits of this module are not met.
     """
     solve = aperture_solver(fields.stator, mirror_width, fineness)
     if solve is None or None in fields.owners:
@@ -149,9 +151,9 @@ def aperture_solver(
     fineness: int = 0,
     limits: tuple[float, float] | None = None,
 ) -> Solve | None:
-    """What solves a stator's network for finite apertures; None beyond the limits above.
+    """Solver of a stator's network for finite apertures; None if the limits of this module are not met.
 
-    ``limits``: lowest and highest frequency (Hz) of a band at many frequencies of which it will be asked.
+    ``limits``: lowest and highest frequency (Hz), if the solver will be called at many frequencies of a band.
     """
     if stator.pieces or stator.ends != "absorbing" or not isotropic_about_normal(stator.solid):
         return None
@@ -159,9 +161,9 @@ def aperture_solver(
 
 
 class OwnApertures:
-    """Coupling of transducers' fingers by `finger_coupling`, interpolated over a band of frequencies if there is one.
+    """Coupling of a transducer's fingers by `finger_coupling`, interpolated in frequency if there is a band.
 
-    The modes of a band's reduced lines do not resolve the field near the fingers: those of the full section serve.
+    The modes of the full section are used, because those of a band's reduced basis do not resolve the near field.
     """
 
     def __init__(self, mirror_width: float | None, limits: tuple[float, float] | None):
@@ -170,7 +172,7 @@ class OwnApertures:
         self._lock = Lock()
 
     def coupling(self, network: Network, transducer: Transducer, lengths: np.ndarray) -> Coupling:
-        """At the network's frequency."""
+        """Coupling at the frequency of the network."""
         section, frequency = network.modes.section, network.modes.frequency
         section = getattr(section, "full", section)
         if self.limits is None:
@@ -191,10 +193,10 @@ class OwnApertures:
     def _solved(
         self, section, transducer: Transducer, lengths: np.ndarray, slowness: float
     ) -> tuple[np.ndarray, list]:
-        """Nodes in Hz, and the couplings' parts there; ``slowness``: wavenumber over frequency, rad s/m."""
+        """Nodes in Hz, and the arrays of `Coupling` at the nodes; ``slowness``: wavenumber over frequency, rad s/m."""
         low, high = self.limits
         farthest = np.hypot(np.diff(transducer.extent).item(), transducer.aperture)
-        swing = slowness * farthest * (high - low) / 2  # of a wave's phase, over half the band
+        swing = slowness * farthest * (high - low) / 2  # change of a wave's phase over half the band, rad
         nodes = chebyshev_nodes(low, high, int(np.ceil(LEAST_NODES + NODES_PER_SWING * swing)))
         at = [
             finger_coupling(
@@ -207,24 +209,27 @@ class OwnApertures:
 
 @dataclass(frozen=True, kw_only=True)
 class _Response:
-    """A transducer's response to the waves that arrive on each of its sheets, and to its ports.
+    """Response of a transducer to the waves that arrive on each of its sheets, and to the voltages of its ports.
 
-    Columns: of every sheet the modes from the left, then those from the right; the ports.
+    The columns of the arrays are, for every sheet, the modes from the left and those from the right; then the ports.
     """
 
     scatterer: Scatterer
     lengths: np.ndarray
-    arriving: np.ndarray = field(repr=False)  # (2 n, 2 modes): a unit of each mode on the lines
-    lines: np.ndarray = field(repr=False)  # (2 n, 2 modes + fingers), of the section
+    # (2 n, 2 modes): incident fields on both lines, for a unit amplitude of each mode
+    arriving: np.ndarray = field(repr=False)
+    # (2 n, 2 modes + fingers): total fields on both lines, for unit modes and unit finger potentials
+    lines: np.ndarray = field(repr=False)
     potentials: np.ndarray = field(repr=False)  # U, (sheets, fingers, columns)
     sent: np.ndarray = field(repr=False)  # (sheets 2 modes, columns): amplitudes to the right and to the left
-    # (sheets, fingers, columns): reactions on the fingers, their first moments, and those beyond the section's
+    # (sheets, fingers, columns): reactions on the fingers, their first moments, and the part of these moments that the
+    # section does not have
     reactions: np.ndarray = field(repr=False)
     moments: np.ndarray = field(repr=False)
     dipoles: np.ndarray = field(repr=False)
 
     def sheets(self, weights: np.ndarray) -> tuple[Sheet, ...]:
-        """Fields of the sheets for the columns' ``weights``, (columns, ports)."""
+        """Fields of the sheets for a combination of the columns, ``weights`` of shape (columns, ports)."""
         waves = weights[: len(self.sent)].reshape(len(self.lengths), -1, weights.shape[1])
         potentials = self.potentials @ weights
         return tuple(
@@ -241,7 +246,7 @@ class _Response:
         )
 
     def incoming(self, weights: np.ndarray) -> np.ndarray:
-        """Mean over the aperture of what arrives on both lines, (2 n, ports)."""
+        """Mean over the aperture of the incident waves on both lines, (2 n, ports)."""
         waves = weights[: len(self.sent)].reshape(len(self.lengths), -1, weights.shape[1])
         return self.arriving @ np.tensordot(self.lengths / self.lengths[0], waves, axes=1)
 
@@ -249,7 +254,7 @@ class _Response:
 def _solved(
     own_apertures: OwnApertures, network: Network, transducers: tuple[Transducer, ...], *, fineness: int
 ) -> tuple[Network, PortSolution]:
-    """The network with a potential for every finger, and the fields of its ports."""
+    """Network with one potential per finger, and the fields of its ports."""
     section = network.modes.section
     surface = network.modes.wavenumbers[network.modes.rayleigh].real.mean() / section.length_unit
     refuse_short_apertures(transducers, 2 * np.pi / surface)
@@ -304,7 +309,7 @@ def _solved(
 
 
 def _by_fingers(scatterer: Scatterer, signs: str) -> tuple[Scatterer, np.ndarray]:
-    """The scatterer with a potential for every finger; and the fingers' dipoles by its sides."""
+    """Scatterer with one potential per finger, and the matrix from its sides to the dipoles of the fingers."""
     electrodes = ["+-".index(sign) for sign in signs if sign in "+-"]
     superelement, dipoles = finger_ports(scatterer.piece, signs)
     own = scatterer.potentials[electrodes]
@@ -318,7 +323,10 @@ def _travel(
     lengths: list[np.ndarray],
     mirror_width: float | None,
 ) -> np.ndarray:
-    """Amplitudes that arrive from those that are sent: of each transducer and sheet, to the right, then to the left."""
+    """Matrix from the amplitudes that are sent to those that arrive.
+
+    Its rows and columns are ordered by transducer and sheet, then waves to the right, waves to the left.
+    """
     modes, unit, m = network.modes, network.modes.section.length_unit, len(kept)
     edges = [
         (place, place + each.piece.width)
@@ -355,7 +363,7 @@ def _travel(
 def _response(
     plain: Scatterer, signs: str, kept: np.ndarray, lengths: np.ndarray, change: Coupling
 ) -> _Response:
-    """Response of a transducer from the section's."""
+    """Response of a transducer with fingers of finite length, from that of the section."""
     scatterer, moments = _by_fingers(plain, signs)
     modes, width = scatterer.modes, scatterer.piece.width
     at, m, sheets = scatterer.at, len(kept), len(lengths)
@@ -368,7 +376,7 @@ def _response(
     sides = np.concatenate([lines, potentials])
     reactions = scatterer.piece.matrix[at.ports] @ sides
     by_waves, by_fingers = reactions[:, : 2 * m], reactions[:, 2 * m :]
-    # one potential on all fingers of a floating section makes no charge
+    # In a floating section the same potential on all fingers causes no charge; a constant removes this null vector.
     gauge = abs(np.diag(by_fingers)).sum() / max(fingers, 1) ** 2 if modes.section.floating_potential else 0.0
     dipole = np.linalg.solve((by_fingers + gauge).T, (moments @ sides[:, 2 * m :]).T).T
 
@@ -396,15 +404,15 @@ def _response(
     added = polarisability * projected(gradient)
     own = projected(own + gradient.T @ added)
     columns = sheets * 2 * m + ports
-    caught = np.zeros((sheets, fingers, columns), dtype=complex)
-    given = np.zeros((sheets, fingers, columns), dtype=complex)
+    by_arriving = np.zeros((sheets, fingers, columns), dtype=complex)
+    load = np.zeros((sheets, fingers, columns), dtype=complex)
     for sheet in range(sheets):
-        caught[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] = by_waves
-    given[0, :, sheets * 2 * m :] = scatterer.potentials
-    given += (own @ caught.reshape(size, columns)).reshape(given.shape)
+        by_arriving[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] = by_waves
+    load[0, :, sheets * 2 * m :] = scatterer.potentials
+    load += (own @ by_arriving.reshape(size, columns)).reshape(load.shape)
     system = np.eye(size) - (own.reshape(size, sheets, fingers) @ by_fingers).reshape(size, size)
-    found = np.linalg.solve(system, given.reshape(size, columns)).reshape(given.shape)
-    on_fingers = caught + by_fingers @ found
+    finger_potentials = np.linalg.solve(system, load.reshape(size, columns)).reshape(load.shape)
+    on_fingers = by_arriving + by_fingers @ finger_potentials
 
     passed = np.append(
         np.exp(-1j * modes.wavenumbers[kept] * width), np.exp(1j * modes.backwards[kept] * width)
@@ -414,12 +422,12 @@ def _response(
         [modes.right_amplitudes(out[at.right])[kept], modes.left_amplitudes(out[at.left])[kept]]
     )
     leaving[:, : 2 * m] -= np.diag(passed)
-    sent = leaving[:, 2 * m :] @ found
+    sent = leaving[:, 2 * m :] @ finger_potentials
     for sheet in range(sheets):
         sent[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] += leaving[:, : 2 * m]
-    dipoles = (added @ on_fingers.reshape(size, columns)).reshape(found.shape)
+    dipoles = (added @ on_fingers.reshape(size, columns)).reshape(finger_potentials.shape)
     by_waves = moments @ sides[:, : 2 * m]
-    first_moments = (moments @ sides[:, 2 * m :]) @ found + dipoles
+    first_moments = (moments @ sides[:, 2 * m :]) @ finger_potentials + dipoles
     for sheet in range(sheets):
         first_moments[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] += by_waves
     return _Response(
@@ -427,7 +435,7 @@ def _response(
         lengths=lengths,
         arriving=arriving[:, : 2 * m],
         lines=lines,
-        potentials=found,
+        potentials=finger_potentials,
         sent=sent.reshape(sheets * 2 * m, columns),
         reactions=on_fingers,
         moments=first_moments,

@@ -180,9 +180,9 @@ class SurfaceBeam:
         fields = self.wave.solution.fields
         for fineness in range(1, len(STEPS)):
             fewer = with_apertures(fields, self.mirror_width, fineness)
-            found = aperture_beam(self.wave, Solution(fields=fewer, circuit=self.circuit), self.mirror_width)
-            if [len(each.steps) for each in found.charges] != steps:
-                return found
+            beam = aperture_beam(self.wave, Solution(fields=fewer, circuit=self.circuit), self.mirror_width)
+            if [len(each.steps) for each in beam.charges] != steps:
+                return beam
         return None
 
     def charge_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray | None:
@@ -296,9 +296,13 @@ class SurfaceBeam:
         """Motion of the waves that the end faces reflect, in some modes, shape (RULES, 3, points)."""
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
-        found = self.faces.returned(self._reach(y), _sources(self._sheets), self.mirror_width)
+        reflected = self.faces.returned(self._reach(y), _sources(self._sheets), self.mirror_width)
         return self._inverse(
-            found, lambda spectra: found.spectra(places, self.wave.length, spectra, modes), lines, column, row
+            reflected,
+            lambda spectra: reflected.spectra(places, self.wave.length, spectra, modes),
+            lines,
+            column,
+            row,
         )
 
     def _reach(self, y) -> float:

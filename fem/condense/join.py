@@ -1,4 +1,4 @@
-"""Joining condensed pieces: mirror, join, repeat by doubling.
+"""Superelements of fingers from smaller ones: joining, mirroring, repetition by doubling, and their ports.
 
 Two neighbours A and B share a line m between their outer lines l and r, and, where their electrodes are the same, the
 potentials v (substructuring).  On that line the outward fluxes of both vanish together,
@@ -37,10 +37,10 @@ from fem.condense.columns import FingerColumns, LiftedHalf, Pair, Restated
 def joined(
     left: FingerColumns, right: FingerColumns, *, phi: int | None = None, electrode: int | None = None
 ) -> FingerColumns:
-    """Two neighbours as one piece, by equations (2) and (3).
+    """Join two neighbours into one piece by equations (2) and (3).
 
-    Both have the same potentials.  If the shared line's surface node lies on a finger: ``phi``, the number of the
-    potential there, and the finger's electrode.
+    Both have the same potentials.  If the surface node of the shared line lies on a finger, ``phi`` is the number of
+    the potential at this node on the line and ``electrode`` the number of the finger's electrode.
 
     Examples
     --------
@@ -82,7 +82,7 @@ def joined(
 def repeated(
     piece: FingerColumns, count: int, join: Callable[[FingerColumns, FingerColumns], FingerColumns] = joined
 ) -> FingerColumns:
-    """``count`` equal neighbours as one piece, by doubling."""
+    """Join ``count`` equal neighbours into one piece by doubling."""
     result, power = None, piece
     while True:
         if count & 1:
@@ -94,9 +94,9 @@ def repeated(
 
 
 def with_ports(piece: FingerColumns, ports: list[int], *, floating: bool = False) -> FingerColumns:
-    """The same piece with some of its potentials, those of the numbers ``ports``, the others zero.
+    """Return the piece with the potentials of the numbers ``ports`` alone; the other potentials are zero.
 
-    ``floating``: whether nothing else holds the potential of a piece that keeps none.
+    ``floating``: True if the potential inside is undetermined in a piece without any port.
     """
     numbers = np.array(ports, dtype=int)
     kept = np.append(np.arange(piece.at.ports.start), piece.at.ports.start + numbers)
@@ -117,10 +117,10 @@ def with_ports(piece: FingerColumns, ports: list[int], *, floating: bool = False
 
 
 def with_fingers(whole: FingerColumns, left: FingerColumns, right: FingerColumns) -> FingerColumns:
-    """A joined pair with its parts' own potentials, from left to right, in the place of their common ones.
+    """Return a joined pair in which both parts have their own potentials, from left to right, instead of common ones.
 
-    ``left``, ``right``: the pair's parts with potentials of their own, v_A and v_B.  Equations (1) to (3) hold with
-    C_p = [A_mp, B_mp] in the columns of [v_A, v_B]; the columns of the lines are those that ``whole`` has.
+    ``left`` and ``right`` are the parts with their own potentials v_A and v_B.  Equations (1) to (3) hold with C_p =
+    [A_mp, B_mp] in the columns of [v_A, v_B]; the columns of the lines are taken from ``whole``.
     """
     at, first, second = whole.at, left.matrix, right.matrix
     count, total = len(left.ports), len(left.ports) + len(right.ports)
@@ -149,7 +149,7 @@ def with_fingers(whole: FingerColumns, left: FingerColumns, right: FingerColumns
 
 
 def exchanged(piece: FingerColumns) -> FingerColumns:
-    """The same piece with its fingers on the other electrode; inside, it keeps its own."""
+    """Return the piece with its electrodes exchanged; the superelements inside are shared and not changed."""
     lines = np.arange(piece.at.ports.start)
     order = np.append(lines, [len(lines) + 1, len(lines)])
     return replace(
@@ -160,7 +160,7 @@ def exchanged(piece: FingerColumns) -> FingerColumns:
 
 
 def mirrored(piece: FingerColumns, odd: np.ndarray, phi_odd: bool) -> FingerColumns:
-    """The piece seen in a mirror x -> -x that is a symmetry of the solid; a single column is its own mirror image.
+    """Return the mirror image x -> -x, a symmetry of the solid; a single column is its own mirror image.
 
     ``odd``: unknowns of a line that change sign, shape (n,); ``phi_odd``: whether all potentials do.
     """
@@ -178,7 +178,7 @@ def mirrored(piece: FingerColumns, odd: np.ndarray, phi_odd: bool) -> FingerColu
             middle=line[:, None] * inside.middle[:, order] * signs,
         )
     elif isinstance(inside, LiftedHalf):
-        phi_sign = -signs[-1]  # of a moment, for x changes its sign
+        phi_sign = -signs[-1]  # a moment changes its sign once more, because it contains x
         inside = replace(inside, side=1 - inside.side, moment=phi_sign * inside.moment[order] * signs)
     elif inside is not None:
         raise TypeError("a piece with other potentials than it was joined with has no mirror image here")
@@ -187,7 +187,7 @@ def mirrored(piece: FingerColumns, odd: np.ndarray, phi_odd: bool) -> FingerColu
 
 
 def open_circuited(piece: FingerColumns) -> FingerColumns:
-    """The same piece with its finger cut off from electrode 0: at whatever potential leaves it no charge."""
+    """Return the piece with its finger disconnected from electrode 0: open-circuited, without net charge."""
     finger = piece.at.ports.start
     row = -piece.matrix[finger] / piece.matrix[finger, finger]
     row[finger] = 0.0

@@ -1,13 +1,14 @@
-"""A piece of the stator from a mesh: assembled, condensed to its interfaces and electrodes, recovered.
+"""Meshed piece of the stator: assembly, condensation to its interfaces and electrodes, recovery of the field inside.
 
-The inside of every element is eliminated in batches (static condensation), then the edges and vertices between them
-front by front (`fem.condense.fronts`).  On an interface the mesh's unknowns are P times those of the section's line
-(`fem.condense.interface`), so that the condensed matrix is P^T A P and stays complex symmetric.  An electrode is
-equipotential: the potential of its vertices is one unknown, which a connection makes a port, ground makes zero, and
-which is eliminated, without net charge, where the electrode floats.
+The unknowns inside every element are eliminated first, in batches (static condensation), and then those on edges and
+vertices, front by front (`fem.condense.fronts`).  On an interface the unknowns of the mesh are P times those of the
+section's line (`fem.condense.interface`), so that the condensed matrix is P^T A P, which is complex symmetric.  An
+electrode is equipotential: all its vertices share one unknown.  It is a port if the electrode is connected to a
+transducer and zero if the electrode is grounded.  If the electrode floats, the unknown is eliminated with zero net
+charge.
 
-A piece with one interface is an end of the stator, one without any is the whole stator.  One whose far side is another
-section's line is a step: its far side is closed by that section's radiation impedance.
+A piece with one interface is an end of the stator, and a piece without interfaces is the whole stator.  A piece whose
+far side meets the line of another section is a step, which the radiation impedance of that section terminates.
 """
 
 from dataclasses import dataclass, field
@@ -32,12 +33,14 @@ from fem.mesh.piece import FLOATING, GROUNDED, MeshPiece
 from fem.mesh.quads import conditions_of, quad_mesh
 from fem.mesh.section_mesh import ELECTRODE
 
-# The section's elements are a wavelength long at the most.  In a mesh half of one and an order less do, with a layer
-# more than towards finger edges: a groove's motion then errs by 1.3e-3 and 1.6e-4 at the levels 1 and 2 (with the
-# section's order and two layers more 1.8e-3 and 2e-4), a plain stretch's by 8e-10 at level 3 (two orders less: 2e-8).
+# Elements of a mesh relative to those of the section, which are at most one wavelength long: half the size, one order
+# less, and one geometric layer more towards singular points.  The motion behind a groove then has the error 1.3e-3 at
+# level 1 and 1.6e-4 at level 2 (with the section's order and two more layers: 1.8e-3 and 2e-4), and that behind a plain
+# segment 8e-10 at level 3 (with two orders less: 2e-8).
 ELEMENT_SHARE = 0.5
 ORDERS_LESS = 1
 MORE_LAYERS = 1
+# Fields that a boundary condition sets to zero.
 HELD: dict[str, tuple[str, ...]] = {"clamped": ("u",), "grounded": ("phi",), "free": ()}
 
 
@@ -97,7 +100,7 @@ class MeshedPiece:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Assembly:
-    """What of a meshed piece does not depend on the frequency: elements, media, conditions and interfaces."""
+    """Part of a meshed piece that does not depend on the frequency: elements, media, conditions and interfaces."""
 
     piece: MeshPiece
     space: QuadSpace = field(repr=False)
@@ -108,7 +111,7 @@ class Assembly:
     ports: tuple[Port, ...]
     # shape (skeleton functions * fields,): number of the unknown, -1 where it is held at zero
     numbers: np.ndarray = field(repr=False)
-    # shape (interface functions + ports, lines + ports): the unknowns that are kept, from those of the lines
+    # shape (interface functions + ports, lines + ports): P, from the unknowns of the lines to those that are kept
     projection: np.ndarray = field(repr=False)
     grounded: bool  # whether a group or an electrode holds its potential
 
@@ -119,12 +122,12 @@ class Assembly:
 
     @property
     def key(self) -> tuple:
-        """Equal for pieces that one assembly serves."""
+        """Key that is equal for pieces with the same assembly."""
         return self.piece.contents
 
     @cached_property
     def parts(self) -> list[tuple[Medium, np.ndarray, np.ndarray]]:
-        """Elements of one medium, few enough for memory: medium, elements, skeleton unknowns of their rims."""
+        """Batches of elements of one medium, limited in memory: medium, elements, skeleton unknowns of their rims."""
         result = []
         for name, own in self.media.items():
             columns = np.array([self.fields.index(each) for each in own.fields])
@@ -191,7 +194,7 @@ class MeshField:
 
     @property
     def assembly(self) -> Assembly:
-        """What of the piece does not depend on the frequency."""
+        """Part of the piece that does not depend on the frequency."""
         return self.piece.assembly
 
     @cached_property
@@ -209,10 +212,10 @@ class MeshField:
         )
 
     def at(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Scaled u_x, u_y, u_z and phi at points (m, 2) from the left edge and the surface, length units.
+        """Scaled u_x, u_y, u_z and phi at points (m, 2), measured from the left edge and the surface in length units.
 
-        Values and their derivatives along x and z, (m, 4) each, zero outside the mesh; and the group of the solid that
-        holds each point, empty outside.
+        Returns the values and their derivatives along x and z, (m, 4) each, zero outside the mesh; and the name of the
+        solid's group at each point, empty outside the mesh.
         """
         space = self.assembly.space
         owner, places = space.locate(np.asarray(points) + self._origin)
@@ -233,10 +236,11 @@ class MeshField:
         return np.array([self.assembly.piece.mesh.extent[0] / self.assembly.space.unit, 0.0])
 
     def on_elements(self, places: np.ndarray):
-        """Yield elements of one solid in parts, at reference places (m, 2) in each of them.
+        """Yield the field at reference positions (m, 2) of every element, in batches of elements of one solid.
 
-        The solid's group; points from the left edge and the surface, length units, (elements, m, 2); scaled u_x, u_y,
-        u_z and phi and their derivatives along x and z, (3, elements, m, 4).
+        Each batch has the name of the solid's group; the points, measured from the left edge and the surface in length
+        units, (elements, m, 2); and scaled u_x, u_y, u_z and phi with their derivatives along x and z,
+        (3, elements, m, 4).
         """
         space = self.assembly.space
         for own, elements, values in self.piece.elements(self.skeleton[:, None]):
@@ -260,9 +264,9 @@ class MeshField:
 
 
 def _local_fields(space: QuadSpace, elements, places: np.ndarray, nodal: np.ndarray) -> np.ndarray:
-    """Fields and their derivatives along x and z at reference places (m, 2) of elements: (3, ..., m, fields).
+    """Fields and their derivatives along x and z at reference positions (m, 2) of elements: (3, ..., m, fields).
 
-    ``elements``: a number or some; ``nodal``: their unknowns, (..., functions, fields).
+    ``elements``: one index or an array of them; ``nodal``: their unknowns, (..., functions, fields).
     """
     value, by_first, by_second = space.local_values(places)
     slopes = np.stack([by_first @ nodal, by_second @ nodal], axis=-2)  # (..., m, reference, fields)
@@ -271,7 +275,7 @@ def _local_fields(space: QuadSpace, elements, places: np.ndarray, nodal: np.ndar
 
 
 class _TopEdges:
-    """The upper border of a mesh: which outer edge is highest at a place x, and the functions there."""
+    """Upper boundary of a mesh: the highest boundary edge at each x, and the basis functions there."""
 
     def __init__(self, space: QuadSpace):
         self.space = space
@@ -293,7 +297,7 @@ class _TopEdges:
         self.low, self.high = np.where(flat, low, np.inf), np.where(flat, high, -np.inf)
 
     def at(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Functions (places, order + 1) and their values at the highest outer point above each place."""
+        """Numbers (points, order + 1) and values of the functions at the highest boundary point above each x."""
         numbers, along = np.empty((len(x), self.numbers.shape[1]), dtype=int), np.empty(len(x))
         room = 1e-9 * (self.high[np.isfinite(self.high)].max() - self.low[np.isfinite(self.low)].min())
         for index, place in enumerate(x):
@@ -317,9 +321,9 @@ def assembled(
     frequency: float,
     resolution: Resolution,
 ) -> Assembly:
-    """Elements, conditions and interfaces of a meshed piece on one discretisation.
+    """Assemble a meshed piece: its elements, boundary conditions and interfaces at one resolution.
 
-    ``sections``: of the line on each side that has an interface; ``frequency`` in Hz sets the largest element.
+    ``sections``: the section at each side that has an interface; ``frequency`` in Hz limits the size of the elements.
 
     Raises
     ------
@@ -371,7 +375,7 @@ def assembled(
 
 
 class _Unknowns:
-    """The unknowns of a piece's skeleton: held at zero, tied to an electrode, given by the section's line, or free."""
+    """Unknowns on a piece's edges and vertices: fixed at zero, tied to an electrode, on an interface, or free."""
 
     def __init__(
         self,
@@ -382,7 +386,7 @@ class _Unknowns:
         names: tuple[str, ...],
     ):
         self.space, self.names = space, names
-        self.held = np.ones((space.skeleton, len(names)), dtype=bool)  # at zero, or in no element
+        self.held = np.ones((space.skeleton, len(names)), dtype=bool)  # fixed at zero, or in no element
         for solid, own in media.items():
             numbers = np.unique(space.numbers[space.mesh.solids == solid][:, : space.rim])
             self.held[numbers[:, None], [names.index(name) for name in own.fields]] = False
@@ -397,7 +401,9 @@ class _Unknowns:
         self.ports = tuple(
             Port(kind="voltage", name=each) for each in connections if each not in (FLOATING, GROUNDED)
         )
-        self.tied = np.full(self.held.shape, -1)  # number of the electrode; its inner functions are held
+        # Number of the electrode that a function is tied to.  The functions inside its edges are zero, because the
+        # potential is constant.
+        self.tied = np.full(self.held.shape, -1)
         for index, name in enumerate(electrodes):
             numbers, phi = space.edge_numbers(lines[ELECTRODE + name]), names.index("phi")
             self.held[np.unique(numbers[:, 2:]), phi] = True
@@ -412,18 +418,18 @@ class _Unknowns:
     def numbered(self, sections: dict[str, Section]) -> tuple[np.ndarray, np.ndarray]:
         """``numbers`` and ``projection`` of the `Assembly`.
 
-        First the unknowns that are eliminated, free ones and floating electrodes; then the interfaces and the ports.
+        Unknowns to be eliminated (free ones and floating electrodes) come first, then the interfaces and the ports.
         """
         count, tied = len(self.names), self.tied.ravel()
-        given = self.held | (self.tied >= 0)
-        free = ~given.ravel()
+        prescribed = self.held | (self.tied >= 0)
+        free = ~prescribed.ravel()
         interfaces, projections = [], []  # unknowns of an interface, and these from the section's line
         for side, section in sections.items():
             by_field = line_projection(
                 self.space,
                 self.space.mesh.lines[side],
                 section,
-                {name: given[:, column] for column, name in enumerate(self.names)},
+                {name: prescribed[:, column] for column, name in enumerate(self.names)},
             )
             functions, parts = zip(*(by_field[name] for name in self.names), strict=True)
             own = np.concatenate([each * count + column for column, each in enumerate(functions)])
@@ -434,8 +440,8 @@ class _Unknowns:
         numbers[free] = np.arange(total)
         for electrode in self.floating:
             numbers[tied == electrode], total = total, total + 1
-        for places in interfaces:
-            numbers[places], total = total + np.arange(len(places)), total + len(places)
+        for interface in interfaces:
+            numbers[interface], total = total + np.arange(len(interface)), total + len(interface)
         for electrode in self.wired:
             numbers[tied == electrode], total = total, total + 1
         return numbers, block_diag(*projections, np.eye(len(self.ports)))

@@ -1,11 +1,15 @@
-"""The absorbing bottom: elements below the solid in which waves decay.
+"""Absorbing bottom: elements below the solid in which waves decay, in one of three kinds of layer.
 
-Where every bulk wave carries its energy to the side in depth to which its phase goes, a perfectly matched layer: the
-depth is continued into the complex plane (complex coordinate stretching; Berenger 1994).  In other cuts such a layer
-makes some waves grow (Becache, Fauqueux and Joly 2003).  A selective layer then adds a loss to the motion along x of
-the waves whose slowness curve is concave at the axis.  The loss comes late, where the layer has absorbed all other
-waves, for it is not matched.  Where no such loss keeps the guided modes from growing, a viscous layer takes its place,
-which is passive in any cut and converges slowly.
+matched
+    Perfectly matched layer: the depth is continued into the complex plane (complex coordinate stretching; Berenger
+    1994).  It is used if phase and energy of every bulk wave travel in the same direction of depth.  In other cuts it
+    makes some waves grow (Becache, Fauqueux and Joly 2003).
+selective
+    Matched layer with an additional loss for the motion along x of those waves whose slowness curve is concave at the
+    axis.  This loss causes reflections, so that it begins only at a depth where the layer has absorbed all other waves.
+viscous
+    Layer of a lossy solid, which is passive in every cut but converges slowly.  It is used if no selective layer keeps
+    the guided modes from growing.
 """
 
 from functools import lru_cache
@@ -22,37 +26,40 @@ from fem.materials.solids import Solid
 
 Kind = Literal["matched", "selective", "viscous"]
 
-# Perfectly matched layer from above: height of an element in wavelengths and its complex stretching factor, close to 1
-# where waves arrive and large where only the static field is left.  The motion errs by 4e-6 or less on PZT-8, LiNbO3 YZ
-# and ST-X quartz.  From level 3 on a real stretch below keeps the grounded bottom from the static field of a transducer
-# (2e-5 of the motion on YZ LiNbO3 and PZT-5A without it); as complex as the elements above it lets modes grow.
+# Perfectly matched layer from the top down: height of an element in wavelengths and its complex stretching factor,
+# which is close to 1 where waves arrive and large where only the static field is left.  The error of the motion is
+# 4e-6 or less on PZT-8, LiNbO3 YZ and ST-X quartz.  From level 3 on another element with a real stretch follows,
+# because the grounded bottom would disturb the static field of a transducer (2e-5 of the motion on YZ LiNbO3 and
+# PZT-5A).  A complex stretch of this element would make modes grow.
 MATCHED_LAYER = ((0.5, 1 - 1j), (0.5, 1.5 - 2j), (0.5, 4 - 4j), (0.5, 12 - 8j), (0.5, 60 - 20j))
 STATIC_ELEMENT = (0.5, 300 + 0j)
 
 # Selective layer, t = 0 at its top and 1 at its bottom: stretch 1 + a t^b + f t^g - i c t, damping d t^e times the
-# sheet's backwardness.  On 128YX LiNbO3 a layer of 2 wavelengths errs by 1.4e-6 in u_z and 5.6e-6 in u_x, as
-# tests/fem/discretize/test_half_space.py measures it; a = 9 and 12, b = 2 or e = 4 err by 4e-5 and more.  The term in
-# f is for the static field of a transducer, which f = 0 lets feel the grounded bottom (2e-4 of the motion); g = 16
-# lets modes grow in layers of 2.5 wavelengths and more.
+# sheet's backwardness.  On 128YX LiNbO3 a layer of 2 wavelengths has errors of 1.4e-6 in u_z and 5.6e-6 in u_x,
+# measured by tests/fem/discretize/test_half_space.py; with a = 9 or 12, b = 2 or e = 4 they are 4e-5 and more.  The
+# term in f serves the static field of a transducer, which the grounded bottom disturbs with f = 0 (2e-4 of the
+# motion).  With g = 16 modes grow in layers of 2.5 wavelengths and more.
 STRETCH, STRETCH_POWER, DECAY = 21.0, 1.6, 6.0
 STATIC_STRETCH, STATIC_POWER = 1000.0, 24
 DAMPING, DAMPING_POWER = 13.0, 8
-NODES = 17  # per wavelength of a selective layer; 12 let modes grow again (128YX, 6e-4 of k)
-# Factors of the damping, and least damping of the other sheets over that of the most concave one, as they are tried:
-# where the polarisation of a sheet turns with the direction (X quartz) a loss of one polarisation does not suffice.
+NODES = 17  # per wavelength of a selective layer; with 12 modes grow (128YX, by 6e-4 of k)
+# Pairs that are tried in turn: factor of the damping, and least damping of the other sheets over that of the most
+# concave sheet.  If the polarisation of a sheet changes with the direction (X quartz), a loss of one polarisation is
+# not sufficient.
 STRENGTHS = ((1.0, 0.0), (2.0, 0.0), (2.0, 0.25), (4.0, 0.0), (4.0, 0.25), (8.0, 0.25))
-MAX_GROWTH = 1e-4  # rad per wavelength in `layer_growth`; growth of 1e-3 lets the motion err by 1e-3 and more
-TYPICAL_ORDER, TYPICAL_LEVEL = 7, 2  # at which the kind of the layer is chosen
+MAX_GROWTH = 1e-4  # rad per wavelength in `layer_growth`; 1e-3 causes errors of the motion of 1e-3 and more
+TYPICAL_ORDER, TYPICAL_LEVEL = 7, 2  # order and level at which the kind of layer is selected
 
-# Loss factor of the lowest element of a viscous layer, and the power of the depth by which it grows.  With 8 elements
-# the motion on 128YX LiNbO3 errs by 2e-4; a square law gives 8e-4, a fourth power and a loss of 4 give 6e-4.
+# Loss factor of the lowest element of a viscous layer, and the power of the depth with which it increases.  With 8
+# elements the error of the motion on 128YX LiNbO3 is 2e-4; with a square law it is 8e-4, with a fourth power and a
+# loss of 4 it is 6e-4.
 MAX_LOSS, LOSS_POWER = 0.6, 3
 
 
 class Depth(NamedTuple):
     """Extent of the three layers at one level of refinement."""
 
-    static: bool  # whether a matched layer has the `STATIC_ELEMENT`
+    static: bool  # True if a matched layer has the `STATIC_ELEMENT`
     selective: float  # wavelengths
     viscous: int  # elements of one wavelength
 
@@ -72,10 +79,10 @@ Layer = list[tuple[float, complex, Medium]]
 def absorber(solid: Solid, body: Medium, order: int, level: int, *, lateral: bool = False) -> Layer:
     """Elements below the solid from the bottom up: height in wavelengths, mean complex stretching factor, medium.
 
-    ``body``: medium of the solid in the fields that take part; ``level``: of refinement, a number of `DEPTHS`;
-    ``lateral``: the waves will have a lateral wavenumber.  A matched layer that absorbs the waves of the sagittal plane
-    lets oblique ones grow (ST-X quartz: 6e-3 rad per wavelength; LiNbO3 rotated by 41 degrees: 3e-4); over a selective
-    layer none does (tests/fem/discretize/test_absorber.py).
+    ``body``: medium of the solid in the fields that take part; ``level``: level of refinement, an index of `DEPTHS`;
+    ``lateral``: True if the waves will have a lateral wavenumber.  Oblique waves may then grow in a matched layer that
+    absorbs all waves of the sagittal plane (ST-X quartz: 6e-3 rad per wavelength; LiNbO3 rotated by 41 degrees: 3e-4).
+    A selective layer is used instead, in which none grows (tests/fem/discretize/test_absorber.py).
     """
     kind = absorber_kind(solid)
     if kind == "matched" and lateral and not isotropic_about_normal(solid):
@@ -90,7 +97,7 @@ def absorber(solid: Solid, body: Medium, order: int, level: int, *, lateral: boo
 
 @lru_cache(maxsize=32)
 def absorber_kind(solid: Solid) -> Kind:
-    """Which layer absorbs the waves of a solid in the stator's frame."""
+    """Select the kind of layer that absorbs all waves of a solid in the stator's frame."""
     body = _lossless(solid)
     if (
         stretch_absorbs(solid)
@@ -109,7 +116,7 @@ def backwardness(solid: Solid) -> float:
 
 @lru_cache(maxsize=64)
 def _strength(solid: Solid, order: int, level: int) -> tuple[tuple[float, float], float]:
-    """First of `STRENGTHS` with which no guided mode grows, or that with the least growth; and the growth."""
+    """First pair of `STRENGTHS` for which no guided mode grows, or else the one with the least growth; its growth."""
     body, tried = _lossless(solid), []
     for strength in STRENGTHS:
         layer = _selective(solid, body, order, DEPTHS[level].selective, *strength)

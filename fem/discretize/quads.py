@@ -1,4 +1,4 @@
-"""Elements of high order on a mesh of quadrilaterals: scikit-fem's hierarchical basis, matrices element by element.
+"""High-order elements on a mesh of quadrilaterals: basis functions, and integration of stiffness and inertia.
 
 The basis is integrated Legendre polynomials (scikit-fem's `ElementQuadP`): vertices, edges, insides.  Its odd edge
 functions are continuous because neighbours agree on the direction of their edge (`fem.mesh.quads`).
@@ -12,9 +12,10 @@ from fem.materials.medium import Medium
 from fem.mesh.quads import QuadMesh
 from fem.mesh.shapes import shape_functions
 
-CHUNK_BYTES = 2e8  # of the basis functions that are kept at a time
-KEPT_BYTES = 3e8  # of the scalar matrices of a whole mesh, up to which they are kept for other frequencies
-LOCATED = 1e-8  # of an element's size: points nearer than this to it lie in it
+CHUNK_BYTES = 2e8  # largest memory of the basis functions in a batch of elements
+# The scalar matrices of a mesh are kept for other frequencies if they take less memory than this.
+KEPT_BYTES = 3e8
+LOCATED = 1e-8  # a point lies in an element if it is nearer to it than this fraction of the element's size
 NEWTON_STEPS = 8
 
 
@@ -74,20 +75,20 @@ class QuadSpace:
         return {(int(a), int(b)): index for index, (a, b) in enumerate(np.sort(self._mesh.facets, axis=0).T)}
 
     def edge_numbers(self, edges: np.ndarray) -> np.ndarray:
-        """Functions of directed edges (m, 2): at their start, at their stop, between: shape (m, order + 1)."""
+        """Numbers of the functions of directed edges (m, 2): start, stop, inside; shape (m, order + 1)."""
         facets = [self._facets[min(a, b), max(a, b)] for a, b in edges.tolist()]
         ends = self._dofs.nodal_dofs[0][edges]
         return np.hstack([ends, self._dofs.facet_dofs[:, facets].T])
 
     def edge_values(self, along: np.ndarray) -> np.ndarray:
-        """Values of an edge's functions, in the order of `edge_numbers`, at places in [0, 1]: (m, order + 1)."""
+        """Values of an edge's functions, ordered as in `edge_numbers`, at positions in [0, 1]: (m, order + 1)."""
         from skfem.element.element_line.element_line_pp import ElementLinePp
 
         element, places = ElementLinePp(self.order), np.asarray(along, dtype=float)[None]
         return np.stack([element.lbasis(places, index)[0] for index in range(self.order + 1)], axis=1)
 
     def locate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Elements that hold points (m, 2), -1 where none does, and the places in their reference squares."""
+        """Element that contains each point (m, 2), or -1, and the position of the point in its reference square."""
         nodes = self._nodes(slice(None))
         owner, places = np.full(len(points), -1), np.zeros((len(points), 2))
         low, high = nodes.min(axis=1), nodes.max(axis=1)
@@ -110,7 +111,7 @@ class QuadSpace:
         return owner, places
 
     def local_values(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Values of an element's functions at reference places (m, 2), and their derivatives there, (m, functions)."""
+        """Values and both derivatives of an element's functions at reference positions (m, 2), (m, functions) each."""
         across, along = (self._line_values(places[:, axis]) for axis in (0, 1))
         pairs = np.array(self._pairs)
         (a, da), (b, db) = ((each[0], each[1]) for each in (across, along))
@@ -126,7 +127,7 @@ class QuadSpace:
 
     @cached_property
     def _pairs(self) -> list[tuple[int, int]]:
-        """Line functions along both axes that an element's functions are products of: vertices, edges, inside."""
+        """Pairs of one-dimensional functions whose products are the element's functions: vertices, edges, inside."""
         more = range(2, self.order + 1)
         edges = [
             [(k, 0) for k in more],
@@ -163,7 +164,7 @@ class QuadSpace:
     def _basis(self, chosen: np.ndarray):
         from skfem import Basis, ElementQuadP
 
-        # an element of its own: it keeps the values of its last places, which another thread would change
+        # A new ElementQuadP for each call, because it caches values of its last evaluation, which threads would share.
         return Basis(self._mesh, ElementQuadP(self.order), elements=chosen, intorder=2 * self.order + 2)
 
     def scalar_matrices(self, chosen: np.ndarray) -> np.ndarray:
@@ -204,7 +205,7 @@ def _jacobian(kind: str, nodes: np.ndarray, places: np.ndarray) -> np.ndarray:
 
 
 def _inverse(kind: str, nodes: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Reference places of points by Newton's method, and how far from the points they lie."""
+    """Reference positions of points by Newton's method, and the distances that remain."""
     places = np.full(points.shape, 0.5)
     for _ in range(NEWTON_STEPS):
         gap = shape_functions(kind, places) @ nodes - points
@@ -214,7 +215,7 @@ def _inverse(kind: str, nodes: np.ndarray, points: np.ndarray) -> tuple[np.ndarr
 
 
 def medium_tables(medium: Medium, angular: float, *, part: str = "all") -> np.ndarray:
-    """Factors of the five scalar matrices (`QuadSpace.scalar_matrices`) in a medium's, shape (fields, fields, 5).
+    """Coefficients of the five scalar matrices (`QuadSpace.scalar_matrices`) for a medium, (fields, fields, 5).
 
     ``angular``: omega times the length unit, m/s; ``part`` as in `fem.discretize.forms.element_matrix`.
     """
@@ -224,7 +225,7 @@ def medium_tables(medium: Medium, angular: float, *, part: str = "all") -> np.nd
 
 
 def medium_block(scalars: np.ndarray, tables: np.ndarray, rows: slice, columns: slice) -> np.ndarray:
-    """Block of the matrices of elements of one medium; the functions of a field stand together.
+    """Block of the matrices of elements of one medium; the functions of each field are contiguous.
 
     Shape (elements, fields * rows, fields * columns).
     """

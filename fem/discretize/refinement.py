@@ -1,7 +1,7 @@
-"""Levels of discretisation, and the one loop that refines until two of them agree.
+"""Error estimate of the stator from two discretisations, and the loop that refines until it meets the tolerance.
 
-With the answers a_h of a level and a_H of the level before, and a gain g by which a level divides the error at least,
-|a_h - a| <= |a_h - a_H| / (g - 1): that is the error stated with every answer.
+Let a_h be the answer at one level of discretisation, a_H that at the level before, and g the least factor (the gain) by
+which a level divides the error.  Then |a_h - a| <= |a_h - a_H| / (g - 1), which is the error stated with every answer.
 """
 
 from collections.abc import Callable, Sequence
@@ -42,18 +42,18 @@ def absorbs_slowly(stator: Stator) -> bool:
 
 
 def level_gain(stator: Stator) -> float:
-    """By how much a level divides the error, at least."""
+    """Least factor by which one level more divides the error."""
     return SLOW_GAIN if absorbs_slowly(stator) else GAIN
 
 
 def first_level(tolerance: float) -> int:
-    """Coarser of the two levels to begin with."""
+    """Coarser one of the two levels that are solved first for a tolerance."""
     enough = [level for level, error in enumerate(EXPECTED) if error <= tolerance]
     return (enough[0] if enough else len(EXPECTED) - 1) - 1
 
 
 def planned_levels(stator: Stator, tolerance: float) -> range:
-    """Levels that an ordinary layout on this stator is solved at; where the estimate demands it one more follows."""
+    """Levels at which an ordinary layout on this stator is solved; another one follows if the error is too large."""
     first = first_level(tolerance)
     slower = (GAIN - 1) / (level_gain(stator) - 1)
     enough = [level for level, error in enumerate(EXPECTED) if error * slower <= tolerance]
@@ -85,13 +85,33 @@ def refine(
     gain: float,
     tolerance: float,
 ) -> Refined[Answer]:
-    """Solve at finer and finer levels until the estimated error meets the tolerance, or as far as they go.
+    """Solve at finer and finer levels until the estimated error meets the tolerance, or the levels end.
 
-    ``differences``: finer answer, coarser answer -> relative differences, the first of which is bounded; ``start``: the
-    coarser of the two levels to begin with, one lower if the finer one has no answer, below 0 for the coarsest level
-    alone, its errors unknown; ``gain``: least factor, above 1, by which a level divides the error.  Where the
-    differences grow towards the last level the answer before is kept, and ``obstacle`` says so.  A ConvergenceError if
-    no two neighbouring levels have an answer.
+    Parameters
+    ----------
+    at_level : callable
+        Returns the answer at a level, or raises a ConvergenceError.
+    levels : sequence
+        Levels from coarse to fine.
+    start : int
+        Index of the coarser of the first two levels.  If the finer one has no answer, the search starts one level
+        lower.  If negative, only the coarsest level is solved, and its errors are infinite.
+    differences : callable
+        Relative differences of a finer and a coarser answer; the first one is compared with the tolerance.
+    gain : float
+        Least factor, above 1, by which a level divides the error.
+    tolerance : float
+        Relative.
+
+    Returns
+    -------
+    Refined
+        If the differences grow towards the last level, it has the answer before, and ``obstacle`` says why.
+
+    Raises
+    ------
+    ConvergenceError
+        If no two neighbouring levels have an answer.
 
     Examples
     --------
@@ -142,7 +162,7 @@ def refine(
 
 
 def _kept(before: Refined[Answer], latest: Refined[Answer]) -> Refined[Answer]:
-    """Answer of a level from which the next one differs more than from the one before, with the larger errors."""
+    """Keep the answer before the latest, whose difference has grown by rounding, with the larger errors of both."""
     return replace(
         before,
         errors=tuple(map(max, before.errors, latest.errors)),
@@ -158,7 +178,7 @@ def refine_stator(
     differences: Callable[[Answer, Answer], tuple[float, ...]],
     tolerance: float,
 ) -> Refined[Answer]:
-    """Refine an answer of a stator over `LEVELS`, from the level and at the rate that its solid and ends promise."""
+    """Refine an answer of a stator over `LEVELS`, with the first level of the tolerance and the gain of the stator."""
     return refine(
         at_level,
         LEVELS,

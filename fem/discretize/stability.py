@@ -1,7 +1,7 @@
-"""Whether an absorbing layer makes a guided mode grow in the direction in which it carries its energy.
+"""Stability of absorbing layers: growth of guided modes in the direction of their power flux.
 
-A stretched depth turns a bulk wave whose energy goes down while its phase goes up into one that grows (Becache,
-Fauqueux and Joly 2003); the section then has guided modes with power along +x and Im k > 0 for exp(-i k x).
+In a layer with stretched depth a bulk wave grows if its energy travels down while its phase travels up (Becache,
+Fauqueux and Joly 2003).  The section then has guided modes with power along +x and Im k > 0 for exp(-i k x).
 """
 
 from collections.abc import Sequence
@@ -14,12 +14,11 @@ from fem.materials.christoffel import slowest_wavelength
 from fem.materials.medium import Medium
 from fem.materials.solids import Solid
 
-TRIAL_FREQUENCY = 1e6  # Hz; a layer is as thick as so many wavelengths, so that growth does not depend on it
+TRIAL_FREQUENCY = 1e6  # Hz; arbitrary, because the layer's depth is in wavelengths
 TRIAL_SOLID = (0.5, 0.5)  # elements of solid above the layer, wavelengths
-PROPAGATING = 0.3  # |Im k| / |Re k| below which the power of a mode tells its direction
-MAX_WAVENUMBER = (
-    4 * np.pi
-)  # rad per slowest bulk wavelength; beyond it a mode is a matter of the discretisation
+PROPAGATING = 0.3  # |Im k| / |Re k| below which the power flux of a mode determines its direction
+# rad per slowest bulk wavelength; modes with larger k are not physical but belong to the discretisation
+MAX_WAVENUMBER = 4 * np.pi
 Layer = Sequence[
     tuple[float, complex, Medium]
 ]  # height in wavelengths, mean stretch, medium; from the bottom up

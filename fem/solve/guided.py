@@ -3,8 +3,8 @@
 The field of a finite aperture is an integral of fields exp(-i k_y y) over the lateral wavenumber k_y.  At each k_y a
 uniform segment has modes exp(-i k_x x); k_x against k_y at one frequency is the slowness curve, and its normal is the
 direction in which the mode carries its energy.  The free wave is the mode at k_y = 0 whose motion is concentrated at
-the surface.  In a block of several wavelengths it is the Rayleigh wave of the half-space, up to a splitting that decays
-exponentially with the thickness.
+the surface (selected by `fem.waveguide.modes.surface_modes`).  In a block of several wavelengths it is the Rayleigh
+wave of the half-space, up to a splitting that decays exponentially with the thickness.
 
 Limits: a bare surface.  The kind of absorbing layer at the bottom is selected by the bulk waves of the sagittal plane.
 At a large lateral wavenumber modes other than the surface wave may be reflected there, or grow (YZ LiNbO3: 2e-3 of k).

@@ -1,7 +1,8 @@
-"""Ends of the stator: the modes that an end sends back for each that arrives there.
+"""Ends of the stator: reflection of guided modes by free or clamped ends, and by condensed pieces at the end.
 
-A free or clamped end is either the condition on the guided modes themselves, or, where the lines are reduced to a basis
-that does not hold the fields at the end, a superelement of some columns of elements.
+At a free or clamped end the boundary condition is imposed on the sum of all guided modes.  If the unknowns of a line
+are reduced to a basis, which does not contain the fields near the end, the end is a superelement of some columns of
+elements instead.
 """
 
 from collections.abc import Callable
@@ -26,13 +27,13 @@ class Wall:
     """End of the stator as a condensed piece with one line."""
 
     matrix: np.ndarray  # shape (n, n): nodal flux out of the piece on its line, per unknown
-    # unknowns of the line -> the piece's field (`fem.condense.piece.RecoveredField`)
+    # returns the piece's field (`fem.condense.piece.RecoveredField`) for the unknowns of the line
     recover: Callable[[np.ndarray], object] = field(repr=False)
-    floating_potential: bool = False  # as of `fem.condense.piece.Piece`; here the gauge is then set
-    beyond: "Beyond | None" = field(default=None, repr=False)  # what follows a step of thickness
+    floating_potential: bool = False  # as in `Piece`; the mean potential is then set to zero
+    beyond: "Beyond | None" = field(default=None, repr=False)  # the uniform stator behind a step of thickness
 
     def sent_back(self, modes: GuidedModes, side: int, arriving: np.ndarray) -> np.ndarray:
-        """Amplitudes of all modes sent back for each that arrives at the line: (E - X_back) q = -(E + X_on) p."""
+        """Amplitudes q of all reflected modes for each incident mode p at the line: (E - X_back) q = -(E + X_on) p."""
         impedances = modes.left_impedance, modes.right_impedance
         on, back = impedances if side == 0 else impedances[::-1]
         shapes = (modes.left if side == 0 else modes.right)[:, arriving]
@@ -45,18 +46,18 @@ class Wall:
 
 @dataclass(frozen=True, kw_only=True)
 class Beyond:
-    """The uniform stator of another thickness behind a step, without end."""
+    """Semi-infinite uniform stator of another thickness behind a step."""
 
     modes: GuidedModes
-    place: float  # where it begins, length units
-    far_line: np.ndarray = field(repr=False)  # its line as a function of the wall's, shape (n of beyond, n)
+    place: float  # x at which it begins, length units
+    far_line: np.ndarray = field(repr=False)  # matrix from the line of the wall to its line, (n of beyond, n)
 
 
 End = str | Wall  # "absorbing", "free", "clamped", or a condensed piece
 
 
 def with_gauge(system: np.ndarray, constant: np.ndarray) -> np.ndarray:
-    """A system whose null vector is the constant potential, on its first lines, with the mean potential set to zero.
+    """Make a system regular whose null vector is the constant potential: the mean potential becomes zero.
 
     With S c = 0 and a load orthogonal to c, (S + w w^T) u = b has the solution with w^T u = 0.
     """
@@ -66,7 +67,7 @@ def with_gauge(system: np.ndarray, constant: np.ndarray) -> np.ndarray:
 
 
 def end_reflection(modes: GuidedModes, ends: End, side: int, arriving: np.ndarray) -> np.ndarray:
-    """Amplitudes of all modes sent back by an end for each of some modes that arrive there, shape (n, arriving).
+    """Amplitudes of all modes that an end reflects, for a unit of each incident mode, shape (n, arriving).
 
     ``ends``: "free" (no traction, D_n = 0), "clamped" (u = 0, D_n = 0) or a wall; ``side``: 0 for the left end, 1 for
     the right.
@@ -81,7 +82,8 @@ def end_reflection(modes: GuidedModes, ends: End, side: int, arriving: np.ndarra
     arrive, leave = (np.where(held[:, None], shape, flux) for shape, flux in zip(shapes, fluxes, strict=True))
     constant = np.flatnonzero(modes.wavenumbers == 0)
     if len(constant):
-        # The constant potential has no flux; no mode has a net flux of D, so its row is free to fix it at zero.
+        # The constant potential has no flux, and no mode has a net flux of D.  The column of the constant potential is
+        # therefore replaced by one that sets its amplitude to zero.
         leave = leave.copy()
         leave[:, constant] = modes.section.constant_potential[:, None]
     return -np.linalg.solve(leave, arrive[:, arriving])
@@ -89,21 +91,21 @@ def end_reflection(modes: GuidedModes, ends: End, side: int, arriving: np.ndarra
 
 @dataclass(frozen=True, kw_only=True)
 class EndPieces:
-    """Columns of elements beside the free or clamped ends."""
+    """Superelements of columns of elements at both free or clamped ends."""
 
     section: Section
     superelements: tuple[FingerColumns, FingerColumns] = field(repr=False)  # of the left and the right end
     clamped: bool
 
     def _lines(self, side: int) -> tuple[np.ndarray, np.ndarray]:
-        """Unknowns of the outer line that are not held, and those of the inner line, in the superelement's order."""
+        """Numbers in the superelement of the outer line's unknowns that are not clamped, and of the inner line's."""
         at, numbers = Blocks(self.section.size), np.arange(2 * self.section.size)
         left, right = numbers[at.left], numbers[at.right]
         outer, inner = (left, right) if side == 0 else (right, left)
         return np.delete(outer, self.section.mechanical) if self.clamped else outer, inner
 
     def _outer(self, side: int) -> np.ndarray:
-        """Unknowns of the outer line as a function of those of the inner line."""
+        """Matrix from the unknowns of the inner line to those of the outer line."""
         piece, (outer, inner) = self.superelements[side].matrix, self._lines(side)
         return -np.linalg.solve(piece[np.ix_(outer, outer)], piece[np.ix_(outer, inner)])
 

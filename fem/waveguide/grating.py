@@ -166,11 +166,11 @@ class Grating:
             raise ConvergenceError(
                 f"no two standing waves near {self.middle:g} Hz: the cut guides no surface wave"
             )
-        found = sorted(
+        edges = sorted(
             self._polished((start - 1 / inverse[index]).real, vectors[:, index], open_fingers)
             for index in chosen
         )
-        return StopBand(lower=found[0], upper=found[1], pitch=self.pitch)
+        return StopBand(lower=edges[0], upper=edges[1], pitch=self.pitch)
 
     def _matrix_and_slope(self, omega_squared, open_fingers):
         step = STEP * omega_squared

@@ -1,4 +1,4 @@
-"""Guided modes of a uniform segment, and the radiation impedance of a semi-infinite one.
+"""Guided modes of a uniform segment, selection of the surface wave among them, and the radiation impedance.
 
 In a segment that is uniform in x the unknowns of a line are sums of modes v exp(-i k x) with (section.py)
 
@@ -33,9 +33,10 @@ PROPAGATING = 0.3  # a mode whose |Im k| is below this share of |Re k| counts as
 NEAR_HALF_SPACE = 0.02
 # |Im k| / |Re k| below which the power flux decides the direction of a mode that carries power
 NEARLY_REAL = 3e-3
-# Relative distance of k within which two modes are one surface wave: whatever their shapes, and if both are localised.
+# Two modes form the surface wave of a plate if their k differ relatively by less than ONE_WAVE, or by less than
+# TWIN_MODES while the less localised one has at least the fraction TWIN_SHARE of the other's localisation.
 ONE_WAVE, TWIN_MODES = 1e-3, 3e-2
-TWIN_SHARE = 0.4  # of the more localised one's localisation: what the other one must have at least
+TWIN_SHARE = 0.4
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -101,12 +102,12 @@ class GuidedModes:
 
     @property
     def nearest_cut_off(self) -> float:
-        """Smallest |k|, radians per length unit, of the modes but the constant potential."""
+        """Smallest |k|, radians per length unit, of all modes except the constant potential."""
         return float(abs(self.wavenumbers[self.wavenumbers != 0]).min())
 
     @property
     def propagating(self) -> np.ndarray:
-        """Indices of the modes that hardly decay."""
+        """Indices of the modes that propagate almost without decay."""
         return np.flatnonzero(abs(self.wavenumbers.imag) < PROPAGATING * abs(self.wavenumbers.real))
 
     @cached_property
@@ -134,7 +135,7 @@ class GuidedModes:
 def surface_modes(
     wavenumbers: np.ndarray, share: np.ndarray, expected: float | None, lateral_wavenumber: float = 0.0
 ) -> np.ndarray:
-    """Numbers of the surface wave's modes among some that propagate one way, the most localised first.
+    """Select the surface wave among modes that propagate in one direction: their indices, most localised first.
 
     Parameters
     ----------
@@ -143,7 +144,7 @@ def surface_modes(
     share : ndarray, shape (modes,)
         Squared motion at the surface over its integral through the depth.
     expected : float or None
-        sqrt(k_x^2 + k_y^2) of the surface wave, if it is known about: of the half-space, or of the k_y before.
+        Approximate sqrt(k_x^2 + k_y^2) of the surface wave, such as that of the half-space, if it is known.
     lateral_wavenumber : float
         k_y.
     """
@@ -159,7 +160,7 @@ def surface_modes(
 
 
 def power(displacement: np.ndarray, flux: np.ndarray, frequency: float) -> np.ndarray:
-    """Mean power along +x of a field (u, f) on a line, -(omega/2) Im(f u*), in the fields' unit (columns apart)."""
+    """Mean power along +x of each column of a field (u, f) on a line, -(omega/2) Im(f u*), in the fields' unit."""
     return -np.pi * frequency * np.imag(np.sum(flux * np.conj(displacement), axis=0))
 
 

@@ -1,15 +1,16 @@
-"""Pieces in a waveguide: what each sends and scatters, and the row that segments and ends make of them.
+"""Scattering of guided modes by the pieces of a stator, and the network of pieces, uniform segments and ends.
 
-A piece - a transducer, or a mesh - sits between two uniform segments whose exact ends X_right and X_left are known
-(modes.py).  With p the part of the field that goes right and q the part that goes left, its lines obey
+A piece (a transducer or a mesh) lies between two uniform segments, whose radiation impedances X_right and X_left are
+known (modes.py).  With p the part of the field that travels to the right and q the part that travels to the left, the
+unknowns u of its two lines obey
 
     (A - diag(X_left, X_right)) u = [-(X_right + X_left) p_in, -(X_left + X_right) q_in] - A_ports V,
 
-so one factorisation gives what it sends for each voltage and for each mode that arrives.  Along a segment of length
-l a mode changes by exp(-i k l): only those that survive to double precision couple the pieces, which makes length
-free of cost.  Free and clamped ends turn the modes that arrive into all modes of the section.  A line force on the
-bare surface sends the modes of `fem.waveguide.force` both ways.  What all of them make together follows from
-`fem.waveguide.row_solver`.
+so that one factorisation gives the waves that it sends for each voltage and for each incident mode.  Along a segment of
+length l a mode changes by exp(-i k l).  Only modes that do not decay below double precision couple the pieces, so that
+the cost does not depend on the length.  Free and clamped ends reflect an incident mode into all modes of the section.
+A line force on the bare surface sends the modes of `fem.waveguide.force` both ways.  `fem.waveguide.row_solver` solves
+for the amplitudes of all waves together.
 """
 
 from collections.abc import Callable
@@ -36,8 +37,8 @@ class Scatterer:
 
     piece: Piece
     modes: GuidedModes
-    # shape (ports of the piece, ports of the network that they follow): for each of the network's ports the piece's
-    # potentials, +1/2 and -1/2 for a voltage, 1 and 1 for a mean
+    # shape (ports of the piece, ports of the network that determine them): potentials of the piece's ports for a unit
+    # at each port of the network, +1/2 and -1/2 for a voltage, 1 and 1 for a mean
     potentials: np.ndarray
 
     def recover(self, sides: np.ndarray) -> RecoveredField:
@@ -46,7 +47,7 @@ class Scatterer:
 
     @cached_property
     def at(self) -> Blocks:
-        """Where lines and ports stand in the piece's matrix."""
+        """Slices of the lines and ports in the piece's matrix."""
         return Blocks(self.piece.size)
 
     @cached_property
@@ -60,10 +61,10 @@ class Scatterer:
         return system
 
     def sides(self, incoming: np.ndarray, potentials: np.ndarray) -> np.ndarray:
-        """Both lines' unknowns, shape (2 n, m).
+        """Unknowns of both lines, shape (2 n, m), for incident fields and potentials.
 
-        ``incoming``: field going right at the left line, then field going left at the right line, (2 n, m);
-        ``potentials`` of the piece's ports, scaled, (ports, m).
+        ``incoming``, (2 n, m): field that travels right at the left line, then field that travels left at the right
+        line; ``potentials``, (ports, m): of the piece's ports, scaled.
         """
         at, both = self.at, self.modes.impedance_sum
         load = -self.piece.matrix[at.lines, at.ports] @ potentials
@@ -73,7 +74,7 @@ class Scatterer:
         return np.linalg.solve(self._between_ends, load)
 
     def reactions(self, sides: np.ndarray) -> np.ndarray:
-        """Reactions of the network's ports (minus the charge of a voltage), scaled, for lines and potentials (., m)."""
+        """Scaled reactions at the network's ports (minus the charge of a voltage) for lines and potentials (., m)."""
         return self.potentials.T @ (self.piece.matrix[self.at.ports] @ sides)
 
 
@@ -84,9 +85,9 @@ class SegmentWaves:
     Attributes
     ----------
     start, stop : float
-        Length units.
+        Both ends of the segment, length units.
     right, left : ndarray, shape (modes, excitations)
-        Going right, at the start; going left, at the stop.
+        Amplitudes of waves to the right, at ``start``, and of waves to the left, at ``stop``.
     """
 
     start: float
@@ -95,61 +96,60 @@ class SegmentWaves:
     left: np.ndarray = field(repr=False)
 
     def right_at(self, modes: GuidedModes, x: float) -> np.ndarray:
-        """Amplitudes going right at a place, (modes, excitations)."""
+        """Amplitudes of the waves to the right at a position, (modes, excitations)."""
         return np.exp(-1j * modes.wavenumbers * (x - self.start))[:, None] * self.right
 
     def left_at(self, modes: GuidedModes, x: float) -> np.ndarray:
-        """Amplitudes going left at a place, (modes, excitations)."""
+        """Amplitudes of the waves to the left at a position, (modes, excitations)."""
         return np.exp(1j * modes.backwards * (self.stop - x))[:, None] * self.left
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Segment:
-    """A uniform segment and the modes that are followed through it.
+    """A uniform segment, and the modes that couple its two ends.
 
-    Amplitudes are counted half a segment before they arrive, which balances the equations, or, where a force stands
-    nearer than that, at the very place.
+    The unknown amplitudes are those in the middle of the segment, half a segment before the waves arrive, which
+    balances the sizes of the equations.  In a segment with a force they are those at the point of arrival.
     """
 
     modes: GuidedModes
     start: float
     stop: float
-    way: (
-        float  # of the modes from one end to the other, length units; 0 where the segment goes on without end
-    )
-    kept: np.ndarray  # modes that are followed
-    first: int  # number of their first wave in the row: those going right, then those going left
+    # distance that the modes travel, length units; 0 if the segment is semi-infinite
+    way: float
+    kept: np.ndarray  # indices of the modes that couple the ends
+    first: int  # number in the row of their first wave: waves to the right, then waves to the left
     forces: tuple[int, ...]  # ports of the network that are forces on it, from left to right
 
     @property
     def right(self) -> np.ndarray:
-        """Numbers in the row of the waves going right."""
+        """Numbers in the row of the waves to the right."""
         return self.first + np.arange(len(self.kept))
 
     @property
     def left(self) -> np.ndarray:
-        """Numbers in the row of the waves going left."""
+        """Numbers in the row of the waves to the left."""
         return self.right + len(self.kept)
 
     def passed(self, towards: str, distance: float) -> np.ndarray:
-        """Factors of all modes over a distance in their direction."""
+        """Propagation factors of all modes over a distance in their direction."""
         k = self.modes.wavenumbers if towards == "right" else -self.modes.backwards
         return np.exp(-1j * k * distance)
 
     @property
     def half(self) -> float:
-        """From where amplitudes are counted to where they arrive, length units."""
+        """Distance from the position of the unknown amplitudes to the point of arrival, length units."""
         return 0.0 if self.forces else self.way / 2
 
     def arriving(self, towards: str) -> np.ndarray:
-        """Factors of the modes that are followed, from where they are counted to where they arrive."""
+        """Propagation factors of the coupling modes over the distance `half`."""
         return self.passed(towards, self.half)[self.kept]
 
     def sent(self, towards: str, lines: np.ndarray) -> np.ndarray:
-        """Amplitudes of the modes that are followed in fields (n, m) that leave a piece or an end.
+        """Amplitudes of the coupling modes in fields (n, m) that leave a piece or an end.
 
-        By the modes' biorthogonality, v_i^T (X_right + X_left) v_j = 0 for i going left, j going right, k_i != -k_j:
-        the port matrix is then symmetric whatever the errors of the modes.
+        They follow from biorthogonality, v_i^T (X_right + X_left) v_j = 0 for i to the left, j to the right and
+        k_i != -k_j, because the port matrix is then symmetric whatever the errors of the modes.
         """
         modes, kept = self.modes, self.kept
         shapes, opposite = (modes.right, modes.left) if towards == "right" else (modes.left, modes.right)
@@ -171,7 +171,7 @@ class Network:
     stop: float
     ends: tuple[End, End]  # at start and at stop
     ports: tuple[Port, ...]  # voltages and means of transducers, then forces
-    numbers: tuple[np.ndarray, ...]  # of each scatterer: the ports that its potentials follow
+    numbers: tuple[np.ndarray, ...]  # for each scatterer: the ports that determine its potentials
 
     @cached_property
     def segments(self) -> np.ndarray:
@@ -182,13 +182,13 @@ class Network:
         return np.array([*edges, self.stop]).reshape(-1, 2)
 
     def survivors(self, length: float) -> np.ndarray:
-        """Modes that matter after a length; the constant potential carries nothing and is left out."""
+        """Indices of the modes that are not negligible after a length; the constant potential carries no power."""
         alive = np.abs(np.exp(-1j * self.modes.wavenumbers * length)) > NEGLIGIBLE
         return np.flatnonzero(alive & (self.modes.wavenumbers != 0))
 
     @cached_property
     def forces(self) -> dict[int, ForceResponse]:
-        """Of each port that is a force: what it does to a segment without end."""
+        """Response of an infinitely long segment to each port that is a force."""
         return {
             number: force_response(self.modes, port.component)
             for number, port in enumerate(self.ports)
@@ -202,7 +202,7 @@ class Network:
         return tuple(sorted(mine, key=lambda number: self.ports[number].place))
 
     def _followed(self, waves: np.ndarray) -> list[_Segment]:
-        """Segments with the modes that are followed; ``waves``: modes that arrive from outside at open ends."""
+        """Segments with their coupling modes; ``waves``: modes that arrive from outside at absorbing ends."""
         places = {number: self.ports[number].place for number in self.forces}
         free = [any(start <= place <= stop for start, stop in self.segments) for place in places.values()]
         if not all(free):
@@ -242,7 +242,7 @@ class Network:
         return segments
 
     def solve(self, waves: np.ndarray = NO_WAVES) -> "PortSolution":
-        """Fields for a unit at each port in turn, the other ports at zero, and for each wave that arrives from outside.
+        """Fields for a unit at each port, the other ports at zero, and for each wave that arrives from outside.
 
         Parameters
         ----------
@@ -308,7 +308,7 @@ class Network:
         )
 
     def _solve_whole(self, waves: np.ndarray) -> "PortSolution":
-        """Fields of a stator that is one piece from end to end: the potentials are all that acts on it."""
+        """Fields of a stator that is one piece from end to end, on which only the potentials of its ports act."""
         (scatterer,), (mine,), ports = self.scatterers, self.numbers, len(self.ports)
         if self.forces or len(waves):
             raise InputError(
@@ -327,7 +327,7 @@ class Network:
         )
 
     def _sent_back(self, side: int, arriving: np.ndarray) -> np.ndarray:
-        """Amplitudes of all modes that an end sends back for each of some that arrive there, (n, arriving)."""
+        """Amplitudes of all modes that an end reflects, for a unit of each incident mode, (n, arriving)."""
         end = self.ends[side]
         if not len(arriving) or (isinstance(end, str) and end == "absorbing"):
             return np.zeros((self.modes.section.size, len(arriving)))
@@ -348,7 +348,7 @@ class Network:
         )
 
     def _outside(self, segments: list[_Segment], waves: np.ndarray, excitations: int) -> np.ndarray | None:
-        """What arrives at pieces and ends from forces and from outside."""
+        """Amplitudes that arrive at pieces and ends directly from forces and from outside."""
         if not (self.forces or len(waves)):
             return None
         outside = np.zeros((segments[-1].first + 2 * len(segments[-1].kept), excitations), dtype=complex)
@@ -371,14 +371,14 @@ class Network:
         segments: list[_Segment] | None = None,
         from_ends: list[np.ndarray] | None = None,
     ) -> tuple[tuple[SegmentWaves, ...], ...]:
-        """Amplitudes of all modes in every segment, those of waves from outside left out.
+        """Amplitudes of all modes in every segment, without the waves from outside.
 
         Parameters
         ----------
         sides, incoming
-            Of `PortSolution`.
+            As in `PortSolution`.
         segments : list, optional
-            With their forces.
+            Segments with their forces; without, there are no waves from outside.
         from_ends : list of ndarray, shape (n, excitations), optional
             Amplitudes of all modes that leave both ends; zero if they absorb.
         """
@@ -389,7 +389,7 @@ class Network:
         leaving = np.array(out, dtype=complex).reshape(len(out), 2 * at.size, excitations)
 
         def apart(amplitudes: Callable[[np.ndarray], np.ndarray], lines: np.ndarray) -> list[np.ndarray]:
-            """Amplitudes of all pieces' fields (pieces, n, excitations), by one factorisation of the modes."""
+            """Amplitudes in the fields of all pieces (pieces, n, excitations), by one factorisation of the modes."""
             both = amplitudes(np.moveaxis(lines, 0, 1).reshape(at.size, -1))
             return list(np.moveaxis(both.reshape(at.size, len(lines), -1), 1, 0)) if len(lines) else []
 
@@ -399,7 +399,7 @@ class Network:
         return tuple(self._parts(*each) for each in zip(segments, right, left, strict=True))
 
     def _parts(self, segment: _Segment, right: np.ndarray, left: np.ndarray) -> tuple[SegmentWaves, ...]:
-        """A segment, cut where forces stand; ``right``: amplitudes at its start, ``left``: at its stop."""
+        """Parts of a segment between its forces, for amplitudes ``right`` at its start and ``left`` at its stop."""
         places = [self.ports[number].place for number in segment.forces]
         edges = [segment.start, *places, segment.stop]
         parts = []
@@ -416,7 +416,7 @@ class Network:
         return tuple(parts)
 
     def _displacement(self, number: int, amplitudes: tuple[tuple[SegmentWaves, ...], ...]) -> np.ndarray:
-        """Displacement under a force along it for each excitation."""
+        """Displacement at a force, in its direction, for each excitation."""
         modes, port = self.modes, self.ports[number]
         part = next(part for own in amplitudes for part in own if part.start <= port.place <= part.stop)
         lines = modes.right @ part.right_at(modes, port.place) + modes.left @ part.left_at(modes, port.place)

@@ -1,4 +1,4 @@
-"""The blocks of run.json and the columns of surface.csv that tell a driven stator's motion."""
+"""The blocks of run.json and the columns of surface.csv that describe the motion of a driven stator."""
 
 from typing import Any
 
@@ -7,12 +7,16 @@ import numpy as np
 from studies.chain.surface_motion import SurfaceMotion
 from studies.scene import Scene
 
-NODE = 1e-9  # of the largest |u_z| of the section: smaller ones are rounding
-PER_WAVELENGTH = 12  # lines of surface.csv where no section lies along x
+NODE = 1e-9  # relative to the largest |u_z| of the section; smaller amplitudes are rounding errors
+PER_WAVELENGTH = 12  # lines of surface.csv per wavelength if the section does not lie along x
 
 
 def wave_block(scene: Scene, motion: SurfaceMotion, place: tuple[float, float], ringing) -> dict:
-    """Return the block ``wave``: the motion at a place (x, y) in m, its error, and the waves of the section."""
+    """Return the block ``wave`` of run.json.
+
+    It contains the motion at the point ``place`` = (x, y) in m, its relative error and the properties of the wave in
+    the section. ``ringing`` is the `RingUp` of a burst or None.
+    """
     wave, places = motion.wave, [place] if scene.slider is None else [place, *scene.slider.places]
     components = motion.at(places)
     tangential, lateral, normal = map(complex, components[:, 0])
@@ -41,23 +45,25 @@ def wave_block(scene: Scene, motion: SurfaceMotion, place: tuple[float, float], 
 
 
 def node(motion: SurfaceMotion, places) -> str:
-    """Return why there is no answer where u_z vanishes under every contact, by symmetry say; else nothing."""
-    here, largest = abs(motion.at(places)[2]).max(), abs(motion.wave.samples()[1][1]).max()
-    if here > NODE * largest:
+    """Return a refusal if u_z vanishes under every contact, otherwise an empty string."""
+    under, largest = abs(motion.at(places)[2]).max(), abs(motion.wave.samples()[1][1]).max()
+    if under > NODE * largest:
         return ""
     return (
-        f"no answer: u_z vanishes under the slider ({here:.1e} m per V, {largest:.1e} elsewhere), as in the middle of "
+        f"no answer: u_z vanishes under the slider ({under:.1e} m per V, {largest:.1e} elsewhere), as in the middle of "
         "a transducer by symmetry: another slider.position"
     )
 
 
 def unresolved(motion: SurfaceMotion, places) -> str:
-    """Return why there is no answer where the beam does not know the field under a contact; else nothing."""
+    """Return a refusal if the beam model does not resolve the field at a contact, otherwise an empty string."""
     from fem import SurfaceBeam
 
     beam = motion.beam
-    if isinstance(beam, SurfaceBeam) and (hidden := [place for place in places if beam.unresolved(*place)]):
-        (x, y), *_ = hidden
+    if isinstance(beam, SurfaceBeam) and (
+        unresolved_places := [place for place in places if beam.unresolved(*place)]
+    ):
+        (x, y), *_ = unresolved_places
         wavelength = abs(motion.wave.phase_velocity) / motion.wave.frequency
         return (
             f"no answer: in this cut the field beside the fingers and within a wavelength, {wavelength:.4g} m, of "
@@ -69,7 +75,7 @@ def unresolved(motion: SurfaceMotion, places) -> str:
 def amplitude_blocks(
     scene: Scene, motion: SurfaceMotion, place: tuple[float, float], tolerance: float
 ) -> dict:
-    """Return points, error and shortfall of a scene without a slider, where the wave field is the result."""
+    """Return the blocks points, error and shortfall of a scene without a slider, whose result is a wave."""
     tangential, _, normal = (float(size) for size in abs(motion.at([place])[:, 0]))
     error = motion.relative_error([place])
     points = tuple(
@@ -91,10 +97,10 @@ def amplitude_blocks(
 
 
 def surface_columns(scene: Scene, motion: SurfaceMotion) -> dict:
-    """Return place and motion per volt along the section or, where none lies along x, along y = 0."""
+    """Return x and the motion per volt along the section, or along y = 0 if the section does not lie along x."""
     if scene.driven_obliquely:
-        reach = motion.wave.phase_velocity / scene.frequency / PER_WAVELENGTH
-        x = np.linspace(0.0, scene.stator.length, int(scene.stator.length / reach) + 1)
+        spacing = motion.wave.phase_velocity / scene.frequency / PER_WAVELENGTH
+        x = np.linspace(0.0, scene.stator.length, int(scene.stator.length / spacing) + 1)
         tangential, _, normal = motion.along(x, 0.0)
     else:
         x, (tangential, normal) = motion.wave.samples()

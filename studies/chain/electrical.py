@@ -1,10 +1,10 @@
-"""The block ``electrical`` of run.json: admittance, and where the sources' power goes, per V^2 of the source."""
+"""The block ``electrical`` of run.json: admittance and power balance, powers per squared volt of the source."""
 
 from studies.scene import Scene
 
 
 def electrical_block(scene: Scene, motion) -> dict:
-    """Return admittance, voltages and powers of a `SurfaceMotion`."""
+    """Return the admittance, the voltages and the powers of a `SurfaceMotion` for a source of 1 V."""
     circuit, balance = motion.circuit, motion.power
     block = {
         "admittance_S": circuit.admittance,
@@ -27,53 +27,54 @@ def electrical_block(scene: Scene, motion) -> dict:
     block |= _recovered(scene, circuit)
     if len(circuit.sources) > 1:
         block["sources"] = {
-            circuit.names[at]: {
-                "voltage_per_volt": complex(circuit.voltages[at]),
-                "current_A_per_V": complex(circuit.currents[at]),
+            circuit.names[index]: {
+                "voltage_per_volt": complex(circuit.voltages[index]),
+                "current_A_per_V": complex(circuit.currents[index]),
             }
-            for at in sorted(circuit.sources)
+            for index in sorted(circuit.sources)
         }
     return block
 
 
 def _recovered(scene: Scene, circuit) -> dict:
-    """Return recovered power, what the source gives in the end, and the loop's gain, of a ``fem.circuit.Circuit``.
+    """Return the recovered power, the loop gain and the net power of the source, of a ``fem.circuit.Circuit``.
 
-    With circulation the returned power comes back each time round: the sum of a geometric series, which exists for a
-    gain below 1.  An ideal combiner (a coupler that passes just what the loop lets through) reflects nothing then, and
-    the source gives 1 - gain of the power into the transducers.
+    With circulation, the recovered power drives the transducers again. The powers of successive passes form a
+    geometric series, which converges if the gain is below 1. The combiner is ideal: it matches the recovered power
+    and reflects nothing, so that the source supplies the fraction 1 - gain of the power into the transducers.
     """
     recovery = scene.drive.recovery
     if recovery is None:
         return {}
-    at = circuit.names.index(recovery.receiver)
-    load = 0.5 * abs(circuit.currents[at]) ** 2 * complex(recovery.load).real
-    kept = recovery.efficiency * load
-    gain = float(kept / circuit.power)
-    recovered = {"power_recovered_W_per_V2": float(kept), "recovery_ratio": gain}
+    receiver = circuit.names.index(recovery.receiver)
+    load_power = 0.5 * abs(circuit.currents[receiver]) ** 2 * complex(recovery.load).real
+    recovered_power = recovery.efficiency * load_power
+    gain = float(recovered_power / circuit.power)
+    block = {"power_recovered_W_per_V2": float(recovered_power), "recovery_ratio": gain}
     if not recovery.circulation:
-        return recovered
+        return block
     if gain >= 1:
         rule = (
             f"must be below {recovery.efficiency / gain:.4g} with drive.recovery.circulation: "
             f"the loop's gain is {gain:.4g}, and it oscillates from 1 on; got {recovery.efficiency!r}"
         )
         scene.refuse("drive.recovery.efficiency", rule)
-    return recovered | {"power_net_W_per_V2": float(circuit.power - kept)}
+    return block | {"power_net_W_per_V2": float(circuit.power - recovered_power)}
 
 
 def with_powers(points: tuple[dict, ...], electrical: dict) -> tuple[dict, ...]:
-    """Return the points, with the power that a source with a resistance could give, and what is recovered, in W.
+    """Return the points with the available power of the source and the recovered power, both in W.
 
-    What is recovered is said where a slider takes part of the wave on its way to the receiver.
+    The available power exists only for a source with a resistance. The recovered power is added only if the point has
+    ``received_over_free``, because the slider then changes the wave on its way to the receiver.
     """
     available, recovered = (electrical.get(f"power_{name}_W_per_V2") for name in ("available", "recovered"))
-    found = []
+    extended = []
     for point in points:
-        own, square = {}, point["voltage_V"] ** 2 if "voltage_V" in point else 0.0
+        powers, voltage_squared = {}, point["voltage_V"] ** 2 if "voltage_V" in point else 0.0
         if available is not None:
-            own = {"voltage_V": point["voltage_V"], "available_power_W": available * square}
+            powers = {"voltage_V": point["voltage_V"], "available_power_W": available * voltage_squared}
         if recovered is not None and "received_over_free" in point:
-            own["recovered_power_W"] = recovered * abs(point["received_over_free"]) ** 2 * square
-        found.append(own | point)
-    return tuple(found)
+            powers["recovered_power_W"] = recovered * abs(point["received_over_free"]) ** 2 * voltage_squared
+        extended.append(powers | point)
+    return tuple(extended)

@@ -1,6 +1,7 @@
-"""Effects that the models of a scene neglect, and why: the lines of ``left_out``, in the order of the chain.
+"""The list ``left_out`` of run.json: the effects that the models of a scene neglect, with reasons.
 
-Each part of the chain yields conditions, each with the sentence that is printed where the condition holds.
+Each private function covers one part of the motor and yields pairs (condition, sentence). A sentence is printed if its
+condition is true.
 """
 
 from collections.abc import Iterator
@@ -16,48 +17,48 @@ UNCOUPLED = "out-of-plane displacement: uncoupled in this orientation"
 def left_out(
     scene: Scene, *, beam: bool = False, reason: str = "", ringing: RingUp | None = None, trajectories=()
 ) -> tuple[str, ...]:
-    """Return the sentences on effects that are neglected in the answer to a resolved scene.
+    """Return the sentences about the effects that are neglected in the answer to a resolved scene.
 
     Parameters
     ----------
     scene : Scene
     beam : bool
-        True if the surface motion is that of finite apertures.
+        True if a beam model with finite apertures computes the surface motion.
     reason : str
-        Why it is not, if the scene does not decide this itself.
+        Reason for not using a beam model, if the scene does not determine it.
     ringing : RingUp or None
         Ring-up of the surface in a burst; None if the slider stands over a transducer or a meshed piece.
     trajectories : sequence of (float, contact.Trajectory)
-        Level and motion of every burst.
+        Level (V or m) and motion of every burst.
     """
-    rows: list[tuple[bool, str]] = []
+    conditions: list[tuple[bool, str]] = []
     if scene.wave is not None:
-        rows.append((True, "stator, transducers and electric field: the surface motion is given"))
+        conditions.append((True, "stator, transducers and electric field: the surface motion is given"))
     elif scene.transducer:
-        rows += [*_driven(scene), *_diffraction(scene, beam, reason), *_recovery(scene)]
+        conditions += [*_driven(scene), *_diffraction(scene, beam, reason), *_recovery(scene)]
         if scene.slider is not None and scene.burst is not None:
-            rows += _ring_up(scene.slider, ringing, trajectories)
+            conditions += _ring_up(scene.slider, ringing, trajectories)
     else:
-        rows += _free(scene)
-    rows += _contact(scene)
-    return tuple(sentence for holds, sentence in rows if holds)
+        conditions += _free(scene)
+    conditions += _contact(scene)
+    return tuple(sentence for holds, sentence in conditions if holds)
 
 
 def _free(scene: Scene) -> Iterator[tuple[bool, str]]:
-    """Yield what is neglected in a free wave, without transducers."""
-    names = fem.fields(resolve.solid(scene.stator))
+    """Yield the neglected effects of a free wave, in a scene without transducers."""
+    fields = fem.fields(resolve.solid(scene.stator))
     yield True, "electrodes: the scene has no transducer"
     yield True, "elements along x: the wave is a mode of the section"
     meshes = (
         "meshed pieces: the free wave does not meet them; sawmotor study reflector says what they send back"
     )
     yield bool(scene.piece), meshes
-    yield "uy" not in names, UNCOUPLED
-    yield "phi" not in names, "electric potential: the solid is not piezoelectric in this orientation"
+    yield "uy" not in fields, UNCOUPLED
+    yield "phi" not in fields, "electric potential: the solid is not piezoelectric in this orientation"
 
 
 def _driven(scene: Scene) -> Iterator[tuple[bool, str]]:
-    """Yield what is neglected in the section of a driven stator."""
+    """Yield the neglected effects in the section of a driven stator."""
     stator = resolve.stator(scene.stator)
     names = fem.fields(stator.solid)
     symmetric = fem.medium(stator.solid, names).parity is not None
@@ -72,7 +73,7 @@ def _driven(scene: Scene) -> Iterator[tuple[bool, str]]:
 
 
 def _surface_speed(stator) -> float:
-    """Velocity of the half-space's Rayleigh wave, m/s; 0 where the cut has none."""
+    """Return the Rayleigh velocity of the half-space in m/s, or 0 if the cut has no Rayleigh wave."""
     try:
         return fem.rayleigh(stator.solid, "open").velocity
     except fem.ConvergenceError:
@@ -80,26 +81,28 @@ def _surface_speed(stator) -> float:
 
 
 def _diffraction(scene: Scene, beam: bool, reason: str) -> Iterator[tuple[bool, str]]:
-    """Yield the parts of the answer in which diffraction is neglected, and why."""
+    """Yield the parts of the answer that neglect diffraction, with the reason."""
     if not beam:
-        said = "is false" if scene.stator.diffraction is False else "is absent, and the scene has no slider"
-        why = reason or f"stator.diffraction {said}"
+        setting = (
+            "is false" if scene.stator.diffraction is False else "is absent, and the scene has no slider"
+        )
+        why = reason or f"stator.diffraction {setting}"
         yield True, f"diffraction, the wave is that of the plane section: {why}"
         return
     where = "the interior field" if scene.driven_obliquely else "surface.csv and the interior field"
     burst, reflects = scene.burst is not None and scene.slider is not None, scene.stator.ends != "absorbing"
-    cut = len(scene.transducer) > 1 and not fem.isotropic_about_normal(resolve.solid(scene.stator))
+    anisotropic = len(scene.transducer) > 1 and not fem.isotropic_about_normal(resolve.solid(scene.stator))
     between = "spreading between the transducers: in this cut they receive as in the plane section"
-    back = "spreading of what comes back to the transducers: their circuit is that of the plane section"
+    returning = "spreading of what comes back to the transducers: their circuit is that of the plane section"
     yield True, f"diffraction in {where}: of the plane section; --field adds surface_map.csv"
     yield burst, "diffraction in the shape of the burst's ring-up: that of the plane section"
     yield scene.crossed, "what the metal of a transducer scatters of a beam that crosses its own line"
-    yield reflects, back
-    yield cut and not reflects, between
+    yield reflects, returning
+    yield anisotropic and not reflects, between
 
 
 def _recovery(scene: Scene) -> Iterator[tuple[bool, str]]:
-    """Yield what is neglected in the circuit that recovers power."""
+    """Yield the neglected effects in the circuit that recovers power."""
     recovery = scene.drive.recovery
     if recovery is not None:
         diodes = "harmonics of the rectifier and its diodes' drop: a resistance for sinusoidal current"
@@ -111,23 +114,23 @@ def _recovery(scene: Scene) -> Iterator[tuple[bool, str]]:
 
 
 def _ring_up(slider, ringing: RingUp | None, trajectories) -> Iterator[tuple[bool, str]]:
-    """Yield what is neglected of the surface's ring-up and ring-down in a burst."""
+    """Yield the neglected parts of the ring-up and ring-down of the surface in a burst."""
     if ringing is None:
         yield True, "the burst's ring-up: the slider stands over a transducer or a meshed piece"
         return
     count = len(trajectories)
-    silent = sum(motion.rang == 0.0 for _, motion in trajectories)
-    plain = sum(motion.method != "stepped" for _, motion in trajectories)
-    which = f"in {silent} of {count} bursts the surface stands still once the drive ends"
-    yield silent > 0, f"the burst's ring-down: {which}"
-    which = f"{plain} of {count} bursts, whose motion takes a steady wave"
-    yield plain > 0, f"the burst's ring-up ({ringing.sentence}) in {which}"
-    apart = not isinstance(slider.contacts, int) and len(slider.offsets) > 1
-    yield apart, "the burst's ring-up under each ball: that at the slider's centre is taken for all"
+    without_ring_down = sum(motion.rang == 0.0 for _, motion in trajectories)
+    without_ring_up = sum(motion.method != "stepped" for _, motion in trajectories)
+    bursts = f"in {without_ring_down} of {count} bursts the surface stands still once the drive ends"
+    yield without_ring_down > 0, f"the burst's ring-down: {bursts}"
+    bursts = f"{without_ring_up} of {count} bursts, whose motion takes a steady wave"
+    yield without_ring_up > 0, f"the burst's ring-up ({ringing.sentence}) in {bursts}"
+    several_places = not isinstance(slider.contacts, int) and len(slider.offsets) > 1
+    yield several_places, "the burst's ring-up under each ball: that at the slider's centre is taken for all"
 
 
 def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
-    """Yield what is neglected in the slider and its contacts."""
+    """Yield the neglected effects in the slider and its contacts."""
     slider = scene.slider
     if slider is None:
         yield True, "slider and contact: the scene has none"
@@ -135,10 +138,10 @@ def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
     if slider.pillars is not None:
         yield from _pillars(scene)
         return
-    alike = slider.contacts - 1 if isinstance(slider.contacts, int) else 0
-    yield alike > 0, f"{alike} of {slider.contacts} contacts: in phase they move as one"
-    at_once = "motion from rest: no burst, the periodic state is found without waiting for it"
-    yield scene.burst is None, at_once
+    merged_contacts = slider.contacts - 1 if isinstance(slider.contacts, int) else 0
+    yield merged_contacts > 0, f"{merged_contacts} of {slider.contacts} contacts: in phase they move as one"
+    no_transient = "motion from rest: no burst, the periodic state is found without waiting for it"
+    yield scene.burst is None, no_transient
     yield not slider.remembers, f"contact memory: the law is {slider.law}, Q depends on z, x and slip alone"
     reaction = "the tangential spring's reaction on the normal motion: reciprocal is false"
     yield not slider.reciprocal, reaction
@@ -149,23 +152,26 @@ def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
 
         sizes = direction_dependence(resolve.solid(scene.stator))
         yield bool(sizes), f"the contact's dependence on direction: {sizes}"
-        stays = scene.burst is not None and slider.travel is False
-        yield stays, "the slider's travel along the wave field: slider.travel is false"
+        fixed = scene.burst is not None and slider.travel is False
+        yield fixed, "the slider's travel along the wave field: slider.travel is false"
     yield True, "the slider's reaction on the wave"
 
 
 def _pillars(scene: Scene) -> Iterator[tuple[bool, str]]:
-    """Yield what is neglected in a slider on pillars."""
+    """Yield the neglected effects in a slider on pillars."""
     slider = scene.slider
-    known = scene.wave is None or scene.wave.compliance is not None
+    known_compliance = scene.wave is None or scene.wave.compliance is not None
     yield True, "the slider's bounce and vibration: it is heavy on the wave's time scale, a plane on pillars"
     yield (
         scene.burst is None,
         "motion from rest: no burst, the averaged equilibrium is found without waiting for it",
     )
-    yield not known, "the slider's reaction on the wave: wave.compliance is absent"
-    yield known and slider.loading is False, "the slider's reaction on the wave: slider.loading is false"
-    if known and slider.loading is not False:
+    yield not known_compliance, "the slider's reaction on the wave: wave.compliance is absent"
+    yield (
+        known_compliance and slider.loading is False,
+        "the slider's reaction on the wave: slider.loading is false",
+    )
+    if known_compliance and slider.loading is not False:
         overtones = "overtones that run back" if slider.loading == "harmonics" else "overtones of the wave"
         yield True, f"{overtones}, and what pillars scatter into other waves; sizes in model_error"
         yield scene.stator is not None, "what transducers send back of the wave that the slider reflects"

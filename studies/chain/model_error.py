@@ -1,14 +1,17 @@
-"""Sizes of the effects that the model neglects in one run, by closed forms; the numerical error does not contain them.
+"""Closed-form estimates of the effects that the model of one run neglects. The numerical error does not contain them.
 
-Each function takes the record of a run and yields effect, quantity, size and source, or nothing where the effect does
-not arise or is not neglected.  A size is a share of the quantity named with it, unless that has a unit.  Estimates hold
-to a factor of about 2; that of the finite aperture is the size of a ripple, whose sign may be wrong in cuts that hardly
-spread a beam.
+Each function takes the record of a run and yields (effect, quantity, size, source). It yields nothing if the effect
+does not arise or if the model includes it. A size is relative to the quantity named with it, unless that name states a
+unit. The estimates hold to a factor of about 2. The size of the finite aperture is that of a ripple; its sign may be
+wrong in cuts in which a beam hardly spreads.
 
-Sources: side faces: `fem.surface_beam`; finite aperture: `fem.Slowness`, the angular spectrum of a slit.  Load of a
-contact on the wave, mass of the electrodes: reciprocity with the surface wave and perturbation (Auld, Acoustic Fields
-and Waves in Solids, vol. 2, 1973, chapters 10 and 12).
-Radiation of a contact: `studies.chain.radiation`.
+Sources:
+
+- side faces: `fem.surface_beam`;
+- finite aperture: `fem.Slowness`, the angular spectrum of a slit;
+- load of a contact on the wave and mass of the electrodes: reciprocity with the surface wave and perturbation theory
+  (Auld, Acoustic Fields and Waves in Solids, vol. 2, 1973, chapters 10 and 12);
+- radiation of a contact: `studies.chain.radiation`.
 """
 
 import math
@@ -24,25 +27,25 @@ from studies.chain.blocks import node
 from studies.chain.radiation import point_admittance
 from studies.record import Record
 
-# of |u_z|, where the charge is taken as uniform along the fingers: combs of 3 to 30 pairs and 5 to 30 wavelengths in
-# PZT-8, worst of 80 places 2.6 to 10 %, rms 0.9 to 3.7 % (tests/fem/beam/test_finger_ends.py)
+# Relative error of |u_z| if the charge is assumed uniform along the fingers. Measured on PZT-8 for combs of 3 to 30
+# pairs and apertures of 5 to 30 wavelengths: 2.6 to 10 % at the worst of 80 points, 0.9 to 3.7 % rms
+# (tests/fem/beam/test_finger_ends.py).
 UNIFORM_CHARGE = 0.05
-# of |u_z|, what static finger ends leave of that: at least, and per finger pair; PZT-8, rms of 80 places 0.9 to 1.1 %
-# with 2 to 10 pairs, 4.7 % with 30 (the same test)
+# Relative error of |u_z| that remains with the static charge at the finger ends: the minimum, and the increase per
+# finger pair. Measured on PZT-8, rms over 80 points: 0.9 to 1.1 % with 2 to 10 pairs, 4.7 % with 30
+# (tests/fem/beam/test_finger_ends.py).
 UNEVEN_CHARGE, UNEVEN_PER_PAIR = 0.01, 0.0016
-ALUMINIUM, FILM = 2700.0, 100e-9  # kg/m3, m
+ALUMINIUM, FILM = 2700.0, 100e-9  # density in kg/m3 and thickness in m of the electrodes
 
-
-NO_FRICTION = 1e-9  # a coefficient that stands for none where one is required
+# Friction coefficient of a frictionless contact: the averaged equilibrium requires a positive one
+NO_FRICTION = 1e-9
 
 Rows = Iterator[tuple[str, str, float, str]]
-SHARED = (
-    "u_z",
-    "velocity",
-)  # quantities at the slider, whose relative changes are the model error of an answer
-NO_ANSWER = 1.0  # relative change from which on the answer is refused
-NEVER_DECISIVE = ("overtones of the wave under the pillars",)  # an upper bound by first order: a warning
-# What an effect changes, by which share (or in the quantity's unit), and where the estimate comes from
+SHARED = ("u_z", "velocity")  # quantities at the slider whose relative changes add up to the model error
+NO_ANSWER = 1.0  # smallest relative change for which the answer is refused
+# A first-order upper bound, which causes only a warning
+NEVER_DECISIVE = ("overtones of the wave under the pillars",)
+# Keys of an effect in run.json: name, changed quantity, relative change (or change in the stated unit), source
 KEYS = ("effect", "quantity", "size", "source")
 
 
@@ -64,12 +67,12 @@ def model_error(record: Record) -> tuple[dict, ...]:
 
 
 def with_model_error(record: Record) -> Record:
-    """Return the record with its model error: the effects, what they make of each point, and whether they decide.
+    """Return the record with its model error.
 
-    The effects on u_z and on the velocity are added up as if all had the same sign. A point's
-    ``model_relative_error`` is their sum in the sense of ``relative_error``: the change of u_z times
-    ``amplitude_sensitivity``, the relative change of the velocity for one of the wave. An effect as large as the
-    quantity itself leaves no answer.
+    The effects on u_z and on the velocity are added as if they all had the same sign. The ``model_relative_error`` of
+    a point is the change of the velocity plus the change of u_z times ``amplitude_sensitivity`` (the relative change
+    of the velocity divided by the relative change of the wave amplitude). If one effect is as large as the quantity
+    itself, the answer is refused: the record gets a shortfall.
     """
     rows = model_error(record)
     shares = {
@@ -90,7 +93,8 @@ def with_model_error(record: Record) -> Record:
         if row["quantity"] in SHARED and abs(row["size"]) >= NO_ANSWER and row["effect"] not in NEVER_DECISIVE
     ]
     shortfall = record.shortfall
-    if decisive and not shortfall.startswith("no answer"):  # a node of the wave is the better reason
+    # keep an earlier reason, such as a node of the wave
+    if decisive and not shortfall.startswith("no answer"):
         worst = max(decisive, key=lambda row: abs(row["size"]))
         shortfall = (
             f"no answer: the model leaves out what changes {worst['quantity']} by about {100 * worst['size']:+.2g} % "
@@ -105,10 +109,11 @@ def _wavelength(record: Record) -> float:
 
 
 def _aperture(record: Record) -> Rows:
-    """Yield the effect on u_z of the finite aperture or, with a beam, of the side faces: worst over the contacts."""
+    """Yield the largest effect at the contacts on u_z of the finite aperture or, in a beam model, of the side faces."""
     motion, slider, block = record.surface_motion, record.scene.slider, record.scene.stator
     places = [(block.length / 2, 0.0)] if slider is None else list(slider.places)
-    if record.scene.piece:  # a mesh has no modes, but the beam of the fingers reaches it
+    if record.scene.piece:
+        # a meshed piece has no guided modes to test; compare with the extents of the transducers
         spans = [each.extent for each in resolve.transducers(record.scene)]
         covered = any(low <= x <= high for x, _ in places for low, high in spans)
     else:
@@ -128,42 +133,50 @@ def _aperture(record: Record) -> Rows:
         yield from _crossed(record, places)
         return
     beam, at = motion.beam, tuple(zip(*places, strict=True))
-    here, other = (
+    as_modelled, other_faces = (
         beam.with_side_faces(each).motion(*at)[2]
         for each in (beam.mirror_width, None if block.mirror_width else block.width)
     )
-    ratios = abs(other / here)
+    ratios = abs(other_faces / as_modelled)
     worst = max((float(each) - 1 for each in ratios), key=abs)
     how = "the beam between side faces that reflect it as mirrors against none, or the other way round"
     yield "side faces", "u_z", worst, how
 
 
 def _crossed(record: Record, places) -> Rows:
-    """Yield what is neglected where beams cross: their images in the side faces, and the metal that they pass under."""
+    """Yield the neglected effects of crossing beams: images in the side faces, and metal of transducers they pass."""
     beam, (x, y) = record.surface_motion.beam, zip(*places, strict=True)
-    here, solid = abs(beam.motion(x, y)[2]), resolve.solid(record.scene.stator)
-    images = float((beam.first_images(x, y) / here).max())
+    amplitude, solid = abs(beam.motion(x, y)[2]), resolve.solid(record.scene.stator)
+    images = float((beam.first_images(x, y) / amplitude).max())
     how = "first images of the beams in both side faces, as if these reflected everything and in phase"
     yield "side faces", "u_z", images, how
     bare, metal = (fem.rayleigh(solid, surface).velocity for surface in ("open", "metallised"))
-    turned = float(beam.shadowed(1 - metal / bare) / here.min())
+    phase_shift = float(beam.shadowed(1 - metal / bare) / amplitude.min())
     how = "phase that a beam gains along the fingers it crosses, by the velocities with and without metal"
-    yield "metal of the transducers in the way of crossing beams", "u_z", turned, how
+    yield "metal of the transducers in the way of crossing beams", "u_z", phase_shift, how
 
 
 def _spread(record: Record, x, y) -> np.ndarray:
-    """Return the amplitude of the driven aperture over that of a plane wave at places from left end and axis, m."""
+    """Return the amplitude radiated by the driven aperture, relative to a plane wave.
+
+    ``x`` is measured from the left end of the stator and ``y`` from its axis, both in m.
+    """
     driven, stator = record.scene.driven_transducer, resolve.stator(record.scene.stator)
     wave, frequency = record.wave, record.wave["frequency_Hz"]
     try:
         curve = fem.Slowness.of_half_space(stator.solid, frequency, stator.bare_surface)
-    except fem.ConvergenceError:  # no surface wave in some directions: as if it were as fast in all of them
+    except fem.ConvergenceError:
+        # some directions have no surface wave: assume the velocity along x in all directions
         curve = fem.Slowness.circle(2 * math.pi * frequency / wave["phase_velocity_m_per_s"])
     return curve.spectrum(driven.aperture, np.subtract(x, driven.place[0]), y)
 
 
 def _finger_ends(record: Record) -> Rows:
-    """Yield what is left of the charges' variation along the fingers, and that they end where that is left out."""
+    """Yield the effect of the charge distribution along the fingers.
+
+    The section, and a beam at a covered point, take the charge as uniform. Other beams represent it by steps or by the
+    static charge at the finger ends; the remaining error is yielded.
+    """
     driven, motion, slider = record.scene.driven_transducer, record.surface_motion, record.scene.slider
     beam, effect, ceramic = motion.beam, "charge at the finger ends", "in lead zirconate titanate"
     places = [(record.scene.stator.length / 2, 0.0)] if slider is None else list(slider.places)
@@ -171,9 +184,9 @@ def _finger_ends(record: Record) -> Rows:
         yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
         return
     at = tuple(zip(*places, strict=True))
-    left = beam.charge_error(*at)
-    if left is not None:
-        yield effect, "u_z", float(left.max()), "the charge in fewer steps along the fingers"
+    charge_error = beam.charge_error(*at)
+    if charge_error is not None:
+        yield effect, "u_z", float(charge_error.max()), "the charge in fewer steps along the fingers"
         return
     if record.scene.crossed:
         yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
@@ -182,38 +195,40 @@ def _finger_ends(record: Record) -> Rows:
     longer = beam.with_longer_fingers(fem.end_excess(stator.solid, stator.bare_surface))
     changes = abs(longer.motion(*at)[2]) / abs(motion.at(places)[2]) - 1
     yield effect, "u_z", float(max(changes, key=abs)), "static charge at the ends of fingers in a long row"
-    rest = max(UNEVEN_CHARGE, UNEVEN_PER_PAIR * driven.finger_pairs)
+    remainder = max(UNEVEN_CHARGE, UNEVEN_PER_PAIR * driven.finger_pairs)
     effect = "ripple of the charge along the fingers"
-    yield effect, "u_z", rest, f"what static ends leave of it, {ceramic}"
+    yield effect, "u_z", remainder, f"what static ends leave of it, {ceramic}"
 
 
 def _vacuum(record: Record) -> Rows:
     if record.scene.stator.above == "none":
         permittivity = resolve.solid(record.scene.stator).permittivity
-        within = permittivity[0, 0] * permittivity[2, 2] - permittivity[0, 2] ** 2
+        squared_permittivity = permittivity[0, 0] * permittivity[2, 2] - permittivity[0, 2] ** 2
         how = "strips on a half-space: charge in proportion to eps_0 + eps_p"
-        share = fem.VACUUM_PERMITTIVITY / math.sqrt(within)
+        share = fem.VACUUM_PERMITTIVITY / math.sqrt(squared_permittivity)
         yield "vacuum above the surface", "u_z", share, how
 
 
 def _amplitude_per_power(record: Record) -> float | None:
-    """Return C of u_z = C (P / (W f))^(1/2) in SI; None where ends send waves back or others drive.
+    """Return the constant C of u_z = C (P / (W f))^(1/2) in SI units, or None if it cannot be determined.
 
-    P is half of the power taken in, u_z the surface mode's half a wavelength beside the driven fingers.
+    P is half of the power that the transducer takes in, W the aperture and f the frequency. u_z is the amplitude of the
+    surface mode half a wavelength outside the driven fingers. C is unknown if the ends of the stator reflect, if
+    several sources drive, or if that point is covered by electrodes.
     """
     scene, wave, power = record.scene, record.surface_wave, record.electrical["power_W_per_V2"]
     driven = resolve.driven(scene)
-    if scene.crossed:  # in the section's own axes
-        row = record.surface_motion.beam.rows[0].transducers
-        driven = next(each for each in row if scene.drive.driven.get(each.name))
-    (left, right), apart = driven.extent, _wavelength(record) / 2
-    beside = right + apart if driven.center < wave.length / 2 else left - apart
-    within = 0 <= beside <= wave.length and not wave.covered(beside)
+    if scene.crossed:  # the beam row of the driven transducer has its own axes
+        transducers = record.surface_motion.beam.rows[0].transducers
+        driven = next(each for each in transducers if scene.drive.driven.get(each.name))
+    (left, right), half_wavelength = driven.extent, _wavelength(record) / 2
+    sample_x = right + half_wavelength if driven.center < wave.length / 2 else left - half_wavelength
+    is_free = 0 <= sample_x <= wave.length and not wave.covered(sample_x)
     several = "sources" in record.electrical
-    if several or scene.stator.ends != "absorbing" or not within or not power > 0:
+    if several or scene.stator.ends != "absorbing" or not is_free or not power > 0:
         return None
     per_width = power / 2 / driven.aperture
-    return float(abs(wave.rayleigh_motion(beside)[1])) / math.sqrt(per_width / record.wave["frequency_Hz"])
+    return float(abs(wave.rayleigh_motion(sample_x)[1])) / math.sqrt(per_width / record.wave["frequency_Hz"])
 
 
 def _electrode_mass(record: Record) -> Rows:
@@ -225,9 +240,8 @@ def _electrode_mass(record: Record) -> Rows:
     motion = constant**2 / wave["frequency_Hz"] * (1 + wave["surface_ratio"] ** 2)
     slower = -wave["phase_velocity_m_per_s"] / 4 * ALUMINIUM * FILM * omega**2 * motion
     effect = "mass of 100 nm aluminium on the fingers"
-    phase = (
-        math.pi * record.scene.driven_transducer.finger_pairs * slower
-    )  # from the middle of the row to its end
+    # phase accumulated from the middle of the transducer to its end
+    phase = math.pi * record.scene.driven_transducer.finger_pairs * slower
     yield effect, "u_z", phase, "first-order perturbation of the velocity under them, over half the row"
 
 
@@ -237,25 +251,26 @@ def _contact(record: Record) -> Rows:
         return
     solid, count = resolve.solid(record.scene.stator), len(slider.offsets)
     omega = 2 * math.pi * record.wave["frequency_Hz"]
-    body, places = bridge.contact_slider(slider), 1 if isinstance(slider.contacts, int) else count
-    stiffness = (2 * math.pi * body.normal_resonance(places)) ** 2 * body.mass / places
+    body, contact_count = bridge.contact_slider(slider), 1 if isinstance(slider.contacts, int) else count
+    stiffness = (2 * math.pi * body.normal_resonance(contact_count)) ** 2 * body.mass / contact_count
     shear = float(solid.stiffness[4, 4])
-    sent = stiffness * point_admittance(omega, shear, math.sqrt(shear / solid.density)) / omega
+    radiated = stiffness * point_admittance(omega, shear, math.sqrt(shear / solid.density)) / omega
     effect, how = "radiation of a contact into the stator", "point load on an isotropic half-space, nu = 1/4"
-    yield effect, "the contact's elastic force", sent, how
-    moved = [point for point in record.points if point["normal_amplitude_m"] > 0]
-    if not moved or node(record.surface_motion, list(slider.places)):
+    yield effect, "the contact's elastic force", radiated, how
+    moving = [point for point in record.points if point["normal_amplitude_m"] > 0]
+    if not moving or node(record.surface_motion, list(slider.places)):
         return
     if _amplitude_per_power(record) is not None:
         how = "averaged equilibrium of the contacts on a wave that they load (elastic law)"
-        load = max(_loaded(record, point) for point in (moved[0], moved[-1]))
+        load = max(_loaded(record, point) for point in (moving[0], moving[-1]))
         yield "load of the slider on the wave", "u_z", load, how
 
 
 def _loaded(record: Record, point: dict) -> float:
-    """Return by how much the slider changes the wave that passes below it, of a strip as wide as the aperture.
+    """Return the relative change of a wave that passes below the slider, in a strip as wide as the aperture.
 
-    Where the equilibrium is not reached: the loading number, about the phase that the contacts add.
+    If the averaged equilibrium does not converge, return the loading number, which approximates the phase that the
+    contacts add to the wave.
     """
     slider, stator = record.scene.slider, resolve.stator(record.scene.stator)
     body = bridge.contact_slider(slider)
@@ -263,10 +278,10 @@ def _loaded(record: Record, point: dict) -> float:
         body, law="elastic", reciprocal=False, stick_band=0.0, friction=None,
         friction_coefficient=body.static_coefficient or NO_FRICTION,
     )  # fmt: skip
-    equal = isinstance(slider.contacts, int)
-    places = [0.0] if equal else [x - slider.center[0] for x, _ in slider.places]
-    count = len(slider.offsets) if equal else 1
-    balls = contact.balls_of(replace(body, preload=body.preload * count), places, weights=count)
+    only_counted = isinstance(slider.contacts, int)
+    offsets = [0.0] if only_counted else [x - slider.center[0] for x, _ in slider.places]
+    count = len(slider.offsets) if only_counted else 1
+    balls = contact.balls_of(replace(body, preload=body.preload * count), offsets, weights=count)
     tangential, _, normal = abs(record.surface_motion.at(list(slider.places)))
     strongest = int(np.argmax(normal))  # the centre may be a node of the wave
     wave = contact.PassingWave(

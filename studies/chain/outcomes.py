@@ -1,4 +1,4 @@
-"""Outcomes of a sweep's point other than the velocity: amplitudes, power, thresholds, thrust, efficiency."""
+"""Quantities of a sweep point other than the velocity: amplitudes, power, thresholds, thrust, efficiency."""
 
 from contextlib import suppress
 from typing import TYPE_CHECKING
@@ -11,9 +11,9 @@ from studies.chain.points import contact_load, half_thrust
 if TYPE_CHECKING:
     import contact
 
-RISE = 1.0 - 0.36787944117144233  # of the final velocity, reached after the start-up time
+RISE = 1.0 - 0.36787944117144233  # fraction 1 - 1/e of the final velocity, which defines the start-up time
 
-# by the word that asks for it: columns
+# columns of a sweep, by the keyword that requests them
 ALSO = {
     "limits": ("threshold_factor", "release_factor"),
     "thrust": ("thrust_N",),
@@ -28,22 +28,23 @@ ELECTRICAL = ("frequency_Hz", "conductance_S", "susceptance_S", "power_W")
 
 
 def amplitudes(driven: DrivenContact) -> dict:
-    """Return a point's amplitudes and, with a stator, what its driven transducer takes."""
+    """Return the amplitudes at a point and, for a stator, the admittance and power of the driven transducer."""
     sizes = zip(AMPLITUDES, driven.amplitudes, strict=True)
     outcomes, solved = {name: size * driven.level for name, size in sizes}, driven.solved
     if solved is None:
         return outcomes
     conductance, voltage = solved.admittance.real, abs(solved.electrode_voltage * driven.level)
-    taken = solved.frequency, conductance, solved.admittance.imag, 0.5 * conductance * voltage**2
-    return outcomes | dict(zip(ELECTRICAL, taken, strict=True))
+    electrical = solved.frequency, conductance, solved.admittance.imag, 0.5 * conductance * voltage**2
+    return outcomes | dict(zip(ELECTRICAL, electrical, strict=True))
 
 
 def also_asked(
     also, tolerance: float, driven: DrivenContact, answer: dict, *, averaged: bool = False
 ) -> dict:
-    """Return the answer with the outcomes that ``also`` names, words of ``ALSO``; forces and powers are totals.
+    """Return the answer with the quantities that the keywords in ``also`` (keys of ``ALSO``) request.
 
-    ``averaged``: a start is followed by averaging where that applies, whatever its error.
+    Forces and powers are totals over all contacts. If ``averaged`` is True, averaging computes the start-up wherever it
+    is applicable, without regard to its error.
     """
     if not also or "velocity_m_per_s" not in answer:
         return answer
@@ -55,7 +56,7 @@ def also_asked(
         answer |= zip(ALSO["limits"], factors, strict=True)
     if "pressure" in also:
         answer |= contact_load(slider, orbits, contact.threshold_factor(slider, orbits))
-    share, thrust = driven.scene.slider.mass / slider.mass, answer.pop("thrust_N", None)
+    mass_ratio, thrust = driven.scene.slider.mass / slider.mass, answer.pop("thrust_N", None)
     with suppress(contact.ConvergenceError):
         if "step" in also:
             answer["step_m"] = abs(contact.step(slider, orbits, cycles=1).displacement)
@@ -63,16 +64,16 @@ def also_asked(
         if {"thrust", "efficiency", "start-up"} & set(also):
             if thrust is None:
                 thrust = max(contact.blocked_thrust(slider, orbits)[0], 0.0)
-            answer["thrust_N"] = thrust * share
+            answer["thrust_N"] = thrust * mass_ratio
         if "start-up" in also:
             final = abs(answer["velocity_m_per_s"])
             time = start_up_time(slider, orbits, final, thrust, tolerance, averaged=averaged)
             answer |= {} if time is None else {"start_up_time_s": time}
         if "efficiency" in also:
-            out, answer["contact_efficiency"] = half_thrust(slider, orbits, thrust, tolerance)
+            power_out, answer["contact_efficiency"] = half_thrust(slider, orbits, thrust, tolerance)
             power = amplitudes(driven).get("power_W", 0.0)
             if power > 0.0:
-                answer["motor_efficiency"] = out * share / power
+                answer["motor_efficiency"] = power_out * mass_ratio / power
     return answer
 
 
@@ -85,11 +86,11 @@ def start_up_time(
     *,
     averaged: bool = False,
 ) -> float | None:
-    """Return the time from rest to 63 % of the steady velocity ``final``, s; None where a burst does not reach it.
+    """Return the time in s from rest to 63 % of the steady velocity ``final``, or None if the burst does not reach it.
 
-    The burst is four times as long as the blocked ``thrust`` would take to that velocity.  ``averaged``: for
-    differences between times that are nearly the same, where averaging's error cancels and the exact motion would take
-    100 times as long.
+    The burst is four times as long as the blocked ``thrust`` would need to reach ``final``. ``averaged`` is meant for
+    differences between nearly equal times: the error of averaging cancels, and the exact motion takes 100 times as
+    long to compute.
     """
     from scipy.interpolate import CubicSpline
 
@@ -105,6 +106,6 @@ def start_up_time(
         if not averaged:
             raise
         motion = contact.burst(slider, orbits, method="auto", **options)
-    share = CubicSpline(motion.time, np.abs(motion.velocity) / final - RISE)
-    times = [root for root in share.roots(extrapolate=False) if root > 0.0]
+    excess = CubicSpline(motion.time, np.abs(motion.velocity) / final - RISE)
+    times = [root for root in excess.roots(extrapolate=False) if root > 0.0]
     return float(times[0]) if times else None

@@ -1,9 +1,13 @@
-"""What the model of pillars on a loaded wave leaves out, each effect with its size for one run at its largest level.
+"""Estimates of the effects that the model of pillars on a loaded wave neglects, for one run at its largest level.
 
-Sizes are relative changes of the velocity unless said; they hold to a factor of about 2. Sources: overtones,
-reciprocity with the second harmonics of the forces; leak, the limiting velocity of the bulk waves; compliance of the
-bodies, a half-space under a travelling pressure (Johnson, *Contact Mechanics*, section 13.2); scattering, Miller and
-Pursey, Proc. R. Soc. A 223 (1954) 521; adhesion, K. Kendall, J. Phys. D 4 (1971) 1186.
+A size is a relative change of the velocity unless another quantity is named with it. The estimates hold to a factor of
+about 2. Sources:
+
+- overtones: reciprocity with the second harmonics of the contact forces;
+- leakage: the limiting velocity of the bulk waves;
+- compliance of the bodies: a half-space under a travelling pressure (Johnson, *Contact Mechanics*, section 13.2);
+- scattering: Miller and Pursey, Proc. R. Soc. A 223 (1954) 521;
+- adhesion: K. Kendall, J. Phys. D 4 (1971) 1186.
 """
 
 import math
@@ -19,21 +23,23 @@ from studies.chain.pillar_points import PillarContact, bounce_ratio
 from studies.chain.radiation import point_admittance
 from studies.record import Record
 
-# Compliance of silicon and 128YX niobate to a pressure that travels with the wave, over the static 2/(E* k)
+# Ratio of the compliance of silicon on 128YX lithium niobate under a pressure that travels with the wave to the static
+# compliance 2/(E* k)
 TRAVELLING = 1.62
-# Change of the velocity for one of the mean plane's dent over the amplitude: a free slider, and one at half its stall
+# Relative decrease of the velocity divided by (dent of the mean plane / wave amplitude): for a free slider, and for a
+# slider loaded with half of its stall force
 DENT_FREE, DENT_HALF_STALL = 0.24, 0.65
-RAYLEIGH_OVER_SHEAR, ISOTROPIC = 0.919402, 0.183486  # nu = 1/4
-SAMPLE = 0.18  # rms difference of a sample of pillars from their distribution, times the root of their number
-ADHESION = 0.05  # J/m^2, of clean oxides in air
-MAX_COMPARED = 20_000  # pillars whose motion is computed once more with their neighbours
+RAYLEIGH_OVER_SHEAR, ISOTROPIC = 0.919402, 0.183486  # isotropic half-space, nu = 1/4
+SAMPLE = 0.18  # rms relative change of the velocity between random seeds, times sqrt(number of pillars)
+ADHESION = 0.05  # J/m^2: work of adhesion of clean oxides in air
+MAX_COMPARED = 20_000  # largest number of pillars for which the motion is computed again with interaction
 LOAD = "load of the slider on the wave"
 OVERTONES = "overtones of the wave under the pillars"
 Rows = Iterator[tuple[str, str, float, str]]
 
 
 def pillar_rows(record: Record) -> Rows:
-    """Yield effect, quantity, size and source for a run with pillars."""
+    """Yield (effect, quantity, size, source) for each neglected effect of a run with pillars."""
     driven = DrivenContact.of_run(record)
     body, level = PillarContact.of(driven), max(record.scene.levels)
     if level == 0.0:
@@ -68,40 +74,42 @@ def pillar_rows(record: Record) -> Rows:
     yield from _compliance(body, motion, slider, level)
     yield from leak(record, motion)
     if slider.pillars.height_scatter > 0.0:
-        share = SAMPLE / math.sqrt(motion.pillars.number)
-        yield "another seed of the heights", "velocity", share, "0.18 over the root of the number, rms"
+        sample_error = SAMPLE / math.sqrt(motion.pillars.number)
+        yield "another seed of the heights", "velocity", sample_error, "0.18 over the root of the number, rms"
     yield from _neighbours(body, motion, slider, level)
-    a = float(pillars.layout(slider)["diameter"].mean()) / 2
-    pull = math.sqrt(8 * math.pi * a**3 * slider.effective_modulus * ADHESION) * motion.pillars.number
+    mean_radius = float(pillars.layout(slider)["diameter"].mean()) / 2
+    pull_off = (
+        math.sqrt(8 * math.pi * mean_radius**3 * slider.effective_modulus * ADHESION) * motion.pillars.number
+    )
     how = f"pull-off of flat punches, {ADHESION:g} J/m^2; a roughness of some nm removes it"
-    yield "adhesion, if the pillars were perfectly flat", "the preload", pull / slider.preload_force, how
+    yield "adhesion, if the pillars were perfectly flat", "the preload", pull_off / slider.preload_force, how
 
 
 def _compliance(body, motion, slider, level) -> Rows:
-    """Yield what the bodies' own compliance at the wavelength does, free or under a load."""
-    place, wave = pillars.layout(slider), motion.wave
-    if wave.amplitude == 0.0 or place["x"].size < 2:
+    """Yield the effect of the elastic deformation of stator and slider on the scale of the wavelength."""
+    layout, wave = pillars.layout(slider), motion.wave
+    if wave.amplitude == 0.0 or layout["x"].size < 2:
         return
-    area = (float(np.ptp(place["x"])) + place["pitch"]) * pillars.strip_width(slider)
+    area = (float(np.ptp(layout["x"])) + layout["pitch"]) * pillars.strip_width(slider)
     pressure = float(np.abs(motion.first_normal).sum()) / area
     if body.driven.scene.wave is not None and body.driven.scene.wave.wavelength is None:
         return
     dent = TRAVELLING * 2 / slider.effective_modulus * pressure / wave.wavenumber / wave.amplitude
-    share = DENT_FREE
+    slope = DENT_FREE
     if motion.load != 0.0:
         stall = slider.friction_coefficient * slider.preload_force
-        share += (DENT_HALF_STALL - DENT_FREE) * min(1.0, 2 * abs(motion.load) / stall)
+        slope += (DENT_HALF_STALL - DENT_FREE) * min(1.0, 2 * abs(motion.load) / stall)
     how = "first harmonic of the mean pressure on two half-spaces, at the wave's frequency and wavelength"
-    yield "compliance of stator and slider at the wavelength", "velocity", -share * dent, how
+    yield "compliance of stator and slider at the wavelength", "velocity", -slope * dent, how
 
 
 def _scattering(motion) -> Rows:
-    """Yield what the unequal forces scatter, as if each of them radiated by itself."""
+    """Yield the effect of the power scattered by unequal pillar forces, taken as independent point sources."""
     wave = motion.wave
     shear, speed = ISOTROPIC / wave.compliance, wave.frequency * wave.wavelength / RAYLEIGH_OVER_SHEAR
     admittance = point_admittance(wave.omega, shear, speed)
-    size = np.abs(motion.first_normal)
-    power = 0.5 * admittance * float(np.sum((size - size.mean()) ** 2))
+    forces = np.abs(motion.first_normal)
+    power = 0.5 * admittance * float(np.sum((forces - forces.mean()) ** 2))
     if motion.wave_power_in > 0.0:
         how = (
             f"{power:.2g} W, point loads on an isotropic half-space; a quarter of it over the incident power"
@@ -110,7 +118,10 @@ def _scattering(motion) -> Rows:
 
 
 def leak(record: Record, motion) -> Rows:
-    """Yield how much of the advance that makes the wave leak is reached, and how exact that advance is."""
+    """Yield how close the loaded wave is to leaking, and the error of the first-order phase advance.
+
+    Pillars stiffen the surface and make the wave faster. Above the limiting velocity of the bulk waves it leaks.
+    """
     length = float(np.ptp(motion.row_x))
     if record.scene.stator is None or not motion.loading or length == 0.0:
         return
@@ -120,26 +131,40 @@ def leak(record: Record, motion) -> Rows:
     stator = resolve.stator(record.scene.stator)
     half_space = fem.rayleigh(stator.solid, stator.bare_surface)
     margin = half_space.limiting_velocity / half_space.velocity - 1
-    # about the phase's advance: the exit's angle is known to a turn
+    # The loading number approximates the phase advance. The angle of exit_over_entry cannot replace it because it is
+    # known only modulo 2 pi.
     advance = motion.loading_number / (motion.wave.wavenumber * length)
     how = f"the wave is faster by {100 * advance:.2g} %, bulk waves begin at {100 * margin:.2g} %"
     yield "leak into bulk waves", "the limit of bound waves", advance / margin, how
-    wave, share = (
+    wave, stiffness_ratio = (
         motion.wave,
         float(np.mean(motion.pillars.tangential_stiffness / motion.pillars.normal_stiffness)),
     )
-    normal = advance * wave.wavenumber / (wave.compliance * (1 + abs(wave.orbit) ** 2 * share))
-    exact = fem.spring_shift(stator.solid, normal, share * normal, wave.frequency, stator.bare_surface)
+    normal_stiffness = (
+        advance * wave.wavenumber / (wave.compliance * (1 + abs(wave.orbit) ** 2 * stiffness_ratio))
+    )
+    exact = fem.spring_shift(
+        stator.solid,
+        normal_stiffness,
+        stiffness_ratio * normal_stiffness,
+        wave.frequency,
+        stator.bare_surface,
+    )
     if exact is not None:
         how = "springs of the same advance on the half-space, exact root against first order in Gamma K/k"
         yield "first order in the load on the wave", "the phase's advance", -exact / advance - 1, how
 
 
 def _neighbours(body, motion, slider, level) -> Rows:
-    """Yield what the neighbours' stiffening does, by computing it."""
-    place = pillars.layout(slider)
-    share = float(place["diameter"].mean()) / 2 / place["pitch"]
-    if slider.pillars.interaction or place["x"].size > MAX_COMPARED or place["x"].size < 4 or share > 0.4:
+    """Yield the effect of the elastic interaction of neighbouring pillars, by solving the motion again with it."""
+    layout = pillars.layout(slider)
+    radius_over_pitch = float(layout["diameter"].mean()) / 2 / layout["pitch"]
+    if (
+        slider.pillars.interaction
+        or layout["x"].size > MAX_COMPARED
+        or layout["x"].size < 4
+        or radius_over_pitch > 0.4
+    ):
         return
     if motion.velocity == 0.0:
         return
@@ -152,7 +177,10 @@ def _neighbours(body, motion, slider, level) -> Rows:
 
 
 def pillar_warnings(record: Record) -> Iterator[str]:
-    """Yield a warning for what `studies.chain.warnings` does not know: effects that are no change of the velocity."""
+    """Yield the warnings that apply only to sliders on pillars.
+
+    `studies.chain.warnings` covers effects that change the velocity; this function covers the other effects.
+    """
     for row in record.model_error:
         if row["quantity"] == "the limit of bound waves" and row["size"] >= 1.0:
             yield f"the loaded wave leaks into bulk waves ({row['source']}): more or shorter strips, or less preload"

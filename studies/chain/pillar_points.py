@@ -1,4 +1,4 @@
-"""The points of a run whose slider stands on pillars: velocity, wave, powers and shares at each level of drive."""
+"""The points of a run with a slider on pillars: velocity, wave, powers and contact ratios at each level of drive."""
 
 import math
 from dataclasses import dataclass, field
@@ -12,25 +12,25 @@ from studies.chain.bridge import DrivenContact
 from studies.chain.propagation import judged
 from studies.refusal import SceneError
 
-SENSITIVITY_STEP = 1e-3  # of the amplitude
-HOPS = 0.999  # mean part of the cycle in contact, below which the pillars hop
-SHOWN_OVERTONES = 7  # in slider_wave.csv
-SAMPLES = 200  # instants of a burst
-RATE_TOLERANCE = 3e-5  # of the averaged velocity in a burst, relative
+SENSITIVITY_STEP = 1e-3  # relative step of the amplitude
+HOPS = 0.999  # mean fraction of the cycle in contact below which the motion counts as intermittent
+SHOWN_OVERTONES = 7  # largest number of overtones in slider_wave.csv
+SAMPLES = 200  # instants of a stored burst
+RATE_TOLERANCE = 3e-5  # relative tolerance of the averaged velocity in a burst
 
 
 @dataclass(frozen=True, kw_only=True)
 class PillarContact:
-    """A slider on pillars and the waves that a level of 1 sends below it."""
+    """A slider on pillars and the incident waves below it, per unit of the drive level."""
 
     driven: DrivenContact = field(repr=False)
     pillars: object  # contact.Pillars
-    wave: object  # contact.PassingWave of a level of 1
-    misfit: float  # of two waves to the surface's motion, a share of the larger
+    wave: object  # contact.PassingWave at a level of 1
+    misfit: float  # rms misfit of two plane waves to the surface motion, relative to the larger wave
 
     @classmethod
     def of(cls, driven: DrivenContact) -> "PillarContact":
-        """Return the pillars of a `DrivenContact` of a resolved scene; the motion of a stator is kept with it."""
+        """Return the pillars and the wave of a `DrivenContact`, which caches the wave of a stator."""
         scene, slider = driven.scene, driven.scene.slider
         wave, misfit = (pillars.given_wave(scene), 0.0) if scene.wave is not None else driven.passing
         return cls(driven=driven, pillars=pillars.pillars_of(slider), wave=wave, misfit=misfit)
@@ -41,11 +41,14 @@ class PillarContact:
 
     @property
     def loading(self) -> bool | str | None:
-        """What the scene says of the load on the wave."""
+        """The value of ``slider.loading`` in the scene: whether the slider loads the wave."""
         return self.driven.scene.slider.loading
 
     def motion(self, level: float, load: float | None = None, near=None):
-        """Return the `contact.PillarMotion` at a level; ``load`` in N other than the scene's, ``near`` one like it."""
+        """Return the `contact.PillarMotion` at a level.
+
+        ``load`` in N replaces the load of the scene; ``near`` is a similar motion, used as a warm start.
+        """
         load = self.driven.scene.slider.load if load is None else load
         try:
             return contact.pillar_motion(
@@ -61,7 +64,7 @@ class PillarContact:
         return contact.pillar_load_line(self.pillars, self.at(level), points=points, loading=self.loading)
 
     def sensitivity(self, level: float, motion) -> float:
-        """Return the relative change of the velocity for one of the wave."""
+        """Return the relative change of the velocity divided by the relative change of the wave amplitude."""
         velocity = motion.velocity
         if velocity == 0.0:
             return 0.0
@@ -70,7 +73,7 @@ class PillarContact:
 
 
 def pillar_velocity(driven: DrivenContact, level: float) -> float:
-    """Return the velocity at a level alone, m/s, without its error; NaN where there is none."""
+    """Return the velocity at a level in m/s without its error; NaN if the solver does not converge."""
     try:
         return PillarContact.of(driven).motion(level).velocity
     except contact.ConvergenceError:
@@ -99,36 +102,40 @@ def point_of(motion) -> dict:
 
 
 def at_the_transducers(body: PillarContact, motion, level: float) -> dict:
-    """Return the effect of the loaded wave on the transducers: the driven one's change of admittance, and reception.
+    """Return the effect of the loaded wave on the transducers.
 
-    A force F on the stator sends the current i omega F u/V into a transducer that moves its place by u at a voltage V
-    (reciprocity; tests/fem/solve/test_forced.py). The forces are those of the loaded wave, u is that of the wave
-    without them. Behind the slider what arrives is multiplied by `exit_over_entry`. Left out is what transducers
-    send back of the reflected wave: the next order in it.
+    The first effect is the change of admittance of the driven transducer. By reciprocity, a force F on the stator
+    causes the current i omega F u/V in a transducer that moves the point of the force by u at a voltage V
+    (tests/fem/solve/test_forced.py). Here F are the forces of the loaded wave and u is the motion of the wave without
+    the slider. The second effect is that receivers behind the slider get the wave multiplied by `exit_over_entry`.
+    Neglected is the wave that the transducers send back after a reflection at the slider, which is of second order.
     """
     wave, scene = motion.wave, body.driven.scene
     if scene.stator is None or not motion.loading:
         return {}
-    back, ahead = motion.backward[0] - wave.backward, motion.forward[-1] - wave.forward
-    taken = wave.forward * back + wave.backward * ahead  # sum (P_1 u_z + Q_1 u_x) i Gamma/w
-    found = {"admittance_change_S": -wave.omega * wave.strip_width / wave.compliance * taken / level**2}
-    side = 1.0 if abs(wave.forward) >= abs(wave.backward) else -1.0
+    backward_change, forward_change = motion.backward[0] - wave.backward, motion.forward[-1] - wave.forward
+    # sum (P_1 u_z + Q_1 u_x) i Gamma/w
+    reaction = wave.forward * backward_change + wave.backward * forward_change
+    values = {"admittance_change_S": -wave.omega * wave.strip_width / wave.compliance * reaction / level**2}
+    direction = 1.0 if abs(wave.forward) >= abs(wave.backward) else -1.0
     centre, driven = scene.slider.center[0], scene.drive.driven
-    if any((each.place[0] - centre) * side > 0.0 and not driven.get(each.name) for each in scene.transducer):
-        found["received_over_free"] = motion.exit_over_entry
-    return found
+    if any(
+        (each.place[0] - centre) * direction > 0.0 and not driven.get(each.name) for each in scene.transducer
+    ):
+        values["received_over_free"] = motion.exit_over_entry
+    return values
 
 
 def pillar_tables(motion) -> tuple[dict, dict]:
     """Return the columns of pillars.csv and of slider_wave.csv."""
     body = motion.pillars
-    own = {
+    of_pillars = {
         "x_m": np.array(body.x), "y_m": np.array(body.y), "height_m": np.array(body.heights),
         "normal_force_N": motion.normal_force, "friction_power_W": motion.friction,
     }  # fmt: skip
-    along = {"x_m": motion.row_x, "forward_m": motion.forward, "backward_m": motion.backward}
+    of_wave = {"x_m": motion.row_x, "forward_m": motion.forward, "backward_m": motion.backward}
     shown = motion.overtones.T[:SHOWN_OVERTONES]
-    return own, along | {f"overtone_{n}_m": each for n, each in enumerate(shown, start=2)}
+    return of_pillars, of_wave | {f"overtone_{n}_m": each for n, each in enumerate(shown, start=2)}
 
 
 def pillar_point(driven: DrivenContact, level: float, tolerance: float, *, bursting: bool) -> tuple:
@@ -141,8 +148,8 @@ def pillar_point(driven: DrivenContact, level: float, tolerance: float, *, burst
     point, trajectory = point_of(motion) | at_the_transducers(body, motion, level), None
     wave, sensitivity = motion.wave, body.sensitivity(level, motion)
     speed = max(abs(motion.velocity), wave.omega * abs(wave.ratio) * wave.amplitude / 10)
-    share = abs(motion.velocity) / speed
-    from_stator = driven.stator_error * sensitivity * share
+    fraction = abs(motion.velocity) / speed
+    from_stator = driven.stator_error * sensitivity * fraction
     from_contact = motion.relative_error
     if bursting and driven.scene.burst is not None:
         trajectory = burst(body, level, motion, driven.scene.burst)
@@ -150,7 +157,7 @@ def pillar_point(driven: DrivenContact, level: float, tolerance: float, *, burst
         point["displacement_m"] = float(np.trapezoid(trajectory.velocity, trajectory.time))
         point["burst_method"] = trajectory.method
         from_contact = max(from_contact, trajectory.relative_error)
-    point["amplitude_sensitivity"] = sensitivity * share
+    point["amplitude_sensitivity"] = sensitivity * fraction
     point |= judged(tolerance, from_stator, from_contact)
     return point, (from_stator, from_contact), trajectory, motion
 
@@ -171,9 +178,9 @@ class PillarBurst:
 
 
 def burst(body: PillarContact, level: float, steady, duration: float) -> PillarBurst:
-    """Follow m v' = sum <Q>(v, U(t)) - R_t v - load through a burst and the slide after it.
+    """Integrate m v' = sum <Q>(v, U(t)) - R_t v - load through a burst and until the slider stops after it.
 
-    The wave builds up as the ring-up of the stator says; height and tilts follow at once (no bounce).
+    The wave grows with the ring-up of the stator. Height and tilts are quasi-static, so that there is no bounce.
     """
     from scipy.integrate import solve_ivp
 
@@ -208,7 +215,7 @@ def burst(body: PillarContact, level: float, steady, duration: float) -> PillarB
         )
     velocity = solution.y[0]
     end = float(velocity[-1])
-    # once the wave is gone friction stops it, with the load for or against it
+    # without the wave, friction stops the slider; the load assists or opposes friction
     after = np.array([])
     if end != 0.0:
         slowing = (friction + load * math.copysign(1.0, end)) / slider.mass
@@ -225,6 +232,6 @@ def burst(body: PillarContact, level: float, steady, duration: float) -> PillarB
 
 @lru_cache(64)
 def bounce_ratio(slider, frequency: float) -> float:
-    """Return the contact resonance over the wave's frequency."""
+    """Return the ratio of the contact resonance to the frequency of the wave."""
     stiffness = float(np.sum(pillars.pillars_of(slider).normal_stiffness))
     return math.sqrt(stiffness / slider.mass) / (2 * math.pi * frequency)

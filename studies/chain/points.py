@@ -1,4 +1,4 @@
-"""The points of a run: for each level of drive the steady velocity, its regime and its error."""
+"""The points of a run: the steady velocity, its regime and its error at each level of the drive."""
 
 import math
 from collections.abc import Callable
@@ -14,18 +14,18 @@ from studies.chain.tally import burst_tally, steady_tally
 from studies.refusal import SceneError
 from studies.scene import Scene
 
-SAMPLES = 2000  # instants of a trajectory: it is drawn and kept, not integrated
+SAMPLES = 2000  # instants of a stored trajectory; they do not affect the integration
 STEADY_METHODS, BURST_METHODS = ("auto", "exact", "averaged"), ("auto", "exact", "stepped")
-SHAPED_METHODS = ("auto", "stepped")  # which may follow an envelope
-SHARE = 0.25  # of the tolerance, for the contact and, at first, for the stator
+SHAPED_METHODS = ("auto", "stepped")  # burst methods that accept an envelope
+SHARE = 0.25  # fraction of the tolerance for the contact and, in the first attempt, for the stator
 
 
 @dataclass(frozen=True, kw_only=True)
 class SliderAnswer:
-    """What the slider does at every level."""
+    """The answers of the slider at all levels of a run."""
 
     points: tuple[dict, ...]  # as in run.json
-    # Errors of each point from the stator and from the contact, over the reference speed
+    # Errors of each point due to stator and contact, relative to the reference speed
     parts: tuple[tuple[float, float], ...]
     summary: dict  # threshold and release
     trajectories: tuple  # with a burst
@@ -33,7 +33,7 @@ class SliderAnswer:
     slider_wave: dict = field(default_factory=dict)  # columns of slider_wave.csv
 
     def blocks(self, tolerance: float) -> dict:
-        """Return the record's blocks, the error that of the worst point."""
+        """Return the blocks of the record, with the largest error of all points."""
         failed = [point for point in self.points if not point["status"].startswith(("ok", "above tolerance"))]
         known = [
             part for part, point in zip(self.parts, self.points, strict=True) if "relative_error" in point
@@ -50,15 +50,15 @@ class SliderAnswer:
                     f"{tolerance:.1e} was asked for: see error.parts, or give a larger tolerance"
                 )
         if failed:
-            what = f"{len(failed)} of {len(self.points)} points have no answer: {failed[0]['status']}"
-            blocks["shortfall"] = what
+            message = f"{len(failed)} of {len(self.points)} points have no answer: {failed[0]['status']}"
+            blocks["shortfall"] = message
         return blocks
 
 
 def slider_answer(
     driven: DrivenContact, *, tolerance: float, progress: Callable[[str], None]
 ) -> SliderAnswer:
-    """Solve the contact at every level of its scene; its solvers are asked for a share of the tolerance."""
+    """Return the answers at all levels of the scene; the contact solvers get ``SHARE`` of the tolerance."""
     scene, on_pillars = driven.scene, driven.scene.slider.pillars is not None
     summary: dict = {}
     threshold, waiting = math.inf, ""
@@ -96,18 +96,18 @@ def slider_answer(
 class PointAnswer(NamedTuple):
     """The slider's answer at one level."""
 
-    values: dict  # as in run.json; the status alone where there is no answer
-    parts: tuple[float, float] = (0.0, 0.0)  # of the error: stator, contact
-    trajectory: Any = None  # of a burst
+    values: dict  # as in run.json; only the status if there is no answer
+    parts: tuple[float, float] = (0.0, 0.0)  # errors due to stator and contact
+    trajectory: Any = None  # only with a burst
     motion: Any = None  # contact.PillarMotion of a slider on pillars
 
 
 def point_answer(
     driven: DrivenContact, level: float, tolerance: float, *, bursting: bool = True
 ) -> PointAnswer:
-    """Return the answer at a level; a solver that does not converge is the status of the point.
+    """Return the answer at one level; if a solver does not converge, the status of the point says so.
 
-    ``bursting``: whether a burst of the scene is followed, and not its steady state alone.
+    If ``bursting`` is False, only the steady state is computed, even if the scene has a burst.
     """
     try:
         if driven.scene.slider.pillars is None:
@@ -148,7 +148,7 @@ def _point_on_balls(driven: DrivenContact, level: float, tolerance: float, burst
             from_contact = max(from_contact, trajectory.relative_error)
             status, message = trajectory.status, trajectory.message
     if status == "above tolerance" and from_stator + from_contact <= tolerance:
-        status = "ok"  # the contact missed its share, the sum of both parts keeps the tolerance
+        status = "ok"  # the contact exceeds its fraction, but the sum of both errors is within the tolerance
     elif status != "ok":
         status = f"{status}: {message}"
     values |= judged(tolerance, from_stator, from_contact, status)
@@ -156,7 +156,11 @@ def _point_on_balls(driven: DrivenContact, level: float, tolerance: float, burst
 
 
 def _nearby(slider, state, steady):
-    """Return what gives the velocity near a state: cycle means, shifted to it, or where they fail the state's way."""
+    """Return a function that gives the velocity for orbits close to those of a steady state.
+
+    It uses the averaged motion, shifted so that it agrees with the state, because averaging is much faster. Where
+    averaging does not converge, it uses ``steady``.
+    """
     try:
         shift = state.velocity - contact.mean_motion(slider, state.orbits).velocity
     except contact.ConvergenceError:
@@ -174,12 +178,16 @@ def _nearby(slider, state, steady):
 def followed_burst(
     driven: DrivenContact, orbits: tuple, velocity: float, tolerance: float, after: float | None = None
 ):
-    """Follow the burst, and the slider until it has stopped and rung for some periods, or for a time ``after`` it."""
+    """Return the trajectory of the slider during and after the burst.
+
+    It covers the time ``after`` (s) from the end of the burst. If this is None, it covers the stop of the slider and
+    some periods of its tangential resonance.
+    """
     slider, duration, ringing = driven.slider, driven.scene.burst, driven.ringing
     friction = slider.least_friction(len(orbits))
-    stopping = abs(velocity) * slider.mass / friction if friction > 0 else 0.0
-    after_ring = 20 / slider.tangential_resonance(len(orbits)) if slider.preload > 0 else 0.0
-    after = min(1.2 * stopping + after_ring, 10 * duration) if after is None else after
+    stopping_time = abs(velocity) * slider.mass / friction if friction > 0 else 0.0
+    ringing_time = 20 / slider.tangential_resonance(len(orbits)) if slider.preload > 0 else 0.0
+    after = min(1.2 * stopping_time + ringing_time, 10 * duration) if after is None else after
     method = _method(driven.scene, "a burst", BURST_METHODS)
 
     def followed(envelope=None, after=after):
@@ -188,23 +196,26 @@ def followed_burst(
 
     if ringing is None or ringing.envelope is None or method not in SHAPED_METHODS:
         return followed()
-    fading = ringing.ring_down
+    ring_down = ringing.ring_down
     try:
-        if fading is None:
+        if ring_down is None:
             return followed(ringing.envelope)
-        return followed(ringing.envelope, (after + float(fading.time[-1]), fading))
+        return followed(ringing.envelope, (after + float(ring_down.time[-1]), ring_down))
     except contact.ConvergenceError:
         if method != "auto":
             raise
-        return followed()  # this motion needs the events, and they take no envelope
+        return followed()  # this motion needs the event-based solver, which accepts no envelope
 
 
 def _along(driven: DrivenContact, trajectory, level: float):
-    """Return the trajectory along the field, and what the point says of it; unchanged where the slider hardly moves."""
+    """Return the trajectory with the slider's travel along the wave field, and the additional values of the point.
+
+    If the slider hardly moves, the trajectory is unchanged.
+    """
     from studies.chain.travel import MIN_TRAVEL, travelled, with_travel
 
-    on = trajectory.time <= trajectory.duration * (1 + 1e-12)
-    expected = float(np.trapezoid(trajectory.velocity[on], trajectory.time[on]))
+    during = trajectory.time <= trajectory.duration * (1 + 1e-12)
+    expected = float(np.trapezoid(trajectory.velocity[during], trajectory.time[during]))
     if driven.scene.slider.travel is None and abs(expected) <= MIN_TRAVEL * driven.along.wavelength:
         return trajectory, {}
     travel = travelled(driven.slider, driven.along, level, trajectory.duration, expected)
@@ -214,18 +225,21 @@ def _along(driven: DrivenContact, trajectory, level: float):
             f"a ball reaches the stator's end {travel.time[-1]:.3g} s after the start: shorten drive.burst, or set "
             "slider.travel = false for the velocity that the wave at the slider's place would give",
         )
-    # what the averaged equation misses of the burst at one place, it misses of the change too
+    # assume that the relative error of averaging is the same for the change by travel as for the burst at one point
     speed = reference_speed(trajectory.velocity_at_burst_end, trajectory.orbits)
-    missed = abs(travel.held_velocity[-1] - trajectory.velocity_at_burst_end) / speed
-    moved = with_travel(trajectory, travel)
-    error = trajectory.answer.error + travel.error + missed * abs(travel.change)
-    return replace(moved, answer=replace(moved.answer, error=error)), {"travel_m": float(travel.place[-1])}
+    averaging_error = abs(travel.held_velocity[-1] - trajectory.velocity_at_burst_end) / speed
+    with_change = with_travel(trajectory, travel)
+    error = trajectory.answer.error + travel.error + averaging_error * abs(travel.change)
+    return replace(with_change, answer=replace(with_change.answer, error=error)), {
+        "travel_m": float(travel.place[-1])
+    }
 
 
 def contact_load(slider, orbits: tuple, threshold: float) -> dict:
-    """Return the pressure under a contact on the highest crest, and how far the amplitude is below the threshold.
+    """Return the contact pressure on the highest crest, and the margin of the amplitude below the threshold.
 
-    ``threshold``: factor on the orbits at which the slider starts to move; infinite where it never does.
+    ``threshold`` is the factor on the orbits at which the slider starts to move; it is infinite if the slider never
+    moves.
     """
     load = {"stick_margin": threshold - 1.0} if math.isfinite(threshold) else {}
     if slider.preload > 0.0:
@@ -236,19 +250,19 @@ def contact_load(slider, orbits: tuple, threshold: float) -> dict:
 
 
 def half_thrust(slider, orbits: tuple, thrust: float, tolerance: float) -> tuple[float, float]:
-    """Return what a slider gives out under half of its blocked thrust (N), W, and over what the wave puts in."""
+    """Return the mechanical power in W under half of the blocked ``thrust`` (N), and its ratio to the wave's power."""
     if not thrust > 0.0:
         return 0.0, 0.0
     state = contact.steady(replace(slider, load=0.5 * thrust), orbits, tolerance=tolerance)
-    out, put_in = 0.5 * thrust * abs(state.velocity), state.ledger.wave * orbits[0].frequency
-    return out, out / put_in if put_in > 0.0 else 0.0
+    power_out, power_in = 0.5 * thrust * abs(state.velocity), state.ledger.wave * orbits[0].frequency
+    return power_out, power_out / power_in if power_in > 0.0 else 0.0
 
 
 def _summary(driven: DrivenContact) -> tuple[dict, float]:
-    """Return threshold and release, what never comes absent; and the factor on the orbits at the threshold."""
+    """Return the values of threshold and release that exist, and the factor on the orbits at the threshold."""
     limits, factors = {}, {}
-    for name, each in (("threshold", contact.threshold_factor), ("release", contact.release_factor)):
-        factor = factors[name] = each(driven.slider, driven.orbits)
+    for name, factor_of in (("threshold", contact.threshold_factor), ("release", contact.release_factor)):
+        factor = factors[name] = factor_of(driven.slider, driven.orbits)
         if math.isfinite(factor):
             limits[f"{name}_amplitude_m"] = factor * driven.amplitude
             if driven.scene.wave is None:
@@ -257,7 +271,10 @@ def _summary(driven: DrivenContact) -> tuple[dict, float]:
 
 
 def _method(scene: Scene, what: str, available: tuple[str, ...]) -> str:
-    """Return the contact's method for a task: the other task's method leaves this one automatic."""
+    """Return the solution method for a task, steady state or burst.
+
+    A method that exists only for the other task selects "auto" for this one.
+    """
     wanted = scene.slider.method
     if wanted in available:
         return wanted
@@ -268,7 +285,7 @@ def _method(scene: Scene, what: str, available: tuple[str, ...]) -> str:
 
 
 def _refusing(call: Callable):
-    """Return what a call gives; the contact's refusal of a slider is the scene's."""
+    """Return the result of a call; convert a `contact.InputError` about the slider to a `SceneError`."""
     try:
         return call()
     except contact.InputError as error:

@@ -1,8 +1,8 @@
-"""A scene with numbers in place of words, and its stator as ``fem`` knows it.
+"""Resolution of a scene: numbers for its automatic values, and its blocks as objects of ``fem``.
 
-``period = "auto"``, ``frequency = "center"``, ``preload = "weight"`` and ``ball = "steel"`` become numbers, so that
-the scene that is kept with a result runs again to the same numbers.  What only the physics can refuse (an unknown
-material, an impossible layout) is refused here.
+``period = "auto"``, ``frequency = "center"``, ``preload = "weight"`` and ``ball = "steel"`` are replaced by numbers, so
+that the scene that is stored with a result can be run again with the same numbers.  Rules that need physics (an unknown
+material, an impossible layout) are checked here.
 """
 
 import itertools
@@ -20,8 +20,8 @@ from studies.scene.blocks import LENGTHS, Element, IsotropicSolid, Piezoelectric
 from studies.scene.keys import tolerances
 from studies.scene.slider import Slider
 
-MAX_BURST_SECONDS = 3600.0  # of computation for one burst, on one processor
-# s of computation for a cycle of the wave, by method, measured on a 2-core x86_64 machine
+MAX_BURST_SECONDS = 3600.0  # largest time to compute one burst, on one processor
+# Time in s to compute one cycle of the wave, by method, measured on a 2-core x86_64 machine.
 CYCLE_SECONDS = {"hysteretic": 6e-4, "exact": 1.4e-4, "stepped": 4.5e-6, "averaged": 5e-7}
 MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 of the power
 
@@ -29,7 +29,8 @@ MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 o
 def resolved(scene: Scene, *, spread: bool | None = None) -> Scene:
     """Return the scene with numbers for its automatic values; SceneError if material, moduli or layout are impossible.
 
-    ``spread``: whether the admittances behind an automatic match take finite apertures; the scene decides without it.
+    ``spread``: True if the admittances for an automatic match are those of finite apertures; by default the scene
+    decides.
     """
     if scene.stator is not None:
         if scene.transducer:
@@ -155,7 +156,7 @@ def transducers(scene: Scene) -> tuple:
 
 
 def section_row(scene: Scene) -> tuple:
-    """Return `transducers` for what knows a single section along x; a SceneError where they have other lines."""
+    """Return `transducers` for models with a single section along x; a SceneError if some lie on other lines."""
     if scene.crossed:
         rule = "must all have the angle 0 and y = 0 here: this answer is that of one section along x"
         raise SceneError("transducer", f"{rule}; sawmotor run, sweep and view take turned ones")
@@ -170,7 +171,10 @@ def rows(scene: Scene) -> tuple:
 
 
 def first_row(scene: Scene, place: tuple[float, float]) -> tuple[Scene, float]:
-    """Return the scene of the section that a turned scene's answers refer to, and where in it a place lies, m."""
+    """Return the scene of the section that the answers of a rotated scene refer to, and the position of a point in it.
+
+    ``place``: (x, y) in m; its position along the section is in m.
+    """
     if not scene.crossed:
         return scene, place[0]
     row = rows(scene)[0]
@@ -191,7 +195,7 @@ def first_row(scene: Scene, place: tuple[float, float]) -> tuple[Scene, float]:
 
 
 def driven(scene: Scene):
-    """Return the ``fem.Transducer`` that is driven; of several the first."""
+    """Return the ``fem.Transducer`` that is driven; the first one if there are several."""
     return next(each for each in transducers(scene) if each.name == scene.drive.transducer)
 
 
@@ -230,13 +234,13 @@ def _ladder(match: str | tuple) -> tuple:
 
 
 def diffracts(scene: Scene) -> bool:
-    """Return whether a scene's transducers have finite apertures: asked for, or under a slider by default."""
+    """Return True if finite apertures are computed: as the scene requests, or by default if it has a slider."""
     return not scene.piece and spreads(scene.stator, None if scene.slider is None else scene.slider.places)
 
 
 @lru_cache(64)
 def spreads(block: Stator, places: tuple | None) -> bool:
-    """Return whether the finite aperture is computed at places (x, y) of contacts; None without a slider."""
+    """Return True if finite apertures are computed for contacts at places (x, y); ``places`` is None without slider."""
     diffraction = block.diffraction
     return bool(diffraction) or (
         diffraction is None and places is not None and not default_refusal(stator(block), places)
@@ -244,10 +248,11 @@ def spreads(block: Stator, places: tuple | None) -> bool:
 
 
 def default_refusal(stator, places) -> str:
-    """Return why the section stands for a `fem.Stator` where a scene does not decide, a sentence; or nothing.
+    """Return a sentence on why the section replaces the finite aperture, if the scene does not decide; or "".
 
-    Contacts beside the axis, among the ``places`` (x, y), are on the beam's slopes, which the section does not know:
-    between reflecting ends, where the beam takes several times as long as the section, they alone ask for it.
+    Contacts beside the axis, y != 0 in ``places`` (x, y), lie where the beam's amplitude varies along y, which the
+    section does not describe.  Between reflecting ends the beam takes several times as long as the section, and it is
+    computed only for such contacts.
     """
     import fem
 
@@ -276,7 +281,7 @@ def port_admittance(scene: Scene, frequency, tolerance: float, *, spread: bool |
 
 
 def _with_circuit(scene: Scene, spread: bool | None) -> Scene:
-    """Return the scene with the voltages of its powers, the receiver's load and the elements of an automatic match."""
+    """Return the scene with voltages for its powers, the load of a receiver, and the elements of an automatic match."""
     import fem
 
     old_drive = scene.drive
@@ -326,7 +331,7 @@ def _with_load(scene: Scene, load: complex | None = None) -> Scene:
 
 
 def _with_source_numbers(scene: Scene) -> Scene:
-    """Return the scene with the periods, or the frequency, of the strongest surface wave (fem/solve/passband.py)."""
+    """Return the scene with the periods, or the frequency, that give the strongest wave (fem/solve/passband.py)."""
     import fem
 
     block = stator(scene.stator)
@@ -378,7 +383,7 @@ def _check_layout(scene: Scene) -> None:
 
 
 def refuse_gaps(scene: Scene) -> None:
-    """Refuse contacts on a meshed piece where it has no plain surface."""
+    """Raise a SceneError if a contact lies on a meshed piece where this has no plain surface."""
     if scene.slider is None or not scene.piece:
         return
     centre, reached = scene.slider.center[0], [(x, x) for x, _ in scene.slider.places]
@@ -397,7 +402,7 @@ def refuse_gaps(scene: Scene) -> None:
 
 
 def refuse_covered(scene: Scene) -> None:
-    """Refuse contacts on a turned transducer."""
+    """Raise a SceneError if a contact lies on a rotated transducer."""
     import fem
 
     row = transducers(scene)
@@ -411,7 +416,7 @@ def refuse_covered(scene: Scene) -> None:
 
 
 def refuse_endless_burst(scene: Scene, frequency: float) -> None:
-    """Refuse a burst that takes longer than an hour to follow, naming the longest that is; ``frequency``: Hz."""
+    """Raise a SceneError if a burst takes longer than an hour to compute; the message names the longest duration."""
     slider = scene.slider
     every_event = slider.remembers or slider.reciprocal or slider.stick_band > 0
     method = (
@@ -439,7 +444,7 @@ def _given(block, *names: str) -> dict:
 
 @contextmanager
 def _refused(path: str, names=(), pieces=()):
-    """Turn an InputError of fem into a SceneError of the scene's key, and a ConvergenceError into a RunError.
+    """Convert an InputError of fem to a SceneError with the scene's key, and a ConvergenceError to a RunError.
 
     ``names`` are those of the transducers, ``pieces`` those of the meshed pieces.
     """

@@ -1,8 +1,9 @@
-"""The ring-up of a burst under the slider: how the surface's motion grows to its steady size, for the contact.
+"""The ring-up of a burst: growth of the surface motion under the slider to its steady amplitude.
 
-The response over a band about the drive's frequency gives the complex envelope (fem.burst); over the steady motion it
-is the factor on the orbits that the contact takes.  One factor serves all balls and both directions.  After the burst's
-end the surface rings down under the slider as the same envelope goes on, until it is spent.
+The frequency response in a band around the drive frequency gives the complex envelope of the surface motion
+(`fem.burst_response`). The envelope divided by the steady motion is a factor on the steady orbits of the contact. The
+same factor is used for all balls and for both directions. After the burst, the rest of the envelope describes the
+ring-down under the slider.
 """
 
 from collections.abc import Callable
@@ -21,38 +22,40 @@ if TYPE_CHECKING:
     from contact.envelope import Envelope
     from fem.solve.burst import BurstEnvelope
 
-LOBES = 1.2  # of 1/N: the band taken on either side, the main lobe and a little
-MAX_HALF_BAND = 0.22  # over the frequency: one band of interpolation
-TOLERANCE = 2e-2  # of the response and of what rings on, over the steady amplitude
-MAX_FREQUENCIES = 1024  # half a minute; a stator that rings longer is an error of the burst instead
+# half-width of the band over f/N, for N finger pairs: the main lobe of the transducer and a margin
+LOBES = 1.2
+MAX_HALF_BAND = 0.22  # over the frequency; one interpolation of the response covers at most this band
+TOLERANCE = 2e-2  # of the response and of the truncated ring-down, relative to the steady amplitude
+MAX_FREQUENCIES = 1024  # about half a minute; a longer ring-up enters the error of the burst instead
 
 
 @dataclass(frozen=True, kw_only=True)
 class RingUp:
-    """Growth and decay of the surface's motion under the slider in a burst, as factors on the steady orbits."""
+    """Growth and decay of the surface motion under the slider in a burst, as factors on the steady orbits."""
 
-    # Of a velocity at the burst's end: the envelope's error for as long as it rings up, over the burst's
-    # length; without an envelope, how long it certainly rings over the burst's length
+    # Relative error of the velocity at the end of the burst. With an envelope: the error of the envelope times
+    # (settling time / burst duration). Without one: a lower bound of the ring-up time over the burst duration.
     error: float
-    # Factor on the steady orbits; None where the stator rings for too long to be followed
+    # Factor on the steady orbits; None if the ring-up is too long to be computed
     envelope: "Envelope | None" = field(default=None, repr=False)
-    ring_down: "Envelope | None" = field(
-        default=None, repr=False
-    )  # the same from the burst's end on, time from there
-    response: "BurstEnvelope | Any" = field(default=None, repr=False)  # fem's answer
+    # Factor after the end of the burst, with the time counted from that end
+    ring_down: "Envelope | None" = field(default=None, repr=False)
+    response: "BurstEnvelope | Any" = field(default=None, repr=False)  # fem.BurstEnvelope
 
     @classmethod
     def of(cls, burst_envelope) -> "RingUp":
-        """Return what a `fem.BurstEnvelope` says."""
-        factor, on = (
+        """Return the ring-up that follows from a `fem.BurstEnvelope`."""
+        factors, during = (
             burst_envelope.normal / burst_envelope.steady_normal,
             burst_envelope.time < burst_envelope.duration,
         )
 
-        def shape(which, start):
-            part = factor[which]
+        def shape(selected, start):
+            values = factors[selected]
             return contact.Envelope(
-                time=burst_envelope.time[which] - start, amplitude=abs(part), phase=np.unwrap(np.angle(part))
+                time=burst_envelope.time[selected] - start,
+                amplitude=abs(values),
+                phase=np.unwrap(np.angle(values)),
             )
 
         error = float(
@@ -60,32 +63,32 @@ class RingUp:
         )
         return cls(
             error=error,
-            envelope=shape(on, 0.0),
-            ring_down=shape(~on, burst_envelope.duration),
+            envelope=shape(during, 0.0),
+            ring_down=shape(~during, burst_envelope.duration),
             response=burst_envelope,
         )
 
     def lasting(self, duration: float, share: float = 1.0) -> "RingUp":
-        """Return the ring-up of a burst of another duration, s, from a share of the band."""
+        """Return the ring-up of a burst of another duration in s, computed from a fraction ``share`` of the band."""
         return RingUp.of(self.response.lasting(duration, share=share))
 
     @property
     def sentence(self) -> str:
-        """What it is, for a reader."""
+        """Return a description of the ring-up time for a reader."""
         if self.response is None:
             return "the stator rings for too long to be followed"
         return f"{self.response.settling * 1e6:.4g} us to within 1 % of the steady motion"
 
 
 def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str], None]) -> RingUp:
-    """Return the ring-up at a place (x, y) in m of a scene with transducers, a burst and a frequency in Hz."""
+    """Return the ring-up at the point ``place`` = (x, y) in m of a scene with transducers, a burst and a frequency."""
     scene, x = resolve.first_row(scene, place)
     driven = scene.driven_transducer
-    half = min(LOBES / driven.finger_pairs, MAX_HALF_BAND) * scene.frequency
+    half_band = min(LOBES / driven.finger_pairs, MAX_HALF_BAND) * scene.frequency
     prepared = response(
         scene,
-        scene.frequency - half,
-        scene.frequency + half,
+        scene.frequency - half_band,
+        scene.frequency + half_band,
         places=(x,),
         tolerance=TOLERANCE,
         progress=progress,
@@ -102,5 +105,5 @@ def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str
             max_frequencies=MAX_FREQUENCIES,
         )
     except fem.ConvergenceError:
-        return RingUp(error=min(1.0, MAX_FREQUENCIES / (2 * half) / scene.burst))
+        return RingUp(error=min(1.0, MAX_FREQUENCIES / (2 * half_band) / scene.burst))
     return RingUp.of(response_envelope)

@@ -1,8 +1,9 @@
 """The chain from a scene to its record: surface motion per volt, orbits at each voltage, contact, velocity.
 
-Only what the scene needs is imported and computed.  The tolerance bounds the last quantity.  The stator is first solved
-to a quarter of it.  The contact multiplies the stator's error, by 20 near the threshold: where the velocity then misses
-its tolerance, the stator is solved again, as accurately as needed.
+Only the parts that the scene needs are imported and computed.  The tolerance bounds the error of the last quantity.
+The stator is first solved to a quarter of it.  The contact amplifies the error of the stator, near the threshold by a
+factor of 20.  If the velocity then misses its tolerance, the stator is solved again to the accuracy that the velocity
+needs.
 """
 
 import logging
@@ -30,12 +31,12 @@ from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 
 LOGGER = logging.getLogger("studies.run")
-# Error of the motion over that of the round before, above which no further round is tried: what remains is the beam's
-# own error, which no finer section reduces
+# If the error of the motion is more than this fraction of that in the round before, no further round is tried, because
+# the remaining error is that of the beam, which a finer section does not reduce.
 STALLED = 0.7
-# The beam's own error at the best point over the tolerance, above which no finer section is tried
+# If the beam's own error at the best point is more than this multiple of the tolerance, no finer section is tried.
 HOPELESS = 3
-ROUNDS = 3  # solutions of the stator, each to the tolerance that the previous round turned out to need
+ROUNDS = 3  # largest number of solutions of the stator; each round determines the tolerance of the next
 
 
 def run(
@@ -49,24 +50,24 @@ def run(
     Parameters
     ----------
     scene : Scene, str or Path
-        A scene, its file, or the name of one that ships.
+        A scene, its file, or the name of a shipped scene.
     tolerance : float
-        Bound of the error of the last quantity: slider velocity over max(|v|, omega |u_x| / 10); without a
-        slider surface amplitude, relative; for the free wave its velocity, relative.
+        Bound of the error of the last quantity: of the slider's velocity over max(|v|, omega |u_x| / 10); without a
+        slider, the relative error of the surface amplitude; for a free wave, that of its velocity.
     progress : callable, optional
-        Told in a few words what is being done.
+        Called with a few words about each step.
 
     Returns
     -------
     Record
-        Its ``shortfall`` says why it is no answer within the tolerance, if it is none.
+        If the tolerance is not met, its ``shortfall`` says why.
 
     Raises
     ------
     SceneError
-        If the scene cannot be read, or is refused by the physics.
+        If the scene cannot be read, or is physically impossible.
     RunError
-        If there is nothing to record.
+        If there is no result to record.
 
     Examples
     --------
@@ -103,7 +104,7 @@ def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None)
 
 
 def _given(scene: Scene, predictor: Predictor) -> Record:
-    """Return the record of a given wave: its orbit, then the contact."""
+    """Return the record of a scene with a prescribed wave: its orbit, then the contact."""
     start_time = time.perf_counter()
     answer = predictor.slider_answer(DrivenContact.given(scene))
     return Record(
@@ -156,7 +157,10 @@ def _driven(scene: Scene, predictor: Predictor) -> Record:
 def _with_contact(
     scene: Scene, predictor: Predictor
 ) -> tuple[SurfaceMotion, SliderAnswer, RingUp | None, float]:
-    """Return motion, answer, ring-up and the contact's seconds; the stator is as accurate as the velocity needs."""
+    """Return surface motion, answer, ring-up, and the time in s of the contact.
+
+    The stator is solved in up to ROUNDS rounds, until it is as accurate as the velocity needs.
+    """
     stator, places, seconds = stator_alone(scene), places_of(scene), 0.0
     motion = predictor.motion(stator, places, SHARE * predictor.tolerance)
     ringing = predictor.ring_up(DrivenContact.of_stator(scene, SolvedStator.of(motion, places), motion))
@@ -181,7 +185,7 @@ def _with_contact(
         try:
             motion = predictor.motion(stator, places, goal)
         except RunError:
-            break  # the answer that stands is recorded, with its error
+            break  # the answer of the round before is recorded, with its error
         answer = answered()
         if motion.wave.relative_error >= section or motion.relative_error(places) > STALLED * whole:
             break
@@ -191,10 +195,19 @@ def _with_contact(
 def needed_section_tolerance(
     answer: SliderAnswer, reached: float, tolerance: float, ringing: float, beam_share: float = 0.0
 ) -> float | None:
-    """Return the tolerance of the section that the velocity needs; None where the section suffices or cannot help.
+    """Return the tolerance of the section that the velocity needs; None if the section suffices or cannot help.
 
-    ``reached``: the section's present error; ``ringing``: what the ring-up contributes to the stator's part of the
-    velocity's error; ``beam_share``: share of the rest that is the beam's own.  No finer section reduces the last two.
+    Parameters
+    ----------
+    answer : SliderAnswer
+    reached : float
+        Present error of the section.
+    tolerance : float
+        Tolerance of the velocity.
+    ringing : float
+        Contribution of the ring-up to the stator's part of the velocity's error; a finer section does not reduce it.
+    beam_share : float
+        Fraction of the rest of this part that is the beam's own error; a finer section does not reduce it either.
     """
     parts = [stator for stator, contact in answer.parts if stator + contact > tolerance]
     if not parts or max(parts) <= ringing:

@@ -1,4 +1,4 @@
-"""Warnings on a scene before anything is computed: sizes that no motor has, mistaken units, contacts that overlap."""
+"""Warnings about a scene before any computation: unusual sizes, probable unit errors and overlapping contacts."""
 
 import math
 from collections.abc import Iterator
@@ -7,18 +7,21 @@ from itertools import combinations
 from studies.scene import Scene
 from studies.scene.slider import Slider
 
-LIFTED = 0.999  # of the weight: a preload below it does not hold the slider against gravity alone
-MAX_USUAL_LENGTH = 1.0  # m of a stator: a longer one is probably a mistaken unit
-MAX_USUAL_RADIUS = 0.02  # m of a ball, where no stator says how large it may be
-MAX_USUAL_FRICTION = 1.5  # of dry contacts in air; clean metals in vacuum alone have more
-# radius of the area of contact at rest over the wavelength, from which the surface is not flat and in phase under it
+LIFTED = (
+    0.999  # relative to the weight; a preload contains the weight, so that a smaller preload is suspicious
+)
+MAX_USUAL_LENGTH = 1.0  # m; a longer stator is probably a unit error
+MAX_USUAL_RADIUS = 0.02  # m; limit for the radius of a ball in a scene without a stator
+MAX_USUAL_FRICTION = 1.5  # dry contacts in air; only clean metals in vacuum exceed it
+# Radius of the contact area at rest over the wavelength. Above it, the surface under a contact is not flat and not in
+# phase, as the contact model assumes.
 MAX_CONTACT_SHARE = 0.05
 _BALLS = {"sphere": "balls", "punch": "punches"}
-MAX_BALLS_COMPARED = 1000  # places: of more than that, the first are compared with one another
+MAX_BALLS_COMPARED = 1000  # only the first contacts are checked for overlap, because the cost is quadratic
 
 
 def scene_warnings(scene: Scene) -> Iterator[str]:
-    """Yield warnings that need no computation, each with key, value, unit and what to do."""
+    """Yield the warnings about a scene, each with key, value, unit and advice."""
     stator, slider = scene.stator, scene.slider
     if stator is not None and stator.length > MAX_USUAL_LENGTH:
         yield f"stator.length is {stator.length:g} m: a number without a unit is in m"
@@ -46,7 +49,7 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
 
 
 def _sizes(scene: Scene, slider: Slider) -> Iterator[str]:
-    """Yield warnings on radius, distances and friction coefficient that no motor has."""
+    """Yield warnings about an unusual radius, distance or friction coefficient."""
     if slider.static_coefficient > MAX_USUAL_FRICTION:
         yield (
             f"slider.friction_coefficient is {slider.static_coefficient:g}: dry contacts have 0.05 to "
@@ -74,26 +77,32 @@ def _sizes(scene: Scene, slider: Slider) -> Iterator[str]:
             "the model takes the surface under a contact as flat and in phase: a smaller slider.radius, or less "
             "preload"
         )
-    apart, first, second = _nearest(slider)
-    if apart < diameter * (1 - 1e-12):
+    distance, first, second = _nearest(slider)
+    if distance < diameter * (1 - 1e-12):
         yield (
             f"{balls} of {diameter * 1e3:g} mm overlap: slider.contacts {first + 1} and {second + 1} are "
-            f"{apart * 1e3:.4g} mm apart: a smaller slider.radius, or places further apart"
+            f"{distance * 1e3:.4g} mm apart: a smaller slider.radius, or places further apart"
         )
 
 
 def _area_radius(slider: Slider) -> float:
-    """Return the radius of the area of contact at rest, m, each contact with an equal share (Hertz; a punch's own)."""
+    """Return the radius of the contact area at rest in m.
+
+    All contacts carry the same force. The radius of a ball follows from Hertz; a punch has a fixed radius.
+    """
     if slider.shape == "punch" or slider.effective_modulus is None:
         return slider.radius if slider.shape == "punch" else 0.0
-    share = slider.preload_force / len(slider.offsets)
-    return (0.75 * share * slider.radius / slider.effective_modulus) ** (1 / 3)
+    force = slider.preload_force / len(slider.offsets)
+    return (0.75 * force * slider.radius / slider.effective_modulus) ** (1 / 3)
 
 
 def _nearest(slider: Slider) -> tuple[float, int, int]:
-    """Return the smallest distance of two contacts, m, and which they are; infinite for a mere number of them."""
+    """Return the smallest distance between two contacts in m and their indices.
+
+    The distance is infinite if the scene states only the number of contacts.
+    """
     if isinstance(slider.contacts, int):
         return math.inf, 0, 0
-    places = slider.offsets[:MAX_BALLS_COMPARED]
-    pairs = ((math.dist(p, q), i, j) for (i, p), (j, q) in combinations(enumerate(places), 2))
+    offsets = slider.offsets[:MAX_BALLS_COMPARED]
+    pairs = ((math.dist(p, q), i, j) for (i, p), (j, q) in combinations(enumerate(offsets), 2))
     return min(pairs, default=(math.inf, 0, 0))

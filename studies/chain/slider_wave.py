@@ -1,7 +1,8 @@
-"""The waves from both sides under a slider on pillars, from the motion of the stator's surface.
+"""Waves in both directions under a slider on pillars, fitted to the motion of the stator's surface.
 
-u_z = U+ exp(-i k x) + U- exp(i k x), by least squares over the slider's length and at least a wavelength either side of
-its centre, in the surface mode alone, averaged over the strip's width; Gamma and the orbit are those of the half-space.
+The fit u_z = U+ exp(-i k x) + U- exp(i k x) is by least squares over the slider's length, and over at least a
+wavelength on either side of its centre.  The motion is that of the surface mode alone, averaged over the width of the
+strip.  The compliance Gamma and the ratio u_x/u_z are those of the half-space.
 """
 
 import numpy as np
@@ -13,14 +14,14 @@ from studies.chain.pillars import layout, strip_width
 from studies.refusal import SceneError
 from studies.scene import Scene
 
-FITTED = 49  # places along x at which the waves from both sides are told apart
-ACROSS = 5  # lines over the strip's width
+FITTED = 49  # points along x of the fit
+ACROSS = 5  # Gauss points over the width of the strip
 
 
 def stator_wave(scene: Scene, motion):
-    """Return the `contact.PassingWave` of 1 V under a slider, and how well two waves fit the surface's motion there.
+    """Return the `contact.PassingWave` for 1 V under a slider, and the rms misfit of the fit.
 
-    ``motion``: a `studies.chain.surface_motion.SurfaceMotion`. The misfit is a share of the larger wave.
+    ``motion`` is a `studies.chain.surface_motion.SurfaceMotion`. The misfit is relative to the larger of both waves.
     """
     slider, wave = scene.slider, motion.wave
     stator = resolve.stator(scene.stator)

@@ -1,7 +1,7 @@
 """Steady states of many contacts at once, each with its error.
 
-Averaged states cost microseconds, side by side in a compiled loop.  One is accepted if its error keeps a share of the
-tolerance; otherwise the motion itself is solved, as in a run.
+Averaged states are computed together in a compiled loop and cost microseconds each.  An averaged state is accepted if
+its error is below a fraction of the tolerance; otherwise the motion itself is solved, as in a run.
 """
 
 import contact
@@ -9,7 +9,7 @@ from studies.chain.bridge import DrivenContact
 from studies.chain.points import SHARE, point_answer
 from studies.chain.propagation import judged
 
-AVERAGED_METHODS = ("auto", "averaged")  # of a scene, for which the compiled loop may stand
+AVERAGED_METHODS = ("auto", "averaged")  # methods of a scene that allow the compiled loop of averaged states
 
 
 def steady_answers(
@@ -20,14 +20,15 @@ def steady_answers(
     Parameters
     ----------
     states : list of (DrivenContact, float)
-        The level is a factor on the contact's orbits: V of the source, or m of a given amplitude.
+        Contact and level.  The level is a factor on the contact's orbits: the source voltage in V, or the amplitude in
+        m of a prescribed wave.
     tolerance : float
-        Of the velocity, over its reference speed.
+        Tolerance of the velocity over its reference speed.
 
     Returns
     -------
     list of dict
-        ``velocity_m_per_s``, ``regime``, ``relative_error`` and ``status``; the status alone where there is no answer.
+        ``velocity_m_per_s``, ``regime``, ``relative_error`` and ``status``; only ``status`` if there is no answer.
     """
     answers = averaged_answers(states, tolerance, threads=threads)
     return [
@@ -43,7 +44,10 @@ def steady_answer(driven: DrivenContact, level: float, tolerance: float) -> dict
 
 
 def rated(point: dict, parts: tuple[float, float], tolerance: float) -> dict:
-    """Return a point's values, and as ``finer`` whether a more accurate stator would help; else its status."""
+    """Return the values of a point with the key ``finer``, True if a more accurate stator would reduce the error.
+
+    Without an answer only the status is returned.
+    """
     if "relative_error" not in point:
         return {"status": f"no answer: {point['status']}"}
     return point | {"finer": point["relative_error"] > tolerance and parts[0] > SHARE * tolerance}
@@ -52,7 +56,7 @@ def rated(point: dict, parts: tuple[float, float], tolerance: float) -> dict:
 def averaged_answers(
     states: list[tuple[DrivenContact, float]], tolerance: float, *, threads: int | None = None
 ) -> list[dict | None]:
-    """Return the averaged steady state of each contact, as `steady_answers` does; None where its error is too large."""
+    """Return the averaged steady state of each contact as in `steady_answers`, or None if its error is too large."""
     sliders = [driven.scene.slider for driven, _ in states]
     takes = [each.method in AVERAGED_METHODS and each.pillars is None for each in sliders]
     rows = iter(
@@ -80,9 +84,9 @@ def averaged_answers(
 def averaged(contacts: list[tuple], threads: int | None = None) -> list[tuple]:
     """Return averaged steady states, each of (slider, orbits, wave error, factor on the orbits).
 
-    An answer is velocity, regime, error, error from the wave and blocked thrust.  Those with equally many orbits are
-    computed side by side, in one compiled loop (`contact.steady_sweep`); what averaging does not know has the regime
-    "unknown".
+    An answer is a tuple of velocity, regime, error, error by the wave, and blocked thrust.  Contacts with the same
+    number of orbits are computed in one compiled loop (`contact.steady_sweep`).  The regime is "unknown" where
+    averaging does not apply.
     """
     answers: list[tuple] = [()] * len(contacts)
     for count in {len(orbits) for _, orbits, _, _ in contacts}:

@@ -1,13 +1,17 @@
-"""A slider that travels along the wave field during a burst: its orbits change with its place.
+"""Travel of a slider along the wave field during a burst, with orbits that change with its position.
+
+The displacement X and the velocity v of a slider of mass m obey
 
     dX/dt = v,    m dv/dt = Q(X, v) - R_t v - q,
 
-Q is the mean tangential force of first-order averaging (`contact.mean_traction`) for the orbits at the balls' places
-plus X, and q the load.  The wave's phase, which changes with X too, is neglected: it changes the frequency under the
-balls by v/c, 1e-4.  The bounce is taken as settled: it settles a thousand times faster than the field changes.
+where Q is the mean tangential force of first-order averaging (`contact.mean_traction`) for the orbits at the positions
+of the balls plus X, and q is the load.  The change of the wave's phase with X is neglected: it changes the frequency
+under the balls by v/c, 1e-4.  The bounce is assumed to be steady, because it settles a thousand times faster than the
+field changes.
 
-The equation is solved twice, with the slider's travel and with X = 0, and the difference is added to the burst that was
-followed at one place.  Start, bounce and ring-up are then those of that burst, as is the answer of a slow slider.
+The equation is solved twice, with the slider's travel and with X = 0, and the difference is added to a burst that was
+computed at a fixed position.  Start, bounce and ring-up are therefore those of that burst, and a slow slider has the
+same answer.
 """
 
 from collections.abc import Callable
@@ -17,13 +21,14 @@ import numpy as np
 
 import contact
 
-MIN_TRAVEL = 0.1  # wavelengths from which the travel counts
-PER_WAVELENGTH = 12  # displacements of the table; the standing wave has a period of half a wavelength
-# of the table, from rest to beyond the surface's own speed, where the force has kinks; 33 leave an error of 2e-3 of v
+MIN_TRAVEL = 0.1  # wavelengths: a shorter travel is neglected
+PER_WAVELENGTH = 12  # displacements in the table; the period of a standing wave is half a wavelength
+# Speeds in the table, from rest to beyond the speed of the surface, where the force has kinks.  With 33 speeds the
+# error is 2e-3 of v.
 SPEEDS = 129
-STEP = 0.05  # wavelengths of travel in a step of time, at the surface's own speed
+STEP = 0.05  # wavelengths of travel in one time step, at the speed of the surface
 MIN_STEPS = 400
-MARGIN = 1.3  # the table's reach over the travel at one place, at first
+MARGIN = 1.3  # reach of the first table over the travel of the burst at a fixed position
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,23 +42,24 @@ class WaveAlong:
 
 @dataclass(frozen=True, kw_only=True)
 class Travel:
-    """Motion along the field."""
+    """Motion of a slider along the wave field."""
 
     time: np.ndarray  # s
     velocity: np.ndarray  # m/s along +x
     place: np.ndarray  # displacement from the beginning, m
-    held_velocity: np.ndarray  # of the same equation at one place, m/s
-    ended: bool  # whether a ball reached the stator's end, where the motion stops being followed
-    error: float  # of the change of velocity at the end, m/s: from half as many places, speeds and steps
+    held_velocity: np.ndarray  # velocity by the same equation with X = 0, m/s
+    ended: bool  # True if a ball reached the stator's end, where the solution stops
+    # error of the change of velocity at the end, m/s, estimated with half as many displacements, speeds and steps
+    error: float
 
     @property
     def change(self) -> float:
-        """What the travel adds to the velocity at the end, m/s."""
+        """Change of the final velocity by the travel, m/s."""
         return float(self.velocity[-1] - self.held_velocity[-1])
 
 
 class _Table:
-    """Accelerations over displacement and velocity, for either direction of motion, and at rest."""
+    """Table of the acceleration over displacement and velocity, for either direction of motion, and at rest."""
 
     def __init__(self, slider, wave: WaveAlong, level: float, reach: tuple[float, float], coarser: int):
         from scipy.interpolate import RectBivariateSpline
@@ -64,7 +70,7 @@ class _Table:
         rows = [tuple(each.scaled(level) for each in orbits) for orbits in wave.orbits(self.places)]
         self.top = 1.2 * max(each.omega * abs(each.tangential) for orbits in rows for each in orbits)
         speeds = np.linspace(0.0, self.top, (SPEEDS - 1) // coarser + 1)
-        # at rest a sticking contact holds any force between two limits: each side of v = 0 has a table of its own
+        # At rest a sticking contact bears any force between two limits, so that each side of v = 0 has its own table.
         least = np.where(speeds == 0.0, np.finfo(float).tiny, speeds)
         forces = np.array(
             [contact.mean_traction(slider, orbits, np.append(least, -least)) for orbits in rows]
@@ -81,7 +87,7 @@ class _Table:
         return float(self._splines[side](place, min(abs(speed), self.top))[0, 0])
 
     def toward(self, place: float) -> float:
-        """Return the direction in which the wave drives a slider from rest without a load; 0 where it is held."""
+        """Return the direction in which the wave drives a slider from rest without a load; 0 if friction holds it."""
         return 1.0 if self._driven(place, 0.0, 1) > 0 else -1.0 if self._driven(place, 0.0, -1) < 0 else 0.0
 
     def acceleration(self, place: float, speed: float, load_sign: float) -> float:
@@ -94,7 +100,10 @@ class _Table:
 
 
 def _followed(table: _Table, duration: float, steps: int, moves: bool, reach) -> np.ndarray:
-    """Return time, velocity and displacement, shape (3, k), by the classical Runge-Kutta method, up to the reach."""
+    """Return time, velocity and displacement, shape (3, k), by the classical Runge-Kutta method.
+
+    The solution ends where the displacement leaves ``reach``.  ``moves``: False for X = 0.
+    """
     sign = table.toward(0.0)
     h, speed, place = duration / steps, 0.0, 0.0
     rows = [(0.0, 0.0, 0.0)]
@@ -113,7 +122,7 @@ def _followed(table: _Table, duration: float, steps: int, moves: bool, reach) ->
             new = speed + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
             further = place + h / 6 * (x1 + 2 * x2 + 2 * x3 + x4)
             if new * speed < 0:
-                new = 0.0  # it stops before it turns
+                new = 0.0  # the slider stops before it reverses, because friction may hold it
         speed, place = new, further
         rows.append((number * h, speed, place))
         if not reach[0] <= place <= reach[1]:
@@ -124,8 +133,8 @@ def _followed(table: _Table, duration: float, steps: int, moves: bool, reach) ->
 def travelled(slider, wave: WaveAlong, level: float, duration: float, expected: float) -> Travel:
     """Return the motion of a slider along the field during a burst from rest.
 
-    ``level``: V; ``duration``: s; ``expected``: travel in m at one place, with its sign.  Raises
-    contact.ConvergenceError where averaging does not apply.
+    ``level``: V; ``duration``: s; ``expected``: travel in m of the burst at a fixed position, with its sign.  Raises
+    contact.ConvergenceError if averaging does not apply.
     """
     span = MARGIN * abs(expected) + 2 * wave.wavelength
     while True:
@@ -157,7 +166,7 @@ def travelled(slider, wave: WaveAlong, level: float, duration: float, expected: 
 
 
 def with_travel(trajectory, travel: Travel):
-    """Return a `contact.Trajectory` with the change of velocity added, and its slide after the burst moved to fit."""
+    """Return a `contact.Trajectory` with the change of velocity added, and the slide after the burst adapted to it."""
     time, velocity = trajectory.time, np.array(trajectory.velocity)
     end = trajectory.velocity_at_burst_end
     on = time <= trajectory.duration * (1 + 1e-12)
@@ -165,7 +174,7 @@ def with_travel(trajectory, travel: Travel):
     new_end = end + travel.change
     after = time[~on] - trajectory.duration
     if after.size:
-        # the slide passes through the same speeds, earlier or later; a faster one begins with the first slope
+        # The slide has the same curve of speed, shifted in time; higher speeds are extrapolated with the first slope.
         old = np.append(end, trajectory.velocity[~on])
         known = np.append(0.0, after)
         velocity[~on] = _slide(known, old, new_end, after)
@@ -173,7 +182,7 @@ def with_travel(trajectory, travel: Travel):
 
 
 def _slide(known, old, start: float, after):
-    """Return a decaying speed that begins elsewhere: the same curve shifted in time, its slope going on beyond it."""
+    """Return a decaying speed with another start: the same curve shifted in time and extrapolated with its slope."""
     size = abs(old)
     if size[0] == 0.0 or size[-1] >= size[0]:
         return old[1:] + (start - old[0])

@@ -1,12 +1,17 @@
-"""Bands of the velocity, the threshold and the release that follow from the tolerances of a scene's numbers.
+"""Uncertainty intervals (95 %) of the velocity, the threshold and the release, from the tolerances of a scene.
 
-linear: half the difference of the answers at the two ends of each tolerance, added in quadrature (GUM, JCGM 100:2008,
-eq. 10, with the secant in place of the derivative).  Where the middle does not lie between the ends (the answer bends:
-a resonance, the threshold), the band reaches from the middle to the outermost of the answers at the ends and half way
-to them, upwards and downwards, each added in quadrature, and the block says so.  sampled, also where the scene names no
-method, the answer bends and no number of the stator is uncertain: percentiles over a Latin hypercube of all numbers at
-once (`scipy.stats.qmc`), each normally distributed and cut off where it would change its sign.  All are intervals of
-95 %.
+There are two methods:
+
+- ``linear``: half of the difference between the answers at the two ends of each tolerance, added in quadrature (GUM,
+  JCGM 100:2008, eq. 10, with the secant instead of the derivative). An answer can be strongly nonlinear within a
+  tolerance, for example at a resonance or at the threshold. Its interval then uses the largest upward and downward
+  changes among the answers at the ends and half way to them, each added in quadrature. The key ``bent`` of the block
+  lists these tolerances.
+- ``sampled``: percentiles over a Latin hypercube of all uncertain numbers (`scipy.stats.qmc`). Each number is normally
+  distributed, truncated so that it keeps its sign.
+
+If the scene names no method, ``sampled`` is used for a nonlinear answer without an uncertain number of the stator,
+because the samples then need no further solution of the stator. Otherwise ``linear`` is used.
 """
 
 from collections.abc import Callable
@@ -22,27 +27,29 @@ from studies.scene.keys import LEVELS, tolerances
 from studies.scene.uncertain import DEFAULTS, Tolerance
 
 LEVEL = 0.95
-DEVIATIONS = float(norm.ppf(0.5 * (1 + LEVEL)))  # standard deviations in a tolerance
+DEVIATIONS = float(norm.ppf(0.5 * (1 + LEVEL)))  # a tolerance in standard deviations
 LIMITS = ("threshold", "release")
-KEYS = tuple(f"{name}_{unit}" for unit in ("amplitude_m", "voltage_V") for name in LIMITS)  # of the summary
-# Distance of the middle from the chord between the ends, over the width of the band, up to which the answer is a line:
-# it is off by a tenth of the width then
+# keys of the summary
+KEYS = tuple(f"{name}_{unit}" for unit in ("amplitude_m", "voltage_V") for name in LIMITS)
+# Largest nonlinearity for which an answer counts as linear: the distance of the nominal answer from the chord between
+# the answers at the ends, over the half-width of the interval. The error of the interval is then a tenth of its width.
 BEND = 0.1
 
 
 def with_bands(record: Record, *, progress: Callable[[str], None] | None = None) -> Record:
-    """Return the record of a scene with [uncertain] with its bands: two more values of each point, one more block."""
-    own = {key: value for key, value in record.scene.uncertain or () if key in DEFAULTS}
-    options, numbers = DEFAULTS | own, tolerances(record.scene)
+    """Return the record of a scene with [uncertain], with intervals at its points and the block ``uncertainty``."""
+    settings = {key: value for key, value in record.scene.uncertain or () if key in DEFAULTS}
+    options, numbers = DEFAULTS | settings, tolerances(record.scene)
     predictor = Predictor.of_record(record, progress=progress)
-    # changes of the answers at the upper and the lower end of each tolerance, (numbers, 2, answers)
+    # changes of the answers at the upper and the lower end of each tolerance, shape (numbers, 2, answers)
     middle, *ends = _answers(predictor, record, [{}, *_moved(numbers, (1.0, -1.0))])
     changes = np.reshape(ends, (len(numbers), 2, len(middle))) - middle
     half = 0.5 * np.abs(changes[:, 0] - changes[:, 1])
     centre, width = _centre(record), np.sqrt(np.sum(half**2, axis=0))
     bends = 0.5 * np.abs(changes.sum(axis=1)) > BEND * width
-    if "method" not in own and bends.any() and not any(of_stator(each.key) for each in numbers):
-        options = options | {"method": "sampled"}  # follows the bend, and costs no stator
+    if "method" not in settings and bends.any() and not any(of_stator(each.key) for each in numbers):
+        # represents the nonlinearity without solving the stator again
+        options = options | {"method": "sampled"}
     block: dict = {"method": options["method"], "level": LEVEL}
     block |= {"tolerances": {each.key: each.half_width for each in numbers}}
     if options["method"] == "sampled":
@@ -51,16 +58,18 @@ def with_bands(record: Record, *, progress: Callable[[str], None] | None = None)
         block["samples"] = options["samples"]
     else:
         low, high = centre - width, centre + width
-        bent = [each for each, row in zip(numbers, bends, strict=True) if row.any()]
-        if bent:
-            between = _answers(predictor, record, _moved(bent, (0.5, -0.5))) - middle
-            tried = dict(zip([each.key for each in numbers], changes, strict=True))
-            for each, pair in zip(bent, between.reshape(len(bent), 2, -1), strict=True):
-                tried[each.key] = np.concatenate([tried[each.key], pair])
-            up = np.sqrt(sum(np.maximum(each.max(axis=0), 0.0) ** 2 for each in tried.values()))
-            down = np.sqrt(sum(np.minimum(each.min(axis=0), 0.0) ** 2 for each in tried.values()))
-            at = bends.any(axis=0)
-            low[at], high[at] = (centre - down)[at], (centre + up)[at]
+        nonlinear_numbers = [each for each, row in zip(numbers, bends, strict=True) if row.any()]
+        if nonlinear_numbers:
+            between = _answers(predictor, record, _moved(nonlinear_numbers, (0.5, -0.5))) - middle
+            trial_changes = dict(zip([each.key for each in numbers], changes, strict=True))
+            for each, pair in zip(
+                nonlinear_numbers, between.reshape(len(nonlinear_numbers), 2, -1), strict=True
+            ):
+                trial_changes[each.key] = np.concatenate([trial_changes[each.key], pair])
+            upward = np.sqrt(sum(np.maximum(each.max(axis=0), 0.0) ** 2 for each in trial_changes.values()))
+            downward = np.sqrt(sum(np.minimum(each.min(axis=0), 0.0) ** 2 for each in trial_changes.values()))
+            nonlinear = bends.any(axis=0)
+            low[nonlinear], high[nonlinear] = (centre - downward)[nonlinear], (centre + upward)[nonlinear]
             block["bent"] = {
                 each.key: int(row[: len(record.points)].sum())
                 for each, row in zip(numbers, bends, strict=True)
@@ -85,9 +94,10 @@ def with_bands(record: Record, *, progress: Callable[[str], None] | None = None)
 def velocities_at(
     record: Record, levels: tuple[float, ...], *, progress: Callable[[str], None] | None = None
 ) -> list[float | None]:
-    """Return the steady velocity of a run's motor at some levels (V or m), m/s; None where there is none.
+    """Return the steady velocities in m/s of a run at some levels (V or m), None where the motor has none.
 
-    A level of the run has its own answer; the others are computed on the same solution of the stator.
+    Velocities at levels of the run are taken from its points. The others are computed with the same solution of the
+    stator.
     """
     known = {point[record.level]: point.get("velocity_m_per_s") for point in record.points}
     missing = [level for level in dict.fromkeys(levels) if level not in known]
@@ -101,14 +111,14 @@ def velocities_at(
 
 
 def _centre(record: Record) -> np.ndarray:
-    """Return the run's own answers: velocities, threshold and release as amplitudes, then as voltages."""
+    """Return the answers of the run: velocities, then threshold and release as amplitudes and as voltages."""
     limits = [record.summary.get(key, np.nan) for key in KEYS]
     return np.array([*(point.get("velocity_m_per_s", np.nan) for point in record.points), *limits])
 
 
-def _moved(numbers, shares: tuple[float, ...]) -> list[dict[str, float]]:
-    """Return the changes of one number after the other by shares of its tolerance."""
-    return [{each.key: each.value + share * each.half_width} for each in numbers for share in shares]
+def _moved(numbers, fractions: tuple[float, ...]) -> list[dict[str, float]]:
+    """Return the changes of one number at a time by fractions of its tolerance."""
+    return [{each.key: each.value + fraction * each.half_width} for each in numbers for fraction in fractions]
 
 
 def _sampled(numbers: tuple[Tolerance, ...], count: int) -> list[dict[str, float]]:
@@ -116,30 +126,30 @@ def _sampled(numbers: tuple[Tolerance, ...], count: int) -> list[dict[str, float
     unit = qmc.LatinHypercube(len(numbers), rng=np.random.default_rng(0)).random(count)
     columns = []
     for each, share in zip(numbers, unit.T, strict=True):
-        size = each.half_width / DEVIATIONS
-        cut = abs(each.value) / size
-        drawn = truncnorm.ppf(share, -cut, cut) if cut else norm.ppf(share)
-        columns.append(each.value + size * drawn)
+        deviation = each.half_width / DEVIATIONS
+        truncation = abs(each.value) / deviation
+        deviations = truncnorm.ppf(share, -truncation, truncation) if truncation else norm.ppf(share)
+        columns.append(each.value + deviation * deviations)
     keys = [each.key for each in numbers]
     return [dict(zip(keys, map(float, row), strict=True)) for row in zip(*columns, strict=True)]
 
 
-def _answers(predictor: Predictor, record: Record, many: list[dict]) -> np.ndarray:
-    """Return what `_centre` does, for each set of changed numbers; NaN where there is no answer."""
+def _answers(predictor: Predictor, record: Record, changes: list[dict]) -> np.ndarray:
+    """Return the answers in the order of `_centre` for each set of changed numbers; NaN for missing answers."""
     key = "wave.normal_amplitude" if record.scene.wave is not None else "drive.voltage"
     levels = [point[record.level] for point in record.points]
     points, tops, factors = [], [], []
     top = max(levels) or 1.0
-    for changed in many:
-        # a tolerance of the level is a common factor of all levels, of the power its square
+    for changed in changes:
+        # a tolerance of the level multiplies all levels; a tolerance of the power multiplies their squares
         factor = float(np.prod([changed.get(each, 1.0) for each in LEVELS]))
         factors.append(factor**0.5 if "drive.power" in changed else factor)
-        own = {each: value for each, value in changed.items() if each not in LEVELS}
-        points += [own | {key: level * factors[-1]} for level in levels]
-        tops.append(own | {key: top})
+        other_changes = {each: value for each, value in changed.items() if each not in LEVELS}
+        points += [other_changes | {key: level * factors[-1]} for level in levels]
+        tops.append(other_changes | {key: top})
     rows = predictor.answers(points)
     velocities = np.array([row.get("velocity_m_per_s", np.nan) for row in rows]).reshape(
-        len(many), len(levels)
+        len(changes), len(levels)
     )
     limits = []
     for row, factor in zip(predictor.answers(tops, ("limits",)), factors, strict=True):

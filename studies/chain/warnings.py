@@ -1,7 +1,7 @@
-"""Warnings on a run that gave an answer, each with its number and what to do about it.
+"""Warnings about a run that has an answer, each with a number and advice.
 
-Every function takes the record of a run and yields sentences, none where nothing is wrong. They take 0.05 s:
-closed forms of what the run has computed already.
+Each function takes the record of a run and yields sentences; it yields nothing if it has no objection. All of them
+together take 0.05 s, because they evaluate closed forms on values that the run has already computed.
 """
 
 import math
@@ -19,19 +19,22 @@ from studies.chain.scene_warnings import scene_warnings
 from studies.record import Record
 from studies.scene import Scene
 
-# Largest over present amplitude, from which on a warning says so; a plate's ripple makes 1.1
+# Ratio of the largest amplitude over frequency to the present amplitude above which a warning is given; the ripple of a
+# plate alone makes 1.1
 OFF_RESONANCE = 1.15
-PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # 1/(Pa m), V/(Pa m), -: air
-AIR = 101325.0  # Pa
-SIDEWAYS = 0.1  # |u_y| over |u_x|, from which on a warning says so
-NODE = 1e-6  # of |u_x|: smaller |u_z| are those of waves from both sides that cancel
-CREEP = 0.01  # of the surface's own speed along x
-SPREADS = 0.1  # of u_z that the finite aperture changes, from which it is said that the section leaves it out
-DECIDES = 0.1  # relative change of u_z or of the velocity from which an effect outside the model is a warning
+PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # of air, in 1/(Pa m), V/(Pa m) and 1
+AIR = 101325.0  # pressure in Pa
+SIDEWAYS = 0.1  # |u_y|/|u_x| above which a warning is given
+NODE = 1e-6  # |u_z|/|u_x| below which u_z is a node: waves from both sides cancel
+CREEP = 0.01  # slider speed over the speed of the surface along x below which the slider counts as sticking
+SPREADS = 0.1  # relative change of u_z by the finite aperture above which a warning is given
+DECIDES = (
+    0.1  # relative change of u_z or of the velocity by a neglected effect above which a warning is given
+)
 
 
 def warnings_of(record: Record) -> tuple[str, ...]:
-    """Return every warning about a run, in the order of the chain."""
+    """Return all warnings about a run, ordered from the drive to the slider."""
     warnings = list(scene_warnings(record.scene))
     if record.scene.piece:
         stator, row = resolve.whole_stator(record.scene), resolve.transducers(record.scene)
@@ -58,7 +61,7 @@ def _strength(scene: Scene):
 
 
 def _drive(record: Record) -> Iterator[str]:
-    """Yield warnings where fingers or air break down between the combs, or the wave's stress breaks the stator."""
+    """Yield warnings about breakdown of solid or air between the fingers and about fracture of the stator."""
     scene, driven, electrical = record.scene, record.scene.driven_transducer, record.electrical
     highest, limits = max(scene.levels), _strength(scene)
     gap = (1 - driven.metallisation) * driven.wavelength * driven.finger_pairs / driven.fingers
@@ -81,42 +84,44 @@ def _drive(record: Record) -> Iterator[str]:
     c = resolve.solid(scene.stator).stiffness
     stiffness = c[0, 0] - c[0, 2] ** 2 / c[2, 2]  # plane strain, no traction on the surface
     wavenumber = 2 * math.pi * record.wave["frequency_Hz"] / record.wave["phase_velocity_m_per_s"]
-    motion = highest * float(abs(record.surface["u_x_m_per_V"]).max())
-    stress = stiffness * wavenumber * motion
+    u_x = highest * float(abs(record.surface["u_x_m_per_V"]).max())
+    stress = stiffness * wavenumber * u_x
     if stress > limits.tensile_stress:
         yield (
-            f"the wave's stress at the surface reaches {stress / 1e6:.3g} MPa (u_x = {motion * 1e9:.3g} nm); "
+            f"the wave's stress at the surface reaches {stress / 1e6:.3g} MPa (u_x = {u_x * 1e9:.3g} nm); "
             f"{limits.tensile_stress / 1e6:g} MPa is the rated dynamic tensile strength (Morgan TP-226): "
             f"keep the voltage below {highest * limits.tensile_stress / stress:.3g} V"
         )
 
 
 def breakdown_voltage(gap: float) -> float:
-    """Return the breakdown voltage in V of air at 1 atm over a gap in m; its minimum below the gap of the minimum.
+    """Return the breakdown voltage in V of air at 1 atm over a gap in m.
 
-    Paschen's law, M. A. Lieberman and A. J. Lichtenberg, Principles of Plasma Discharges, 2nd ed. 2005, eq. 14.3.5.
+    Paschen's law has a minimum over the gap; the minimum is returned for all smaller gaps.
+
+    Source: M. A. Lieberman and A. J. Lichtenberg, Principles of Plasma Discharges, 2nd ed. 2005, eq. 14.3.5.
     """
-    least = math.e * math.log(1 + 1 / PASCHEN_GAMMA) / PASCHEN_A
-    product = max(AIR * gap, least)
+    product_at_minimum = math.e * math.log(1 + 1 / PASCHEN_GAMMA) / PASCHEN_A
+    product = max(AIR * gap, product_at_minimum)
     return PASCHEN_B * product / math.log(PASCHEN_A * product / math.log(1 + 1 / PASCHEN_GAMMA))
 
 
 def _off_resonance(record: Record) -> Iterator[str]:
-    """Yield a warning where another frequency would give a larger wave, by coupled modes of the driven transducer."""
+    """Yield a warning if the coupled-mode model of the driven transducer has a larger wave at another frequency."""
     scene, driven, drive = record.scene, record.scene.driven_transducer, record.scene.drive
     if driven.pattern is not None or driven.split or drive.source_impedance or drive.match != "none":
         return
     stator, present = resolve.stator(scene.stator), scene.frequency
-    reach = 2 / max(driven.finger_pairs, 4)
-    frequencies = np.append(np.linspace(1 - reach, 1 + reach, 801) * present, present)
+    half_band = 2 / max(driven.finger_pairs, 4)
+    frequencies = np.append(np.linspace(1 - half_band, 1 + half_band, 801) * present, present)
     try:
-        sizes = fem.relative_amplitude(
+        relative_amplitudes = fem.relative_amplitude(
             stator.solid, resolve.driven(scene), frequencies, surface=stator.bare_surface
         )
     except fem.ConvergenceError:
-        return  # a cut whose half-space has no such wave: there is no estimate
-    best = int(np.argmax(sizes))
-    gain = float(sizes[best] / max(sizes[-1], sizes[best] * 1e-3))
+        return  # the half-space of this cut has no surface wave: no estimate is possible
+    best = int(np.argmax(relative_amplitudes))
+    gain = float(relative_amplitudes[best] / max(relative_amplitudes[-1], relative_amplitudes[best] * 1e-3))
     if gain > OFF_RESONANCE:
         better = frequencies[best] / 1e6
         more = f"about {100 * (gain - 1):.0f} % larger" if gain < 10 else "ten times as large or more"
@@ -128,7 +133,7 @@ def _off_resonance(record: Record) -> Iterator[str]:
 
 
 def _section(record: Record) -> Iterator[str]:
-    """Yield warnings where the section leaves out much, reflecting ends meet no loss, or the plate is too thin."""
+    """Yield warnings about the finite aperture, about lossless stators with reflecting ends and about thin plates."""
     for each in record.model_error:
         if each["effect"] == "finite aperture" and abs(each["size"]) > SPREADS:
             refused = fem.beam_refusal(resolve.whole_stator(record.scene))
@@ -166,12 +171,11 @@ def _section(record: Record) -> Iterator[str]:
 
 
 def _left_out(record: Record) -> Iterator[str]:
-    """Yield a warning for every effect outside the model that changes the wave or the velocity by a tenth or more."""
+    """Yield a warning for each neglected effect that changes u_z or the velocity by ``DECIDES`` or more."""
     for row in record.model_error:
         size, quantity = row["size"], row["quantity"]
-        if (
-            quantity in SHARED and abs(size) >= DECIDES and row["effect"] != "finite aperture"
-        ):  # `_section` has it
+        # `_section` warns about the finite aperture
+        if quantity in SHARED and abs(size) >= DECIDES and row["effect"] != "finite aperture":
             yield (
                 f"model error: {row['effect']} changes {quantity} by about {100 * size:+.2g} %, which the model leaves "
                 f"out ({row['source']}); the numerical error does not contain it"
@@ -179,11 +183,12 @@ def _left_out(record: Record) -> Iterator[str]:
 
 
 def _contact(record: Record, driven: DrivenContact) -> Iterator[str]:
-    """Yield warnings where a ball is moved sideways, or presses harder than it or the stator bears."""
+    """Yield warnings about lateral motion under a ball and about contact pressures above the strength of a material."""
     normal, tangential = (
         abs(record.wave.get(f"{name}_m_per_V", np.nan)) for name in ("normal", "tangential")
     )
-    if normal < NODE * tangential:  # not of a given wave, which has no motion per volt
+    # NaN, and therefore false, for a scene with a [wave], which has no motion per volt
+    if normal < NODE * tangential:
         yield (
             "u_z vanishes at the slider's centre: the amplitudes of the points are taken "
             "at the centre and say nothing about the wave under the balls: another slider.position"
@@ -218,7 +223,7 @@ def _contact(record: Record, driven: DrivenContact) -> Iterator[str]:
 
 
 def _points(record: Record, driven: DrivenContact) -> Iterator[str]:
-    """Yield warnings where the slider runs one way at a point and the other way at the next, or sticks at all."""
+    """Yield warnings about a change of direction between neighbouring points and about a slider that always sticks."""
     omega, unit = 2 * math.pi * record.wave["frequency_Hz"], _unit(record)
     moving = [
         (point[record.level], velocity)
@@ -232,7 +237,7 @@ def _points(record: Record, driven: DrivenContact) -> Iterator[str]:
                 f"the slider reverses its direction between {low:.3g} and {high:.3g} {unit} ({before * 1e3:.3g} and "
                 f"{after * 1e3:.3g} mm/s): give {driven.level_key} more values between them"
             )
-    if record.at_rest:  # the answer is the threshold, and the wave's own error counts
+    if record.at_rest:  # the only answer is the threshold, whose error is that of the wave
         known = record.wave.get("relative_error")
         threshold = record.summary.get("threshold_amplitude_m" if unit == "m" else "threshold_voltage_V")
         starts = "" if threshold is None else f"; it starts at {driven.named(threshold)}"
@@ -245,7 +250,7 @@ def _unit(record: Record) -> str:
 
 
 def _other_motion(record: Record, _driven: DrivenContact) -> Iterator[str]:
-    """Yield a warning where a second steady motion is known: the one that a start from rest misses or goes on with."""
+    """Yield a warning if some points have a second steady motion."""
     several = [point for point in record.points if "other_velocity_m_per_s" in point]
     if not several:
         return

@@ -1,6 +1,7 @@
 """``sawmotor export``: a run or a scene as a file of another world."""
 
 import argparse
+import re
 from pathlib import Path
 
 from studies.command.options import add_shared
@@ -9,7 +10,7 @@ from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.export.exported import Exported
 from studies.progress import Progress
 from studies.refusal import SceneError, nearest
-from studies.results import Origin, result_directory
+from studies.results import Origin, read_manifest, result_directory
 from studies.scene import Scene
 
 HELP = "a run or a scene for others: a motor for simulators, a mask, what a lab's instruments would record"
@@ -54,7 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out",
         metavar="PATH",
-        help="a directory, or the file where there is one (results/NAME-export-FORMAT)",
+        help="a directory, or a file such as net.s2p where there is one (results/NAME-export-FORMAT)",
     )
     add_shared(parser, "--no-plot")
 
@@ -63,13 +64,11 @@ def call(arguments: argparse.Namespace) -> int:
     """Write a run or a scene in a format of others."""
     from studies.record.text import labelled
 
-    ending, _ = checked(arguments)
+    checked(arguments)
     source, name = arguments.scene, Path(arguments.scene).stem
     arguments.scene = scene_of(source)
     tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
-    alone = bool(ending) and arguments.out is not None and Path(arguments.out).suffix.lower() == ending
-    if alone and Path(arguments.out).exists():
-        raise SceneError("--out", f"{arguments.out!r} exists already, and is not replaced")
+    alone = arguments.out is not None and names_file(Path(arguments.out), arguments, scene)
     with Progress() as progress:
         done = exported(arguments, scene, name, tolerance=tolerance, progress=progress)
         out = Path(arguments.out or Path("results") / f"{name}-export-{arguments.format}")
@@ -92,13 +91,41 @@ def call(arguments: argparse.Namespace) -> int:
     return 0
 
 
-# by format: ending of its file, and the options of the command that it takes beside the scene's own
+# by format: pattern of its files' endings, and the options of the command that it takes beside the scene's own
 FORMATS = {
-    "fmu": (".fmu", ("fmi",)), "c": ("", ()), "gds": (".gds", ("size",)), "dxf": (".dxf", ("size",)),
-    "uff": (".uff", ("scan", "band", "noise", "seed")), 
-    "csv": ("", ("scan", "band", "noise", "seed", "bandwidth", "sampling")),
-    "touchstone": (".snp", ("band", "z0", "noise", "seed")), "vtu": (".vtu", ()),
+    "fmu": (r"\.fmu", ("fmi",)), "c": (r"\.[ch]", ()), "gds": (r"\.gds", ("size",)), "dxf": (r"\.dxf", ("size",)),
+    "uff": (r"\.uff", ("scan", "band", "noise", "seed")),
+    "csv": (r"\.csv", ("scan", "band", "noise", "seed", "bandwidth", "sampling")),
+    "touchstone": (r"\.s\d+p", ("band", "z0", "noise", "seed")), "vtu": (r"\.vtu", ()),
 }  # fmt: skip
+
+
+def names_file(out: Path, arguments: argparse.Namespace, scene: Scene) -> bool:
+    """Return whether --out names the one file of an export, not a directory.
+
+    Raises
+    ------
+    SceneError
+        If the file exists, is of another format, or would be one of several that need each other.
+    """
+    suffix, wanted = out.suffix.lower(), arguments.format
+    known = [name for name, (pattern, _) in FORMATS.items() if re.fullmatch(pattern, suffix)]
+    if not known or (out.is_dir() and read_manifest(out)):
+        return False
+    if wanted not in known:
+        raise SceneError("--out", f"names a file of the format {known[0]}, not of {wanted}, got {str(out)!r}")
+    if wanted == "c" or (wanted == "csv" and arguments.scan is None and scene.slider is not None):
+        more = "; --scan x gives one" if wanted == "csv" and scene.transducer else ""
+        raise SceneError("--out", f"must be a directory, as there are several files, got {str(out)!r}{more}")
+    ports = sum(each.has_two_combs for each in scene.transducer)
+    if wanted == "touchstone" and 0 < ports and suffix != f".s{ports}p":
+        raise SceneError(
+            "--out",
+            f"must end in .s{ports}p, as the scene has {ports} ports, or be a directory, got {str(out)!r}",
+        )
+    if out.exists():
+        raise SceneError("--out", f"{str(out)!r} exists already, and is not replaced")
+    return True
 
 
 def exported(
@@ -112,24 +139,24 @@ def exported(
         "uff": instruments.uff_files, "csv": instruments.csv_files, "touchstone": instruments.touchstone_files,
         "vtu": instruments.vtu_files,
     }  # fmt: skip
-    _, taken = checked(arguments)
+    taken = checked(arguments)
     options = {key: value for key in taken if (value := getattr(arguments, key)) not in (None, [])}
     return calls[arguments.format](scene, name, tolerance=tolerance, progress=progress, **options)
 
 
-def checked(arguments: argparse.Namespace) -> tuple[str, tuple[str, ...]]:
-    """Return the ending and the options of the format that was asked for; SceneError for what does not fit."""
+def checked(arguments: argparse.Namespace) -> tuple[str, ...]:
+    """Return the options of the format that was asked for; SceneError for what does not fit."""
     wanted = arguments.format
     if wanted is None:
         raise SceneError("--format", f"is missing; known: {', '.join(FORMATS)}")
     if wanted not in FORMATS:
         raise SceneError("--format", f"{wanted!r} is not known{nearest(wanted, FORMATS)}")
-    ending, taken = FORMATS[wanted]
+    _, taken = FORMATS[wanted]
     every = {option for _, options in FORMATS.values() for option in options}
     for option in sorted(every - set(taken)):
         if getattr(arguments, option) not in (None, []):
             raise SceneError(f"--{option}", f"is not taken by the format {wanted}")
-    return ending, taken
+    return taken
 
 
 def scene_of(word: str) -> str:

@@ -1,10 +1,10 @@
-"""What each part that a scene does without would cost, and that the answer is the same with it put back in.
+"""What it saves to omit parts of a model, and that the answer is the same with each part included.
 
-Method: for every entry of ``left_out`` that the Python API can put back one question asked twice (see omission.py):
-processor time once everything is compiled, peak memory of what is allocated, unknowns, and the relative difference of
-the answers.  Whole commands in processes of their own show what absent blocks save in imports, time and memory.
-Expected: differences of rounding (1e-12) or of the part's own size; the wave under the slider the same whether the
-scene has one or not.  Run time: about a minute of one processor.
+Method: every entry of ``left_out`` that the Python API can include is computed twice, without and with the part (see
+omission.py).  The two are compared by processor time after compilation, peak allocated memory, number of unknowns, and
+the relative difference of the answers.  Whole commands in their own processes show the imports, time and memory that
+omitted blocks of a scene save.  Expected: differences by rounding (1e-12) or of the size that is stated for the part;
+the same wave under the slider, whether the scene has a slider or not.  Run time: about a minute of one processor.
 """
 
 import json

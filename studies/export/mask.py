@@ -1,10 +1,10 @@
 """The mask of a scene's transducers: polygons on named layers, snapped to the grid of the lithography.
 
-Each transducer has two combs.  The fingers of the comb "+" hang on a busbar at its upper side (the +y side
-of one that is not turned), those of the comb "-" on one at its lower side; fingers overlap along the aperture and end a
-gap before the other comb's busbar.  A pad touches the outer edge of each busbar.  Open strips ("o") have no busbar.
-Crosses mark the corners of the chip, whose outline is a layer of its own.  x from its left end, y from its middle
-line, as in the scene.
+Each transducer has two combs. The busbar of the comb "+" lies on the upper side of the transducer (the +y side at an
+angle of 0), the busbar of the comb "-" on the lower side. The fingers of both combs overlap along the aperture, and
+each finger ends one gap before the busbar of the other comb. A pad touches the outer edge of each busbar. Open strips
+("o") have no busbar. Crosses mark the corners of the chip. The outline of the chip has a separate layer. As in the
+scene, x is measured from the left end of the chip and y from its centre line.
 """
 
 from collections.abc import Iterator
@@ -23,29 +23,30 @@ from studies.scene.quantity import si_value
 
 LAYERS = {"fingers": 1, "busbars": 2, "pads": 3, "marks": 10, "outline": 20}
 COMBS = {"+": "plus", "-": "minus", "o": "open"}
-PAD_PERIODS, CLEAR_PERIODS = 4.0, 0.5  # default side of a pad, at most; its distance to the chip's edge
-MAX_COORDINATE = 2**31 - 1  # of a GDSII file, in its precision
+# in periods: largest default side of a pad; distance of a pad from the edge of the chip
+PAD_PERIODS, CLEAR_PERIODS = 4.0, 0.5
+MAX_COORDINATE = 2**31 - 1  # largest coordinate of a GDSII file, in units of its precision
 GDS_PRECISION = 1e-9  # m
 
 
 @dataclass(frozen=True, kw_only=True)
 class Sizes:
-    """What a scene does not say of a mask, m; None: a default that follows from the transducer's period.
+    """Dimensions of a mask in m that a scene does not contain. None selects the default for each transducer.
 
     Attributes
     ----------
     busbar : float or None
-        Width of a busbar; a period.
+        Width of a busbar; by default one period.
     end_gap : float or None
-        From a finger's end to the other comb's busbar; the gap between two fingers.
+        Distance from the end of a finger to the busbar of the other comb; by default the gap between two fingers.
     pad : float or None
-        Side of a square pad, 0 for none; four periods or what the chip leaves.
+        Side of a square pad, 0 for none; by default four periods, or less if the chip is too small.
     mark : float
         Length of an alignment cross, 0 for none.
     margin : float
-        From the centre of a cross to the chip's edges.
+        Distance from the centre of a cross to the edges of the chip.
     grid : float
-        Of the lithography: every corner lies on a multiple of it.
+        Grid of the lithography; the coordinates of all corners are multiples of it.
     """
 
     busbar: float | None = None
@@ -57,7 +58,7 @@ class Sizes:
 
     @classmethod
     def read(cls, settings: list[str]) -> "Sizes":
-        """Return the sizes of texts ``key=value``, such as ``busbar="0.5 mm"``."""
+        """Return the sizes from settings ``key=value``, such as ``busbar="0.5 mm"``."""
         known, values = [each.name for each in fields(cls)], {}
         for setting in settings:
             key, equals, text = (part.strip() for part in setting.partition("="))
@@ -75,14 +76,14 @@ class Polygon:
     """One polygon of a mask."""
 
     layer: str  # a key of LAYERS
-    transducer: str  # its name; empty for marks and outline
+    transducer: str  # name of the transducer; empty for marks and outline
     comb: str  # "+", "-", "o" or empty
-    corners: np.ndarray = field(repr=False)  # (k, 2), m, in turn, on the grid
+    corners: np.ndarray = field(repr=False)  # shape (k, 2), m; in cyclic order, snapped to the grid
 
 
 @dataclass(frozen=True, kw_only=True)
 class Mask:
-    """All polygons of a scene, and what the grid made of them."""
+    """All polygons of a scene, and the errors due to snapping."""
 
     title: str
     polygons: tuple[Polygon, ...] = field(repr=False)
@@ -90,8 +91,8 @@ class Mask:
     transducers: tuple[str, ...]
     length: float
     width: float
-    shift: float  # largest distance in x or y that a corner was moved by, m
-    width_error: float  # largest change of a finger's width, m
+    shift: float  # largest displacement of a corner in x or y by snapping, m
+    width_error: float  # largest change of a finger width by snapping, m
     gap: float  # smallest distance of neighbouring fingers after snapping, m
 
 
@@ -101,7 +102,7 @@ def mask(scene: Scene, sizes: Sizes | None = None) -> Mask:
     Raises
     ------
     SceneError
-        If there is no transducer, a part leaves the chip, combs touch, or the grid closes the gaps.
+        If there is no transducer, a part lies outside the chip, or combs touch, also because of a coarse grid.
     """
     sizes = Sizes() if sizes is None else sizes
     if not scene.transducer:
@@ -118,20 +119,20 @@ def mask(scene: Scene, sizes: Sizes | None = None) -> Mask:
     _refuse_covered_marks(polygons)
     box = np.array([[0.0, -width / 2], [length, -width / 2], [length, width / 2], [0.0, width / 2]])
     polygons.append(Polygon(layer="outline", transducer="", comb="", corners=_snapped(box, sizes.grid)))
-    moved = [
+    shifts = [
         float(np.abs(new.corners - old.corners).max()) for new, old in zip(polygons, exact, strict=False)
     ]
     return Mask(
         title=resolved.title or "untitled", polygons=tuple(polygons), grid=sizes.grid,
-        transducers=tuple(block.name for block in resolved.transducer), length=length, width=width, shift=max(moved),
+        transducers=tuple(block.name for block in resolved.transducer), length=length, width=width, shift=max(shifts),
         **_finger_errors(resolved.transducer, polygons),
     )  # fmt: skip
 
 
 def _transducer(block: Transducer, sizes: Sizes, length: float, width: float) -> Iterator[Polygon]:
-    """Yield the polygons of a transducer, not snapped."""
+    """Yield the polygons of a transducer before snapping."""
     pitch = block.wavelength / (4 if block.split else 2)
-    half, finger = block.aperture / 2, block.metallisation * pitch
+    half_aperture, finger = block.aperture / 2, block.metallisation * pitch
     gap = pitch - finger if sizes.end_gap is None else sizes.end_gap
     busbar = block.wavelength if sizes.busbar is None else sizes.busbar
     signs = block.pattern or ("++--" if block.split else "+-") * block.finger_pairs
@@ -140,40 +141,48 @@ def _transducer(block: Transducer, sizes: Sizes, length: float, width: float) ->
 
     def polygon(layer: str, comb: str, left: float, right: float, low: float, high: float) -> Polygon:
         angle = radians(block.angle % 360)
-        c, s = (each if abs(each) > 1e-12 else 0.0 for each in (cos(angle), sin(angle)))  # 90 deg is exact
+        # exact for multiples of 90 deg
+        c, s = (each if abs(each) > 1e-12 else 0.0 for each in (cos(angle), sin(angle)))
         box = np.array([[left, low], [right, low], [right, high], [left, high]])
-        place = np.array(block.place) + box @ np.array([[c, s], [-s, c]])
-        return Polygon(layer=layer, transducer=block.name, comb=comb, corners=place)
+        corners = np.array(block.place) + box @ np.array([[c, s], [-s, c]])
+        return Polygon(layer=layer, transducer=block.name, comb=comb, corners=corners)
 
     for k, sign in enumerate(signs):
         left = first + k * pitch
-        reach = gap + busbar / 2  # into the busbar, so that rounding opens no slit
-        low, high = half + reach * (sign == "-"), half + reach * (sign == "+")
+        # overlap with the busbar, so that rounding cannot separate finger and busbar
+        extension = gap + busbar / 2
+        low, high = half_aperture + extension * (sign == "-"), half_aperture + extension * (sign == "+")
         if sign != "0":
             yield polygon("fingers", sign, left, left + finger, -low, high)
-    for sign, way in (("+", 1.0), ("-", -1.0)):
+    for sign, side_sign in (("+", 1.0), ("-", -1.0)):
         if sign not in signs:
             continue
-        inner, outer = half + gap, half + gap + busbar
-        yield polygon("busbars", sign, first, last, *sorted((way * inner, way * outer)))
+        inner, outer = half_aperture + gap, half_aperture + gap + busbar
+        yield polygon("busbars", sign, first, last, *sorted((side_sign * inner, side_sign * outer)))
         side = sizes.pad
         if side is None:
-            side = min(PAD_PERIODS * block.wavelength, last - first, _room(block, way, outer, length, width))
+            side = min(
+                PAD_PERIODS * block.wavelength,
+                last - first,
+                _pad_room(block, side_sign, outer, length, width),
+            )
         if side > 0.0:
-            yield polygon("pads", sign, -side / 2, side / 2, *sorted((way * outer, way * (outer + side))))
+            yield polygon(
+                "pads", sign, -side / 2, side / 2, *sorted((side_sign * outer, side_sign * (outer + side)))
+            )
 
 
-def _room(block: Transducer, way: float, outer: float, length: float, width: float) -> float:
-    """Return how large a pad beyond a busbar may be, a clearance before the chip's edge, m."""
+def _pad_room(block: Transducer, side_sign: float, outer: float, length: float, width: float) -> float:
+    """Return the largest side of a pad in m that keeps the clearance from the edge of the chip."""
     angle = radians(block.angle % 360)
-    direction = way * np.array([-sin(angle), cos(angle)])
-    ends = np.array([[0.0, length], [-width / 2, width / 2]])
-    reach = [
-        (ends[axis, int(direction[axis] > 0)] - block.place[axis]) / direction[axis]
+    direction = side_sign * np.array([-sin(angle), cos(angle)])
+    edges = np.array([[0.0, length], [-width / 2, width / 2]])
+    distances = [
+        (edges[axis, int(direction[axis] > 0)] - block.place[axis]) / direction[axis]
         for axis in (0, 1)
         if abs(direction[axis]) > 1e-12
     ]
-    return max(min(reach) - outer - CLEAR_PERIODS * block.wavelength, 0.0)
+    return max(min(distances) - outer - CLEAR_PERIODS * block.wavelength, 0.0)
 
 
 def _marks(length: float, width: float, sizes: Sizes) -> Iterator[Polygon]:
@@ -216,17 +225,17 @@ def _refuse_outside(polygons, length: float, width: float, sizes: Sizes) -> None
 
 
 def _refuse_contact(polygons) -> None:
-    """Refuse polygons of different combs that touch."""
+    """Raise an error if polygons of different combs touch."""
     boxes = np.array(
         [np.concatenate([each.corners.min(axis=0), each.corners.max(axis=0)]) for each in polygons]
     )
     owner = [(each.transducer, each.comb, k if each.comb == "o" else -1) for k, each in enumerate(polygons)]
     order = np.argsort(boxes[:, 0])
-    for at, k in enumerate(order):
-        later = order[at + 1 :]
+    for position, k in enumerate(order):
+        later = order[position + 1 :]
         later = later[: np.searchsorted(boxes[later, 0], boxes[k, 2], side="right")]
-        near = later[(boxes[later, 1] <= boxes[k, 3]) & (boxes[later, 3] >= boxes[k, 1])]
-        for other in near:
+        candidates = later[(boxes[later, 1] <= boxes[k, 3]) & (boxes[later, 3] >= boxes[k, 1])]
+        for other in candidates:
             one, two = polygons[k], polygons[other]
             if owner[k] != owner[other] and not apart(one.corners, two.corners):
                 names = " and ".join(
@@ -248,7 +257,7 @@ def _refuse_covered_marks(polygons) -> None:
 
 
 def apart(one: np.ndarray, other: np.ndarray) -> bool:
-    """Return whether a gap lies between two convex polygons (k, 2): along a normal of one of their sides."""
+    """Return whether two convex polygons, shapes (k, 2), are disjoint, by the separating axis theorem."""
     for corners in (one, other):
         sides = np.roll(corners, -1, axis=0) - corners
         for normal in np.stack([sides[:, 1], -sides[:, 0]], axis=1):
@@ -259,7 +268,7 @@ def apart(one: np.ndarray, other: np.ndarray) -> bool:
 
 
 def _finger_errors(blocks, polygons) -> dict[str, float]:
-    """Return what the grid made of widths and gaps of the fingers, m."""
+    """Return the largest error of a finger width and the smallest gap after snapping, m."""
     worst, smallest = 0.0, np.inf
     for block in blocks:
         pitch = block.wavelength / (4 if block.split else 2)
@@ -277,17 +286,17 @@ def _finger_errors(blocks, polygons) -> dict[str, float]:
 
 
 def draw(mask: Mask, ax, *, beam: bool) -> None:
-    """Draw a mask into an Axes in mm; as lines where it lies on a computed beam."""
+    """Draw a mask into an Axes in mm; ``beam`` says that the Axes already show a computed beam."""
     from matplotlib.collections import PolyCollection
 
     colours = {"+": "tab:red", "-": "tab:blue", "o": "tab:grey", "": "black"}
     for comb, colour in colours.items():
-        own = [each.corners * 1e3 for each in mask.polygons if each.comb == comb]
-        if own:
+        corners = [each.corners * 1e3 for each in mask.polygons if each.comb == comb]
+        if corners:
             face = "none" if comb == "" else colour
             label = {"": None, "o": "open strips"}.get(comb, f"comb {comb}")
             ax.add_collection(
-                PolyCollection(own, facecolors=face, edgecolors=colour, linewidths=0.4, label=label)
+                PolyCollection(corners, facecolors=face, edgecolors=colour, linewidths=0.4, label=label)
             )
     ax.set_xlim(-0.02e3 * mask.length, 1.02e3 * mask.length)
     ax.set_ylim(-0.52e3 * mask.width, 0.52e3 * mask.width)
@@ -323,7 +332,7 @@ def gds(mask: Mask) -> bytes:
 
 
 def datatype(mask: Mask, polygon: Polygon) -> int:
-    """Return the datatype of a polygon: 10 n + 1, 2 or 3 for the comb +, - or o of the n-th transducer; else 0."""
+    """Return the GDSII datatype: 10 n + 1, 2 or 3 for the comb +, - or o of the n-th transducer; 0 for other parts."""
     if not polygon.transducer:
         return 0
     return 10 * (mask.transducers.index(polygon.transducer) + 1) + list(COMBS).index(polygon.comb) + 1

@@ -1,4 +1,7 @@
-"""An encoder's trace: the filters of the instrument, and the alignment of a trace in time."""
+"""Processing of an encoder's trace: filters of the instrument, and alignment in time.
+
+`studies.record.measured` reads the CSV file of a trace.
+"""
 
 import numpy as np
 
@@ -9,9 +12,9 @@ def travelled_distance(time: np.ndarray, velocity: np.ndarray) -> np.ndarray:
 
 
 def low_pass(time: np.ndarray, values: np.ndarray, bandwidth: float) -> np.ndarray:
-    """Return a curve as a filter of first order with a bandwidth in Hz (-3 dB) shows it, at rest before it begins.
+    """Return a curve after a first-order low-pass filter of a bandwidth in Hz (-3 dB); it is constant before the start.
 
-    The curve is linear between its instants; the filter's answer to that is exact.
+    The curve is linear between its samples, for which the response of the filter is exact.
     """
     rate = 2.0 * np.pi * bandwidth
     out = np.empty(len(values))
@@ -26,7 +29,7 @@ def low_pass(time: np.ndarray, values: np.ndarray, bandwidth: float) -> np.ndarr
 
 
 def averaged(time: np.ndarray, values: np.ndarray, span: float, at: np.ndarray) -> np.ndarray:
-    """Return the means of a curve, which rests before and stays after, over the ``span`` in s before each instant."""
+    """Return the means of a curve over the ``span`` in s before each instant ``at``; it is constant beyond its ends."""
     sums = travelled_distance(time, values)
 
     def until(instant):
@@ -41,9 +44,9 @@ def averaged(time: np.ndarray, values: np.ndarray, span: float, at: np.ndarray) 
 
 
 def aligned(time: np.ndarray, measured: np.ndarray, at: np.ndarray, predicted: np.ndarray) -> float:
-    """Return the offset in s of a trace's time for which it lies closest to a prediction (least squares).
+    """Return the time offset in s that fits a trace best to a prediction (least squares).
 
-    ``time``, ``measured``: of the trace; ``at``, ``predicted``: of the prediction, which rests before and stays after.
+    ``time`` and ``measured`` are the trace; ``at`` and ``predicted`` are the prediction, constant beyond its ends.
     """
     from scipy.optimize import minimize_scalar
 

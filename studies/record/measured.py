@@ -1,12 +1,16 @@
-"""Measured curves: read from files, and beside the predicted one of a run.
+"""Measurements: reading the CSV file of a measurement, and comparing it with the prediction of a run.
 
-A file is CSV with the names of run.json: ``voltage_V`` or ``normal_amplitude_m`` with ``velocity_m_per_s`` is a
-velocity curve; ``voltage_V`` with ``normal_amplitude_m`` and no velocity a calibration of the surface amplitude;
-``time_s`` with ``velocity_m_per_s`` a burst.  ``velocity_standard_deviation_m_per_s`` (or ``error_m_per_s``) and
-``normal_amplitude_standard_deviation_m`` hold standard deviations.  ``_mm_per_s``, ``_nm`` and ``_ms`` serve as units
-too.  Other columns are ignored, so that a run's own velocity.csv may be compared with another run.
-``time_s`` with ``position_m`` is an encoder's trace.  Vibrometers' scans are read by `studies.lab.scan`, network
-analysers' files by `studies.lab.network`.
+The columns of the file have the names of run.json and determine the kind of measurement:
+
+- ``voltage_V`` or ``normal_amplitude_m``, with ``velocity_m_per_s``: velocity curve,
+- ``voltage_V`` with ``normal_amplitude_m``, without a velocity: calibration of the surface amplitude,
+- ``time_s`` with ``velocity_m_per_s``: burst,
+- ``time_s`` with ``position_m``: trace of an encoder.
+
+``velocity_standard_deviation_m_per_s`` (or ``error_m_per_s``) and ``normal_amplitude_standard_deviation_m`` are
+standard deviations.  The units ``_mm_per_s``, ``_nm`` and ``_ms`` are also accepted.  Other columns are ignored, so
+that the velocity.csv of one run can be compared with another run.  Files of vibrometers and network analysers are
+recognised here and read by `studies.lab.scan` and `studies.lab.network`.
 """
 
 import csv
@@ -40,28 +44,28 @@ QUANTITIES = {
 
 @dataclass(frozen=True, kw_only=True)
 class Measurement:
-    """Measured or imagined values of one quantity; arrays of one length, SI units.
+    """Measured or planned values of one quantity, as arrays of one length in SI units.
 
     Attributes
     ----------
     name : str
-        Of the file, or in words.
+        Name of the file, or a description.
     quantity : str
         A key of ``QUANTITIES``.
     level_key : str
-        ``voltage_V`` or ``normal_amplitude_m``; empty where the scene's own level counts.
+        ``voltage_V`` or ``normal_amplitude_m``; empty if the level is that of the scene.
     levels : tuple of float
-        V or m.
+        Drive voltages in V, or normal amplitudes in m.
     time : tuple of float
-        s from the start of a burst; empty for what is no burst.
+        Time in s from the start of a burst; empty if the measurement is no burst.
     values : tuple of float
-        Empty for a measurement that is only imagined.
+        Measured values; empty for a measurement that is only planned.
     deviations : tuple of float or None
-        Standard deviations; None where they are not known.
+        Standard deviations; None if they are unknown.
     systematic : float
-        Relative standard deviation of one factor that all values of the measurement share.
+        Relative standard deviation of a factor common to all values of the measurement.
     settings : dict
-        Keys of the scene that hold for this measurement alone.
+        Keys of the scene, and their values for this measurement alone.
     """
 
     name: str
@@ -79,24 +83,24 @@ class Measurement:
 
     @property
     def coordinate(self) -> "tuple[float, ...]":
-        """Where each value stands: time in s, level, or place in m or frequency in Hz of a scan or network."""
+        """Abscissa of each value: time in s or level; position in m of a scan, frequency in Hz of a network."""
         data = self.scan if self.scan is not None else self.network
         if data is None:
             return self.time or self.levels
         return tuple(data.coordinate) * (len(self.values) // len(data.coordinate))
 
     def scattered(self, factor: float) -> "Measurement":
-        """Return the same measurement, its standard deviations multiplied."""
+        """Return the measurement with its standard deviations multiplied by a factor."""
         return replace(self, deviations=tuple(factor * each for each in self.deviations))
 
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredTable(Heads):
-    """The columns of a CSV file; others than those asked for are ignored, whatever their units."""
+    """Columns of a CSV file of a measurement; columns that are not requested may have any unit."""
 
     @classmethod
     def read(cls, path: str | Path, option: str) -> "MeasuredTable":
-        """Read a file; lines that begin with # are ignored."""
+        """Read a CSV file; lines that begin with # are ignored."""
         path = Path(path)
         try:
             text = path.read_text(encoding="utf-8-sig")
@@ -112,7 +116,7 @@ class MeasuredTable(Heads):
         return cls(path=path, option=option, names=rows[0], rows=rows[1:])
 
     def known(self, noun: str, units: dict[str, float]) -> tuple[float, ...] | None:
-        """Return the column ``noun_unit`` in SI units; None where there is none."""
+        """Return the column ``noun_unit`` in SI units, or None if the file has none."""
         for unit, factor in units.items():
             if f"{noun}_{unit}" in self.names:
                 at = self.names.index(f"{noun}_{unit}")
@@ -120,7 +124,7 @@ class MeasuredTable(Heads):
         return None
 
     def deviation(self, nouns: tuple[str, ...], units: dict[str, float]) -> tuple[float, ...] | None:
-        """Return the standard deviations of the first of these columns, positive, in SI units; or None."""
+        """Return the first of the columns ``nouns`` that exists, in SI units, or None; it must be positive."""
         bare = next(
             (name for name in ("error", "velocity_error", "sigma", "uncertainty") if name in self.names), None
         )
@@ -140,12 +144,12 @@ class MeasuredTable(Heads):
 
 
 def read_measured(path: str | Path, option: str = OPTION) -> Measurement:
-    """Read a file of measured points; ``option``: of the command, for refusals.
+    """Read the file of a measurement; ``option``: the command's option that error messages name.
 
     Raises
     ------
     SceneError
-        If it cannot be read, lacks a column, or holds what is no number.
+        If the file cannot be read, lacks a column, or contains an entry that is not a number.
     """
     if TOUCHSTONE.fullmatch(Path(path).suffix):
         data = read_network(Path(path), option)
@@ -202,7 +206,7 @@ def read_measured(path: str | Path, option: str = OPTION) -> Measurement:
 
 
 def measured_scan(scan: Scan) -> Measurement:
-    """Return the measurement that a vibrometer's scan is, per volt and as displacement where the file says how."""
+    """Return a vibrometer's scan as a measurement: per volt and as displacement if its file allows it."""
     if not scan.is_velocity:
         scan = scan.at_volts(None)
     elif scan.frequency is not None:
@@ -215,7 +219,7 @@ def measured_scan(scan: Scan) -> Measurement:
 
 
 def refuse_incomparable(scene: "Scene", measured: Measurement) -> None:
-    """Refuse a measurement that a run of a scene does not predict."""
+    """Raise a SceneError if a run of the scene does not predict the measured quantity."""
     if measured.quantity == "scan":
         if scene.stator is None or not scene.transducer:
             raise SceneError(OPTION, f"{measured.name!r} is a scan: it needs a scene with a driven stator")
@@ -241,21 +245,21 @@ def refuse_incomparable(scene: "Scene", measured: Measurement) -> None:
 
 
 def compared(measured: Measurement, predicted: list[float | None]) -> dict:
-    """Return the block ``measured`` of run.json: each point beside its prediction, and how far they are apart.
+    """Return the block ``measured`` of run.json: the measured points, their predictions and the deviations.
 
-    Speeds measured without a sign are given the prediction's.
+    Speeds that were measured without a sign get the sign of the prediction.
 
     Parameters
     ----------
     measured : Measurement
         Velocities.
     predicted : list of float or None
-        At the levels of the measurement, m/s; None where the motor has no steady velocity.
+        Velocity at each level of the measurement, m/s; None where the motor has no steady velocity.
 
     Raises
     ------
     SceneError
-        If there is no point at which both are known.
+        If there is no level with both a measured and a predicted velocity.
     """
     import numpy as np
 

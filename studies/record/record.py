@@ -280,8 +280,10 @@ class Record:
 
         Raises
         ------
+        SceneError
+            If the directory cannot be written, or holds something else.
         RunError
-            If the directory cannot be written, holds something else, or another run writes there.
+            If another run writes there, or the disk is full.
         """
         from studies.record.files import write_run
         from studies.record.run_pictures import draw_run

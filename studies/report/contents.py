@@ -1,4 +1,4 @@
-"""What a scene contains, in a few lines: what ``sawmotor check`` prints."""
+"""Short summary of a scene, printed by ``sawmotor check``."""
 
 import cmath
 import math
@@ -12,7 +12,7 @@ from studies.scene.blocks import Stator
 
 
 def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
-    """Yield the rows, name and lines, of a resolved scene."""
+    """Yield a name and its lines of text for each part of a resolved scene."""
     if scene.stator is not None:
         yield "stator", [section(scene.stator)]
     for each in scene.transducer:
@@ -24,7 +24,7 @@ def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
         pairs = f"{each.finger_pairs} pairs, {kind}, period {each.wavelength * 1e3:.6g} mm"
         yield "transducer", [f"{each.name}: {pairs}, {driven}"]
     for piece in scene.piece:
-        places = ", ".join(f"{place * 1e3:g}" for place in piece.position)
+        places = ", ".join(f"{position * 1e3:g}" for position in piece.position)
         yield "piece", [f"{piece.label}: its x = 0 at {places} mm"]
     yield "frequency", [f"{scene.frequency / 1e6:g} MHz"]
     if scene.levels:
@@ -39,9 +39,9 @@ def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
         if slider.pillars is not None:
             from studies.chain.pillars import layout, stiffnesses
 
-            place, (k_n, k_t) = layout(slider), stiffnesses(slider)
+            position, (k_n, k_t) = layout(slider), stiffnesses(slider)
             lines = [
-                f"{weight}, {place['x'].size} pillars of {place['diameter'].mean() * 1e6:.4g} um, {moduli}",
+                f"{weight}, {position['x'].size} pillars of {position['diameter'].mean() * 1e6:.4g} um, {moduli}",
                 f"stiffness of a pillar {k_n.mean():.4g} N/m, along the surface {k_t.mean():.4g} N/m",
             ]
             yield "slider", lines
@@ -54,7 +54,7 @@ def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
 
 
 def section(block: Stator) -> str:
-    """Return material, cut, length and thickness of a stator."""
+    """Return material, cut, length and thickness of a stator as text."""
     thickness = block.thickness if isinstance(block.thickness, str) else f"{block.thickness * 1e3:g} mm"
     name = block.material if isinstance(block.material, str) else block.material.name
     return f"{name}, {block.orientation}, {block.length * 1e3:g} mm x {thickness}"

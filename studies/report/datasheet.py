@@ -1,8 +1,9 @@
-"""The numbers of a motor's datasheet: what a motion engineer asks of a motor, with unit, conditions and error.
+"""The datasheet of a motor: the quantities that a motion engineer needs, with unit, condition and error.
 
-Everything holds at the rated level, the largest voltage (or given amplitude) of the scene, without a load unless it
-says so.  Errors are those of the computation: the stator's and the contact's, carried to each quantity.  The scene's
-own numbers, friction above all, are taken as exact.
+All rows hold at the rated level and without a load, unless their condition says otherwise. The rated level is the
+largest voltage (or the largest amplitude of a scene with a [wave]) that moves the slider. Errors are numerical: those
+of stator and contact, propagated to each quantity. The inputs of the scene, such as the friction coefficient, are taken
+as exact.
 """
 
 import logging
@@ -28,45 +29,45 @@ if TYPE_CHECKING:
     from studies.chain.pillar_points import PillarBurst
 
 LOGGER = logging.getLogger("studies.datasheet")
-LOADS = 13  # of a load line
-LINES = (0.5, 0.75, 1.0)  # of the rated level: the scene's nearest levels have a load line
-STEPS = (1e-9, 1e-8, 1e-7)  # m
+LOADS = 13  # number of loads of a load line
+LINES = (0.5, 0.75, 1.0)  # fractions of the rated level; the nearest levels of the scene get a load line
+STEPS = (1e-9, 1e-8, 1e-7)  # smallest displacements of the steps, m
 AT_ONCE = "wave at full size from the first cycle"
-SETTLED = 0.9  # of the steady velocity: the slider has started
-LONG = 8.0  # burst over the time in which friction alone would reach the steady velocity
+SETTLED = 0.9  # fraction of the steady velocity that ends the start
+LONG = 8.0  # burst duration over the time in which the full friction force would reach the steady velocity
 CONTACT_TOLERANCE = 1e-4
-CENTRE = 5e-4  # of the frequency of the strongest wave: a coarse discretisation (fem/solve/passband.py)
+# relative error of the frequency of the strongest wave, computed on a coarse mesh (fem/solve/passband.py)
+CENTRE = 5e-4
 
 
 class Row(NamedTuple):
     """One line of the datasheet."""
 
-    group: str  # of `datasheet_page.GROUPS`
+    group: str  # key of `datasheet_page.GROUPS`
     name: str
     value: float  # in SI units
     unit: str
-    error: float | None = None  # relative; None where the number is given by the scene or counted
-    condition: str = ""  # what it holds for beyond the rated level
-    model_error: float | None = None  # relative, by what the model leaves out; None where it is not known
+    error: float | None = None  # relative; None for an input of the scene or a count
+    condition: str = ""  # conditions in addition to the rated level
+    model_error: float | None = None  # relative, due to neglected effects; None if unknown
 
 
 @dataclass(frozen=True, kw_only=True)
 class Datasheet:
-    """A motor's datasheet."""
+    """The datasheet of a motor and the computed motions behind it."""
 
-    record: Record  # of the run behind it
+    record: Record  # record of the underlying run
     driven: DrivenContact = field(repr=False)
-    rated: float  # V of the source, or m of given amplitude
+    rated: float  # V of the source, or amplitude in m for a scene with a [wave]
     rows: tuple[Row, ...]
-    lines: dict = field(repr=False)  # by level: contact.LoadLine of one of the balls that are computed as one
-    balls: float  # how many balls such a load line stands for
-    start_stop: "Trajectory | PillarBurst" = field(
-        repr=False
-    )  # contact.Trajectory from rest at the rated level, and the stop after it
-    steps: tuple = field(repr=False)  # contact.Step: the shortest bursts that move by the sizes in `STEPS`
+    lines: dict = field(repr=False)  # by level: contact.LoadLine of one computed ball
+    balls: float  # number of balls that one computed ball represents
+    # Start from rest at the rated level and the stop after it
+    start_stop: "Trajectory | PillarBurst" = field(repr=False)
+    steps: tuple = field(repr=False)  # contact.Step of the shortest burst for each size in `STEPS`
 
     def to_dict(self) -> dict:
-        """Return what datasheet.json holds: title, rated level, the rows and the model error."""
+        """Return the contents of datasheet.json: title, rated level, rows and model error."""
         level = "amplitude_m" if self.record.scene.wave is not None else "voltage_V"
         rows = [
             {key: value for key, value in row._asdict().items() if value not in (None, "")}
@@ -84,18 +85,18 @@ def datasheet(
     Parameters
     ----------
     scene : Scene, path or name of a shipped scene
-        With a slider and either a driven stator or a given wave.
+        A scene with a slider and either a driven stator or a [wave].
     tolerance : float
-        Of the slider velocity, as for a run.
+        Relative tolerance of the slider velocity, as for a run.
     progress : callable, optional
-        Told what is being done.
+        Function that receives progress messages.
 
     Raises
     ------
     SceneError
         If the scene has no slider, or no level moves it.
     RunError
-        If a number of the datasheet has no answer.
+        If a quantity of the datasheet cannot be computed.
     """
     say = progress or LOGGER.info
     scene = Scene.load(scene)
@@ -113,9 +114,9 @@ def datasheet(
     on_pillars = record.scene.slider.pillars is not None
     moving = _moving_levels(record, driven) if on_pillars else driven.above(1.0)
     rated = moving[-1]
-    picked = sorted({min(moving, key=lambda level: abs(level - part * rated)) for part in LINES})
+    levels = sorted({min(moving, key=lambda level: abs(level - part * rated)) for part in LINES})
     try:
-        answer = (_of_pillars if on_pillars else _of_balls)(driven, rated, picked, say)
+        answer = (_of_pillars if on_pillars else _of_balls)(driven, rated, levels, say)
     except contact.ConvergenceError as error:
         raise RunError(f"the datasheet is incomplete: {' '.join(str(error).split())}") from None
     line = answer["lines"][driven.named(rated)]
@@ -129,12 +130,12 @@ def datasheet(
     return Datasheet(record=record, driven=driven, rated=rated, rows=rows, **answer)
 
 
-def _of_balls(driven: DrivenContact, rated: float, picked: list[float], say: Any) -> dict:
-    """Return load lines, start and stop, steps, and the rows of forces and positions of a slider on balls."""
+def _of_balls(driven: DrivenContact, rated: float, levels: list[float], say: Any) -> dict:
+    """Return load lines, start and stop, steps, and the rows on forces and positioning of a slider on balls."""
     say("load lines")
     options = {"points": LOADS, "tolerance": CONTACT_TOLERANCE}
     lines = {
-        driven.named(level): contact.load_line(driven.slider, driven.at(level), **options) for level in picked
+        driven.named(level): contact.load_line(driven.slider, driven.at(level), **options) for level in levels
     }
     say("start and stop")
     start_stop = _start_stop(driven, rated)
@@ -149,25 +150,34 @@ def _of_balls(driven: DrivenContact, rated: float, picked: list[float], say: Any
     return {"lines": lines, "start_stop": start_stop, "steps": steps, "balls": balls, "rows": rows}
 
 
-def _of_pillars(driven: DrivenContact, rated: float, picked: list[float], say: Any) -> dict:
-    """Return the same of a slider on pillars, but for steps: its bounce is not followed."""
+def _of_pillars(driven: DrivenContact, rated: float, levels: list[float], say: Any) -> dict:
+    """Return the fields of `_of_balls` for a slider on pillars, without steps, because its bounce is not modelled."""
     body, slider = PillarContact.of(driven), driven.scene.slider
     say("load lines")
-    lines = {driven.named(level): body.load_line(level, LOADS) for level in picked}
+    lines = {driven.named(level): body.load_line(level, LOADS) for level in levels}
     line = lines[driven.named(rated)]
     say("start and stop")
-    free, holding = line.motions[0], slider.static_coefficient * slider.preload_force
-    start_stop = pillar_burst(body, rated, free, LONG * abs(free.velocity) / (holding / slider.mass))
-    relative = 2.0 * driven.stator_error + CONTACT_TOLERANCE
+    free, holding_force = line.motions[0], slider.static_coefficient * slider.preload_force
+    start_stop = pillar_burst(body, rated, free, LONG * abs(free.velocity) / (holding_force / slider.mass))
+    relative_error = 2.0 * driven.stator_error + CONTACT_TOLERANCE
     rows = (
-        Row("force", "blocked thrust", line.stall, "N", relative, "load at which the motor stalls"),
-        Row("force", "load held on the wave", line.held_up_to, "N", relative, "against the drive, at rest"),
-        *_friction_forces(holding, slider.mass),
+        Row("force", "blocked thrust", line.stall, "N", relative_error, "load at which the motor stalls"),
+        Row(
+            "force",
+            "load held on the wave",
+            line.held_up_to,
+            "N",
+            relative_error,
+            "against the drive, at rest",
+        ),
+        *_friction_forces(holding_force, slider.mass),
         *_start_and_stop(start_stop, ""),
     )
-    rubbed = Row("power", "friction power", free.friction_power, "W", relative, "no load, all pillars")
+    friction_row = Row(
+        "power", "friction power", free.friction_power, "W", relative_error, "no load, all pillars"
+    )
     return {
-        "lines": lines, "start_stop": start_stop, "steps": (), "balls": 1.0, "rows": rows, "powers": (rubbed,),
+        "lines": lines, "start_stop": start_stop, "steps": (), "balls": 1.0, "rows": rows, "powers": (friction_row,),
     }  # fmt: skip
 
 
@@ -184,15 +194,20 @@ def _start_stop(driven: DrivenContact, rated: float) -> Any:
     slider, orbits = driven.slider, driven.at(rated)
     acceleration = slider.least_friction(len(orbits)) / slider.mass
     steady = contact.steady(slider, orbits, tolerance=CONTACT_TOLERANCE).velocity
-    least = abs(steady) / acceleration
+    acceleration_time = abs(steady) / acceleration
     return contact.burst(
-        slider, orbits, duration=LONG * least, after=2.0 * least, tolerance=1e-3, samples=4000
+        slider,
+        orbits,
+        duration=LONG * acceleration_time,
+        after=2.0 * acceleration_time,
+        tolerance=1e-3,
+        samples=4000,
     )
 
 
 def _speeds(record: Record, driven: DrivenContact, rated: float) -> Any:
     point = next(each for each in record.points if each[record.level] == rated)
-    # the point's error is stated over max(|v|, omega |u_x| / 10)
+    # relative_error of a point refers to max(|v|, omega |u_x| / 10); convert it to |v|
     speed, omega = abs(point["velocity_m_per_s"]), 2.0 * np.pi * float(record.scene.frequency)
     error = point["relative_error"] * max(speed, omega * point["tangential_amplitude_m"] / 10.0) / speed
     scale, model = error / point["relative_error"] if error else 1.0, point.get("model_relative_error")
@@ -200,13 +215,13 @@ def _speeds(record: Record, driven: DrivenContact, rated: float) -> Any:
         "speed", "speed", speed, "m/s", error, "no load, steady", None if model is None else scale * model
     )
     unit, key = ("m", "amplitude_m") if record.scene.wave is not None else ("V", "voltage_V")
-    for name, words, question in (
+    for name, event, factor_of in (
         ("threshold", "starts to move", contact.threshold),
         ("release", "leaves the surface in every cycle", contact.release),
     ):
         if f"{name}_{key}" in record.summary:
-            value, condition = record.summary[f"{name}_{key}"], f"the slider {words}"
-            factor = question(driven.slider, driven.orbits)
+            value, condition = record.summary[f"{name}_{key}"], f"the slider {event}"
+            factor = factor_of(driven.slider, driven.orbits)
             error = driven.stator_error + (factor.error / factor.value if factor.error else 0.0)
             yield Row("speed", name, value, unit, error, condition, record.error.get("model"))
 
@@ -214,13 +229,12 @@ def _speeds(record: Record, driven: DrivenContact, rated: float) -> Any:
 def _forces(driven: DrivenContact, rated: float, line: Any, balls: float) -> Any:
     slider, stall = driven.slider, line.stall
     averaged, held = contact.blocked_thrust(slider, driven.at(rated))
-    more, _ = contact.blocked_thrust(slider, driven.at(rated * (1.0 + driven.stator_error)))
+    increased, _ = contact.blocked_thrust(slider, driven.at(rated * (1.0 + driven.stator_error)))
     friction = slider.static_friction(len(driven.orbits))
-    error = abs(more / averaged - 1.0) + stall.error / stall.value
+    error = abs(increased / averaged - 1.0) + stall.error / stall.value
     yield Row("force", "blocked thrust", balls * stall.value, "N", error, "load at which the motor stalls")
-    if held > averaged * (
-        1.0 + 1e-9
-    ):  # a contact sticks at rest; averaged, with the same error as the stall had
+    # a contact sticks at rest: `held` comes from averaging, whose error is estimated from that of the stall force
+    if held > averaged * (1.0 + 1e-9):
         error += abs(stall.value / averaged - 1.0)
     held = max(held, stall.value)
     yield Row("force", "load held on the wave", balls * held, "N", error, "against the drive, at rest")
@@ -252,36 +266,50 @@ def _positioning(bursts: Steps, rated: float, steps: Any, start_stop: Any) -> An
 
 
 def _start_and_stop(start_stop: Any, settles: str) -> Any:
-    time, speed, last = start_stop.time, abs(start_stop.velocity), abs(start_stop.velocity_at_burst_end)
-    grid, reached = float(np.max(np.diff(time))), float(time[np.argmax(speed >= SETTLED * last)])
+    time, speed, final_speed = (
+        start_stop.time,
+        abs(start_stop.velocity),
+        abs(start_stop.velocity_at_burst_end),
+    )
+    grid, start_time = float(np.max(np.diff(time))), float(time[np.argmax(speed >= SETTLED * final_speed)])
     condition = f"from rest to {SETTLED:.0%} of the speed, wave at full size from the first cycle{settles}"
-    yield Row("positioning", "start time", reached, "s", grid / reached, condition)
-    # the slider has stopped when its velocity is that of its ring in the contact's spring
-    slow = (time >= start_stop.duration) & (speed < 1e-2 * last)
-    stopped = float(time[np.argmax(slow)] - start_stop.duration)
+    yield Row("positioning", "start time", start_time, "s", grid / start_time, condition)
+    # after the stop, the slider still rings on the contact springs at a small velocity
+    slow = (time >= start_stop.duration) & (speed < 1e-2 * final_speed)
+    stop_time = float(time[np.argmax(slow)] - start_stop.duration)
     condition = "from full speed to 1 % of it after the drive is off"
-    yield Row("positioning", "stop time", stopped, "s", grid / stopped, condition)
+    yield Row("positioning", "stop time", stop_time, "s", grid / stop_time, condition)
 
 
 def _powers(record: Record, driven: DrivenContact, rated: float, line: Any, balls: float) -> Any:
     best = int(np.argmax(line.power))
     error = 2.0 * driven.stator_error + float(np.max(line.relative_error)) + CONTACT_TOLERANCE
-    power, drawn = balls * float(line.power[best]), 0.0
+    power, electrical_power = balls * float(line.power[best]), 0.0
     electrical = record.electrical
     if electrical:
-        of_charge, drawn = electrical["admittance_relative_error"], electrical["power_W_per_V2"] * rated**2
+        electrical_error, electrical_power = (
+            electrical["admittance_relative_error"],
+            electrical["power_W_per_V2"] * rated**2,
+        )
         current = (
             abs(complex(electrical["admittance_S"]) * complex(electrical["comb_voltage_per_volt"])) * rated
         )
-        yield Row("power", "electrical power", drawn, "W", of_charge, "mean, while driven")
-        yield Row("power", "current", current, "A", of_charge, "peak, into the driven transducer")
-    at = f"{balls * line.load[best] * 1e6:.4g} \u00b5N at {line.velocity[best] * 1e3:.4g} mm/s"
-    yield Row("power", "largest mechanical power", power, "W", error, f"of {LOADS} loads: {at}")
+        yield Row("power", "electrical power", electrical_power, "W", electrical_error, "mean, while driven")
+        yield Row("power", "current", current, "A", electrical_error, "peak, into the driven transducer")
+    best_load = f"{balls * line.load[best] * 1e6:.4g} \u00b5N at {line.velocity[best] * 1e3:.4g} mm/s"
+    yield Row("power", "largest mechanical power", power, "W", error, f"of {LOADS} loads: {best_load}")
     condition = "mechanical power over the power that the wave gives the balls, best load"
     yield Row("power", "efficiency of the contact", float(np.max(line.efficiency)), "1", error, condition)
     if electrical:
         condition = "largest mechanical power over electrical power"
-        yield Row("power", "efficiency of the motor", power / drawn, "1", of_charge + error, condition)
+        yield Row(
+            "power",
+            "efficiency of the motor",
+            power / electrical_power,
+            "1",
+            electrical_error + error,
+            condition,
+        )
 
 
 def _resonances(record: Record, driven: DrivenContact, say: Any) -> Any:

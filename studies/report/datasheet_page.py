@@ -1,4 +1,4 @@
-"""A motor's datasheet as one self-contained page, A4 when printed: table, characteristics, limits."""
+"""The datasheet of a motor as a self-contained HTML page (A4 when printed): table, characteristics and limits."""
 
 from studies.record.plots import COLOURS, as_uri, curve, family, finished
 from studies.record.quantities import quantity
@@ -34,7 +34,7 @@ def page(sheet: Datasheet) -> str:
         rated=sheet.driven.named(sheet.rated),
         record=record,
         groups={
-            title: [_written(row) for row in sheet.rows if row.group == group]
+            title: [_texts(row) for row in sheet.rows if row.group == group]
             for group, title in GROUPS.items()
         },
         pictures=[{"data": as_uri(draw, size=PICTURE), "caption": caption} for draw, caption in drawn],
@@ -44,13 +44,13 @@ def page(sheet: Datasheet) -> str:
 
 
 def table(sheet: Datasheet) -> str:
-    """Return the datasheet's table as text."""
-    written = {group: [_written(row) for row in sheet.rows if row.group == group] for group in GROUPS}
+    """Return the table of a datasheet as text."""
+    groups = {group: [_texts(row) for row in sheet.rows if row.group == group] for group in GROUPS}
     name, value = (
-        max(len(row[key]) for rows in written.values() for row in rows) for key in ("name", "value")
+        max(len(row[key]) for rows in groups.values() for row in rows) for key in ("name", "value")
     )
     lines = [f"{sheet.record.scene.title}: rated at {sheet.driven.named(sheet.rated)} peak"]
-    for group, rows in written.items():
+    for group, rows in groups.items():
         lines += ["", GROUPS[group]]
         lines += [
             f"  {each['name']:<{name}}  {each['value']:>{value}}  {each['error']:<10}  {each['condition']}".rstrip()
@@ -66,7 +66,7 @@ def table(sheet: Datasheet) -> str:
 
 
 def speed(sheet: Datasheet, ax):
-    """Draw velocity against voltage, or given amplitude, as a run draws it."""
+    """Draw the velocity against the voltage, or against the amplitude of a scene with a [wave]."""
     velocity(sheet.record, ax)
     ax.set_title("speed against drive, no load", fontsize="medium")
     return ax
@@ -83,25 +83,25 @@ def load_lines(sheet: Datasheet, ax):
 
 
 def start_and_stop(sheet: Datasheet, ax):
-    """Draw the slider's velocity from rest to its speed and back to rest."""
+    """Draw the velocity of the slider during start and stop."""
     motion = sheet.start_stop
     curve(ax, motion.time * 1e3, motion.velocity * 1e3, "-", "slip", "slider")
-    share = SETTLED * motion.velocity_at_burst_end * 1e3
+    settled_velocity = SETTLED * motion.velocity_at_burst_end * 1e3
     ax.axvline(motion.duration * 1e3, color=COLOURS["line"], linestyle=":", linewidth=1, label="drive off")
     label = f"{SETTLED:.0%} of the speed"
-    ax.axhline(share, color=COLOURS["stick"], linestyle="--", linewidth=1, label=label)
+    ax.axhline(settled_velocity, color=COLOURS["stick"], linestyle="--", linewidth=1, label=label)
     title = f"start and stop at {sheet.driven.named(sheet.rated)}"
     return finished(ax, quantity("time_s").axis, quantity("velocity_m_per_s").axis, title)
 
 
-def _written(row: Row) -> dict:
-    """Return a row as the page shows it."""
+def _texts(row: Row) -> dict:
+    """Return the texts of a row as the page shows them."""
     value = si(row.value, row.unit, 4)
     if row.unit == "1":
         value = f"{100 * row.value:.3g} %" if row.value > 1e-3 else f"{row.value:.3g}"
     error = "" if row.error is None else "< 0.0001 %"
     if row.error and row.error > 5e-7:
-        error = f"\u00b1 {float(f'{100 * row.error:.1g}'):g} %"  # 30, not 3e+01
+        error = f"\u00b1 {float(f'{100 * row.error:.1g}'):g} %"  # without an exponent: 30 instead of 3e+01
     if row.model_error:
         error += f", model {float(f'{100 * row.model_error:.2g}'):g} %"
     return {"name": row.name, "value": value, "error": error, "condition": row.condition}

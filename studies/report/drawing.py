@@ -1,8 +1,9 @@
-"""A process that draws the pictures of a run: it loads the plotting library while the run is being computed.
+"""Draw the pictures of a run in a second process.
 
-Where this process has loaded the library already, it draws them itself.  The other imports from the same places and
-never from the working directory (``python -P``).  It reads from stdin what to draw and where, and answers on stdout
-with the exception that it met, or None.
+The second process loads the plotting library while the run is being computed, which saves time. If the first process
+has already loaded the library, it draws the pictures itself. The second process uses the import path of the first one
+and never imports from the working directory (``python -P``). It reads the pickled request (record, directory) from
+stdin and writes the pickled exception, or None, to stdout.
 """
 
 import os
@@ -19,10 +20,10 @@ PROGRAM = "import sys; sys.path[:] = {path!r}; from studies.report.drawing impor
 
 
 class Drawing:
-    """Context manager: starts the process; ``draw`` gives it the work; leaving ends it, drawn or not."""
+    """Context manager of the drawing process: entering starts it, `draw` uses it, and leaving ends it."""
 
     def __enter__(self):
-        """Start the process, apart from the terminal's interrupt: whoever started it ends it."""
+        """Start the process in its own session, so that an interrupt from the terminal does not reach it."""
         self.process = None
         if "matplotlib.figure" in sys.modules:
             return self
@@ -41,13 +42,13 @@ class Drawing:
             self.process.communicate()
 
     def draw(self, record: Record, folder: Path) -> None:
-        """Draw the pictures that a record has, into a directory; raises what the drawing raised."""
+        """Draw the pictures of a record into a directory; raise an exception of the drawing process here."""
         if self.process is None:
             from studies.record.run_pictures import draw_run
 
             return draw_run(record, folder)
-        needed = pickle.dumps((replace(record, surface_motion=None), folder.resolve()))
-        answer, _ = self.process.communicate(needed)
+        request = pickle.dumps((replace(record, surface_motion=None), folder.resolve()))
+        answer, _ = self.process.communicate(request)
         if self.process.returncode:
             raise RunError(
                 f"the pictures were not drawn: their process ended with code {self.process.returncode}"
@@ -58,14 +59,14 @@ class Drawing:
 
 
 def serve() -> None:
-    """Draw what stdin asks for; the work of the process."""
+    """Read a request from stdin and draw it; this is the main function of the drawing process."""
     import matplotlib.backends.backend_agg
     import matplotlib.figure  # noqa: F401
 
     from studies.record.run_pictures import draw_run
 
     request = sys.stdin.buffer.read()
-    if not request:  # the run ended without pictures, and nobody reads an answer
+    if not request:  # the run ended without pictures, so that no answer is expected
         return
     failure = None
     try:
@@ -74,4 +75,4 @@ def serve() -> None:
         failure = error
     sys.stdout.buffer.write(pickle.dumps(failure))
     sys.stdout.buffer.flush()
-    os._exit(0)  # the run waits for the end, and to take the plotting library down takes 0.1 s
+    os._exit(0)  # skip the clean-up of the plotting library, for which the run would wait 0.1 s

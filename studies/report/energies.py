@@ -1,4 +1,4 @@
-"""The energy balance of a run's contact at a few of its points: where the work of the wave goes, as mean powers."""
+"""Energy balance of the contact at a few points of a run: mean powers supplied by the wave and dissipated."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ from studies.chain.bridge import DrivenContact
 from studies.chain.points import SHARE, STEADY_METHODS
 from studies.record import Record
 
-MAX_POINTS = 3  # the first that moves, one between, the last
+MAX_POINTS = 3  # first moving point, middle point, last point
 LEDGER = {
     "wave_normal": "wave, normal force",
     "wave_tangential": "wave, friction force",
@@ -19,13 +19,13 @@ LEDGER = {
     "stored": "held by the springs",
     "lifted": "held by the preload",
     "slider": "held by the slider",
-}  # what the wave gives, where it goes, and what is stored, which in a steady state is nothing
+}  # text by ledger entry: supplied energies, dissipated energies, stored energies (zero in a steady state)
 STORED = ("stored", "lifted", "slider")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Balance:
-    """Mean powers at one point, W, over all contacts; what the balance misses over the work of the wave."""
+    """Mean powers in W over all contacts at one point, and the residual of the balance relative to the wave's work."""
 
     level: float
     entries: tuple[tuple[str, float], ...]
@@ -33,27 +33,28 @@ class Balance:
 
 
 def balances(record: Record) -> tuple[Balance, ...]:
-    """Return the balance of the steady state at a few points of a record with a slider; those at rest have none."""
+    """Return the energy balances of the steady state at a few moving points of a record with a slider."""
     import contact
 
     scene = record.scene
-    if scene.slider is None or scene.slider.pillars is not None:  # the points have these powers
+    # the points of a slider on pillars already contain these powers
+    if scene.slider is None or scene.slider.pillars is not None:
         return ()
     driven = DrivenContact.of_run(record)
-    share = len(scene.slider.offsets) if isinstance(scene.slider.contacts, int) else 1
+    multiplicity = len(scene.slider.offsets) if isinstance(scene.slider.contacts, int) else 1
     method = scene.slider.method if scene.slider.method in STEADY_METHODS else "auto"
-    rows = []
-    for level in _chosen(record):
+    results = []
+    for level in _levels(record):
         options = {"tolerance": record.tolerance * SHARE, "method": method}
         state = contact.steady(driven.slider, driven.at(level), **options)
-        power = share * scene.frequency
-        spent = {name: text for name, text in LEDGER.items() if name not in STORED}
-        entries = tuple((text, getattr(state.ledger, name) * power) for name, text in spent.items())
-        rows.append(Balance(level=level, entries=entries, residual=state.ledger.relative_residual))
-    return tuple(rows)
+        power = multiplicity * scene.frequency
+        shown = {name: text for name, text in LEDGER.items() if name not in STORED}
+        entries = tuple((text, getattr(state.ledger, name) * power) for name, text in shown.items())
+        results.append(Balance(level=level, entries=entries, residual=state.ledger.relative_residual))
+    return tuple(results)
 
 
-def _chosen(record: Record) -> list[float]:
+def _levels(record: Record) -> list[float]:
     moving = sorted({point[record.level] for point in record.points if point.get("velocity_m_per_s")})
     if len(moving) <= MAX_POINTS:
         return moving

@@ -1,9 +1,9 @@
-"""The plan of a run: sizes, memory, time and what the model neglects; nothing is solved.
+"""The plan of a run without solving it: sizes, memory, time and neglected effects.
 
-Unknowns, lines and pieces are counted from the geometry, as the run will have them.  At which discretisation the stator
-ends only the run can tell: the plan assumes what ordinary layouts need.  The stator's work is dense algebra, whose
-operations are counted and divided by one measured speed; a point of the contact takes a time that grows with its
-contacts at different places, and a burst that is followed event by event about 5e-5 s for each cycle of the wave.
+Unknowns, lines and pieces follow from the geometry and are those of the run. The final discretisation of the stator is
+known only after the run; the plan assumes the one that ordinary layouts need. The time of the stator is the number of
+operations of its dense linear algebra divided by a measured speed. The time of a contact point grows with the number of
+contacts at different places. An event-driven burst takes about 5e-5 s per cycle of the wave.
 """
 
 import textwrap
@@ -19,18 +19,19 @@ from studies.refusal import RunError
 from studies.report.contents import section
 from studies.scene import Scene
 
-TIME_WITHIN, MEMORY_WITHIN = 3.0, 2.0  # factors within which the predictions have been seen to hold
-SPEED = 2.5e10  # real operations per second of the stator's algebra: one core of an x86_64 machine of 2026
-START, COMPILE = 0.18, 15.0  # s: imports; the contact's kernels when they are not there yet
-# s of a point with one contact, and the power of their number: 1, 4, 16 and 64 balls take 0.05, 0.04, 0.4 and 6 s
+TIME_WITHIN, MEMORY_WITHIN = 3.0, 2.0  # observed factors between prediction and measurement
+SPEED = 2.5e10  # real operations per second of the stator's linear algebra on one x86_64 core of 2026
+START, COMPILE = 0.18, 15.0  # s: imports; compilation of the contact kernels if they are not cached
+# Time of a point with one contact in s, and exponent of the number of contacts. Measured: 1, 4, 16 and 64 balls take
+# 0.05, 0.04, 0.4 and 6 s.
 POINT, CONTACTS = 0.02, 1.2
-AVERAGED_POINT = 3e-4  # s of a point of a sweep, its averaged contact in the compiled loop
-JOIN, MODES = 51, 100  # real operations over n^3 of joining two pieces, and of n guided modes
-BEAM, CUT_BEAM = 1.5e10, 1e11  # operations of the beam under the slider; where the lateral direction matters
-BAND = 10  # solutions that a band of frequencies is worth
-PROCESS, KEPT = 90e6, 1.35  # bytes of Python with its libraries; memory over that of the blocks alone
+AVERAGED_POINT = 3e-4  # s per point of a sweep with averaged contacts, which run in a compiled loop
+JOIN, MODES = 51, 100  # real operations over n^3 for joining two pieces and for computing n guided modes
+BEAM, CUT_BEAM = 1.5e10, 1e11  # operations of the beam model: in an isotropic surface, and in other cuts
+BAND = 10  # number of solutions that equals the work for a band of frequencies
+PROCESS, KEPT = 90e6, 1.35  # bytes of Python with its libraries; total memory over that of the stored blocks
 MINUTE = 60.0  # s
-WIDTH = 110  # columns of a line of what is left out
+WIDTH = 110  # characters per line of the list of neglected effects
 HEADS = {
     "order": "order", "edge_layers": "edge layers", "elements": "elements in depth", "line": "line, modes",
     "columns": "columns", "condensed": "condensed", "joins": "joins", "unknowns": "unknowns", "megabytes": "MB",
@@ -38,34 +39,38 @@ HEADS = {
 
 
 def plan(scene: Scene, *, tolerance: float) -> dict:
-    """Return the plan of a scene's run in terms of JSON.
+    """Return the plan of a run as JSON-compatible data.
 
     Returns
     -------
     dict
-        ``title``, ``scene``, ``tolerance``; ``parts`` of the chain: how each is solved, sizes of its discretisations;
-        ``left_out``; ``expected`` seconds and bytes with the factors within which they hold.
+        ``title``, ``scene`` and ``tolerance``; ``parts``: the solution method of each part of the motor and the sizes
+        of its discretisations; ``left_out``; ``expected``: time in s and memory in bytes with their uncertainty
+        factors.
 
     Raises
     ------
     SceneError
-        If the scene is refused by the physics.
+        If the physics does not permit the scene.
     RunError
-        If a run would refuse its size.
+        If a run would refuse the scene because of its size.
     """
     scene = resolve.resolved(scene)
     parts: list[dict] = []
-    missing: dict[str, Any] = {}
-    operations, kept, seconds = 0.0, 0.0, START
+    left_out_options: dict[str, Any] = {}
+    operations, block_bytes, seconds = 0.0, 0.0, START
     if scene.transducer:
         from fem import ConvergenceError
 
         try:
-            parts, missing, operations, kept = _driven(scene, tolerance)
+            parts, left_out_options, operations, block_bytes = _driven(scene, tolerance)
         except ConvergenceError as error:
             raise RunError(str(error)) from None
     elif scene.wave is None:
-        facts = [_where(scene), "guided modes of the bare section: an eigenproblem through the depth alone"]
+        facts = [
+            _stator_text(scene),
+            "guided modes of the bare section: an eigenproblem through the depth alone",
+        ]
         parts = [{"name": "free wave", "facts": facts}]
     if scene.slider is not None:
         from contact import kernels
@@ -76,7 +81,7 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
             from studies.chain.pillars import layout
 
             number = layout(slider)["x"].size
-        contacts = len(set(slider.offsets))  # at one place they move as one
+        contacts = len(set(slider.offsets))  # contacts at the same place move identically
         facts = [f"{slider.law} law; contacts: {number}, {levels}: {len(scene.levels)}"]
         seconds += POINT * len(scene.levels) * contacts**CONTACTS
         if scene.burst is not None:
@@ -90,27 +95,27 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
         "stator_seconds": operations / SPEED,
         "seconds_within": TIME_WITHIN,
     }
-    expected |= {"bytes": PROCESS + KEPT * kept, "bytes_within": MEMORY_WITHIN}
+    expected |= {"bytes": PROCESS + KEPT * block_bytes, "bytes_within": MEMORY_WITHIN}
     return {
         "title": scene.title, "scene": scene.to_table(), "tolerance": tolerance, "parts": parts,
-        "left_out": left_out(scene, **missing), "expected": expected,
+        "left_out": left_out(scene, **left_out_options), "expected": expected,
     }  # fmt: skip
 
 
 def long_wait(scene: Scene, *, tolerance: float) -> tuple[str, ...]:
-    """Return a sentence on the expected time of a run that takes more than a minute; nothing for a shorter one."""
+    """Return a sentence on the expected time of a run that takes more than a minute; otherwise an empty tuple."""
     return announced(plan(scene, tolerance=tolerance)["expected"]["seconds"], " (--explain tells of what)")
 
 
 def long_sweep(scene: Scene, *, tolerance: float, stators: int, points: int) -> tuple[str, ...]:
-    """Return the same for a sweep: ``scene`` is that of one point; averaged contacts cost next to nothing."""
-    parts = plan(scene, tolerance=tolerance)["expected"]
+    """Return the sentence of `long_wait` for a sweep, where ``scene`` is the scene of one point."""
+    expected = plan(scene, tolerance=tolerance)["expected"]
     contacts = POINT * points if scene.burst is not None else AVERAGED_POINT * points
-    return announced(stators * parts["stator_seconds"] + contacts)
+    return announced(stators * expected["stator_seconds"] + contacts)
 
 
 def announced(expected: float, more: str = "") -> tuple[str, ...]:
-    """Return a sentence on an expected time in s that is more than a minute; nothing for a shorter one.
+    """Return a sentence on an expected time in s if it exceeds a minute; otherwise an empty tuple.
 
     Examples
     --------
@@ -124,7 +129,7 @@ def announced(expected: float, more: str = "") -> tuple[str, ...]:
 
 
 def explanation(plan: dict) -> str:
-    """Return what ``sawmotor run --explain`` prints."""
+    """Return the text that ``sawmotor run --explain`` prints."""
     rows, expected = [], plan["expected"]
     for part in plan["parts"]:
         sizes = [[f"{each[key]:.4g}" if key == "megabytes" else str(each[key]) for key in HEADS]
@@ -143,21 +148,22 @@ def explanation(plan: dict) -> str:
 
 
 def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, float]:
-    """Return the parts of a driven stator, what `left_out` asks about them, their operations, their blocks' bytes."""
+    """Return the parts of a driven stator, the keywords for `left_out`, the operations and the bytes of the blocks."""
     from fem import LEVELS, isotropic_about_normal, planned_levels, stator_size
 
     slider, (along, _) = scene.slider, resolve.first_row(scene, (0.0, 0.0))
     stator, row = resolve.whole_stator(along), resolve.transducers(along)
     sections = len(resolve.rows(scene)) if scene.crossed else 1
-    planned = [*planned_levels(stator, tolerance if slider is None else tolerance * SHARE)]
-    if scene.stator.ends != "absorbing" and planned[-1] + 1 < len(LEVELS):
-        planned.append(planned[-1] + 1)  # resonances of the block multiply the error
+    resolutions = [*planned_levels(stator, tolerance if slider is None else tolerance * SHARE)]
+    if scene.stator.ends != "absorbing" and resolutions[-1] + 1 < len(LEVELS):
+        resolutions.append(resolutions[-1] + 1)  # resonances between reflecting ends amplify the error
     sizes = {
-        k: stator_size(stator, row, frequency=scene.frequency, resolution=LEVELS[k]) for k in {*planned, 1}
+        k: stator_size(stator, row, frequency=scene.frequency, resolution=LEVELS[k])
+        for k in {*resolutions, 1}
     }
-    finest, fingers = sizes[planned[-1]], sum(len(each.signs) for each in row)
+    finest, fingers = sizes[resolutions[-1]], sum(len(each.signs) for each in row)
     facts = (
-        _where(scene),
+        _stator_text(scene),
         f"transducers: {len(row)}, different ones: {finest.scatterers}, fingers in all: {fingers}",
         *(
             [f"sections, one for each row of parallel transducers: {sections}; the first is told"]
@@ -168,32 +174,35 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
         f"fields {', '.join(finest.section.solid.fields)}; {'complex' if finest.complex else 'real'} arithmetic in "
         "the pieces, guided modes between them",
     )
-    parts = [{"name": "stator", "facts": facts, "levels": [_level(sizes[k]) for k in planned]}]
-    operations, kept = (
-        sections * sum(_operations(sizes[k]) for k in planned),
-        sum(sorted(sizes[k].block_bytes for k in planned)[-2:]),
+    parts = [{"name": "stator", "facts": facts, "levels": [_level_sizes(sizes[k]) for k in resolutions]}]
+    operations, block_bytes = (
+        sections * sum(_operations(sizes[k]) for k in resolutions),
+        sum(sorted(sizes[k].block_bytes for k in resolutions)[-2:]),
     )
     diffraction = wanted_diffraction(scene.stator.diffraction, slider is not None)
     refusal = resolve.default_refusal(stator, slider.places) if diffraction is None else ""
-    spreads = diffraction is not False and not refusal
-    if spreads:
+    has_beam = diffraction is not False and not refusal
+    if has_beam:
         how = "guided modes at every wavenumber across the aperture, under the slider"
         parts.append({"name": "beam", "facts": [how]})
         operations += BEAM if isotropic_about_normal(stator.solid) else CUT_BEAM
-    missing = {"beam": spreads, "reason": refusal}
+    left_out_options = {"beam": has_beam, "reason": refusal}
     if slider is not None and scene.burst is not None:
         covered = any(abs(slider.center[0] - each.place[0]) <= each.half_length for each in scene.transducer)
         if not covered:
-            missing["ringing"] = RingUp(error=0.0)
+            left_out_options["ringing"] = RingUp(error=0.0)
             how = (
                 "response over a band of frequencies, as many as the ringing asks for; the least certain time"
             )
             parts.append({"name": "ring-up", "facts": [how]})
-            operations, kept = operations + BAND * _operations(sizes[1]), kept + 5 * sizes[1].block_bytes
-    return parts, missing, operations, kept
+            operations, block_bytes = (
+                operations + BAND * _operations(sizes[1]),
+                block_bytes + 5 * sizes[1].block_bytes,
+            )
+    return parts, left_out_options, operations, block_bytes
 
 
-def _level(size) -> dict:
+def _level_sizes(size) -> dict:
     return {
         "order": size.resolution.order, "edge_layers": size.resolution.edge_layers,
         "elements": len(size.section.heights), "megabytes": size.block_bytes / 1e6,
@@ -201,13 +210,13 @@ def _level(size) -> dict:
 
 
 def _operations(size) -> float:
-    """Return the real operations of a driven stator on one discretisation: joins, columns, guided modes, ends."""
+    """Return the number of real operations to solve a driven stator on one discretisation."""
     modes = size.line if size.section.odd is not None else 2 * size.line
     pieces = JOIN * (size.joins + size.condensed) * (1.0 if size.complex else 0.25)
     return (pieces + 3 * JOIN * (2 + size.scatterers)) * size.line**3 + MODES * modes**3
 
 
-def _where(scene: Scene) -> str:
+def _stator_text(scene: Scene) -> str:
     block = scene.stator
     sides = f"bottom {block.bottom}, ends {block.ends}, above {block.above}"
     return f"{section(block)}, {sides}, at {scene.frequency / 1e6:g} MHz"

@@ -1,7 +1,8 @@
-"""``sawmotor wave``: the Rayleigh wave of a material's half-space, without a mesh and without loss, and its cut.
+"""``sawmotor wave``: the Rayleigh wave of a lossless half-space and the orientation of its crystal axes.
 
-x runs along the propagation, z out of the surface, and the section is looked at along +y: what points to +y goes into
-the page.  A crystal axis X, Y or Z (1, 2, 3 of the material's tables) is drawn as long as its part in the section.
+x is the direction of propagation and z the outward normal. Figures show the section along +y, so that +y points into
+the page. The length of a crystal axis X, Y or Z (1, 2, 3 of the material's tables) in a figure is that of its
+projection on the section.
 """
 
 from pathlib import Path
@@ -14,15 +15,15 @@ from studies.refusal import RunError, SceneError
 from studies.results.content import plain
 from studies.scene.blocks import ORIENTATION
 
-DEPTHS = tuple(k / 20 for k in range(61))  # wavelengths
+DEPTHS = tuple(k / 20 for k in range(61))  # in wavelengths
 FORMATS = (".png", ".jpg", ".jpeg", ".pdf", ".svg", ".tif", ".tiff")
 VOIGT = ("11", "22", "33", "23", "13", "12")
-NOISE = 1e-9  # of a tensor's largest entry: printed as 0
-SEEN = 0.05  # part of an axis along y that is worth a mark
+NOISE = 1e-9  # relative to the largest entry of a tensor; smaller entries are printed as 0
+SEEN = 0.05  # smallest component of a unit vector that is drawn or written
 
 
 def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") -> dict:
-    """Return the wave in terms of JSON.
+    """Return the Rayleigh wave of a half-space as JSON-compatible data.
 
     Parameters
     ----------
@@ -36,10 +37,10 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
     Returns
     -------
     dict
-        ``velocity_m_per_s``, ``coupling_K2`` (of a piezoelectric solid), ``surface_ratio``,
-        ``depth_profile`` with displacements over u_z at the surface and the potential in V per m of it,
-        ``material``, ``crystal``: the rotated tensors in the frame of the cut, its unit vectors x, y, z along the
-        crystal's axes.
+        ``velocity_m_per_s``, ``coupling_K2`` (only for a piezoelectric solid), ``surface_ratio`` and ``material``;
+        ``depth_profile``: displacements relative to u_z at the surface, and the potential in V per m of that u_z;
+        ``crystal``: the tensors in the frame of the cut, and the components of its unit vectors x, y, z along the
+        crystal axes.
     """
     orientation = ORIENTATION.read("--orientation", orientation)
     try:
@@ -78,7 +79,7 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
 
 
 def half_space_answer(answer: dict) -> str:
-    """Return the wave as text for a reader."""
+    """Return the wave of `half_space_wave` as text."""
     material, sense = answer["material"], "retrograde" if answer["retrograde"] else "prograde"
     title = (
         f"{material['name']}, {material['orientation']}, surface {answer['surface']} ({material['source']})"
@@ -110,13 +111,13 @@ def tables_text(crystal: dict) -> list[str]:
 
 
 def axes(crystal: dict) -> dict:
-    """Return the crystal's axes X, Y, Z as (x, y, z) of the cut."""
+    """Return the components (x, y, z) of the crystal axes X, Y and Z in the frame of the cut."""
     rows = [_clean(crystal["axes_in_crystal"][name]) for name in "xyz"]
     return {name: tuple(row[k] for row in rows) for k, name in enumerate("XYZ")}
 
 
 def axes_figure(answer: dict, ax):
-    """Draw the crystal axes in the section's corner of the material that `half_space_wave` answered for."""
+    """Draw the crystal axes of a result of `half_space_wave` in the section."""
     colours = {"X": COLOURS["slip"], "Y": COLOURS["second"], "Z": COLOURS["intermittent"]}
     ax.axhspan(-1.5, 0, color=COLOURS["stick"], alpha=0.25, linewidth=0)
     ax.axhline(0, color=COLOURS["line"], linewidth=1.2)
@@ -124,9 +125,11 @@ def axes_figure(answer: dict, ax):
         if x * x + z * z > SEEN**2:
             arrow(ax, (0, 0), (x, z), colours[name], width=2.0)
         mark = "" if abs(y) < SEEN else f" ({abs(y):.2f} {'into' if y > 0 else 'out of'} the page)"
-        size = max((x * x + z * z) ** 0.5, SEEN)
-        at = (1.15 * x, 1.15 * z + (0.09 if abs(z) < 0.1 else 0.0)) if size > SEEN else (0.12, -0.12)
-        ax.text(*at, name + mark, color=colours[name], ha="center", va="center", fontsize="small")
+        projection = max((x * x + z * z) ** 0.5, SEEN)
+        label_position = (
+            (1.15 * x, 1.15 * z + (0.09 if abs(z) < 0.1 else 0.0)) if projection > SEEN else (0.12, -0.12)
+        )
+        ax.text(*label_position, name + mark, color=colours[name], ha="center", va="center", fontsize="small")
     ax.plot([0], [0], "o", color=COLOURS["line"], markersize=4)
     ax.text(-1.4, 0.05, "surface", fontsize="small")
     material = answer["material"]
@@ -141,13 +144,13 @@ def axes_figure(answer: dict, ax):
 
 
 def save_axes(answer: dict, file: str | Path) -> None:
-    """Draw the crystal axes into a file; refuse an unknown format, or what cannot be written."""
+    """Draw the crystal axes into a file; raise an error for an unknown format or an unwritable file."""
     if Path(file).suffix.lower() not in FORMATS:
         raise SceneError("--plot", f"must end in one of {', '.join(FORMATS)}, got {str(file)!r}")
     try:
         saved(Path(file), lambda ax: axes_figure(answer, ax), size=(5.0, 5.0))
     except OSError as error:
-        raise RunError(f"the picture {str(file)!r} cannot be written: {error.strerror or error}") from None
+        raise SceneError("--plot", f"cannot write {str(file)!r}: {error.strerror or error}") from None
 
 
 def _table(rows, heads, columns, unit: float) -> list[str]:
@@ -160,5 +163,5 @@ def _table(rows, heads, columns, unit: float) -> list[str]:
 
 
 def _clean(row) -> list[float]:
-    """Return a unit vector's parts without rounding noise and negative zeros."""
+    """Return the components of a unit vector without rounding errors and negative zeros."""
     return [0.0 if abs(part) < 1e-12 else float(part) for part in row]

@@ -1,4 +1,4 @@
-"""The intermediate numbers of a run, from drive to contact, each with its error and where that comes from."""
+"""The intermediate numbers of a run, from drive to contact, each with its error or its origin."""
 
 import math
 from typing import NamedTuple
@@ -12,7 +12,7 @@ GIVEN = "as given or resolved"
 
 
 class Number(NamedTuple):
-    """A number of the chain: stage (drive, stator, contact), value with unit, relative error or why there is none."""
+    """An intermediate number: stage (drive, stator, contact), name, value with unit, and error or its origin."""
 
     stage: str
     name: str
@@ -35,7 +35,7 @@ def si(value: float, unit: str, digits: int = 5) -> str:
 
 
 def prefixed(size: float) -> tuple[int, str]:
-    """Return the power of ten and the SI prefix for a positive number; none where there is no prefix.
+    """Return the power of ten and the SI prefix for a positive number; (0, "") if no prefix fits.
 
     Examples
     --------
@@ -47,7 +47,7 @@ def prefixed(size: float) -> tuple[int, str]:
 
 
 def load_axis(largest: float) -> tuple[float, str]:
-    """Return the factor and the label of an axis of loads, in the unit of the largest, which is in N.
+    """Return the factor and the label of an axis of loads, with a prefix that suits the largest load (N).
 
     Examples
     --------
@@ -59,7 +59,7 @@ def load_axis(largest: float) -> tuple[float, str]:
 
 
 def intermediate_numbers(record: Record) -> tuple[Number, ...]:
-    """Return the numbers between the scene and the answer, in the order of the chain."""
+    """Return the numbers between the scene and the answer, from drive to contact."""
     stages = {"drive": _drive(record)}
     if record.surface_wave is not None:
         stages["stator"] = _stator(record)
@@ -81,21 +81,29 @@ def _drive(record: Record):
 
 
 def _stator(record: Record):
-    wave, electrical, fine = record.wave, record.electrical, record.surface_wave
-    motion, of_charge = _error(wave["relative_error"]), electrical["admittance_relative_error"]
-    comb, missed = electrical["comb_voltage_per_volt"], _error(electrical["power_residual"])
-    yield "discretisation", f"{fine.resolution}, {fine.unknowns} unknowns", "that of what follows"
-    # an eigenvalue and its mode converge faster than the driven motion: its error bounds theirs
+    wave, electrical, wave_solution = record.wave, record.electrical, record.surface_wave
+    motion, electrical_error = _error(wave["relative_error"]), electrical["admittance_relative_error"]
+    comb_voltage, power_residual = electrical["comb_voltage_per_volt"], _error(electrical["power_residual"])
+    yield (
+        "discretisation",
+        f"{wave_solution.resolution}, {wave_solution.unknowns} unknowns",
+        "that of what follows",
+    )
+    # eigenvalues and modes converge faster than the driven motion, whose error is therefore an upper bound
     yield "phase velocity of the surface mode", si(wave["phase_velocity_m_per_s"], "m/s", 9), motion
     yield "|u_x/u_z| of the surface mode", f"{wave['surface_ratio']:.6g}", motion
-    yield "admittance", _complex(electrical["admittance_S"], "S"), _error(of_charge)
-    yield "voltage between the combs, per volt", _complex(comb, "V"), _error(of_charge * abs(1 - comb))
+    yield "admittance", _complex(electrical["admittance_S"], "S"), _error(electrical_error)
+    yield (
+        "voltage between the combs, per volt",
+        _complex(comb_voltage, "V"),
+        _error(electrical_error * abs(1 - comb_voltage)),
+    )
     for name, key in (
         ("given by the source", "power_W_per_V2"),
         ("lost in the solid and absorbed", "power_dissipated_W_per_V2"),
         ("sent out through the ends", "power_radiated_W_per_V2"),
     ):
-        yield f"power {name}", si(electrical[key], "W/V\u00b2"), f"balance missed by {missed}"
+        yield f"power {name}", si(electrical[key], "W/V\u00b2"), f"balance missed by {power_residual}"
     for name, key in (
         ("u_z at the slider's place, per volt", "normal_m_per_V"),
         ("u_x at the slider's place, per volt", "tangential_m_per_V"),
@@ -103,7 +111,7 @@ def _stator(record: Record):
     ):
         if key in wave:
             yield name, _polar(wave[key], "m/V"), motion
-    ratio, error = wave["standing_wave_ratio"], _error(2 * fine.relative_error)
+    ratio, error = wave["standing_wave_ratio"], _error(2 * wave_solution.relative_error)
     yield "standing-wave ratio about there", f"{ratio:.5g}", f"of the order of {error}"
 
 
@@ -117,26 +125,26 @@ def _free(record: Record):
 def _contact(record: Record):
     block, slider = record.scene.slider, bridge.contact_slider(record.scene.slider)
     contacts = 1 if block.contacts is None or isinstance(block.contacts, int) else len(block.contacts)
-    depth, share = max(slider.rest_approaches(contacts)), slider.preload / contacts
-    alike, highest = (" on average", ", of the highest contact") if block.heights else ("", "")
-    rings = (slider.normal_resonance, slider.tangential_resonance) if share > 0 else ()
-    resonances = [si(each(contacts), "Hz") for each in rings] or ["0 Hz", "0 Hz"]
+    depth, normal_force = max(slider.rest_approaches(contacts)), slider.preload / contacts
+    average_note, highest_note = (" on average", ", of the highest contact") if block.heights else ("", "")
+    resonance_functions = (slider.normal_resonance, slider.tangential_resonance) if normal_force > 0 else ()
+    resonances = [si(each(contacts), "Hz") for each in resonance_functions] or ["0 Hz", "0 Hz"]
     yield "modulus E*", si(slider.effective_modulus, "Pa"), GIVEN
     yield "modulus G*", si(slider.tangential_modulus, "Pa"), GIVEN
-    yield f"normal force on a contact at rest{alike}", si(share, "N"), CLOSED
-    yield f"approach at rest{highest}", si(depth, "m"), CLOSED
+    yield f"normal force on a contact at rest{average_note}", si(normal_force, "N"), CLOSED
+    yield f"approach at rest{highest_note}", si(depth, "m"), CLOSED
     yield "radius of the contact at rest", si(slider.contact_radius(depth), "m"), CLOSED
     largest = "mean" if slider.shape == "punch" else "largest"
     yield f"{largest} pressure at rest", si(slider.pressure(depth), "Pa"), CLOSED
     yield "slip limit of the deformation at rest", si(slider.limit_slope * depth, "m"), CLOSED
     yield "bounce and ring at rest", ", ".join(resonances), CLOSED
     stator = record.wave.get("relative_error", 0.0)
-    for key, what in (("threshold", "slider begins to slip"), ("release", "contact is first lost")):
+    for key, event in (("threshold", "slider begins to slip"), ("release", "contact is first lost")):
         amplitude, voltage = (record.summary.get(f"{key}_{each}") for each in ("amplitude_m", "voltage_V"))
         if amplitude is not None:
             value = si(amplitude, "m") + ("" if voltage is None else f" at {si(voltage, 'V')}")
             error = CLOSED + (f", of the stator {_error(stator)}" if stator else "")
-            yield f"amplitude from which the {what}", value, error
+            yield f"amplitude from which the {event}", value, error
 
 
 def _complex(value: complex, unit: str) -> str:

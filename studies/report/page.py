@@ -1,6 +1,6 @@
-"""A run as one self-contained page: the answer, pictures, intermediate numbers, ledger, limits, how to run it again.
+"""HTML report of a run: answer, pictures, intermediate numbers, energy ledger, limits, and the scene to repeat the run.
 
-Everything is inside the file: pictures are data, there is no script, and nothing is fetched.
+The page is self-contained: pictures are embedded as data URIs, and there are no scripts and no external resources.
 """
 
 import os
@@ -31,12 +31,12 @@ def write_report(record: Record, folder: Path) -> None:
 
 
 def rendered(template: str, **values) -> str:
-    """Return a page from one of the templates."""
+    """Return the page that results from a template and its values."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent / "templates"),
-        autoescape=True,  # titles and names come from a scene's author
+        autoescape=True,  # escape titles and names, which come from the author of the scene
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
@@ -47,7 +47,7 @@ def rendered(template: str, **values) -> str:
 
 
 def report(record: Record) -> str:
-    """Return the page of a record."""
+    """Return the HTML page of a record."""
     scene = record.scene
     columns, points = points_table(record, missing="\u2013")
     known = [point for point in record.points if "velocity_m_per_s" in point]

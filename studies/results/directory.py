@@ -138,11 +138,12 @@ def result_directory(
 
     ``named_by_user`` is False for a default directory: there a result of another origin is refused (SceneError), not
     replaced.
-    RunError if the directory cannot be written or holds something that is no result, or another run writes there.
+    SceneError if the directory cannot be written or holds something that is no result; RunError if another run writes
+    there, or if writing fails later, as on a full disk.
     """
     target = Path(path).absolute()
     made = [parent for parent in (target, *target.parents) if not parent.exists()]
-    lock = None
+    lock, lent = None, False
     try:
         try:
             _refuse_others(target, origin, named_by_user=named_by_user)
@@ -152,14 +153,15 @@ def result_directory(
             _recover(target)
             shutil.rmtree(target / WORK, ignore_errors=True)
             (target / WORK).mkdir()
+            lent = True
             yield ResultDirectory(folder=target / WORK, target=target, origin=origin)
         except DirectoryInUseError:
             raise RunError(
                 f"another run is writing into {str(target)!r}: wait for it, or name another directory with --out"
             ) from None
         except OSError as error:
-            reason = error.strerror or error
-            raise RunError(f"the result directory {str(path)!r} cannot be written: {reason}") from None
+            sentence = f"the result directory {str(path)!r} cannot be written: {error.strerror or error}"
+            raise (RunError(sentence) if lent else SceneError("", sentence)) from None
     finally:
         if lock is not None:
             shutil.rmtree(target / WORK, ignore_errors=True)
@@ -175,12 +177,14 @@ def _refuse_others(target: Path, origin: Origin, *, named_by_user: bool) -> None
     if not target.exists():
         return
     if not target.is_dir():
-        raise RunError(f"the result directory {str(target)!r} cannot be written: a file of that name exists")
+        raise SceneError(
+            "", f"the result directory {str(target)!r} cannot be written: a file of that name exists"
+        )
     held, then = {each.name for each in target.iterdir()}, origin_of(read_manifest(target))
     kinds = [kind for mark, kind in MARKS.items() if mark in held]
     if held - HIDDEN and not kinds and not then:
-        raise RunError(
-            f"the result directory {str(target)!r} holds something that is no former result; name another"
+        raise SceneError(
+            "", f"the result directory {str(target)!r} holds something that is no former result; name another"
         )
     if named_by_user:
         return

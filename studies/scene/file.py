@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Self
 
-from studies.refusal import RunError, SceneError, nearest, shown
+from studies.refusal import SceneError, nearest, shown
 from studies.scene.lines import key_lines, line_of
 from studies.scene.override import replaced, setting_of
 from studies.scene.syntax import explained
@@ -126,7 +126,7 @@ def copied(name: str, file: Path) -> Path:
             "--copy", f"does not overwrite {str(file)!r}, which exists: name another file"
         ) from None
     except OSError as error:
-        raise RunError(f"{str(file)!r} cannot be written: {error.strerror}") from None
+        raise SceneError("--copy", f"cannot write {str(file)!r}: {error.strerror}") from None
     return file
 
 

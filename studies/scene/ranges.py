@@ -1,4 +1,4 @@
-"""``START:STOP:N``, ``START:STOP:N:log``: many numbers in one text, in a scene file and on the command line."""
+"""Parse a range ``START:STOP:N`` or ``START:STOP:N:log``: values of a sweep, or the frequencies of a band."""
 
 import math
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ MAX_COUNT = 10_000_000
 
 @dataclass(frozen=True)
 class Range:
-    """Numbers between two ends, in SI units."""
+    """Evenly or logarithmically spaced numbers between two ends, in SI units."""
 
     low: float
     high: float
@@ -19,7 +19,7 @@ class Range:
     logarithmic: bool
 
     def at(self, part: float, of: float = 1.0) -> float:
-        """Return the number at a part of the way, exactly an end at the ends."""
+        """Return the number at the fraction ``part / of`` of the range; the two ends are exact."""
         if part in (0, of):
             return self.high if part else self.low
         if self.logarithmic:
@@ -33,7 +33,7 @@ class Range:
 
 
 def read_range(path: str, text: str, unit: str, *, bare: float = 1.0) -> Range:
-    """Read a range; ``bare`` is the unit of numbers without one.
+    """Parse a range; ``bare`` is the factor to SI units of numbers without a unit.
 
     Examples
     --------

@@ -146,9 +146,9 @@ def sweep(
     Raises
     ------
     SceneError
-        For what is wrong whatever the point, or a store of another sweep.
+        For what is wrong whatever the point, a store of another sweep, or one that cannot be written.
     RunError
-        If the store cannot be written, another driver is at work, or the sweep was interrupted.
+        If another driver is at work, the disk is full, or the sweep was interrupted.
     """
     start_time = perf_counter()
     tolerance = Quantity(below=1.0).read("tolerance", tolerance)

@@ -157,7 +157,7 @@ def _lock(folder: Path) -> FileLock:
             f"another sweep{_owner(folder)} is writing into {str(folder)!r}: wait for it, or name another --out"
         ) from None
     except OSError as error:
-        raise RunError(f"the directory {str(folder)!r} cannot be written: {error.strerror}") from None
+        raise SceneError("--out", f"cannot write {str(folder)!r}: {error.strerror}") from None
 
 
 def _owner(folder: Path) -> str:

@@ -55,9 +55,9 @@ def view(
     Raises
     ------
     SceneError
-        If the directory holds no run, or an option does not fit.
+        If the directory holds no run, an option does not fit, or a file cannot be written.
     RunError
-        If something is missing on this machine, or a file cannot be written.
+        If something is missing on this machine.
     """
     record = left_run(folder)
     show = wanted.show or ("field" if record.scene.stator is not None else "contact")
@@ -78,7 +78,7 @@ def view(
         try:
             writers[option](file)
         except OSError as error:
-            raise RunError(f"the file {file!r} cannot be written: {error.strerror or error}") from None
+            raise SceneError(f"--{option}", f"cannot write {file!r}: {error.strerror or error}") from None
     if not wanted.files:
         writers["window"]()
     if record.scene.stator is None and not wanted.show:

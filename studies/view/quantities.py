@@ -1,8 +1,9 @@
-"""What a field can be coloured by: the quantity at an instant, its unit, its range and its colours.
+"""Quantities that can colour a picture of a field: value at an instant, unit, range and colour map.
 
-A quantity at the phase omega t is mean + Re(amplitude exp(i n omega t)), n = 1 for the field itself and 2 for energy
-and power.  The colour maps are matplotlib's: RdBu_r, blue over white to red, for what takes both signs, and Blues for
-what is never negative.  Both are legible to colour-blind readers and change evenly in lightness.
+A quantity at the phase omega t is mean + Re(amplitude exp(i n omega t)), with n = 1 for displacements and potential and
+n = 2 for energy and power.  The colour maps are matplotlib's RdBu_r (blue over white to red) for quantities of both
+signs, and Blues for those that are never negative.  Both are legible to colour-blind readers and change evenly in
+lightness.
 """
 
 from collections.abc import Callable
@@ -16,21 +17,22 @@ from PIL import Image
 from studies.refusal import SceneError, nearest
 
 NM = 1e9
-MARK_COLOURS = ("#CC79A7", "#E69F00", "#009E73")  # of `description`; the others are black, grey and white
-SCALE = 192  # colours of a map in a palette of 256
+# Colours of the marks in description.py that are not black, grey or white.
+MARK_COLOURS = ("#CC79A7", "#E69F00", "#009E73")
+SCALE = 192  # number of a palette's 256 colours that the colour map takes
 DIVERGING, SEQUENTIAL = "RdBu_r", "Blues"
 
 
 class Quantity(NamedTuple):
-    """Something to colour the field by."""
+    """A quantity that can colour a field."""
 
-    name: str  # as it is asked for
-    title: str  # as it is written
-    units: tuple[str, str]  # per volt of the source, and over u_z at the surface of a free wave
-    scales: tuple[float, float]  # from SI to those
-    parts: Callable  # mean and complex amplitude, in SI, of a WaveField
-    signed: bool = True  # whether it takes both signs
-    turns: int = 1  # n, its frequency over the wave's
+    name: str  # on the command line
+    title: str  # in pictures
+    units: tuple[str, str]  # per volt of the source, and for a free wave over u_z at the surface
+    scales: tuple[float, float]  # factors from SI units to these units
+    parts: Callable  # returns mean and complex amplitude of a WaveField, in SI units
+    signed: bool = True  # True if it takes both signs
+    turns: int = 1  # n, the frequency of the quantity over that of the wave
 
 
 LENGTH = ("nm per V", "over u_z"), (NM, 1.0)
@@ -51,12 +53,13 @@ QUANTITIES = {
 
 @dataclass(frozen=True, kw_only=True)
 class Shade:
-    """A quantity as it colours the field of one run."""
+    """Colouring of the field of one run by a quantity."""
 
     quantity: Quantity
     label: str  # title and unit
-    scale: float  # from SI to that unit
-    reach: float  # end of the scale: the largest value beside the transducers, at whose edges the field is singular
+    scale: float  # factor from SI units to the unit of the label
+    # End of the colour scale: the largest value outside the transducers, because the field is singular at finger edges.
+    reach: float
 
     @property
     def limits(self) -> tuple[float, float]:
@@ -88,7 +91,7 @@ def present(run) -> list[str]:
 
 
 def shade(run, name: str) -> Shade:
-    """Return how a quantity colours the field of a run; refuse an unknown name, or a field that this solid has not."""
+    """Return the colouring of a run's field by a quantity; SceneError if unknown or zero in this solid."""
     drawn = quantity(name)
     field = run.with_energies if drawn.turns == 2 else run.field
     mean, amplitude = drawn.parts(field)
@@ -98,20 +101,20 @@ def shade(run, name: str) -> Shade:
         raise SceneError(
             "--quantity", f"{name!r} is zero everywhere: uncoupled in this solid, orientation {material}"
         )
-    outside |= not outside.any()  # fingers all over the stator
+    outside |= not outside.any()  # all points, if fingers cover the whole stator
     size = abs(amplitude[outside]) + (abs(mean[outside]) if drawn.turns == 2 else 0.0)
     return shade_of(drawn, size, free=run.free)
 
 
 def shade_of(drawn: Quantity, size, *, free: bool) -> Shade:
-    """Return how a quantity colours values that are at most as large as ``size`` in SI units."""
+    """Return the colouring by a quantity of values whose magnitudes are ``size``, in SI units."""
     scale = drawn.scales[free]
     label, reach = f"{drawn.title} ({drawn.units[free]})", float(np.max(size)) * scale
     return Shade(quantity=drawn, label=label, scale=scale, reach=reach)
 
 
 def palette(colour_map: str):
-    """Return an image with the 256 colours that a picture of a field needs: a colour map, marks and greys."""
+    """Return an image whose palette has 256 colours: those of the colour map and of the marks, and greys."""
     scale = matplotlib.colormaps[colour_map](np.linspace(0.0, 1.0, SCALE), bytes=True)[:, :3]
     marks = [list(bytes.fromhex(colour[1:])) for colour in MARK_COLOURS]
     greys = np.repeat(np.linspace(0, 255, 256 - SCALE - len(marks)).round()[:, None], 3, axis=1)

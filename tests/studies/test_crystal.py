@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from studies.__main__ import main
-from studies.refusal import RunError, SceneError
+from studies.refusal import SceneError
 from studies.report.free_surface import (
     axes,
     axes_figure,
@@ -108,5 +108,5 @@ def test_a_picture_that_cannot_be_is_refused(tmp_path):
     answer = crystal("PZT-8", "Z")
     with pytest.raises(SceneError, match=r"--plot must end in one of \.png"):
         save_axes(answer, tmp_path / "cut.xyz")
-    with pytest.raises(RunError, match="cannot be written"):
+    with pytest.raises(SceneError, match="--plot cannot write"):
         save_axes(answer, tmp_path / "no" / "cut.png")

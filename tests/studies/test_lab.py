@@ -496,6 +496,10 @@ def test_a_touchstone_file_of_another_range_or_ports_is_refused(tmp_path, monkey
         (["--format", "uff", "--sampling", "1 ms"], "--sampling is not taken by the format uff"),
         (["--format", "touchstone", "--z0", "-50"], "--z0 must be a positive resistance"),
         (["--format", "csv", "--noise", "3", "--seed", "1"], "--noise must be at least 0 and below 1"),
+        (["--format", "csv", "--out", "a.csv"], "--out must be a directory, as there are several files"),
+        (["--format", "c", "--out", "motor.c"], "--out must be a directory, as there are several files"),
+        (["--format", "uff", "--out", "a.csv"], "--out names a file of the format csv, not of uff"),
+        (["--format", "touchstone", "--out", "net.s1p"], "--out must end in .s2p, as the scene has 2 ports"),
     ],
 )
 def test_wrong_exports_of_instruments_write_nothing(words, said, tmp_path, monkeypatch, capsys):
@@ -503,3 +507,11 @@ def test_wrong_exports_of_instruments_write_nothing(words, said, tmp_path, monke
     assert main(["export", "twente", *words]) == 2
     assert said in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_network_is_written_into_the_file_that_is_named(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    words = ["export", "twente", "--format", "touchstone", "--band", "2.15:2.25:3", "--tolerance", "1e-2"]
+    assert main([*words, "--out", "net.S2P"]) == 0
+    assert [each.name for each in tmp_path.iterdir()] == ["net.S2P"]
+    assert read_network(Path("net.S2P"), "--measured").scattering.shape == (3, 2, 2)

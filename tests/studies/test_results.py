@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from studies.__main__ import main
 from studies.chain import run
 from studies.record.files import write_run
 from studies.refusal import RunError, SceneError
@@ -259,7 +260,7 @@ def test_an_empty_directory_may_be_filled(tmp_path):
 
 def test_a_stranger_s_directory_is_never_touched(tmp_path):
     (tmp_path / "thesis.tex").write_text("three years")
-    with pytest.raises(RunError, match="no former result"), result_directory(tmp_path, RUN):
+    with pytest.raises(SceneError, match="no former result"), result_directory(tmp_path, RUN):
         pytest.fail("lent")
     assert contents(tmp_path) == ["thesis.tex"]
 
@@ -267,8 +268,25 @@ def test_a_stranger_s_directory_is_never_touched(tmp_path):
 def test_a_place_that_cannot_be_written_is_one_sentence(tmp_path):
     (tmp_path / "file").write_text("")
     for place in (tmp_path / "file", tmp_path / "file" / "motor"):
-        with pytest.raises(RunError, match="cannot be written"), result_directory(place, RUN):
+        with pytest.raises(SceneError, match="cannot be written"), result_directory(place, RUN):
             pytest.fail("lent")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["run", "twente-contact"],
+        ["study", "reflector"],
+        ["export", "twente-contact", "--format", "c"],
+        ["sweep", "twente-contact", "--over", "slider.preload=1e-3:2e-3:2"],
+    ],
+)
+def test_an_out_that_cannot_be_written_is_bad_input(words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("file").write_text("mine")
+    assert main([*words, "--out", "file/below"]) == 2
+    assert capsys.readouterr().err.splitlines()[-1].endswith(": Not a directory")
+    assert contents(tmp_path) == ["file"]
 
 
 def test_the_directory_has_the_usual_permissions(tmp_path):

@@ -282,7 +282,7 @@ def test_a_shipped_scene_is_copied_to_start_from(tmp_path, capsys, monkeypatch):
     Path("motor.toml").write_text("mine")
     assert main(["scenes", "--copy", "twente", "motor.toml"]) == 2
     assert main(["scenes", "--copy", "twent", "other.toml"]) == 2
-    assert main(["scenes", "--copy", "twente", "nowhere/motor.toml"]) == 3
+    assert main(["scenes", "--copy", "twente", "nowhere/motor.toml"]) == 2
     said = capsys.readouterr().err.splitlines()
     assert Path("motor.toml").read_text() == "mine"
     assert ["does not overwrite" in said[0], "did you mean twente?" in said[1], len(said)] == [True, True, 3]

@@ -751,7 +751,7 @@ def test_bad_options_are_refused_in_one_sentence(computed, tmp_path, monkeypatch
 
 
 def test_a_place_that_cannot_be_written_is_said(computed, tmp_path, found):
-    with pytest.raises(RunError, match="cannot be written"):
+    with pytest.raises(SceneError, match="cannot write"):
         view.view(
             computed, Wanted(screenshot=str(tmp_path / "no" / "a.png"), size=(300, 200)), progress=quiet
         )
@@ -759,5 +759,5 @@ def test_a_place_that_cannot_be_written_is_said(computed, tmp_path, found):
         wanted = Wanted(
             **{option: str(tmp_path / "no" / file)}, frames=2, size=(300, 200), span=(13.5e-3, 14e-3)
         )
-        with pytest.raises(RunError, match=f"no/{file}' cannot be written: No such file"):
+        with pytest.raises(SceneError, match=f"--{option} cannot write .*no/{file}': No such file"):
             view.view(computed, wanted, progress=quiet)
