@@ -10,6 +10,7 @@ EXIT_INEXACT = 1  # an answer that misses its tolerance, or is refused for its m
 EXIT_BAD_INPUT, EXIT_NO_ANSWER = 2, 3
 EXIT_DEFECT = 70  # EX_SOFTWARE of sysexits.h: a defect of the program
 EXIT_INTERRUPTED = 130  # 128 + SIGINT, as shells report it
+PACKAGES = {"skrf": "scikit-rf"}  # names that pip knows, where a module has another
 MAX_PROBLEMS = 20  # printed for one scene; a table of numbers with a wrong unit would give 36
 
 
@@ -110,7 +111,8 @@ def needed(module: str, what: str) -> Any:
     try:
         return import_module(module)
     except ImportError:
-        raise RunError(f"{what} needs {module}, which is not installed: pip install {module}") from None
+        package = PACKAGES.get(module, module)
+        raise RunError(f"{what} needs {package}, which is not installed: pip install {package}") from None
 
 
 def shown(value: Any) -> str:

@@ -1,12 +1,13 @@
-r"""A bounce that nothing damps, and the slider's mean velocity while it goes on.
+r"""Mean velocity of a slider whose undamped bounce never ends.
 
-A slider that starts from rest falls towards its riding height and swings about it. With h the mean approach, V the mean
-velocity and <> the cycle means at constant height and velocity,
+A slider that starts from rest moves towards its riding height and oscillates about it. With the mean approach h, the
+mean velocity V and cycle means <> at constant height and velocity,
 
-    h'' = p - <sum P>(h),    0 = mean over the bounce of <sum Q>(h, V) - d_t V - q:
+    h'' = p - <sum P>(h),    0 = mean over the bounce of [<sum Q>(h, V) - d_t V - q].
 
-without normal damping h swings for ever between the approach at rest and its counterpart, h'^2/2 = int (p - <sum P>) dh
-(V then is not that of the periodic motion, whose height is constant). First-order averaging: error O((f_n/f)^2).
+Without normal damping h oscillates between two turning points, the approach at rest and the point at which
+h'^2/2 = int (p - <sum P>) dh vanishes again. V then differs from the velocity of the periodic motion, whose height is
+constant. This is first-order averaging with an error of O((f_n/f)^2).
 """
 
 import math
@@ -23,11 +24,11 @@ from contact.events.collocation import SMOOTH, collocation
 from contact.problem import Problem
 from contact.roots import bracketed
 
-NODES = 32  # from one turning point to the other
+NODES = 32  # between the two turning points
 
 
 class Heights(NamedTuple):
-    """Means over cycles at several heights, with weights."""
+    """Heights at which cycle means are taken, and their weights in the mean over the bounce."""
 
     heights: np.ndarray
     weights: np.ndarray
@@ -37,6 +38,7 @@ class Heights(NamedTuple):
 
 
 def _left(problem, means, v):
+    """Return the mean tangential force less load and damper, averaged over the heights."""
     mean = 0.0
     for h, weight in zip(means.heights, means.weights, strict=True):
         cycle(problem, float(h), v, means.rule, means.work)
@@ -45,41 +47,42 @@ def _left(problem, means, v):
 
 
 def speed_lost(problem: Problem, rest: float, level: float) -> float:
-    """Return by how much a bounce that goes on for ever changes the mean velocity, scaled, or NaN.
+    """Return the change of the mean velocity by an undamped bounce, scaled; NaN if it cannot be computed.
 
-    `rest`: approach at rest, where the bounce begins; `level`: mean approach of the periodic motion. The law is the
-    elastic one.
+    `rest` is the approach at rest, where the bounce starts. `level` is the mean approach of the periodic motion. The
+    contact law is the elastic one.
     """
     if abs(level - rest) < 1e-9 * (abs(level) + abs(rest)):
-        return 0.0  # the slider rides where it rests
+        return 0.0  # the riding height is the height at rest: there is no bounce
     rule = quadrature(12)
     work = cycle_room(1)
 
-    def push(h):
+    def acceleration(h):
         cycle(problem, h, 0.0, rule, work)
         return problem.preload - float(work.means[Mean.NORMAL])
 
-    found = _half_bounce(push, rest, level)
-    if found is None:
+    half_bounce = _half_bounce(acceleration, rest, level)
+    if half_bounce is None:
         return math.nan
-    heights, weights = found
-    still = Heights(np.array([level]), np.ones(1), rule, work, _left)
-    return _speed(problem, Heights(heights, weights, rule, work, _left)) - _speed(problem, still)
+    heights, weights = half_bounce
+    at_level = Heights(np.array([level]), np.ones(1), rule, work, _left)
+    return _speed(problem, Heights(heights, weights, rule, work, _left)) - _speed(problem, at_level)
 
 
 def _speed(problem, means):
-    """Return the velocity at which the mean tangential force over some heights balances damper and load, or NaN."""
+    """Return the velocity at which the mean tangential force balances damper and load, NaN if the search fails."""
     least, largest = (_left(problem, means, v) + problem.load for v in (0.0, -1e-300))
-    way, load = way_out(least, largest, problem.load, problem.friction * problem.preload)
-    if way == 0.0:
+    direction, load = way_out(least, largest, problem.load, problem.friction * problem.preload)
+    if direction == 0.0:
         return 0.0
-    at_rest = least if way > 0.0 else largest
-    found = balanced_speed(problem._replace(load=load), means, way, at_rest, full_slip_speed(problem), 1e-9)
-    return found.velocity if found.status == Status.DONE else math.nan
+    at_rest = least if direction > 0.0 else largest
+    loaded = problem._replace(load=load)
+    search = balanced_speed(loaded, means, direction, at_rest, full_slip_speed(problem), 1e-9)
+    return search.velocity if search.status == Status.DONE else math.nan
 
 
 def _half_bounce(force, rest, level):
-    """Return heights from one turning point to the other and their shares of the time; None if it does not turn."""
+    """Return (heights between the turning points, fractions of time spent there), or None without a turning point."""
     grid = collocation(NODES)
     tau, areas = grid.tau[SMOOTH], grid.integrals[SMOOTH, 0]
 
@@ -95,7 +98,8 @@ def _half_bounce(force, rest, level):
     heights, forces, energy = bounce(far)
     if not np.all(energy[1:-1] > 0.0):
         return None
-    # dt = dh/h' with h = rest + (far - rest) (1 - cos theta)/2; at the ends h' vanishes with sin theta
+    # dt = dh/h' with h = rest + (far - rest) (1 - cos theta)/2. At the ends both dh/dtheta and h' are proportional to
+    # sin theta, and their ratio follows from the force there.
     weights = np.sin(np.linspace(0.0, np.pi, NODES))
     weights[1:-1] /= np.sqrt(energy[1:-1])
     weights[[0, -1]] = 1.0 / np.sqrt(np.abs((far - rest) * forces[[0, -1]]))

@@ -1,8 +1,9 @@
-r"""The averaged equilibrium of any law, as a cycle that the event-driven solver can go on from.
+r"""Averaged equilibrium of any contact law, with a cycle from which the event-driven solver can continue.
 
-The elastic law's means are in closed form between events, and its height h and velocity v are known (`cycle_at`); for
-the other laws the mean tangential force comes from a cycle of the event-driven solver (`balanced`), the search for v is
-that of `equilibrium`. `answers.steady` says when a slider is held. Error O((f_n/f)^2) against the full motion.
+`cycle_at` takes a height h and a velocity v that are already known; `sweep.mean_motion` computes them for the elastic
+law, whose cycle means have closed forms between events. For the other laws `balanced` finds h and v: the mean
+tangential force comes from a cycle of the event-driven solver, and `equilibrium` searches v. The docstring of
+`answers.steady` states when a slider is held. The error with respect to the full motion is O((f_n/f)^2).
 """
 
 import math
@@ -24,7 +25,7 @@ from contact.roots import bracketed
 from contact.slider import Slider
 
 NODES, TRUNCATION = 14, 1e-11
-CLOSE = 1e-12  # last step of the search for the velocity, over its range
+CLOSE = 1e-12  # tolerance of the velocity, relative to the velocity of full slip
 RUNAWAY = (
     "friction cannot balance the load at any speed and no tangential damping bounds it; "
     "lower slider.load or give slider.damping.tangential"
@@ -33,48 +34,50 @@ RUNAWAY = (
 
 @dataclass(frozen=True, kw_only=True)
 class Balance:
-    """Averaged steady state, in the units of `problem`; phase 0 is the trough of the first contact."""
+    """Averaged equilibrium in the units of `problem`; phase 0 is the trough of the first contact."""
 
-    problem: Problem  # with the load against the direction of the unloaded motion
+    problem: Problem  # its load opposes the unloaded motion
     height: float  # mean approach h
     speed: float  # v
-    held: bool  # True: a sticking contact keeps the slider at rest
-    motion: Motion  # at the end of a repeating cycle at constant height and velocity, its tally and sums of that cycle
+    held: bool  # True if a sticking contact keeps the slider at rest
+    motion: (
+        Motion  # after a repeating cycle at constant height and velocity; its tally and sums cover that cycle
+    )
 
     @property
     def load_sign(self) -> float:
-        """+1 or -1: the direction of motion that the load opposes."""
+        """Direction of motion that the load opposes, +1 or -1."""
         return -1.0 if self.problem.load < 0.0 else 1.0
 
 
 def balanced(slider: Slider, orbits: tuple[Orbit, ...]) -> Balance:
-    """Return the averaged steady state; the crests should drive towards +x (`drive.towards_plus`)."""
+    """Return the averaged equilibrium; the wave crests must drive towards +x (`drive.towards_plus`)."""
     problem = scaled(slider, orbits, direction=1.0, start=trough(orbits))
     high = riding_approach(problem)
     if problem.law.kind != Tangential.RECIPROCAL:
         return _at_height(problem, high)
-    # the back force only adds to the support, so the slider rides higher: mean approach below `high`
+    # the reciprocal force only adds to the support, so that the slider rides higher: the mean approach is below `high`
     every, preload = np.arange(problem.contacts), problem.preload
-    low, found = -float(np.max(normal_amplitude(problem.paths, every) + problem.paths.height)), None
+    low, balance = -float(np.max(normal_amplitude(problem.paths, every) + problem.paths.height)), None
 
     def excess(height):
-        nonlocal found
+        nonlocal balance
         if height <= low:
             return -preload
-        found = _at_height(problem, height)
-        surplus = float(found.motion.sums[Sum.SUPPORT]) / (2.0 * math.pi) - preload
+        balance = _at_height(problem, height)
+        surplus = float(balance.motion.sums[Sum.SUPPORT]) / (2.0 * math.pi) - preload
         return surplus if abs(surplus) > 1e-12 * preload else 0.0
 
     bracketed(excess, low, high, tolerance=1e-14 * (1.0 + abs(high)))
-    return found
+    return balance
 
 
 def cycle_at(
     slider: Slider, orbits: tuple[Orbit, ...], *, height: float, velocity: float, held: bool, load_sign: float
 ) -> Balance:
-    """Return the balance at an approach in m and a velocity in m/s that are known to be in equilibrium.
+    """Return the equilibrium at a known mean approach in m and a known velocity in m/s.
 
-    `load_sign` as in `sweep.MeanMotion`; the orbits as for `balanced`.
+    `load_sign` is that of `sweep.MeanMotion`; the orbits are those of `balanced`.
     """
     problem = scaled(slider, orbits, direction=load_sign, start=trough(orbits))
     height, speed = height / problem.length, velocity / problem.speed
@@ -85,34 +88,39 @@ def cycle_at(
 
 
 def trough(orbits):
-    """Return the phase at which the first contact is parted or slips, so that old deformation is forgotten."""
+    """Return the phase of the trough of u_z, where the first contact is separated or slips.
+
+    A cycle starts there because the deformation at its start is then forgotten. Without normal motion it is 0.
+    """
     return math.pi - float(np.angle(orbits[0].normal)) if orbits[0].normal != 0 else 0.0
 
 
 def _rest_cycles(problem, height):
-    """Return (mean tangential force, motion) at rest of the least and of the largest deformations."""
+    """Return (mean tangential force, motion) at v = 0 for the least and for the largest possible deformations."""
     far = 10.0 * (1.0 + abs(height)) * (1.0 + problem.limit_slope)
     return traction(problem, height, 0.0, -far), traction(problem, height, 0.0, far)
 
 
 def _at_height(problem, height):
-    """Return the balance of the tractions at one mean approach."""
+    """Return the equilibrium of the tangential forces at one mean approach."""
     rest = _rest_cycles(problem, height)
     (least, _), (largest, _) = rest
-    way, load = way_out(least, largest, problem.load, problem.friction * problem.preload)
-    problem = problem._replace(load=load)  # its sign is turned where the wave drives against its crests
-    if way == 0.0:
+    direction, load = way_out(least, largest, problem.load, problem.friction * problem.preload)
+    problem = problem._replace(
+        load=load
+    )  # the sign of the load changes if the wave drives against its crests
+    if direction == 0.0:
         return _held(problem, height, rest)
     means = EventCycles(height)
-    at_rest = least if way > 0.0 else largest
-    found = balanced_speed(problem, means, way, at_rest, full_slip_speed(problem), CLOSE)
-    if found.status == Status.RUNAWAY:
+    at_rest = least if direction > 0.0 else largest
+    search = balanced_speed(problem, means, direction, at_rest, full_slip_speed(problem), CLOSE)
+    if search.status == Status.RUNAWAY:
         raise ConvergenceError("runaway", RUNAWAY)
-    return Balance(problem=problem, height=height, speed=found.velocity, held=False, motion=means.motion)
+    return Balance(problem=problem, height=height, speed=search.velocity, held=False, motion=means.motion)
 
 
 def _held(problem, height, rest):
-    """Return the balance of a slider at rest: deformations between the extreme ones that carry the load."""
+    """Return the equilibrium of a held slider; bisection finds deformations whose mean force carries the load."""
     (least, motion), (largest, high_motion) = rest
     below, above = motion.state[3:], high_motion.state[3:]
     rounding, a, b = 1e-13 * problem.preload * problem.friction, 0.0, 1.0
@@ -135,14 +143,14 @@ def opposed(slider: Slider, orbits: tuple[Orbit, ...]) -> float:
 
 
 def traction(problem, height, speed, deformations):
-    """Return (<sum Q>, motion) of a repeating cycle at constant height and velocity, from given deformations."""
+    """Return (<sum Q>, motion) of a repeating cycle at constant height and velocity, started from `deformations`."""
     motion = Motion(immobile(problem), grid=collocation(NODES), truncation=TRUNCATION)
     motion.place(-height, 0.0, speed, deformations)
     for turn in range(6):
         before = motion.state[3:].copy()
         motion.tally[:], motion.sums[:] = 0, 0.0
         motion.turn(1, mobile=False)
-        # a memory repeats a cycle after the deformation does
+        # the memory of a hysteretic contact becomes periodic one cycle after its deformation
         settled = turn > 1 or motion.memory is None
         if settled and np.max(np.abs(motion.state[3:] - before)) < 1e-13:
             break
@@ -150,14 +158,14 @@ def traction(problem, height, speed, deformations):
 
 
 class EventCycles:
-    """Cycle means of the event-driven solver at one height, each from the deformations of the last one."""
+    """Cycle means of the event-driven solver at one height; each cycle starts from the deformations of the last."""
 
     def __init__(self, height: float):
         self.height, self.motion = height, None
 
     @staticmethod
     def left(problem: Problem, means: "EventCycles", v: float) -> float:
-        """Return the mean tangential force that is left to accelerate the slider at a velocity."""
+        """Return the mean tangential force less load and damper, which accelerates the slider at the velocity v."""
         deformations = 0.0 if means.motion is None else means.motion.state[3:]
         mean, means.motion = traction(problem, means.height, v, deformations)
         return force_left(problem, mean, v)

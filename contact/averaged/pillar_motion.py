@@ -1,4 +1,4 @@
-"""How fast a slider on many contacts runs on a wave that it loads, what it takes from the wave, and its load line."""
+"""Steady velocity, wave loading and load line of a slider on many pillars or balls, averaged over the wave's cycle."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -17,10 +17,12 @@ from contact.codes import Status
 from contact.convergence_error import ConvergenceError
 from contact.input_error import InputError
 
-LOADED = 0.05  # loading number above which a slider acts back on the wave, where `loading` is None
-FULL_SLIP = 1.001  # of the velocity beyond which every contact slips all the time
-HARMONICS = "harmonics"  # the word for a load on the wave with its overtones
-NUMBERS = (8, 16, 32, 64)  # harmonics, until the last doubling leaves the velocity an error below
+LOADED = 0.05  # loading number above which the slider acts back on the wave if `loading` is None
+FULL_SLIP = 1.001  # safety factor on the velocity above which every contact slips through the whole cycle
+HARMONICS = "harmonics"  # value of `loading` that includes the overtones of the wave
+# Numbers of harmonics to try, until the change of the velocity by the last doubling gives an error below
+# OVERTONE_ERROR.
+NUMBERS = (8, 16, 32, 64)
 OVERTONE_ERROR = 5e-4  # half of the default tolerance
 
 
@@ -31,50 +33,55 @@ class PillarMotion:
     Attributes
     ----------
     velocity : float
-        m/s, along +x.
+        Velocity along +x, m/s.
     held : bool
-        True: v = 0, and contacts that stick carry the load.
+        True if v = 0 and sticking contacts carry the load.
     approach : float
-        Mean approach H of a pillar of height 0 at the slider's centre, m; of a soft backing the mean over the rows.
+        Mean approach H of a pillar of height 0 at the slider's centre, m. With a soft backing it is the mean over the
+        rows.
     tilt : tuple of float
-        Rotations in rad: growth of the approach along x (pitch) and along y (roll).
+        Rotations in rad: increase of the approach along x (pitch) and along y (roll).
     load : float
-        Force on the slider against which it runs, N, with the sign of the motion it opposes.
+        External force on the slider, N, with the sign of the motion that it opposes.
     traction : float
         Mean tangential force of all pillars, N.
     row_x : ndarray, shape (m,)
-        Places of the rows, m.
+        Positions of the rows, m.
     forward, backward : ndarray, shape (m,), complex
-        U+ behind each row and U- before it (at smaller x), m, without the factors exp(-i k x) and exp(+i k x).
+        Wave amplitudes in m without the factors exp(-i k x) and exp(+i k x): U+ on the side of each row at larger x,
+        U- on the side at smaller x.
     exit_over_entry, reflected_over_entry : complex
-        Of the larger incident wave: what leaves of it, and what leaves against it beyond the other incident wave, over
-        the incident amplitude.
+        Transmission and reflection of the larger incident wave, over its incident amplitude. The other incident wave is
+        subtracted from the reflected wave.
     share_in_contact, duty : float
-        Part of the pillars that touch at all, and the mean part of the cycle for which these do.
+        Fraction of the pillars that touch at some time of the cycle, and the mean fraction of the cycle during which
+        these pillars touch.
     friction_power, thrust_power, damping_power : float
-        Of slip, of the load, and of the viscous damper, W. The elastic law's spring of a ball is not conservative: what
-        it loses or gains counts as friction.
+        Mean power of the friction, of the load and of the viscous damper, W. The elastic law's spring of a ball is not
+        conservative; its loss or gain counts as friction.
     wave_power_in, wave_power_out : float
-        Of both waves within the strip, W; 0 without Gamma.
+        Power of both waves within the strip, W; 0 without Gamma.
     loading_number : float
         Lambda = 2 Gamma F/(w A).
     loading : bool
-        Whether the wave was loaded.
+        True if the pillars act back on the wave.
     harmonics : int
-        Number of harmonics of the wave that were followed; 1: the fundamental alone.
+        Number of harmonics of the wave in the computation; 1 is the fundamental alone.
     overtones : ndarray, shape (m, harmonics - 1), complex
-        U_2, U_3 ... of the wave that drives, m, behind each row as it meets them, in the order of `row_x`.
+        Amplitudes U_2, U_3 ... of the larger incident wave after it has passed each row, m, in the order of `row_x`.
     wave_work, apparent_power : float
-        Power that the surface under the pillars gives them by the harmonics of their forces, W, and in VA.
+        Power that the surface transfers to the pillars by the harmonics of their forces, W, and its apparent power, VA.
     normal_force, friction : ndarray, shape (n,)
-        Of each pillar: mean normal force in N and mean friction power in W.
+        Mean normal force in N and mean friction power in W of each pillar.
     first_normal, first_tangential : ndarray, shape (n,), complex
         First harmonics P_1 and Q_1 of the force of each pillar on the slider, N.
-    relative_error, truncation : float
-        Numerical, of the velocity, over max(|v|, omega |u_x|/10), and the part of it that is left by the number of
-        harmonics: a third of the change by its last doubling, for it falls as their square.
+    relative_error : float
+        Numerical error of the velocity over max(|v|, omega |u_x|/10).
+    truncation : float
+        Part of `relative_error` that is due to the number of harmonics. It is a third of the change by the last
+        doubling, because this error is inversely proportional to the square of the number.
     sweeps : int
-        Cycles of all pillars that were computed.
+        Number of cycles computed for all pillars.
     """
 
     pillars: Pillars = field(repr=False)
@@ -110,15 +117,16 @@ class PillarMotion:
     relative_error: float
     truncation: float
     sweeps: int
-    # From which a near motion begins: unknowns of `Equilibrium`, amplitudes of U+ and of U- at the rows, mean
-    # approaches of the pillars, w = v/omega in m, sign of the motion from which a velocity of zero comes
+    # Start values for the search of a similar motion: unknowns of `Equilibrium`, amplitudes U+ and U- at the rows, mean
+    # approaches of the pillars, w = v/omega in m, and for w = 0 the sign of the motion before it
     state: tuple = field(repr=False)
 
     @property
     def ledger_residual(self) -> float:
-        """What the energy balance misses: power taken from the wave less friction, load and damper, over the incident.
+        """Residual of the energy balance: power taken from the wave less friction, load and damper powers.
 
-        Without loading, the work of the surface on the pillars takes the wave's place, over the apparent power.
+        It is relative to the incident power. Without loading, the work of the surface on the pillars replaces the power
+        taken from the wave, and the residual is relative to the apparent power.
         """
         spent = self.friction_power + self.thrust_power + self.damping_power
         if self.loading:
@@ -127,20 +135,20 @@ class PillarMotion:
 
     @property
     def speed_scale(self) -> float:
-        """The velocity that errors are measured by, max(|v|, omega |u_x|/10), m/s."""
+        """Reference speed of velocity errors, max(|v|, omega |u_x|/10), m/s."""
         wave = self.wave
         return max(abs(self.velocity), wave.omega * abs(wave.orbit) * wave.amplitude / 10.0, 1e-300)
 
     @property
     def exit_overtones(self) -> np.ndarray:
-        """U_2, U_3 ... where the wave that drives leaves the slider, m, shape (harmonics - 1,)."""
+        """U_2, U_3 ... of the larger incident wave where it leaves the slider, m, shape (harmonics - 1,)."""
         return self.overtones[-1 if abs(self.wave.forward) >= abs(self.wave.backward) else 0]
 
     @property
     def overtone(self) -> float:
-        """|U_2| at the exit over the incident |U_1|; of a motion without overtones what its contacts would radiate.
+        """|U_2| at the exit over the incident |U_1|; 0 for balls, for which it is not computed.
 
-        0 for balls, for which it is not computed.
+        If the motion was computed without overtones, |U_2| is the amplitude that its contacts would radiate.
         """
         wave = self.wave
         if wave.compliance == 0.0 or wave.amplitude == 0.0 or self.pillars.shape != "punch":
@@ -157,16 +165,18 @@ class PillarMotion:
 
 @dataclass(frozen=True, kw_only=True)
 class PillarLoadLine:
-    """Steady motions under loads from nothing to the stall.
+    """Steady motions under loads from zero to the stall.
 
     Attributes
     ----------
     motions : tuple of PillarMotion
-        In the order of the loads; the last at the stall, held.
+        Motions in the order of the loads. The slider is held in the last one, at the stall.
     stall : float
-        Largest load that a slider in motion carries, N: the mean tangential force for v -> 0 from its side.
+        Largest load under which the slider moves forward, N: the mean tangential force in the limit v -> 0 of a forward
+        motion.
     held_up_to : float
-        Largest load that holds it at rest, N; larger ones drag it backwards. Between both is the stick band.
+        Largest load under which the slider stays at rest, N. A larger load drags it backwards. The slider is held under
+        loads between `stall` and `held_up_to`.
     """
 
     motions: tuple[PillarMotion, ...]
@@ -185,12 +195,12 @@ class PillarLoadLine:
 
     @property
     def power(self) -> np.ndarray:
-        """Mechanical powers, load times speed, W."""
+        """Mechanical powers (load times speed) in W."""
         return np.array([each.thrust_power for each in self.motions])
 
     @property
     def efficiency(self) -> np.ndarray:
-        """Mechanical power over what the wave gives the pillars."""
+        """Mechanical power over the power that the wave gives to the pillars."""
         taken = [each.thrust_power + each.friction_power + each.damping_power for each in self.motions]
         return np.divide(self.power, taken, out=np.zeros(len(taken)), where=np.array(taken) > 0.0)
 
@@ -201,22 +211,22 @@ class PillarLoadLine:
 
     @property
     def status(self) -> str:
-        """Always "ok": a motion that is not found raises."""
+        """Always "ok", because a motion that cannot be computed raises an error."""
         return "ok"
 
     @property
     def message(self) -> str:
-        """How the velocities were found, as a `LoadLine` says it."""
+        """How the velocities were computed, as in `LoadLine.message`."""
         return "averaged equilibria of the pillars"
 
     @property
     def blocked_thrust(self) -> float:
-        """The stall, as a `LoadLine` names it, N."""
+        """The stall in N, under the name that `LoadLine` uses."""
         return self.stall
 
 
-class Asked(NamedTuple):
-    """What `balanced_speed` asks of a problem, velocities over omega."""
+class VelocityProblem(NamedTuple):
+    """The attributes of a problem that `balanced_speed` uses; velocities are divided by omega."""
 
     friction: float
     preload: float
@@ -225,7 +235,10 @@ class Asked(NamedTuple):
 
 
 class _Slider:
-    """The equilibria of one slider on one wave, each begun at the last; w = v/omega is the velocity, m."""
+    """Solver for the equilibria of one slider on one wave; w = v/omega is the velocity in m.
+
+    Each search starts from the last equilibrium.
+    """
 
     def __init__(self, pillars, wave, loading, harmonics=1):
         if loading is None:
@@ -240,7 +253,7 @@ class _Slider:
         self.equilibrium, self.truncation = Equilibrium(self.cycle), 0.0
 
     def begin_at(self, near: PillarMotion) -> None:
-        """Begin the search at a motion of the same pillars."""
+        """Start the next search from a motion of the same pillars."""
         unknowns, forward, backward, *_ = near.state
         if len(forward) == len(self.cycle.forward):
             size = self.wave.amplitude / near.wave.amplitude if near.wave.amplitude > 0.0 else 1.0
@@ -250,60 +263,61 @@ class _Slider:
         self.truncation = near.truncation
 
     def rest(self, side: float, load: float = 0.0) -> Balance:
-        """Return the equilibrium at v = 0 of a slider that came from a motion of this sign."""
+        """Return the equilibrium in the limit v -> 0 of motions of sign `side`."""
         return self.equilibrium.solve(load, 0.0, side)
 
     def under(self, load: float) -> Balance:
-        """Return the equilibrium under a load with its sign, which may be held."""
-        kept = self.equilibrium.unknowns.copy()
+        """Return the equilibrium under a signed load; the slider moves or is held."""
+        start = self.equilibrium.unknowns.copy()
         if self.wave.amplitude == 0.0:
             return self._bracketed(load)
         try:
-            found = self.equilibrium.solve(load)
-            if self._is_moving(found):
-                return found
+            equilibrium = self.equilibrium.solve(load)
+            if self._is_moving(equilibrium):
+                return equilibrium
         except ConvergenceError:
             pass
-        self.equilibrium.unknowns = kept
+        self.equilibrium.unknowns = start
         self.cycle.reset()
         return self._bracketed(load)
 
-    def _is_moving(self, found):
-        """Whether the velocity is above rounding: below, it may be that of a band of sticking contacts."""
-        return abs(found.w) > 1e-9 * self.equilibrium.speed
+    def _is_moving(self, equilibrium):
+        """Return True if the velocity exceeds rounding; a smaller one may belong to sticking contacts."""
+        return abs(equilibrium.w) > 1e-9 * self.equilibrium.speed
 
     def _bracketed(self, load):
-        """Return the equilibrium by a search for the velocity alone: at rest, or where the mean force changes sign."""
+        """Return the equilibrium by a bracketing search for the velocity, after a check whether the slider is held."""
         side = -1.0 if load <= 0.0 else 1.0
         other = self.rest(-side, load)
-        # the last, so that the wave's amplitudes are those of its forces if the slider is held
+        # computed last, so that the wave amplitudes belong to these forces if the slider is held
         held = self.rest(side, load)
         low, high = (other, held) if side < 0.0 else (held, other)
         rounding = 1e-12 * self.equilibrium.friction
         if low.traction - load <= rounding and high.traction - load >= -rounding:
             return replace(held, traction=load)
-        way = 1.0 if low.traction > load else -1.0
+        direction = 1.0 if low.traction > load else -1.0
         reach = abs(self.wave.forward) + abs(self.wave.backward)
         fastest = FULL_SLIP * reach * (abs(self.wave.orbit) + float(self.cycle.limit_slope.max()))
-        asked = Asked(
+        problem = VelocityProblem(
             self.pillars.friction_coefficient, self.pillars.preload, load,
             self.pillars.tangential_damping * self.wave.omega,
         )  # fmt: skip
-        found = balanced_speed(
-            asked, self, way, (low if way > 0.0 else high).traction, max(fastest, 1e-300), 1e-6
-        )
-        if found.status == Status.RUNAWAY:
+        at_rest = (low if direction > 0.0 else high).traction
+        search = balanced_speed(problem, self, direction, at_rest, max(fastest, 1e-300), 1e-6)
+        if search.status == Status.RUNAWAY:
             raise ConvergenceError(
                 "runaway",
                 f"friction of {self.equilibrium.friction:.4g} N cannot balance the load of {abs(load):.4g} N",
             )
-        self.equilibrium.unknowns[SPEED] = found.velocity
+        self.equilibrium.unknowns[SPEED] = search.velocity
         return self.equilibrium.solve(load)
 
     @staticmethod
-    def left(asked, slider, w):
-        """Return the mean tangential force that is left to accelerate the slider at a velocity over omega."""
-        return slider.equilibrium.solve(asked.load, w).traction - asked.load - asked.tangential_damping * w
+    def left(problem, slider, w):
+        """Return the mean tangential force less load and damper, which accelerates the slider at v = omega w."""
+        return (
+            slider.equilibrium.solve(problem.load, w).traction - problem.load - problem.tangential_damping * w
+        )
 
     def directed(self, load: float) -> float:
         """Return a load with the sign of the motion that it opposes."""
@@ -314,29 +328,31 @@ class _Slider:
             return math.copysign(load, free.w)
         return math.copysign(load, -1.0 if self.rest(-1.0).traction < 0.0 else 1.0)
 
-    def stall(self, way: float) -> tuple[float, float]:
-        """Return the sums of <Q> over v -> 0 from a motion of sign `way` and from the other side, times `way`, N."""
+    def stall(self, direction: float) -> tuple[float, float]:
+        """Return the limits of <sum Q> for v -> 0 from motions of sign `direction` and of the other sign, in N.
+
+        Both are multiplied by `direction`.
+        """
         ends = []
-        for side in (way, -way):
+        for side in (direction, -direction):
             load = 0.0
-            # a load at a height tilts the slider and so changes the traction: repeat with load = traction until both
-            # agree
+            # a load that acts at a height tilts the slider and so changes <sum Q>: iterate until load and <sum Q> agree
             for _ in range(40):
-                found = self.rest(side, load)
+                rest = self.rest(side, load)
                 if (
                     self.pillars.load_height == 0.0
-                    or abs(found.traction - load) < 1e-12 * self.equilibrium.friction
+                    or abs(rest.traction - load) < 1e-12 * self.equilibrium.friction
                 ):
                     break
-                load = found.traction
-            ends.append(way * found.traction)
+                load = rest.traction
+            ends.append(direction * rest.traction)
         return ends[0], ends[1]
 
-    def motion(self, found: Balance, load: float) -> PillarMotion:
-        """Return the answer at an equilibrium."""
+    def motion(self, equilibrium: Balance, load: float) -> PillarMotion:
+        """Return the `PillarMotion` of an equilibrium under a load."""
         pillars, wave, cycle = self.pillars, self.wave, self.cycle
-        forces, classes, weight = found.forces, cycle.classes, cycle.weight
-        passed, velocity = cycle.passed(forces), found.w * wave.omega
+        forces, classes, weight = equilibrium.forces, cycle.classes, cycle.weight
+        passed, velocity = cycle.passed(forces), equilibrium.w * wave.omega
         order = np.arange(passed.shape[2]) + 1
         forward_drives = abs(wave.forward) >= abs(wave.backward)
         entry, other = (wave.forward, wave.backward) if forward_drives else (wave.backward, wave.forward)
@@ -345,14 +361,14 @@ class _Slider:
         friction = cycle.k_t * wave.omega * forces.cycles[:, columns.FRICTION]
         share = forces.cycles[:, columns.SHARE]
         touching = float(np.sum(weight[share > 0.0]))
-        work, held = cycle.work(forces), found.w == 0.0
+        work, held = cycle.work(forces), equilibrium.w == 0.0
         motion = PillarMotion(
-            pillars=pillars, wave=wave, velocity=velocity, held=held, approach=float(np.mean(found.height)),
-            tilt=(found.pitch, found.roll), load=load, traction=found.traction, row_x=cycle.row_x,
+            pillars=pillars, wave=wave, velocity=velocity, held=held, approach=float(np.mean(equilibrium.height)),
+            tilt=(equilibrium.pitch, equilibrium.roll), load=load, traction=equilibrium.traction, row_x=cycle.row_x,
             forward=passed[0, :, 0], backward=passed[1, :, 0], exit_over_entry=complex(gone[0] / entry),
             reflected_over_entry=complex((back[0] - other) / entry),
             share_in_contact=touching / pillars.number, duty=float(np.sum(weight * share)) / max(touching, 1.0),
-            friction_power=float(np.sum(weight * friction)), thrust_power=load * velocity,
+            friction_power=float(np.sum(weight * friction)), thrust_power=load * velocity + 0.0,  # not -0.0
             damping_power=pillars.tangential_damping * velocity**2,
             wave_power_in=wave.power(wave.forward) + wave.power(wave.backward),
             wave_power_out=sum(n * (wave.power(a) + wave.power(b)) for n, a, b in zip(order, gone, back, strict=True)),
@@ -370,7 +386,7 @@ class _Slider:
         )  # fmt: skip
         if held:
             return motion
-        left = float(found.error * wave.omega / motion.speed_scale)
+        left = float(equilibrium.error * wave.omega / motion.speed_scale)
         return replace(motion, relative_error=left + self.truncation)
 
 
@@ -385,13 +401,14 @@ def pillar_motion(
     pillars : Pillars
     wave : PassingWave
     load : float
-        Force against the direction in which the unloaded slider runs, N, zero or positive.
+        Force against the direction of the unloaded motion, N, zero or positive.
     loading : bool or "harmonics", optional
-        Whether the pillars act back on the wave; None: where the loading number is above 0.05; "harmonics": also with
-        the overtones that their forces radiate, which a bare crystal lets grow in phase.
+        True if the pillars act back on the wave. None means True if the loading number is above 0.05. "harmonics" also
+        includes the overtones that the contact forces radiate; on a bare crystal, which has no dispersion, they add up
+        in phase along the slider.
     near : PillarMotion, optional
-        A motion of pillars at the same places on much the same wave, from which the search begins, with as many
-        harmonics if the overtones are asked for.
+        A motion of pillars at the same positions on a similar wave, from which the search starts. With "harmonics" its
+        number of harmonics is used if it has overtones.
 
     Returns
     -------
@@ -400,9 +417,9 @@ def pillar_motion(
     Raises
     ------
     ValueError
-        For a load above the largest that the slider holds.
+        If the load drags the slider backwards.
     ConvergenceError
-        If no equilibrium was reached.
+        If the search for the equilibrium does not converge.
 
     Examples
     --------
@@ -431,7 +448,7 @@ def pillar_motion(
         return _motion(pillars, wave, load, True, near, near.harmonics)
     try:
         motion = _motion(pillars, wave, load, True, near, 1)
-    except InputError:  # a load that only the overtones carry, or nothing does
+    except InputError:  # the slider cannot carry the load without the overtones, but perhaps with them
         motion = _motion(pillars, wave, load, True, None, NUMBERS[0])
     change = 0.0
     for number in NUMBERS:
@@ -449,7 +466,7 @@ def pillar_motion(
 
 
 def _motion(pillars, wave, load, loading, near, harmonics) -> PillarMotion:
-    """Return the motion with so many harmonics; see `pillar_motion`."""
+    """Return the motion with a fixed number of harmonics; see `pillar_motion`."""
     slider = _Slider(pillars, wave, loading, harmonics)
     if near is not None:
         slider.begin_at(near)
@@ -457,27 +474,27 @@ def _motion(pillars, wave, load, loading, near, harmonics) -> PillarMotion:
         slider.directed(load) if near is None or near.velocity == 0.0 else math.copysign(load, near.velocity)
     )
     try:
-        found = slider.under(signed)
+        equilibrium = slider.under(signed)
     except ConvergenceError as error:
         if error.status != "runaway":
             raise
-        found = None
-    if load > 0.0 and (found is None or found.w * signed < 0.0):
-        stall, most = slider.stall(math.copysign(1.0, signed))
+        equilibrium = None
+    if load > 0.0 and (equilibrium is None or equilibrium.w * signed < 0.0):
+        stall, max_load = slider.stall(math.copysign(1.0, signed))
         raise InputError(
             "load",
-            f"must be at most {most:.6g} N, above which it drags the slider backwards (in motion this carries "
+            f"must be at most {max_load:.6g} N, above which it drags the slider backwards (in motion this carries "
             f"{stall:.6g} N, its stall)", load, "N",
         )  # fmt: skip
-    return slider.motion(found, signed)
+    return slider.motion(equilibrium, signed)
 
 
 def pillar_load_line(
     pillars: Pillars, wave: PassingWave, *, points: int = 20, loading: bool | str | None = None
 ) -> PillarLoadLine:
-    """Return the load line of a slider on pillars: loads in equal steps from nothing to the stall.
+    """Return the load line of a slider on pillars, with loads in equal steps from zero to the stall.
 
-    Parameters are those of `pillar_motion`; `points`: number of motions, at least 2.
+    `points` is the number of motions, at least 2. The other parameters are those of `pillar_motion`.
     """
     points = bounds.count("points", points, 2)
     free = pillar_motion(pillars, wave, loading=loading)
@@ -485,15 +502,15 @@ def pillar_load_line(
         raise ConvergenceError("not applicable", "the slider is at rest without a load: it has no load line")
     slider = _Slider(pillars, wave, free.loading, free.harmonics)
     slider.begin_at(free)
-    way, motions = math.copysign(1.0, free.velocity), [free]
+    direction, motions = math.copysign(1.0, free.velocity), [free]
     start = slider.equilibrium.unknowns.copy()
-    stall, held = slider.stall(way)
+    stall, held = slider.stall(direction)
     slider.equilibrium.unknowns = start
     for number in range(1, points - 1):
-        load = way * stall * number / (points - 1)
+        load = direction * stall * number / (points - 1)
         motions.append(slider.motion(slider.under(load), load))
-    last = slider.rest(way, way * stall)
-    motions.append(slider.motion(last, way * stall))
+    last = slider.rest(direction, direction * stall)
+    motions.append(slider.motion(last, direction * stall))
     return PillarLoadLine(motions=tuple(motions), stall=stall, held_up_to=held)
 
 
@@ -501,11 +518,11 @@ def pillar_traction(
     pillars: Pillars, wave: PassingWave, *, load: float = 0.0, loading: bool | None = None,
     near: PillarMotion | None = None,
 ):  # fmt: skip
-    """Return a function of velocity in m/s and a factor on the wave's amplitude: the sum of <Q> in N that they give.
+    """Return a function traction(velocity in m/s, factor on the wave amplitude) that gives <sum Q> in N.
 
-    For averaged motion through time, height and tilts in balance at every instant. `load` in N, with the sign of the
-    motion it opposes, tips the slider where it acts at a height. Each call begins at the last, the first at `near`,
-    whose overtones are followed as well.
+    It serves the averaged motion as a function of time, with height and tilts in equilibrium at all times. `load` in N
+    has the sign of the motion that it opposes; it tilts the slider if it acts at a height. Each call starts from the
+    result of the last one, and the first call starts from `near`. If `near` has overtones, they are included.
     """
     if near is None:
         slider = _Slider(pillars, wave, loading)

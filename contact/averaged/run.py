@@ -1,13 +1,15 @@
-r"""The averaged method: a slider that is heavy on the wave's time scale, many cycles at once.
+r"""Averaged method for a burst: one integration step covers many wave cycles of a heavy slider.
 
-The bounce equation and the velocity equation (`equilibrium`, `transient`) take the event-exact mean of the tangential
-force over a cycle. First order errs by O((f_n/f)^2); with the slider's fast motion fed back (second
-order) the steady state is the full periodic motion but for the harmonics left out, and v(t) is a hundred times closer.
-The first and the last cycle of a run are followed event by event: the start from rest is no cycle that repeats, and
-averaging does not give the deformations of the contacts at the end.
+The averaged equations for height and velocity (`equilibrium`, `transient`) contain the mean tangential force over a
+cycle, integrated exactly between events. First-order averaging has an error of O((f_n/f)^2). Second-order averaging
+includes the slider's motion within a cycle: its steady state equals the full periodic motion except for neglected
+harmonics, and its v(t) is about a hundred times more accurate. The event-driven solver computes the first and the last
+cycle of a run, because the start from rest is not a repeating cycle and averaging does not give the deformations of the
+contacts at the end.
 
-It does not apply to a stiff contact (f_n/f above 0.1), to a `slider.stick_band`, to other laws than the elastic
-one, or where a contact sticks through whole cycles, because its traction then depends on its history.
+The method does not apply to stiff contacts (f_n/f above 0.1), with `slider.stick_band`, or to laws other than the
+elastic one. It also does not apply if a contact sticks through whole cycles, because the mean tangential force then
+depends on the history.
 """
 
 import math
@@ -21,16 +23,17 @@ from contact.convergence_error import ConvergenceError
 from contact.orbit import Orbit
 from contact.slider import Slider
 
-# largest ratio of bounce to wave frequency, for v(t) and for the corrected steady state
+# largest f_n/f for v(t), and for the steady state with second-order correction
 STIFFEST, STIFFEST_STEADY = 0.1, 0.3
 HARMONICS = 8
-# instants in the second half of a burst at which two runs are compared
+# number of times in the second half of a burst at which two runs are compared
 COMPARED = 24
-# What second order leaves of the error of v(t): shares of the difference between the orders and of (f_n/f)^2, the
-# latter of the reference speed. Measured by tests/benchmarks/averaging_error.py: the worst of 86 bursts aimed at weak
-# spots is off by 1.3 times its stated error; by 1.5 times with half of these shares, by 1.1 times with twice.
+# The error of v(t) of second-order averaging is estimated as LEFT_OF_FIRST times the difference of the two orders plus
+# LEFT_OF_RATIO times (f_n/f)^2 times the reference speed. `tests/benchmarks/averaging_error.py` measured them: among 86
+# bursts chosen to be difficult the largest true error is 1.3 times the stated one; it is 1.5 times with half of these
+# values and 1.1 times with twice these values.
 LEFT_OF_FIRST, LEFT_OF_RATIO = 0.12, 0.1
-# velocity by the midpoint rule: half the steps, four times the error
+# The midpoint rule has order 2: a run with half the steps has four times the error, hence difference/3 is the error.
 STEP_GAIN = 3.0
 STICKS = (
     "not applicable",
@@ -40,7 +43,7 @@ NOT_FINITE = "not converged", "the averaged motion was not finite; use method ex
 
 
 def refusals(slider: Slider, orbits: tuple[Orbit, ...], stiffest: float = STIFFEST) -> tuple[str, ...]:
-    """Return why averaging does not apply; nothing where it does."""
+    """Return the reasons why averaging does not apply; empty if it does."""
     why: tuple[str, ...] = ()
     if slider.law != "elastic" or slider.reciprocal:
         why += ("it knows the elastic law without its reciprocal force only",)
@@ -62,7 +65,7 @@ def refusals(slider: Slider, orbits: tuple[Orbit, ...], stiffest: float = STIFFE
 
 
 def refuse_unless_applicable(slider: Slider, orbits: tuple[Orbit, ...], stiffest: float = STIFFEST) -> None:
-    """Raise if averaging does not apply."""
+    """Raise a `ConvergenceError` if averaging does not apply."""
     why = refusals(slider, orbits, stiffest)
     if why:
         raise ConvergenceError(
@@ -73,10 +76,12 @@ def refuse_unless_applicable(slider: Slider, orbits: tuple[Orbit, ...], stiffest
 def averaged_run(burst, begin):
     """Return (motion, rows, error, statistics) of a `methods.Burst` of at least 3 cycles.
 
-    `begin` is the motion at phase 0, which is moved; rows (v, z_s), z_s without its fast part; `error` of v in scaled
-    units. The error is the sum of three parts: steps and quadrature, from a second run with half the steps and fewer
-    nodes; for a run of first order its difference to second order, both with the coarse steps; and what second order
-    leaves (`LEFT_OF_FIRST`, `LEFT_OF_RATIO`).
+    `begin` is the motion at phase 0; it is advanced to the end of the burst. The rows are (v, z_s), where z_s excludes
+    the motion within a cycle. `error` is that of v, scaled. It is the sum of three parts:
+
+    - step size and quadrature, from a second run with half the steps and fewer nodes;
+    - for a first-order run, the difference between first and second order, both with the coarse steps;
+    - the error of second-order averaging (`LEFT_OF_FIRST`, `LEFT_OF_RATIO`).
     """
     cycles, tolerance, unit, turn = burst.cycles, burst.tolerance, burst.reference(), 2.0 * math.pi
     begin.turn(1)
@@ -88,7 +93,7 @@ def averaged_run(burst, begin):
     late, stop = np.isin(phases, compared), turn * (cycles - 2)
 
     def follow(harmonics, allowed, per_period, nodes):
-        """Return (state at the end, rows) of one run: v to `allowed` of the unit, so many steps per bounce."""
+        """Return (final state, rows) of a run with `per_period` steps per bounce and tolerance `allowed` on v."""
         state, rows = begin.state[:3].copy(), np.zeros((phases.size, 2))
         rule, corrected = quadrature(nodes), int(harmonics > 0)
         span = Span(stop, allowed * unit, per_period, rule, corrected, phases, rows)
@@ -109,14 +114,15 @@ def averaged_run(burst, begin):
     ratio = burst.slider.normal_resonance(len(burst.orbits)) / burst.orbits[0].frequency
     left = LEFT_OF_FIRST * averaging + LEFT_OF_RATIO * ratio**2 * unit
     corrected = averaging + left > 0.7 * tolerance * unit
-    state, found = fine = follow(HARMONICS if corrected else 0, allowed, per_period, nodes)
+    state, averaged_rows = fine = follow(HARMONICS if corrected else 0, allowed, per_period, nodes)
     steps = difference(fine, coarse[corrected]) / STEP_GAIN
     error = steps + left + (0.0 if corrected else averaging)
     rows = np.zeros((ends.size, 2))
     rows[ends <= 1] = begin.state[2], begin.state[0]
-    rows[inner] = found[np.searchsorted(phases, at)]
-    # A cycle of slip forgets the deformations at its start. The first turn, from deformations of 0, gives those at
-    # phase 0; the second, from the averaged motion with these, is the last cycle of the run.
+    rows[inner] = averaged_rows[np.searchsorted(phases, at)]
+    # The contacts slip within a cycle, so that the deformations at its start do not matter. The first cycle, started
+    # with zero deformations, gives those at phase 0. The second cycle starts from the averaged state with these
+    # deformations and is the last cycle of the burst.
     begin.place(*state, 0.0)
     begin.turn(1)
     begin.place(*state, begin.state[3:])

@@ -1,15 +1,18 @@
-r"""The steady state by waiting for it: where no stable motion repeats with the wave's period.
+r"""Steady state by a long run from rest, for sliders that shooting cannot treat alone.
 
-A slider whose contact resonates near the wave's frequency or above it may hop once in several cycles, or never the
-same way twice. Then the motion is followed event by event until it repeats after a few cycles, until every contact
-sticks for good (the mean velocity is then zero, whatever rings), or until there is enough of it for a mean whose
-statistical error is stated: batch means over what is left after the first half, and the difference to a second run
-from almost the same start, for there may be several motions to settle to.
+A slider whose contact resonance is near or above the wave frequency may hop with a period of several cycles, or
+irregularly. `long_run` then follows every event until one of three conditions holds:
 
-A stable motion that repeats with the wave's period need not be the one that a slider from rest comes to. It counts as
-reached where a start from rest, and one a little beside it, come to it side by side. Where a light damper
-takes longer than can be followed event by event, fixed steps follow the bounce until it has died. What is then still
-open is stated as a doubt: the difference in velocity between the periodic motion and the one that was seen.
+- the motion repeats after a few cycles;
+- every contact sticks permanently, so that the mean velocity is zero even if the slider still rings;
+- the run is long enough for a mean with a statistical error. The error is that of batch means over the last part of
+  the run plus the difference to a second run from almost the same start, since several steady motions may exist.
+
+A stable motion that repeats with the wave's period is not necessarily reached from rest. `reached` checks this with two
+runs, from rest and from a slightly different state. The motion counts as reached if both runs come to it together. If
+weak damping makes the transient too long for the event-driven solver, fixed time steps follow the bounce until it has
+decayed. Whatever remains uncertain is reported as a doubt: the difference in velocity between the periodic motion and
+the motion that was observed.
 """
 
 import math
@@ -32,54 +35,56 @@ from contact.problem import largest_resonance, scaled
 from contact.slider import Slider
 from contact.stepping.time_stepping import steps
 
-# cycles after which a motion may repeat, and how closely (of the units of the problem)
+# largest period in cycles that is tested for, and largest difference of a repeating motion (in units of the problem)
 PERIODS, REPEATS = 12, 1e-9
-# distance (of the units of the problem) at which a stable periodic motion is taken to be reached
+# distance (in units of the problem) at which a stable periodic motion counts as reached
 CLOSE = 1e-5
-# largest difference of two velocities, over the reference speed, that are those of one motion
+# two mean velocities belong to the same motion if they differ by less than this times the reference speed
 SAME = 1e-3
-# Cycles within which a transient is no matter of chance, and within which an irregular one has ended for two starts, so
-# that it hardly lasts ten times as long for a third; e-foldings after which a departure has died out, and the slowest
-# that is waited for, cycles (a second in fixed steps)
+# REGULAR: a transient of at most this many cycles is accepted from a single run.
+# IRREGULAR: if irregular transients from two starts both end within this many cycles, one from a third start is
+# unlikely to last ten times as long.
+# SURELY: number of e-foldings after which a perturbation has decayed.
+# MAX_SETTLING: longest decay time in cycles that is followed with fixed time steps (about one second).
 REGULAR, IRREGULAR, SURELY, MAX_SETTLING = 200, 1000, 8.0, 100_000
-# cycles without any slip after which every contact sticks for good: some periods of the bounce
+# After this many cycles without slip (several bounce periods) every contact counts as sticking permanently.
 STUCK_CYCLES = 64
-# fixed steps for that: per cycle, and the largest change of the contact's oscillation in one
+# fixed time steps per cycle for the slow decay of a bounce, and the largest omega_n dt for which they are used
 STEPS_PER_CYCLE, MAX_STEP = 64, 0.2
-# segments that a run may take (some seconds), and cycles
+# largest number of segments (some seconds) and of cycles in a run
 BUDGET, MAX_CYCLES = 600_000, 30_000
-MEMORY = 10.0  # cost of a segment with the hysteretic law
-BATCHES, STUDENT = 16, 2.13  # of the mean, and the factor for 95 % with 15 degrees of freedom
-# as fast against the wave as this a contact follows the surface from the start
+MEMORY = 10.0  # cost of a segment with the hysteretic law, relative to the elastic law
+BATCHES, STUDENT = 16, 2.13  # number of batch means, and Student's factor for 95 % with 15 degrees of freedom
+# A contact with a tangential resonance above this times the wave frequency moves with the surface from the start.
 SLOW = 5.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class LongRun:
-    """Mean of a long motion, in the units of its problem; phase 0 is where the first u_z rises through zero."""
+    """Mean of a long motion in the units of its problem; at phase 0 the first u_z crosses zero upwards."""
 
-    speed: float  # Mean of v
-    error: float  # Estimated, of `speed`
-    period: int  # Cycles after which the motion repeats; 0 if it was not seen to
-    sticks: bool  # Whether every contact sticks for good, so that the speed is exactly zero
-    # Over which the mean is taken, and those before
-    cycles: int
-    passed: int
-    starts: int = 1  # From which the motion was followed
-    arrived: bool = False  # Whether it came to a motion that was known before
-    # v at the ends of the cycles before, and its mean when a slow bounce has died (NaN: not asked)
-    velocities: np.ndarray = field(default_factory=lambda: np.zeros(1), repr=False)
-    eventual: float = math.nan
-    motion: Motion  # At the end; its tally and sums cover the `cycles`
+    speed: float  # mean of v
+    error: float  # estimated error of `speed`
+    period: int  # number of cycles after which the motion repeats; 0 if no repetition was observed
+    sticks: bool  # True if every contact sticks permanently, so that the speed is exactly zero
+    cycles: int  # number of cycles in the mean
+    passed: int  # number of cycles before them
+    starts: int = 1  # number of runs from different starts
+    arrived: bool = False  # True if the run came to the known periodic motion
+    velocities: np.ndarray = field(
+        default_factory=lambda: np.zeros(1), repr=False
+    )  # v after each cycle in `passed`
+    eventual: float = math.nan  # mean of v after a slow bounce has decayed; NaN if it was not computed
+    motion: Motion  # at the end of the run; its tally and sums cover the `cycles`
 
     @property
     def transient(self) -> float:
-        """Mean of v over the second half of the cycles before."""
+        """Mean of v over the second half of the transient, the `passed` cycles."""
         return float(np.mean(self.velocities[self.velocities.size // 2 :]))
 
     @property
     def height(self) -> float:
-        """Minus the mean of z_s over some more cycles; u_z itself has none."""
+        """Minus the mean of z_s, from the mean approach over some more cycles (the mean of u_z is zero)."""
         motion, phases = self.motion.copy(), 2.0 * math.pi * np.arange(1, 65) / 64
         approaches = [
             motion.move(0.0, 2.0 * math.pi, phases)[:, 0, Sample.APPROACH].mean()
@@ -89,94 +94,94 @@ class LongRun:
 
 
 class Reached(NamedTuple):
-    """What a start from rest says of a stable periodic motion; velocities in the units of the balance's problem."""
+    """Result of the check whether a slider from rest reaches a periodic motion; velocities in units of the problem."""
 
-    instead: LongRun | None = None  # another motion, which is the answer
-    doubt: float = 0.0  # how far the velocity of a start from rest may be from that of the periodic motion
-    reason: str = ""  # why there is a doubt
-    speed: float | None = None  # velocity of the motion that was seen, where it is another
+    instead: LongRun | None = None  # another steady motion that is reached instead; None if there is none
+    doubt: float = 0.0  # possible difference in velocity between the periodic motion and the one from rest
+    reason: str = ""  # reason for the doubt
+    speed: float | None = None  # velocity of the observed motion if it differs from the periodic one
 
 
 def long_run(slider: Slider, orbits: tuple[Orbit, ...], direction: float) -> LongRun:
-    """Return the mean of the motion from rest, once it repeats, sticks or has gone on for long enough.
+    """Return the mean of the motion from rest, when it repeats, sticks or has run for long enough.
 
-    `direction` as in `problem.scaled`.
+    `direction` is that of `problem.scaled`.
     """
-    problem, begin = _started(slider, orbits, direction)
+    problem, begin = _start(slider, orbits, direction)
     rate = _relaxation(problem)
     _refuse_unless_affordable(problem, rate)
-    first = _followed(problem, begin, rate)
+    first = _run_from(problem, begin, rate)
     settled = first.period or first.sticks
     if settled and first.passed <= REGULAR:
         return first
-    second = _followed(problem, _beside(begin), rate)
+    second = _run_from(problem, _perturbed(begin), rate)
     apart = abs(first.speed - second.speed)
     if not settled:
         other = second if second.period or second.sticks else first
         return replace(other, error=max(first.error, second.error, apart), starts=2)
     if _together(first, second, _same(first.speed, problem)):
         return first
-    # an irregular transient, or several motions to settle to: the mean before is what a start may go on with
+    # the transient is irregular, or several steady motions exist: a start may keep the mean velocity of the transient
     doubt = max(abs(first.transient - first.speed), abs(second.transient - first.speed), apart)
     return replace(first, error=first.error + doubt, starts=2)
 
 
 def mean_from_rest(slider: Slider, orbits: tuple[Orbit, ...], direction: float, cycles: int) -> float:
-    """Return the mean velocity in m/s over the second half of so many cycles from rest, followed event by event."""
-    problem, begin = _started(slider, orbits, direction)
+    """Return the mean velocity in m/s over the second half of `cycles` cycles from rest, by the event-driven solver."""
+    problem, begin = _start(slider, orbits, direction)
     _refuse_unless_affordable(problem, math.inf)
     motion = Motion(problem, grid=collocation(10), truncation=1e-7)
-    height, climb, speed = begin[:3]
-    motion.place(height, climb, speed, begin[3:])
+    position, normal_velocity, velocity = begin[:3]
+    motion.place(position, normal_velocity, velocity, begin[3:])
     rows = motion.turn(cycles, stride=1)
     return float(np.mean(rows[cycles // 2 :, Column.MEAN_VELOCITY])) * problem.speed
 
 
 def _same(speed, problem):
-    """Return the difference of two mean velocities that are those of one motion, scaled."""
+    """Return the largest difference of two mean velocities that count as those of the same motion, scaled."""
     reach = float(np.max(tangential_amplitude(problem.paths, np.arange(problem.contacts))))
     return SAME * max(abs(speed), reach / 10.0)
 
 
-def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, found: Periodic) -> Reached:
-    """Return whether a slider from rest comes to a stable periodic motion, or to which else."""
-    target = found.motion.copy()
-    target.move(0.0, 0.5 * math.pi, np.empty(0))  # from the trough of u_z to its upward zero
-    problem, begin = _started(slider, orbits, balance.load_sign)
-    same = _same(found.speed, problem)
-    unit, near = same / SAME, Near(target.state, found.speed, same, found.growth)
+def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, target: Periodic) -> Reached:
+    """Return whether a slider from rest reaches a stable periodic motion, or which motion it reaches instead."""
+    motion = target.motion.copy()
+    motion.move(0.0, 0.5 * math.pi, np.empty(0))  # from the trough of u_z to its upward zero
+    problem, begin = _start(slider, orbits, balance.load_sign)
+    same = _same(target.speed, problem)
+    unit, near = same / SAME, Near(motion.state, target.speed, same, target.growth)
     rate = _relaxation(problem)
     try:
         _refuse_unless_affordable(problem, math.inf)
-        first = _followed(problem, begin, rate, near)
-        # an irregular transient ends when it happens to: from another start much earlier or later
+        first = _run_from(problem, begin, rate, near)
+        # an irregular transient may end much earlier or later from another start
         again = first.passed > REGULAR or not first.arrived
-        second = _followed(problem, _beside(begin), rate, near) if again else first
+        second = _run_from(problem, _perturbed(begin), rate, near) if again else first
     except ConvergenceError as failed:
         return Reached(doubt=unit, reason=f"whether a slider from rest comes to it was not seen: {failed}")
     if first.arrived and second.arrived:
         if _together(first, second, near.same):
             return Reached()
         late = first if first.passed > second.passed else second
-        return _irregular(late, second.passed + first.passed - late.passed, unit, found.speed)
+        return _irregular(late, second.passed + first.passed - late.passed, unit, target.speed)
     if first.arrived or second.arrived:
         run = second if first.arrived else first
-        return _irregular(run, first.passed + second.passed - run.passed, unit, found.speed)
+        return _irregular(run, first.passed + second.passed - run.passed, unit, target.speed)
     run = second if second.period or second.sticks else first
     run = replace(run, error=max(first.error, second.error, abs(first.speed - second.speed)), starts=2)
-    apart = abs(run.speed - found.speed) + run.error
+    apart = abs(run.speed - target.speed) + run.error
     if apart <= near.same:
         return Reached()
     if run.period or run.sticks or run.passed + run.cycles > SURELY * near.decay_cycles:
         return Reached(instead=run)
     reason = f"a start from rest still bounces after {run.passed + run.cycles} cycles"
     later = [each.eventual for each in (first, second) if not math.isnan(each.eventual)]
-    doubt = max([apart, *(abs(speed - found.speed) for speed in later)])
+    doubt = max([apart, *(abs(speed - target.speed) for speed in later)])
     return Reached(doubt=doubt, reason=reason, speed=later[0] if later else run.speed)
 
 
 def _together(first, second, same):
-    """Return whether two runs from almost the same start settle to one motion, side by side or before long."""
+    """Return True if two runs from almost the same start stay together or soon reach the same motion."""
     both = min(first.velocities.size, second.velocities.size)
     apart = float(np.max(np.abs(first.velocities[:both] - second.velocities[:both])))
     soon = max(first.passed, second.passed) <= IRREGULAR and abs(first.speed - second.speed) <= same
@@ -184,7 +189,7 @@ def _together(first, second, same):
 
 
 def _irregular(run, other, unit, speed):
-    """Return the doubt of a motion that two neighbouring starts reach at very different times, or one not at all."""
+    """Return the doubt if two neighbouring starts reach a motion after very different times, or one never does."""
     doubt = max(abs(run.transient - speed), SAME * unit)
     until = "has not come to it" if not run.arrived else "comes to it"
     reason = (
@@ -195,45 +200,45 @@ def _irregular(run, other, unit, speed):
 
 
 class Near(NamedTuple):
-    """A stable periodic motion, to which a run from rest may come; scaled."""
+    """A stable periodic motion that a run from rest may reach, scaled."""
 
     state: np.ndarray  # at phase 0: z_s, z_s', v, ...
     speed: float  # mean of v
-    same: float  # difference of two mean velocities that are those of one motion
+    same: float  # largest difference of two mean velocities that count as those of the same motion
     growth: float  # largest Floquet multiplier
 
     @property
     def decay_cycles(self) -> float:
-        """Cycles in which a small departure falls to 1/e; inf where nothing damps it."""
+        """Number of cycles in which a small perturbation decays to 1/e; inf if it does not decay."""
         return 1.0 / -math.log(self.growth) if self.growth < 1.0 - MULTIPLIER_ERROR else math.inf
 
 
-def _started(slider, orbits, direction):
-    """Return (problem, state at rest) where u_z of the first contact rises through zero."""
+def _start(slider, orbits, direction):
+    """Return (problem, state at rest); at phase 0 u_z of the first contact crosses zero upwards."""
     start = -0.5 * math.pi - float(np.angle(orbits[0].normal))
     problem = scaled(slider, orbits, direction=direction, start=start)
     return problem, _rest(slider, orbits, problem)
 
 
-def _beside(begin):
-    """Return almost the same start: a push too small to matter to anything but an irregular motion."""
+def _perturbed(begin):
+    """Return a slightly different start; the normal velocity changes too little to affect a regular motion."""
     return begin + 1e-6 * (np.arange(begin.size) == 1)
 
 
-def _followed(problem, begin, rate, near=None):
-    """Return the mean of the motion from one start; `near`: a motion at which a run that comes close to it ends."""
+def _run_from(problem, begin, rate, near=None):
+    """Return the mean of the motion from one start; the run ends early if it comes close to the motion `near`."""
     motion = Motion(problem, grid=collocation(14), truncation=1e-11)
     motion.place(*begin[:3], begin[3:])
     budget = BUDGET / (MEMORY if motion.memory is not None else 1.0)
     block, passed, spent = 1, 0, 0
-    rows, quiet, eventual = np.empty((0, 3)), 0, None
+    rows, stuck, eventual = np.empty((0, 3)), 0, None
     while True:
         motion.begin()
         rows = np.vstack([rows, motion.turn(block, stride=1)])
         passed += block
         spent += int(motion.tally[Count.SEGMENTS] + motion.tally[Count.HALVINGS])
-        quiet = quiet + block if motion.sticks else 0
-        if quiet >= STUCK_CYCLES:
+        stuck = stuck + block if motion.sticks else 0
+        if stuck >= STUCK_CYCLES:
             return LongRun(
                 speed=0.0, error=0.0, period=0, sticks=True, cycles=block, passed=passed, motion=motion,
                 velocities=rows[:, Column.VELOCITY],
@@ -254,12 +259,12 @@ def _followed(problem, begin, rate, near=None):
             return replace(
                 run, velocities=rows[:, Column.VELOCITY], eventual=math.nan if eventual is None else eventual
             )
-        # as many cycles in a block as a twentieth of the budget takes
+        # the next block takes at most a twentieth of the budget
         block = int(min(max(1, 0.05 * budget * passed / spent), MAX_CYCLES // 20, 2 * block))
 
 
 def _arrival(motion, rows, passed, near):
-    """Return the run that has come to a known motion."""
+    """Return the result of a run that has reached the known motion."""
     return LongRun(
         speed=near.speed, error=near.same, period=1, sticks=False, cycles=1, passed=passed, motion=motion,
         arrived=True, velocities=rows[:, Column.VELOCITY],
@@ -267,9 +272,10 @@ def _arrival(motion, rows, passed, near):
 
 
 def _eventual(problem, motion, near):
-    """Return the mean velocity, by fixed steps, when a bounce that dies out too slowly to be followed exactly has died.
+    """Return the mean velocity after a slow bounce has decayed, by fixed time steps.
 
-    The mean is over the last tenth. NaN where the decay is fast, or takes too long, or fixed steps do not serve.
+    The mean covers the last tenth of the steps. It is NaN if the decay is fast enough for the event-driven solver, if
+    it takes too long, or if fixed time steps do not apply.
     """
     if (
         not REGULAR < near.decay_cycles < MAX_SETTLING
@@ -285,12 +291,13 @@ def _eventual(problem, motion, near):
 
 
 def _relaxation(problem):
-    """Return the rate per radian at which v settles: damper, and friction force over the range of speeds."""
+    """Return the rate per radian at which v relaxes: damper, plus friction force over the range of surface speeds."""
     reach = float(np.max(tangential_amplitude(problem.paths, np.arange(problem.contacts)))) + 1e-300
     return problem.tangential_damping + 0.3 * problem.friction * problem.preload / reach
 
 
 def _refuse_unless_affordable(problem, rate):
+    """Raise if a long run would take too many segments or cycles."""
     segments = problem.segments
     if segments > BUDGET / 30:
         raise ConvergenceError(
@@ -308,7 +315,7 @@ def _refuse_unless_affordable(problem, rate):
 
 
 def _rest(slider, orbits, problem):
-    """Return (z_s, z_s', v, x) at phase 0: at rest, or carried along by a surface that is slow for the contact."""
+    """Return (z_s, z_s', v, x) at phase 0: at rest, or moving with the surface if the wave is slow for the contacts."""
     depth = slider.rest_approach(len(orbits)) / problem.length
     x = math.copysign(1.0, problem.load) * slider.rest_deformations(len(orbits)) / problem.length
     if slider.tangential_resonance(len(orbits)) < SLOW * orbits[0].frequency:
@@ -318,14 +325,14 @@ def _rest(slider, orbits, problem):
 
 
 def _arrived(rows, near):
-    """Return whether the last cycles ended within `CLOSE` of a stable motion."""
+    """Return True if the last four cycles ended within `CLOSE` of the known motion."""
     late = np.abs(rows[-4:, :2] - np.array([near.state[2], near.state[0]]))
     close = CLOSE * (1.0 + np.max(np.abs(near.state[:3])))
     return len(late) == 4 and bool(np.max(late[:, 0]) < min(close, near.same) and np.max(late[:, 1]) < close)
 
 
 def _period(rows):
-    """Return (cycles after which the motion repeats or 0, what is left to settle)."""
+    """Return (period in cycles or 0, estimated distance from the repeating motion)."""
     for period in range(1, PERIODS + 1):
         if len(rows) < 6 * period:
             break
@@ -343,14 +350,14 @@ def _period(rows):
 
 
 def _repeating(motion, begin, period, gap, passed):
-    """Return the mean over one period, its error from the same period at another order."""
+    """Return the mean over one period; its error is the difference to the same period at a lower order."""
     before = motion.copy()
     motion.begin()
     motion.turn(period)
     coarse = Motion(motion.problem, grid=collocation(10), truncation=1e-8)
     if motion.memory is None:
         coarse.state[:], coarse.regime[:], coarse.sign[:] = before.state, before.regime, before.sign
-    else:  # what a contact remembers is kept on the nodes of its own order, and made by the whole run
+    else:  # the memory is stored on the nodes of one order: repeat the whole run at the lower order
         coarse.place(*begin[:3], begin[3:])
         coarse.turn(passed)
         coarse.begin()
@@ -369,7 +376,7 @@ def _repeating(motion, begin, period, gap, passed):
 
 
 def _mean(motion, cycles, passed, rate):
-    """Return the mean over as many cycles again, in batches; what is left to settle counts as an error."""
+    """Return the mean over `cycles` more cycles from batch means; the remaining drift counts as an error."""
     motion.begin()
     each = max(1, cycles // BATCHES)
     means = motion.turn(each * BATCHES, stride=1)[:, 2].reshape(BATCHES, each).mean(axis=1)

@@ -1,8 +1,10 @@
-r"""The periodic motion of the full equations: fixed point of the map of one wave cycle.
+r"""Periodic motion of the full equations by the shooting method.
 
-The map takes (z_s, z_s', v, x_i) at the trough of the first contact to the same a cycle later, event-exactly. Newton's
-method starts from the averaged balance, with the Jacobian of the map by differences. A contact that slips or parts
-forgets its deformation, so those columns are mostly zero.
+The cycle map takes the state (z_s, z_s', v, x_i) at the trough of the first contact to the state one wave cycle later,
+with every event resolved. A periodic motion is a fixed point of this map. Newton's method finds it, starting from the
+averaged equilibrium, with a Jacobian by finite differences. The Jacobian is the monodromy matrix; its eigenvalues are
+the Floquet multipliers. A contact that slips or separates forgets its deformation, so that most columns of the
+deformations x_i are zero.
 """
 
 import math
@@ -17,39 +19,44 @@ from contact.events.collocation import collocation
 from contact.events.energy import Sum
 from contact.events.motion import Motion
 
-# no motion that is worth searching leaves this many length units
+# the search stops if the state exceeds this many units of length
 BOUND = 1e6
-# of a Floquet multiplier, from differences of the cycle map
+# error of a Floquet multiplier that is due to the finite differences
 MULTIPLIER_ERROR = 1e-6
-# of the state, for differences; contacts up to which every column of the Jacobian is a difference of its own
+# STEP: step of the state for finite differences.
+# FEW_CONTACTS: up to this number of contacts, every column of the Jacobian is computed by its own difference.
 STEP, FEW_CONTACTS = 1e-7, 8
-# share of a change of a contact's deformation that is left after a cycle, from which on the contact remembers it
+# A contact remembers its deformation if more than this fraction of a change is left after one cycle.
 FORGOTTEN = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True)
 class Periodic:
-    """Periodic motion, in the units of the balance's problem."""
+    """Periodic motion, in the units of the scaled problem."""
 
     speed: float  # mean of v over the cycle
     state: np.ndarray  # (3 + n,): z_s, z_s', v and the deformations x_i at phase 0
     jacobian: np.ndarray  # (3 + n, 3 + n): of the cycle map; its eigenvalues are the multipliers
-    step: float  # last Newton step: how far the fixed point may still be
+    step: float  # size of the last Newton step, an estimate of the distance to the fixed point
     motion: Motion  # after the last cycle, its tally and sums of that cycle
 
     @property
     def growth(self) -> float:
-        """Largest magnitude of a Floquet multiplier: above one the motion is unstable."""
+        """Largest magnitude of the Floquet multipliers; the motion is unstable if it exceeds one."""
         return float(np.max(np.abs(np.linalg.eigvals(self.jacobian))))
 
     @property
     def stable(self) -> bool:
-        """Whether no multiplier is above one, but for the error of the Jacobian's differences."""
+        """True if no multiplier exceeds one by more than the error of the finite differences."""
         return self.growth <= 1.0 + MULTIPLIER_ERROR
 
     @property
     def rounding(self) -> float:
-        """Error of the speed by rounding: those of the segments add up at random, 1/(1 - multiplier) enlarges them."""
+        """Rounding error of the speed.
+
+        The rounding errors of the segments add up like a random walk, and the cycles amplify the sum by
+        1/(1 - multiplier).
+        """
         enlarged = np.abs(np.linalg.inv(self.jacobian - np.eye(self.state.size))[2]) @ np.abs(self.state)
         return 2.2e-16 * math.sqrt(max(1, self.motion.tally[Count.SEGMENTS])) * float(enlarged)
 
@@ -57,14 +64,15 @@ class Periodic:
 def periodic(
     balance: Balance, *, nodes: int, truncation: float, near: Periodic | None = None, settle: int = 0
 ) -> Periodic:
-    """Return the periodic motion at one order of collocation, from a balance or from the motion `near` it.
+    """Return the periodic motion at one order of collocation.
 
-    `truncation` as in `Motion`; `settle`: cycles to follow the motion from the balance before the search.
+    Newton's method starts from the averaged equilibrium `balance`, or from the motion `near` if that is given.
+    `truncation` is that of `Motion`. Before the search the full motion is followed for `settle` cycles.
     """
     cycle = _CycleMap(balance.problem, nodes, truncation)
     if near is None:
         y = np.concatenate(([-balance.height, 0.0, balance.speed], balance.motion.state[3:]))
-        y[3:] = cycle(y)[3:]  # the full motion's own deformations
+        y[3:] = cycle(y)[3:]  # the averaged deformations are not those of the full motion
         for _ in range(settle):
             y = cycle(y)
         jacobian = cycle.jacobian(y)
@@ -87,13 +95,13 @@ def periodic(
 
 
 class _CycleMap:
-    """The map of one wave cycle; `motion` has made the last one."""
+    """The map of one wave cycle; `motion` is the motion after the last evaluation."""
 
     def __init__(self, problem, nodes, truncation):
         self.motion = self.base = Motion(problem, grid=collocation(nodes), truncation=truncation)
 
     def __call__(self, y, keep=True):
-        if self.motion.memory is not None:  # a contact that does not forget starts from what it remembers
+        if self.motion.memory is not None:  # the memory of a hysteretic contact is part of the state
             self.motion = self.base.copy()
         motion = self.motion
         motion.place(*y[:3], y[3:])
@@ -109,11 +117,12 @@ class _CycleMap:
         return motion.state.copy()
 
     def jacobian(self, y):
-        """Return the derivative by differences; deformations are moved towards zero.
+        """Return the Jacobian by finite differences that move each deformation towards zero.
 
-        Of many contacts most forget their deformation within the cycle: where it ends they depend on the slider's state
-        s alone, and the blocks of the matrix are [[A, B], [C, 0]]. Its eigenvalues, and Newton's method, know B through
-        the product B C alone; so B is taken as (B C) C^+, from one difference for each column of C.
+        If there are many contacts, most of them forget their deformation within the cycle. Their final deformations
+        then depend only on the slider's state (z_s, z_s', v), and the Jacobian has the blocks [[A, B], [C, 0]]. Its
+        nonzero eigenvalues and the Newton step depend on B only through the product B C. Hence B is replaced by
+        (B C) C^+, which takes one difference for each singular vector of C.
         """
         start = self(y, keep=False)
         towards = np.where(np.arange(y.size) < 3, 1.0, np.where(y < 0.0, 1.0, -1.0))
@@ -135,17 +144,17 @@ class _CycleMap:
                 if size > 1e-9 * sizes[0]:
                     direction = np.zeros(y.size)
                     direction[forgets] = shape / np.max(np.abs(shape))
-                    answer = change(direction) * np.max(np.abs(shape))
-                    columns[:, forgets] += np.outer(answer, shape)
+                    derivative = change(direction) * np.max(np.abs(shape))
+                    columns[:, forgets] += np.outer(derivative, shape)
             columns[np.ix_(forgets, forgets)] = 0.0
         return columns
 
 
 def _fixed_point(cycle, y, jacobian):
-    """Return (state, Jacobian, last step) of Newton's method for the map's fixed point."""
+    """Return (state, Jacobian, last step) of Newton's method for the fixed point of the cycle map."""
     least = math.inf
     for count in range(40):
-        if count % 10 == 9:  # slow: close to an edge, where the map bends
+        if count % 10 == 9:  # slow convergence near a kink of the map: update the Jacobian
             jacobian = cycle.jacobian(y)
         residual = y - cycle(y)
         try:
@@ -158,6 +167,6 @@ def _fixed_point(cycle, y, jacobian):
         if size < 1e-12 or (count > 2 and size >= 0.5 * least and least < 1e-10):
             break
         least = min(least, size)
-        # far from the fixed point the map bends: no state moves by more than half its size
+        # the map is nonlinear far from the fixed point: limit the change of each component to half its size
         y = y + step * min(1.0, 0.5 / float(np.max(np.abs(step) / (1.0 + np.abs(y)))))
     return y, jacobian, step

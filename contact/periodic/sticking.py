@@ -1,13 +1,13 @@
-r"""The periodic motion of a slider whose contacts do not slip, in harmonics of the wave: the full equations.
+r"""Periodic motion of the full equations for sticking contacts, by harmonic balance.
 
-Without an event the forces of a cycle are smooth, and the motion follows from their harmonics,
+If no event occurs in a cycle, the forces are smooth and the motion follows from their harmonics,
 
     z_s = -h + sum N_n exp(i n phi)/(-n^2 + i n d_n),    N the normal force on the slider,
 
-with h such that the mean of N is the preload; the travel follows from Q likewise. A slider that is heavy on the wave's
-time scale hardly answers, so that the fixed point of this map is reached in a few rounds, each of which gains a factor
-of about (f_n/f)^2. The normal motion holds up to the amplitude at which the first contact parts, whether contacts slip
-or not; the tangential one up to that at which the first contact slips.
+where h is such that the mean of N equals the preload. The tangential motion follows in the same way from Q. A slider
+that is heavy on the wave's time scale moves little within a cycle. Hence fixed-point iteration converges in a few
+steps, each of which reduces the error by a factor of about (f_n/f)^2. The normal motion is valid up to the amplitude at
+which the first contact separates, whether or not contacts slip. The tangential motion is valid up to the first slip.
 """
 
 import math
@@ -21,31 +21,35 @@ from contact.law.elastic import tangential_force
 from contact.law.normal import load, slope
 from contact.problem import Problem
 
-ROUNDS, CLOSE = 60, 1e-13
+# maximum number of iterations, and relative change at which they stop
+MAX_ITERATIONS, CLOSE = 60, 1e-13
 
 
 class NormalMotion(NamedTuple):
-    """The normal motion at evenly spaced phases of a cycle."""
+    """Normal motion at m evenly spaced phases of a cycle."""
 
     phases: np.ndarray  # (m,)
-    approaches: np.ndarray  # (n, m): of the contacts
+    approaches: np.ndarray  # (n, m), one row per contact
 
 
 def normal_motion(problem: Problem, height: float, samples: int) -> NormalMotion:
-    """Return the periodic normal motion, from a mean approach near `height`; contacts are not parted for long."""
+    """Return the periodic normal motion, iterated from the mean approach `height`.
+
+    It is accurate only if no contact separates for a large part of the cycle.
+    """
     phases, every = 2.0 * math.pi * np.arange(samples) / samples, np.arange(problem.contacts)[:, None]
     u_z, u_z_rate, _, _ = at_phase(problem.paths, every, np.cos(phases), np.sin(phases))
     h = height
     fast: Any = np.zeros(samples)
     fast_rate: Any = np.zeros(samples)
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ITERATIONS):
         z = approach(problem.paths, every, u_z, Coordinates(fast - h, 0.0))
         rate = approach_rate(u_z_rate, Coordinates(fast_rate, 0.0))
-        push = contact_force(problem, problem.stiffness * load(z, problem.shape), rate).sum(axis=0)
-        step = (problem.preload - push.mean()) / float(
+        normal_force = contact_force(problem, problem.stiffness * load(z, problem.shape), rate).sum(axis=0)
+        step = (problem.preload - normal_force.mean()) / float(
             problem.stiffness * slope(z, problem.shape).sum(axis=0).mean()
         )
-        moved, fast_rate = _answer(push, problem.normal_damping)
+        moved, fast_rate = _driven(normal_force, problem.normal_damping)
         change, h, fast = float(np.max(np.abs(moved - fast))) + abs(step), h + step, moved
         if not change < 1e6:
             break
@@ -55,42 +59,42 @@ def normal_motion(problem: Problem, height: float, samples: int) -> NormalMotion
 
 
 class Room(NamedTuple):
-    """What is left to contacts that stick with the largest or the least offsets."""
+    """Distance to slip of contacts that stick with the largest or the least possible offsets."""
 
-    forward: np.ndarray  # (n,): by which the deformations may grow until slip
-    backward: np.ndarray  # by which they may fall
+    forward: np.ndarray  # (n,): by this much each deformation may grow before the contact slips
+    backward: np.ndarray  # (n,): by this much it may decrease
     traction: float  # mean of sum Q
 
 
 def room_to_stick(problem: Problem, motion: NormalMotion, side: float) -> Room:
-    """Return the room of contacts that stick all the time, each as far towards `side` as it can without slip."""
+    """Return the room of contacts that always stick, each with the offset nearest to slip in the direction `side`."""
     z, every, c = motion.approaches, np.arange(problem.contacts)[:, None], problem.limit_slope
     _, _, u_x, _ = at_phase(problem.paths, every, np.cos(motion.phases), np.sin(motion.phases))
     fast, friction = np.zeros(z.shape[1]), problem.friction * problem.stiffness
-    for _ in range(ROUNDS):
-        way = u_x - fast
-        forward, backward = least(c * z - way), least(c * z + way)
+    for _ in range(MAX_ITERATIONS):
+        relative = u_x - fast  # of the surface to the slider
+        forward, backward = least(c * z - relative), least(c * z + relative)
         offset = forward if side > 0.0 else -backward
-        pull = tangential_force(way + offset[:, None], z, friction, c, problem.shape).sum(axis=0)
-        moved, _ = _answer(pull, problem.tangential_damping)
+        total = tangential_force(relative + offset[:, None], z, friction, c, problem.shape).sum(axis=0)
+        moved, _ = _driven(total, problem.tangential_damping)
         change, fast = float(np.max(np.abs(moved - fast))), moved
         if change < CLOSE * (1.0 + float(np.max(np.abs(u_x)))):
-            return Room(forward, backward, float(pull.mean()))
+            return Room(forward, backward, float(total.mean()))
         if not change < 1e6:
             break
     raise ConvergenceError("not converged", "the slider answers too strongly within a cycle")
 
 
 def least(values: np.ndarray) -> np.ndarray:
-    """Return the least values of periodic rows, by a parabola through the least sample and its neighbours."""
+    """Return the minimum of each periodic row, from a parabola through the least sample and its neighbours."""
     rows, at = np.arange(len(values)), np.argmin(values, axis=1)
     low, mid, high = (values[rows, (at + k) % values.shape[1]] for k in (-1, 0, 1))
     bend = low - 2.0 * mid + high
     return mid - np.divide((high - low) ** 2, 8.0 * bend, out=np.zeros_like(mid), where=bend > 0.0)
 
 
-def _answer(force, damping):
-    """Return the motion that the alternating part of a force drives, and its rate."""
+def _driven(force, damping):
+    """Return (displacement, rate) of the slider under the alternating part of a force."""
     harmonics = np.fft.rfft(force)
     n = np.arange(harmonics.size)
     n[0] = 1

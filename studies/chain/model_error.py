@@ -26,6 +26,7 @@ from studies.chain import bridge, resolve
 from studies.chain.blocks import node
 from studies.chain.radiation import point_admittance
 from studies.record import Record
+from studies.record.text import percent
 
 # Relative error of |u_z| if the charge is assumed uniform along the fingers. Measured on PZT-8 for combs of 3 to 30
 # pairs and apertures of 5 to 30 wavelengths: 2.6 to 10 % at the worst of 80 points, 0.9 to 3.7 % rms
@@ -97,7 +98,7 @@ def with_model_error(record: Record) -> Record:
     if decisive and not shortfall.startswith("no answer"):
         worst = max(decisive, key=lambda row: abs(row["size"]))
         shortfall = (
-            f"no answer: the model leaves out what changes {worst['quantity']} by about {100 * worst['size']:+.2g} % "
+            f"no answer: the model leaves out what changes {worst['quantity']} by about {percent(worst['size'])} "
             f"({worst['effect']}); {100 * NO_ANSWER:g} % or more is refused"
         )
     return replace(record, model_error=rows, points=points, error=error, shortfall=shortfall)

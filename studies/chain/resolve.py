@@ -116,8 +116,10 @@ def pieces(scene: Scene) -> tuple:
             (name, _piece_solid(material, scene.stator, f"{path}.materials.{name}"))
             for name, material in block.materials or ()
         )
-        with _refused(f"{path}.file"):
+        try:
             mesh = _mesh(block.file, LENGTHS[block.length_unit])
+        except fem.MeshError as error:
+            raise SceneError(f"{path}.file", f"names {error}") from None
         meshed += [
             fem.MeshPiece(
                 name=block.label, mesh=mesh, position=place, solids=solids, electrodes=block.electrodes or ()

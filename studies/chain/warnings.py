@@ -17,6 +17,7 @@ from studies.chain.model_error import SHARED
 from studies.chain.points import contact_load
 from studies.chain.scene_warnings import scene_warnings
 from studies.record import Record
+from studies.record.text import percent
 from studies.scene import Scene
 
 # Ratio of the largest amplitude over frequency to the present amplitude above which a warning is given; the ripple of a
@@ -177,7 +178,7 @@ def _left_out(record: Record) -> Iterator[str]:
         # `_section` warns about the finite aperture
         if quantity in SHARED and abs(size) >= DECIDES and row["effect"] != "finite aperture":
             yield (
-                f"model error: {row['effect']} changes {quantity} by about {100 * size:+.2g} %, which the model leaves "
+                f"model error: {row['effect']} changes {quantity} by about {percent(size)}, which the model leaves "
                 f"out ({row['source']}); the numerical error does not contain it"
             )
 
@@ -191,15 +192,15 @@ def _contact(record: Record, driven: DrivenContact) -> Iterator[str]:
     if normal < NODE * tangential:
         yield (
             "u_z vanishes at the slider's centre: the amplitudes of the points are taken "
-            "at the centre and say nothing about the wave under the balls: another slider.position"
+            "at the centre and say nothing about the wave under the contacts: another slider.position"
         )
     ratio = record.wave.get("largest_lateral_ratio", 0.0)
     if ratio > SIDEWAYS:
-        nearer = "keep the balls nearer to the middle of the beam"
+        nearer = "keep the contacts nearer to the middle of the beam"
         if not any(across for _, across in record.scene.slider.offsets):
             nearer = "in this cut the wave has u_y on its axis, and counts most where a standing wave's u_x is small"
         yield (
-            f"the surface moves sideways under a ball, |u_y/u_x| = {ratio:.2g}, but the contact follows it along "
+            f"the surface moves sideways under the slider, |u_y/u_x| = {ratio:.2g}, but the contact follows it along "
             f"x alone: {'drive less across' if record.scene.crossed else nearer}"
         )
     slider, orbits = driven.slider, driven.at(max(record.scene.levels))

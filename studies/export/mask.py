@@ -15,7 +15,7 @@ from math import cos, radians, sin
 import numpy as np
 
 from studies.chain import resolve
-from studies.refusal import RunError, SceneError, nearest
+from studies.refusal import SceneError, nearest, needed
 from studies.scene import Scene
 from studies.scene.blocks import Transducer
 from studies.scene.override import toml_value
@@ -311,7 +311,7 @@ def gds(mask: Mask) -> bytes:
     """Return the mask as GDSII, unit 1 um: layers of ``LAYERS``, datatypes of `datatype`."""
     from tempfile import TemporaryDirectory
 
-    gdstk = _needed("gdstk")
+    gdstk = needed("gdstk", "a mask")
     precision = min(GDS_PRECISION, mask.grid)
     if max(mask.length, mask.width) / precision > MAX_COORDINATE:
         raise SceneError(
@@ -342,7 +342,7 @@ def dxf(mask: Mask) -> bytes:
     """Return the mask as DXF (R2010), unit 1 um: closed polylines on layers such as FINGERS_left_plus."""
     from io import StringIO
 
-    ezdxf = _needed("ezdxf")
+    ezdxf = needed("ezdxf", "a mask")
     document = ezdxf.new("R2010")
     document.units = 13  # micrometres
     space = document.modelspace()
@@ -368,12 +368,3 @@ def layer_table(mask: Mask) -> str:
     return "layer,datatype,name\n" + "".join(
         f"{layer},{kind},{name}\n" for (layer, kind), name in sorted(rows.items())
     )
-
-
-def _needed(name: str):
-    from importlib import import_module
-
-    try:
-        return import_module(name)
-    except ImportError:
-        raise RunError(f"a mask needs {name}, which is not installed: pip install sawmotor[mask]") from None

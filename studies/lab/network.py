@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.refusal import RunError, SceneError
+from studies.refusal import SceneError, needed
 
 TOUCHSTONE = re.compile(r"\.s(?P<ports>\d+)p", re.IGNORECASE)
 
@@ -65,12 +65,7 @@ def read_network(path: Path, option: str) -> NetworkData:
     ports = TOUCHSTONE.fullmatch(path.suffix)
     if ports is None:
         raise SceneError(option, f"must be a Touchstone file, .s1p, .s2p ..., got {path.name!r}")
-    try:
-        import skrf
-    except ImportError:
-        rule = "Touchstone files need scikit-rf, which is not installed: pip install sawmotor[lab]"
-        raise RunError(rule) from None
-    network = skrf.Network()
+    network = needed("skrf", "a Touchstone file").Network()
     try:
         with warnings.catch_warnings():  # of frequencies that do not rise, which are refused below
             warnings.simplefilter("ignore")

@@ -28,7 +28,7 @@ from studies.lab.heads import (
     Heads,
     file_error,
 )
-from studies.refusal import RunError, SceneError
+from studies.refusal import SceneError, needed
 
 COMPONENTS = ("u_x", "u_y", "u_z")
 UFF_ENDINGS = (".uff", ".unv", ".uf58")
@@ -214,18 +214,10 @@ def scan_csv(scan: Scan, remarks: tuple[str, ...] = ()) -> str:
     return "\n".join([*(f"# {each}" for each in remarks), ",".join(columns), *rows]) + "\n"
 
 
-def _pyuff():
-    try:
-        import pyuff
-    except ImportError:
-        raise RunError("UFF files need pyuff, which is not installed: pip install sawmotor[lab]") from None
-    return pyuff
-
-
 def scan_uff(scan: Scan, path: Path, remarks: tuple[str, ...] = ()) -> None:
     """Write a scan into a UFF file, one dataset 58 (ASCII) for each line of places or for the frequencies."""
     by_frequency = scan.kind == "frequency"
-    file = _pyuff().UFF(str(path))
+    file = needed("pyuff", "a UFF file").UFF(str(path))
     lines = (
         [np.arange(len(scan.x))] if by_frequency else [np.flatnonzero(scan.y == y) for y in np.unique(scan.y)]
     )
@@ -265,7 +257,7 @@ def scan_of_uff(path: Path, option: str) -> Scan:
         If it holds none, several motions, or a unit that is no displacement or velocity.
     """
     try:
-        file = _pyuff().UFF(str(path))
+        file = needed("pyuff", "a UFF file").UFF(str(path))
         kinds = list(file.get_set_types())
         sets = [file.read_sets(k) for k, kind in enumerate(kinds) if int(kind) == 58]
     except (OSError, ValueError, IndexError, UnicodeDecodeError, AttributeError) as error:

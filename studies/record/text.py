@@ -135,8 +135,8 @@ def _wave(record: "Record"):
     place = f"{abs(size) * 1e9:.4g} nm per V at the slider's place"
     yield "wave", f"{place}, {velocity:.6g} m/s, standing-wave ratio {ratio:.3g}"
     if "section_normal_m_per_V" in wave:
-        change = 100 * (abs(wave["section_normal_m_per_V"]) / abs(size) - 1)
-        yield "diffraction", f"the plane section would give {change:+.2g} % at the slider's place"
+        change = abs(wave["section_normal_m_per_V"]) / abs(size) - 1
+        yield "diffraction", f"the plane section would give {percent(change)} at the slider's place"
     admittance = electrical["admittance_S"]
     yield "admittance", f"{admittance.real * 1e3:.4g} + {admittance.imag * 1e3:.4g}i mS"
     yield from _source(electrical, record.scene.drive)
@@ -191,6 +191,17 @@ def _uncertainty(block: dict):
                 yield "", f"{name} {low:.4g} to {high:.4g} {unit}"
 
 
+def percent(change: float) -> str:
+    """Return a relative change in percent, to two digits.
+
+    Examples
+    --------
+    >>> percent(1.283), percent(-0.0066)
+    ('+130 %', '-0.66 %')
+    """
+    return f"{float(f'{100 * change:.2g}'):+g} %"  # 130, not 1.3e+02
+
+
 def sentences(record: "Record") -> tuple[str, ...]:
     """Return a line for every effect above the tolerance, and one that names those below it."""
     lines, small = [], []
@@ -201,7 +212,7 @@ def sentences(record: "Record") -> tuple[str, ...]:
         elif abs(each["size"]) < record.tolerance:
             small.append(each["effect"])
         else:
-            lines.append(f"{each['effect']}: {100 * each['size']:+.2g} % of {each['quantity']}")
+            lines.append(f"{each['effect']}: {percent(each['size'])} of {each['quantity']}")
     return tuple(lines + ([f"below the tolerance: {', '.join(small)}"] if small else []))
 
 

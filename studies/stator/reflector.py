@@ -96,4 +96,4 @@ def figure(record: Panel, ax):
     rows = [("reflection", "o-", "slip", "reflection")]
     if "transmission" in record.data:
         rows.append(("transmission", "-", "line", "transmission"))
-    return lines(ax, record, "frequency_Hz", tuple(rows), "reflection")
+    return lines(ax, record, "frequency_Hz", tuple(rows), "reflection" if len(rows) == 1 else "wave_ratio")

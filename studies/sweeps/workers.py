@@ -107,7 +107,7 @@ class OnDask(Workers):
             from distributed import Client
             from distributed.scheduler import KilledWorker
         except ImportError:
-            raise SceneError("--scheduler", "needs Dask: pip install 'sawmotor[dask]'") from None
+            raise SceneError("--scheduler", "needs Dask: pip install distributed") from None
         self.lost = (KilledWorker,)
         for name in list(logging.root.manager.loggerDict):  # what goes wrong is said here, in a sentence
             if name.split(".")[0] == "distributed":

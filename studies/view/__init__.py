@@ -1,6 +1,7 @@
-"""``sawmotor view``: a run's wave field in a window, as a picture, movie, page or data; without a stator, its contact.
+"""``sawmotor view``: show the wave field or the contact of a run in a window, or write it to a file.
 
-What a run left is enough: the field is computed anew and drawn by pyvista; the contact is drawn by matplotlib.
+The files are pictures, movies, HTML pages and data. For a scene without a stator, the default is the contact. Only the
+directory of the run is needed: the field is computed again and drawn by pyvista; the contact is drawn by matplotlib.
 """
 
 import os
@@ -29,8 +30,8 @@ from studies.view.window import open_window
 __all__ = ["view"]
 
 STILL_SIZE, MOVIE_SIZE, WINDOW_SIZE = (1600, 1100), (1000, 400), (1500, 900)
-FRAMES, RATE = 24, 16.0  # of a movie: one period of the wave
-INSTANTS = 12  # of a .pvd
+FRAMES, RATE = 24, 16.0  # pictures of a movie, which shows one period of the wave, and pictures per second
+INSTANTS = 12  # instants of a .pvd file
 
 
 def view(
@@ -45,12 +46,12 @@ def view(
     Parameters
     ----------
     folder : str or Path
-        What ``sawmotor run`` left.
+        Directory written by ``sawmotor run``.
     wanted : Wanted
     progress : callable
-        Told what is being done.
+        Function that receives progress messages.
     note : callable, optional
-        Told what a reader must know: why there is no field, how large a file will be.
+        Function that receives remarks for the user: why there is no field, or how large a file will be.
 
     Raises
     ------
@@ -86,32 +87,32 @@ def view(
 
 
 def _field_writers(record: Record, wanted: Wanted, show: str, progress, note) -> dict[str, Callable]:
-    """Return what writes each option's file of a run's field, and what opens its window."""
+    """Return functions that write the field of a run, by option, and the function ``window`` that opens a window."""
     field = run_field(record, progress=progress)
     span = limits(field, wanted.span)
-    most = -float(field.field.z[0]) / (float(abs(field.field.displacement).max()) or 1.0)
-    if wanted.factor is not None and wanted.factor > most:
-        rule = f"must be at most {most:.3g}, where the displacement is drawn as large as the stator is thick"
+    max_factor = -float(field.field.z[0]) / (float(abs(field.field.displacement).max()) or 1.0)
+    if wanted.factor is not None and wanted.factor > max_factor:
+        rule = f"must be at most {max_factor:.3g}, where the displacement is drawn as large as the stator is thick"
         raise SceneError("--scale", f"{rule}, got {wanted.factor:g}")
-    drawn_as: dict[str, Any] = {"quantity": wanted.quantity, "phase": wanted.phase, "factor": wanted.factor}
+    options: dict[str, Any] = {"quantity": wanted.quantity, "phase": wanted.phase, "factor": wanted.factor}
 
     def still(file) -> None:
         stretches = views(field) if span is None else chosen_views(field, span)
         stretches = () if show == "solid" else stretches
-        Picture(field, stretches, size=wanted.size or STILL_SIZE, **drawn_as).save(
+        Picture(field, stretches, size=wanted.size or STILL_SIZE, **options).save(
             file, whole=bool(wanted.size)
         )
 
     def film(file) -> None:
-        drawn = Picture(field, chosen_views(field, span), size=wanted.size or MOVIE_SIZE, **drawn_as)
+        picture = Picture(field, chosen_views(field, span), size=wanted.size or MOVIE_SIZE, **options)
         count = wanted.frames or FRAMES
         movie.save(
-            lambda number: drawn.image(wanted.phase + 2 * np.pi * number / count), count, file, rate=RATE,
-            progress=progress, palette=palette(drawn.shade.colour_map),
+            lambda number: picture.image(wanted.phase + 2 * np.pi * number / count), count, file, rate=RATE,
+            progress=progress, palette=palette(picture.shade.colour_map),
         )  # fmt: skip
 
     def page(file) -> None:
-        Path(file).write_text(wave_page.page(field, span=span, **drawn_as), encoding="utf-8")
+        Path(file).write_text(wave_page.page(field, span=span, **options), encoding="utf-8")
 
     def data(file) -> None:
         reports = {"progress": progress, "note": note}
@@ -120,13 +121,13 @@ def _field_writers(record: Record, wanted: Wanted, show: str, progress, note) ->
 
     def window() -> None:
         stretch = () if show == "solid" else chosen_views(field, span or near(field))[-1:]
-        open_window(Picture(field, stretch, size=WINDOW_SIZE, framed=False, **drawn_as))
+        open_window(Picture(field, stretch, size=WINDOW_SIZE, framed=False, **options))
 
     return {"screenshot": still, "movie": film, "html": page, "data": data, "window": window}
 
 
 def _beam_writers(record: Record, wanted: Wanted, progress) -> dict[str, Callable]:
-    """Return what draws the beam of a run from above into each option's file, and in a window."""
+    """Return functions that draw the beam of a run from above, by option, and the function that opens a window."""
     scene = record.scene
     if not scene.transducer:
         raise SceneError("--show", "beam needs a driven stator: this run has none")
@@ -144,15 +145,18 @@ def _beam_writers(record: Record, wanted: Wanted, progress) -> dict[str, Callabl
         plots.saved(file, draw, size=size)
 
     def page(file) -> None:
-        shown = {"data": plots.as_uri(draw, size=size, kind="png"), "caption": "size of u_z over the surface"}
-        text = rendered("pictures.html", title=f"{scene.title}: beam", pictures=[shown])
+        picture = {
+            "data": plots.as_uri(draw, size=size, kind="png"),
+            "caption": "size of u_z over the surface",
+        }
+        text = rendered("pictures.html", title=f"{scene.title}: beam", pictures=[picture])
         Path(file).write_text(text, encoding="utf-8")
 
     return {"screenshot": still, "html": page, "window": lambda: plots.show(draw)}
 
 
 def _refuse_without_display() -> None:
-    """Refuse to open a window where there is nothing to open it on, and name what to do instead."""
+    """Raise an error if there is no display to open a window on."""
     if os.name == "posix" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         raise RunError(
             "there is no display to open a window on; --screenshot FILE, --movie FILE and --html FILE draw without one"

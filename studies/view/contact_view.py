@@ -1,7 +1,8 @@
-"""The contact of a run: two cycles of the wave in slow motion, in the steady state; a picture, movie, page or table.
+"""The contact of a run in the steady state over two cycles of the wave, as a picture, movie, HTML page or table.
 
-Slow motion shows ball, orbit and forces on one clock.  Heights, u_x, z and x are to scale in nm; the ball's radius is
-not, at that scale it would be flat.  A contact over time is a table of columns in SI units, as `moments` returns it.
+The slow motion shows the ball, the orbit of the surface and the forces at the same instant. Heights, u_x, z and x are
+to scale in nm. The radius of the ball is not to scale, because the ball would look flat. The history of a contact is a
+table of columns in SI units, see `moments`.
 """
 
 import tempfile
@@ -25,8 +26,8 @@ from studies.report.page import rendered
 from studies.view import movie
 from studies.view.run_field import motion_again
 
-CYCLES, INSTANTS = 2, 240  # per cycle
-FRAMES, RATE = 48, 12.0  # of a movie
+CYCLES, INSTANTS = 2, 240  # cycles, and instants per cycle
+FRAMES, RATE = 48, 12.0  # pictures of a movie, and pictures per second
 DPI = 110
 NM = 1e9
 REGIMES = {
@@ -36,7 +37,7 @@ REGIMES = {
     "creep": "#F0E442",
     "partial": "#009E73",
 }
-# label, factor from SI units, then column, colour and name of each curve
+# axis label, factor from SI units, and (column, colour, legend name) of each curve
 TRACES = (
     ("z (nm)", NM, (("approach_m", "line", None),)),
     ("x (nm)", NM, (("deformation_m", "line", None),)),
@@ -53,11 +54,11 @@ DRAWN = (
     "snapshots, not to scale: ball in the regime's colour, surface with marks that move with it, the path of a surface "
     "point (blue), arrows of P (black) and Q (orange)"
 )
-LETTERS = "abcdefgh"  # of the snapshots
+LETTERS = "abcdefgh"  # marks of the snapshots
 
 
 def contact_writers(record: Record, wanted, progress: Callable[[str], None]) -> dict[str, Callable]:
-    """Return what writes each option's file of a run's contact, and what opens its window."""
+    """Return functions that write the contact of a run, by option, and the function that opens a window."""
     history, title = contact_moments(record, level=wanted.level, progress=progress)
 
     def film(file) -> None:
@@ -85,9 +86,9 @@ def contact_writers(record: Record, wanted, progress: Callable[[str], None]) -> 
 
 
 def contact_moments(record: Record, *, level: float | None, progress: Callable[[str], None]):
-    """Return the first contact over two cycles of the steady state of a record, and its title.
+    """Return the history of the first contact over two cycles of the steady state, and a title.
 
-    The level is a voltage in V, or the amplitude of a given wave in m; the largest of the scene if None.
+    ``level`` is a voltage in V, or the amplitude in m for a scene with a [wave]. None selects the largest level.
     """
     scene = record.scene
     if scene.slider is None:
@@ -111,41 +112,43 @@ def contact_moments(record: Record, *, level: float | None, progress: Callable[[
         )
     except contact.ConvergenceError as error:
         raise RunError(" ".join(str(error).split())) from None
-    said = f"slider at {speed:.4g} mm/s" if speed else "slider held at rest"
-    return moments(history), f"{scene.title}: {driven.named(level)}, {said}"
+    motion_text = f"slider at {speed:.4g} mm/s" if speed else "slider held at rest"
+    return moments(history), f"{scene.title}: {driven.named(level)}, {motion_text}"
 
 
 def film_contact(history, title: str, count: int, file, *, rate: float, dpi: float = 100) -> None:
-    """Write a movie of the contact's first cycle, which repeats."""
+    """Write a movie of the first cycle of a contact history."""
     motion = SlowMotion(history, title=title)
     motion.figure.set_dpi(dpi)
     movie.save(lambda number: motion.image(round(number * INSTANTS / count)), count, file, rate=rate)
 
 
 def _window(history, title: str) -> None:
-    """Show the slow motion until its window is closed."""
+    """Show the slow motion in a window until it is closed."""
     from matplotlib import pyplot
 
     refuse_without_toolkit("a window of the contact", "--screenshot, --movie and --html FILE need none")
     figure = pyplot.figure(figsize=(9.0, 4.6), layout="constrained")
     motion = SlowMotion(history, title=title, figure=figure)
-    _animation = FuncAnimation(  # the name keeps it while the window is open
+    _animation = FuncAnimation(  # the variable keeps the animation alive while the window is open
         figure, motion.show, frames=range(0, INSTANTS, INSTANTS // FRAMES), interval=1000 / RATE
     )
     pyplot.show()
 
 
 def moments(history, contact: int = 0) -> dict[str, np.ndarray]:
-    """Return one contact of a `contact.History` of the stages "start" and "steady" as columns of a table.
+    """Return one contact of a `contact.History` (stage "start" or "steady") as columns of a table.
 
-    Its clock starts at an upward zero of u_z of the first contact.
+    The time starts at an upward zero crossing of u_z under the first contact.
     """
     orbit = history.orbits[contact]
-    turn = np.exp(1j * (orbit.omega * history.time - 0.5 * np.pi - np.angle(history.orbits[0].normal)))
+    phase_factor = np.exp(
+        1j * (orbit.omega * history.time - 0.5 * np.pi - np.angle(history.orbits[0].normal))
+    )
     return {
         "time_s": history.time,
-        "u_x_m": (orbit.tangential * turn).real,
-        "u_z_m": (orbit.normal * turn).real,
+        "u_x_m": (orbit.tangential * phase_factor).real,
+        "u_z_m": (orbit.normal * phase_factor).real,
         "approach_m": history.approach[:, contact],
         "deformation_m": history.deformation[:, contact],
         "normal_force_N": history.normal_force[:, contact],
@@ -157,7 +160,7 @@ def moments(history, contact: int = 0) -> dict[str, np.ndarray]:
 
 
 class SlowMotion:
-    """A figure of one contact whose instant can be set; drawn off screen unless one of a window is given."""
+    """Figure of one contact at a selectable instant, drawn off screen unless ``figure`` belongs to a window."""
 
     def __init__(self, table: dict, *, title: str, figure=None):
         self.table, self.figure = table, figure or new_figure(9.0, 4.6, rows=0)[0]
@@ -167,10 +170,11 @@ class SlowMotion:
         self.figure.suptitle(title, fontsize="medium")
         self.show(0)
         self.figure.canvas.draw()
-        self.figure.set_layout_engine("none")  # the layout stays: computing it takes most of a picture's time
+        # keep the layout: computing it takes most of the time of a picture
+        self.figure.set_layout_engine("none")
 
     def show(self, index: int) -> None:
-        """Show an instant."""
+        """Show the instant with this index."""
         table, ax = self.table, self._ax
         ax.clear()
         _draw(ax, table, index)
@@ -183,7 +187,7 @@ class SlowMotion:
             cursor.set_xdata([table["time_s"][index] * 1e9] * 2)
 
     def image(self, index: int) -> np.ndarray:
-        """Return the picture of an instant, shape (height, width, 3)."""
+        """Return the picture of the instant with this index, shape (height, width, 3)."""
         self.show(index)
         self.figure.canvas.draw()
         return np.asarray(self.figure.canvas.buffer_rgba())[..., :3].copy()
@@ -209,7 +213,7 @@ def strip(table: dict, *, title: str):
 
 
 def traces(figure, table: dict) -> list:
-    """Draw z, x, P, Q and the velocities on one clock, the regime behind them; return the Axes."""
+    """Draw z, x, P, Q and the velocities over time, with the regime as background; return the Axes."""
     axes, time, regime = figure.subplots(len(TRACES), 1, sharex=True), table["time_s"] * 1e9, table["regime"]
     ends = [0, *np.flatnonzero(regime[1:] != regime[:-1]) + 1, len(time) - 1]
     for ax, (label, factor, curves) in zip(axes, TRACES, strict=True):
@@ -234,19 +238,21 @@ def traces(figure, table: dict) -> list:
 
 
 def _draw(ax, table: dict, index: int) -> None:
-    """Draw ball, surface, orbit and forces of one instant."""
+    """Draw the ball, the surface, the orbit and the forces at one instant."""
     u_x, u_z, approach = (table[key] * NM for key in ("u_x_m", "u_z_m", "approach_m"))
-    across, up = u_x[index], u_z[index]
+    x, z = u_x[index], u_z[index]
     scale = max(np.hypot(u_x, u_z).max(), 0.4 * approach.max())
-    lowest, reach, radius = (u_z - approach).min(), 2.4 * scale, 2.0 * scale
+    lowest, half_width, radius = (u_z - approach).min(), 2.4 * scale, 2.0 * scale
     ball = {"facecolor": REGIMES[str(table["regime"][index])], "edgecolor": "black", "alpha": 0.9}
-    ax.add_patch(Circle((0.0, up - approach[index] + radius), radius, **ball))
-    ax.fill_between([-reach, reach], [-9 * scale] * 2, [up] * 2, color="#E6D8C3", linewidth=0, alpha=0.7)
-    marks = np.arange(-3, 4) * scale + across
-    ax.plot(marks, np.full(len(marks), up), "|", color="black", markersize=6)
-    ax.axhline(up, color="black", linewidth=1)
+    ax.add_patch(Circle((0.0, z - approach[index] + radius), radius, **ball))
+    ax.fill_between(
+        [-half_width, half_width], [-9 * scale] * 2, [z] * 2, color="#E6D8C3", linewidth=0, alpha=0.7
+    )
+    mark_positions = np.arange(-3, 4) * scale + x
+    ax.plot(mark_positions, np.full(len(mark_positions), z), "|", color="black", markersize=6)
+    ax.axhline(z, color="black", linewidth=1)
     curve(ax, u_x, u_z, "-", "slip")
-    curve(ax, [across], [up], "o", "slip", size=5.0)
+    curve(ax, [x], [z], "o", "slip", size=5.0)
     for name, length, direction, colour in (
         ("normal", 1.6, (0.0, 1.0), COLOURS["line"]),
         ("tangential", 1.8, (1.0, 0.0), COLOURS["intermittent"]),
@@ -254,6 +260,8 @@ def _draw(ax, table: dict, index: int) -> None:
         force = table[f"{name}_force_N"]
         size = length * scale * force[index] / max(abs(force).max(), 1e-300)
         if abs(size) > 0.05 * scale:
-            arrow(ax, (0.0, up), (size * direction[0], up + size * direction[1]), colour)
-    ax.set(xlim=(-reach, reach), ylim=(min(-1.4 * scale, lowest - 0.4 * scale), lowest + 4.2 * scale))
+            arrow(ax, (0.0, z), (size * direction[0], z + size * direction[1]), colour)
+    ax.set(
+        xlim=(-half_width, half_width), ylim=(min(-1.4 * scale, lowest - 0.4 * scale), lowest + 4.2 * scale)
+    )
     ax.set_aspect("equal")

@@ -1,7 +1,7 @@
-"""What is drawn beside the field, the same in the pyvista window and on the HTML page: electrodes, balls, crystal axes.
+"""Electrodes, balls and crystal axes that the pyvista pictures and the HTML page draw in addition to the field.
 
-Lengths are in m; colours are chosen so that they differ from the field's colour maps and from each other for every eye
-(Okabe and Ito 2008).
+Lengths are in m. The colours differ from the colour maps of the field and from each other, also for colour-blind
+readers (Okabe and Ito 2008).
 """
 
 from dataclasses import dataclass, field
@@ -22,7 +22,7 @@ class Electrode:
 
     sign: str  # "+", "-" or "o"
     colour: str
-    label: str  # of the legend
+    label: str  # text of the legend
     strips: tuple[tuple[float, float], ...] = field(repr=False)  # left and right edges, m
 
 
@@ -31,13 +31,14 @@ class Ball:
     """A ball of the slider."""
 
     place: float  # x of the contact, m
-    lateral: float  # y of it, m
+    lateral: float  # y of the contact, m
     radius: float  # m
-    crest: float  # |u_z| of the surface under it, m per V: it rides on the crests of the enlarged wave
+    # |u_z| of the surface under the ball, m per V; the ball is drawn on the crests of the enlarged wave
+    crest: float
 
 
 def electrodes(run: RunField) -> tuple[Electrode, ...]:
-    """Return the electrodes that have strips."""
+    """Return the electrodes that have at least one strip."""
     return tuple(
         Electrode(sign=sign, colour=KINDS[sign][0], label=KINDS[sign][1], strips=tuple(strips))
         for sign, strips in run.fingers.items()
@@ -46,14 +47,14 @@ def electrodes(run: RunField) -> tuple[Electrode, ...]:
 
 
 def shown_fingers(run: RunField, start: float, stop: float) -> str:
-    """Return how many of the strips lie between two places (m), for a caption; empty without electrodes."""
+    """Return a caption with the number of strips between two positions (m), or an empty string if there are none."""
     strips = [strip for each in electrodes(run) for strip in each.strips]
     shown = sum(left < stop and right > start for left, right in strips)
     return f"{shown} of {len(strips)} fingers" if shown else ""
 
 
 def balls(run: RunField, *, spreads: bool = False) -> tuple[Ball, ...]:
-    """Return the balls of the slider, on the crests of the section or of the beam."""
+    """Return the balls of the slider on the surface of the section or, with ``spreads``, of the beam."""
     listed = []
     for x, y in () if run.scene.slider is None else run.scene.slider.places:
         place = x if spreads else run.in_section((x, y))
@@ -63,7 +64,7 @@ def balls(run: RunField, *, spreads: bool = False) -> tuple[Ball, ...]:
 
 
 def crystal_axes(run: RunField) -> tuple[tuple[str, float, float], ...]:
-    """Return name and x and z components of the crystal axes that lie in the section, at least in part."""
+    """Return the name and the x and z components of each crystal axis with a visible projection on the section."""
     columns = rotation_matrix(run.scene.stator.orientation).T
     return tuple(
         (name, float(x), float(z))

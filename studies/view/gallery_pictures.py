@@ -1,7 +1,7 @@
-"""The pictures of the gallery: orbits, amplitude, depth, start and stop, power, ledger, and those of ``sawmotor view``.
+"""Pictures of the study ``gallery``: orbits, amplitude, depth profile, start and stop, power, ledger, wave and contact.
 
-`draw_all` takes the results of the study; the others take plain numbers and return a matplotlib Figure.  Theory is a
-line, computed values are points.
+`draw_all` takes the results of the study. The other functions take plain numbers and return a matplotlib Figure. Lines
+show theory, points show computed values.
 """
 
 from collections.abc import Callable
@@ -38,15 +38,15 @@ TURN = np.linspace(0.0, 2 * np.pi, 121)
 ORBITS = 12
 MOVIE, SOLID, STILL = (720, 300), (1000, 470), (1200, 720)
 FRAMES = 16
-PALETTE_COLOURS = 128  # of a diagram
+PALETTE_COLOURS = 128  # palette size of a diagram
 DPI = 110
-DEPTH = 3.0  # wavelengths
+DEPTH = 3.0  # of the depth profile, in wavelengths
 GIVEN_FIELD = {"quantity": "u_z", "phase": 0.0, "factor": None}
 GIVEN = ("wave_normal", "wave_tangential")
 
 
 def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
-    """Draw the pictures of a gallery into a directory, and tell what is being done."""
+    """Draw the pictures of a gallery into a directory; ``progress`` receives messages."""
     run, record = gallery.wave_field, gallery.record
     title = record.scene.title
     places = (np.arange(ORBITS) + 0.5) / ORBITS * run.length
@@ -82,7 +82,7 @@ def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
 
 
 def orbits(places, tangential, normal, *, title: str):
-    """Draw the orbits of surface points at places (m), complex u_x and u_z (m per V), an arrow at each crest."""
+    """Draw the orbits of surface points at positions in m, from complex u_x and u_z in m per V."""
     columns = min(6, len(places))
     rows = -(-len(places) // columns)
     size, shared = (
@@ -90,35 +90,37 @@ def orbits(places, tangential, normal, *, title: str):
         {"sharex": True, "sharey": True, "squeeze": False},
     )
     figure, axes = new_figure(*size, rows=rows, columns=columns, **shared)
-    turning = anticlockwise(tangential, normal)
-    pair = NM * np.array([tangential, normal])
-    reach = 1.15 * abs(pair).max()
+    is_anticlockwise = anticlockwise(tangential, normal)
+    components = NM * np.array([tangential, normal])
+    limit = 1.15 * abs(components).max()
     for number, ax in enumerate(axes.flat):
         if number >= len(places):
             ax.set_visible(False)
             continue
-        motion, colour = pair[:, number, None], "slip" if turning[number] else "intermittent"
-        across, up = (motion * np.exp(1j * TURN)).real
-        curve(ax, across, up, "-", colour)
-        crest = -np.angle(motion[1])  # omega t of largest u_z; the arrow lies on the orbit about it
+        motion, colour = components[:, number, None], "slip" if is_anticlockwise[number] else "intermittent"
+        u_x, u_z = (motion * np.exp(1j * TURN)).real
+        curve(ax, u_x, u_z, "-", colour)
+        # omega t of the largest u_z; the arrow marks the direction of motion there
+        crest = -np.angle(motion[1])
         tail, head = (motion * np.exp(1j * (crest + np.array([-0.35, 0.35])))).real.T
         arrow(ax, tail, head, COLOURS[colour], width=1.0)
         ax.plot([0], [0], "+", color=COLOURS["line"], markersize=5)
         ax.set_title(f"x = {places[number] * MM:.4g} mm", fontsize="small")
-        ax.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach))
+        ax.set(aspect="equal", xlim=(-limit, limit), ylim=(-limit, limit))
         ax.tick_params(labelsize="x-small")
         ax.grid(alpha=0.3)
     figure.supxlabel("u_x (nm per V); arrow: motion at the crest", fontsize="small")
     figure.supylabel("u_z (nm per V)", fontsize="small")
-    colours = f"{turning.sum()} anticlockwise (blue), {(~turning).sum()} clockwise (orange)"
+    colours = f"{is_anticlockwise.sum()} anticlockwise (blue), {(~is_anticlockwise).sum()} clockwise (orange)"
     figure.suptitle(f"{title}\nsurface orbits, {colours}", fontsize="medium")
     return figure
 
 
 def anticlockwise(tangential, normal) -> np.ndarray:
-    """Return whether orbits turn anticlockwise, x to the right and z up: x dz/dt - z dx/dt > 0.
+    """Return whether orbits are anticlockwise, for x to the right and z upwards: x dz/dt - z dx/dt > 0.
 
-    A wave that runs to +x turns so (retrograde: against the wave at the crest), one that runs to -x the other way.
+    The orbits of a Rayleigh wave towards +x are anticlockwise (retrograde: at a crest, the surface moves against the
+    wave). Those of a wave towards -x are clockwise.
 
     Examples
     --------
@@ -129,7 +131,7 @@ def anticlockwise(tangential, normal) -> np.ndarray:
 
 
 def amplitude(record, *, wavelength: float, focus: tuple[str, float]):
-    """Draw |u_x| and |u_z| along the surface of a run, and within 4 wavelengths (m) of a place with its name."""
+    """Draw |u_x| and |u_z| along the surface, and within 4 wavelengths of ``focus`` = (name, position in m)."""
     figure, (whole, near) = new_figure(7.2, 5.6, rows=2)
     name, place = focus
     size = abs(record.surface["u_z_m_per_V"][abs(record.surface["x_m"] - place) <= wavelength])
@@ -144,7 +146,7 @@ def amplitude(record, *, wavelength: float, focus: tuple[str, float]):
 
 
 def depth_profile(line_depth, analytic, computed, *, title: str):
-    """Draw computed points of a wave, name to (depth in wavelengths, parts by name), on the lines of the half-space."""
+    """Draw computed depth profiles, name to (depth in wavelengths, components by name), on those of the half-space."""
     figure, ax = new_figure(7.2, 4.2)
     for (name, values), colour in zip(analytic.items(), ("slip", "intermittent"), strict=True):
         curve(ax, line_depth, values, "-", colour, f"{name}, half-space (theory)")
@@ -158,7 +160,7 @@ def depth_profile(line_depth, analytic, computed, *, title: str):
 
 
 def start_and_stop(trajectories, *, acceleration: float, title: str):
-    """Draw trajectories of bursts by name, closely how they stop, and the largest acceleration (m/s^2) of friction."""
+    """Draw the velocity in bursts, an enlarged view of the stop, and the largest acceleration (m/s^2) by friction."""
     figure, (whole, end) = new_figure(7.6, 6.0, rows=2)
     colours = matplotlib.colormaps["cividis"](np.linspace(0.0, 0.85, len(trajectories)))
     for (name, motion), colour in zip(trajectories, colours, strict=True):
@@ -179,7 +181,7 @@ def start_and_stop(trajectories, *, acceleration: float, title: str):
 
 
 def power_rows(electrical: dict) -> list[tuple[str, float, str]]:
-    """Return name, mW per V^2 and colour of the powers of ``electrical``: given by the source, sent out, lost."""
+    """Return (name, power in mW per V^2, colour) for the source, the radiated and the dissipated power."""
     return [
         (name, electrical[f"power_{key}W_per_V2"] * 1e3, COLOURS[colour])
         for name, key, colour in (
@@ -191,7 +193,7 @@ def power_rows(electrical: dict) -> list[tuple[str, float, str]]:
 
 
 def ledger_rows(ledger) -> tuple[list[tuple[str, float, str]], str]:
-    """Return name, pJ and colour of the energies of one cycle of the contact, and how far they balance."""
+    """Return (name, energy in pJ, colour) for one cycle of the contact, and a text on the residual of the balance."""
     energies = {key: getattr(ledger, key) for key in LEDGER}
     largest = max(map(abs, energies.values())) or 1.0
     rows = [
@@ -203,24 +205,24 @@ def ledger_rows(ledger) -> tuple[list[tuple[str, float, str]], str]:
     return rows, f"balance to {abs(missed) / largest:.0e} of the largest"
 
 
-def bars(rows, unit: str, across: str, title: str):
-    """Draw rows of name, value and colour as bars with their values."""
+def bars(rows, unit: str, x_label: str, title: str):
+    """Draw a bar chart of rows (name, value, colour)."""
     figure, ax = new_figure(7.2, 1.2 + 0.33 * len(rows))
     names, values, colours = zip(*rows, strict=True)
-    places = np.arange(len(rows))[::-1]
-    drawn = ax.barh(places, values, color=colours, height=0.62)
-    ax.bar_label(drawn, [f"{value:.3g} {unit}" for value in values], padding=3, fontsize="small")
-    ax.set_yticks(places, names)
+    positions = np.arange(len(rows))[::-1]
+    bar_container = ax.barh(positions, values, color=colours, height=0.62)
+    ax.bar_label(bar_container, [f"{value:.3g} {unit}" for value in values], padding=3, fontsize="small")
+    ax.set_yticks(positions, names)
     low, high = min([0.0, *values]), max([0.0, *values])
-    reach = (high - low) or 1.0
+    extent = (high - low) or 1.0
     ax.axvline(0, color=COLOURS["line"], linewidth=0.8)
-    ax.set_xlim(low - (0.45 * reach if low < 0 else 0), high + 0.45 * reach)
-    finished(ax, across, "", title, columns=0)
+    ax.set_xlim(low - (0.45 * extent if low < 0 else 0), high + 0.45 * extent)
+    finished(ax, x_label, "", title, columns=0)
     return figure
 
 
 def power_along(x, power, *, covered, fed: float, title: str):
-    """Draw the power (W per V^2) that passes each line of the stator, between the transducers that cover it."""
+    """Draw the power (W per V^2) through each cross-section of the stator, with the transducers shaded."""
     figure, ax = new_figure(7.2, 3.4)
     curve(ax, x * MM, power * 1e3, "-", "slip", "through the section, mean of a cycle")
     for share, label in ((0.5e3, "half of what the source gives"), (-0.5e3, None)):
@@ -234,7 +236,7 @@ def power_along(x, power, *, covered, fed: float, title: str):
 
 
 def depth_weights(z: np.ndarray, order: int) -> np.ndarray:
-    """Return the weights that integrate values at the nodes over the depth, exactly for polynomials of the order."""
+    """Return quadrature weights of the nodes over the depth, exact for polynomials of the given order."""
     lumped = reference_matrices(order).mass.sum(axis=1)
     weights = np.zeros(len(z))
     for part, height in enumerate(np.diff(z[::order])):
@@ -243,7 +245,7 @@ def depth_weights(z: np.ndarray, order: int) -> np.ndarray:
 
 
 def _depth(run):
-    """Profiles of the section's free wave and of the driven stator under the slider, on the half-space's."""
+    """Draw the depth profiles of the free wave and of the driven stator, compared with that of the half-space."""
     stator, scene, (name, place) = resolve.stator(run.scene.stator), run.scene, run.focus
     free = fem.free_wave(stator, frequency=scene.frequency, tolerance=1e-6)
     line = run.field.displacement[np.searchsorted(run.field.x, place - 1e-9)]
@@ -277,7 +279,7 @@ def _films(gallery, folder: Path, progress) -> None:
 
 
 def _reduce(picture: Path) -> None:
-    """Write a picture again with a palette: a third of the size."""
+    """Reduce a picture to a palette, which makes the file three times smaller."""
     with Image.open(picture) as image:
         plain = image.convert("RGB")
     maps = {"wave": DIVERGING, "wave_power_flow": DIVERGING, "solid": SEQUENTIAL}

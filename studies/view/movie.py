@@ -1,4 +1,4 @@
-"""Moving pictures, GIF by Pillow, which every installation has, MP4 by ffmpeg."""
+"""Write movies: GIF with Pillow, which is always installed, and MP4 with ffmpeg."""
 
 import shutil
 import subprocess
@@ -10,7 +10,7 @@ from PIL import Image
 
 from studies.refusal import RunError
 
-COLOURS = 128  # of a GIF that comes without a palette: one is made of its pictures
+COLOURS = 128  # palette size of a GIF without a given palette
 
 
 def save(
@@ -22,10 +22,10 @@ def save(
     progress=lambda text: None,
     palette=None,
 ) -> None:
-    """Write a count of pictures as a movie that repeats (GIF) or plays (MP4), ``rate`` per second.
+    """Write ``count`` pictures as a repeating GIF or as an MP4 with ``rate`` pictures per second.
 
-    ``image`` returns a picture by its number, bytes of shape (height, width, 3).  The colours of a GIF are those of
-    the ``palette`` (an image); without one they are chosen from its pictures, where rare colours are lost.
+    ``image`` returns the picture of a number as bytes of shape (height, width, 3). A GIF uses the colours of
+    ``palette`` (an image). Without a palette, its colours are derived from the pictures, and rare colours are lost.
     """
     pictures = []
     for number in range(count):
@@ -38,7 +38,7 @@ def save(
 
 
 def _gif(pictures, file, rate: float, palette) -> None:
-    # one palette for all pictures: a third of the size
+    # one palette for all pictures reduces the size of the file to a third
     if palette is None:
         palette = Image.fromarray(np.concatenate(pictures[:: max(1, len(pictures) // 4)])).quantize(COLOURS)
     first, *others = (
@@ -49,19 +49,19 @@ def _gif(pictures, file, rate: float, palette) -> None:
 
 def _mp4(pictures, file, rate: float) -> None:
     height, width, _ = pictures[0].shape
-    options = f"-y -loglevel error -f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {rate:g} -i -"
-    # the format has sizes that are even
-    written = "-vf pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white -c:v libx264 -pix_fmt yuv420p"
-    call = [ffmpeg(), *options.split(), *written.split(), str(Path(file).absolute())]
-    done = subprocess.run(call, input=b"".join(each.tobytes() for each in pictures), capture_output=True)
-    if done.returncode:
+    input_options = f"-y -loglevel error -f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {rate:g} -i -"
+    # H.264 requires even widths and heights
+    output_options = "-vf pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white -c:v libx264 -pix_fmt yuv420p"
+    call = [ffmpeg(), *input_options.split(), *output_options.split(), str(Path(file).absolute())]
+    result = subprocess.run(call, input=b"".join(each.tobytes() for each in pictures), capture_output=True)
+    if result.returncode:
         raise RunError(
-            f"the movie {str(file)!r} cannot be written: {done.stderr.decode(errors='replace').strip()}"
+            f"the movie {str(file)!r} cannot be written: {result.stderr.decode(errors='replace').strip()}"
         )
 
 
 def ffmpeg() -> str:
-    """Return the program: the system's, or the one that the package imageio-ffmpeg carries."""
+    """Return the path of ffmpeg: the installed program, or that of the package imageio-ffmpeg."""
     program = shutil.which("ffmpeg")
     if program is not None:
         return program

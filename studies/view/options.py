@@ -1,4 +1,4 @@
-"""What ``sawmotor view`` is asked for: files, quantity, instant, stretch, sizes."""
+"""Options of ``sawmotor view``: files, quantity, instant, span and sizes."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ OFFERED = {
     "solid": ("screenshot", "html", "data"),
     "beam": ("screenshot", "html"),
     "contact": ("screenshot", "movie", "html", "data"),
-}  # what is shown: the files that there are of it
+}  # available file options, by the value of --show
 FORMATS = {
     "screenshot": (".png", ".jpg", ".jpeg", ".tif", ".tiff"),
     "movie": (".gif", ".mp4"),
@@ -26,29 +26,29 @@ SPAN, SIZE = "whole, slider, wavelength or START:STOP in mm", "WIDTHxHEIGHT in p
 
 @dataclass(frozen=True, kw_only=True)
 class Wanted:
-    """What to show of a run, as asked for on the command line; without files a window."""
+    """Parsed options of ``sawmotor view``. Without a file option, a window is opened."""
 
     screenshot: str | None = None
     movie: str | None = None
     html: str | None = None
     data: str | None = None
-    surface: bool = False  # the data are a table of the surface alone
-    show: str | None = None  # of `OFFERED`; None: the field, or without a stator the contact
-    quantity: str = "u_z"  # colours the field
+    surface: bool = False  # write only the surface into the data file
+    show: str | None = None  # key of `OFFERED`; None: the field, or the contact for a scene without a stator
+    quantity: str = "u_z"  # quantity that colours the field
     phase: float = 0.0  # omega t, rad
-    span: str | tuple[float, float] | None = None  # "whole", "slider" or "wavelength", or two places, m
-    factor: float | None = None  # by which the displacement is enlarged
+    span: str | tuple[float, float] | None = None  # "whole", "slider", "wavelength", or two positions in m
+    factor: float | None = None  # magnification of the displacement
     size: tuple[int, int] | None = None  # pixels
-    frames: int | None = None  # of a movie, or instants of a .pvd
-    level: float | None = None  # V, or m of given amplitude, of the contact; None: the largest
+    frames: int | None = None  # pictures of a movie, or instants of a .pvd
+    level: float | None = None  # level of the contact, V, or m for a scene with a [wave]; None: the largest
 
     @property
     def files(self) -> dict[str, str]:
-        """What is to be written, by option."""
+        """The files to be written, by option."""
         return {name: file for name in FORMATS if (file := getattr(self, name)) is not None}
 
     def check(self, show: str) -> None:
-        """Refuse a file whose name has another format, or that there is not of what is shown."""
+        """Raise an error for a file that is not available for ``show`` or whose suffix is not allowed."""
         for option, file in self.files.items():
             if option not in OFFERED[show]:
                 raise SceneError(f"--{option}", f"does not go with --show {show}, got {file!r}")
@@ -63,16 +63,16 @@ class Wanted:
 
     @classmethod
     def read(cls, arguments) -> "Wanted":
-        """Return what the parsed arguments of a call ask for.
+        """Return the options from the parsed arguments of the command.
 
         Raises
         ------
         SceneError
-            Naming the option and its rule.
+            If the value of an option is invalid; the message names the option and its rule.
         """
         if arguments.show not in (None, *OFFERED):
             raise SceneError("--show", f"must be one of {', '.join(OFFERED)}, got {arguments.show!r}")
-        same = ("screenshot", "movie", "html", "data", "surface", "show", "quantity")
+        unchanged = ("screenshot", "movie", "html", "data", "surface", "show", "quantity")
         number, positive = "a finite number ({})", "a finite number of at least 0 ({})"
         texts: dict[str, tuple[str, Callable, Callable, str]] = {
             "phase": ("--phase", float, np.isfinite, number.format("degrees")),
@@ -84,7 +84,7 @@ class Wanted:
         }
         read = {name: _read(getattr(arguments, name), *each) for name, each in texts.items()}
         return cls(
-            **{name: getattr(arguments, name) for name in same},
+            **{name: getattr(arguments, name) for name in unchanged},
             **{name: read[name] for name in ("span", "size", "frames")},
             phase=np.radians(read["phase"]),
             factor=read["scale"],
@@ -93,7 +93,7 @@ class Wanted:
 
 
 def _read(text: str | None, option: str, read: Callable, fits: Callable, rule: str):
-    """Return what a text means, None for none; refuse one that cannot be read or does not fit."""
+    """Return the value of a text, or None for None; raise an error if the value is invalid."""
     if text is None:
         return None
     try:

@@ -1,10 +1,14 @@
-"""A run's field by pyvista: stretches of its deformed section in frames, one to move about in, or the whole solid.
+"""Draw the field of a run with pyvista: deformed parts of the section, or the whole solid.
 
-Views of the section lie one above the other, each in its true proportions.  Where the run computed the finite aperture
-the solid carries that field on its surface, over the whole width; nothing is drawn below it.  Otherwise the model is a
-section: it holds, the same for every y, within the aperture of the transducers, as far as the beam does not spread.
-There the field is extruded; beside it the solid is drawn bare, and the picture says so.  A free wave has no aperture
-and fills the width.  The displacement is enlarged so that it is seen; the picture says how much.  Lengths are in mm.
+The views of the section are stacked vertically and keep their proportions. A window shows one view without a frame.
+
+The picture of the solid depends on the model. If the run computed the finite aperture, the field is drawn on the
+surface over the whole width, and the interior is not drawn. Otherwise the model is a section, which is valid for all y
+within the aperture of the transducers as long as the beam does not spread. The field is then extruded over the
+aperture; the solid outside the aperture is drawn without a field, and the picture says so. A free wave has no aperture
+and is extruded over the whole width.
+
+The displacement is enlarged by a factor that the picture states. Lengths are in mm.
 """
 
 import textwrap
@@ -26,15 +30,15 @@ from studies.view.views import BELOW, Frame, frames
 
 MM = 1e3
 BARE, EDGE = "#D9D9D9", "#606060"
-LINES = 24  # per wavelength, of what is drawn of a solid
-LETTERS = 13  # pixels
-MIN_PIXELS = (
-    12  # per wavelength along a solid: below it stripes of the wave are an artefact, the amplitude is drawn
-)
+LINES = 24  # points per wavelength in a picture of the solid
+LETTERS = 13  # font size in pixels
+# Pixels per wavelength below which a picture of the solid shows the amplitude instead of the wave, whose stripes would
+# be aliased
+MIN_PIXELS = 12
 
 
 class _Moving(NamedTuple):
-    """A mesh, its points at rest (m) and their complex displacement (m), shape (points, 3), and parts of a shade."""
+    """A mesh with its points at rest and their complex displacement (m, shape (points, 3)), and its colour values."""
 
     mesh: Any
     rest: np.ndarray
@@ -44,11 +48,23 @@ class _Moving(NamedTuple):
 
 
 class Picture:
-    """A pyvista plotter with the field at any instant: views of the section from the top down, or the whole solid.
+    """A pyvista plotter that shows the field at any instant, as stacked views of the section or as the whole solid.
 
-    ``quantity`` colours the field, ``phase`` is omega t in rad, ``factor`` that of the displacement (`magnification`
-    if None), ``size`` in pixels.  A view that is ``framed`` has rulers and is drawn off screen; one that is not fills a
-    window.
+    Parameters
+    ----------
+    run : RunField
+    views : sequence of View
+        Views of the section from top to bottom; empty for the solid.
+    quantity : str
+        Name of the quantity that colours the field.
+    phase : float
+        omega t in rad.
+    factor : float or None
+        Factor of the displacement; None selects `magnification`.
+    size : (int, int)
+        Width and height in pixels.
+    framed : bool
+        True for views with rulers, drawn off screen; False for a view that fills a window.
 
     Attributes
     ----------
@@ -57,14 +73,14 @@ class Picture:
 
     def __init__(self, run: RunField, views=(), *, quantity, phase, factor, size, framed=True):
         self.pyvista = needed("pyvista", "a picture or a window of the field")
-        # without a display VTK says so on stderr before it finds another way
+        # without a display VTK writes messages to stderr before it falls back to off-screen rendering
         self.pyvista.vtk_verbosity("off")
         self.run, self.phase, self.size, self.framed, self.solid = run, phase, size, framed, not views
         self.factor = magnification(run) if factor is None else factor
         self.spreads = self.solid and run.beam is not None
         self._length = run.scene.stator.length if self.spreads else run.length
         self.frames = frames(run, views, size=size, framed=framed)
-        # the first renderer holds words and rulers, in pixels; without frames it holds the field too
+        # the first renderer draws texts and rulers in pixels; without frames it also draws the field
         shape = 1 + framed * len(self.frames), 1
         self.plotter = self.pyvista.Plotter(
             off_screen=framed or None, window_size=size, shape=shape, border=False
@@ -83,7 +99,7 @@ class Picture:
         self._write()
 
     def _go_to(self, number: int) -> None:
-        """Make the renderer of a frame the one that is drawn into."""
+        """Select the renderer of a frame for drawing."""
         self.plotter.subplot(number + self.framed, 0)
 
     def set_quantity(self, name: str) -> None:
@@ -124,30 +140,30 @@ class Picture:
         self.set_phase(self.phase)
 
     def set_phase(self, phase: float) -> None:
-        """Move everything to another instant."""
+        """Show another instant."""
         self.phase = phase
-        turned = np.exp(1j * phase)
+        phase_factor = np.exp(1j * phase)
         for each in self._moving:
-            each.mesh.points[:] = MM * (each.rest + self.factor * (each.displacement * turned).real)
+            each.mesh.points[:] = MM * (each.rest + self.factor * (each.displacement * phase_factor).real)
             if each.amplitude is not None:
-                wave = (each.amplitude * turned**self.shade.quantity.turns).real
+                wave = (each.amplitude * phase_factor**self.shade.quantity.turns).real
                 each.mesh["shade"][:] = each.mean + wave
 
     def image(self, phase: float) -> np.ndarray:
-        """Return the picture at an instant, shape (height, width, 3)."""
+        """Return the picture at a phase in rad, shape (height, width, 3)."""
         self.set_phase(phase)
         self.plotter.render()
         return self.plotter.screenshot(return_img=True)
 
     def save(self, file: str | Path, *, whole: bool = True) -> None:
-        """Write the picture as it is, or without what its views leave empty at the bottom, and give it up."""
-        drawn = self.plotter.screenshot(return_img=True)
-        empty = 0 if whole or self.solid else max(int(self.frames[-1].box[1]) - BELOW, 0)
-        Image.fromarray(drawn[: len(drawn) - empty]).save(file)
+        """Write the picture and close the plotter; unless ``whole``, crop the empty part below the views."""
+        image = self.plotter.screenshot(return_img=True)
+        empty_rows = 0 if whole or self.solid else max(int(self.frames[-1].box[1]) - BELOW, 0)
+        Image.fromarray(image[: len(image) - empty_rows]).save(file)
         self.plotter.close()
 
     def _add_electrodes(self, motion: Callable) -> None:
-        """Add the strips of the electrodes, which move as a function of (x, y) in m says."""
+        """Add the strips of the electrodes; ``motion`` returns their displacement at points (x, y) in m."""
         lift = 0.02 * self.run.wavelength if self.solid else 0.0
         for electrode in description.electrodes(self.run):
             corners = strips(self.run, electrode, spreads=self.spreads)
@@ -156,30 +172,30 @@ class Picture:
             self.plotter.add_mesh(
                 mesh, color=electrode.colour, lighting=False, copy_mesh=False, show_edges=True, line_width=3,
                 edge_color=electrode.colour, name=f"electrode {electrode.sign}", reset_camera=False,
-                style="surface" if self.solid else "wireframe",  # a strip that is seen along y is a line
+                style="surface" if self.solid else "wireframe",  # in a view along y, a strip is a line
             )  # fmt: skip
             self._moving.append(_Moving(mesh, rest, motion(corners)))
 
     def _piece(self, frame: Frame) -> Piece:
-        """Return the points of the section that a view, or the solid, needs."""
+        """Return the part of the section that a view or the solid shows."""
         run, span, bottom = self.run, (0.0, self.run.length), self.run.field.z[0]
         spacing = run.wavelength / LINES
         if frame.view is not None:
             start, stop = frame.view.start, frame.view.stop
-            spare = 2 * (stop - start)
+            margin = 2 * (stop - start)
             if self.framed:
-                # moves into the view from beyond its edges, which cut it
-                spare = min(self.factor * float(abs(run.field.displacement).max()), spare)
-                bottom, spacing = frame.bottom - spare, frame.pixel
+                # points outside the view can be displaced into it
+                margin = min(self.factor * float(abs(run.field.displacement).max()), margin)
+                bottom, spacing = frame.bottom - margin, frame.pixel
             elif stop - start < 1.99 * run.wavelength:
-                spacing = 5 * (stop - start) / 1000  # a short stretch is finer, and less is kept beside it
+                spacing = 5 * (stop - start) / 1000  # a short view needs finer points and a smaller margin
             else:
-                spare = run.length
-            span = max(start - spare, 0.0), min(stop + spare, run.length)
+                margin = run.length
+            span = max(start - margin, 0.0), min(stop + margin, run.length)
         return piece(run, self.shade, span=span, bottom=bottom, spacing=spacing)
 
     def _lay(self, sheet: Sheet) -> None:
-        """Add a sheet of points."""
+        """Add a sheet to the plotter."""
         shape = sheet.rest.shape
         if sheet.quads is None:
             grid = self.pyvista.StructuredGrid(*np.moveaxis(MM * sheet.rest, -1, 0))
@@ -197,16 +213,16 @@ class Picture:
         self._moving.append(_Moving(grid, *vectors, *values))
 
     def _bare(self) -> None:
-        """Draw the parts of the solid that carry no field: beside the aperture, or below the surface of a beam."""
+        """Draw the parts of the solid without a field: outside the aperture, or below the surface of a beam."""
         run = self.run
         half, width, depth = 0.5 * run.aperture, 0.5 * run.scene.stator.width, run.field.z[0]
-        parts = [(-width, -half, 0.25), (half, width, 1.0)]  # the half in front is seen through
+        parts = [(-width, -half, 0.25), (half, width, 1.0)]  # the front half is transparent
         if self.spreads:
             parts = [(-width, width, 1.0)]
         elif width - half < 1e-9:
             return
         top = 0.0
-        if self.spreads:  # below the troughs
+        if self.spreads:  # keep the solid below the wave troughs
             top = -self.factor * max(float(abs(each.displacement).max()) for each in self._moving)
         for low, high, opacity in parts:
             ends = (0.0, self._length, low, high, depth, top)
@@ -220,18 +236,18 @@ class Picture:
             self.plotter.add_mesh(self.pyvista.lines_from_points(MM * outline), color="black", line_width=2)
 
     def _look(self, frame: Frame) -> None:
-        """Look at the whole solid from a corner."""
+        """Set the camera to look at the whole solid from a corner."""
         camera, (left, low, right, high) = self.plotter.camera, frame.box
         self.plotter.camera_position = "xz"
         camera.azimuth, camera.elevation = 35, 28
         self.plotter.reset_camera()
-        turn = self.pyvista.array_from_vtkmatrix(camera.GetViewTransformMatrix())[:2, :3]
-        across, up = np.ptp(self.pyvista.Box(self.plotter.bounds).points @ turn.T, axis=0)
-        camera.parallel_scale = 0.52 * max(up, across * (high - low) / (right - left))
+        view_axes = self.pyvista.array_from_vtkmatrix(camera.GetViewTransformMatrix())[:2, :3]
+        width, height = np.ptp(self.pyvista.Box(self.plotter.bounds).points @ view_axes.T, axis=0)
+        camera.parallel_scale = 0.52 * max(height, width * (high - low) / (right - left))
         self.plotter.add_axes(xlabel="x", ylabel="y", zlabel="z", line_width=3)
 
     def _look_along(self, frame: Frame) -> None:
-        """Look along y at a view; give it its crystal axes and rulers."""
+        """Set the camera to look along y at a view, and add crystal axes and rulers."""
         camera, height = self.plotter.camera, frame.top - frame.bottom
         x, z = MM * 0.5 * (frame.view.start + frame.view.stop), MM * 0.5 * (frame.top + frame.bottom)
         camera.up, camera.focal_point, camera.parallel_scale = (0, 0, 1), (x, 0, z), 0.5 * MM * height
@@ -266,7 +282,7 @@ class Picture:
         )  # fmt: skip
 
     def _add_rulers(self, frame: Frame) -> None:
-        """Put rulers below and beside a view."""
+        """Draw rulers below and to the left of a view."""
         left, low, _, high = frame.box
         ends = MM * np.array([[frame.view.start, frame.view.stop], [frame.bottom, frame.top]])
         (start, stop), (bottom, top) = ends
@@ -277,13 +293,13 @@ class Picture:
         else:
             ticks[1] = np.array([0.0, ends[1, 0]])
         for axis, (title, values) in enumerate(zip(("x (mm)", ""), ticks, strict=True)):
-            # as many decimals for all: the axis leaves room for the width of the last
+            # the same number of decimals for all labels: the axis reserves the width of the last one
             decimals = int(np.ceil(-np.log10(abs(np.diff(values)).max(initial=1e-6))))
-            written = f"%.{max(decimals, 0)}f" if axis == 0 or high - low > 80 else "%.3g"
-            places = np.tile([left, low, 0.0], (2, 1))
-            places[:, axis] += (values[[0, -1]] - ends[axis, 0]) / MM / frame.pixel
+            label_format = f"%.{max(decimals, 0)}f" if axis == 0 or high - low > 80 else "%.3g"
+            end_points = np.tile([left, low, 0.0], (2, 1))
+            end_points[:, axis] += (values[[0, -1]] - ends[axis, 0]) / MM / frame.pixel
             ruler = self.plotter.add_ruler(
-                *places, number_labels=len(values), label_format=written, title=title
+                *end_points, number_labels=len(values), label_format=label_format, title=title
             )
             ruler.SetRange(*values[[0, -1]])
             ruler.UseFontSizeFromPropertyOn()
@@ -292,7 +308,7 @@ class Picture:
                 letters.SetFontSize(LETTERS)
 
     def _write(self) -> None:
-        """Write captions and the names of the electrodes."""
+        """Write the captions and the legend of the electrodes."""
         run, (width, height), plotter = self.run, self.size, self.plotter
         plotter.subplot(0, 0)
         drive = f"{run.drive}, {run.enlarged(self.factor)}"
@@ -316,14 +332,14 @@ class Picture:
             plotter.enable_parallel_projection()
             camera.focal_point, camera.position = (width / 2, height / 2, 0), (width / 2, height / 2, 1)
             camera.up, camera.parallel_scale = (0, 1, 0), height / 2
-        listed = [(each.label, each.colour) for each in description.electrodes(run)]
-        if listed:
-            legend, up = plotter.add_legend(listed, bcolor=None, face="rectangle"), 20 * len(listed)
+        entries = [(each.label, each.colour) for each in description.electrodes(run)]
+        if entries:
+            legend, up = plotter.add_legend(entries, bcolor=None, face="rectangle"), 20 * len(entries)
             legend.SetPosition(1 - 122 / width, 1 - (22 + up) / height)
             legend.SetPosition2(115 / width, up / height)
 
     def _stand(self) -> None:
-        """Put the balls of the slider on the crests of the enlarged wave."""
+        """Draw the balls of the slider on the crests of the enlarged wave."""
         for ball in description.balls(self.run, spreads=self.spreads):
             centre = ball.place * MM, ball.lateral * MM, (ball.radius + self.factor * ball.crest) * MM
             sphere = self.pyvista.Sphere(
@@ -334,7 +350,7 @@ class Picture:
 
 
 def said(run: RunField) -> str:
-    """Return where the drawn field is true."""
+    """Return a sentence on the region in which the drawn field is valid."""
     if run.free:
         return "a straight-crested free wave: the same for every y"
     if run.beam is not None:
@@ -346,6 +362,6 @@ def said(run: RunField) -> str:
 
 
 def _ticks(low: float, high: float, count: float) -> np.ndarray:
-    """Return round numbers between two, about as many as asked for."""
+    """Return about ``count`` round numbers between two limits."""
     values = np.asarray(MaxNLocator(max(int(count), 2), steps=[1, 2, 5, 10]).tick_values(low, high))
     return values[(values > low - 1e-9) & (values < high + 1e-9)].round(9)

@@ -63,16 +63,16 @@ class Shade:
 
     @property
     def limits(self) -> tuple[float, float]:
-        """Ends of the colour scale."""
+        """The two ends of the colour scale."""
         return (-self.reach, self.reach) if self.quantity.signed else (0.0, self.reach)
 
     @property
     def colour_map(self) -> str:
-        """Name of matplotlib's colour map."""
+        """Name of the matplotlib colour map."""
         return DIVERGING if self.quantity.signed else SEQUENTIAL
 
     def parts(self, field) -> tuple[np.ndarray, np.ndarray]:
-        """Return mean and amplitude at the nodes of a field, shapes (nx, nz), in the label's unit."""
+        """Return mean and amplitude at the nodes of a field, shapes (nx, nz), in the unit of the label."""
         mean, amplitude = self.quantity.parts(field)
         return np.broadcast_to(mean, amplitude.shape) * self.scale, amplitude * self.scale
 
@@ -85,7 +85,7 @@ def quantity(name: str) -> Quantity:
 
 
 def present(run) -> list[str]:
-    """Return the names of the quantities that a run's field has."""
+    """Return the names of the quantities that are not zero in the field of a run."""
     absent = {"u_y": not np.any(run.field.displacement[..., 1]), "potential": not np.any(run.field.potential)}
     return [name for name in QUANTITIES if not absent.get(name, False)]
 

@@ -1,4 +1,4 @@
-"""The wave field of a run that was left, computed anew from its scene at the run's own resolution."""
+"""The wave field of a saved run, computed again from its scene at the resolution of the run."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -22,36 +22,35 @@ if TYPE_CHECKING:
     from fem.results.driven_answer import SurfaceWave
 
 
-LINES = 16  # per wavelength in the stretches of a driven stator
-FREE_WAVELENGTHS = 10  # of a free wave are shown
+LINES = 16  # nodes per wavelength in the uniform parts of a driven stator
+FREE_WAVELENGTHS = 10  # largest shown length of a free wave, in wavelengths
 NO_STATOR = "there is no wave field: the scene of this run gives the surface motion itself and has no stator"
 
 
 @dataclass(frozen=True, kw_only=True)
 class RunField:
-    """The wave field of a run with the electrodes and the slider on it."""
+    """The wave field of a run, with the positions of electrodes and slider."""
 
-    # the field in m per V, or over u_z at the surface of a free wave; keywords ``span`` (m), ``per_wavelength`` and
-    # ``energies`` as in `fem.wave_field`
+    # Function that returns the field, in m per V or, for a free wave, relative to u_z at the surface. Keywords ``span``
+    # (m), ``per_wavelength`` and ``energies`` as in `fem.wave_field`.
     compute: Callable = field(repr=False)
-    length: float  # of what is shown at most, m
-    record: Record = field(repr=False)  # of the run
-    wavelength: float  # of the surface wave, m
-    # edges of the electrodes in m by sign: "+" and "-" the combs, "o" open strips
+    length: float  # largest length that can be shown, m
+    record: Record = field(repr=False)  # record of the run
+    wavelength: float  # wavelength of the surface wave, m
+    # Edges of the electrodes in m, by sign: "+" and "-" for the combs, "o" for open strips
     fingers: dict = field(repr=False)
-    spans: tuple[tuple[float, float], ...]  # from end to end of each transducer, m
+    spans: tuple[tuple[float, float], ...]  # first and last x of each transducer, m
     wave: "SurfaceWave | None" = field(default=None, repr=False)  # the fem.SurfaceWave of a driven stator
-    crossed: "CrossedBeam | None" = field(
-        default=None, repr=False
-    )  # the fem.CrossedBeam of turned transducers
+    # fem.CrossedBeam for rotated transducers
+    crossed: "CrossedBeam | None" = field(default=None, repr=False)
 
     def in_section(self, place: tuple[float, float]) -> float:
-        """Where a place (x, y) lies along the section, m."""
+        """Return the coordinate of a point (x, y) along the section in m."""
         return place[0] if self.crossed is None else float(self.crossed.rows[0].local(*place)[0])
 
     @property
     def scene(self) -> Scene:
-        """The run's, as resolved."""
+        """The resolved scene of the run."""
         return self.record.scene
 
     @cached_property
@@ -66,7 +65,7 @@ class RunField:
 
     @property
     def free(self) -> bool:
-        """Whether it is a free wave, known but for its size."""
+        """True for a free wave, whose amplitude is arbitrary."""
         return not self.scene.transducer
 
     @cached_property
@@ -78,49 +77,49 @@ class RunField:
 
     @property
     def radius(self) -> float:
-        """Of the balls, m."""
+        """Radius of the balls, m."""
         slider = self.scene.slider
         return 0.0 if slider is None else slider.radius or (slider.pillars.diameter or 0.0) / 2
 
     @property
     def focus(self) -> tuple[str, float]:
-        """What to look at from near: its name and place in m."""
+        """Centre of enlarged views: its name and its position along the section in m."""
         if self.scene.slider is not None:
             return "slider", self.in_section(self.scene.slider.center)
         return "middle", self.length / 2
 
     @property
     def drive(self) -> str:
-        """What drives the field, and what its numbers refer to."""
+        """Text on the excitation of the field and the normalisation of its values."""
         return (
             "free wave" if self.free else f"{', '.join(map(repr, self.scene.drive.driven))} driven, per volt"
         )
 
     def enlarged(self, factor: float) -> str:
-        """How a displacement that is enlarged by a factor is drawn, for a reader."""
+        """Return a text on the magnification of the displacement."""
         return f"u_z drawn as {factor * 1e6:g} um" if self.free else f"displacement x {factor:g}"
 
     @property
     def aperture(self) -> float:
-        """Width of the beam in m: the narrowest transducer's, or of a free wave the stator's."""
+        """Width of the beam in m: the smallest aperture of the transducers, at most the width of the stator."""
         apertures = [transducer.aperture for transducer in self.scene.transducer]
         return min([*apertures, self.scene.stator.width])
 
     def surface(self, x: float) -> tuple[complex, complex]:
-        """Return u_x and u_z of the surface at a place (m), linear between the lines."""
+        """Return u_x and u_z of the surface at x (m), by linear interpolation between the nodes."""
         top, at = self.field.displacement[:, -1], self.field.x
         tangential, normal = (complex(np.interp(x, at, top[:, axis])) for axis in (0, 2))
         return tangential, normal
 
     def near_transducer(self, x: np.ndarray) -> np.ndarray:
-        """Whether places lie under a transducer or within a quarter wavelength of one."""
+        """Return whether positions lie under a transducer or within a quarter wavelength of one."""
         margin = 0.25 * self.wavelength
         inside = [(x >= start - margin) & (x <= stop + margin) for start, stop in self.spans]
         return np.any(inside, axis=0) if inside else np.zeros(len(x), dtype=bool)
 
 
 def left_run(folder: str | Path) -> Record:
-    """Return the record of a run; refuse a directory that holds none."""
+    """Return the record of a run; raise an error if the directory contains none."""
     try:
         return Record.load(folder)
     except (RunError, TypeError):
@@ -128,19 +127,19 @@ def left_run(folder: str | Path) -> Record:
 
 
 def run_field(run: str | Path | Record, *, progress: Callable[[str], None]) -> RunField:
-    """Return the field of a run, computed anew.
+    """Compute the field of a run again.
 
     Parameters
     ----------
     run : str, Path or Record
-        What ``sawmotor run`` left, or its record.
+        Directory written by ``sawmotor run``, or its record.
     progress : callable
-        Told what is being done.
+        Function that receives progress messages.
 
     Raises
     ------
     SceneError
-        If the directory holds no run, or the run has no stator.
+        If the directory contains no run, or the scene has no stator.
     """
     record = run if isinstance(run, Record) else left_run(run)
     if record.scene.stator is None:
@@ -160,7 +159,7 @@ def _driven(record: Record, progress) -> RunField:
     whole = resolve.whole_stator(scene).placement.whole
 
     def strips(row, sign: str):
-        """Edges of a transducer's fingers, as the mesh of a whole stator draws them."""
+        """Return the edges of the fingers; a mesh of the whole stator defines its own edges."""
         return row.strips(sign) if whole is None else whole.strips(row.name + sign)
 
     def compute(*, per_wavelength: float = LINES, **wanted):
@@ -179,12 +178,17 @@ def _driven(record: Record, progress) -> RunField:
 
 
 def motion_again(record: Record, *, progress) -> SurfaceMotion:
-    """Return the section of a run, or its crossing beams, at the resolution that run.json tells; else run again."""
-    scene, named = record.scene, record.wave.get("resolution")
-    level = [each for each in LEVELS if named == f"order {each.order}, {each.edge_layers} edge layers"]
+    """Return the section or the crossing beams of a run at the resolution in run.json.
+
+    If run.json names no known resolution, the chain is run again without the slider.
+    """
+    scene, resolution_name = record.scene, record.wave.get("resolution")
+    level = [
+        each for each in LEVELS if resolution_name == f"order {each.order}, {each.edge_layers} edge layers"
+    ]
     if not level:
-        bare = replace(scene, slider=None)
-        motion = run_chain(bare, tolerance=record.tolerance, progress=progress).surface_motion
+        without_slider = replace(scene, slider=None)
+        motion = run_chain(without_slider, tolerance=record.tolerance, progress=progress).surface_motion
         return motion if scene.crossed else SurfaceMotion(wave=motion.wave)
 
     def solve(stator, row, drive, _places=()):

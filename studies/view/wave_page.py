@@ -1,7 +1,7 @@
-"""The wave field of a run as one HTML page: it moves, colours, zooms, and needs no network and nothing installed.
+"""The wave field of a run as an animated HTML page with zoom, which needs no network and no installed software.
 
-The page carries the field's nodes (16-bit parts of the largest value, compressed) and draws them by WebGL 2: deformed
-and coloured at any phase.  A wave that spreads in three dimensions is shown from above too.
+The page contains the nodal values of the field as compressed 16-bit integers and draws the deformed, coloured section
+with WebGL 2 at any phase. For a beam that spreads in three dimensions, the page also contains a map of the surface.
 """
 
 import base64
@@ -20,36 +20,36 @@ from studies.view.quantities import Shade, present, shade
 from studies.view.run_field import RunField
 from studies.view.section import magnification, thinned
 
-SPACING = 1 / 30  # wavelengths
+SPACING = 1 / 30  # smallest distance of nodes, in wavelengths
 SHORT = 32767
-CYCLE = 2.5  # s that one period of the wave takes
+CYCLE = 2.5  # duration of one period of the wave on the page, s
 
 
 def page(
     run: RunField, *, quantity: str, phase: float, factor: float | None, span: tuple[float, float] | None
 ) -> str:
-    """Return the page; quantity, phase (rad), factor of the displacement and span (m) are those shown at first."""
+    """Return the page. Quantity, phase (rad), factor of the displacement and span (m) are the initial settings."""
     field = run.with_energies
     spacing = SPACING * run.wavelength
     lines = thinned(field.x, spacing, 0.0, run.length)
     rows = thinned(field.z, spacing, field.z[0], 0.0)
-    kept = np.ix_(lines, rows)
-    moved = field.displacement[kept][..., [0, 2]]
+    selection = np.ix_(lines, rows)
+    displacement = field.displacement[selection][..., [0, 2]]
     parts = {"x": field.x[lines].astype("<f4"), "z": field.z[rows].astype("<f4")}
-    inside = np.ones(moved.shape[:2]) if field.inside is None else field.inside[kept]
+    inside = np.ones(displacement.shape[:2]) if field.inside is None else field.inside[selection]
     parts["inside"] = inside.astype("u1")
-    largest = float(abs(moved).max()) or 1.0
-    parts["moved"] = _short(np.stack([moved[..., k].real if part == 0 else moved[..., k].imag
+    largest = float(abs(displacement).max()) or 1.0
+    parts["moved"] = _short(np.stack([displacement[..., k].real if part == 0 else displacement[..., k].imag
                                       for k in (0, 1) for part in (0, 1)], axis=-1), largest)  # fmt: skip
-    known = []
+    quantities = []
     for name in present(run):
         shading = shade(run, name)
-        mean, amplitude = (each[kept] for each in shading.parts(field))
+        mean, amplitude = (each[selection] for each in shading.parts(field))
         values = np.stack([mean, amplitude.real, amplitude.imag, np.zeros_like(mean)], axis=-1)
         scale = float(abs(values).max()) or 1.0
         parts[name] = _short(values, scale)
-        known.append(_described(name, shading, scale))
-    packed, listed = _packed(parts)
+        quantities.append(_described(name, shading, scale))
+    data, listed = _packed(parts)
     places = _places(run, span)
     meta = {
         "title": run.scene.title or "sawmotor",
@@ -62,7 +62,7 @@ def page(
         "factor": magnification(run) if factor is None else factor,
         "phase": phase % (2 * np.pi),
         "cycle": CYCLE,
-        "quantities": known,
+        "quantities": quantities,
         "quantity": quantity,
         "places": places,
         "place": len(places) - (2 if span is None else 1),
@@ -77,11 +77,11 @@ def page(
     }
     text = json.dumps(meta, allow_nan=False).replace("</", "<\\/")
     template = (files("studies.view") / "wave_page.html").read_text(encoding="utf-8")
-    return template.replace("@META@", text).replace("@DATA@", packed).replace("@BEAM@", _beam(run))
+    return template.replace("@META@", text).replace("@DATA@", data).replace("@BEAM@", _beam(run))
 
 
 def _beam(run: RunField) -> str:
-    """Return the picture of a beam from above, and what the moving field is beside it; nothing without one."""
+    """Return HTML with a map of the beam and an explanation, or an empty string without a beam."""
     if run.beam is None:
         return ""
     draw = partial(draw_surface_map, run.beam, run.scene)
@@ -112,13 +112,13 @@ def _described(name: str, shading: Shade, scale: float) -> dict:
 
 
 def _packed(parts: dict) -> tuple[str, list]:
-    """Return arrays end to end, compressed, as base64, and what they are."""
-    listed, raw = [], b""
+    """Return the concatenated arrays, compressed and in base64, and a list of (name, type, size)."""
+    description, raw = [], b""
     for name, values in parts.items():
-        listed.append([name, values.dtype.str[1:], int(values.size)])
+        description.append([name, values.dtype.str[1:], int(values.size)])
         raw += values.tobytes()
         raw += b"\0" * (-len(raw) % 4)
-    return base64.b64encode(gzip.compress(raw, 6, mtime=0)).decode(), listed
+    return base64.b64encode(gzip.compress(raw, 6, mtime=0)).decode(), description
 
 
 def _places(run: RunField, span) -> list[dict]:
@@ -136,12 +136,12 @@ def _places(run: RunField, span) -> list[dict]:
 
 
 def _fingers(run: RunField) -> list[dict]:
-    listed = []
+    fingers = []
     for electrode in description.electrodes(run):
         for left, right in electrode.strips:
             points = [
                 [x, *(part for value in run.surface(x) for part in (value.real, value.imag))]
                 for x in (left, 0.5 * (left + right), right)
             ]
-            listed.append({"colour": electrode.colour, "points": points})
-    return listed
+            fingers.append({"colour": electrode.colour, "points": points})
+    return fingers

@@ -1,4 +1,4 @@
-"""The window of a run's field: play, pause, instant and colour, by pyvista's own widgets."""
+"""Interactive window of the field of a run, with pyvista widgets."""
 
 import time
 
@@ -8,11 +8,11 @@ from studies.view.picture import Picture
 from studies.view.quantities import present
 from studies.view.section import MOTIONS
 
-CYCLE, TICK = 2.5, 40  # s that one period of the wave takes; ms between instants
+CYCLE, TICK = 2.5, 40  # duration of one period of the wave in s; interval between instants in ms
 
 
 class Controls:
-    """Play and pause, instant and colour of a `Picture`, by pyvista's own widgets."""
+    """Widgets that control animation, phase and quantity of a `Picture`."""
 
     def __init__(self, picture: Picture):
         self.picture, self.names = picture, list(MOTIONS) if picture.spreads else present(picture.run)
@@ -30,10 +30,10 @@ class Controls:
             pointa=(0.42, 0.13), pointb=(0.6, 0.13), **options,
         )  # fmt: skip
         plotter.add_text("play", position=(62.0, 76.0), font_size=8, color="black")
-        self._ready = True  # setting a slider up calls it
+        self._ready = True  # creating a slider calls its function, which must then do nothing
 
     def tick(self, step: int) -> None:
-        """Go on to the instant that the clock says, while playing."""
+        """While playing, advance the phase by the elapsed time."""
         now = time.perf_counter()
         if self.playing and now > self._rested:
             passed, self._last = now - self._last, now
@@ -41,16 +41,16 @@ class Controls:
             self.phase_slider.GetRepresentation().SetValue(np.degrees(phase))
             self.picture.set_phase(phase)
             self.picture.plotter.render()
-            # half of the time is left to the mouse, however slowly the machine draws
+            # leave half of the time to mouse events, even if drawing is slow
             done = time.perf_counter()
             self._rested = done + (done - now)
 
     def play(self, playing: bool) -> None:
-        """Play or pause."""
+        """Start or pause the animation."""
         self.playing, self._last = bool(playing), time.perf_counter()
 
     def pick_phase(self, degrees: float) -> None:
-        """Show the instant of a phase, and pause."""
+        """Show the instant of a phase in degrees and pause the animation."""
         if self._ready:
             self.play(False)
             self.play_button.GetRepresentation().SetState(0)
@@ -63,7 +63,10 @@ class Controls:
 
 
 def open_window(picture: Picture) -> None:
-    """Show a picture with its controls until the window is closed; of a section a drag moves and the wheel zooms."""
+    """Show a picture with its controls until the window is closed.
+
+    In a section, dragging moves the view and the mouse wheel zooms.
+    """
     controls = Controls(picture)
     if not picture.solid:
         picture.plotter.enable_2d_style()

@@ -39,14 +39,14 @@ def test_a_copied_hysteretic_motion_goes_on_as_the_first_while_a_contact_grows()
 def test_two_starts_that_end_at_different_speeds_widen_the_stated_error(monkeypatch):
     """Near its resonance the slider hops irregularly; the second start is told to end faster by a known amount."""
     body, wave = slider(normal_damping=0.1), orbit(6e-9, frequency=8e3)
-    calls, real = [], settling._followed
+    calls, real = [], settling._run_from
 
     def followed(*given):
         run = real(*given)
         calls.append(run)
         return settling.replace(run, speed=run.speed + 3.0 * run.error) if len(calls) == 2 else run
 
-    monkeypatch.setattr(settling, "_followed", followed)
+    monkeypatch.setattr(settling, "_run_from", followed)
     run = settling.long_run(body, (wave,), 1.0)
     assert len(calls) == 2
     assert run.starts == 2

@@ -118,6 +118,12 @@ def test_an_optional_package_that_is_missing_is_named(record, contact, monkeypat
         getattr(source, name)()
 
 
+def test_a_package_is_named_as_pip_knows_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "skrf", None)
+    with pytest.raises(RunError, match="needs scikit-rf, which is not installed: pip install scikit-rf"):
+        network("twente")
+
+
 def test_a_saved_record_is_the_loaded_one(driven, tmp_path):
     driven.save(tmp_path / "mine")
     loaded = Record.load(tmp_path / "mine")

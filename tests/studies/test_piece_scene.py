@@ -388,7 +388,7 @@ def test_a_mesh_that_is_too_fine(tmp_path):
 
 
 def test_files_that_are_no_mesh(tmp_path, plain):
-    assert '"none.msh": the file cannot be read from' in refused(tmp_path / "none.msh")
+    assert 'piece.0.file names "none.msh": the file cannot be read from' in refused(tmp_path / "none.msh")
     (tmp_path / "text.msh").write_text("a groove")
     assert '"text.msh": the file is no mesh of gmsh, format 2.2 or 4.1' in refused(tmp_path / "text.msh")
     text = plain.read_text()

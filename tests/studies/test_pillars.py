@@ -317,9 +317,24 @@ def test_the_motor_runs_towards_its_transducer_and_takes_less_than_the_wave_brin
     point = driven.points[0]
     assert point["velocity_m_per_s"] < -0.1
     assert point["wave_power_in_W"] > point["wave_power_out_W"] > 0.0
+    assert str(point["thrust_power_W"]) == "0.0"  # without a load, not -0.0
     assert point["status"] == "ok"
     assert any("neighbours" in row["effect"] for row in driven.model_error)
     assert not any("slider's reaction" in each for each in driven.left_out)
+
+
+def test_in_the_middle_of_a_standing_wave_pillars_have_a_velocity_and_a_warning():
+    """Equal transducers in phase: u_z vanishes at the slider's centre alone, by symmetry, and pillars lie beside it."""
+    table = niobate(position="15 mm", preload="1 N").to_table()
+    (left,) = table["transducer"]
+    table["transducer"] = [left, left | {"name": "right", "center": "25 mm"}]
+    table["drive"] = {"frequency": "9.6 MHz", "voltage": 100.0, "sources": {"left": 1, "right": 1}}
+    table["stator"]["diffraction"] = False
+    found = run(Scene.from_table("", table), tolerance=1e-2)
+    assert found.wave["standing_wave_ratio"] > 1e6
+    assert "vanishes" not in found.shortfall
+    assert np.isfinite(found.velocity).all()
+    assert any("u_z vanishes at the slider's centre" in each for each in found.warnings)
 
 
 def test_transducers_see_the_loaded_wave_by_reciprocity(driven):
