@@ -1,10 +1,12 @@
-r"""Which method answers a question, how large its error is, and in which words it refuses: one place for all questions.
+r"""Choice of the method for a problem of the contact, by its applicability and its estimated error.
 
-A question (a burst, a step, a steady state, ...) has a table of methods, the cheapest first. `choose` takes the first
-that applies and whose estimated error keeps the tolerance; a method that was asked for by name and misses the tolerance
-gives way to the exact one where that can be afforded. Every answer is a number with an error, a status and reasons.
+Each kind of problem (a burst, a step, a steady state, ...) has a table of methods. `choose` returns the result of the
+first method, the cheapest, that applies and whose estimated error is within the tolerance. If a method that the user
+named misses the tolerance, the exact method replaces it, provided that it is cheap enough. For steady states
+`first_to_converge` returns the result of the first method that applies and converges; whether a method applies may
+depend on why the one before it failed. Every answer is a number with an error, a status and reasons.
 
-Status: "ok", or "above tolerance" (the error is stated, and larger than was asked for).
+The status is "ok" or "above tolerance" (the stated error is larger than the tolerance).
 """
 
 import math
@@ -26,13 +28,14 @@ class Answer:
     Attributes
     ----------
     value : float
-        In SI units; inf where nothing bounds it (a threshold that no amplitude reaches).
+        In SI units; inf for a threshold that no amplitude reaches.
     error : float
-        Estimated, in the unit of `value`: the truth of the model lies within twice as much in 98 of 100 cases.
+        Estimated error in the unit of `value`. The exact solution of the model is within twice this error in 98 of 100
+        cases.
     status : str
         "ok" or "above tolerance".
     reasons : tuple of str
-        How the number was found, and why it is not better.
+        How the number was computed, and why its error is not smaller.
 
     Examples
     --------
@@ -59,7 +62,7 @@ class Answer:
         return "; ".join(self.reasons)
 
     def judged(self, tolerance: float, reference: float, advice: str = "") -> "Answer":
-        """Return the answer with the status that a tolerance gives it, relative to a reference in its unit."""
+        """Return the answer with its status for a tolerance of error over ``reference`` (in the unit of `value`)."""
         relative = self.error / reference if reference > 0.0 else (math.inf if self.error > 0.0 else 0.0)
         if not relative > tolerance:
             return self
@@ -69,7 +72,7 @@ class Answer:
 
 
 class Answered:
-    """A result whose velocity is an answer: what its error is relative to, and what is to be known about it."""
+    """Base of results whose velocity is an `Answer`: relative error, status and message."""
 
     answer: Answer
     orbits: tuple[Orbit, ...]
@@ -81,17 +84,17 @@ class Answered:
 
     @property
     def status(self) -> str:
-        """What `Answer.status` says."""
+        """Status of the answer."""
         return self.answer.status
 
     @property
     def message(self) -> str:
-        """A sentence: how the answer was found, and what is to be known about it."""
+        """Reasons of the answer as one sentence: how it was computed, and why its error is not smaller."""
         return self.answer.message
 
 
 class Result(NamedTuple):
-    """What a method returns, scaled: its run, the estimated error, the error allowed, and what it counted."""
+    """Result of a method in scaled units: its run, the estimated and the allowed error, and its statistics."""
 
     run: object
     error: float
@@ -100,14 +103,14 @@ class Result(NamedTuple):
 
 
 class Method(NamedTuple):
-    """A way to answer: `follow(question) -> Result`; `refusals(question) -> reasons`, none where it applies."""
+    """A method: `follow(question)` returns the result, `refusals(question)` the reasons why it does not apply."""
 
     follow: Callable
     refusals: Callable
 
 
 class Choice(NamedTuple):
-    """The result that was chosen, of which method, and why it is not that of the method asked for."""
+    """The selected result, the name of its method, and why this is not the requested one."""
 
     result: Result
     method: str
@@ -115,27 +118,27 @@ class Choice(NamedTuple):
 
 
 def choose(methods: dict[str, Method], question, asked: str, *, what: str, exact: bool, way: str) -> Choice:
-    """Return the first result within its tolerance, else the one of the least error.
+    """Return the first result within its tolerance, or else the one with the smallest error.
 
     Parameters
     ----------
     methods : dict
-        The cheapest first, "exact" the last.
+        `Method` by name, the cheapest first and "exact" last.
     question
-        What every method takes.
+        Problem that is passed to every method.
     asked : str
-        "auto", or the only method to try; the exact one takes over where that misses the tolerance.
+        "auto", or the only method to try; if this misses the tolerance, the exact method replaces it.
     what : str
-        The question in a word, for refusals.
+        Name of the problem in error messages.
     exact : bool
-        Whether the exact method is cheap enough to be taken without being asked for by name.
+        True if the exact method is cheap enough to be used although the user did not name it.
     way : str
-        What to change where nothing applies.
+        Advice in the error message if no method applies.
 
     Raises
     ------
     ConvergenceError
-        Status "not applicable", with the reasons of every method that was asked for; or what the last one ran into.
+        Status "not applicable" with the reasons of all requested methods, or the error of the last method.
     """
     why = {name: each.refusals(question) for name, each in methods.items()}
     names = [name for name in methods if not why[name]]
@@ -169,7 +172,32 @@ def choose(methods: dict[str, Method], question, asked: str, *, what: str, exact
     return best
 
 
+def first_to_converge(methods: dict[str, Method], question):
+    """Return the result of the first method that applies and converges.
+
+    Parameters
+    ----------
+    methods : dict
+        In the order in which they are tried.
+    question : NamedTuple
+        What every method takes; its field `failure` is None, then the error that stopped the method before.
+
+    Raises
+    ------
+    ConvergenceError
+        The error that stopped the last method.
+    """
+    for method in methods.values():
+        if method.refusals(question):
+            continue
+        try:
+            return method.follow(question)
+        except ConvergenceError as failed:
+            question = question._replace(failure=failed)
+    raise question.failure
+
+
 def refused(what: str, reasons: dict[str, tuple[str, ...]], way: str) -> ConvergenceError:
-    """Return the refusal of a question: methods with all their reasons, and one way that works."""
+    """Return the error for a problem to which no method applies, with all reasons and an advice."""
     each = "; ".join(f"method {name}: {', '.join(why)}" for name, why in reasons.items() if why)
     return ConvergenceError("not applicable", f"{what} cannot be followed by {each}; {way}")
