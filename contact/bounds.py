@@ -1,6 +1,6 @@
-"""What a physical parameter may be, and the sentence that says so when it is not.
+"""Checks of physical parameters.
 
-A refusal is an `InputError` that names parameter, rule, value and unit:
+A check that fails raises an `InputError` that names parameter, rule, value and unit:
 ``slider.radius must be positive and finite, got -1e-06 m``.
 """
 

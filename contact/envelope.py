@@ -1,4 +1,4 @@
-"""How the wave's amplitude and phase go during a burst: the stator's ring-up, its decay, a modulated drive."""
+"""Amplitude and phase of the wave during a burst: ring-up and decay of the stator, or a modulated drive."""
 
 from dataclasses import dataclass
 
@@ -9,16 +9,16 @@ from contact.input_error import InputError
 
 @dataclass(frozen=True, kw_only=True)
 class Envelope:
-    """Factor on the orbits, linear in time between its instants and constant before the first and after the last.
+    """Factor on the orbits, piecewise linear in time and constant before the first and after the last time.
 
     Attributes
     ----------
     time : (k,) array
-        s from the start of the burst, rising.
+        Time from the start of the burst, s, strictly increasing.
     amplitude : (k,) array
         Factor on the orbits, zero or positive.
     phase : (k,) array
-        Advance of the wave, rad.
+        Phase advance of the wave, rad.
     """
 
     time: np.ndarray
@@ -40,6 +40,6 @@ class Envelope:
             raise InputError("envelope.amplitude", "must be zero or positive", self.amplitude.min())
 
     def at(self, time: np.ndarray) -> np.ndarray:
-        """Return the complex factor at given times in s."""
+        """Return the complex factor at times in s."""
         amplitude = np.interp(time, self.time, self.amplitude)
         return amplitude * np.exp(1j * np.interp(time, self.time, self.phase))

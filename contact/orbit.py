@@ -1,7 +1,8 @@
-"""The path of a surface point under one contact: given, harmonic, of any phase.
+"""Prescribed harmonic motion of the surface point under one contact.
 
-u = Re(amplitude exp(i omega t)), peak values, x along the surface, z out of it and so into the slider. A wave whose
-crest moves the surface towards +x (normal A, ratio r, quadrature) has ``normal=A, tangential=-1j*r*A``.
+The displacement is u = Re(amplitude exp(i omega t)) with peak amplitudes; x points along the surface and z out of it,
+towards the slider. ``normal=A, tangential=-1j*r*A`` describes an elliptic motion with u_x and u_z in quadrature whose
+crests move towards +x.
 """
 
 import math
@@ -19,7 +20,7 @@ class Orbit:
     Attributes
     ----------
     frequency : float
-        Hz, positive.
+        Frequency in Hz, positive.
     normal : complex
         Peak amplitude of u_z, m.
     tangential : complex
@@ -44,7 +45,7 @@ class Orbit:
 
     @property
     def crest_velocity(self) -> float:
-        """Tangential surface velocity at the instant of largest u_z, m/s; zero without normal motion."""
+        """Tangential surface velocity at the time of largest u_z, m/s; zero without normal motion."""
         if self.normal == 0:
             return 0.0
         return (1j * self.omega * self.tangential * self.normal.conjugate()).real / abs(self.normal)
@@ -54,7 +55,7 @@ class Orbit:
         return replace(self, normal=self.normal * factor, tangential=self.tangential * factor)
 
     def mirrored(self) -> "Orbit":
-        """Return the orbit of the wave that runs the other way: u_x negated."""
+        """Return the orbit of the wave that travels in the opposite direction (u_x negated)."""
         return replace(self, tangential=-self.tangential)
 
 

@@ -1,6 +1,6 @@
-"""The slider: a rigid body on one or several equal balls or flat punches.
+"""Slider: a rigid body on one or several equal balls or flat punches.
 
-Mass, preload, load and viscous dampers are totals of the slider; radius and moduli belong to each ball's contact.
+Mass, preload, load and viscous dampers are those of the whole slider. Radius and moduli are those of each contact.
 Normal: m z'' = sum P_i (1 + chi z_i') - R_n2 z' - preload. Tangential: m v' = sum Q_i - R_t v - load.
 """
 
@@ -35,32 +35,32 @@ class Slider:
     radius : float
         Radius of each ball or punch, m, positive.
     mass : float
-        kg, positive.
+        Mass of the slider, kg, positive.
     preload : float
-        Normal force that holds the slider down, weight included, N, zero or positive.
+        Normal force that presses the slider onto the surface, including its weight, N, zero or positive.
     load : float
-        Constant force against the direction in which the unloaded slider is driven, N, zero or positive.
+        Constant force against the direction of the unloaded motion, N, zero or positive.
     friction_coefficient : float
-        mu, zero or positive.
+        Coefficient of friction mu, zero or positive.
     effective_modulus, tangential_modulus : float
-        E and G of the pair, Pa, positive.
+        Effective moduli E and G of the pair of materials, Pa, positive.
     law : str
         "elastic" (Feenstra and Breedveld, eq. 2) or "hysteretic" (Mindlin-Deresiewicz). A `UserLaw`, a module
         or the path of a file becomes `friction`, with the elastic law's stick and slip.
     reciprocal : bool
-        True: the tangential spring acts back on the normal motion.
+        True if the tangential spring contributes to the normal force (reciprocal force).
     stick_band : float
-        DV in Feenstra and Breedveld, m/s: slower slip counts as stick; 0 for none.
+        Slip velocity below which a contact counts as sticking, DV in Feenstra and Breedveld, m/s; 0 for none.
     contact_damping : float
-        R_n1, Hunt-Crossley's chi, s/m: the force chi P dz/dt; the friction limit uses the elastic P.
+        R_n1, the coefficient chi of the Hunt-Crossley force chi P dz/dt, s/m. The friction limit uses the elastic P.
     normal_damping, tangential_damping : float
-        R_n2 and R_t, viscous, on the slider's normal and tangential velocity, N s/m.
+        Viscous dampers R_n2 and R_t on the slider's normal and tangential velocity, N s/m.
     shape : str
         "sphere" (default), or "punch": a rigid flat cylindrical projection on a half-space.
     heights : tuple of float
-        How much further each contact stands out towards the surface than a contact of height 0, m; empty: all 0.
+        Height of each contact, positive towards the surface, m; an empty tuple means that all heights are 0.
     friction : FallingFriction or UserLaw, optional
-        What the friction depends on besides the normal force; None: Coulomb's law.
+        Friction law that depends on more than the normal force; None means Coulomb's law.
     """
 
     radius: float
@@ -107,7 +107,7 @@ class Slider:
             self._check_friction()
 
     def _check_friction(self):
-        """Refuse what does not go together with a friction that depends on speed or pressure."""
+        """Raise if other parameters are not compatible with friction that depends on speed or pressure."""
         if not isinstance(self.friction, FallingFriction | UserLaw):
             raise InputError("slider.friction", "must be a FallingFriction or a UserLaw", self.friction)
         only = "with a friction that depends on more than the normal force"
@@ -131,7 +131,7 @@ class Slider:
 
     @property
     def limit_slope(self) -> float:
-        """C = mu E/4G, the slip limit over the approach; the largest where that depends on the pressure."""
+        """C = mu E/4G, the slip limit over the approach; its maximum if mu depends on the pressure."""
         if isinstance(self.friction, UserLaw):
             return self._tried[1]
         c = elastic.limit_slope(self.friction_coefficient, self.effective_modulus, self.tangential_modulus)
@@ -141,12 +141,12 @@ class Slider:
 
     @property
     def static_coefficient(self) -> float:
-        """Friction coefficient at rest; of a user's law that at an approach of 1 nm."""
+        """Friction coefficient at rest; for a user's law its value at an approach of 1 nm."""
         return self._tried[0] if isinstance(self.friction, UserLaw) else self.friction_coefficient
 
     @property
     def tangential_law(self) -> Law:
-        """The law as the solvers take it."""
+        """The tangential law in the form that the solvers use."""
         if isinstance(self.friction, UserLaw):
             return user_law(self.friction, self._contact, self.normal_stiffness)
         if self.friction is not None:
@@ -174,20 +174,20 @@ class Slider:
 
     @property
     def _in_si(self):
-        """What the law's functions take for a problem, lengths in m, times in s and forces over K."""
+        """Problem for the law's functions with lengths in m, times in s and forces divided by K."""
         return SimpleNamespace(
             length=1.0, omega=1.0, friction=self.static_coefficient, limit_slope=self.limit_slope,
             shape=self.contact_shape, law=self.tangential_law,
         )  # fmt: skip
 
     def static_friction(self, contacts: int) -> float:
-        """Return the largest tangential force in N that the contacts hold at rest under the preload, no wave."""
+        """Return the largest tangential force in N that the contacts hold under the preload without a wave."""
         if self.friction is None or not self.tangential_law.bent:
             return self.static_coefficient * self.preload
         return self.sliding_friction(contacts, 0.0)
 
     def sliding_friction(self, contacts: int, speed: float) -> float:
-        """Return the tangential force in N of contacts that slip at a speed in m/s under the preload, no wave."""
+        """Return the friction force in N of contacts that slip at a speed in m/s under the preload without a wave."""
         law, si, z = self.tangential_law, self._in_si, self.rest_approaches(contacts)
         return self.normal_stiffness * sum(float(law.sliding(si, each, speed)) for each in z if each > 0.0)
 
@@ -196,18 +196,18 @@ class Slider:
         return float(normal.contact_radius(approach, self.radius, self.contact_shape))
 
     def pressure(self, approach: float) -> float:
-        """Return the largest pressure of a sphere, 2 E a/(pi R), or the mean one of a punch, 2 E z/(pi R), in Pa."""
+        """Return the maximum pressure of a sphere, 2 E a/(pi R), or the mean pressure of a punch, 2 E z/(pi R), Pa."""
         z = max(approach, 0.0)
         length = z if self.shape == "punch" else self.contact_radius(z)
         return 2.0 * self.effective_modulus * length / (math.pi * self.radius)
 
     def tangential_force(self, deformation, approach: float):
-        """Return Q in N of the elastic law at deformations and an approach in m, at most the friction limit."""
+        """Return Q in N of the elastic law at deformations and an approach in m, limited by friction."""
         friction = self.friction_coefficient * self.normal_stiffness
         return elastic.tangential_force(deformation, approach, friction, self.limit_slope, self.contact_shape)
 
     def offsets(self, contacts: int) -> np.ndarray:
-        """Return the heights of so many contacts as an array, m."""
+        """Return the heights of the contacts as an array of that length, m."""
         if self.heights and len(self.heights) != contacts:
             raise InputError(
                 "slider.heights", f"must hold one height per contact, {contacts}", len(self.heights)
@@ -220,7 +220,8 @@ class Slider:
         if not self.heights:
             return float(normal.approach(target / contacts, shape))
         heights = self.offsets(contacts)
-        # Newton's method from above on a convex sum: the lowest contact alone, or all as low as it, would carry more
+        # Newton's method on a convex sum converges from above. Both initial guesses are upper bounds: one takes all
+        # heights equal to the smallest, the other only the contact with the largest height.
         h = float(min(normal.approach(target / contacts, shape) - min(heights),
                       normal.approach(target, shape) - max(heights)))  # fmt: skip
         for _ in range(100):
@@ -232,35 +233,35 @@ class Slider:
         return h
 
     def least_friction(self, contacts: int) -> float:
-        """Return the least tangential force in N of slipping contacts under the preload, at any speed up to 10 m/s."""
+        """Return the least friction force in N of slipping contacts under the preload at speeds up to 10 m/s."""
         if self.friction is None:
             return self.static_friction(contacts)
         return min(self.sliding_friction(contacts, float(speed)) for speed in (0.0, *np.logspace(-4, 1, 21)))
 
     def rest_approach(self, contacts: int) -> float:
-        """Return the approach in m of a contact of height 0 under the preload, no wave: minus the slider's position."""
+        """Return minus the slider's position under the preload without a wave, the approach of a height of 0, m."""
         return self.approach_under(self.preload, contacts)
 
     def rest_approaches(self, contacts: int) -> np.ndarray:
-        """Return the approach of every contact under the preload, no wave, m; zero where it does not touch."""
+        """Return the approach of each contact under the preload without a wave, m; zero if it does not touch."""
         return np.maximum(self.rest_approach(contacts) + self.offsets(contacts), 0.0)
 
     def rest_deformations(self, contacts: int) -> np.ndarray:
-        """Return the deformations in m with which the contacts carry the load at rest, all slipping if they cannot.
+        """Return the deformations in m with which the contacts carry the load at rest, or slip if they cannot.
 
-        Contacts that are sheared together carry Q = mu (P - P'), P' the normal force at an approach x/c smaller
-        (Ciavarella 1998; see `law.elastic`), so that P' is the preload less load/mu.
+        Contacts that are sheared together by x carry Q = mu (P - P'), where P' is the normal force at an approach that
+        is smaller by x/c (Ciavarella 1998; see `law.elastic`). Hence P' equals the preload less load/mu.
         """
         z, c = self.rest_approaches(contacts), self.limit_slope
         if c == 0.0:
             return 0.0 * z
         if self.friction is not None:
             return self._sheared(z)
-        left = max(self.preload - self.load / self.friction_coefficient, 0.0)
-        return c * np.minimum(z, self.rest_approach(contacts) - self.approach_under(left, contacts))
+        reduced = max(self.preload - self.load / self.friction_coefficient, 0.0)
+        return c * np.minimum(z, self.rest_approach(contacts) - self.approach_under(reduced, contacts))
 
     def _sheared(self, z):
-        """Return the deformations of contacts at approaches z that are sheared together until they carry the load."""
+        """Return the deformations of contacts at approaches z, sheared together until they carry the load."""
         law, si = self.tangential_law, self._in_si
         limits = np.array([float(law.limit(si, each)) if each > 0.0 else 0.0 for each in z])
 
@@ -268,12 +269,14 @@ class Slider:
             pairs = zip(z, np.minimum(x, limits), strict=True)
             return self.normal_stiffness * sum(float(law.stuck(si, a, b)) for a, b in pairs if b > 0.0)
 
-        most = float(np.max(limits))
-        if self.load == 0.0 or carried(most) <= self.load:
+        max_limit = float(np.max(limits))
+        if self.load == 0.0 or carried(max_limit) <= self.load:
             return limits if self.load > 0.0 else 0.0 * z
         from scipy.optimize import brentq
 
-        return np.minimum(brentq(lambda x: carried(x) - self.load, 0.0, most, xtol=1e-15 * most), limits)
+        return np.minimum(
+            brentq(lambda x: carried(x) - self.load, 0.0, max_limit, xtol=1e-15 * max_limit), limits
+        )
 
     def normal_resonance(self, contacts: int) -> float:
         """Return the frequency in Hz of the bounce at rest, sqrt(sum dP/dz / m)/2 pi."""

@@ -1,11 +1,11 @@
-r"""The energy balance of a run or of one cycle, in joules.
+r"""Energy balance of a run or of one cycle, in joules.
 
-    work of the wave = lost in slip + in the three dampers + against the load + leak of the law
-                       + what springs, preload and slider hold more at the end than at the start.
+    work of the wave = loss by slip + loss in the three dampers + work against the load + leak of the law
+                       + increase of the energies of springs, preload and slider.
 
-The wave works through the normal and the tangential force on the moving surface. A leak belongs to the elastic law
-without the reciprocal normal force alone: it has no potential (positive: energy vanishes in the law). The residual is
-what the balance misses by truncation and rounding.
+The wave does work through the normal and the tangential force on the moving surface. Only the elastic law without the
+reciprocal normal force has a leak, because that law has no potential. A positive leak is a loss of energy. The residual
+of the balance is due to truncation and rounding.
 """
 
 from typing import NamedTuple
@@ -15,26 +15,26 @@ from contact.slider import Slider
 
 
 class Ledger(NamedTuple):
-    """Energies over a span of the motion, J.
+    """Energies over an interval of the motion, J.
 
     Attributes
     ----------
     wave_normal, wave_tangential : float
         Work of the surface through the normal and the tangential force.
     slip : float
-        Lost in slip.
+        Loss by slip.
     contact_damper, normal_damper, tangential_damper : float
-        Lost in R_n1, R_n2 and R_t.
+        Losses in R_n1, R_n2 and R_t.
     load : float
         Work against the load.
     leak : float
-        Lost in the elastic law without reciprocal normal force; zero for the other laws.
+        Loss in the elastic law without reciprocal normal force; zero for the other laws.
     stored : float
-        Gained by the springs of the contacts.
+        Increase of the energy of the contact springs.
     lifted : float
-        Gained by the preload's potential.
+        Increase of the potential energy of the preload.
     slider : float
-        Gained by the slider's kinetic energy.
+        Increase of the slider's kinetic energy.
     """
 
     wave_normal: float
@@ -56,19 +56,19 @@ class Ledger(NamedTuple):
 
     @property
     def spent(self) -> float:
-        """Everything that the work of the wave became, J."""
+        """Sum of all losses, the work against the load and all energy increases, J."""
         dampers = self.contact_damper + self.normal_damper + self.tangential_damper
         held = self.stored + self.lifted + self.slider
         return self.slip + dampers + self.load + self.leak + held
 
     @property
     def residual(self) -> float:
-        """What the balance misses, J."""
+        """Work of the wave less `spent`, J."""
         return self.wave - self.spent
 
     @property
     def relative_residual(self) -> float:
-        """Residual over the work of the wave; over the slip and damper losses where no wave works."""
+        """Residual over the work of the wave, or over the slip and damper losses if the wave does no work."""
         scale = abs(self.wave_normal) + abs(self.wave_tangential)
         if scale == 0.0:
             scale = self.slip + self.contact_damper + self.normal_damper + self.tangential_damper
@@ -76,12 +76,12 @@ class Ledger(NamedTuple):
 
 
 def together(*ledgers: Ledger) -> Ledger:
-    """Return the ledger of spans one after the other."""
+    """Return the ledger of consecutive intervals."""
     return Ledger(*map(sum, zip(*ledgers, strict=True)))
 
 
 def ledger(slider: Slider, motion, spans: int = 1) -> Ledger:
-    """Return the ledger of what a `motion.Motion` has done since it began, shared among some spans."""
+    """Return the ledger of a `motion.Motion` since its start, divided by `spans` (its number of cycles)."""
     unit = slider.mass * motion.problem.speed**2 / spans
     done, gained = motion.sums[Sum.WAVE_NORMAL : Sum.LEAK + 1], motion.energy() - motion.begun
     return Ledger(*(unit * done).tolist(), *(unit * gained).tolist())

@@ -1,9 +1,9 @@
-r"""The load line of a motor: steady velocity against a constant load, blocked thrust, mechanical efficiency.
+r"""Load line of a motor: steady velocity against a constant load, blocked thrust and mechanical efficiency.
 
-The blocked thrust is the load that holds the slider at rest. By averaging it is the mean traction at v = 0, from below
-the load at which the motor just stalls, with an error of O((f_n/f)^2); `stall` follows the steady velocity of the full
-motion down to zero instead. Where a contact sticks at rest the load line ends in a jump to zero, and the slider is held
-over a whole interval of loads. Efficiency is the work against the load over the work of the wave, per cycle, by the
+The blocked thrust is the smallest load at which the motor stalls. First-order averaging gives it as the mean tangential
+force at v = 0, with an error of O((f_n/f)^2). `stall` instead searches the load at which the steady velocity of the
+full motion falls to zero. If a contact sticks at rest, the load line ends with a jump to zero, and the slider is held
+over an interval of loads. The efficiency is the work against the load over the work of the wave per cycle, from the
 ledger.
 """
 
@@ -25,9 +25,10 @@ from contact.orbit import Orbit, as_orbits
 from contact.problem import scaled
 from contact.slider import Slider
 
-# relative error at which the search for the load at which the full motion stops ends
+# relative tolerance of the load at which the full motion stops
 STALL_TOLERANCE = 1e-5
-# share of the way to an extrapolated stall that the next load goes
+# The next load of the search lies at this fraction of the distance from the largest load that moves to the
+# extrapolated stall: the extrapolation needs a positive velocity.
 APPROACH = 0.9
 
 
@@ -38,19 +39,19 @@ class LoadLine:
     Attributes
     ----------
     load : (k,) array
-        N, against the direction in which the unloaded slider is driven.
+        Loads in N, against the direction of the unloaded motion.
     velocity : (k,) array
-        m/s, positive in that direction.
+        Velocities in m/s, positive in the direction of the unloaded motion.
     power : (k,) array
-        Mechanical, load times velocity, W.
+        Mechanical power (load times velocity), W.
     efficiency : (k,) array
-        Power over what the wave gives the contacts, 0 where the slider is held.
+        Mechanical power over the power of the wave; 0 if the slider is held.
     relative_error : (k,) array
-        Of the velocities, over max(|v|, omega |u_x|/10); of the last that of the load at which it is zero.
+        Errors of the velocities over max(|v|, omega |u_x|/10). The last entry is the relative error of the stall load.
     stall : Answer
-        The load at which the motor stalls, N, and its error.
+        Load at which the motor stalls, N, and its error.
     status, message : str
-        "ok", or the status and the reasons of the worst point.
+        Status "ok", or the status of a point that misses the tolerance, and its reasons.
     """
 
     load: np.ndarray
@@ -69,7 +70,9 @@ class LoadLine:
 
 
 def blocked_thrust(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[float, float]:
-    """Return (stalling load, largest load held) in N: the mean tractions of a cycle at rest (averaged).
+    """Return (smallest load, largest load) in N under which the slider is held, by first-order averaging.
+
+    They are the extreme mean tangential forces of a cycle at rest. The smallest one is the blocked thrust.
 
     Parameters
     ----------
@@ -83,21 +86,21 @@ def blocked_thrust(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[f
     """
     _, problem, unit = _unloaded(slider, orbits)
     low, high = rest_tractions(problem)
-    # driven forwards: stalls at the lower traction, holds up to the upper; driven against its crests: mirrored
+    # a slider that is driven against the crests moves towards -x, so that both forces change sign
     return (
         (float(low * unit), float(high * unit)) if high > -low else (float(-high * unit), float(-low * unit))
     )
 
 
 def mean_traction(slider: Slider, orbits: Orbit | tuple[Orbit, ...], velocities: np.ndarray) -> np.ndarray:
-    """Return the mean tangential force of the surface on a slider that runs at given velocities, N along +x (averaged).
+    """Return the mean tangential force of the surface on a slider at constant velocities, N along +x (averaged).
 
     Parameters
     ----------
     slider, orbits
         As for `steady`; the slider's load and tangential damping are not used.
     velocities : ndarray, shape (k,)
-        m/s along +x.
+        Velocities along +x, m/s.
 
     Returns
     -------
@@ -114,7 +117,7 @@ def mean_traction(slider: Slider, orbits: Orbit | tuple[Orbit, ...], velocities:
 
 
 def _unloaded(slider: Slider, orbits: Orbit | tuple[Orbit, ...]):
-    """Return drive direction, problem driven towards +x without the slider's load, and its unit of force in N."""
+    """Return (drive direction, problem without load whose crests drive towards +x, its unit of force in N)."""
     listed = as_orbits(orbits)
     free = replace(slider, load=0.0)
     refuse_unless_applicable(free, listed, STIFFEST_STEADY)
@@ -131,18 +134,18 @@ def stall(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: float
     slider, orbits
         As for `steady`; the slider's own load is not used.
     tolerance : float
-        Relative, of the load.
+        Allowed relative error of the load.
 
     Returns
     -------
     Answer
-        By averaging where its own error keeps the tolerance, or where the full motion is not to be had.
+        The averaged load if its estimated error is within the tolerance or if the full motion cannot be computed.
 
     Raises
     ------
     ConvergenceError
-        Status "not applicable" where averaging, which gives the first guess, does not apply; "held" where the wave does
-        not move the unloaded slider.
+        Status "not applicable" if averaging, which gives the initial guess, does not apply; "held" if the wave does not
+        move the unloaded slider.
     """
     listed = as_orbits(orbits)
     guess, _ = blocked_thrust(slider, listed)
@@ -164,8 +167,8 @@ def stall(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: float
 
 
 def _full_stall(slider, orbits, near):
-    """Return the load at which the full motion stalls: bracketed, and extrapolated from below."""
-    way = np.sign(mean_motion(replace(slider, load=0.0), orbits).velocity)
+    """Return the load at which the full motion stalls, bracketed and extrapolated from smaller loads."""
+    direction = np.sign(mean_motion(replace(slider, load=0.0), orbits).velocity)
     limit = slider.static_friction(len(orbits)) * (1.0 - 1e-12)
 
     def velocity(load):
@@ -177,7 +180,7 @@ def _full_stall(slider, orbits, near):
             raise
         if state.relative_error > STALL_TOLERANCE and state.velocity != 0.0:
             raise ConvergenceError("above tolerance", state.message)
-        return way * state.velocity
+        return direction * state.velocity
 
     reach = max(2.0 * near.error / near.value, 1e-3)
     high, low = min(near.value * (1.0 + reach), limit), near.value * (1.0 - reach)
@@ -207,14 +210,14 @@ def _full_stall(slider, orbits, near):
 def load_line(
     slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, points: int, tolerance: float
 ) -> LoadLine:
-    """Return the load line from no load to the blocked thrust.
+    """Return the load line from zero load to the blocked thrust.
 
     Parameters
     ----------
     slider, orbits
         As for `steady`; the slider's own load is not used.
     points : int
-        Loads, evenly spaced; at least 2.
+        Number of evenly spaced loads, at least 2.
     tolerance : float
         As for `steady`.
     """

@@ -1,10 +1,10 @@
-r"""Steps on demand: what a number of cycles moves the slider by, how many cycles a step takes, where it stops.
+r"""Steps of the motor: displacement by a burst of N cycles, and number of cycles for a given displacement.
 
-A step is a burst from rest and what follows until the slider is held by its spring and rings about where it will stay.
-The wave may swell and fade as envelopes say: a step of N cycles of the drive takes in what the surface still does after
-the drive's end.
-The net displacement is the travel of the slider to where its tangential spring is relaxed: position plus the load's
-own deformation of the contact, so the ring does not blur it.
+A step consists of a burst from rest and the motion after it, until the contacts stick and the slider only rings about
+its final position. Envelopes may describe the wave's amplitude during the burst and the ring-down of the surface after
+it. The net displacement is the distance to the final position, at which the tangential springs carry just the load. It
+follows from the slider's position and the contact deformation at any time after the last slip, so that the amplitude
+of the ring does not affect it.
 """
 
 import math
@@ -37,18 +37,19 @@ from contact.slider import Slider
 from contact.stepping.time_stepping import steps
 
 MAX_CYCLES = 3_000_000
-# Half ring periods without a slip after which the slider is held, and that many where a slip might still follow: a beat
-# of bounce and ring takes 2/(f_n/f_t - 1) of them, 4 to 30 for the usual moduli
+# The slider counts as held after this many half periods of the ring without slip: QUIET_SPANS if no slip can follow,
+# UNSURE_SPANS if one might. A beat of bounce and ring takes 2/(f_n/f_t - 1) half periods, 4 to 30 for usual moduli.
 QUIET_SPANS, UNSURE_SPANS = 12, 200
-# slip that is waited for, and slip up to which the stopping time counts, over the slip limit at rest
+# Distances over the slip limit at rest. SETTLED: smaller displacements by slip are ignored. VISIBLE: the stopping time
+# ends with the last slip above this one.
 SETTLED, VISIBLE = 1e-12, 1e-3
-# Least error, over the largest of the step, its travel during the burst and the slip limit at rest: two levels may
-# agree by chance, and the finer one errs by up to 3e-11 (90 draws of `tests/contact/aimed.py`)
+# Smallest stated error, relative to the largest of the step, its travel during the burst and the slip limit at rest.
+# Two levels may agree by chance, and the finer one has errors up to 3e-11 (90 draws of `tests/contact/aimed.py`).
 LEAST_ERROR = 2e-11
-# A hysteretic contact remembers partial slip, so that the ring dies out about another place: 0.07 to 0.37 of the ring
-# away in `tests/contact/test_stall_and_steps.py` and five scenes like it
+# Error with the hysteretic law, relative to the ring amplitude: partial slip during the ring shifts the final position.
+# The shift was 0.07 to 0.37 of the ring in `tests/contact/test_stall_and_steps.py` and in five similar scenes.
 MEMORY_SHIFT = 0.5
-# regimes of a contact that holds its place; in the last two it does not slip as a whole
+# regimes in which a contact does not slip as a whole
 HOLDING = (Regime.STICK, Regime.ANNULUS, Regime.GROW)
 
 
@@ -59,21 +60,21 @@ class Step:
     Attributes
     ----------
     cycles : int
-        Of the drive; 0 where none is needed.
+        Number of cycles of the drive; 0 if none is needed.
     displacement : float
-        Net, m, positive along +x: where the slider settles, the ring taken out.
+        Net displacement along +x to the final position, without the ring, m.
     during, stopping : float
-        Travel during the burst and after it, the ring-down included, m; they sum to `displacement`.
+        Travel during the burst and after it (with the ring-down of the surface), m. Their sum is `displacement`.
     velocity : float
-        At the end of the burst, m/s.
+        Velocity at the end of the burst, m/s.
     stopping_time : float
-        s from the end of the burst to the last slip of more than a thousandth of the slip limit; after a ring-down at
-        least to its end.
+        Time in s from the end of the burst to the last slip above a thousandth of the slip limit. If the surface rings
+        down, it is at least the duration of the ring-down.
     ring : float
-        Amplitude of the ring that is left, m.
+        Amplitude of the remaining ring, m.
     error : float
-        Estimated error of the displacement, m, from a second computation at another order or step size; with the
-        hysteretic law mostly half of the ring, by which its memory may shift the place where it settles.
+        Estimated error of the displacement, m, from a second computation at another order or step size. With the
+        hysteretic law it is mostly half of the ring, because partial slip may shift the final position.
     """
 
     cycles: int
@@ -104,13 +105,14 @@ def step(
     Parameters
     ----------
     slider, orbits
-        As for `steady`; without friction the slider never stops.
+        As for `steady`. Friction must exceed the load, or the slider never stops.
     cycles : int
-        Of the drive, at least one.
+        Number of cycles of the drive, at least one.
     envelope : Envelope, optional
-        Factor on the orbits during the burst; without one the wave is at full size from the first cycle.
+        Factor on the orbits during the burst. Without it the wave has its full amplitude from the first cycle.
     after : Envelope, optional
-        Factor on the orbits while the surface rings down, time from the end of the burst; without one it stands still.
+        Factor on the orbits during the ring-down of the surface, with the time from the end of the burst. Without it
+        the surface is at rest after the burst.
 
     Returns
     -------
@@ -129,16 +131,16 @@ def step(
         abs(fine.displacement), abs(fine.during), slider.limit_slope * slider.rest_approach(len(listed))
     )
     estimate = factor * abs(fine.displacement - coarse.displacement)
-    remembered = MEMORY_SHIFT * fine.ring if slider.law == "hysteretic" else 0.0
-    return replace(fine, error=estimate + LEAST_ERROR * scale + remembered)
+    shift = MEMORY_SHIFT * fine.ring if slider.law == "hysteretic" else 0.0
+    return replace(fine, error=estimate + LEAST_ERROR * scale + shift)
 
 
 class _Level(NamedTuple):
-    """How finely a step is computed."""
+    """Resolution at which a step is computed."""
 
     nodes: int  # per segment of the event-driven motion
-    truncation: float  # allowed per segment
-    longest: float  # longest segment over that of the problem
+    truncation: float  # allowed truncation error per segment
+    longest: float  # maximum segment length over that of the problem
     steps: int  # fixed steps per cycle, under an envelope
     ringing_steps: int  # fixed steps per cycle while the surface rings down
 
@@ -148,10 +150,10 @@ COARSE = _Level(10, 1e-8, 0.8, 64, 56)
 
 
 def _step_at(slider, orbits, cycles, envelope, after, level):
-    """Return (step at one level, its error left 0; factor from the difference of two levels to the finer one's error).
+    """Return (step at one level without its error, ratio of the finer level's error to the difference of two levels).
 
-    Every event is followed with spectral accuracy, so that the difference is the coarser level's error; fixed steps
-    are counted on to converge with first order.
+    The event-driven solver has spectral accuracy, so that the difference is the error of the coarser level; the ratio
+    is then taken as one. Fixed time steps are assumed to converge with first order.
     """
     side, driven = towards_plus(orbits)
     problem = rest_problem(slider, driven)
@@ -169,12 +171,12 @@ def _step_at(slider, orbits, cycles, envelope, after, level):
         side * problem.length * burst_travel,
         side * problem.length * (ringing_travel + still_travel),
     )
-    found = Step(
+    result = Step(
         cycles=cycles, displacement=during + stopping, during=during, stopping=stopping,
         velocity=side * velocity * problem.speed, stopping_time=ringing_time + last_slip / problem.omega,
         ring=ring * problem.length, error=0.0,
     )  # fmt: skip
-    return found, 1.0 / (FINE.steps / COARSE.steps - 1.0) if stepped else 1.0
+    return result, 1.0 / (FINE.steps / COARSE.steps - 1.0) if stepped else 1.0
 
 
 def cycles_for(
@@ -184,23 +186,23 @@ def cycles_for(
     displacement: float,
     envelopes: Callable[[int], tuple[Envelope, Envelope | None]] | None = None,
 ) -> tuple[Step, Step]:
-    """Return the largest step that does not reach a displacement and the next, one cycle more, that does.
+    """Return the longest step that does not reach a displacement, and the step with one cycle more, which reaches it.
 
-    The first has no cycles where one cycle is enough.
+    If one cycle is enough, the first step has no cycles.
 
     Parameters
     ----------
     slider, orbits
         As for `step`.
     displacement : float
-        Size of the step, m, positive; the direction is the motor's.
+        Required size of the step in the direction of the motor's motion, m, positive.
     envelopes : callable, optional
-        Number of cycles of the burst to its `envelope` and `after`, as for `step`.
+        Takes the number of cycles of the burst and returns its `envelope` and `after`, as for `step`.
 
     Raises
     ------
     ConvergenceError
-        Status "out of reach" when 3 million cycles do not move the slider so far.
+        Status "out of reach" if 3 million cycles do not reach the displacement.
     """
     listed = as_orbits(orbits)
     wanted = bounds.positive("displacement", displacement, "m")
@@ -218,8 +220,8 @@ def cycles_for(
         envelope, after = shape(number)
         return step(slider, listed, cycles=number, envelope=envelope, after=after) if number else at(0)
 
-    # A few cycles may leave the slider on either side of its start, and a wave may take longer to arrive: the motor's
-    # direction is that of many cycles.
+    # Take the direction of motion from many cycles: a few cycles may end on either side of the start, and an envelope
+    # may be small at first.
     many = 256
     while abs(at(many).displacement) < wanted:
         many *= 2
@@ -240,7 +242,7 @@ def cycles_for(
 
 
 def _drive(slider, motion, cycles, envelope, per_cycle):
-    """Move through the burst; return the distance travelled, scaled, and whether in fixed steps."""
+    """Advance the motion through the burst; return (scaled travel, True if fixed time steps were used)."""
     problem = motion.problem
     if envelope is None:
         if cycles <= EXACT_CYCLES or stepped_refusals(slider, problem, per_cycle):
@@ -253,18 +255,18 @@ def _drive(slider, motion, cycles, envelope, per_cycle):
 
 
 def _distance(rows) -> float:
-    """Return the distance travelled over cycles of which every one has a row, scaled."""
+    """Return the scaled travel over cycles, one per row."""
     return float(2.0 * math.pi * np.sum(rows[:, Column.MEAN_VELOCITY]))
 
 
 def _stopped(slider, motion):
-    """Follow the slider until it is held; return (travel, phase of its last visible slip, ring that is left), scaled.
+    """Follow the slider until it is held; return (travel, phase of the last visible slip, remaining ring), scaled.
 
-    While every contact sticks, the travel plus the deformation of the contacts is constant; less the deformation that
-    the load causes it is where the slider will settle. A slip moves that place. The run goes in spans of half a ring
-    period and ends after some in which the place moves by less than `SETTLED`: `QUIET_SPANS` where the largest
-    deformation stays below the slip limit at the least approach, so that no slip can follow, else
-    `UNSURE_SPANS`, for bounce and ring beat against each other.
+    While every contact sticks, the travel plus the deformation of the contacts is constant. This sum less the
+    deformation by the load is the final position; a slip changes it. The run proceeds in intervals of half a ring
+    period. It ends after a number of intervals in which the final position changes by less than `SETTLED`. The number
+    is `QUIET_SPANS` if the largest deformation stays below the slip limit at the least approach, because no slip can
+    then follow. Otherwise it is `UNSURE_SPANS`, because the beat of bounce and ring may cause a later slip.
     """
     problem, contacts, speed = motion.problem, motion.problem.contacts, abs(float(motion.state[2]))
     # the load's own deformation of the contacts, each weighted with its share of the stiffness at rest
@@ -274,7 +276,7 @@ def _stopped(slider, motion):
     still = silence(motion)
     period = problem.omega / slider.tangential_resonance(contacts)
     friction = slider.least_friction(contacts) - slider.load
-    if friction <= 0.0:  # the slips are waited for in any case
+    if friction <= 0.0:  # the estimate only sets the length of the intervals
         friction = slider.static_friction(contacts) - slider.load
     brake = speed * problem.speed * slider.mass / friction * problem.omega
     unit = problem.limit_slope * slider.rest_approach(contacts) / problem.length
@@ -288,11 +290,11 @@ def _stopped(slider, motion):
         samples = still.move(phase, float(at[-1]) * (1.0 + 1e-14), at)
         phase = float(at[-1])
         approach, deformation, _, _, regime, _ = np.moveaxis(samples, -1, 0)
-        # a contact that does not touch at rest holds nothing
+        # a contact that does not touch at rest does not hold the slider, so that its separation is ignored
         loose = ~np.isin(regime, HOLDING) & ((regime != Regime.SEPARATED) | (share > 0.0))
         slipping = np.flatnonzero(np.any(loose, axis=1))
         before, now = now, float(still.sums[Sum.DISPLACEMENT] + still.state[3:] @ share - spring)
-        # many slips are shorter than the time between two samples: the tally has them all
+        # many slips are shorter than the sampling interval, but the tally counts every event
         slipped = slipping.size or still.tally[Event.STICK_TO_SLIP] + still.tally[Event.RELEASE] > 0
         if slipped and abs(now - before) > VISIBLE * unit:
             last = float(at[slipping[-1] if slipping.size else -1])
@@ -312,7 +314,7 @@ def _stopped(slider, motion):
 
 
 def _surely_sticks(problem, share, lowest, farthest):
-    """Return whether contacts with these least approaches and largest deformations stay within the slip limit."""
+    """Return True if contacts with these least approaches and largest deformations stay below the slip limit."""
     holding = np.flatnonzero(share)
     limits = [problem.law.limit(problem, float(z)) if z > 0.0 else 0.0 for z in lowest[holding]]
     return bool(np.all(farthest[holding] < limits))

@@ -1,14 +1,16 @@
-r"""The slider during a burst of the wave and after it: v(t) from rest.
+r"""Motion of the slider from rest during a burst of the wave and after it.
 
-The burst starts at rest, at the instant at which u_z of the first contact passes zero upwards; it lasts a whole number
-of cycles; then the surface stands still. The surface's velocity is what drives the contact, so the tangential
-displacement may start anywhere on its orbit. Other contacts on other phases of the wave are moved to their place at
-once. During the burst the motion is followed event by event ("exact"), in fixed steps ("stepped") or by cycle means
-("averaged"); "auto" takes the cheapest whose error estimate keeps the tolerance. After the burst it is always followed
-event by event, with stretches as long as the contact's resonance allows.
+The slider starts from rest at a time at which u_z of the first contact crosses zero upwards. The burst lasts a whole
+number of cycles, and the surface is at rest after it. The contact forces depend on the tangential velocity of the
+surface, so that its tangential displacement may have any initial value. At the start, the surface under the other
+contacts is displaced at once according to the phase of the wave there.
 
-With an envelope the wave swells and fades as it says; what is left of it at the end of the burst stops there, or
-fades as a ring-down says, followed in fixed steps.
+Three methods compute the motion during the burst: event-driven ("exact"), fixed time steps ("stepped") and cycle means
+("averaged"). Method "auto" takes the cheapest one whose estimated error is within the tolerance. The motion after the
+burst is always event-driven, with segments as long as the contact resonance allows.
+
+An envelope describes the wave's amplitude and phase during the burst. At the end of the burst the wave stops, or it
+decays according to a second envelope (ring-down), which is followed with fixed time steps.
 """
 
 import time as clock
@@ -34,32 +36,34 @@ class Trajectory(Answered):
     Attributes
     ----------
     slider, orbits
-        What was asked.
+        The arguments of `burst`.
     time : (k,) array
-        s from the start of the burst; the first is 0. During the burst at ends of whole cycles.
+        Time from the start of the burst, s; the first entry is 0. Times during the burst are ends of whole cycles.
     velocity : (k,) array
         Slider velocity, m/s.
     position : (k,) array
-        Slider's normal position z_s, m: minus the rest approach at the start; cycle means when averaged.
+        Normal position z_s of the slider, m. It starts at minus the rest approach; the averaged method gives cycle
+        means.
     duration : float
         Length of the burst in whole cycles, s.
     cycles : int
-        The same in cycles.
+        Length of the burst in cycles.
     rang : float
-        How long the surface was followed as it rang down after the burst, s; 0 without a ring-down.
+        Duration of the ring-down of the surface after the burst, s; 0 without a ring-down.
     answer : Answer
-        The velocity at the burst's end, m/s, its error, status and reasons.
+        Velocity at the end of the burst, m/s, with its error, status and reasons.
     method : str
         "exact", "stepped" or "averaged".
     ledger : Ledger or None
-        Energies of burst and slide after it; None where the burst was not followed event by event, or rang down.
+        Energies of the burst and of the motion after it; None if the method was not "exact" or the surface rang down.
     after_ledger : Ledger or None
-        Of the slide alone, on a surface at rest, which is always followed so; None without one.
+        Energies of the motion on the surface at rest after the burst; None if there is no such motion.
     statistics : dict
-        Events by kind (those after the burst, and those during it when exact), smallest gap between two in s (inf:
-        fewer), chatter; steps per cycle and omega_n dt when stepped; order and steps when averaged.
+        Number of events of each kind after the burst and, by the exact method, during it; smallest time between two
+        events in s (inf for fewer than two); chatter. The stepped method adds steps per cycle and omega_n dt, the
+        averaged one its order.
     seconds : float
-        Time taken.
+        Computing time.
     """
 
     slider: Slider
@@ -94,25 +98,25 @@ def burst(
     method: str = "auto",
     envelope: Envelope | None = None,
 ) -> Trajectory:
-    """Return the motion over a burst from rest and for a while after it.
+    """Return the motion from rest during a burst and for some time after it.
 
     Parameters
     ----------
     slider, orbits
-        As for `steady`, the orbits while the burst lasts.
+        As for `steady`; the orbits are those during the burst.
     duration : float
-        s; rounded to whole cycles of the wave, at least one.
+        Length of the burst in s, rounded to whole cycles of the wave, at least one.
     after : float or (float, Envelope)
-        s to follow after the burst, on a surface that stands still; or with the factor on the orbits while the surface
-        rings down, time from the end of the burst.
+        Time in s to follow the slider after the burst. The envelope is the factor on the orbits during the ring-down of
+        the surface, with the time from the end of the burst. Without it the surface is at rest after the burst.
     tolerance : float
-        Error allowed in the velocity at the end of the burst, relative to max(|v|, omega |u_x|/10).
+        Allowed error of the velocity at the end of the burst, relative to max(|v|, omega |u_x|/10).
     samples : int
-        About how many instants to report, over burst and after in proportion to their lengths.
+        Approximate number of times in the result, distributed over the burst and the time after it by their lengths.
     method : str
         "exact", "stepped", "averaged" or "auto".
     envelope : Envelope, optional
-        Factor on the orbits during the burst; only the stepped way takes one.
+        Factor on the orbits during the burst; only the stepped method accepts one.
 
     Returns
     -------
@@ -121,7 +125,7 @@ def burst(
     Raises
     ------
     ConvergenceError
-        Status "not applicable" if a way asked for by name does not apply, or what the motion ran into.
+        Status "not applicable" if the method does not apply, or the status of the solver that failed.
     """
     begun = clock.perf_counter()
     listed = as_orbits(orbits)
@@ -152,14 +156,14 @@ def burst(
         parts.append(
             (np.full(1, cycles / frequency), motion.state[[At.VELOCITY]], motion.state[[At.POSITION]])
         )
-    books = [ledger(slider, motion)] if motion.begun is not None else []
+    ledgers = [ledger(slider, motion)] if motion.begun is not None else []
     slid, rang, still = _follow_on(slider, motion, after, fading, samples * (1.0 - share))
     parts += [(cycles / frequency + part[0], *part[1:]) for part in slid]
-    after_book = None
+    after_ledger = None
     if still is not None:
-        after_book = ledger(slider, still)
+        after_ledger = ledger(slider, still)
         statistics |= {f"after_{name}": number for name, number in still.events().items()}
-        books += [after_book] if books else []
+        ledgers += [after_ledger] if ledgers else []
     time, velocity, position = (np.concatenate(series) for series in zip(*parts, strict=True))
     answer = Answer(
         value=end, error=result.error * problem.speed, reasons=(f"{cycles} cycles from rest", *reasons)
@@ -168,16 +172,16 @@ def burst(
         slider=slider, orbits=listed, time=time, velocity=side * velocity * problem.speed,
         position=position * problem.length,
         duration=cycles / frequency, cycles=cycles, rang=rang, answer=answer, method=method,
-        ledger=together(*books) if books and not rang else None, after_ledger=after_book, statistics=statistics,
+        ledger=together(*ledgers) if ledgers and not rang else None, after_ledger=after_ledger, statistics=statistics,
         seconds=clock.perf_counter() - begun,
     )  # fmt: skip
 
 
 def _follow_on(slider, motion, after, envelope, samples):
-    """Follow the slider for some seconds after the burst, while the surface rings down and then on a surface at rest.
+    """Follow the slider after the burst, during the ring-down of the surface and then on the surface at rest.
 
-    Returns parts (times in s from the end of the burst, v, z_s), how long the surface rang, and the motion at the end,
-    None if the surface was not at rest by then.
+    Returns (parts, duration of the ring-down, motion at the end). A part is (times in s from the end of the burst, v,
+    z_s). The motion is None if the surface does not come to rest within the time `after`.
     """
     parts, rang, problem = [], 0.0, motion.problem
     if envelope is not None:
@@ -191,6 +195,6 @@ def _follow_on(slider, motion, after, envelope, samples):
     still, span, count = silence(motion), after - rang, max(2, round(samples))
     at = np.arange(1, count + 1) * (span / count)
     z, *_, velocity = still.move(0.0, problem.omega * span * (1.0 + 1e-12), at * problem.omega)[:, 0].T
-    # the surface stands still at zero: the first contact's approach is its height less the slider's position
+    # the surface is at rest at zero, so that the approach of the first contact is its height less z_s
     parts.append((rang + at, velocity, problem.paths.height[0] - z))
     return parts, rang, still

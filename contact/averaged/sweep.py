@@ -1,13 +1,14 @@
-r"""Averaged steady states of one slider or of many: velocities, their errors, and the effect of the wave's error.
+r"""Averaged steady states of one or many sliders, with their errors and the effect of an error of the wave.
 
-Each problem is scaled and solved by itself in one compiled loop (`sweep_rows`), with the second-order
-correction, so that its answer does not depend, to the last bit, on which problems are computed beside it, nor on the
-number of threads. A single steady state (`mean_motion`) and a map over amplitude and preload are sweeps.
-What averaging does not know or does not reach has the regime "unknown", and is left to `steady`.
+A compiled loop (`sweep_rows`) scales and solves each problem separately, with the second-order correction. Hence a
+result does not depend, to the last bit, on the other problems in the sweep or on the number of threads. A single steady
+state (`mean_motion`) is a sweep of one problem. A problem to which averaging does not apply, or for which it does not
+converge, has the regime "unknown"; use `steady` for it.
 
-The wave's relative error bounds the change of both amplitudes, a common phase apart, relative to the larger one. Four
-changes of that size (both amplitudes up, down, their ratio, their phase) are tried in first order, whose derivatives
-are good to O((f_n/f)^2), and their effects added in quadrature.
+The relative error of the wave bounds the change of the two complex amplitudes, except for a common phase, relative to
+the larger amplitude. The effect on the velocity is the root of the sum of squares over four changes of that size: both
+amplitudes larger, both smaller, their ratio, and their phase difference. It is computed by first-order averaging, whose
+derivatives have a relative error of O((f_n/f)^2).
 """
 
 import math
@@ -50,25 +51,25 @@ class MeanMotion:
     Attributes
     ----------
     velocity : float or ndarray
-        Mean, m/s; exactly 0 where held.
+        Mean velocity, m/s; exactly 0 if held.
     first_order : float or ndarray
-        The velocity without the second-order correction, m/s.
+        Velocity without the second-order correction, m/s.
     height : float or ndarray
-        Mean approach h, m; negative where the slider rides above the surface at rest.
+        Mean approach h, m; negative if the slider rides above the surface at rest.
     regime : str or ndarray of str
-        "stick", "slip", "intermittent", or "unknown" where averaging does not apply or did not settle.
+        "stick", "slip", "intermittent", or "unknown" if averaging does not apply or does not converge.
     held : bool or ndarray of bool
-        Whether friction keeps the slider at rest.
+        True if friction keeps the slider at rest.
     relative_error : float or ndarray
-        Of the velocity as computed, over max(|v|, omega |u_x|/10).
+        Computational error of the velocity over max(|v|, omega |u_x|/10).
     error_from_wave : float or ndarray
-        What the wave's error makes of it, over the same.
+        Error of the velocity due to the error of the wave, over the same reference speed.
     blocked_thrust : float or ndarray
-        Load at which the slider stalls, N, of first order; 0 where the unloaded slider is held.
+        Load at which the slider stalls, N, by first-order averaging; 0 if the unloaded slider is held.
     blocked_thrust_error : float or ndarray
-        Its error by averaging, N.
+        Error of the blocked thrust by averaging, N.
     load_sign : float or ndarray
-        +1 where the load opposes motion in the direction in which the crests drive, -1 where the opposite.
+        +1 if the load opposes motion in the direction in which the crests drive, -1 if it opposes the other direction.
     """
 
     velocity: np.ndarray
@@ -92,7 +93,9 @@ def steady_sweep(
     wave_errors: np.ndarray,
     threads: int | None = None,
 ) -> MeanMotion:
-    """Return the steady states of many problems, as arrays of the shape of `factors`; a map is a sweep of two axes.
+    """Return the steady states of many problems, as arrays of the shape of `factors`.
+
+    A map over amplitude and preload is a sweep whose `factors` have two axes.
 
     Parameters
     ----------
@@ -102,11 +105,11 @@ def steady_sweep(
     which : (..., 2) array of int
         Slider and wave of each problem.
     factors : (...) array
-        On the wave's amplitudes, zero or positive.
+        Factors on the wave's amplitudes, zero or positive.
     wave_errors : (w,) array
-        Relative, of the waves.
+        Relative errors of the waves.
     threads : int, optional
-        As many as there are processors when absent.
+        Number of threads; by default the number of processors.
     """
     factors = np.asarray(factors, float)
     for factor in factors[~((factors >= 0.0) & (factors < math.inf))]:
@@ -132,7 +135,7 @@ def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion
     row = _rows([slider], [listed], [(0, 0)], [1.0], [0.0], 1)[0]
     status = row[Entry.STATUS]
     if math.isnan(status):
-        closed_form(slider, listed)  # says so if it runs away
+        closed_form(slider, listed)  # raises with status "runaway" if nothing balances the load
         refuse_unless_applicable(slider, listed, STIFFEST_STEADY)
     if status != Status.DONE or row[Entry.REGIME] == Steady.UNKNOWN:
         unreached = "not converged", "the averaged motion was not reached; use method exact"
@@ -159,9 +162,10 @@ class MeanForces:
 
 
 def mean_forces(slider: Slider, orbits: Orbit | tuple[Orbit, ...], motion: MeanMotion) -> MeanForces:
-    """Return the forces of each contact in an averaged steady state of `mean_motion`, of first order.
+    """Return the forces of each contact in an averaged steady state of `mean_motion`, by first-order averaging.
 
-    A contact that sticks all the time at rest, and so keeps its history, counts as driven from below.
+    The force of a contact that always sticks depends on its history. Its deformation is taken as the least possible
+    one.
     """
     listed = as_orbits(orbits)
     problem = scaled(slider, listed, direction=1.0, start=0.0)
@@ -174,7 +178,7 @@ def mean_forces(slider: Slider, orbits: Orbit | tuple[Orbit, ...], motion: MeanM
 
 
 def _answer(rows):
-    """Return the answer that the columns (`Entry`) hold."""
+    """Return the `MeanMotion` of result columns (`Entry`)."""
     regime = np.nan_to_num(rows[..., Entry.REGIME]).astype(int)
     rows = np.where(regime[..., None] == Steady.UNKNOWN, math.nan, rows)
     return MeanMotion(
@@ -187,7 +191,7 @@ def _answer(rows):
 
 
 def _rows(sliders, waves, which, factors, wave_errors, threads):
-    """Return the columns (`Entry`) of every problem; NaN as status where averaging does not apply."""
+    """Return the result columns (`Entry`) of every problem; the status is NaN if averaging does not apply."""
     which, factors = np.asarray(which, np.int64).reshape(-1, 2), np.array(factors, float)
     number, contacts = len(which), len(waves[0])
     parameters = np.array([numbers(slider, contacts) for slider in sliders])
@@ -219,10 +223,10 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
 
 
 def _by_law(sliders, which, todo):
-    """Yield (law, numbers, problems) for each law but its numbers: a kernel is compiled for the functions of one law.
+    """Yield (law, numbers, problems) for each law, since a kernel is compiled for the functions of one law.
 
-    `numbers`: those of every slider, (sliders, k); of sliders with another law, which these problems do not ask for,
-    those of the first slider with this one.
+    Laws that differ only in their numbers are the same law here. `numbers` has shape (sliders, k). The row of a slider
+    with another law holds the numbers of the first slider with this law; no problem of this group uses it.
     """
     laws = [slider.tangential_law for slider in sliders]
     kinds = [law._replace(numbers=None) for law in laws]
@@ -235,22 +239,22 @@ def _by_law(sliders, which, todo):
 
 
 def _fill_closed(slider, orbits, factor, row):
-    """Fill the row of a problem with a closed form, if it has one; its errors are zero."""
+    """Fill the row of a problem by a closed form, if one applies; its errors are zero."""
     try:
-        found = closed_form(slider, tuple(orbit.scaled(factor) for orbit in orbits))
+        result = closed_form(slider, tuple(orbit.scaled(factor) for orbit in orbits))
     except ConvergenceError:
         return
-    if found is None:
+    if result is None:
         return
     row[:] = 0.0
     row[Entry.LOAD_SIGN] = 1.0
-    row[Entry.VELOCITY] = row[Entry.FIRST_ORDER] = found["velocity"]
-    row[Entry.HEIGHT], row[Entry.HELD] = found["height"], found["regime"] == "stick"
-    row[Entry.REGIME] = np.flatnonzero(found["regime"] == REGIMES)[0]
+    row[Entry.VELOCITY] = row[Entry.FIRST_ORDER] = result["velocity"]
+    row[Entry.HEIGHT], row[Entry.HELD] = result["height"], result["regime"] == "stick"
+    row[Entry.REGIME] = np.flatnonzero(result["regime"] == REGIMES)[0]
 
 
 def _spread(given, out, todo, threads):
-    """Fill the rows of the problems `todo` in several threads, by turns, because neighbours cost alike."""
+    """Fill the rows of the problems `todo` in several threads, interleaved because neighbours have similar cost."""
     threads = min(threads or os.cpu_count() or 1, max(1, len(todo) // 8))
     if threads == 1:
         states(given, out, todo, HARMONICS, 0, 1)
