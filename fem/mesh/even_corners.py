@@ -9,7 +9,6 @@ conforming and its angles above half of the smallest (Rivara, Int. J. Numer. Met
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from fem.mesh.section_mesh import Cells, SectionMesh
 from fem.mesh.shapes import CORNERS, shape_functions
@@ -30,6 +29,8 @@ def with_even_corners(mesh: SectionMesh, singular: set[int]) -> SectionMesh:
 
 def _long_edges(points, edges: list[tuple[int, int]], singular: set[int]) -> list[tuple[int, int]]:
     """Edges at a singular vertex longer than `EVEN` of its shortest, and at others than `EVEN` of their distance."""
+    from scipy.spatial import cKDTree
+
     if not singular:
         return []
     places, ends = np.asarray(points), np.array(edges)

@@ -41,7 +41,7 @@ tolerance = 1e-3
 while words:
     word = words.pop(0)
     if word == "--set":
-        table = override.assigned(table, words.pop(0))
+        table = override.replaced(table, *override.setting_of(words.pop(0)))
     elif word == "--tolerance":
         tolerance = float(words.pop(0))
     else:

@@ -197,10 +197,10 @@ def test_bad_input_is_refused_in_one_sentence_with_code_2(call, tmp_path, words)
     assert not list(tmp_path.iterdir())
 
 
-def test_a_directory_that_cannot_be_written_is_code_3(call, tmp_path):
+def test_a_directory_that_cannot_be_written_is_code_2(call, tmp_path):
     (tmp_path / "taken").write_text("")
     status, out, err = call(*CONTACT, "--out", "taken")
-    assert (status, out) == (3, "")
+    assert (status, out) == (2, "")
     assert one_sentence(err)
     assert (tmp_path / "taken").read_text() == ""
 

@@ -111,7 +111,7 @@ def test_a_step_is_what_a_burst_of_as_many_cycles_moves(motor, sheet):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"position": ("9 mm", "0 mm")}, "the slider stands over a transducer"),
+        ({"position": ("9 mm", "0 mm")}, "the slider stands over a transducer or a meshed piece"),
         ({"method": "exact"}, "slider.method is exact"),
         ({"stick_band": 1e-3}, "the motion in the contact needs the events"),
     ],
