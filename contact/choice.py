@@ -1,9 +1,10 @@
 r"""Choice of the method for a problem of the contact, by its applicability and its estimated error.
 
-Each kind of problem (a burst, a step, a steady state, ...) has a table of methods, the cheapest first. `choose` returns
-the result of the first method that applies and whose estimated error is within the tolerance. If a method that the user
-named misses the tolerance, the exact method replaces it, provided that it is cheap enough. Every answer is a number
-with an error, a status and reasons.
+Each kind of problem (a burst, a step, a steady state, ...) has a table of methods. `choose` returns the result of the
+first method, the cheapest, that applies and whose estimated error is within the tolerance. If a method that the user
+named misses the tolerance, the exact method replaces it, provided that it is cheap enough. For steady states
+`first_to_converge` returns the result of the first method that applies and converges; whether a method applies may
+depend on why the one before it failed. Every answer is a number with an error, a status and reasons.
 
 The status is "ok" or "above tolerance" (the stated error is larger than the tolerance).
 """
@@ -102,7 +103,7 @@ class Result(NamedTuple):
 
 
 class Method(NamedTuple):
-    """A method: `follow(question)` returns a `Result`, `refusals(question)` the reasons why it does not apply."""
+    """A method: `follow(question)` returns the result, `refusals(question)` the reasons why it does not apply."""
 
     follow: Callable
     refusals: Callable
@@ -169,6 +170,31 @@ def choose(methods: dict[str, Method], question, asked: str, *, what: str, exact
     if best is None:
         raise failure
     return best
+
+
+def first_to_converge(methods: dict[str, Method], question):
+    """Return the result of the first method that applies and converges.
+
+    Parameters
+    ----------
+    methods : dict
+        In the order in which they are tried.
+    question : NamedTuple
+        What every method takes; its field `failure` is None, then the error that stopped the method before.
+
+    Raises
+    ------
+    ConvergenceError
+        The error that stopped the last method.
+    """
+    for method in methods.values():
+        if method.refusals(question):
+            continue
+        try:
+            return method.follow(question)
+        except ConvergenceError as failed:
+            question = question._replace(failure=failed)
+    raise question.failure
 
 
 def refused(what: str, reasons: dict[str, tuple[str, ...]], way: str) -> ConvergenceError:

@@ -28,7 +28,7 @@ from contact.averaged.event_cycle import Balance, balanced, cycle_at
 from contact.averaged.run import STIFFEST_STEADY, refusals
 from contact.averaged.sweep import mean_motion
 from contact.averaged.sweep_rows import MAX_RATIO_HELD, MAX_THRESHOLD_ERROR, THRESHOLD_ERROR
-from contact.choice import Answer, Answered
+from contact.choice import Answer, Answered, Method, first_to_converge
 from contact.convergence_error import ConvergenceError
 from contact.drive import reference_speed, relative_to_reference, towards_plus
 from contact.orbit import Orbit, as_orbits
@@ -49,6 +49,10 @@ MAX_SEGMENTS = 8000.0
 # Estimated relative error of first-order averaging, divided by (f_n/f)^2. The true value was 0.1 to 1.9 at amplitudes
 # from 0.75 to 20 nm (`tests/benchmarks/contact_ways.py`).
 AVERAGING_ERROR = 3.0
+GOES_ON = (
+    "without normal damping a start from rest goes on bouncing, at {:.4g} m/s in the mean: give slider.damping.normal "
+    "or slider.damping.contact"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,24 +135,62 @@ def steady(
     listed = as_orbits(orbits)
     bounds.positive("tolerance", tolerance, "")
     bounds.choice("method", method, METHODS)
-    found = _closed(slider, listed) or _searched(slider, listed, method)
-    velocity, message, relative = (found.pop(key) for key in ("velocity", "message", "relative_error"))
-    reference = reference_speed(velocity, listed) or 1.0
-    near = found["method"] == "averaged" and velocity == 0.0
-    answer = Answer(value=velocity, error=relative * reference, reasons=(message,)).judged(
+    solution = _closed(slider, listed) or _searched(slider, listed, method)
+    reference = reference_speed(solution.velocity, listed) or 1.0
+    near = solution.method == "averaged" and solution.velocity == 0.0
+    error = solution.relative_error * reference
+    answer = Answer(value=solution.velocity, error=error, reasons=(solution.message,)).judged(
         tolerance, reference, "so near the threshold the slider may move" if near else ""
     )
-    seconds = time.perf_counter() - begun
-    return SteadyState(slider=slider, orbits=listed, answer=answer, seconds=seconds, **found)
+    return SteadyState(
+        slider=slider, orbits=listed, answer=answer, regime=solution.regime, height=solution.height,
+        method=solution.method, ledger=solution.ledger, other_velocity=solution.other_velocity,
+        statistics=solution.statistics, seconds=time.perf_counter() - begun,
+    )  # fmt: skip
+
+
+class _Solution(NamedTuple):
+    """A steady state as a method returns it; fields as in `SteadyState`."""
+
+    velocity: float
+    relative_error: float
+    message: str
+    regime: str
+    height: float
+    method: str
+    ledger: Ledger
+    statistics: dict
+    other_velocity: float | None = None
+
+    def in_doubt(self, error, reason, other=None):
+        """Return the solution with a relative error added, the reason for it and the velocity of another motion."""
+        return self._replace(
+            relative_error=self.relative_error + error, message=f"{self.message}; {reason}", other_velocity=other
+        )  # fmt: skip
+
+    def unchecked(self, reason):
+        """Return the solution with an error of at least the reference speed, because it could not be checked."""
+        return self.in_doubt(0.0, reason)._replace(relative_error=max(self.relative_error, 1.0))
 
 
 def _closed(slider, orbits):
-    """Return the fields of a `SteadyState` by a closed form, or None if no closed form applies."""
+    """Return the solution by a closed form, or None if no closed form applies."""
     fields = closed_form(slider, orbits)
     if fields is None:
         return None
-    known = {"relative_error": 0.0, "message": f"{fields.pop('why')}: closed form", "method": "exact"}
-    return fields | known | {"statistics": {}, "ledger": Ledger(*[0.0] * len(Ledger._fields))}
+    return _Solution(
+        message=f"{fields.pop('why')}: closed form", method="exact", relative_error=0.0, statistics={},
+        ledger=Ledger(*[0.0] * len(Ledger._fields)), **fields,
+    )  # fmt: skip
+
+
+class _Mean(NamedTuple):
+    """Averaged steady state; the velocity is that on the mirrored orbits, the error is relative."""
+
+    velocity: float
+    error: float
+    height: float
+    regime: str
 
 
 class _Search(NamedTuple):
@@ -160,134 +202,56 @@ class _Search(NamedTuple):
 
     slider: Slider
     orbits: tuple[Orbit, ...]
+    method: str
     side: float
     ratio: float  # resonance frequency of the contacts over wave frequency
+    mean: _Mean | None  # None if averaging does not apply
     balance: Balance  # averaged equilibrium
+    failure: ConvergenceError | None = None  # error of the method tried before
 
     @property
     def unit(self):
         """Unit of velocity of the scaled problem, m/s."""
         return self.balance.problem.speed
 
+    @property
+    def hops(self):
+        """Whether averaging is no substitute for a periodic motion that was not found."""
+        # a strong contact damper moves the slider within a few cycles, so that averaging does not apply
+        adhesive = self.balance.problem.contact_damping * self.balance.problem.preload > 1e-2
+        unstable = self.failure is not None and self.failure.status == "unstable"
+        return self.ratio > MAX_RATIO_HELD or unstable or adhesive
+
     def relative(self, difference, velocity):
         """Return a velocity difference divided by the reference speed."""
         return relative_to_reference(difference, velocity, self.orbits)
 
-    def answer(self, message, motion, *, velocity, error, height, sticks, cycles=1, **statistics):
-        """Return the fields of a `SteadyState`, with energies and events from a motion over a number of cycles.
+    def solution(self, message, motion, *, velocity, error, height, sticks, cycles=1, **statistics):
+        """Return the solution with energies and events from a motion over a number of cycles.
 
         `velocity` in m/s is that on the mirrored orbits, `height` is in m.
         """
         counted = motion.events()
         moving = "intermittent" if counted["release"] else "slip"
-        return {
-            "velocity": float(self.side * velocity) if velocity else 0.0, "regime": "stick" if sticks else moving,
-            "relative_error": float(error), "height": float(height), "message": message, "method": "exact",
-            "statistics": counted | statistics, "ledger": ledger(self.slider, motion, spans=cycles),
-        }  # fmt: skip
+        return _Solution(
+            velocity=float(self.side * velocity) if velocity else 0.0, regime="stick" if sticks else moving,
+            relative_error=float(error), height=float(height), message=message, method="exact",
+            statistics=counted | statistics, ledger=ledger(self.slider, motion, spans=cycles),
+        )  # fmt: skip
 
 
 def _searched(slider, orbits, method):
-    """Return the fields of a `SteadyState` by averaging, shooting or a long run from rest."""
+    """Return the solution by averaging, shooting or a long run from rest."""
     side, driven = towards_plus(orbits)
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
-    mean, balance = _equilibrium(slider, driven, ratio, method)
-    search = _Search(slider, driven, side, ratio, balance)
-    if method == "averaged" or (mean is not None and mean["held"]):
-        found = _averaged_answer(search, mean)
-        return _held_with_bounce_error(search, found) if method != "averaged" and _undamped(slider) else found
-    if balance.held or ratio > SLOWEST_WAVE:
-        return _answer_of_long_run_from_rest(search)
-    try:
-        return _answer_from_rest(search)
-    except ConvergenceError as failed:
-        # a strong contact damper moves the slider within a few cycles, so that averaging does not apply
-        adhesive = balance.problem.contact_damping * balance.problem.preload > 1e-2
-        if ratio > MAX_RATIO_HELD or failed.status == "unstable" or adhesive:
-            return _answer_of_long_run_from_rest(search)
-        if method == "exact":
-            raise
-        found = _averaged_answer(search, mean)
-        return found | {"message": f"{found['message']}, for the full motion was not found: {failed}"}
-
-
-def _answer_from_rest(search):
-    """Return the answer by shooting, or by a long run if a slider from rest reaches another motion."""
-    slider, answer, periodic_motion = search.slider, *_answer_by_shooting(search)
-    if search.ratio <= MAX_RATIO_HELD:
-        return (
-            _with_bounce_error(search, answer) if _undamped(slider) and answer["velocity"] != 0.0 else answer
-        )
-    seen, unit, velocity = (
-        reached(slider, search.orbits, search.balance, periodic_motion), search.unit, answer["velocity"],
-    )  # fmt: skip
-    if seen.instead is not None:
-        other_answer = _answer_of_long_run(search, seen.instead)
-        note = f"; a motion that repeats every cycle has {velocity:.4g} m/s, but is not reached from rest"
-        return other_answer | {"message": other_answer["message"] + note, "other_velocity": velocity}
-    if not seen.reason:
-        return answer
-    other = None if seen.speed is None else float(search.side * seen.speed * unit)
-    mean = "" if other is None else f", with {other:.4g} m/s in the mean"
-    return answer | {
-        "relative_error": answer["relative_error"] + search.relative(seen.doubt * unit, velocity),
-        "message": f"{answer['message']}; {seen.reason}{mean}", "other_velocity": other,
-    }  # fmt: skip
-
-
-def _undamped(slider):
-    """Return True if no damper ends the bounce of a slider that starts from rest."""
-    return slider.normal_damping == 0.0 and slider.contact_damping == 0.0
-
-
-def _with_bounce_error(search, answer):
-    """Return the answer with the effect of an undamped bounce on the velocity added to its error.
-
-    The effect is computed with the elastic law, because only its cycle means are available.
-    """
-    elastic = replace(search.slider, law="elastic", reciprocal=False)
-    problem = scaled(elastic, search.orbits, direction=search.balance.load_sign, start=0.0)
-    rest, level = (
-        elastic.rest_approach(len(search.orbits)) / problem.length,
-        answer["height"] / problem.length,
-    )
-    lost = speed_lost(problem, rest, level) * problem.speed
-    if not np.isfinite(lost):
-        message = f"{answer['message']}; how fast the slider is while it bounces without normal damping was not found"
-        return answer | {"relative_error": max(answer["relative_error"], 1.0), "message": message}
-    other = answer["velocity"] + search.side * lost
-    error = answer["relative_error"] + search.relative(lost, answer["velocity"])
-    message = (
-        f"{answer['message']}; without normal damping a start from rest goes on bouncing, at {other:.4g} m/s in the "
-        "mean: give slider.damping.normal or slider.damping.contact"
-    )
-    return answer | {"relative_error": error, "message": message, "other_velocity": float(other)}
-
-
-def _held_with_bounce_error(search, answer):
-    """Return the answer of a held slider, with the drift that an undamped bounce causes added to its error."""
-    cycles = int(min(max(BOUNCES / search.ratio, SETTLE), MAX_BOUNCE_CYCLES))
-    try:
-        moved = search.side * mean_from_rest(search.slider, search.orbits, search.balance.load_sign, cycles)
-    except ConvergenceError as failed:
-        return answer | {
-            "relative_error": max(answer["relative_error"], 1.0),
-            "message": f"{answer['message']}; the bounce of a start from rest was not followed: {failed}",
-        }
-    if search.relative(moved, 0.0) <= answer["relative_error"]:
-        return answer
-    return answer | {
-        "relative_error": answer["relative_error"] + search.relative(moved, 0.0), "other_velocity": float(moved),
-        "message": f"{answer['message']}; without normal damping a start from rest goes on bouncing, at {moved:.4g} "
-                   "m/s in the mean: give slider.damping.normal or slider.damping.contact",
-    }  # fmt: skip
+    search = _Search(slider, driven, method, side, ratio, *_equilibrium(slider, driven, ratio, method))
+    return _averaged(search) if method == "averaged" else first_to_converge(STEADY_METHODS, search)
 
 
 def _equilibrium(slider, orbits, ratio, method):
     """Return (averaged steady state, averaged equilibrium from which shooting starts).
 
-    The averaged state is a dictionary with velocity on the mirrored orbits, height, held, relative error and regime. It
-    is None if averaging does not apply.
+    The averaged state is None if averaging does not apply.
     """
     if not refusals(slider, orbits, STIFFEST_STEADY):
         try:
@@ -296,10 +260,11 @@ def _equilibrium(slider, orbits, ratio, method):
             if failed.status == "runaway" or method == "averaged":
                 raise
         else:
-            known = {"height": mean.height, "held": bool(mean.held)}
-            balance = cycle_at(slider, orbits, velocity=mean.first_order, load_sign=mean.load_sign, **known)
-            known |= {"velocity": mean.velocity, "error": mean.relative_error, "regime": str(mean.regime)}
-            return known, balance
+            balance = cycle_at(
+                slider, orbits, height=mean.height, velocity=mean.first_order, held=bool(mean.held),
+                load_sign=mean.load_sign,
+            )  # fmt: skip
+            return _Mean(mean.velocity, mean.relative_error, mean.height, str(mean.regime)), balance
     elif method == "averaged" and ratio > MAX_RATIO_HELD:
         raise ConvergenceError(
             "not applicable",
@@ -320,14 +285,40 @@ def _first_order(slider, orbits, balance, ratio):
         error = relative_to_reference(on_larger_wave.speed * on_larger_wave.problem.speed, 0.0, orbits)
     events = balance.motion.events()
     slips = "slip" if events["stick_to_slip"] or not balance.held else "stick"
-    return {
-        "velocity": balance.speed * balance.problem.speed, "height": balance.height * balance.problem.length,
-        "regime": "intermittent" if events["release"] else slips, "held": balance.held, "error": error,
-    }  # fmt: skip
+    return _Mean(
+        balance.speed * balance.problem.speed, error, balance.height * balance.problem.length,
+        "intermittent" if events["release"] else slips,
+    )  # fmt: skip
 
 
-def _answer_by_shooting(search):
-    """Return (answer, periodic motion) by shooting; raise if the periodic motion is unstable."""
+def _shooting(search):
+    """Return the solution by shooting, or by a long run if a slider from rest reaches another motion."""
+    solution, periodic_motion = _periodic_solution(search)
+    if search.ratio <= MAX_RATIO_HELD:
+        bounces = solution.velocity != 0.0 and _undamped(search.slider)
+        return _with_bounce_error(search, solution) if bounces else solution
+    seen = reached(search.slider, search.orbits, search.balance, periodic_motion)
+    velocity = solution.velocity
+    if seen.instead is not None:
+        note = f"a motion that repeats every cycle has {velocity:.4g} m/s, but is not reached from rest"
+        return _of_long_run(search, seen.instead).in_doubt(0.0, note, velocity)
+    if not seen.reason:
+        return solution
+    other = None if seen.speed is None else float(search.side * seen.speed * search.unit)
+    mean = "" if other is None else f", with {other:.4g} m/s in the mean"
+    return solution.in_doubt(
+        search.relative(seen.doubt * search.unit, velocity), f"{seen.reason}{mean}", other
+    )
+
+
+def _shooting_refusals(search):
+    if search.balance.held:
+        return ("friction holds the slider in the mean",)
+    return ("the wave is too slow for the contact",) if search.ratio > SLOWEST_WAVE else ()
+
+
+def _periodic_solution(search):
+    """Return (solution, periodic motion) by shooting; raise if the periodic motion is unstable."""
     balance = search.balance
     unit, segments = balance.problem.speed, balance.problem.segments
     if segments > MAX_SEGMENTS:
@@ -349,23 +340,82 @@ def _answer_by_shooting(search):
         )
     sticks = fine.motion.memory is None and fine.motion.sticks
     velocity, error = fine.speed * unit, (abs(fine.speed - coarse.speed) + fine.step + fine.rounding) * unit
-    velocity, error = (
-        (0.0, 0.0) if sticks else (velocity, search.relative(error, velocity))
-    )  # velocity and error of a sticking slider are rounding errors
-    answer = search.answer(
+    # velocity and error of a sticking slider are rounding errors
+    velocity, error = (0.0, 0.0) if sticks else (velocity, search.relative(error, velocity))
+    solution = search.solution(
         "periodic motion of the full equations", fine.motion, velocity=velocity, error=error, sticks=sticks,
         height=-fine.state[0] * balance.problem.length,
     )  # fmt: skip
-    return answer, fine
+    return solution, fine
 
 
-def _answer_of_long_run_from_rest(search):
-    """Return the answer of a long run from rest, for a slider that hops or that a slow wave carries along."""
-    return _answer_of_long_run(search, long_run(search.slider, search.orbits, search.balance.load_sign))
+def _undamped(slider):
+    """Return True if no damper ends the bounce of a slider that starts from rest."""
+    return slider.normal_damping == 0.0 and slider.contact_damping == 0.0
 
 
-def _answer_of_long_run(search, run):
-    """Return the answer for a long run (`periodic.settling.LongRun`)."""
+def _with_bounce_error(search, solution):
+    """Return the solution with the effect of an undamped bounce on the velocity added to its error.
+
+    The effect is computed with the elastic law, because only its cycle means are available.
+    """
+    elastic = replace(search.slider, law="elastic", reciprocal=False)
+    problem = scaled(elastic, search.orbits, direction=search.balance.load_sign, start=0.0)
+    rest = elastic.rest_approach(len(search.orbits)) / problem.length
+    lost = speed_lost(problem, rest, solution.height / problem.length) * problem.speed
+    if not np.isfinite(lost):
+        reason = "how fast the slider is while it bounces without normal damping was not found"
+        return solution.unchecked(reason)
+    other = float(solution.velocity + search.side * lost)
+    return solution.in_doubt(search.relative(lost, solution.velocity), GOES_ON.format(other), other)
+
+
+def _held_with_bounce_error(search, solution):
+    """Return the solution of a held slider, with the drift that an undamped bounce causes added to its error."""
+    cycles = int(min(max(BOUNCES / search.ratio, SETTLE), MAX_BOUNCE_CYCLES))
+    try:
+        mean = mean_from_rest(search.slider, search.orbits, search.balance.load_sign, cycles)
+    except ConvergenceError as failed:
+        return solution.unchecked(f"the bounce of a start from rest was not followed: {failed}")
+    other = float(search.side * mean)
+    error = search.relative(other, 0.0)
+    below = error <= solution.relative_error
+    return solution if below else solution.in_doubt(error, GOES_ON.format(other), other)
+
+
+def _averaged(search):
+    """Return the averaged solution, with the energies of a cycle at constant height and velocity."""
+    mean, held, motion = search.mean, search.balance.held, search.balance.motion
+    motion.begun = motion.energy()  # the cycle repeats, so that the stored energy does not change
+    note = "held by friction" if held else "cycle means"
+    if search.failure is not None:
+        note += f", for the full motion was not found: {search.failure}"
+    solution = search.solution(
+        note, motion, velocity=mean.velocity, error=mean.error, height=mean.height, sticks=held
+    )._replace(method="averaged", regime=mean.regime)
+    bounces = held and search.method != "averaged" and _undamped(search.slider)
+    return _held_with_bounce_error(search, solution) if bounces else solution
+
+
+def _averaged_refusals(search):
+    if search.mean is not None and search.balance.held:
+        return ()
+    if search.method == "exact":
+        return ("the exact motion is required",)
+    return ("the slider does not keep its height and velocity through a cycle",) if search.hops else ()
+
+
+def _long_run(search):
+    """Return the solution by a long run from rest, for a slider that hops or that a slow wave carries along."""
+    return _of_long_run(search, long_run(search.slider, search.orbits, search.balance.load_sign))
+
+
+def _long_run_refusals(search):
+    return () if search.hops else ("a slider that keeps its height takes too long to settle",)
+
+
+def _of_long_run(search, run):
+    """Return the solution for a long run (`periodic.settling.LongRun`)."""
     unit = run.motion.problem.speed
     if run.sticks:
         note = "every contact sticks"
@@ -377,19 +427,17 @@ def _answer_of_long_run(search, run):
         )
     if run.starts > 1:
         note += "; two runs from almost the same start were compared"
-    return search.answer(
+    return search.solution(
         note, run.motion, velocity=run.speed * unit, error=search.relative(run.error * unit, run.speed * unit),
         sticks=run.sticks, height=run.height * run.motion.problem.length, cycles=run.cycles, period_cycles=run.period,
         averaged_cycles=run.cycles,
     )  # fmt: skip
 
 
-def _averaged_answer(search, mean):
-    """Return the averaged answer, with the energies of a cycle at constant height and velocity."""
-    held = mean.pop("held")
-    regime = mean.pop("regime")
-    note = "held by friction" if held else "cycle means"
-    motion = search.balance.motion
-    motion.begun = motion.energy()  # the cycle repeats, so that the stored energy does not change
-    answer = search.answer(note, motion, sticks=held, **mean)
-    return answer | {"method": "averaged", "regime": regime}
+# In the order in which they are tried. The averaged method answers for a slider that friction holds, and for one that
+# keeps its height but whose periodic motion was not found; a long run from rest answers for the others.
+STEADY_METHODS = {
+    "shooting": Method(_shooting, _shooting_refusals),
+    "averaged": Method(_averaged, _averaged_refusals),
+    "long run": Method(_long_run, _long_run_refusals),
+}

@@ -1,8 +1,8 @@
-"""A row of columns of elements under fingers and gaps, condensed to its two sides and its electrodes.
+"""Superelement of the columns of elements under fingers and gaps, condensed to its two sides and its electrodes.
 
-A transducer is such a piece: columns (`fem.condense.column`) joined two by two (`fem.condense.join`).  It keeps the
-matrices that express each eliminated line by the sides, so that the field follows from the sides of the whole, level by
-level, down to every column.
+A transducer is such a superelement: columns (`fem.condense.column`) joined in pairs (`fem.condense.join`).  It keeps
+the matrices that express each eliminated line by the sides, so that the field is recovered from the sides of the
+whole, level by level, down to every column.
 """
 
 from collections.abc import Callable
@@ -29,11 +29,11 @@ class FingerColumns:
     ports: tuple[Port, ...] = ELECTRODES
     # how the piece was made, from which the field inside is recovered; None if it is never needed
     inside: "Column | Pair | Restated | LiftedHalf | None" = field(default=None, repr=False)
-    floating_potential: bool = False  # as of `fem.condense.piece.Piece`
+    floating_potential: bool = False  # as in `fem.condense.piece.Piece`
 
     @cached_property
     def at(self) -> Blocks:
-        """Where lines and ports stand in the matrix."""
+        """Slices of the lines and ports in the matrix."""
         return Blocks(self.size)
 
     @property
@@ -94,7 +94,7 @@ class Pair:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Restated:
-    """A piece whose potentials are reordered, fewer, or eliminated; its lines are unchanged."""
+    """A piece with reordered, fewer, or eliminated potentials; its lines are unchanged."""
 
     piece: FingerColumns
     sides: Callable[[np.ndarray], np.ndarray] = field(repr=False)  # sides of ``piece`` from the new ones
@@ -145,7 +145,7 @@ class ColumnsField:
     def in_row(self, of: Callable[[ColumnField, np.ndarray], np.ndarray]) -> tuple[np.ndarray, ...]:
         """Left edges, widths and fields (columns, ...) of all columns from left to right.
 
-        ``of``: (recovery, sides of equal columns) -> their fields, shape (..., columns).
+        ``of``: function of a recovery and the sides of equal columns that returns their fields, (..., columns).
         """
         starts, widths, values = [], [], []
         for recovery, left, sides in self.kinds:

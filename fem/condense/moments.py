@@ -20,7 +20,7 @@ def finger_dipole(cell: FingerColumns) -> np.ndarray:
 def finger_moment(half: FingerColumns, side: int) -> np.ndarray:
     """First moment of the reactions on half a finger about the end of its cell's left (0) or right half, (2 n + 2,).
 
-    All nodes of bare surface but that at the other end are free of charge.
+    All nodes of bare surface, except the one at the other end of the half, carry no charge.
     """
     if isinstance(half.inside, LiftedHalf):
         return half.inside.moment
@@ -42,9 +42,9 @@ def _moment(piece: FingerColumns, start: float) -> np.ndarray:
 
 
 def rows_of_parts(left: np.ndarray, right: np.ndarray, middle: np.ndarray) -> np.ndarray:
-    """Sum of functions of the sides of two neighbours as one of the sides of both, (..., 2 n + potentials).
+    """Sum of linear functions of two neighbours' sides, as a function of the sides of the joined piece.
 
-    ``middle``: the line between them by the sides of both.
+    Shape (..., 2 n + potentials); ``middle``: matrix from the sides of the joined piece to the line between the two.
     """
     at = Blocks(len(middle))
     own = [left[..., at.left], right[..., at.right], left[..., at.ports] + right[..., at.ports]]

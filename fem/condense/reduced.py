@@ -1,15 +1,15 @@
 """A meshed piece over a band of frequencies: rational interpolation of its condensed matrix.
 
-With s = omega^2, A(s) = K - s M the piece's matrix and X_j the field in it at the node s_j for unit lines and ports,
-nothing acts inside: A(s_j) X_j vanishes there, and S_j = X_j^T A(s_j) X_j is the condensed matrix.  The projections of
-K and M on all X_j follow from the condensed matrices alone (Loewner matrices: Mayo and Antoulas, Linear Algebra Appl.
-425 (2007) 634, equations 14 and 15, here symmetric), but for the diagonal, where the divided difference is a
-derivative:
+Let s = omega^2, A(s) = K - s M the matrix of the piece, and X_j the field in it at the node s_j for unit values on its
+lines and ports.  No load acts inside the piece, so that A(s_j) X_j vanishes there and S_j = X_j^T A(s_j) X_j is the
+condensed matrix.  The projections of K and M on all X_j follow from the condensed matrices (Loewner matrices: Mayo and
+Antoulas, Linear Algebra Appl. 425 (2007) 634, equations 14 and 15, here symmetric).  On the diagonal the divided
+difference is a derivative:
 
     X_i^T M X_j = (S_i - S_j) / (s_j - s_i),    X_j^T M X_j = -dS/ds (s_j),    X_i^T K X_j = S_i + s_i X_i^T M X_j.
 
-The differences X_j - X_m are fields between clamped lines.  Eliminating them at any s gives a rational function that
-has the values and the derivatives of S at all nodes, and resonances where the clamped piece has them.
+The differences X_j - X_m are fields that vanish on the lines and ports.  Their elimination at any s gives a rational
+function that has the values and derivatives of S at all nodes, and the resonances of the piece with clamped lines.
 """
 
 from collections.abc import Callable
@@ -34,7 +34,7 @@ class ReducedPiece:
     width: float
     ports: tuple[Port, ...]
     floating_potential: bool
-    grounded: bool  # as of `fem.condense.mesh.MeshedPiece`
+    grounded: bool  # as in `fem.condense.mesh.MeshedPiece`
     unknowns: int  # of the mesh
     recover: Callable[[np.ndarray], RecoveredField] = field(repr=False)
 
@@ -47,8 +47,9 @@ class RationalPiece:
     ----------
     assembly : Assembly
     unknowns : int
-        Of the mesh.
+        Unknowns of the mesh.
     frame : ndarray, shape (lines and ports, reduced lines and ports)
+        Matrix from reduced to full lines, and ports.
     size : int
         Unknowns of a reduced line.
     stiffness, inertia : ndarray
@@ -64,12 +65,12 @@ class RationalPiece:
 
     @property
     def resonances(self) -> np.ndarray:
-        """Omega^2 of the resonances with lines and ports held that are seen at the nodes, (rad/s)^2, complex."""
+        """Omega^2 of the resonances with lines and ports at zero, as far as the nodes show them, (rad/s)^2, complex."""
         kept = self.frame.shape[1]
         return eigvals(self.stiffness[kept:, kept:], self.inertia[kept:, kept:])
 
     def at(self, frequency: float) -> ReducedPiece:
-        """The piece at a frequency in Hz; the field inside costs a condensation on first use."""
+        """Piece at a frequency in Hz; the first recovery of the field inside condenses the full piece."""
         system = self.stiffness - (2 * np.pi * frequency) ** 2 * self.inertia
         kept = self.frame.shape[1]
         coupling = system[kept:, :kept]
@@ -97,7 +98,7 @@ class PieceSample:
 
     @classmethod
     def of(cls, piece: MeshedPiece, frame: np.ndarray) -> "PieceSample":
-        """Of a piece and a frame of reduced lines."""
+        """Sample of a piece, with a frame of reduced lines."""
         return cls(
             frequency=piece.frequency, value=frame.T @ piece.matrix @ frame, inertia=piece.inertia(frame)
         )
@@ -106,7 +107,7 @@ class PieceSample:
 def rational_piece(
     piece: MeshedPiece, frame: np.ndarray, size: int, samples: list[PieceSample]
 ) -> RationalPiece:
-    """Interpolate a piece between samples; ``piece``: the same at any one frequency."""
+    """Interpolate a piece between samples; ``piece`` is the condensed piece at any frequency."""
     nodes = np.array([(2 * np.pi * each.frequency) ** 2 for each in samples])
     count, kept = len(nodes), frame.shape[1]
     inertia = np.empty((count, kept, count, kept), dtype=np.result_type(*(each.value for each in samples)))

@@ -106,10 +106,10 @@ def fingers_in_row(
     cell: Callable[[float, float], FingerColumns],
     bare: Callable[[float, float], FingerColumns],
 ) -> FingerColumns:
-    """Join the cells of a row of fingers, of signs "+", "-", "0" (left out) or "o" (open); equal runs are joined once.
+    """Join the cells of a row of fingers, of signs "+", "-", "0" (omitted) or "o" (open); equal runs are joined once.
 
-    ``gaps``: number of a finger -> bare surface left and right of it; ``cell``, ``bare``: both gaps -> superelement of
-    a finger of electrode 0, or of bare surface of the same width.
+    ``gaps`` returns the bare surface left and right of a finger by its number.  ``cell`` and ``bare`` return, for both
+    gaps, the superelement of a finger on electrode 0, or of bare surface of the same width.
     """
     singles: dict[tuple, FingerColumns] = {}
 

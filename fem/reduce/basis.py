@@ -159,7 +159,8 @@ def bases_of(
 def containing(basis: np.ndarray, vector: np.ndarray) -> np.ndarray:
     """Rotate an orthonormal basis so that it contains a vector that it contains approximately.
 
-    With the constant potential, which is a mode, represented to 4e-6 only, the ports are reciprocal to 1e-8 only.
+    The constant potential is such a vector: represented to 4e-6 only, it leaves errors of 1e-8 in the reciprocity of
+    the ports.
     """
     unit = vector / np.linalg.norm(vector)
     inside = basis.T @ unit

@@ -94,7 +94,7 @@ class ReducedModel:
     def port_fields(self, frequency: float, solve: Solve | None = None) -> PortFields:
         """Solve for unit voltage at every port at a frequency of the band (Hz); a ValueError outside it.
 
-        ``solve``: as of `joined_fields`.
+        ``solve``: as in `joined_fields`.
         """
         low, high = self.limits
         if not low <= frequency <= high:

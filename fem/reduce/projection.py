@@ -1,4 +1,4 @@
-"""From full solutions at some frequencies of a band to a reduced model: snapshots, bases, projection."""
+"""Construction of a reduced model from full solutions at some frequencies of a band: snapshots, bases, projection."""
 
 from dataclasses import dataclass, field
 
@@ -30,7 +30,7 @@ from fem.waveguide.row import PieceRow
 AMPLITUDE_SHARE = 1e-2  # smallest relative amplitude that the basis must represent, over the tolerance
 # (Largest relative width of the band, number of nodes): the interpolation then errs by 1e-6.
 NODES = ((0.12, 4), (0.25, 5), (0.5, 7))
-LOOSE = 3e-4  # from this tolerance on one node fewer suffices, with an error of 1e-4
+LOOSE = 3e-4  # for this and larger tolerances one node fewer suffices, with an error of 1e-4
 # A meshed piece may resonate in the band.  Its interpolation is compared with interpolations of one node fewer at
 # PIECE_CHECKS frequencies; it may have MAX_PIECE_NODES nodes and err by PIECE_SHARE of the tolerance.
 PIECE_CHECKS, MAX_PIECE_NODES, PIECE_SHARE = 21, 9, 0.3
@@ -63,7 +63,7 @@ class BandProblem:
 
     @property
     def between_nodes(self) -> float:
-        """Frequency in Hz near the middle of the band where an interpolation over its nodes errs most."""
+        """Frequency in Hz near the middle of the band where an interpolation over its nodes has the largest error."""
         (lowest, highest), count = self.limits, len(self.nodes)
         place = np.cos(np.pi * (count // 2 + count % 2) / count)
         return float(np.sqrt((lowest**2 + highest**2) / 2 + place * (highest**2 - lowest**2) / 2))

@@ -33,7 +33,7 @@ ENDS = (-1, -2)  # "scatterer" numbers of the left and the right end where they 
 
 
 def surface_of(solution: Solution, solve: Callable[[], Solution] | None = None) -> Surface:
-    """Motion of the surface; ``solve`` returns the solution again, for the columns, if it is not to be kept."""
+    """Motion of the surface; ``solve`` computes the solution again for the columns, so that it need not be stored."""
     fields = solution.fields
     modes, section = fields.modes, fields.section
     surface = modes.rayleigh
@@ -90,7 +90,7 @@ def _in_metres(field, origin: float, unit: float) -> Callable[[np.ndarray], np.n
 
 
 def _beyond(solution: Solution, side: int, length: float) -> UniformSegment:
-    """The stator of another thickness behind a step: what leaves there."""
+    """Surface of the stator of another thickness behind a step, with the waves that leave there."""
     outside, unit = wall_of(solution, side).beyond, solution.fields.section.length_unit
     modes, line = outside.modes, outside.far_line @ end_line(solution, side)
     right, left = (np.zeros(len(line), dtype=complex) for _ in range(2))
@@ -164,7 +164,7 @@ def recovered(solution: Solution, index: int):
 
 
 def left_edge(solution: Solution, index: int) -> float:
-    """Where a scatterer or an end that is a condensed piece begins, m."""
+    """Left edge of a scatterer, or of an end that is a condensed piece, m."""
     network, unit = solution.fields.network, solution.fields.section.length_unit
     if index not in ENDS:
         return network.places[index] * unit

@@ -24,11 +24,10 @@ FINER = 64  # points of a spline between two samples
 class UniformSegment:
     """A uniform segment: amplitudes of the guided modes."""
 
-    # start, stop: m; infinite where the section goes on for ever
+    # start, stop: m; infinite if the segment is semi-infinite
     start: float
     stop: float
-    # right, left: shape (modes,): amplitudes at the start of those going right, and at the stop of those
-    # going left; metres per volt
+    # right, left: shape (modes,): amplitudes of modes to the right at ``start`` and to the left at ``stop``, m per V
     right: np.ndarray = field(repr=False)
     left: np.ndarray = field(repr=False)
     # wavenumbers, backwards: shape (modes,); rad/m
@@ -60,11 +59,11 @@ class CondensedPiece:
     # start, stop: m
     start: float
     stop: float
-    # returns the motion as a function of x (m) -> (2, places); called when it is first asked for
+    # returns the motion as a function of x (m), shape (2, positions); called on first use
     recover: Callable[[], Callable[[np.ndarray], np.ndarray]] = field(repr=False)
-    # for an end of the plain section: the segment whose surface mode goes on in it
+    # for an end of the plain section: the segment whose surface mode continues in it
     beside: UniformSegment | None = field(default=None, repr=False)
-    transducer: bool = True  # whether fingers stand on it
+    transducer: bool = True  # True if fingers lie on it
     index: int = 0  # number of the scatterer, or of the end (`fem.results.evaluation.ENDS`)
 
     @cached_property
@@ -85,13 +84,13 @@ class Surface:
     frequency : float
         Hz.
     length : float
-        Of the stator, m.
+        Length of the stator, m.
     pieces : tuple of UniformSegment and CondensedPiece
-        From left to right.
+        Parts of the surface, from left to right.
     phase_velocity : float
-        Of the surface mode on the bare surface, m/s.
+        Velocity of the surface mode on the bare surface, m/s.
     surface_ratio : float
-        Its |u_x / u_z|.
+        |u_x / u_z| of the surface mode.
     """
 
     frequency: float
@@ -106,9 +105,9 @@ class Surface:
         Raises
         ------
         ValueError
-            For a place beside the stator.
+            If a position lies outside the stator.
         ConvergenceError
-            For an amplitude that no stator reaches.
+            If an amplitude is larger than any stator can reach.
         """
         return self._gather(x, lambda piece, at: piece.motion(at))
 
@@ -125,7 +124,7 @@ class Surface:
         return self._gather(x, part)
 
     def covered(self, x: float) -> bool:
-        """Whether a place lies under a transducer or on a meshed piece."""
+        """True if a position lies under a transducer or on a meshed piece."""
         return any(
             isinstance(piece, CondensedPiece) and piece.beside is None and piece.start <= x <= piece.stop
             for piece in self.pieces
@@ -133,9 +132,10 @@ class Surface:
 
     @property
     def transfer_length(self) -> float:
-        """Distance in m over which the surface wave passes to the other face, half a beat of its two plate modes.
+        """Distance in m over which the surface wave moves to the other face: half a beat of its two plate modes.
 
-        Infinite where one mode makes up the surface wave: another bottom, or a plate thinner than it.
+        Infinite if the surface wave is a single mode, because of a different bottom or in a plate thinner than the
+        wave.
         """
         for piece in self.pieces:
             if isinstance(piece, UniformSegment) and len(piece.rayleigh) > 1:
@@ -154,7 +154,7 @@ class Surface:
         return standing_wave_ratio(self.normal_at(places))
 
     def samples(self, per_wavelength: int = 12) -> tuple[np.ndarray, np.ndarray]:
-        """Places along the whole surface (m), fewer on a very long one, and the motion there: (n,) and (2, n)."""
+        """Positions along the whole surface (m), sparser on a very long one, and the motion there: (n,) and (2, n)."""
         step = max(self.phase_velocity / self.frequency / per_wavelength, self.length / MAX_SAMPLES)
         places = []
         for piece in self.pieces:
@@ -186,7 +186,7 @@ class Surface:
 
 
 def standing_wave_ratio(samples: np.ndarray) -> float:
-    """Return the largest over the smallest size of a wave along a line, nodes between the samples found.
+    """Return the largest over the smallest amplitude of a wave along a line, including minima between the samples.
 
     Parameters
     ----------

@@ -181,7 +181,7 @@ def frequency_band(
 
 
 def _unreduced_band(problem: BandProblem) -> Band:
-    """Band of a stator with a step of thickness, or of one mesh, which the reduced model cannot hold: no reduction."""
+    """Band without reduction, for a stator with a step of thickness or of a single mesh, which the model excludes."""
     level_tolerance = problem.tolerance
     for _ in range(MAX_ROUNDS):
         band = _unreduced_attempt(problem, level_tolerance)
@@ -303,10 +303,10 @@ class _Check:
 def _reduced(
     problem: BandProblem, nodes: NodeSolutions, checks: list[_Check], worst: float, motion_allowance: float
 ) -> tuple[ReducedModel, float, float]:
-    """Project on as few fields as reproduce the checks; returns the model, its errors of motion and of admittance.
+    """Project on the fewest fields that reproduce the checks; return the model and its errors of motion and admittance.
 
-    ``motion_allowance``: the tolerance less the discretisation's error; if that is not positive, a finer
-    discretisation will follow and the usual share of the tolerance does.
+    ``motion_allowance``: tolerance minus the error of the discretisation.  If it is not positive, a finer
+    discretisation will follow, and the usual share of the tolerance is used.
     """
     share = REDUCTION_SHARE * problem.tolerance
     allowed = np.array([motion_allowance if motion_allowance > 0 else share, share])

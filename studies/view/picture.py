@@ -32,6 +32,7 @@ MM = 1e3
 BARE, EDGE = "#D9D9D9", "#606060"
 LINES = 24  # points per wavelength in a picture of the solid
 LETTERS = 13  # font size in pixels
+LEGEND_MARGIN, LEGEND_LINE = 22, 20  # pixels: above the legend of the fingers, and of each of its lines
 # Pixels per wavelength below which a picture of the solid shows the amplitude instead of the wave, whose stripes would
 # be aliased
 MIN_PIXELS = 12
@@ -132,6 +133,10 @@ class Picture:
         low, high = (0.5 * height, 0.85 * height) if self.solid else (0.7 * height, 0.9 * height)
         if self.framed and not self.solid:
             _, low, _, high = max((frame.box for frame in self.frames), key=lambda box: box[3] - box[1])
+            entries = len(description.electrodes(self.run))
+            high = min(
+                high, height - LEGEND_MARGIN - LEGEND_LINE * entries - LETTERS
+            )  # its title is below the legend
         self.plotter.add_scalar_bar(
             title="\n".join([*textwrap.wrap(title, 12), f"({unit}\n"]), mapper=self._mapper, vertical=True, n_labels=3,
             fmt="%.3g", position_x=1 - 112 / width, width=84 / width, position_y=low / height,
@@ -334,8 +339,11 @@ class Picture:
             camera.up, camera.parallel_scale = (0, 1, 0), height / 2
         entries = [(each.label, each.colour) for each in description.electrodes(run)]
         if entries:
-            legend, up = plotter.add_legend(entries, bcolor=None, face="rectangle"), 20 * len(entries)
-            legend.SetPosition(1 - 122 / width, 1 - (22 + up) / height)
+            legend, up = (
+                plotter.add_legend(entries, bcolor=None, face="rectangle"),
+                LEGEND_LINE * len(entries),
+            )
+            legend.SetPosition(1 - 122 / width, 1 - (LEGEND_MARGIN + up) / height)
             legend.SetPosition2(115 / width, up / height)
 
     def _stand(self) -> None:
