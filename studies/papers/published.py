@@ -1,4 +1,4 @@
-"""What is published of SAW motors, and what is not and has to be swept: the numbers behind `published_motors`.
+"""Published values of SAW motors, and ranges for the unpublished ones: the input of `published_motors`.
 
 M. Kurosawa, M. Takahashi, T. Higuchi, IEEE Trans. UFFC 45 (1998) 1229; P. J. Feenstra, P. C. Breedveld, *Analysis of a
 Surface Acoustic Wave Motor*; D. Tjeung, M. Hughes, L. Yeo, J. Friend (2011); Raj and Behera, Sensors and Actuators A
@@ -14,7 +14,7 @@ STEEL_DENSITY = 7850.0
 
 @dataclass(frozen=True, kw_only=True)
 class Unknown:
-    """What a paper does not state, or states as "about": the value taken and the range swept, SI."""
+    """A quantity that a paper does not state exactly: the assumed value and the swept range, in SI units."""
 
     name: str
     taken: float | str
@@ -31,7 +31,7 @@ class Unknown:
 
 @dataclass(frozen=True, kw_only=True)
 class Source:
-    """What one paper states, SI, and what it leaves open."""
+    """The published and the unknown quantities of one paper, in SI units."""
 
     published: dict[str, float]
     unknowns: dict[str, Unknown]
@@ -97,7 +97,7 @@ RAJ = Source(
         "velocity_at_least_m_per_s": 0.3,
     },
     unknowns={
-        # the silicon slider's surface and mass are not stated here: one ball of a wide range of sizes stands for it
+        # surface and mass of the silicon slider are unknown: represent it by one ball with a wide range of sizes
         "radius": Unknown(name="radius", taken=1e-3, swept=(0.3e-3, 3e-3), unit="mm", scale=1e3),
         "mass": Unknown(name="mass", taken=10e-6, swept=(5e-6, 20e-6), unit="mg", scale=1e6),
         "modulus": Unknown(name="E*", taken=89e9, swept=(80e9, 100e9), unit="GPa", scale=1e-9),

@@ -17,7 +17,7 @@ STATOR_TOLERANCE = 3e-2
 
 
 def ratio(material: str) -> float:
-    """|u_x/u_z| of the half-space's wave on 128YX."""
+    """Return |u_x/u_z| of the Rayleigh wave on a 128YX half-space."""
     return fem.rayleigh(fem.rotated(fem.material(material), "128YX"), "open").surface_ratio
 
 
@@ -38,17 +38,17 @@ def ball(case: dict):
 
 
 def speed(case: dict) -> float:
-    """Steady speed, m/s."""
+    """Return the steady speed, m/s."""
     return abs(contact.steady(*ball(case), tolerance=TOLERANCE).velocity)
 
 
 def thrust(case: dict) -> float:
-    """Load at which the motor stalls, N."""
+    """Return the load at which the motor stalls, N."""
     return contact.blocked_thrust(*ball(case))[0]
 
 
 def needed_amplitude(case: dict) -> float:
-    """Normal amplitude at which the steady speed is the published one, m."""
+    """Return the normal amplitude in m at which the steady speed equals the published one."""
     wanted = KUROSAWA.published["velocity_m_per_s"]
     return brentq(lambda size: speed(case | {"amplitude": size}) - wanted, 3e-9, 1e-7, xtol=1e-11)
 
@@ -60,7 +60,7 @@ def contact_radius(case: dict) -> float:
 
 
 def per_volt(*, pairs: int, material: str) -> float:
-    """Return |u_z| per volt of a transducer of so many pairs on a half-space of 128YX."""
+    """Return |u_z| in m per volt of a transducer with ``pairs`` finger pairs on a 128YX half-space."""
     solid = fem.rotated(fem.material(material), "128YX")
     frequency = KUROSAWA.published["frequency_Hz"]
     stator = fem.Stator(solid=solid, length=1.0, thickness=math.inf, ends="absorbing")

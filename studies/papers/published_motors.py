@@ -88,7 +88,7 @@ def figure(panel: Panel, ax):
 
 
 def tables(record: StudyRecord) -> dict[str, str]:
-    """Return the table as Markdown and as CSV, by file name."""
+    """Return the tables in Markdown and in CSV, by file name."""
     data = record.panels[0].data
     rows = [dict(zip(data, values, strict=True)) for values in zip(*data.values(), strict=True)]
     head = ("motor", "quantity", "published", "predicted", "band", "swept", "moves it most", "verdict")
@@ -141,7 +141,7 @@ def _kurosawa(progress) -> list[dict]:
 
 
 def _known(unknowns: dict) -> dict:
-    """Return the values taken for the contact."""
+    """Return the assumed values of the contact."""
     values = {name: each.taken for name, each in unknowns.items()}
     return {"ratio": ratio(str(KUROSAWA["material"].taken)), **values}
 
@@ -187,7 +187,7 @@ def _seed() -> dict:
 
 
 def _tjeung() -> list[dict]:
-    """Return the torque that friction allows at most beside the measured one."""
+    """Return the largest torque that friction permits, compared with the measured torque."""
     published = TJEUNG.published
 
     def torque(case):
@@ -241,7 +241,7 @@ def _kurosawa_asai(progress) -> list[dict]:
 
 
 def _rear() -> list[dict]:
-    """Return what is left of the wave behind 10 mm of slider: too little, the report says, beside 5 mm."""
+    """Return the wave amplitude behind a slider of 10 mm, which the report calls too small compared with 5 mm."""
     length = Unknown(name="length along the wave", taken=10e-3, swept=(5e-3, 10e-3), unit="mm", scale=1e3)
     what = "amplitude left of 15 nm, below 1"  # the report: too small behind 10 mm, without a number
 

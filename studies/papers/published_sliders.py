@@ -50,18 +50,18 @@ def slider(*, friction: float, scatter: float, number: float, preload: float, le
 
 
 def wave_power(width: float) -> float:
-    """Power in W of a wave of 40 nm at 10 MHz in a beam of a width in m."""
+    """Return the power in W of a wave of 40 nm at 10 MHz in a beam of a given width in m."""
     passing = wave(frequency=10e6, amplitude=40e-9, width=width)
     return passing.power(passing.forward)
 
 
 def kurosawa_speed(case: dict) -> float:
-    """Return the speed of the 10 MHz motor at a peak amplitude, m/s; 0 where the slider stays at rest."""
+    """Return the speed of the 10 MHz motor at a peak amplitude in m/s; 0 if the slider stays at rest."""
     return abs(contact.pillar_motion(*_kurosawa(case)).velocity)
 
 
 def kurosawa_stall(case: dict) -> float:
-    """Return its stall, N; 0 where the slider stays at rest."""
+    """Return the stall force of the 10 MHz motor in N; 0 if the slider stays at rest."""
     try:
         return contact.pillar_load_line(*_kurosawa(case), points=2).stall
     except contact.ConvergenceError as error:

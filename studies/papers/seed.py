@@ -7,7 +7,7 @@ from studies.chain import bridge
 from studies.chain.resolve import resolved
 from studies.scene import Scene
 
-TOLERANCE = 1e-3  # of steady velocities
+TOLERANCE = 1e-3  # relative tolerance of steady velocities
 
 
 class Seed:

@@ -15,7 +15,7 @@ from studies.record.plots import COLOURS, legend_below, titled
 from studies.study import Answered, Panel, of_record, study
 
 QUICK = {"steps": (10e-9,)}
-FEW = 25  # values of a curve: up to here they are points
+FEW = 25  # curves with at most this number of values are drawn as points
 
 
 @study()
@@ -41,7 +41,7 @@ def run(*, steps: tuple[float, ...] = (), progress=None) -> Answered:
 
 @of_record
 def figure(record: Panel, ax):
-    """Draw a panel: curves of the left axis, and of a second axis on the right where there are any."""
+    """Draw the curves of a panel on the left axis and, if there are any, on a second axis on the right."""
     data = record.data
     palette = iter(
         [COLOURS["slip"], COLOURS["intermittent"], COLOURS["second"], COLOURS["line"], "#CC79A7", "#56B4E9"]

@@ -6,9 +6,9 @@ import contact
 from studies.papers.seed import Seed
 from studies.study import Panel, judged
 
-BURST = 0.3  # s
+BURST = 0.3  # duration of the burst, s
 STEPS = (1e-9, 3e-9, 5e-9, 10e-9, 20e-9)  # m
-CHOSEN = 10e-9  # m, whose slopes are judged
+CHOSEN = 10e-9  # amplitude in m of the burst whose slopes are judged
 
 
 def figure_2(seed: Seed):
