@@ -1,9 +1,9 @@
-"""The whole stator as one sparse problem: the independent check of the structured solver.
+"""The whole stator as one sparse problem: an independent check of the structured solver.
 
-A tensor mesh of quadrilaterals over the whole section, assembled by scikit-fem with its own hierarchical basis and
-quadrature, and handed to a sparse direct solver: MKL Pardiso for complex symmetric matrices where `pypardiso` is
-installed, SuperLU in symmetric mode otherwise (one BLAS thread; beyond 3e5 unknowns it runs out of memory).  Of the
-structured solver it shares the coefficients of the weak form and, for absorbing ends only, the ends' matrices.
+scikit-fem assembles a tensor mesh of quadrilaterals over the whole section with its own hierarchical basis and
+quadrature.  A sparse direct solver factorises it: MKL Pardiso for complex symmetric matrices if `pypardiso` is
+installed, SuperLU in symmetric mode otherwise (one BLAS thread; it runs out of memory beyond 3e5 unknowns).  Only the
+coefficients of the weak form and, for absorbing ends, the matrices of the ends are shared with the structured solver.
 """
 
 from collections.abc import Callable
@@ -37,7 +37,7 @@ class DirectSolution:
 
 @dataclass(frozen=True, kw_only=True)
 class _Strips:
-    """The same with each electrode and each open strip for itself; reactions int grad psi . D, C/m per volt."""
+    """The same with one potential per electrode and per open strip; reactions int grad psi . D, C/m per volt."""
 
     charges: np.ndarray
     unknowns: int
@@ -102,7 +102,7 @@ def direct_solution(
 
 
 def _by_port(by_strip: _Strips, transducers: tuple[Transducer, ...], frequency: float) -> DirectSolution:
-    """Strips to ports: open strips, and the two electrodes of a transducer together, take no charge."""
+    """Eliminate strips: open strips, and the two electrodes of a transducer together, carry no net charge."""
     total, columns, uncharged = len(by_strip.charges), [], []
     at = 0
     for transducer in transducers:
@@ -222,7 +222,7 @@ def _electrode_dofs(basis, transducers, wavelength, count, phi) -> list[tuple[np
 
 
 def _held_dofs(basis, stator, names, depth, ends) -> np.ndarray:
-    """Unknowns that the bottom and clamped ends hold at zero."""
+    """Unknowns that are zero at the bottom and at clamped ends."""
     moving = [name for name in names if name != "phi"]
     sides: list[tuple[Callable, list[str]]] = [
         (lambda x: abs(x[1] - depth), {"clamped": moving, "grounded": ["phi"]}.get(stator.bottom, []))

@@ -1,19 +1,20 @@
-r"""Rows of contacts on a surface wave that they load: the wave's two amplitudes from row to row.
+r"""Amplitudes of the forward and the backward surface wave at rows of contacts that act back on the wave.
 
-With the forces on the slider P = P_0 + Re P_1 exp(i omega t), Q likewise, C = u_x/u_z of the forward wave and
-g = Gamma/w, reciprocity gives
+The forces on the slider are P = P_0 + Re P_1 exp(i omega t), and Q in the same form. With C = u_x/u_z of the forward
+wave and g = Gamma/w, reciprocity gives
 
-    dU+/dx = +i g sum_i (P_1 + C* Q_1) exp(+i k x) delta(x - x_i),        U+ given on the left,         (1)
-    dU-/dx = -i g sum_i (P_1 + C Q_1) exp(-i k x) delta(x - x_i),         U- given on the right,        (2)
+    dU+/dx = +i g sum_i (P_1 + C* Q_1) exp(+i k x) delta(x - x_i),        U+ known on the left,         (1)
+    dU-/dx = -i g sum_i (P_1 + C Q_1) exp(-i k x) delta(x - x_i),         U- known on the right.        (2)
 
-(C = i r of a Rayleigh wave, the backward wave's is C*). At a row the forces belong to the amplitudes half-way through
-its jump (implicit midpoint): the change of |U+|^2 + |U-|^2 is then the power that the contacts take, to rounding.
+C = i r for a Rayleigh wave, and the backward wave has C*. The forces of a row are evaluated at the mean of the
+amplitudes on its two sides (implicit midpoint rule). The change of |U+|^2 + |U-|^2 then equals the power that the
+contacts take from the wave, up to rounding.
 
-The forces F = (sum P_1 + C* Q_1, sum P_1 + C Q_1) of a row depend on its own amplitudes
-q = (U+ exp(-i k x), U- exp(+i k x)) alone. `march` takes F_0 + J (q - q_0), with which (1) and (2) are a linear chain
-of rows. J is a complex 2 x 2 matrix where the forces are those of springs. Their derivative, for a step of Newton's
-method, is a real 4 x 4 matrix: contacts that touch for a short time answer a change of the amplitude by many times what
-their forces over the amplitude say, and a change of the phase by another factor.
+The forces F = (sum P_1 + C* Q_1, sum P_1 + C Q_1) of a row depend only on the amplitudes at this row,
+q = (U+ exp(-i k x), U- exp(+i k x)). `march` uses the linear form F_0 + J (q - q_0), for which (1) and (2) are a block
+tridiagonal system. For the forces of linear springs J is a complex 2 x 2 matrix. For Newton's method J is the
+derivative of the forces, a real 4 x 4 matrix: if a contact touches only for a short time, its relative change of force
+is much larger than the relative change of the amplitude, and a change of the phase has a different effect.
 """
 
 import numpy as np
@@ -22,14 +23,14 @@ from contact.convergence_error import ConvergenceError
 
 
 def real_form(matrix):
-    """Return complex matrices (m, n, n) as real ones (m, 2n, 2n), real and imaginary parts in turn."""
+    """Return complex matrices (m, n, n) as real ones (m, 2n, 2n), with alternating real and imaginary parts."""
     m, n, _ = matrix.shape
     parts = np.array([[matrix.real, -matrix.imag], [matrix.imag, matrix.real]])
     return parts.transpose(2, 3, 0, 4, 1).reshape(m, 2 * n, 2 * n)
 
 
 def march(turn, force, slope, amplitude, g, incident):
-    """Return the amplitudes half-way through each row that linear forces leave, shape (m, 2), complex.
+    """Return the mean amplitudes of the two sides of each row for linear forces, shape (m, 2), complex.
 
     Parameters
     ----------
@@ -38,7 +39,7 @@ def march(turn, force, slope, amplitude, g, incident):
     force, amplitude : (m, 2) array, complex
         F_0 and q_0 of each row.
     slope : (m, 2, 2) array, complex, or (m, 4, 4) array
-        J; the real one is for real and imaginary parts in turn.
+        J; the real matrix acts on alternating real and imaginary parts.
     g : float
         Gamma/w, 1/(Pa m).
     incident : (2,) array, complex
@@ -47,26 +48,26 @@ def march(turn, force, slope, amplitude, g, incident):
     from scipy.linalg import solve_banded
 
     m, kind, n = turn.size, slope.dtype, slope.shape[1]  # n equations for each row
-    # from the row's frame: the jumps of U+ and -U- are i g times this matrix times F
+    # the jumps of U+ and -U- at a row are i g times `to_wave` times F
     to_wave = np.zeros((m, 2, 2), complex)
     to_wave[:, 0, 0], to_wave[:, 1, 1] = turn.conj(), turn
     to_row, half = to_wave.conj(), 0.5j * g * to_wave
     if n == 4:
         to_row, half = real_form(to_row), real_form(half)
-    answer = half @ slope @ to_row
+    response = half @ slope @ to_row
     fixed = force.view(kind)[..., None] - slope @ amplitude.view(kind)[..., None]
     source = 2.0 * (half @ fixed)[..., 0]
-    # unknowns of row j are U+ behind it and U- before it:
-    # (U+_j+1 - U+_j, U-_j - U-_j+1) - answer (U+_j + U+_j+1, U-_j + U-_j+1) = source
-    own, neighbours = np.eye(n) - answer, -np.eye(n) - answer
+    # Unknowns of row j are U+ on its right (j + 1) and U- on its left (j):
+    # (U+_j+1 - U+_j, U-_j - U-_j+1) - response (U+_j + U+_j+1, U-_j + U-_j+1) = source
+    own, neighbours = np.eye(n) - response, -np.eye(n) - response
     source[0] -= neighbours[0, :, : n // 2] @ incident[:1].view(kind)
     source[-1] -= neighbours[-1, :, n // 2 :] @ incident[1:].view(kind)
-    band = 2 * n - 1  # a row's equations reach from U+ before it to U- behind it
+    band = 2 * n - 1  # the equations of a row contain U+ on its left and U- on its right
     bands = np.zeros((2 * band + 1, n * m), kind)
     for row in range(n):
         for column in range(n):
             bands[band + row - column, column::n] = own[:, row, column]
-            if column < n // 2:  # U+ before row j is that behind row j - 1
+            if column < n // 2:  # U+ on the left of row j is an unknown of row j - 1
                 bands[band + row - column + n, column : n * (m - 1) : n] = neighbours[1:, row, column]
             else:
                 bands[band + row - column - n, n + column :: n] = neighbours[:-1, row, column]
@@ -84,9 +85,10 @@ def march(turn, force, slope, amplitude, g, incident):
 
 
 def passed(turn, normal, tangential, orbit, g, incident):
-    """Return U+ behind each row and U- before it, shape (2, m, N), of forces P_n, Q_n of shape (m, N); (1) and (2).
+    """Return U+ on the right and U- on the left of each row for N harmonics, shape (2, m, N), by (1) and (2).
 
-    `incident`: U+ on the left and U- on the right, of the fundamental alone.
+    `normal` and `tangential` are the harmonics P_n and Q_n of the forces, shape (m, N). `incident` is U+ on the left
+    and U- on the right of all rows, which have the fundamental only.
     """
     turn = turn[:, None] ** (np.arange(normal.shape[1]) + 1)
     jump = 1j * g * np.array(

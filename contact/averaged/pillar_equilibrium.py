@@ -1,18 +1,19 @@
-r"""The averaged equilibrium of a slider on many contacts, together with the wave that they load.
+r"""Averaged equilibrium of a slider on many contacts, coupled to the wave on which they act back.
 
-Unknowns: the plane's height H, its tilts theta about y and psi about x, and the velocity v, so that
+The unknowns are the mean approach H of the slider's plane, its tilts theta about y and psi about x, and the velocity v.
+They satisfy
 
     sum <P> = F,  sum <P> x = F x_F,  sum <P> y = F y_F,  sum <Q> = load + R_t v.
 
-The means come from `pillar_cycle`, weights included; contacts may differ in place, height, radius and stiffness.
-A load at a height b above the surface tips the slider: x_F moves by -b load/F, load the mean of sum Q that balances it.
+`pillar_cycle` computes the cycle means, including the weights. The contacts may differ in position, height, radius and
+stiffness. A load that acts at a height b above the surface tilts the slider: it shifts x_F by -b load/F.
 
-`equilibrium` finds H first and then searches v alone. That is not possible here: the wave's amplitudes at the rows
-depend on v, and H, theta and psi on the amplitudes. All unknowns are therefore found together by Newton's method with
-Broyden's updates, and each evaluation moves the amplitudes too, until they change by less than `INNER` of the residual.
-The search for v alone (`equilibrium.balanced_speed`) serves where Newton's method fails and tells a held slider: at
-v = 0 a contact that never slips keeps its history, and sum <Q> has two limits, from either side of v = 0, between which
-the slider is held.
+On a prescribed wave, `equilibrium` computes H first and then v. This is not possible here, because the wave amplitudes
+at the rows depend on v, and H, theta and psi depend on these amplitudes. Newton's method with Broyden updates therefore
+solves for all unknowns together. Each evaluation also iterates the amplitudes until their change is below `INNER` times
+the residual. If Newton's method fails, `equilibrium.balanced_speed` searches v alone. This search also detects a held
+slider: a contact that never slips at v = 0 depends on its history, so that sum <Q> has different limits for v -> 0 from
+the two sides. The slider is held if the load lies between these limits.
 """
 
 from dataclasses import dataclass, field
@@ -22,14 +23,16 @@ import numpy as np
 from contact.averaged.pillar_cycle import Forces, PillarCycle
 from contact.convergence_error import ConvergenceError
 
-CLOSE = 1e-12  # of the scaled residuals, and of the wave's amplitudes
-INNER = 1e-3  # change of the wave's amplitudes over the residual, at which the unknowns are moved
+CLOSE = 1e-12  # tolerance of the scaled residuals and of the change of the wave amplitudes
+INNER = 1e-3  # the amplitudes are iterated until their change is below this times the residual
 MAX_STEPS, MAX_SWEEPS = 80, 200
 SLOW = 0.5  # ratio of successive changes above which the forces' derivatives are computed (anew)
-# Rounding keeps the wave's change above CLOSE where it turns many times or 10^5 forces add up: it is accepted below
-# ROUNDING once it has not halved in STALE sweeps
+# For a wave of many periods or a sum of 10^5 forces, rounding keeps the change of the amplitudes above CLOSE. A change
+# below ROUNDING is accepted if it has not halved in STALE sweeps.
 ROUNDING, STALE = 1e-10, 12
-PATIENCE = 12  # steps in which the residual must fall to a third: at a kink, such as v = 0, it does not
+PATIENCE = (
+    12  # the search stops if the residual does not fall to a third in this many steps, as at a kink (v = 0)
+)
 STEP = 1e-6  # of finite differences, of the scaled unknowns
 MAX_MOVE = 1.0  # of a scaled unknown in one step
 HEIGHT, PITCH, ROLL, SPEED = range(4)
@@ -37,27 +40,27 @@ HEIGHT, PITCH, ROLL, SPEED = range(4)
 
 @dataclass(frozen=True, kw_only=True)
 class Balance:
-    """An equilibrium."""
+    """Averaged equilibrium of a slider on pillars."""
 
-    height: float | np.ndarray  # H, m; with a soft backing one for each row
-    pitch: float  # rad, about y: approach grows towards +x
-    roll: float  # rad, about x: approach grows towards +y
+    height: float | np.ndarray  # H, m; one value per row with a soft backing
+    pitch: float  # rotation about y, rad; positive if the approach increases towards +x
+    roll: float  # rotation about x, rad; positive if the approach increases towards +y
     w: float  # velocity over omega, m
-    side: float  # sign of the motion that a velocity of zero comes from
+    side: float  # sign of the velocity, or of the motion before it if the velocity is zero
     traction: float  # sum <Q>, N
     forces: Forces = field(repr=False)
     residual: float  # largest scaled residual
     change: float  # last relative change of the wave's amplitudes
-    error: float  # of w, m: what the residuals and the last change leave
+    error: float  # estimated error of w, m, from the residuals and the last change
 
 
 class Equilibrium:
-    """The equations of one slider on one wave, warm: each solution starts from the last."""
+    """Equations of one slider on one wave; each solution starts from the last one."""
 
     def __init__(self, cycle: PillarCycle):
         pillars, wave = cycle.pillars, cycle.wave
         self.cycle = cycle
-        self.load = 0.0  # sum <Q> that balances it, N
+        self.load = 0.0  # load on the slider, N
         self.preload, self.friction = pillars.preload, pillars.friction_coefficient * pillars.preload
         stiffness = float(np.sum(cycle.weight * cycle.k_n))
         rest = (self.preload / stiffness) ** (1.0 / cycle.means.exponent)
@@ -79,13 +82,15 @@ class Equilibrium:
         self.unknowns[SPEED] = -0.6 * wave.orbit.imag * sign / max(wave.amplitude, 1e-300)
         self.residual = self.change = np.inf
         self.forces: Forces | None = None
-        self.slope: np.ndarray | None = None  # derivatives of the rows' forces, where sweeps are too slow
+        self.slope: np.ndarray | None = (
+            None  # derivatives of the rows' forces, used if fixed-point sweeps converge too slowly
+        )
 
     def _carrying(self, load, heights, sums):
-        """Return H at which the untilted contacts carry a load in N, on the wave as it stands.
+        """Return H at which the contacts carry a load in N without tilt, at the current wave amplitudes.
 
-        `sums`: over all contacts, or over those of each row, which then have their own loads and H. Newton's method
-        converges from heights that are too large, for <P> is convex in H.
+        `sums` adds forces over all contacts, or over each row if every row has its own load and H. Newton's method
+        converges from any H that is too large, because <P> is convex in H.
         """
         for _ in range(100):
             force, rate = (sums(each) for each in self.cycle.mean_normal(heights))
@@ -96,17 +101,17 @@ class Equilibrium:
         return heights
 
     def _row_heights(self):
-        """Return H of each row under its own share of the preload."""
+        """Return H of each row under its share of the preload."""
         cycle = self.cycle
         rest = (self.row_load / cycle.sums(cycle.k_n)) ** (1.0 / cycle.means.exponent)
         heights = rest - np.minimum.reduceat(cycle.height, cycle.first)
-        if self.forces is not None:  # where the last ones carry at least the load, they are nearer
+        if self.forces is not None:  # the last heights are better initial values if they are still too large
             force = cycle.sums(next(cycle.mean_normal(self.rows)))
             heights = np.where(force >= self.row_load, self.rows, heights)
         return self._carrying(self.row_load, heights, cycle.sums)
 
     def _evaluate(self, unknowns, side: float):
-        """Return the residuals of the four equations over F, F arm, F arm, mu F, at the amplitudes as they stand."""
+        """Return the residuals of the four equations over F, F arm, F arm and mu F, at the current wave amplitudes."""
         cycle, pillars = self.cycle, self.cycle.pillars
         if self.soft:
             self.rows = self._row_heights()
@@ -131,7 +136,7 @@ class Equilibrium:
         )  # fmt: skip
 
     def _settled(self, unknowns, side: float, active):
-        """Return the residuals once the wave's amplitudes change by less than `INNER` of them."""
+        """Iterate the wave amplitudes until their change is below `INNER` times the residuals; return these."""
         last, best, stale, self.at_rounding = np.inf, np.inf, 0, False
         for _ in range(MAX_SWEEPS):
             residual = self._evaluate(unknowns, side)[list(active)]
@@ -139,7 +144,7 @@ class Equilibrium:
             self.change = self.cycle.advance(self.forces, self.slope)
             if self.change <= max(0.1 * CLOSE, INNER * self.residual):
                 return residual
-            # short contacts answer a change of the amplitude many times over: sweeps alone swing to and fro
+            # the force of a contact that touches briefly is very sensitive to the amplitude, so that sweeps oscillate
             if ROUNDING < self.change and self.change > SLOW * last:
                 self._evaluate(unknowns, side)
                 self.slope = self.cycle.tangent(self.place, *self.moving, self.forces)
@@ -153,13 +158,13 @@ class Equilibrium:
         )
 
     def _jacobian(self, unknowns, side, active, base):
-        """Return the derivatives of the residuals, the wave's amplitudes kept."""
+        """Return the derivatives of the residuals by finite differences at constant wave amplitudes."""
         kept = self.cycle.forward.copy(), self.cycle.backward.copy()
         base = self._evaluate(unknowns, side)[list(active)]
         columns = []
         for k in active:
             step = STEP * self.scale[k]
-            if k == SPEED and unknowns[k] != 0.0:  # towards larger speeds: v = 0 is a kink
+            if k == SPEED and unknowns[k] != 0.0:  # away from v = 0, where the residual has a kink
                 step *= np.sign(unknowns[k])
             moved = unknowns.copy()
             moved[k] += step
@@ -168,7 +173,7 @@ class Equilibrium:
         return np.array(columns).T
 
     def solve(self, load: float, w: float | None = None, side: float = 0.0) -> Balance:
-        """Return the equilibrium under a load; `w`: a velocity over omega that is given instead of a load."""
+        """Return the equilibrium under a load, or at a fixed velocity over omega if `w` is given."""
         self.load = load
         active = self.plane if w is not None else (*self.plane, SPEED)
         y = self.unknowns.copy()
@@ -185,6 +190,7 @@ class Equilibrium:
         )  # fmt: skip
 
     def _newton(self, y, side, active):
+        """Return the unknowns at which the residuals vanish, by Newton's method with Broyden updates."""
         residual = self._settled(y, side, active)
         if not active:
             self.error = self.change * self.scale[SPEED]
@@ -212,7 +218,7 @@ class Equilibrium:
                 moved = y.copy()
                 moved[index] += step * self.scale[index]
                 after = self._settled(moved, side, active)
-                touches = bool(self.forces.normal.any())  # above all pillars no height tells another
+                touches = bool(self.forces.normal.any())  # without contact the residuals do not depend on H
                 if touches and (float(np.max(np.abs(after))) < size or size < 1e-9):
                     break
                 if shorter < 7:
@@ -232,7 +238,7 @@ class Equilibrium:
         )
 
     def _left(self, jacobian, residual):
-        """Return the error of w, m, by the last residuals and the wave's last change."""
+        """Return the estimated error of w in m, from the last residuals and the last change of the amplitudes."""
         if jacobian is None:
             return max(self.residual, self.change) * self.scale[SPEED]
         with np.errstate(all="ignore"):

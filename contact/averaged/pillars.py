@@ -1,4 +1,4 @@
-"""A slider on many contacts and the surface wave that passes below it: what the averaged equilibrium is asked about."""
+"""Parameters of a slider on many contacts and of the surface wave that passes below it."""
 
 import math
 from dataclasses import dataclass, field
@@ -16,37 +16,39 @@ TILTS, BACKINGS = ("held", "pitch", "free"), ("rigid", "soft")
 
 @dataclass(frozen=True, kw_only=True)
 class Pillars:
-    """A rigid slider, heavy on the wave's time scale, on contacts with their own places, heights and stiffnesses.
+    """A rigid slider on contacts with individual positions, heights and stiffnesses.
 
-    The contacts are flat pillars, or balls (`balls_of` makes them from a `Slider`).
+    The slider is heavy on the wave's time scale. The contacts are flat pillars, or balls (`balls_of` makes them from a
+    `Slider`).
 
     Attributes
     ----------
     x, y : array_like, shape (n,)
-        Places from the slider's centre, m: along the wave and across.
+        Positions along and across the wave, from the slider's centre, m.
     normal_stiffness, tangential_stiffness : float or array_like, shape (n,)
-        k_n and k_t of each pillar, N/m, positive. Of a ball P = k_n z^(3/2), in N/m^1.5, and k_t = 4 (G/E) k_n, so
-        that the slip limit is c = mu k_n/k_t times the approach in both cases.
+        k_n and k_t of each pillar, N/m, positive. For a ball P = k_n z^(3/2) with k_n in N/m^1.5, and
+        k_t = 4 (G/E) k_n. In both cases the slip limit is c = mu k_n/k_t times the approach.
     heights : float or array_like, shape (n,)
-        How much further each pillar stands out towards the surface than one of height 0, m.
+        Height of each pillar, positive towards the surface, m.
     weights : float or array_like, shape (n,)
-        How many equal pillars each of them stands for, positive.
+        Number of equal pillars that each entry represents, positive.
     friction_coefficient : float
-        mu, positive. A pillar slips as a whole at |Q| = mu P.
+        Coefficient of friction mu, positive. A pillar slips as a whole at |Q| = mu P.
     preload : float
-        Normal force on the slider, weight included, N, positive.
+        Normal force on the slider including its weight, N, positive.
     tangential_damping : float
-        Viscous, on the slider's velocity, N s/m.
+        Viscous damper on the slider's velocity, N s/m.
     tilt : str
-        "held" (one approach), "pitch" (turns about y), "free" (about x and y).
+        "held" (no rotation), "pitch" (rotation about y) or "free" (rotation about x and y).
     preload_at : tuple of float
-        Place (x, y) at which the preload acts, m; used by a tilt that is not held.
+        Position (x, y) at which the preload acts, m. It has no effect if `tilt` is "held".
     load_height : float
-        Height above the surface at which a load pulls, m; likewise.
+        Height above the surface at which a load acts, m. It has no effect if `tilt` is "held".
     backing : str
-        "rigid": one plane; "soft": every row along the wave bears the same force per pillar.
+        "rigid": all pillars are on one plane. "soft": every row along the wave carries the same force per pillar.
     curvature : float
-        Of the slider's face, 1/m; positive: its middle stands out, a pillar at (x, y) lies (x^2 + y^2)/2 times it back.
+        Curvature of the slider's face, 1/m. If it is positive, the middle protrudes: a pillar at (x, y) is set back by
+        (x^2 + y^2)/2 times the curvature.
     shape : str
         "punch" (flat pillars, default) or "sphere" (balls).
 
@@ -64,7 +66,7 @@ class Pillars:
     y: np.ndarray
     normal_stiffness: np.ndarray
     tangential_stiffness: np.ndarray
-    # numbers stand for all of them
+    # one number applies to all pillars
     heights: np.ndarray = 0.0  # type: ignore[assignment]
     weights: np.ndarray = 1.0  # type: ignore[assignment]
     friction_coefficient: float
@@ -114,7 +116,7 @@ class Pillars:
         self._check_tilt()
 
     def _check_tilt(self):
-        """Refuse a tilt that pillars in one line cannot take up, and a preload outside of the pillars."""
+        """Raise if the pillars lie on a line and cannot support a tilt, or if the preload acts outside the pillars."""
         if self.tilt == "held":
             return
         for name, places in (("x", self.x), ("y", self.y))[: 1 if self.tilt == "pitch" else 2]:

@@ -1,4 +1,4 @@
-"""Where meshed pieces stand on a stator, which of them are its ends, and what they may not do there."""
+"""Layout of the meshed pieces on a stator: their order, which of them are its ends, and the rules for their places."""
 
 import itertools
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ class Placement:
 
 
 def is_step(piece: MeshPiece, thickness: float) -> bool:
-    """Whether a piece leads from the stator's thickness to another one."""
+    """True if a piece is a step from the stator's thickness to another one."""
     sides = ("left", "right")
     return (
         all(piece.interface(side) for side in sides)
@@ -79,7 +79,7 @@ def check_pieces(
     solid: Solid,
     transducers: dict[str, tuple[float, float, str]],
 ) -> None:
-    """Refuse pieces that do not fit the stator or each other; ``transducers``: edges (m) and signs by name.
+    """Check that the pieces fit the stator and each other; ``transducers``: edges (m) and signs by name.
 
     Raises
     ------
@@ -149,7 +149,7 @@ def _check_heights(piece: MeshPiece, thickness: float) -> None:
 
 
 def _unit_question(piece: MeshPiece, drawn: float, meant: float) -> str:
-    """Ask for another length unit of the file if it makes a drawn length what is meant."""
+    """Return the advice to change the file's length unit, if another unit gives a drawn length its intended value."""
     unit = piece.mesh.unit * meant / drawn
     hint = next((name for name, each in UNITS.items() if abs(unit / each - 1) < 0.02), "")
     return f": is the file's length unit {hint}?" if hint else ""
@@ -158,7 +158,7 @@ def _unit_question(piece: MeshPiece, drawn: float, meant: float) -> str:
 def _check_whole(
     piece: MeshPiece, pieces: int, length: float, thickness: float, ends: str, transducers: dict
 ) -> None:
-    """Refuse a piece without interface that is not the stator from end to end."""
+    """Raise an InputError for a piece without interface that is not the whole stator."""
 
     def refuse(rule: str, key: str = "piece") -> None:
         raise InputError(key, rule, owner=piece.name)
@@ -199,7 +199,7 @@ def _check_whole(
 
 
 def _check_size(piece: MeshPiece) -> None:
-    """Refuse a mesh that is too fine for the coarsest level."""
+    """Raise an InputError for a mesh with too many unknowns even at the coarsest level."""
     quads = sum(CORNERS[cells.kind] * len(cells.nodes) for cells in piece.mesh.cells)
     least = quads * LEAST_PER_QUAD
     if least <= MAX_UNKNOWNS:
@@ -277,7 +277,7 @@ def _check_electrodes(piece: MeshPiece, transducers: dict, placed: Placement) ->
 
 
 def _check_electrode_lines(piece: MeshPiece, solid: Solid) -> None:
-    """Refuse electrodes that touch each other or an interface, or no piezoelectric solid."""
+    """Raise an InputError for electrodes that touch each other or an interface, or touch no piezoelectric solid."""
     mesh, owner = piece.mesh, dict[int, str]()
     solids = {"stator": solid} | dict(piece.solids)
     coupled = {

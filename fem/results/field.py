@@ -1,9 +1,10 @@
-"""The whole field of a driven stator on a grid, rebuilt on demand, and that of a free wave.
+"""Interior field of a driven stator on a grid, recovered on demand, and that of a free wave.
 
-The lines of the grid are the nodes of the columns under the transducers and evenly spaced ones in the segments, where
-the field is a sum of modes; through the depth the nodes are the section's own, so that nothing is averaged over an
-element.  Derivatives are those of the elements' polynomials and of the modes.  A meshed piece has its field on its own
-elements besides, each cut into small quadrilaterals: that of its corners, strips and slopes, which no grid has.
+The lines of the grid are the nodes of the columns under the transducers, and evenly spaced lines in the segments, where
+the field is a sum of modes.  Through the depth the nodes are those of the section, so that no value is averaged over an
+element.  Derivatives are those of the elements' polynomials and of the modes.  The field of a meshed piece is also
+given on its own elements, each divided into small quadrilaterals, because a grid cannot follow its corners and
+slopes.
 """
 
 from dataclasses import dataclass, field
@@ -198,7 +199,7 @@ class _Part:
     solids: tuple[tuple[Solid, np.ndarray], ...] = ()  # others than the stator's, and the nodes in them
 
     def chosen(self, which) -> "_Part":
-        """Some of the lines."""
+        """Part of the grid on some of its lines."""
         cut = (None if each is None else each[which] for each in (self.along, self.upward))
         inside = self.inside if len(self.inside) == 1 else self.inside[which]
         along, upward = cut
@@ -331,7 +332,7 @@ def _lines(start: float, stop: float, step: float, places) -> np.ndarray:
 
 
 def _constant_shape(solution: Solution) -> tuple[int, complex, complex] | None:
-    """Index of the mode of constant potential, its potential going right and left; None where it is grounded."""
+    """Index of the mode of constant potential and its potentials to the right and left; None if grounded."""
     modes = solution.fields.modes
     constant = np.flatnonzero(modes.wavenumbers == 0)
     if not len(constant):

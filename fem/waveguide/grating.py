@@ -1,12 +1,12 @@
-"""An endless grating of fingers: its stop bands, its waves and its capacitance.
+"""Infinite grating of fingers: its stop bands, its waves and its capacitance.
 
-One cell is half a gap, a finger and half a gap, condensed to its lines (chain.py).  A field that is the same from cell
-to cell but for a factor lambda (Floquet 1883, Bloch 1928), u_right = lambda u_left, g_right = -lambda g_left, obeys
+One cell is half a gap, a finger and half a gap, condensed to its lines (fem/condense).  A field that changes from cell
+to cell by a factor lambda (Floquet 1883, Bloch 1928), u_right = lambda u_left, g_right = -lambda g_left, obeys
 
     [lambda A_lr + A_ll + A_rr + A_lr^T / lambda] u = 0,
 
-the fingers at zero potential (shorted) or each without charge (open).  Where two fingers make a wavelength a wave and
-its reflection couple, and no wave runs between the frequencies at which lambda = -1:
+with the fingers at zero potential (shorted) or each without charge (open).  If two pitches are one wavelength, a wave
+couples to its reflection, and no wave propagates between the two frequencies at which lambda = -1:
 
     B(omega^2) u = 0,    B = A_ll + A_rr - A_lr - A_lr^T,    complex symmetric.
 
@@ -49,7 +49,7 @@ SQUARE_TOLERANCE = 1e-11  # relative change of omega^2
 
 @dataclass(frozen=True, kw_only=True)
 class StopBand:
-    """Frequencies at which no surface wave runs through a grating."""
+    """Frequency range in which no surface wave propagates through a grating."""
 
     # lower, upper: Hz
     lower: float
@@ -63,7 +63,7 @@ class StopBand:
 
     @property
     def velocity(self) -> float:
-        """Of the wave that the fingers' reflections do not couple, m/s."""
+        """Velocity of the wave without the coupling by the fingers' reflections, m/s."""
         return 2 * self.pitch * self.middle
 
     @property
@@ -74,7 +74,7 @@ class StopBand:
 
 @dataclass(frozen=True, kw_only=True)
 class Grating:
-    """A discretised cell of the grating, to be asked at any frequency."""
+    """Discretised cell of the grating, which can be evaluated at any frequency."""
 
     section: Section
     shape: FingerShape
@@ -112,7 +112,7 @@ class Grating:
         return make.open_circuited(whole) if open_fingers else whole
 
     def edge_matrix(self, omega_squared: float, *, open_fingers: bool) -> np.ndarray:
-        """B of lambda = -1, shape (n, n)."""
+        """Matrix B for lambda = -1, shape (n, n)."""
         cell = self.cell(float(np.sqrt(omega_squared)) / (2 * np.pi), open_fingers=open_fingers)
         both, across = _coupling(cell)
         return both - across - across.T
@@ -215,7 +215,7 @@ def _coupling(cell: FingerColumns) -> tuple[np.ndarray, np.ndarray]:
 def grating(
     solid: Solid, *, period: float, metallisation: float, above: str, resolution: Resolution
 ) -> Grating:
-    """Discretise one cell of an endless grating on a half-space.
+    """Discretise one cell of an infinite grating on a half-space.
 
     Parameters
     ----------

@@ -1,12 +1,13 @@
-"""A stator solved for unit voltage at every port: the fields, and the admittance matrix that belongs to them.
+"""Fields of a stator for unit voltage at every port, and the short-circuit admittance matrix.
 
-A port is a transducer with two electrodes: its voltage is that between them.  The problem is linear, so the fields for
-unit voltage at each port in turn, the other ports at zero, hold the answer for every circuit (`fem.circuit`).  Every
-transducer is condensed once (equal ones share their superelement); the uniform segments are sums of guided modes.
+A port is a transducer with two electrodes, and its voltage is that between them.  The problem is linear, so that the
+fields for unit voltage at each port, with the other ports at zero, give the answer for every circuit (`fem.circuit`).
+Every transducer is condensed once (equal ones share their superelement); the fields in the uniform segments are sums of
+guided modes.
 
-A transducer carries no net charge: its electrodes are a pair of terminals.  Where the section floats, the mean of the
-two potentials is a matter of gauge; where it is grounded (or absorbs below), the mean is what leaves the transducer
-without net charge, and it is eliminated here.  A transducer with one electrode only has no port.
+A transducer carries no net charge, because its electrodes are a pair of terminals.  If the potential of the section
+floats, the mean of the two potentials is arbitrary.  If the section is grounded (or absorbs below), the mean has the
+value for which the net charge is zero, and it is eliminated here.  A transducer with a single electrode has no port.
 
 With Q the charge of the positive electrode per metre of aperture, I = i omega Q aperture; two transducers of different
 aperture share the narrower beam.
@@ -56,7 +57,7 @@ class PortFields:
     # shape (2 n + 2, excitations): of each scatterer: left line, right line, potentials of the positive and
     # negative electrode, or of every finger (fem.beam.reception), or of a piece's ports; scaled
     sides: tuple[np.ndarray, ...] = field(repr=False)
-    # shape (2 n, excitations): the part of its lines that comes in
+    # shape (2 n, excitations): incident part of the fields on its lines
     incoming: tuple[np.ndarray, ...] = field(repr=False)
     # before, between and after the scatterers: amplitudes of all modes, (n, excitations)
     segments: tuple[tuple[SegmentWaves, ...], ...] = field(repr=False)
@@ -94,9 +95,9 @@ class PortFields:
         """Resonant amplification of small errors at this frequency, and the largest near it.
 
         Between reflecting ends the amplitudes are (1 - M)^-1 times what the transducers send (M: ``coupling`` of the
-        propagating modes), and so is the effect of a small error of a phase: it grows as 1 / |1 - mu|, mu the
-        eigenvalue of M nearest to 1. With the frequency the mu turn, by the angle ``swing`` (rad) at most in the range
-        that is meant; their sizes hardly change.
+        propagating modes).  The effect of a small phase error is therefore proportional to 1 / |1 - mu|, with mu the
+        eigenvalue of M nearest to 1.  With frequency the phases of the mu change, in the range of interest by at most
+        ``swing`` (rad); their magnitudes hardly change.
         """
         mine = np.isin(self.waves, self.modes.propagating)  # evanescent ones do not turn
         factors = np.linalg.eigvals(self.coupling[np.ix_(mine, mine)])
@@ -108,14 +109,14 @@ class PortFields:
 
 
 def transducer_ports(transducer: Transducer, mean: bool) -> tuple[Port, ...]:
-    """Ports of a transducer: the voltage of two electrodes, and the mean of any unless it is a matter of gauge."""
+    """Ports of a transducer: the voltage of two electrodes, and their mean potential unless it is arbitrary."""
     electrodes = {"+", "-"} & set(transducer.signs)
     own = (Port(kind="voltage", name=transducer.name),) if len(electrodes) == 2 else ()
     return (*own, Port(kind="mean", name=transducer.name)) if electrodes and mean else own
 
 
 def _means(transducers: tuple[Transducer, ...], pieces: CondensedPieces, floating: bool) -> set[str]:
-    """Transducers whose mean potential is no matter of gauge: something refers it to another one or to the ground.
+    """Transducers whose mean potential is not arbitrary, because it is referred to another one or to the ground.
 
     On a section whose potential is floating these are the transducers with electrodes in a meshed piece that is
     grounded, and all but one of those that meshed pieces connect.
@@ -200,11 +201,11 @@ def joined_fields(
     solve: Solve | None = None,
     forces: tuple[LineForce, ...] = (),
 ) -> PortFields:
-    """Tie superelements, uniform segments and ends together.
+    """Solve the network of superelements, uniform segments and ends.
 
-    ``superelements``: one for each transducer from left to right, the same object for equal ones, from the outer gap's
-    beginning to its end, or none where one mesh is the whole stator; ``pieces``: the stator's meshed pieces and its
-    ends, by default none and the plain ones; ``solve``: by default `Network.solve`; ``forces``: on the bare surface.
+    ``superelements``: one for each transducer from left to right, including its outer gaps; equal transducers share an
+    object, and there are none if one mesh is the whole stator.  ``pieces``: meshed pieces and ends of the stator, by
+    default no pieces and plain ends; ``solve``: by default `Network.solve`; ``forces``: on the bare surface.
     """
     section = modes.section
     unit, gaps, pieces = (
@@ -270,9 +271,9 @@ def connected(
     resolution: Resolution,
     owners: tuple[int | None, ...],
 ) -> PortFields:
-    """Fields per volt at the ports from those per unit of potential: no transducer carries a net charge.
+    """Fields per volt at the ports, from those per unit of potential, such that no transducer has a net charge.
 
-    ``owners``: as of `PortFields`.
+    ``owners``: as in `PortFields`.
     """
     medium, modes = network.modes.section.solid, network.modes
     ports = [port for port in network.ports if port.kind != "force"]
@@ -340,7 +341,7 @@ def connected(
 
 
 def _refuse_a_source(admittances: np.ndarray, names: tuple[str, ...]) -> None:
-    """Refuse an admittance matrix by which passive transducers would give out power, beyond what rounding does."""
+    """Raise a ConvergenceError if an admittance matrix is not passive, beyond rounding and discretisation errors."""
     if not len(names):
         return
     powers, volts = np.linalg.eigh((admittances.real + admittances.real.T) / 2)
@@ -362,7 +363,7 @@ def charge_admittances(charges: np.ndarray, widths: np.ndarray, frequency: float
 
 
 def _uncharged(admittances: np.ndarray, voltage: np.ndarray) -> np.ndarray:
-    """Potentials of all ports, means included, for unit voltages: the means leave no transducer a net charge."""
+    """Potentials of all ports, means included, for unit voltages; the means are those of zero net charge."""
     out = np.zeros((len(voltage), int(voltage.sum())), dtype=complex)
     out[voltage] = np.eye(out.shape[1])
     if not voltage.all():

@@ -1,4 +1,4 @@
-"""The meshed pieces of a row: those between uniform segments, and the stator's ends; or one that is all of it.
+"""Meshed pieces of a stator: those between uniform segments, those that are its ends, or one that is the whole stator.
 
 Pieces of equal mesh, materials and electrodes are assembled and condensed once.
 """
@@ -31,7 +31,7 @@ class CondensedPieces:
 
     @property
     def whole(self) -> bool:
-        """Whether one piece is the stator from end to end: it has no lines."""
+        """True if one piece is the whole stator from end to end, which has no lines."""
         return bool(self.between) and self.between[0][1].size == 0
 
 
@@ -61,7 +61,7 @@ class PieceRow:
                 )
 
     def condensed(self, frequency: float) -> dict[tuple, MeshedPiece]:
-        """Every different piece at a frequency in Hz; those at a step of thickness are not among them."""
+        """All distinct pieces at a frequency in Hz, except those at a step of thickness."""
         return {key: assembly.condensed(frequency) for key, assembly in self.assemblies.items()}
 
     def arranged(self, condensed: dict, modes: GuidedModes) -> CondensedPieces:
@@ -97,7 +97,7 @@ def condensed_pieces(stator: Stator, modes: GuidedModes, resolution: Resolution)
 
 
 def _step(piece: MeshPiece, side: int, stator: Stator, modes: GuidedModes, resolution: Resolution) -> Wall:
-    """A step of thickness: the piece's far line is closed by the radiation impedance of the section behind it."""
+    """Step of thickness: the radiation impedance of the section behind it terminates the far line of the piece."""
     near, far = ("right", "left") if side == 0 else ("left", "right")
     section, frequency = modes.section, modes.frequency
     behind = replace(stator, thickness=piece.interface(far)[1], pieces=())
@@ -128,7 +128,7 @@ def _step(piece: MeshPiece, side: int, stator: Stator, modes: GuidedModes, resol
 
 
 def _frame(stator: Stator) -> Stator:
-    """What of a stator a piece's elements depend on."""
+    """Part of a stator on which the elements of a piece depend."""
     return replace(stator, length=1.0, ends="absorbing", pieces=())
 
 

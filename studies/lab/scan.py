@@ -1,15 +1,20 @@
-"""A vibrometer's scan: the motion of the surface over places or over frequency, as CSV or Universal File Format.
+"""Vibrometer scans: the motion of the surface against position or frequency, as CSV or Universal File Format (UFF).
 
-CSV: a place (``x_mm``, perhaps ``y_mm``) or a ``frequency_MHz`` in each row, and the motion as ``u_z_real_nm`` with
-``u_z_imag_nm``, or as ``u_z_magnitude_nm``, perhaps with ``u_z_phase_rad``; ``u_x`` and ``u_y`` likewise, velocities as
-``v_z_real_mm_per_s``.  A unit that ends in ``_per_V`` is per volt of the source, peak; otherwise the file has a column
-``voltage_V``.  ``u_z_standard_deviation_nm`` is the standard deviation of real and imaginary part each, or
-of the magnitude.  Lines that begin with # are remarks.
+A CSV file has one row per point. The columns are
 
-UFF: dataset 58 (ASCII or binary), real or complex: an abscissa of places along x, or of frequencies at one place.  The
-place stands in the fourth line of identification as ``x = 0.08 m, y = 0 m``.
+- the position (``x_mm``, optionally ``y_mm``) or the frequency (``frequency_MHz``);
+- the motion, as ``u_z_real_nm`` and ``u_z_imag_nm``, or as ``u_z_magnitude_nm`` with an optional ``u_z_phase_rad``.
+  Columns of u_x and u_y have the same form. Velocities have names such as ``v_z_real_mm_per_s``;
+- optionally ``u_z_standard_deviation_nm``, the standard deviation of the real part and of the imaginary part, or of the
+  magnitude;
+- ``voltage_V``, unless the unit of the motion ends in ``_per_V`` (per volt of the source, peak).
 
-exp(+i omega t), peak amplitudes.
+Lines that begin with # are comments.
+
+A UFF file contains dataset 58 (ASCII or binary), real or complex. The abscissa is the position along x, or the
+frequency at one position, which is given in the fourth identification line as ``x = 0.08 m, y = 0 m``.
+
+The time convention is exp(+i omega t) with peak amplitudes.
 """
 
 import re
@@ -38,28 +43,28 @@ PLACE = re.compile(r"x = (?P<x>\S+) m, y = (?P<y>\S+) m")
 
 @dataclass(frozen=True, kw_only=True)
 class Scan:
-    """Motion of the surface at places or frequencies; arrays of one length, SI units.
+    """Motion of the surface at several positions or frequencies. All arrays have the same length; units are SI.
 
     Attributes
     ----------
     name : str
-        Of the file.
+        Name of the file.
     component : str
         ``u_x``, ``u_y`` or ``u_z``.
     x, y : ndarray
-        Places in m.
+        Positions in m.
     frequency : ndarray or None
-        Hz, of each point; None: that of the drive.
+        Frequency of each point in Hz, or None if all points have the drive frequency.
     values : ndarray
-        Complex or magnitudes (real), displacement in m or m per V; a velocity where ``is_velocity``.
+        Complex amplitudes or real magnitudes of the displacement (m or m per V) or of the velocity (m/s or m/s per V).
     deviation : ndarray or None
-        Standard deviation of the real and the imaginary part each, or of a magnitude.
+        Standard deviation of the real part and of the imaginary part, or of the magnitude.
     per_volt : bool
-        Whether the values are per volt of the source.
+        True if the values are per volt of the source.
     voltage : float or None
-        Of the source, V, peak, where they are not and the file says.
+        Peak voltage of the source in V, if the values are not per volt and the file states it.
     is_velocity : bool
-        Whether the values are velocities, of which the displacement is the 1/(i omega)-th part.
+        True if the values are velocities, equal to i omega times the displacements.
     """
 
     name: str
@@ -75,12 +80,12 @@ class Scan:
 
     @property
     def is_complex(self) -> bool:
-        """Whether the phase was measured."""
+        """True if the phase was measured."""
         return bool(np.iscomplexobj(self.values))
 
     @property
     def kind(self) -> str:
-        """What varies: "frequency", "x", "y" or "x, y"."""
+        """The varying coordinate: "frequency", "x", "y" or "x, y"."""
         if self.frequency is not None and np.ptp(self.frequency) > 0.0:
             return "frequency"
         ways = [name for name in "xy" if np.ptp(getattr(self, name)) > 0.0]
@@ -88,11 +93,11 @@ class Scan:
 
     @property
     def coordinate(self) -> np.ndarray:
-        """Frequency in Hz, or the place in m, along which the points lie; of an area x."""
+        """The varying coordinate: frequency in Hz or position in m. For a scan of an area it is x."""
         return self.frequency if self.kind == "frequency" else self.y if self.kind == "y" else self.x
 
     def as_displacement(self, drive_frequency: float) -> "Scan":
-        """Return the scan as displacements; ``drive_frequency`` in Hz where it holds none."""
+        """Return the scan as displacements; ``drive_frequency`` in Hz is used if the scan has no frequencies."""
         if not self.is_velocity:
             return self
         omega = 2.0 * np.pi * (drive_frequency if self.frequency is None else self.frequency)
@@ -101,33 +106,33 @@ class Scan:
         return replace(self, values=self.values * factor, deviation=deviation, is_velocity=False)
 
     def at_volts(self, voltage: float | None) -> "Scan":
-        """Return the scan per volt; the file's own voltage first, then the one that is given (V)."""
+        """Return the scan per volt of the source; the voltage of the file has priority over ``voltage`` (V)."""
         if self.per_volt:
             return self
-        size = self.voltage if self.voltage is not None else voltage
-        if size is None or not size > 0.0:
+        source_voltage = self.voltage if self.voltage is not None else voltage
+        if source_voltage is None or not source_voltage > 0.0:
             raise SceneError(
                 "--measured",
                 f"{self.name!r} holds motions at an unknown voltage: add a column voltage_V, or units _per_V",
             )
-        deviation = None if self.deviation is None else self.deviation / size
-        return replace(self, values=self.values / size, deviation=deviation, per_volt=True)
+        deviation = None if self.deviation is None else self.deviation / source_voltage
+        return replace(self, values=self.values / source_voltage, deviation=deviation, per_volt=True)
 
     def flat(self) -> np.ndarray:
-        """Return the values as real numbers: real parts, then imaginary parts; or magnitudes."""
+        """Return the values as a real array: real parts followed by imaginary parts, or magnitudes."""
         return np.concatenate([self.values.real, self.values.imag]) if self.is_complex else self.values
 
 
 def is_scan(path: Path, names: list[str]) -> bool:
-    """Return whether a file is a scan: by its ending, or by a column of a motion in its head."""
+    """Return whether a file is a scan, by its suffix or by a motion among its column names."""
     if path.suffix.lower() in UFF_ENDINGS:
         return True
     return any(name.startswith(f"{kind}_{axis}_") for name in names for kind in "uv" for axis in "xyz")
 
 
 def scan_of_columns(heads: Heads) -> Scan:
-    """Return the scan of a CSV file's columns; SceneError for what is missing or has a wrong unit."""
-    noun = _motion(heads)
+    """Return the scan from the columns of a CSV file; raise SceneError for a missing column or a wrong unit."""
+    noun = _motion_name(heads)
     is_velocity, component = noun[0] == "v", "u" + noun[1:]
     base = VELOCITIES if is_velocity else DISPLACEMENTS
     units = base | {f"{unit}_per_V": factor for unit, factor in base.items()}
@@ -150,7 +155,7 @@ def scan_of_columns(heads: Heads) -> Scan:
     if voltage is not None and np.ptp(voltage[0]) > 0.0:
         raise heads.error("must hold one voltage_V, got several")
     zeros = np.zeros(len(heads.rows))
-    # a place that no column says is the slider's, or the stator's middle: NaN until the scene is known
+    # without a column, the position is that of the slider or of the middle of the stator: NaN until the scene is known
     unknown = zeros * np.nan
     return Scan(
         name=heads.path.name, component=component, x=unknown if x is None else x[0],
@@ -161,8 +166,8 @@ def scan_of_columns(heads: Heads) -> Scan:
     )  # fmt: skip
 
 
-def _motion(heads: Heads) -> str:
-    """Return the name of the motion in the heads, such as ``u_z``."""
+def _motion_name(heads: Heads) -> str:
+    """Return the name of the motion among the column names, such as ``u_z``."""
     known = [f"{kind}_{axis}" for kind in "uv" for axis in "xyz"]
     motions = sorted({each for each in known for name in heads.names if name.startswith(f"{each}_")})
     if len(motions) != 1:
@@ -171,30 +176,30 @@ def _motion(heads: Heads) -> str:
 
 
 def _values(heads: Heads, noun: str, units) -> tuple[np.ndarray, str]:
-    """Return the motion, complex or magnitudes, and its unit."""
+    """Return the motion as complex amplitudes or magnitudes, and its unit."""
     real, imaginary = (heads.column(f"{noun}_{part}", units) for part in ("real", "imag"))
-    size, phase = heads.column(f"{noun}_magnitude", units), heads.column(f"{noun}_phase", PHASES)
+    magnitude, phase = heads.column(f"{noun}_magnitude", units), heads.column(f"{noun}_phase", PHASES)
     if (real is None) != (imaginary is None):
         missing = "imag" if imaginary is None else "real"
         raise heads.error(f"must have a column {noun}_{missing}_UNIT beside the other part")
     if real is not None:
-        if size is not None:
+        if magnitude is not None:
             raise heads.error(f"must hold {noun} once, as complex parts or as a magnitude")
         if real[1] != imaginary[1]:
             raise heads.error(f"must have one unit for {noun}, got {real[1]} and {imaginary[1]}")
         return real[0] + 1j * imaginary[0], real[1]
-    if size is None:
+    if magnitude is None:
         wanted = f"{noun}_real_UNIT with {noun}_imag_UNIT, or {noun}_magnitude_UNIT"
         raise heads.error(f"must have the columns {wanted}; got {', '.join(heads.names)}")
-    if np.min(size[0]) < 0.0:
+    if np.min(magnitude[0]) < 0.0:
         raise heads.error(
-            f"must have a {noun}_magnitude that is zero or positive, got {float(np.min(size[0])):g}"
+            f"must have a {noun}_magnitude that is zero or positive, got {float(np.min(magnitude[0])):g}"
         )
-    return (size[0] if phase is None else size[0] * np.exp(1j * phase[0])), size[1]
+    return (magnitude[0] if phase is None else magnitude[0] * np.exp(1j * phase[0])), magnitude[1]
 
 
 def scan_csv(scan: Scan, remarks: tuple[str, ...] = ()) -> str:
-    """Return a scan as CSV that `scan_of_columns` reads to the same numbers, to the last digit of a double."""
+    """Return a scan as CSV. `scan_of_columns` reads exactly the same numbers from it."""
     unit = "m_per_s" if scan.is_velocity else "m"
     unit += "_per_V" if scan.per_volt else ""
     noun = ("v" if scan.is_velocity else "u") + scan.component[1:]
@@ -215,7 +220,7 @@ def scan_csv(scan: Scan, remarks: tuple[str, ...] = ()) -> str:
 
 
 def scan_uff(scan: Scan, path: Path, remarks: tuple[str, ...] = ()) -> None:
-    """Write a scan into a UFF file, one dataset 58 (ASCII) for each line of places or for the frequencies."""
+    """Write a scan into a UFF file, with one dataset 58 (ASCII) per line of positions or for all frequencies."""
     by_frequency = scan.kind == "frequency"
     file = needed("pyuff", "a UFF file").UFF(str(path))
     lines = (
@@ -227,14 +232,14 @@ def scan_uff(scan: Scan, path: Path, remarks: tuple[str, ...] = ()) -> None:
                 "--format", "uff needs at least two points on each line along x: ask for more, or for csv"
             )
         order = line[np.argsort((scan.frequency if by_frequency else scan.x)[line])]
-        at = scan.frequency[order] if by_frequency else scan.x[order]
-        place = f"x = {scan.x[order[0]]!r} m, y = {scan.y[order[0]]!r} m".replace("np.float64(", "").replace(
+        abscissa = scan.frequency[order] if by_frequency else scan.x[order]
+        where = f"x = {scan.x[order[0]]!r} m, y = {scan.y[order[0]]!r} m".replace("np.float64(", "").replace(
             ")", ""
         )
         dataset = {
-            "type": 58, "func_type": 4 if by_frequency else 0, "data": scan.values[order], "x": at, "binary": 0,
+            "type": 58, "func_type": 4 if by_frequency else 0, "data": scan.values[order], "x": abscissa, "binary": 0,
             "id1": f"{'velocity' if scan.is_velocity else 'displacement'} {scan.component}"[:80],
-            "id2": (remarks[0] if remarks else "")[:80] or "NONE", "id3": "peak values, exp(+i omega t)", "id4": place,
+            "id2": (remarks[0] if remarks else "")[:80] or "NONE", "id3": "peak values, exp(+i omega t)", "id4": where,
             "id5": "NONE" if scan.voltage is None else f"voltage = {scan.voltage!r} V",
             "rsp_node": number, "rsp_dir": COMPONENTS.index(scan.component) + 1, "ref_node": 0, "ref_dir": 0,
             "abscissa_spacing": 0, "abscissa_spec_data_type": FREQUENCY if by_frequency else GENERAL,
@@ -249,12 +254,12 @@ def scan_uff(scan: Scan, path: Path, remarks: tuple[str, ...] = ()) -> None:
 
 
 def scan_of_uff(path: Path, option: str) -> Scan:
-    """Return the scan of a UFF file's datasets 58.
+    """Return the scan that the datasets 58 of a UFF file contain.
 
     Raises
     ------
     SceneError
-        If it holds none, several motions, or a unit that is no displacement or velocity.
+        If the file contains no dataset 58, several motions, or a unit that is not of a displacement or velocity.
     """
     try:
         file = needed("pyuff", "a UFF file").UFF(str(path))
@@ -265,7 +270,7 @@ def scan_of_uff(path: Path, option: str) -> Scan:
         raise file_error(path, option, f"is no Universal File Format file: {text}") from None
     if not sets:
         raise file_error(path, option, f"must hold a dataset 58, got {', '.join(map(str, kinds)) or 'none'}")
-    parts = [_of_dataset(each, path, option) for each in sets]
+    parts = [_scan_of_dataset(each, path, option) for each in sets]
     first = parts[0]
     same = ("component", "is_velocity", "per_volt", "voltage", "is_complex")
     if any(getattr(each, name) != getattr(first, name) for each in parts for name in same):
@@ -279,29 +284,35 @@ def scan_of_uff(path: Path, option: str) -> Scan:
     return replace(whole, frequency=np.concatenate([each.frequency for each in parts]))
 
 
-def _of_dataset(dataset: dict, path: Path, option: str) -> Scan:
+def _scan_of_dataset(dataset: dict, path: Path, option: str) -> Scan:
     kind, motion = int(dataset["abscissa_spec_data_type"]), int(dataset["ordinate_spec_data_type"])
     unit, length = dataset["ordinate_axis_units_lab"].strip(), dataset["abscissa_axis_units_lab"].strip()
     is_velocity = motion == VELOCITY
     base = VELOCITIES if is_velocity else DISPLACEMENTS
     unit = unit.replace("/", "_per_")
     if motion not in (DISPLACEMENT, VELOCITY) or unit not in base:
-        wanted = "displacements (data type 8: m, um, nm, pm) or velocities (11: m/s, mm/s, um/s)"
-        raise file_error(path, option, f"must hold {wanted}, got data type {motion} in {unit or 'no unit'}")
+        expected = "displacements (data type 8: m, um, nm, pm) or velocities (11: m/s, mm/s, um/s)"
+        raise file_error(path, option, f"must hold {expected}, got data type {motion} in {unit or 'no unit'}")
     abscissa = {FREQUENCY: FREQUENCIES, GENERAL: PLACES, DISPLACEMENT: PLACES}.get(kind, {})
     if length not in abscissa:
-        wanted = "frequencies (data type 18, Hz) or places (1 or 8, m or mm)"
+        expected = "frequencies (data type 18, Hz) or places (1 or 8, m or mm)"
         raise file_error(
-            path, option, f"must have {wanted} as abscissa, got type {kind} in {length or 'no unit'}"
+            path, option, f"must have {expected} as abscissa, got type {kind} in {length or 'no unit'}"
         )
-    at, values = np.array(dataset["x"], float) * abscissa[length], np.array(dataset["data"]) * base[unit]
-    place, volts = PLACE.search(str(dataset["id4"])), re.search(r"voltage = (\S+) V", str(dataset["id5"]))
-    own = (float(place["x"]), float(place["y"])) if place else (np.nan, 0.0)
+    points, values = (
+        np.array(dataset["x"], float) * abscissa[length],
+        np.array(dataset["data"]) * base[unit],
+    )
+    position_match, volts = (
+        PLACE.search(str(dataset["id4"])),
+        re.search(r"voltage = (\S+) V", str(dataset["id5"])),
+    )
+    start = (float(position_match["x"]), float(position_match["y"])) if position_match else (np.nan, 0.0)
     direction = abs(int(dataset["rsp_dir"])) or 3
     by_frequency = kind == FREQUENCY
     return Scan(
         name=path.name, component=COMPONENTS[(direction - 1) % 3], values=values,
-        x=np.full(len(at), own[0]) if by_frequency else at, y=np.full(len(at), own[1]),
-        frequency=at if by_frequency else None, per_volt=dataset["orddenom_axis_units_lab"].strip() == "V",
+        x=np.full(len(points), start[0]) if by_frequency else points, y=np.full(len(points), start[1]),
+        frequency=points if by_frequency else None, per_volt=dataset["orddenom_axis_units_lab"].strip() == "V",
         voltage=float(volts[1]) if volts else None, is_velocity=is_velocity,
     )  # fmt: skip

@@ -305,3 +305,37 @@ def test_extremes_are_answered_within_the_tolerance(changed):
     found = steady(slider(**changed), orbit(3e-9), tolerance=1e-6)
     assert found.status == "ok"
     assert abs(found.velocity) <= 2.0 * math.pi * 2.2e6 * 0.7 * 3e-9
+
+
+@pytest.mark.parametrize(
+    ("status", "method", "changed", "next_method"),
+    [
+        ("out of reach", "auto", {}, "averaged"),
+        ("out of reach", "exact", {}, None),
+        ("out of reach", "averaged", {}, "averaged"),
+        ("unstable", "auto", {}, "long run"),
+        ("unstable", "exact", {}, "long run"),
+        ("unstable", "averaged", {}, "averaged"),
+        ("out of reach", "auto", {"contact_damping": 1e5}, "long run"),
+        ("out of reach", "auto", {"mass": 0.089e-8}, "long run"),
+    ],
+)
+def test_the_method_after_shooting_depends_on_why_shooting_failed(
+    monkeypatch, status, method, changed, next_method
+):
+    def fails(with_status):
+        def run(*arguments, **settings):
+            raise ConvergenceError(with_status, "no result")
+
+        return run
+
+    monkeypatch.setattr("contact.answers.steady.periodic", fails(status))
+    monkeypatch.setattr("contact.answers.steady.long_run", fails("long run"))
+    if next_method == "averaged":
+        answer = steady(slider(**changed), orbit(3e-9), tolerance=1e-3, method=method)
+        assert answer.method == "averaged"
+        assert ("full motion was not found" in answer.message) == (method == "auto")
+    else:
+        with pytest.raises(ConvergenceError) as failure:
+            steady(slider(**changed), orbit(3e-9), tolerance=1e-3, method=method)
+        assert failure.value.status == (next_method or status)

@@ -1,10 +1,11 @@
 """Where the program stands at the extremes: what is right within its stated error, flagged, refused or WRONG.
 
-Method: every quantity of the free wave, the driven stator, the contact and the whole chain taken to both ends of its
-range, and random corners of the contact's ranges together; each answer held against another way to it
-(free.py, stator.py, contact.py, chain.py say which).  An answer is WRONG if it
-is off by more than twice its stated error, if it is not a number or ends in a defect or a warning of the arithmetic.
-The contact's witness is a run in time, often coarser than the answer: there the error is what exceeds the witness's.
+Method: each quantity of the free wave, the driven stator, the contact and the whole chain is set to both ends of its
+range. For the contact, random combinations of extreme values are added. Each answer is compared with an independent
+solution, which the docstrings of free.py, stator.py, contact.py and chain.py describe. An answer is WRONG if its error
+exceeds twice its stated error, if it is not a number, or if it ends in an unexpected exception or an arithmetic
+warning. The reference of the contact is a run in time, which is often less accurate than the answer. There, the error
+is the part of the difference that exceeds the error of the reference.
 Expected: at least 150 cases, none WRONG.  Run time: about 6 min of one processor.
 """
 
@@ -45,16 +46,16 @@ COLUMNS = (
 
 @study()
 def run(*, parts: tuple[str, ...] = tuple(PARTS), cases: int | None = None, progress=None) -> Answered:
-    """Return the verdict on every case, a panel for each part.
+    """Return the verdicts on all cases, with one panel for each part.
 
     Parameters
     ----------
     parts : tuple of str
         Names in `PARTS`.
     cases : int, optional
-        Of each part, evenly spaced; all without a number.
+        Number of cases of each part, evenly spaced; all cases if None.
     progress : callable, optional
-        Told which case is being judged.
+        Function that receives a message for each case.
     """
     modules = {part: import_module(f"studies.evidence.stability.{PARTS[part]}") for part in parts}
     selected = [
@@ -71,13 +72,13 @@ def run(*, parts: tuple[str, ...] = tuple(PARTS), cases: int | None = None, prog
 
 
 def _some(cases, number: int | None):
-    """Return so many cases, evenly spaced."""
+    """Return a number of evenly spaced cases."""
     cases = list(cases)
     return cases if number is None else cases[:: max(len(cases) // number, 1)][:number]
 
 
 def tables(record: StudyRecord) -> dict[str, str]:
-    """Return the files beside the pictures: every case, and a summary for each quantity."""
+    """Return the text files of the study: all cases, and a summary with a row for each quantity."""
     rows = [row for panel in record.panels for row in _rows(panel)]
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -88,24 +89,24 @@ def tables(record: StudyRecord) -> dict[str, str]:
 
 
 def summary(rows: list[dict]) -> str:
-    """Return a table in markdown with a line for each quantity varied."""
+    """Return a markdown table with one row for each varied quantity."""
     head = ["part", "varied", "from", "to", "cases", *VERDICTS, "worst error / estimate", "seconds", "guard"]
     table = []
     for part, varied in dict.fromkeys((row["part"], row["varied"]) for row in rows):
-        own = [row for row in rows if (row["part"], row["varied"]) == (part, varied)]
-        verdicts = Counter(row["verdict"] for row in own)
-        guards = Counter(row["guard"] for row in own if row["guard"])
-        ratios = [ratio for ratio in map(_ratio, own) if ratio is not None]
-        unit = f" {own[0]['unit']}".rstrip()
+        selected = [row for row in rows if (row["part"], row["varied"]) == (part, varied)]
+        verdicts = Counter(row["verdict"] for row in selected)
+        guards = Counter(row["guard"] for row in selected if row["guard"])
+        ratios = [ratio for ratio in map(_ratio, selected) if ratio is not None]
+        unit = f" {selected[0]['unit']}".rstrip()
         cells = [
             part,
             varied,
-            f"{own[0]['value']}{unit}",
-            f"{own[-1]['value']}{unit}",
-            str(len(own)),
+            f"{selected[0]['value']}{unit}",
+            f"{selected[-1]['value']}{unit}",
+            str(len(selected)),
             *(str(verdicts[verdict] or "") for verdict in VERDICTS),
             f"{max(ratios):.2g}" if ratios else "",
-            f"{sum(row['seconds'] for row in own):.1f}",
+            f"{sum(row['seconds'] for row in selected):.1f}",
             guards.most_common(1)[0][0][:110].replace("|", "/") if guards else "",
         ]
         table.append(cells)
@@ -116,18 +117,20 @@ def summary(rows: list[dict]) -> str:
 
 @of_record
 def figure(record: Panel, ax):
-    """Draw a part's map: a line for each quantity, its values in order, marked by verdict."""
+    """Draw the verdicts of a part: one line for each quantity, with its values in order."""
     rows = _rows(record)
     names = list(dict.fromkeys((row["varied"], row["unit"]) for row in rows))
     for line, (varied, unit) in enumerate(names):
-        own = [row for row in rows if row["varied"] == varied]
-        for place, row in enumerate(own):
+        selected = [row for row in rows if row["varied"] == varied]
+        for index, row in enumerate(selected):
             colour, mark, size = STYLES[row["verdict"]]
-            at = place / max(len(own) - 1, 1)
-            ax.scatter(at, line, color=colour, marker=mark, s=size if len(own) < 40 else size / 3, zorder=3)
+            x = index / max(len(selected) - 1, 1)
+            ax.scatter(
+                x, line, color=colour, marker=mark, s=size if len(selected) < 40 else size / 3, zorder=3
+            )
         ax.plot([0, 1], [line, line], color="#dddddd", linewidth=0.8, zorder=1)
-        for at, row, side in ((-0.02, own[0], "right"), (1.02, own[-1], "left"))[: len(own)]:
-            ax.text(at, line, f"{row['value']} {unit}".rstrip(), ha=side, va="center", fontsize="x-small")
+        for x, row, side in ((-0.02, selected[0], "right"), (1.02, selected[-1], "left"))[: len(selected)]:
+            ax.text(x, line, f"{row['value']} {unit}".rstrip(), ha=side, va="center", fontsize="x-small")
     for verdict, (colour, mark, size) in STYLES.items():
         count = sum(row["verdict"] == verdict for row in rows)
         ax.scatter([], [], color=colour, marker=mark, s=size, label=f"{verdict} ({count})")
@@ -141,7 +144,7 @@ def figure(record: Panel, ax):
 
 
 def against_estimate(panels: tuple[Panel, ...], ax):
-    """Draw the true error of every answer against the one that it states."""
+    """Draw the true error of every answer against its stated error."""
     for panel in panels:
         pairs = [
             (row["relative_estimate"], row["relative_error"])
@@ -158,7 +161,7 @@ def against_estimate(panels: tuple[Panel, ...], ax):
 
 
 def draw(record: StudyRecord, folder, *, progress: Callable[[str], None]) -> None:
-    """Draw a map for each part, as high as it has quantities, and the errors against the estimates."""
+    """Draw the verdicts of each part, and true against stated errors."""
     for panel in record.panels:
         progress(f"drawing {panel.name}")
         height = 0.3 * len(dict.fromkeys(panel.data["varied"])) + 1.6
@@ -170,7 +173,7 @@ def draw(record: StudyRecord, folder, *, progress: Callable[[str], None]) -> Non
 
 
 def _row(case, outcome) -> dict:
-    """A case and its outcome in terms of JSON: no answer, no number."""
+    """Return a case and its outcome as JSON-compatible data, with None instead of NaN."""
     numbers = {name: getattr(outcome, name) for name in ("relative_error", "relative_estimate")}
     finite = {name: float(value) if math.isfinite(value) else None for name, value in numbers.items()}
     row = {"part": case.part, "varied": case.varied, "value": f"{case.value:g}", "unit": case.unit}
@@ -195,7 +198,7 @@ def _rows(panel: Panel) -> list[dict]:
 
 
 def _ratio(row: dict) -> float | None:
-    """Error over estimate, where there are both."""
+    """Return the ratio of error to estimate, or None if one of them is missing."""
     error, estimate = row["relative_error"], row["relative_estimate"]
     if error is None or estimate is None or not estimate > 1e-12:
         return None

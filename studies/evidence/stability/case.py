@@ -1,8 +1,11 @@
-"""A case of the stability study and its outcome: one extreme value put to one part of the program.
+"""A case of the stability study, which sets a quantity of one part of the program to an extreme value.
 
-Every case ends in one of four ways: "right" (two ways that share nothing beyond the model agree within their stated
-errors), "flagged" (an answer whose status says that it is not within the tolerance), "refused" (no answer, the reason
-given) or "WRONG" (an answer outside its stated error, a NaN, a traceback or no end).
+There are four verdicts:
+
+- "right": two solutions that share only the model agree within their stated errors;
+- "flagged": there is an answer, and its status says that it does not meet the tolerance;
+- "refused": there is no answer, and a message states the reason;
+- "WRONG": the answer is outside its stated error, NaN, or an unexpected exception.
 """
 
 from dataclasses import dataclass
@@ -12,18 +15,18 @@ VERDICTS = ("right", "flagged", "refused", "WRONG")
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """One extreme.
+    """One extreme value of one quantity.
 
     Attributes
     ----------
     part : str
         "free wave", "stator", "contact" or "chain".
     varied : str
-        The quantity, or what it is a corner of.
+        Name of the quantity, or "corner" for a random combination of extreme values.
     value : float
-        Its value; of a corner, its number.
+        Value of the quantity, or number of the corner.
     unit : str
-        SI, "" for a number.
+        SI unit; "" for a dimensionless quantity.
     """
 
     part: str
@@ -34,20 +37,20 @@ class Case:
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """What became of a case.
+    """The outcome of a case.
 
     Attributes
     ----------
     verdict : str
         One of `VERDICTS`.
     guard : str
-        What spoke: the status or the sentence of the refusal; "" where the answer stands by itself.
+        Status of the answer or message of the refusal; "" for an answer without a remark.
     relative_error : float
-        Difference of the two ways, relative as the estimate is; nan where there are not two.
+        Difference between answer and reference, normalised as the estimate; nan without a reference.
     relative_estimate : float
-        Stated error; nan where there is no answer.
+        Stated relative error; nan without an answer.
     seconds : float
-        Processor time taken.
+        Processor time.
     """
 
     verdict: str

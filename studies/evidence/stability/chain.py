@@ -1,9 +1,9 @@
-"""Extreme cases of the whole chain: a small motor's scene with one key taken to its ends, against another scene.
+"""Extreme cases of the whole chain: the scene of a small motor with one key set to extreme values.
 
-A plate of hard PZT of 9 x 0.7 mm, one transducer of two finger pairs, the seed's slider, two voltages.  Witnesses: the
-scene at a hundredth of the tolerance; or another scene that is the same motor: a voltage divider in place of a source
-impedance, one ball in place of three, its mirror image, a block that goes on for longer.  Errors are of the velocity in
-the sense of the contract, over max(|v|, omega |u_x| / 10).
+The motor has a plate of hard PZT of 9 x 0.7 mm, one transducer of two finger pairs, the slider of Feenstra and
+Breedveld and two voltages. The reference is either the same scene at a hundredth of the tolerance, or an equivalent
+scene: a voltage divider instead of a source impedance, one ball instead of three, the mirror image, or a longer block
+with absorbing ends. Errors are those of the velocity relative to max(|v|, omega |u_x| / 10).
 """
 
 import math
@@ -58,7 +58,7 @@ BALLS = (("PZT-8", "Z"), ("PZT-8", "X"), ("LiNbO3 (Warner)", "YZ"))
 
 
 def _changed(**blocks) -> dict:
-    """Return the scene's table with other keys in its blocks; ``transducer``: of the first."""
+    """Return the table of the scene with changed keys in its blocks; ``transducer`` changes the first transducer."""
     table = {
         key: value if key == "title" else _merged(value, blocks.get(key, {})) for key, value in SCENE.items()
     }
@@ -96,13 +96,13 @@ def _ball(number: float) -> dict:
 
 
 def _third() -> dict:
-    """One ball with a third of everything."""
+    """Return the scene of one ball with a third of the mass and of the damping."""
     slider, damping = SCENE["slider"], SCENE["slider"]["damping"]
     return _with_slider(mass=slider["mass"] / 3, damping={name: value / 3 for name, value in damping.items()})
 
 
 def _mirrored() -> dict:
-    """The scene seen from behind: the transducer on the right, the slider on its left."""
+    """Return the mirror image of the scene: the transducer on the right, the slider to its left."""
     length = SCENE["stator"]["length"]
     return _changed(
         transducer={"center": length - SCENE["transducer"][0]["center"]},
@@ -110,7 +110,7 @@ def _mirrored() -> dict:
     )
 
 
-# quantity: unit, values, table, witness
+# quantity: unit, values, table as a function of the value, kind of reference
 VARIED: dict[str, tuple[str, tuple, Callable[[float], dict], str]] = {
     "voltage": ("V", (0.0, 1e-9, 1e-3, 7.0, 300.0, 1e3, 1e6), lambda v: _driven(voltage=v), "tighter"),
     "source impedance": ("ohm", (1e-9, 50.0, 1e4, 1e9), lambda v: _driven(source_impedance=v), "divider"),
@@ -146,18 +146,18 @@ def chain_cases() -> tuple[Case, ...]:
 
 
 def judge(case: Case) -> Outcome:
-    """Return what became of a case."""
+    """Return the outcome of a case."""
     _, _, table, witness = VARIED[case.varied]
     tolerance = case.value if case.varied == "tolerance" else TOLERANCE
 
     def posed():
-        made = table(case.value)
+        changed = table(case.value)
         if case.varied == "frequency":
-            made["transducer"][0]["period"] = 0.98e-3
-        record = _run(made, tolerance)
+            changed["transducer"][0]["period"] = 0.98e-3
+        record = _run(changed, tolerance)
         if record.shortfall:
             raise NoWitness(f"none is asked where the answer itself is flagged: {record.shortfall}")
-        error, estimate = _worst(record, _known(witness, made, tolerance))
+        error, estimate = _worst(record, _known(witness, changed, tolerance))
         return error, estimate, True
 
     return judged(posed, tolerance)
@@ -168,14 +168,16 @@ def _run(table: dict, tolerance: float):
 
 
 def _known(witness: str, table: dict, tolerance: float) -> list[float]:
-    """Return the velocities that a witness gives, m/s."""
+    """Return the velocities of the reference in m/s."""
     if witness == "tighter":
         return _velocities(_tighter(table, tolerance))
     if witness == "divider":
-        plain = _tighter(_changed(), tolerance)
-        divided = 1 / abs(1 + table["drive"]["source_impedance"] * plain.electrical["admittance_S"])
+        without_impedance = _tighter(_changed(), tolerance)
+        voltage_ratio = 1 / abs(
+            1 + table["drive"]["source_impedance"] * without_impedance.electrical["admittance_S"]
+        )
         return _velocities(
-            _tighter(_driven(voltage=[v * divided for v in SCENE["drive"]["voltage"]]), tolerance)
+            _tighter(_driven(voltage=[v * voltage_ratio for v in SCENE["drive"]["voltage"]]), tolerance)
         )
     if witness == "third":
         return _velocities(_tighter(_third(), tolerance))
@@ -184,18 +186,18 @@ def _known(witness: str, table: dict, tolerance: float) -> list[float]:
 
 
 def _tighter(table: dict, tolerance: float):
-    """Return the record at a hundredth of a tolerance, or as near to it as there is an answer."""
-    why = ""
-    for share in TIGHTER:
+    """Return the record at a hundredth of a tolerance, or at a tenth if there is no answer."""
+    reason = ""
+    for relative_tolerance in TIGHTER:
         try:
-            record = _run(table, tolerance * share / TOLERANCE)
+            record = _run(table, tolerance * relative_tolerance / TOLERANCE)
         except RunError as error:
-            why = str(error)
+            reason = str(error)
             continue
         if not record.shortfall:
             return record
-        why = record.shortfall
-    raise NoWitness(why)
+        reason = record.shortfall
+    raise NoWitness(reason)
 
 
 def _velocities(record) -> list[float]:
@@ -203,11 +205,11 @@ def _velocities(record) -> list[float]:
 
 
 def _worst(record, known: list[float]) -> tuple[float, float]:
-    """Return error and estimate of the point whose error is furthest from its estimate."""
+    """Return error and estimate of the point whose error exceeds twice its estimate the most."""
     omega = 2 * math.pi * record.scene.frequency
     errors = []
     for point, truth in zip(record.points, known, strict=True):
         scale = max(abs(truth), omega * point["tangential_amplitude_m"] / 10)
-        off = abs(point["velocity_m_per_s"] - truth)
-        errors.append((off / scale if scale > 0 else off, point["relative_error"]))
+        difference = abs(point["velocity_m_per_s"] - truth)
+        errors.append((difference / scale if scale > 0 else difference, point["relative_error"]))
     return max(errors, key=lambda pair: pair[0] - 2 * pair[1])

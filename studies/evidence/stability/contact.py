@@ -25,7 +25,7 @@ SLIDER: dict[str, Any] = {
     "effective_modulus": 64e9, "tangential_modulus": 12e9, "law": "elastic", "reciprocal": False, "stick_band": 0.0,
     "contact_damping": 0.0, "normal_damping": 0.5, "tangential_damping": 1e-4,
 }  # fmt: skip
-# values, one at a time
+# quantities that are varied one at a time: unit and values
 SWEPT = {
     "moduli over the seed's": ("", (1e-3, 1e-2, 0.1, 10.0, 100.0, 1e3)),
     "preload": ("N", (0.0, 1e-9, 1e-6, 1e-5, 1e-4, 1e-2, 0.1, 1.0, 10.0, 100.0, 1e3)),
@@ -41,7 +41,7 @@ SWEPT = {
     "load": ("N", (1e-7, 1e-5, 5e-5, 1e-4, 1e-2, 1.0, 1e3)),
     "tangential_ratio": ("", (0.0, 1e-3, 1.0, 10.0, 1e3)),
 }
-# ends of the ranges, for the corners; what may be zero is zero in one draw of four
+# ranges of the quantities in a corner; quantities in MAY_BE_ZERO are zero in one of four draws
 RANGES = {
     "moduli over the seed's": (1e-3, 1e3), "preload": (1e-9, 1e3), "amplitude": (1e-12, 1e-5),
     "friction_coefficient": (1e-3, 5.0), "mass": (1e-12, 1.0), "radius": (1e-9, 1.0), "frequency": (1.0, 1e10),
@@ -72,7 +72,7 @@ def motor(case: Case):
 
 
 def built(values: dict):
-    """Return (slider, orbits) from values by name, those of the seed where there are none."""
+    """Return (slider, orbits) from values by name; missing values are those of the default slider and wave."""
     rest = dict(values)
     factor = rest.pop("moduli over the seed's", 1.0)
     amplitude = rest.pop("amplitude", AMPLITUDE)
@@ -88,7 +88,7 @@ def built(values: dict):
 
 
 def corner(number: int) -> dict:
-    """Return the values of a random corner: about half of the quantities leave the seed's."""
+    """Return the values of a random corner, in which about half of the quantities differ from the default motor."""
     draw = np.random.default_rng([20260, number])
     values: dict[str, float | str] = {}
     for name, (low, high) in RANGES.items():
@@ -106,7 +106,7 @@ def corner(number: int) -> dict:
 
 
 def judge(case: Case) -> Outcome:
-    """Return what becomes of a case."""
+    """Return the outcome of a case."""
 
     def posed():
         slider, orbits = motor(case)
@@ -119,7 +119,7 @@ def judge(case: Case) -> Outcome:
             relative_to_reference(each, answer.velocity, orbits)
             for each in (other.velocity - answer.velocity, other.error)
         )
-        # the witness is often coarser than the answer: what exceeds the errors of both counts
+        # the reference is often less accurate than the answer: subtract twice its error
         return max(error - 2.0 * own, 0.0), answer.relative_error, answer.status == "ok" or answer.message
 
     return judged(posed, TOLERANCE)

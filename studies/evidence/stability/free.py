@@ -1,8 +1,8 @@
-"""Extreme cases of the free wave: a section without transducers against partial waves.
+"""Extreme cases of the free wave in a section without transducers, compared with partial waves.
 
-Half-spaces against the surface impedance of partial waves (fem.analytic.half_space), which has neither mesh nor order;
-plates against Lamb's equations are in `tests/validation`.
-With one loss factor on all moduli the wavenumber is the lossless one over sqrt(1 + i / Q).
+Half-spaces are compared with the surface impedance method of fem.analytic.half_space, which needs no mesh. Plates are
+compared with Lamb's equations in `tests/validation`. If all moduli have the same loss factor, the wavenumber is the
+lossless one over sqrt(1 + i / Q).
 """
 
 import math
@@ -52,7 +52,7 @@ def free_cases() -> tuple[Case, ...]:
 
 
 def judge(case: Case) -> Outcome:
-    """Return what became of a case."""
+    """Return the outcome of a case."""
     name, value = case.varied, case.value
     tolerance = value if name.startswith("tolerance") else TOLERANCE
 
@@ -69,7 +69,7 @@ def judge(case: Case) -> Outcome:
 def _isotropic(
     tolerance: float, *, poisson: float = 0.3, quality: float = math.inf
 ) -> tuple[float, float, bool]:
-    """Error, its estimate and whether it kept its tolerance, of an isotropic half-space."""
+    """Return (error, estimate, True) for an isotropic half-space, see `verdict.judged`."""
     solid = fem.isotropic(
         name="isotropic", youngs_modulus=YOUNG, poisson_ratio=poisson, density=DENSITY, mechanical_quality=quality
     )  # fmt: skip

@@ -1,8 +1,9 @@
-"""Frequencies at which the linear algebra of the driven stator is singular though the physics need not be.
+"""Frequencies at which the linear algebra of the driven stator is singular although the physical problem is not.
 
-A mode at its cut-off has k = 0: there the two directions of the guided modes meet.  A clamped piece of the stator that
-resonates cannot be condensed: the block between its lines is singular.  Both are found in the discretisation that an
-answer to a tolerance of 1e-3 uses, to all digits, so that the case meets them exactly.
+There are two kinds. At the cut-off of a mode, k = 0, and the guided modes of both directions coincide. At the resonance
+of a clamped piece of the stator, static condensation fails because the interior block is singular. Both frequencies are
+computed to machine precision on the discretisation of an answer with a tolerance of 1e-3, so that a case meets the
+singularity exactly.
 """
 
 import numpy as np
@@ -13,12 +14,12 @@ from fem.condense.column import folded
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 
 LEVEL = 2  # of fem.discretize.refinement.LEVELS
-BAND = (0.6, 1.6)  # of the frequency: about a piece's first resonance
+BAND = (0.6, 1.6)  # relative to the frequency of the motor; brackets the first resonance of a piece
 STEPS = 60
 
 
 def cut_off(motor) -> float:
-    """Return the first cut-off frequency in Hz of a lossless section above the motor's."""
+    """Return the first cut-off frequency in Hz of a lossless section above the frequency of the motor."""
     section = _section(motor)
     first, second = motor.frequency, 2 * motor.frequency
     low, high = (section.matrices(each)[2] for each in (first, second))
@@ -31,7 +32,7 @@ def cut_off(motor) -> float:
 
 
 def piece_resonance(motor) -> float:
-    """Return the first resonance in Hz of a finger's clamped cell, by bisection on the count of negatives."""
+    """Return the first resonance in Hz of the clamped cell of a finger, by bisection on the Sturm count."""
     low, high = (motor.frequency * side for side in BAND)
     first = _negatives(motor, low)
     for _ in range(STEPS):
@@ -53,18 +54,18 @@ def _section(motor):
 
 
 def _negatives(motor, frequency: float) -> int:
-    """Negative eigenvalues of the line in mid-finger when the cell's sides are clamped."""
+    """Return the number of negative eigenvalues on the line in mid-finger with clamped sides of the cell."""
     section = _section(motor)
     unit, transducer = section.length_unit, motor.transducers[0]
     shape = FingerShape(
         half_finger=transducer.finger_width / 2 / unit, half_gaps=(transducer.half_gap / unit,) * 2
     )
     rising, falling = half_cells(Condensation(section, frequency), shape, LEVELS[LEVEL])
-    phi, at = section.surface_dofs["phi"], rising.at
-    ours, theirs = (
-        folded(half.matrix, np.array([line.start + phi]), at.ports.start)[line, line]
-        for half, line in ((rising, at.right), (falling, at.left))
+    phi, lines = section.surface_dofs["phi"], rising.at
+    left_part, right_part = (
+        folded(half.matrix, np.array([line.start + phi]), lines.ports.start)[line, line]
+        for half, line in ((rising, lines.right), (falling, lines.left))
     )
-    middle = ours + theirs
+    middle = left_part + right_part
     keep = np.arange(section.size) != phi
     return int(np.sum(np.linalg.eigvalsh(middle[np.ix_(keep, keep)]) < 0))

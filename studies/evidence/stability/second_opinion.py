@@ -1,10 +1,11 @@
-r"""A steady velocity held against another way: where a run in time that starts at the answer would settle.
+r"""An independent check of a steady velocity: the limit of a run in time that starts at the answer.
 
-From the answer's height and velocity the motion is followed in fixed steps, or event by event where these do not
-apply, and once more from a velocity a little beside it. Of each run the mean velocities a and b are taken, over the
-second and over the last quarter, with a smooth weight that passes over rings and bounces. The rate of settling
-rho = (b_2 - b_1)/(a_2 - a_1) points to a + (b - a)/(1 - rho): no waiting for a heavy slider. Nothing of the search for
-the steady state is used, neither the averaging nor Newton's method nor the cycle map.
+The motion is computed in time from the height and the velocity of the answer, and a second time from a slightly
+different velocity. Fixed steps are used where they are applicable, otherwise the event-driven method. In each run, a
+and b are the mean velocities over the second and over the last quarter, with a smooth weight that suppresses the
+ringing and the bounce. The ratio rho = (b_2 - b_1)/(a_2 - a_1) of the two runs extrapolates to the limit a + (b - a)/(1
+- rho), so that the run need not be as long as the settling of a heavy slider. The check uses no part of the
+steady-state solvers: no averaging, no Newton iteration and no cycle map.
 """
 
 import math
@@ -21,28 +22,29 @@ from contact.events.collocation import collocation
 from contact.events.motion import Motion
 from contact.stepping.time_stepping import steps
 
-# steps per cycle, the last for the answer and all for its error, and nodes of the exact way
+# Steps per cycle and collocation nodes of the two methods. The last gives the velocity, the others its error.
 STEPS, NODES = (64, 90, 128), (9, 14)
-# cycles by steps; cycles by events at least, segments that they usually and at most take (5 s a run); how far beside,
-# of the reference; by how much the height may still move
+# Cycles with fixed steps; for the event-driven method the least number of cycles, and the usual and the largest number
+# of segments (5 s per run)
 STEPPED_CYCLES, LEAST_CYCLES, EXACT_SEGMENTS, MAX_SEGMENTS = 20_000, 64, 60_000, 200_000
+# Offset of the second start velocity over the reference speed; largest relative drift of the height
 BESIDE, STILL = 1e-2, 1e-4
 
 
 @dataclass(frozen=True, kw_only=True)
 class SecondOpinion:
-    """A steady velocity by another way.
+    """A steady velocity from runs in time.
 
     Attributes
     ----------
     velocity : float
         m/s.
     error : float
-        Estimated, m/s: from two resolutions, and what is left to settle.
+        Estimated error in m/s, from the resolutions and the remaining settling.
     way : str
         "stepped" or "exact".
     cycles : int
-        Followed.
+        Number of computed cycles.
     """
 
     velocity: float
@@ -52,17 +54,17 @@ class SecondOpinion:
 
 
 def second_opinion(state: SteadyState) -> SecondOpinion:
-    """Return the steady velocity that runs in time from an answer point to.
+    """Return the steady velocity to which runs in time from an answer extrapolate.
 
     Parameters
     ----------
     state : SteadyState
-        Of a moving slider or one that is held.
+        Steady state of a moving or a sticking slider.
 
     Raises
     ------
     ConvergenceError
-        What the motion ran into.
+        If the motion cannot be computed or does not settle.
     """
     side, driven = towards_plus(state.orbits)
     slider = state.slider
@@ -73,7 +75,7 @@ def second_opinion(state: SteadyState) -> SecondOpinion:
     reference = reference_speed(state.velocity, driven) / unit
     stepped = not stepped_refusals(slider, problem, STEPS[0])
     resolutions = STEPS if stepped else NODES
-    cycles = STEPPED_CYCLES if stepped else _affordable(problem)
+    cycles = STEPPED_CYCLES if stepped else _cycle_count(problem)
     runs = [_quarters(_rows(problem, stepped, n, begin, cycles)) for n in resolutions]
     drift = abs(runs[-1][3] - runs[-1][2]) / (1.0 + abs(runs[-1][3]))
     if drift > STILL:
@@ -81,7 +83,7 @@ def second_opinion(state: SteadyState) -> SecondOpinion:
     runs = [run[:2] for run in runs]
     a, b = runs[-1]
     if state.velocity == 0.0:
-        # held: what the springs may give and take back is no motion
+        # sticking: a displacement within the elastic limit of the contacts is no motion
         every = np.arange(problem.contacts)
         reach = slider.limit_slope * (abs(begin[0]) + max(normal_amplitude(problem.paths, every)))
         reach += max(tangential_amplitude(problem.paths, every))
@@ -112,13 +114,13 @@ def _quarters(rows):
     )
 
 
-def _affordable(problem):
-    each = max(24.0, problem.segments)
-    cycles = max(LEAST_CYCLES, int(EXACT_SEGMENTS / each))
-    if cycles * each > MAX_SEGMENTS:
+def _cycle_count(problem):
+    segments_per_cycle = max(24.0, problem.segments)
+    cycles = max(LEAST_CYCLES, int(EXACT_SEGMENTS / segments_per_cycle))
+    if cycles * segments_per_cycle > MAX_SEGMENTS:
         raise ConvergenceError(
             "out of reach",
-            f"a cycle takes {each:.3g} segments of the motion: too many to follow {LEAST_CYCLES} of them",
+            f"a cycle takes {segments_per_cycle:.3g} segments of the motion: too many to follow {LEAST_CYCLES} of them",
         )
     return cycles
 

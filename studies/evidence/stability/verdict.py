@@ -1,8 +1,8 @@
-"""The verdict on a case of the stability study: an answer against its witness, or what refused it.
+"""The verdict on a case of the stability study, from the comparison with a reference or from an exception.
 
-An answer is WRONG if it is off by more than twice its estimate (the contract's promise) and by more than a hundredth
-of the tolerance: below that nothing was asked of the estimate.  What is left of an answer to a user's eyes counts too:
-a warning of the arithmetic (overflow, invalid value) is a failure of the case, whatever number came out.
+An answer is WRONG if its error exceeds twice its estimate and also a hundredth of the tolerance. Smaller errors are
+accepted, because estimates are not required to be accurate there. A warning of the arithmetic (overflow, invalid value)
+makes the case WRONG for any answer.
 """
 
 import math
@@ -15,12 +15,12 @@ import fem
 from studies.evidence.stability.case import Outcome
 from studies.refusal import RunError, SceneError
 
-PROMISED = 2.0  # true error over estimate
-UNASKED = 1e-2  # of the tolerance, below which the estimate is not judged
+PROMISED = 2.0  # largest permitted ratio of true error to estimate
+UNASKED = 1e-2  # error over tolerance below which the estimate is not judged
 
 
 class NoWitness(RuntimeError):
-    """There is an answer, but nothing to hold it against."""
+    """There is an answer, but no reference to compare it with."""
 
 
 def judged(posed: Callable[[], tuple[float, float, bool | str]], tolerance: float) -> Outcome:
@@ -29,10 +29,10 @@ def judged(posed: Callable[[], tuple[float, float, bool | str]], tolerance: floa
     Parameters
     ----------
     posed : callable
-        Answers and asks the witness: error, its estimate, and True or the status of an answer that keeps no
-        tolerance.
+        Function that computes answer and reference and returns the error, its estimate, and True or the status of an
+        answer that does not meet the tolerance.
     tolerance : float
-        Relative, that was asked for.
+        Requested relative tolerance.
     """
     start_time = time.process_time()
 

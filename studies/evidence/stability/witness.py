@@ -1,6 +1,6 @@
-"""Witnesses of the driven stator's extreme cases: another way to the same admittance and motion.
+"""Reference solutions for the extreme cases of the driven stator: independent values of admittance and motion.
 
-Each gives an admittance (S) and u_x, u_z at the place (m per volt), or None for what it does not know.
+Each function returns an admittance in S, or None if it has none, and u_x and u_z at ``motor.place`` in m per volt.
 """
 
 import math
@@ -22,7 +22,7 @@ from studies.evidence.stability.verdict import NoWitness
 
 
 def compared(motor, witness: str, tolerance: float, balance: float) -> tuple[float, float, bool | str]:
-    """Solve a motor and ask a witness.
+    """Solve a motor and compare it with a reference.
 
     Parameters
     ----------
@@ -30,14 +30,14 @@ def compared(motor, witness: str, tolerance: float, balance: float) -> tuple[flo
     witness : str
         "direct", "size", "circuit" or "finer".
     tolerance : float
-        Relative, of the motion.
+        Relative tolerance of the motion.
     balance : float
-        Bound of the power balance's residual over the apparent power.
+        Bound on the residual of the power balance over the apparent power.
 
     Returns
     -------
     error, estimate, kept
-        Of motion or admittance, whichever is further from its estimate; see `verdict.judged`.
+        Values for motion or admittance, whichever has the larger ratio of error to estimate; see `verdict.judged`.
     """
     wave = motor.wave(tolerance)
     try:
@@ -56,14 +56,14 @@ def compared(motor, witness: str, tolerance: float, balance: float) -> tuple[flo
 
 
 def _difference(motion: np.ndarray, known: np.ndarray) -> float:
-    """Of two orbits, a common phase aside (it moves nothing), over the larger component."""
+    """Return the difference of two orbits over the larger component, without a common phase, which has no effect."""
     known = np.asarray(known)
-    turn = np.exp(1j * np.angle(np.sum(np.conj(known) * motion)))
-    return float(abs(motion - turn * known).max() / abs(known).max())
+    phase_factor = np.exp(1j * np.angle(np.sum(np.conj(known) * motion)))
+    return float(abs(motion - phase_factor * known).max() / abs(known).max())
 
 
 def _direct(motor, _) -> tuple[complex, np.ndarray]:
-    """The whole section as one sparse matrix, one level finer than the answer."""
+    """Solve the whole section as one sparse matrix, one level finer than the answer."""
     solution = direct_solution(
         motor.stator,
         motor.transducers,
@@ -73,14 +73,14 @@ def _direct(motor, _) -> tuple[complex, np.ndarray]:
         segment_size=0.25,
         segment_layers=3,
     )
-    wired = solve_circuit(
+    circuit = solve_circuit(
         solution.admittances, solution.names, motor.transducers, motor.drive, motor.frequency
     )
-    return wired.admittance, solution.surface(np.array([motor.place]))[:, 0] @ wired.voltages
+    return circuit.admittance, solution.surface(np.array([motor.place]))[:, 0] @ circuit.voltages
 
 
 def _finer(motor, answer) -> tuple[complex, np.ndarray]:
-    """The next level of the discretisation; beyond the last, one of higher order."""
+    """Solve on the next level of discretisation or, after the last level, with a higher order."""
     level = LEVELS.index(answer.solution.fields.resolution)
     finest = replace(LEVELS[-1], order=12)
     resolution = LEVELS[level + 1] if level + 1 < len(LEVELS) else finest
@@ -91,7 +91,7 @@ def _finer(motor, answer) -> tuple[complex, np.ndarray]:
 
 
 def _size(motor, _) -> tuple[complex, np.ndarray]:
-    """The same motor at 2.2 MHz as one sparse matrix: charge per aperture and strain stay the same."""
+    """Solve the motor scaled to 2.2 MHz as one sparse matrix; charge per aperture and strain do not change."""
     factor = 2.2e6 / motor.frequency
     (transducer,) = motor.transducers
 
@@ -106,7 +106,7 @@ def _size(motor, _) -> tuple[complex, np.ndarray]:
 
 
 def _circuit(motor, _) -> tuple[complex, np.ndarray]:
-    """The same motor without source impedance, as one sparse matrix, and a voltage divider."""
+    """Solve the motor without source impedance as one sparse matrix, and apply a voltage divider."""
     admittance, motion = _direct(replace(motor, source_impedance=0.0), _)
     return admittance, motion / (1 + motor.source_impedance * admittance)
 
