@@ -1,10 +1,12 @@
-r"""Steady states that need no search: no wave, no friction, a wave that carries the slider, a load that drags it.
+r"""Steady states in closed form: no wave, no friction, a slider that follows a slow wave, and one dragged by its load.
 
-*Carried*: contact and spring are so much faster than the wave that the slider follows the surface, and the forces this
-takes stay far inside the friction cone: m omega^2 |u_x| and R_t omega |u_x| against mu times what m omega^2 |u_z| and
-R_n2 omega |u_z| leave of the preload. *Dragged*: the load exceeds the friction limit and pulls the slider faster than
-any surface motion, so that every contact slips one way all the time; <sum Q> is then mu times the mean of the springs'
-normal forces, whatever the bounce does, and v follows from the damper alone.
+*Carried.* If both contact resonances are far above the wave frequency, the slider follows the surface. The tangential
+force, from m omega^2 |u_x|, R_t omega |u_x| and the load, must stay well below the friction limit. This limit is mu
+times the preload less the normal force from m omega^2 |u_z| and R_n2 omega |u_z|.
+
+*Dragged.* If the load exceeds the friction limit and pulls the slider faster than any surface motion, every contact
+slips in the same direction all the time. <sum Q> then equals mu times the mean normal force of the springs, whatever
+the bounce is, and v follows from the damper alone.
 """
 
 import math
@@ -19,12 +21,13 @@ from contact.law.normal import load
 from contact.orbit import Orbit
 from contact.slider import Slider
 
-# how much faster than the wave both resonances are for a slider that is carried, and its share of the friction limit
+# A slider is carried if both resonances exceed FASTER times the wave frequency and the forces stay below INSIDE times
+# their limits.
 FASTER, INSIDE = 20.0, 0.5
 
 
 def closed_form(slider: Slider, orbits: tuple[Orbit, ...]) -> dict | None:
-    """Return velocity, regime, height and the sentence why, or None where the motion must be searched."""
+    """Return a dictionary of velocity, regime, height and reason ("why"), or None if no closed form applies."""
     friction = slider.static_friction(len(orbits))
     still = all(orbit.normal == 0 and orbit.tangential == 0 for orbit in orbits)
     dragged = _dragged(slider, orbits)
@@ -52,9 +55,9 @@ def closed_form(slider: Slider, orbits: tuple[Orbit, ...]) -> dict | None:
 
 
 def _sliding(slider):
-    """Return mu times the mean of the elastic normal forces of contacts that slip all the time, N."""
+    """Return mu times the mean elastic normal force of contacts that always slip, N."""
     friction = slider.friction_coefficient * slider.preload
-    # the reciprocal force of a slipping contact is a fixed share of P, and carries its share of the preload
+    # the reciprocal force of a slipping contact is proportional to P and carries a part of the preload
     shape = slider.contact_shape
     share = back_load(1.0, 0.0, shape) / load(1.0, shape)
     back = share * slider.friction_coefficient * slider.limit_slope
@@ -74,8 +77,8 @@ def _dragged_speed(slider, contacts):
 
 
 def _dragged(slider, orbits):
-    """Return whether the load alone pulls the slider faster than any contact can stick."""
-    if slider.friction is not None:  # the sliding force follows the wave: it is searched
+    """Return True if the load pulls the slider so fast that no contact can stick."""
+    if slider.friction is not None:  # the sliding force depends on the wave, so that there is no closed form
         return False
     surplus = slider.load - slider.friction_coefficient * slider.preload
     fastest = max(o.omega * (abs(o.tangential) + slider.limit_slope * abs(o.normal)) for o in orbits)
@@ -83,11 +86,11 @@ def _dragged(slider, orbits):
 
 
 def _carried(slider, orbits):
-    """Return the answer for a slider that follows a slow surface, else None."""
+    """Return the steady state of a slider that follows a slow surface, or None if it does not follow."""
     first, contacts, omega = orbits[0], len(orbits), orbits[0].omega
     if slider.friction is not None and slider.tangential_law.bent:
         return None
-    if slider.law != "elastic":  # its annulus slips under any change of force, and may walk
+    if slider.law != "elastic":  # an annulus slips under any change of force, which may move the slider
         return None
     resonance = min(slider.normal_resonance(contacts), slider.tangential_resonance(contacts))
     if resonance < FASTER * first.frequency or any(orbit != first for orbit in orbits) or slider.heights:

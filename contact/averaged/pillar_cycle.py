@@ -1,8 +1,8 @@
-"""All contacts of a slider through one cycle on the wave that they load: forces, and the wave's amplitudes at the rows.
+"""Forces of all contacts of a slider over one wave cycle, and the wave amplitudes at the rows of contacts.
 
-Contacts at the same x are a row. Those of a row with equal height and stiffness (and y, where the slider tilts about x)
-are one class, computed once with the sum of their weights. The means over the cycle come from `MEANS`: closed forms for
-flat pillars (`flat_cycle`), quadrature for balls (`ball_cycle`).
+Contacts at the same x form a row. Contacts of a row with equal height and stiffness (and equal y, if the slider tilts
+about x) form a class, which is computed once with the sum of their weights. `MEANS` provides the cycle means: closed
+forms for flat pillars (`flat_cycle`) and quadrature for balls (`ball_cycle`).
 """
 
 from collections.abc import Callable
@@ -17,19 +17,21 @@ from contact.averaged.march import march, passed
 from contact.averaged.pillars import PassingWave, Pillars
 from contact.body import Coordinates, tilted
 
-SAME_ROW = 1e-9  # of the slider's length: places that a file rounds differently
-STEP = 1e-7  # of finite differences, of the incident amplitude
-MAX_STEP = 0.5  # of the wave's amplitudes, over the incident one
-# The stiffness that the tangential force shows the wave is taken from |u_x| above this share of its scale
+SAME_ROW = 1e-9  # positions closer than this times the slider's length are equal up to rounding in the input
+STEP = 1e-7  # step of finite differences, relative to the incident amplitude
+MAX_STEP = 0.5  # largest change of the wave amplitudes in one Newton step, relative to the incident amplitude
+# The ratio Q_1/u_x is used as a stiffness only if |u_x| exceeds this fraction of its largest possible value.
 TANGENTIAL_SHARE = 0.3
 
 
 class CycleMeans(NamedTuple):
-    """Where the means over a cycle come from."""
+    """Functions that compute the cycle means for one shape of contact."""
 
-    cycles: Callable  # fills the columns of `flat_cycle`: of each contact, over its stiffnesses
-    mean_normal: Callable  # the mean of P/k_n alone, and its derivative in the approach
-    exponent: float  # of P = k_n z^exponent
+    cycles: (
+        Callable  # fills the columns of `flat_cycle` for each contact, with forces divided by its stiffnesses
+    )
+    mean_normal: Callable  # returns the mean of P/k_n and its derivative with respect to the approach
+    exponent: float  # exponent of P = k_n z^exponent
 
 
 MEANS = {
@@ -49,7 +51,7 @@ class Forces(NamedTuple):
 
 
 class PillarCycle:
-    """The contacts in classes and rows, with the wave's amplitudes at the rows as they stand."""
+    """Contacts in classes and rows, with the current wave amplitudes at the rows."""
 
     def __init__(self, pillars: Pillars, wave: PassingWave, loading: bool):
         self.pillars, self.wave, self.means = pillars, wave, MEANS[pillars.shape]
@@ -58,20 +60,21 @@ class PillarCycle:
         heights = pillars.heights - 0.5 * pillars.curvature * (x**2 + y**2)
         across = y if pillars.tilt == "free" else np.zeros_like(y)
         step = SAME_ROW * max(float(np.ptp(x)), 1e-300)
-        place = np.round((x - x.min()) / step) if np.ptp(x) > 0.0 else np.zeros_like(x)
-        table = np.stack([place, across, heights, pillars.normal_stiffness, pillars.tangential_stiffness])
+        position = np.round((x - x.min()) / step) if np.ptp(x) > 0.0 else np.zeros_like(x)
+        table = np.stack([position, across, heights, pillars.normal_stiffness, pillars.tangential_stiffness])
         # sorted by row first; equal columns are one class
         order = np.lexsort(table[::-1])
         new = np.ones(x.size, dtype=bool)
         new[1:] = np.any(np.diff(table[:, order], axis=1) != 0.0, axis=0)
         self.classes = np.empty(x.size, dtype=int)
         self.classes[order] = np.cumsum(new) - 1
-        chosen = order[new]
+        first_of_class = order[new]
         self.weight = np.bincount(self.classes, pillars.weights)
-        self.x, self.y, self.height = x[chosen], across[chosen], heights[chosen]
-        self.k_n, self.k_t = pillars.normal_stiffness[chosen], pillars.tangential_stiffness[chosen]
+        self.x, self.y, self.height = x[first_of_class], across[first_of_class], heights[first_of_class]
+        self.k_n = pillars.normal_stiffness[first_of_class]
+        self.k_t = pillars.tangential_stiffness[first_of_class]
         self.limit_slope = pillars.friction_coefficient * self.k_n / self.k_t
-        _, self.first, self.row = np.unique(place[chosen], return_index=True, return_inverse=True)
+        _, self.first, self.row = np.unique(position[first_of_class], return_index=True, return_inverse=True)
         self.row_x = self.x[self.first]
         self.turn = np.exp(-1j * wave.wavenumber * self.row_x)
         self.incident = np.array([wave.forward, wave.backward])
@@ -80,31 +83,31 @@ class PillarCycle:
         self.reset()
 
     def reset(self):
-        """Let the wave pass as if nothing touched it."""
+        """Set the amplitudes of the undisturbed wave."""
         self.forward = self.wave.forward * self.turn
         self.backward = self.wave.backward * self.turn.conj()
 
     def begin(self, forward, backward):
-        """Take the amplitudes at the rows from an earlier search."""
+        """Set the amplitudes at the rows to those of an earlier search."""
         self.forward, self.backward = forward.copy(), backward.copy()
 
     def sums(self, values):
-        """Return the sums over the pillars of each row of what the classes hold."""
+        """Return the weighted sums of values per class over each row."""
         return np.add.reduceat(self.weight * values, self.first)
 
     def amplitudes(self):
-        """Return u_z and u_x at each row, half-way through its jump."""
+        """Return u_z and u_x at each row, from the mean amplitudes of its two sides."""
         orbit = self.wave.orbit
         return self.forward + self.backward, orbit * self.forward + orbit.conjugate() * self.backward
 
     def approaches(self, height, pitch: float, roll: float):
-        """Return the mean approach of each class, of a plane's height (or one for each row) and tilts in rad."""
+        """Return the mean approach of each class for a height of the plane (or one per row) and tilts in rad."""
         own = height[self.row] if np.ndim(height) else height
         plane = tilted(Coordinates(-own, 0.0), pitch, roll, self.x, self.y)
-        return body.approach(self, slice(None), 0.0, plane)  # takes `self.height`
+        return body.approach(self, slice(None), 0.0, plane)  # uses `self.height`
 
     def mean_normal(self, height):
-        """Return <P> of each class and its derivative in the approach, of an untilted plane, N and N/m."""
+        """Return <P> of each class in N and its derivative with respect to the approach in N/m, without tilt."""
         (u_z, _) = self.amplitudes()
         own = height[self.row] if np.ndim(height) else height
         return (self.k_n * each for each in self.means.mean_normal(own + self.height, abs(u_z)[self.row]))
@@ -127,16 +130,16 @@ class PillarCycle:
         )  # fmt: skip
 
     def advance(self, forces: Forces, slope=None) -> float:
-        """Move the wave's amplitudes to those that the forces leave; return the change over the incident one.
+        """Update the wave amplitudes for the forces; return the change over the incident amplitude.
 
-        `slope`: derivatives of the rows' forces from `tangent`, for a step of Newton's method of at most half the
-        incident amplitude; None: the forces stay proportional to the amplitudes.
+        `slope` holds the derivatives of the rows' forces from `tangent`. The update is then a step of Newton's method,
+        limited to half the incident amplitude. If it is None, the forces are taken as proportional to the amplitudes.
         """
         if self.g == 0.0:
             return 0.0
         amplitude, size = np.stack([self.forward, self.backward], axis=1), max(self.wave.amplitude, 1e-300)
-        given = self._proportional(forces) if slope is None else slope
-        step = march(self.turn, self._driving(forces), given, amplitude, self.g, self.incident) - amplitude
+        used = self._proportional(forces) if slope is None else slope
+        step = march(self.turn, self._driving(forces), used, amplitude, self.g, self.incident) - amplitude
         change = float(np.abs(step).max()) / size
         if slope is not None and change > MAX_STEP:
             step *= MAX_STEP / change
@@ -144,7 +147,7 @@ class PillarCycle:
         return change
 
     def _proportional(self, forces):
-        """Return the slope of forces P_1 = s_n u_z and Q_1 = s_t u_x: exact where contacts stick all the time."""
+        """Return the slope for forces P_1 = s_n u_z and Q_1 = s_t u_x, which is exact for sticking contacts."""
         normal, tangential = self.row_forces(forces)[..., 0].T
         (u_z, u_x), c = self.amplitudes(), self.wave.orbit
         reach = abs(self.forward) + abs(self.backward)
@@ -156,7 +159,7 @@ class PillarCycle:
         return normal[:, None, None] + shares * tangential[:, None, None]
 
     def tangent(self, approach, w: float, side: float, forces: Forces):
-        """Return the derivatives of the rows' forces by their amplitudes, shape (m, 4, 4); see `march`."""
+        """Return the derivatives of the rows' forces with respect to their amplitudes, shape (m, 4, 4); see `march`."""
         here, size = self._driving(forces).view(float), max(self.wave.amplitude, 1e-300)
         slope = np.empty((self.turn.size, 4, 4))
         kept = self.forward, self.backward
@@ -170,21 +173,21 @@ class PillarCycle:
         return slope
 
     def row_forces(self, forces: Forces):
-        """Return sum P_n and sum Q_n of the rows from left to right, shape (m, 2, number of harmonics), here one."""
+        """Return sum P_n and sum Q_n of the rows from left to right, shape (m, 2, harmonics); here one harmonic."""
         return np.stack([self.sums(forces.first_normal), self.sums(forces.first_tangential)], axis=1)[
             ..., None
         ]
 
     def passed(self, forces: Forces):
-        """Return U+ behind each row and U- before it, shape (2, m, number of harmonics).
+        """Return U+ on the right and U- on the left of each row, shape (2, m, number of harmonics).
 
-        With the forces that belong to the amplitudes as they stand.
+        The forces must belong to the current amplitudes.
         """
         force = self.row_forces(forces)
         return passed(self.turn, force[:, 0], force[:, 1], self.wave.orbit, self.g, self.incident)
 
     def work(self, forces: Forces):
-        """Return the complex power over omega of the surface on each row; what it takes is the imaginary part."""
+        """Return the complex power over omega of the surface on each row; its imaginary part is the mean power."""
         force, (u_z, u_x) = self.row_forces(forces)[..., 0], self.amplitudes()
         return 0.5 * (force[:, 0] * u_z.conj() + force[:, 1] * u_x.conj())
 

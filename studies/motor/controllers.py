@@ -1,11 +1,14 @@
-"""Controllers of a position loop: they turn a reading of the sensor into a command of the drive.
+"""Controllers of a position loop, which convert a sensor reading into a command of the drive.
 
-A controller is called once per period with a `Reading` and returns a `Command`: a level in the direction in which the
-slider shall be pushed (positive: towards +x) and how long it lasts.  ``two_phase``: full drive until friction alone
-stops the slider short of the target, then bursts whose length follows from the error, learnt from the steps before.
-``burst_length``: such bursts from the beginning.  ``dead_zone_pi``: a continuous drive, proportional and integral,
-beyond a dead zone in which the wave moves nothing (the compensation of Kurosawa's group, on the wave's amplitude).
-A user's own: ``FILE.py:FUNCTION``, a function of a `Reading` that returns a level, or a level and a duration in s.
+A controller is called once per period with a `Reading` and returns a `Command`: a signed level (positive levels push
+the slider towards +x) and its duration. There are four kinds:
+
+- ``two_phase``: full drive until friction alone stops the slider just before the target, then bursts. The length of a
+  burst follows from the error and from the distances of earlier bursts.
+- ``burst_length``: such bursts from the beginning.
+- ``dead_zone_pi``: continuous drive by a proportional-integral controller with compensation of the dead zone, in which
+  the wave does not move the slider (the method of Kurosawa's group, applied to the amplitude of the wave).
+- ``FILE.py:FUNCTION``: a user's function of a `Reading` that returns a level, or a level and a duration in s.
 """
 
 import importlib.util
@@ -16,7 +19,7 @@ from pathlib import Path
 
 from studies.refusal import SceneError, nearest
 
-MAX_BURST = 0.05  # s, of one burst
+MAX_BURST = 0.05  # longest burst, s
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,17 +29,17 @@ class MotorNumbers:
     Attributes
     ----------
     level : float
-        Largest of the drive, V or m.
+        Largest level of the drive, V or m.
     dead_zone : float
         Threshold level, below which the slider does not move.
     acceleration : float
-        From rest at the largest level, m/s^2.
+        Acceleration from rest at the largest level, m/s^2.
     braking : float
         Deceleration by friction without a wave, m/s^2.
     delay : float
-        From the drive to the wave under the slider, s.
+        Delay from the drive to the wave under the slider, s.
     speed_per_level : float
-        Steady speed over the level beyond the dead zone, at the largest level.
+        Steady speed at the largest level, divided by the excess of this level over the dead zone.
     """
 
     level: float
@@ -49,18 +52,18 @@ class MotorNumbers:
 
 @dataclass(kw_only=True)
 class Reading:
-    """Input of a controller; ``memory`` is its own, the same dictionary at every call.
+    """Input of a controller. The controller may store its state in ``memory``, which is the same object at every call.
 
     Attributes
     ----------
     time : float
         s.
     position : float
-        As the sensor says it, late and rounded, m.
+        Position measured by the sensor, with delay and quantisation, m.
     target : float
         m.
     period : float
-        Of the controller, s.
+        Period of the controller, s.
     motor : MotorNumbers
     memory : dict
     """
@@ -79,30 +82,30 @@ class Command:
 
     level: float
     duration: float
-    phase: str = ""  # coarse, burst, step or rest, for the record
+    phase: str = ""  # coarse, burst, step or rest; only for the record
 
 
 @dataclass(frozen=True, kw_only=True)
 class TwoPhase:
-    """Coarse drive, then bursts.
+    """Controller with a coarse continuous drive followed by bursts.
 
     Attributes
     ----------
     coarse : float
         Error above which the drive is continuous, m.
     tolerance : float
-        Error that is left alone, m.
+        Error that needs no correction, m.
     single : float
         Error below which a burst counts as a single step, m.
     readings : int
-        Averaged before each burst: the slider rings, and nothing but its own dampers ends that.
+        Number of readings that are averaged before each burst, because the slider rings with little damping.
     settle : float
-        s after a burst before they begin.
+        Waiting time after a burst before the readings, s.
     gain : float
-        Share of the error that a burst aims at.
+        Fraction of the error that a burst is meant to correct.
     fine : float
-        Level of single steps over the threshold level: a large wave that comes and goes lets the slider bounce, and a
-        few of its cycles move it by more than is left.
+        Level of single steps over the threshold level. The largest level is unsuitable for small errors: a short burst
+        of a large wave makes the slider bounce, and a few cycles move it by more than the error.
     """
 
     coarse: float = 1e-6
@@ -123,47 +126,48 @@ class TwoPhase:
         return self._burst(reading, memory, motor)
 
     def _coarse(self, reading: Reading, memory: dict, motor: MotorNumbers) -> Command | None:
-        """Drive until friction will stop the slider short of the target; None once the slider has stopped."""
+        """Drive until friction will stop the slider just before the target; return None after its stop."""
         error = reading.target - reading.position
-        old = memory.get("last")
+        last_position = memory.get("last")
         memory["last"] = reading.position
-        speed = 0.0 if old is None else (reading.position - old) / reading.period
-        way = math.copysign(1.0, error)
+        speed = 0.0 if last_position is None else (reading.position - last_position) / reading.period
+        direction = math.copysign(1.0, error)
         if "start" not in memory and abs(error) <= self.coarse:
             memory["phase"] = "burst"
             return None
-        memory.setdefault("start", way)
+        memory.setdefault("start", direction)
         if not memory.get("off"):
-            # distance until the next decision takes effect and the wave has faded, then until friction stops it
-            late = reading.period + motor.delay
-            ahead = abs(speed) + motor.acceleration * late
-            stop = ahead * late + ahead**2 / (2.0 * motor.braking)
-            if abs(error) > stop + 0.5 * self.coarse and way == memory["start"]:
-                return Command(level=way * motor.level, duration=reading.period, phase="coarse")
+            # stopping distance: travel until the next decision takes effect and the wave has decayed, then braking by
+            # friction
+            reaction_time = reading.period + motor.delay
+            speed_then = abs(speed) + motor.acceleration * reaction_time
+            stopping_distance = speed_then * reaction_time + speed_then**2 / (2.0 * motor.braking)
+            if abs(error) > stopping_distance + 0.5 * self.coarse and direction == memory["start"]:
+                return Command(level=direction * motor.level, duration=reading.period, phase="coarse")
             memory["off"] = reading.time
-        waited = reading.time - memory["off"]
-        if waited < abs(speed) / motor.braking + self.settle + motor.delay:
+        time_off = reading.time - memory["off"]
+        if time_off < abs(speed) / motor.braking + self.settle + motor.delay:
             return Command(level=0.0, duration=reading.period, phase="coarse")
         memory["phase"] = "burst"
         return None
 
     def _burst(self, reading: Reading, memory: dict, motor: MotorNumbers) -> Command:
-        """Average, then step by a burst whose length follows from the error."""
-        rest = Command(level=0.0, duration=reading.period, phase="rest")
+        """Average some readings, then return a burst whose length follows from the error."""
+        no_drive = Command(level=0.0, duration=reading.period, phase="rest")
         if reading.time < memory.get("until", 0.0):
-            return rest
-        sums = memory.setdefault("sums", [])
-        sums.append(reading.position)
-        if len(sums) < self.readings:
-            return rest
-        position = sum(sums) / len(sums)
+            return no_drive
+        readings = memory.setdefault("sums", [])
+        readings.append(reading.position)
+        if len(readings) < self.readings:
+            return no_drive
+        position = sum(readings) / len(readings)
         memory["sums"] = []
         self._learn(position, memory, motor)
         error = reading.target - position
         memory["error"] = error
         if abs(error) <= self.tolerance:
             memory["settled"] = True
-            return rest
+            return no_drive
         memory["settled"] = False
         phase = "step" if abs(error) < self.single else "burst"
         level = (
@@ -180,39 +184,39 @@ class TwoPhase:
         return Command(level=math.copysign(level, error), duration=length, phase=phase)
 
     def _learn(self, position: float, memory: dict, motor: MotorNumbers) -> None:
-        """Update the model distance = gain length^2 by the last burst's step; each phase has a gain of its own."""
+        """Update the gain of distance = gain length^2 from the last burst; each phase has a separate gain."""
         a, b = motor.acceleration, motor.braking
         gains = memory.setdefault("gains", {"burst": 0.5 * a * (1.0 + a / b)})
         if "from" not in memory:
             return
-        phase, length, way = memory["stepped"]
-        old = gains.get(phase, gains["burst"])
-        moved = (position - memory.pop("from")) * way
-        # the contacts' springs change a step of a few nm, so that only the square root of its ratio is taken over
-        gains[phase] = old * min(max(moved / (old * length**2), 0.25), 4.0) ** 0.5
+        phase, length, direction = memory["stepped"]
+        old_gain = gains.get(phase, gains["burst"])
+        distance = (position - memory.pop("from")) * direction
+        # use only the square root of the ratio, because the contact springs change steps of a few nm
+        gains[phase] = old_gain * min(max(distance / (old_gain * length**2), 0.25), 4.0) ** 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
 class BurstLength(TwoPhase):
-    """Bursts from the beginning, as long as the error asks for."""
+    """Controller that uses only bursts, whose length follows from the error."""
 
     coarse: float = math.inf
 
 
 @dataclass(frozen=True, kw_only=True)
 class DeadZonePI:
-    """Continuous drive: level = dead zone + |u|, u = proportional e + integral of e, in the direction of u.
+    """Continuous drive with level = dead zone + |u| in the direction of u, u = proportional e + integral (int e dt).
 
     Attributes
     ----------
     proportional : float
-        Level per m; 0: the steady speed is 100/s times the error.
+        Level per m; 0 selects the value for which the steady speed is 100/s times the error.
     integral : float
-        Level per m and s; 0: 20/s of the proportional part.
+        Level per m and s; 0 selects 20/s times ``proportional``.
     tolerance : float
-        Error without a drive, m.
+        Error below which the drive is off, m.
     windup : float
-        Largest size of the integral's part, as a share of the largest level.
+        Largest magnitude of the integral part, relative to the largest level.
     """
 
     proportional: float = 0.0
@@ -241,17 +245,17 @@ CONTROLLERS = {"two_phase": TwoPhase, "burst_length": BurstLength, "dead_zone_pi
 
 
 def controller(name: str, settings: dict[str, float]) -> Callable[[Reading], Command]:
-    """Return a controller by its name with some of its numbers, or a user's function ``FILE.py:FUNCTION``.
+    """Return a controller by name with changed parameters, or a user's function ``FILE.py:FUNCTION``.
 
     Raises
     ------
     SceneError
-        If there is no such controller, or it has no such number.
+        If there is no such controller, or it has no such parameter.
     """
     if ":" in name and name.partition(":")[0].endswith(".py"):
         if settings:
             raise SceneError("--loop", f"{next(iter(settings))} is no number of a controller of one's own")
-        return _own(name)
+        return _user_controller(name)
     if name not in CONTROLLERS:
         raise SceneError(
             "--controller", f"{name!r} does not exist{nearest(name, [*CONTROLLERS, 'FILE.py:FUNCTION'])}"
@@ -268,7 +272,7 @@ def controller(name: str, settings: dict[str, float]) -> Callable[[Reading], Com
     return replace(known, **settings)
 
 
-def _own(name: str) -> Callable[[Reading], Command]:
+def _user_controller(name: str) -> Callable[[Reading], Command]:
     """Return a user's function as a controller."""
     file, _, function = name.rpartition(":")
     path = Path(file)

@@ -29,8 +29,8 @@ from studies.sweeps import sweep
 from studies.sweeps.axes import axis, level_key
 
 QUICK = {"counts": (3, 3)}
-SMALLEST = 100.0  # largest value of a map over the smallest that has a colour of its own
-# column of the sweep and quantity of each panel
+SMALLEST = 100.0  # ratio of the largest value of a map to the smallest value with a separate colour
+# for each panel: column of the sweep and name of the quantity
 PANELS = {
     "velocity": ("velocity_m_per_s", "velocity_m_per_s"), "thrust": ("thrust_N", "thrust_N"),
     "contact_efficiency": ("contact_efficiency", "contact_efficiency"),
@@ -42,26 +42,28 @@ PANELS = {
 def run(
     scene: Scene, *, over: dict | None = None, counts: tuple[int, int] = (28, 22), progress=None
 ) -> Answered:
-    """Return the maps, their lines and the scene's own point.
+    """Return the maps, the lines of threshold and release, and the point of the scene.
 
     Parameters
     ----------
     over : dict, optional
         Two keys of numbers and their values, as for a sweep.
     counts : tuple of int
-        Of levels and of preloads, where there are no axes.
+        Numbers of levels and of preloads, if ``over`` is None.
     """
     resolved_scene = resolved(scene)
     if resolved_scene.slider is None:
         resolved_scene.refuse("slider", "is missing: without one there is nothing to map")
     table = resolved_scene.to_table()
     level = level_key(table)
-    axes = [axis(key, values) for key, values in (over or _usual(resolved_scene, level, counts)).items()]
+    axes = [
+        axis(key, values) for key, values in (over or _default_axes(resolved_scene, level, counts)).items()
+    ]
     _check(axes)
     (x_key, y_key), (x, y) = (each.keys[0] for each in axes), (each.columns[0] for each in axes)
     own = {f"own_{side}": _own(table, key) for side, key in (("x", x_key), ("y", y_key))}
-    moved = level in (x_key, y_key)
-    if not moved:
+    has_level_axis = level in (x_key, y_key)
+    if not has_level_axis:
         table = replaced(table, level, [max(resolved_scene.levels)])
     progress(f"design map: {len(x) * len(y)} points")
 
@@ -79,10 +81,10 @@ def run(
     known = np.isfinite(grid["velocity_m_per_s"]) & (grid["threshold_factor"] > 0.0)  # 0: nothing to pass
     if not known.any():
         raise RunError(f"the map is empty: {failed}, {columns['status'][0]}")
-    factors = {f"{name}_factor": _plain(grid[f"{name}_factor"]) for name in ("threshold", "release")}
+    factors = {f"{name}_factor": _as_lists(grid[f"{name}_factor"]) for name in ("threshold", "release")}
     shared = {"x_key": x_key, "x": x, "y_key": y_key, "y": y, **own, **factors}
     title = resolved_scene.title
-    if not moved:
+    if not has_level_axis:
         name = level.rpartition(".")[2].replace("_", " ")
         title += f", {name} {si(max(resolved_scene.levels), unit_of(rule_at(level)))}"
     panels = [
@@ -90,13 +92,16 @@ def run(
             name=name,
             title=title,
             data=shared
-            | {"value": _plain(grid[key]), "label": quantity(drawn).axis, "scale": quantity(drawn).scale},
+            | {"value": _as_lists(grid[key]), "label": quantity(drawn).axis, "scale": quantity(drawn).scale},
         )
         for name, (key, drawn) in PANELS.items()
         if key in grid
     ]
-    moving, passed = grid["velocity_m_per_s"] != 0.0, grid["threshold_factor"] < 1.0
-    parted, released = np.reshape(columns["regime"], shape) == "intermittent", grid["release_factor"] < 1.0
+    moving, above_threshold = grid["velocity_m_per_s"] != 0.0, grid["threshold_factor"] < 1.0
+    leaves_surface, above_release = (
+        np.reshape(columns["regime"], shape) == "intermittent",
+        grid["release_factor"] < 1.0,
+    )
     slider = resolved_scene.slider
     preload, mu = (
         np.reshape(columns.get(f"slider.{key}", [value] * known.size), shape).astype(float)
@@ -108,7 +113,7 @@ def run(
     findings = (
         *(judged(f"The closed form of the {name} parts the map.", "share of points on their side",
                  np.mean(right[known]), holds=np.all(right[known]), expected="1", remark=failed)
-          for name, right in (("threshold", moving == passed), ("release", parted == released))),
+          for name, right in (("threshold", moving == above_threshold), ("release", leaves_surface == above_release))),
         judged("The load gets less than the wave gives.", "largest efficiency of the contact",
                np.nanmax(grid["contact_efficiency"][known]), low=0, high=1),
         judged("Thrust is friction's.", "largest blocked thrust over mu times preload",
@@ -120,7 +125,7 @@ def run(
 
 @of_record
 def figure(record: Panel, ax):
-    """Draw one quantity as contours, the closed forms as lines, the scene's own point as a star."""
+    """Draw one quantity as contours, the closed forms as lines and the point of the scene as a star."""
     data = record.data
     value = np.ma.masked_invalid(np.asarray(data["value"], float) * data["scale"])
     (x, x_label), (y, y_label) = (_scaled(data[f"{side}_key"], data[side]) for side in "xy")
@@ -151,9 +156,9 @@ def figure(record: Panel, ax):
 
 
 def _levels(values) -> list[float]:
-    """Return contour levels of equal weight: even ones, or over more than a decade those of 1, 2, 5 and 10.
+    """Return contour levels: uniform, or a 1-2-5 series if the values cover more than a decade.
 
-    Half of a map may lie below a hundredth of its largest value, where even levels show one colour.
+    Half of a map may lie below a hundredth of its largest value, where uniform levels would show one colour.
     """
     low, high = float(values.min()), float(values.max())
     size = max(abs(low), abs(high))
@@ -168,18 +173,18 @@ def _levels(values) -> list[float]:
     return [*(-level for level in reversed(series(-low))), 0.0, *series(high)]
 
 
-def _plain(values) -> list:
-    """Return an array as lists, None where it is not finite."""
+def _as_lists(values) -> list:
+    """Return an array as nested lists, with None for values that are not finite."""
     return np.where(np.isfinite(values), values.astype(object), None).tolist()
 
 
-def _usual(scene: Scene, level: str, counts: tuple[int, int]) -> dict:
-    """Return axes of amplitude or voltage and of preload that show every regime."""
+def _default_axes(scene: Scene, level: str, counts: tuple[int, int]) -> dict:
+    """Return axes of the level (amplitude or voltage) and of the preload that cover all regimes."""
     preload = scene.slider.preload
     if preload == 0.0 or scene.slider.static_coefficient == 0.0:
         scene.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
-    alone = replaced(scene.to_table(), level, [max(scene.levels)])
-    columns = sweep(alone, {}, also=("limits",), tolerance=1e-2).columns()
+    table = replaced(scene.to_table(), level, [max(scene.levels)])
+    columns = sweep(table, {}, also=("limits",), tolerance=1e-2).columns()
     factors = columns["threshold_factor"][0], columns["release_factor"][0]
     if None in factors:
         raise SceneError(
@@ -204,14 +209,14 @@ def _check(axes) -> None:
 
 
 def _own(table: dict, key: str) -> list[float]:
-    """Return the scene's own value of a key, or values, as a list; none where it has none."""
+    """Return the numerical values of a key in the scene as a list, which may be empty."""
     value = value_at(table, key)
     values = value if isinstance(value, list) else [value]
     return [each for each in values if isinstance(each, (int, float))]
 
 
 def _scaled(key: str, values):
-    """Return ((values in a handy unit, its factor), label)."""
+    """Return ((values in a suitable unit, factor from SI), axis label)."""
     unit, values = unit_of(rule_at(key)), np.asarray(values, float)
     name, factor = key.split(".")[-1].replace("_", " "), 1.0
     if unit == "kg":

@@ -21,14 +21,15 @@ from studies.export import reduced_motor as model
 from studies.export.averaged_motor import AveragedMotor
 from studies.export.reduced_motor import index
 
-STEPS = 800  # per cycle of the wave; 10 um of twente to 0.06 nm, 400: 0.25 nm
-STILL_STEPS = 1000  # per period of the ring; 1e-3 nm beside 4000
-NODES = 8  # of the envelopes per cycle, linear in between
-HEIGHT, CLIMB, SPEED, PLACE, STRAIN = range(5)  # z_s, z_s', V, position; then a deformation for each contact
+STEPS = 800  # steps per cycle of the wave; error over 10 um of twente: 0.06 nm, with 400 steps 0.25 nm
+STILL_STEPS = 1000  # steps per period of the ring; differs by 1e-3 nm from 4000 steps
+NODES = 8  # nodes of the envelopes per cycle, with linear interpolation
+# indices of z_s, z_s', V, position, and of the first contact deformation
+HEIGHT, CLIMB, SPEED, PLACE, STRAIN = range(5)
 
 
 class FollowedMotor:
-    """State of a motor at rest, with the attributes of `studies.export.averaged_motor.MotorState`."""
+    """A motor that starts at rest, with the interface of `studies.export.averaged_motor.MotorState`."""
 
     def __init__(
         self, motor: AveragedMotor, *, force: float = 0.0, preload: float | None = None, steps: int = STEPS
@@ -56,7 +57,7 @@ class FollowedMotor:
     def advance(
         self, duration: float, level: float, *, force: float = 0.0, preload: float | None = None
     ) -> None:
-        """Move on by a duration in s under constant inputs, as `MotorState.advance`."""
+        """Integrate over a duration in s with constant inputs, as `MotorState.advance`."""
         if duration <= 0.0:
             return
         motor, p = self.motor, self.motor.parameters
@@ -78,7 +79,7 @@ class FollowedMotor:
         self.time += duration
 
     def _envelope(self, drive: int, at: np.ndarray) -> np.ndarray:
-        """Return the factor on a drive's orbits at some times, no earlier than now."""
+        """Return the complex factors on the orbits of a drive at some times, not before the present time."""
         response, step = self.motor.drives[drive].response, self.motor.drives[drive].response_step
         if response is None:
             return np.full(at.size, self.levels[drive], complex)
@@ -97,7 +98,7 @@ class FollowedMotor:
 
 @compiled
 def follow(p, state, normal, tangential, envelopes, omega, time, inputs):
-    """Move a state on; ``inputs``: duration and longest step in s, force along +x and preload in N."""
+    """Integrate a state; ``inputs`` are duration and longest step in s, force along +x and preload in N."""
     duration, longest, force, preload = inputs
     steps = int(np.ceil(duration / longest * (1.0 - 1e-12)))
     h = duration / steps
@@ -105,7 +106,8 @@ def follow(p, state, normal, tangential, envelopes, omega, time, inputs):
     nodes = envelopes.shape[1]
     stiffness, exponent = p[index.STIFFNESS] / contacts, p[index.EXPONENT]
     mass, friction, c = p[index.MASS], p[index.FRICTION], p[index.LIMIT_SLOPE]
-    before = np.zeros((4, contacts))  # approach, u_x and the rates of approach and deformation a step ago
+    # values of the previous step: approach, u_x, rates of approach and deformation
+    before = np.zeros((4, contacts))
     push, pull = 0.0, 0.0
     phase, turn = np.exp(1j * omega * time), np.exp(1j * omega * h)
     for k in range(steps + 1):
@@ -135,7 +137,8 @@ def follow(p, state, normal, tangential, envelopes, omega, time, inputs):
                     x += moved * max(z, 0.0) / (z - z_old) if z > z_old else 0.0
                 elif abs(x) < c * z_old:
                     x += moved
-                else:  # it slipped: where its speed of slip changes sign within the step, it sticks from there on
+                # it slipped: it sticks from the instant at which the slip velocity changes its sign within the step
+                else:
                     side = 1.0 if x > 0.0 else -1.0
                     first, last = side * before[3, i] - c * before[2, i], side * rate_x - c * rate_z
                     x += moved

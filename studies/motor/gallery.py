@@ -31,22 +31,23 @@ if TYPE_CHECKING:
     from studies.view.run_field import RunField
 
 QUICK = {"films": False, "maps": False}
-CONTACT, BURSTS = 0.5, (0.2, 0.4, 0.8)  # of the largest voltage: the scene's nearest ones are drawn
-LONG = 2.0  # burst over the time in which friction alone would reach the steady velocity
+# fractions of the largest voltage; the nearest voltages of the scene are used
+CONTACT, BURSTS = 0.5, (0.2, 0.4, 0.8)
+LONG = 2.0  # burst duration over the time in which the full friction force would reach the steady velocity
 
 
 @dataclass(frozen=True, kw_only=True)
 class Gallery(StudyRecord):
-    """What the pictures are drawn from: run and field, contact and ledger at a voltage, bursts, other studies."""
+    """Data of the pictures: run, wave field, contact and ledger at one voltage, bursts, and other studies."""
 
     record: Record = field(repr=False)
     wave_field: "RunField" = field(repr=False)  # its RunField
-    voltage: float  # of the contact and its ledger, V
+    voltage: float  # voltage of ``contact`` and ``ledger``, V
     contact: tuple = field(repr=False)  # `contact_view.moments` and title
-    bursts: tuple = field(repr=False)  # of (str, contact.Trajectory)
+    bursts: tuple = field(repr=False)  # pairs (str, contact.Trajectory)
     acceleration: float  # mu preload / m, m/s^2
     ledger: "Ledger" = field(repr=False)  # contact.Ledger of one cycle
-    others: tuple = field(repr=False)  # of (study, panel)
+    others: tuple = field(repr=False)  # pairs (study, panel)
     films: bool = True
 
 
@@ -57,16 +58,16 @@ def run(
     maps: bool = True,
     progress: Callable[[str], None] | None = None,
 ) -> Gallery:
-    """Return everything that the gallery draws.
+    """Compute the data of all pictures of the gallery.
 
     Parameters
     ----------
     scene : str or Scene
         A path, a shipped name or a scene with transducers and a slider.
     films : bool
-        Whether the films and the solid are drawn.
+        True to draw the movies and the solid.
     maps : bool
-        Whether regime map and admittance are computed.
+        True to compute the regime map and the admittance.
     progress : callable, optional
         Told what is being done.
     """
@@ -114,10 +115,10 @@ def run(
 
 
 def figure(record: Gallery, ax):
-    """Draw velocity against voltage, the gallery's first picture; ``draw`` makes all of them."""
+    """Draw velocity against voltage; `draw` makes all pictures of the gallery."""
     return velocity(record.record, ax)
 
 
 def draw(gallery: Gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
-    """Draw the gallery's pictures into a directory."""
+    """Draw all pictures of the gallery into a directory."""
     draw_all(gallery, folder, progress=progress)

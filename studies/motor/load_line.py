@@ -30,7 +30,7 @@ def run(scene: Scene, *, points: int = 17, progress=None) -> Answered:
     Parameters
     ----------
     points : int
-        Loads of each line.
+        Number of loads of each line.
     """
     driven = driven_contact(scene, pillars=True, progress=progress)
     resolved_scene, slider, lines = driven.scene, driven.slider, {}
@@ -43,7 +43,7 @@ def run(scene: Scene, *, points: int = 17, progress=None) -> Answered:
         lines[driven.named(level)] = line
     if resolved_scene.slider.pillars is not None:
         slider = replace(slider, preload=resolved_scene.slider.preload)  # of all pillars
-    # of the balls that are computed as one, the whole thrust
+    # number of balls that one computed ball represents
     balls = resolved_scene.slider.preload / slider.preload
     friction = slider.static_friction(len(driven.orbits))
     findings = (
@@ -61,13 +61,13 @@ def run(scene: Scene, *, points: int = 17, progress=None) -> Answered:
     )  # fmt: skip
     stalls = {key: balls * line.blocked_thrust for key, line in lines.items()}
     best, line = max(lines.items(), key=lambda each: np.max(each[1].efficiency))
-    at = int(np.argmax(line.efficiency))
+    best_index = int(np.argmax(line.efficiency))
     answer = [
         ("blocked thrust", ", ".join(f"{si(stall, 'N', 4)} at {key}" for key, stall in stalls.items())),
         (
             "efficiency",
-            f"of the contact at most {100 * line.efficiency[at]:.3g} %: at {best}, under "
-            f"{si(balls * line.load[at], 'N', 3)}, at {si(abs(line.velocity[at]), 'm/s', 3)}",
+            f"of the contact at most {100 * line.efficiency[best_index]:.3g} %: at {best}, under "
+            f"{si(balls * line.load[best_index], 'N', 3)}, at {si(abs(line.velocity[best_index]), 'm/s', 3)}",
         ),
     ]
     panels = [

@@ -1,4 +1,4 @@
-"""A motor in a position loop: sensor, controller and drive around any motor that moves on under constant inputs."""
+"""A position loop of sensor, controller and drive around any motor model with the interface `Moving`."""
 
 import math
 from collections.abc import Callable
@@ -9,13 +9,13 @@ import numpy as np
 
 from studies.motor.controllers import Command, MotorNumbers, Reading
 
-BANDS = (1e-7, 1e-8, 2e-9)  # m: errors within which the time of arrival is stated
-SAMPLES = 10  # of the true motion per period
-REST_SHARE = 0.2  # last part of a move that is not settled, over which the error at rest is averaged
+BANDS = (1e-7, 1e-8, 2e-9)  # m: error bands for which a move states the settling time
+SAMPLES = 10  # samples of the true motion per controller period
+REST_SHARE = 0.2  # last fraction of an unsettled move over which the error at rest is averaged
 
 
 class Moving(Protocol):
-    """A motor that can be moved on: `studies.export.averaged_motor.MotorState`, or the contact event by event."""
+    """Interface of a motor model that can be integrated in time, such as `studies.export.averaged_motor.MotorState`."""
 
     time: float
     position: float
@@ -23,7 +23,7 @@ class Moving(Protocol):
     deformation: float
 
     def advance(self, duration: float, level: float, *, force: float, preload: float | None) -> None:
-        """Move on by a duration in s."""
+        """Integrate over a duration in s."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,25 +33,25 @@ class Loop:
     Attributes
     ----------
     resolution : float
-        Step of the sensor's numbers, m; 0 for none.
+        Quantisation step of the sensor, m; 0 for none.
     noise : float
         Standard deviation of a reading, m.
     delay : float
         Age of a reading, s; a whole number of periods is used.
     period : float
-        Of the controller, s.
+        Period of the controller, s.
     force : float
         External force on the slider along +x from ``force_at`` on, N.
     force_at : float
-        s.
+        Time at which the force begins, s.
     preload : float or None
-        N; the scene's when None.
+        Preload in N; None selects that of the scene.
     limit : float
-        s after which a move is given up.
+        Time limit of a move, s.
     hold : float
-        s for which the error must stay settled before a move counts as done.
+        Time for which the controller must stay settled before a move ends, s.
     seed : int
-        Of the noise.
+        Seed of the noise.
     """
 
     resolution: float = 1e-9
@@ -68,30 +68,30 @@ class Loop:
 
 @dataclass(frozen=True, kw_only=True)
 class Move:
-    """One move to a target; positions in m from where the motor was made, arrays over time.
+    """One move to a target. Positions are relative to the initial position of the motor.
 
     Attributes
     ----------
     start, target : float
         m.
     time, position, velocity, level : ndarray, shape (k,)
-        s, m, m/s, and the drive (V or m) up to each instant.
+        Time in s, position in m, velocity in m/s, and the level of the drive (V or m) up to each instant.
     within : dict
-        Time in s by band in m from which the error of the true position stays within the band; nan where never.
+        Settling time in s by error band in m; nan if the true position does not settle within the band.
     overshoot : float
-        Farthest beyond the target, m.
+        Largest distance beyond the target, m.
     error_at_rest : float
-        Mean of the true position over the end of the move, less the target, m.
+        Mean of the true position at the end of the move minus the target, m.
     ring : float
-        Half of the true position's range there, m.
+        Half of the range of the true position at the end of the move, m.
     bursts : dict
-        Number by phase.
+        Number of bursts by phase.
     energy : float
-        Into the transducers, J.
+        Energy into the transducers, J.
     cycles : float
-        Of the wave that was driven.
+        Number of driven cycles of the wave.
     settled : bool
-        Whether the controller was satisfied in the end.
+        True if the controller was settled at the end.
     """
 
     start: float
@@ -114,26 +114,26 @@ def moved(
     motor: Moving, target: float, control: Callable[[Reading], Command], numbers: MotorNumbers, loop: Loop, *,
     powers: tuple[float, float] = (0.0, 0.0), direction: float = 1.0, frequency: float = 0.0, one_way: bool = False,
 ) -> Move:  # fmt: skip
-    """Return the move of a motor to a target under a controller; the motor is moved.
+    """Simulate and return a move of a motor to a target; the state of the motor changes.
 
     Parameters
     ----------
     powers : (float, float)
-        W per squared unit of the level, of the first and the second drive.
+        Power of the first and of the second drive, W per squared unit of the level.
     direction : float
         Sign of the velocity under the first drive.
     one_way : bool
-        Whether there is no second drive.
+        True if there is no second drive.
     frequency : float
-        Of the wave, Hz: bursts are rounded to whole cycles.
+        Frequency of the wave in Hz, used to round bursts to whole cycles; 0 for no rounding.
     """
     random = np.random.default_rng(loop.seed)
-    late = round(loop.delay / loop.period)
+    delay_periods = round(loop.delay / loop.period)
     begin, start = motor.time, motor.position
     memory: dict = {}
-    seen = [start] * (late + 1)
+    measured = [start] * (delay_periods + 1)
     bursts: dict = {}
-    samples, energy, cycles, satisfied = [(0.0, start, motor.velocity, 0.0)], 0.0, 0.0, 0.0
+    samples, energy, cycles, settled_time = [(0.0, start, motor.velocity, 0.0)], 0.0, 0.0, 0.0
     last = "rest"
 
     def push(duration, level):
@@ -149,8 +149,8 @@ def moved(
         cycles += frequency * duration * (level != 0.0)
 
     while motor.time - begin < loop.limit:
-        seen.append(motor.position)
-        reading = seen[-1 - late] + loop.noise * random.standard_normal()
+        measured.append(motor.position)
+        reading = measured[-1 - delay_periods] + loop.noise * random.standard_normal()
         if loop.resolution > 0.0:
             reading = loop.resolution * round(reading / loop.resolution)
         command = control(Reading(
@@ -158,7 +158,7 @@ def moved(
         ))  # fmt: skip
         level = min(max(command.level, -numbers.level), numbers.level)
         if one_way and level * direction < 0.0:
-            level = 0.0  # nothing drives the slider back
+            level = 0.0  # no drive pushes the slider back
         duration = command.duration if frequency == 0.0 else round(command.duration * frequency) / frequency
         duration = duration if level != 0.0 else 0.0
         driven = level != 0.0 and duration > 0.0
@@ -166,20 +166,19 @@ def moved(
             bursts[command.phase] = bursts.get(command.phase, 0) + 1
         last = command.phase if driven else "rest"
         push(duration, level)
-        periods = max(
-            1, math.ceil(duration / loop.period - 1e-9)
-        )  # a burst is not asked about while it lasts
+        # the controller is not called during a burst
+        periods = max(1, math.ceil(duration / loop.period - 1e-9))
         push(periods * loop.period - duration, 0.0)
-        seen += [motor.position] * (periods - 1)
-        satisfied = satisfied + loop.period if memory.get("settled") and not driven else 0.0
-        if satisfied >= loop.hold:
+        measured += [motor.position] * (periods - 1)
+        settled_time = settled_time + loop.period if memory.get("settled") and not driven else 0.0
+        if settled_time >= loop.hold:
             break
     table = np.array(samples)
     return _judged(table, start, target, bursts, energy, cycles, bool(memory.get("settled")))
 
 
 def replayed(motor: Moving, moves: tuple[Move, ...], loop: Loop) -> list[np.ndarray]:
-    """Return the positions of another motor that is driven as in some moves, one after the other; it is moved."""
+    """Return the positions of another motor under the drive of successive moves; the state of that motor changes."""
     positions = []
     for move in moves:
         path = [motor.position]
@@ -201,7 +200,7 @@ def _judged(table, start: float, target: float, bursts, energy: float, cycles: f
         within[band] = float(time[last]) if last < len(time) else math.nan
     sign = math.copysign(1.0, target - start)
     tail = position[time >= time[-1] * (1.0 - REST_SHARE)] if len(time) > 1 else position
-    if settled:  # since the last burst
+    if settled:  # average over the second half of the time since the last burst
         driven = np.flatnonzero(table[:, 3] != 0.0)
         undriven = position[(driven[-1] + 1 if driven.size else 0) :]
         tail = undriven[len(undriven) // 2 :]

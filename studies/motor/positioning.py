@@ -57,7 +57,7 @@ def run(
     Parameters
     ----------
     target : str or float, optional
-        Where to go, m from the start; 10 um in the direction of the first drive when absent.
+        Displacement of the target in m; by default 10 um in the direction of the first drive.
     controller : str
         A name of `studies.motor.controllers.CONTROLLERS`, or ``FILE.py:FUNCTION``.
     loop : list of str
@@ -133,9 +133,9 @@ def read_loop(settings: list[str], name: str):
     SceneError
         If a key is neither the loop's nor the controller's, or a value is out of range.
     """
-    of_loop: dict = {}
-    of_controller: dict = {}
-    known = {each.name for each in fields(Loop)}
+    loop_settings: dict = {}
+    controller_settings: dict = {}
+    loop_keys = {each.name for each in fields(Loop)}
     for text in settings:
         key, value = parts_of("--loop", text, "KEY=VALUE")
         number = si_value(f"--loop {key}", toml_value(value), UNITS.get(key, ""))
@@ -143,13 +143,15 @@ def read_loop(settings: list[str], name: str):
             raise SceneError(f"--loop {key}", f"must be zero or positive, got {value}")
         if key in ("period", "limit", "preload", "readings", "gain") and not number > 0.0:
             raise SceneError(f"--loop {key}", f"must be positive, got {value}")
-        (of_loop if key in known else of_controller)[key] = int(number) if key == "seed" else number
-    controller(name, of_controller)  # refused before anything is computed
-    return Loop(**of_loop), lambda: controller(name, of_controller)
+        (loop_settings if key in loop_keys else controller_settings)[key] = (
+            int(number) if key == "seed" else number
+        )
+    controller(name, controller_settings)  # check the settings before any computation
+    return Loop(**loop_settings), lambda: controller(name, controller_settings)
 
 
 def refuse_beyond(scene: Scene, distance: float) -> None:
-    """Refuse a target at which a ball would leave the stator or stand on fingers.
+    """Raise an error for a target at which a ball would leave the stator or lie on fingers.
 
     Raises
     ------
@@ -173,26 +175,27 @@ def refuse_beyond(scene: Scene, distance: float) -> None:
 
 
 def motor_numbers(motor: AveragedMotor) -> tuple[MotorNumbers, float]:
-    """Return what a controller knows of a motor, and the sign of its velocity under the first drive."""
+    """Return the motor parameters of a controller, and the sign of the velocity under the first drive."""
     slider, drive, level = motor.slider, motor.drives[0], motor.levels[-1]
     orbits = tuple(orbit.scaled(level) for orbit in drive.orbits)
     push = float(contact.mean_traction(replace(slider, load=0.0), orbits, np.zeros(1))[0])
-    dead = float(contact.threshold_factor(slider, drive.orbits))
-    if push == 0.0 or dead >= level:
+    dead_zone_level = float(contact.threshold_factor(slider, drive.orbits))
+    if push == 0.0 or dead_zone_level >= level:
         raise SceneError(
-            "drive.voltage", f"must reach above the threshold, {dead:.4g} {motor.unit}, got {level:.4g}"
+            "drive.voltage",
+            f"must reach above the threshold, {dead_zone_level:.4g} {motor.unit}, got {level:.4g}",
         )
     steady = abs(float(contact.mean_motion(slider, orbits).velocity))
     numbers = MotorNumbers(
-        level=level, dead_zone=dead, acceleration=abs(push) / slider.mass,
+        level=level, dead_zone=dead_zone_level, acceleration=abs(push) / slider.mass,
         braking=slider.friction_coefficient * slider.preload / slider.mass, delay=drive.settling,
-        speed_per_level=steady / (level - dead),
+        speed_per_level=steady / (level - dead_zone_level),
     )  # fmt: skip
     return numbers, math.copysign(1.0, push)
 
 
 def _panels(motor: AveragedMotor, moves: dict[str, Move], steps: dict) -> list[Panel]:
-    """Return the moves over time, one after the other, and the steps of short bursts."""
+    """Return a panel of the successive moves over time, and a panel of the steps of short bursts."""
     data: dict = {}
     start_time = 0.0
     for name, move in moves.items():
@@ -207,7 +210,7 @@ def _panels(motor: AveragedMotor, moves: dict[str, Move], steps: dict) -> list[P
 
 
 def _move_in_words(name: str, move: Move) -> Iterator[tuple[str, str]]:
-    """Yield times, overshoot, error at rest and drives of a move."""
+    """Yield lines of text on settling times, overshoot, error at rest and drive of a move."""
     times = ", ".join(
         f"{band * 1e9:g} nm " + ("never" if math.isnan(time) else f"after {time * 1e3:.4g} ms")
         for band, time in move.within.items()
@@ -223,7 +226,7 @@ def _move_in_words(name: str, move: Move) -> Iterator[tuple[str, str]]:
 def _errors_in_words(
     motor: AveragedMotor, error: float, averaging: tuple[float, float]
 ) -> list[tuple[str, str]]:
-    """Return the error of the positions, and how far the averaged motor is from them."""
+    """Return lines of text on the error of the positions and on the difference of the averaged motor."""
     largest, last = averaging
     speed = ring_speed(motor.slider, len(motor.drives[0].orbits))
     return [
@@ -241,7 +244,7 @@ def _errors_in_words(
 
 @of_record
 def figure(record: Panel, ax):
-    """Draw the way there and back with what is left of it beside the target, or the steps of short bursts."""
+    """Draw the remaining distance to the target for both moves, or the steps of short bursts."""
     data = record.data
     if record.name == "single_steps":
         curve(ax, data["cycles"], data["exact_m"] * 1e9, "-", "line", "stays, followed through every cycle")

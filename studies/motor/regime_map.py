@@ -33,14 +33,14 @@ HALF_WAVE = math.gamma(1.25) / (2.0 * math.sqrt(math.pi) * math.gamma(1.75))  # 
 def run(
     scene: Scene, *, amplitudes: int = 36, preloads: int = 28, checked: int = 12, progress=None
 ) -> Answered:
-    """Return the map, its lines and the operating points.
+    """Return the map of regimes, the theoretical lines and the operating points.
 
     Parameters
     ----------
     amplitudes, preloads : int
-        Points of the grid along each axis.
+        Number of grid points along each axis.
     checked : int
-        Points that are solved again by the event-driven method.
+        Number of points that the event-driven method solves again.
     """
     driven = driven_contact(scene, progress=progress)
     resolved_scene, slider, per_metre = driven.scene, driven.slider, driven.at(1.0 / driven.amplitude)
@@ -56,7 +56,7 @@ def run(
     tiled = np.tile(at, (loads.size, 1))
     states = contact.steady_sweep(loaded, [per_metre], which=which, factors=tiled, wave_errors=[0.0])
     kind = np.where((states.regime == "intermittent") & (states.height < 0.0), "hopping", states.regime)
-    kind[states.held] = "stick"  # the slider stays where some of its balls slip, on orbits that are not alike
+    kind[states.held] = "stick"  # with different orbits, some balls can slip while the slider does not move
     shares = sum(abs(orbit.normal) ** 1.5 for orbit in per_metre)
     factors = {
         name: [question(s, per_metre) for s in loaded]
@@ -66,14 +66,14 @@ def run(
         "hopping": np.array([s.rest_approach(1) for s in loaded]) / (shares * HALF_WAVE) ** (2.0 / 3.0)
     }
     below = [at[None, :] < line[:, None] for line in lines.values()]
-    # where a point lies within the error of a line, either side is right
+    # a point within the error of a line may lie on either side
     error = np.array([factor.error / factor.value for factor in factors["release"]])[:, None]
-    # the simulated points are averaged, the lines are those of the full motion
+    # the simulated points are averaged, but the lines hold for the exact motion
     bounce = np.array([s.normal_resonance(len(per_metre)) / per_metre[0].frequency for s in loaded])[:, None]
     error = np.maximum(error, AVERAGING_ERROR * bounce**2)
     close = [abs(at[None, :] / line[:, None] - 1.0) <= error for line in lines.values()]
     known, expected = (kind != "unknown") & ~np.any(close, axis=0), np.select(below, KINDS[:3], KINDS[3])
-    # a load can only move the threshold, not the lines of the normal motion
+    # a load changes only the threshold; the other lines depend on the normal motion alone
     agree = float(np.mean(expected[known] == kind[known]))
     progress("regime map: checks by the event-driven method")
     findings = (
@@ -94,7 +94,7 @@ def run(
 
 
 def _grid(driven: DrivenContact, per_metre: tuple, amplitudes: int, preloads: int) -> tuple:
-    """Return amplitudes and preloads that show every regime, and the scene's own amplitudes."""
+    """Return amplitudes and preloads of a grid that covers all regimes, and the amplitudes of the scene."""
     reach = driven.amplitude * np.array(driven.levels)
     threshold = contact.threshold_factor(driven.slider, per_metre)
     release = contact.release_factor(driven.slider, per_metre)
@@ -108,10 +108,10 @@ def _grid(driven: DrivenContact, per_metre: tuple, amplitudes: int, preloads: in
 
 
 def _worst(loaded, per_metre, amplitudes, states, checked: int) -> float:
-    """Return the largest difference to the event-driven method over a scatter of moving points."""
-    at = np.argwhere(np.abs(np.nan_to_num(states.velocity)) > 0.0)
+    """Return the largest difference from the event-driven method over a selection of moving points."""
+    moving = np.argwhere(np.abs(np.nan_to_num(states.velocity)) > 0.0)
     differences = [0.0]
-    for i, j in at[:: max(1, len(at) // checked)][:checked]:
+    for i, j in moving[:: max(1, len(moving) // checked)][:checked]:
         orbits = bridge.scaled(per_metre, float(amplitudes[j]))
         full = contact.steady(loaded[i], orbits, tolerance=1e-6).velocity
         differences.append(abs(full - states.velocity[i, j]) / reference_speed(full, orbits[:1]))

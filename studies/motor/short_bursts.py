@@ -1,4 +1,4 @@
-"""Steps of bursts of a few cycles: how far the slider comes, where it stays, and how much its step scatters."""
+"""Steps of bursts of a few cycles: largest displacement, remaining displacement and scatter."""
 
 import math
 from dataclasses import replace
@@ -15,56 +15,61 @@ from studies.scene import Scene
 from studies.scene.keys import LEVELS, tolerances
 from studies.study import driven_contact
 
-DRAWS = 24  # motors within the tolerances, for the scatter
+DRAWS = 24  # number of random motors within the tolerances, for the scatter
 SCATTER_CYCLES = 100
 
 
 def short_bursts(scene: Scene, motor: AveragedMotor, cycles: tuple[int, ...], progress) -> dict:
-    """Return the steps of short bursts at the largest level, by the exact contact and by the averaged motor.
+    """Return the steps of short bursts at the largest level, from the exact contact model and from the averaged motor.
 
-    Keys are columns over ``cycles`` and two numbers: the elastic deformation of the contacts, and the largest
-    ``difference`` of both steps, m.
+    The keys are columns over ``cycles``, the elastic deformation of the contacts in m, and the largest ``difference``
+    between the steps of both models in m.
     """
     bursts = Steps.of(driven_contact(scene, progress=progress), progress=progress)
     level, drive = motor.levels[-1], motor.drives[0]
     frequency = drive.orbits[0].frequency
-    fading = 0.0 if drive.response is None else drive.response_step * len(drive.response)
+    decay_time = 0.0 if drive.response is None else drive.response_step * len(drive.response)
     exact = [bursts.step(level, number) for number in cycles]
-    farthest, stayed = [], []
+    largest, remaining = [], []
     for number in cycles:
         state = motor.start()
         state.advance(number / frequency, level)
         reached, time_step = 0.0, 2e-6
-        for _ in range(math.ceil((fading + 2e-4) / time_step)):
+        for _ in range(math.ceil((decay_time + 2e-4) / time_step)):
             state.advance(time_step, 0.0)
             reached = max(reached, state.position, -state.position, key=abs)
         state.advance(0.02, 0.0)
-        farthest.append(math.copysign(reached, exact[-1].displacement))
-        stayed.append(state.position + state.deformation)
+        largest.append(math.copysign(reached, exact[-1].displacement))
+        remaining.append(state.position + state.deformation)
     displacements = np.array([each.displacement for each in exact])
     return {
-        "cycles": np.array(cycles), "exact_m": displacements, "averaged_m": np.array(stayed),
-        "farthest_m": np.array(farthest), "ring_m": np.array([each.ring for each in exact]),
+        "cycles": np.array(cycles), "exact_m": displacements, "averaged_m": np.array(remaining),
+        "farthest_m": np.array(largest), "ring_m": np.array([each.ring for each in exact]),
         "elastic_m": motor.slider.limit_slope * motor.slider.rest_approach(len(drive.orbits)),
-        "difference": float(np.max(np.abs(np.array(stayed) - displacements))),
+        "difference": float(np.max(np.abs(np.array(remaining) - displacements))),
     }  # fmt: skip
 
 
 def step_scatter(scene: Scene, motor: AveragedMotor, progress) -> tuple[float, float] | None:
-    """Return mean and standard deviation in m of a burst's step over motors within the tolerances of [uncertain]."""
+    """Return mean and standard deviation in m of the step of a burst, over random motors within [uncertain]."""
     if scene.uncertain is None:
         return None
     progress("positioning: scatter by the tolerances")
-    bands = [each for each in tolerances(resolved(scene)) if each.key in LEVELS or not of_stator(each.key)]
-    if not bands:
+    uncertain_inputs = [
+        each for each in tolerances(resolved(scene)) if each.key in LEVELS or not of_stator(each.key)
+    ]
+    if not uncertain_inputs:
         return None
     predictor = Predictor(resolved(replace(scene, uncertain=None)).to_table(), tolerance=1e-2, steps=1)
     random, steps = np.random.default_rng(0), []
     for _ in range(DRAWS):
-        # half widths are those of 95 %; a number is taken to change from step to step by as much as it is uncertain
-        drawn = {each.key: each.value + each.half_width / 1.96 * random.standard_normal() for each in bands}
-        level = motor.levels[-1] * next((value for key, value in drawn.items() if key in LEVELS), 1.0)
-        driven = predictor.contact({key: value for key, value in drawn.items() if key not in LEVELS})
+        # half-widths are 95 % intervals; assume that the inputs vary from step to step by their full uncertainty
+        sample = {
+            each.key: each.value + each.half_width / 1.96 * random.standard_normal()
+            for each in uncertain_inputs
+        }
+        level = motor.levels[-1] * next((value for key, value in sample.items() if key in LEVELS), 1.0)
+        driven = predictor.contact({key: value for key, value in sample.items() if key not in LEVELS})
         steps.append(contact.step(driven.slider, driven.at(level), cycles=SCATTER_CYCLES).displacement)
     return float(np.mean(steps)), float(np.std(steps, ddof=1))
 
@@ -72,7 +77,7 @@ def step_scatter(scene: Scene, motor: AveragedMotor, progress) -> tuple[float, f
 def steps_in_words(
     steps: dict, difference: float, scatter: tuple[float, float] | None
 ) -> list[tuple[str, str]]:
-    """Return what short bursts do, as rows of a label and a line."""
+    """Return the results on short bursts as pairs of a label and a line of text."""
     rows = [("elastic", f"the contacts give way by {steps['elastic_m'] * 1e9:.3g} nm before they slip")]
     elastic = np.flatnonzero(np.abs(steps["exact_m"]) < steps["elastic_m"])
     if elastic.size:

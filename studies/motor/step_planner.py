@@ -1,15 +1,16 @@
 """How far a burst of N cycles moves the slider, how many cycles a step of 2 nm takes, where it stops and what it rings.
 
-Method: the slider of a scene (``twente-contact`` when none is named) from rest at up to four of its amplitudes or
-voltages above threshold: bursts of 8 to 4096 cycles of the drive, each followed until the slider has slipped for the
-last time and only rings in its spring; then the inverse, by bisection on whole cycles. On a stator the wave arrives
-late, grows over the transducer's length and rings on after the drive, as in a run with ``drive.burst``: a burst
-shorter than that hardly moves the slider. Where the growth cannot be computed the findings say so, and the wave is at
-full size from the first cycle on, as a given [wave] is. Expected: far from its steady speed the slider gains speed
-evenly, so that steps grow as N^2; the step planned for a distance reaches it, and a cycle less does not; the travel is
-that of the velocity itself. Growth and travel are judged of steps that are large against the ring which the burst
-leaves, growth of bursts that are long against the wave's and against the bounce of the start. Run time: about 5 s, and
-twice the stator's.
+Method: the slider of a scene (``twente-contact`` by default) starts from rest at up to four of its levels (amplitudes
+or voltages) above the threshold. Bursts of 8 to 4096 cycles are computed until the slider has slipped for the last time
+and only rings on its contact springs. The inverse problem, the number of cycles for a step, is solved by bisection on
+whole cycles. On a stator, the wave arrives late, grows over the length of the transducer and rings down after the
+drive, as in a run with ``drive.burst``; a burst shorter than this hardly moves the slider. If the growth cannot be
+computed, the findings say so, and the wave has its full amplitude from the first cycle, as for a scene with a [wave].
+Expected: far below its steady speed the slider accelerates uniformly, so that steps grow as N^2; the step planned for a
+distance reaches it, and one cycle less does not; the step equals the integral of the velocity. Growth and integral are
+judged only for steps that are large compared with the ring after the burst. Growth is judged only for bursts that are
+long compared with the settling of the wave and with the bounce of the start. Run time: about 5 s, and twice the
+stator's.
 """
 
 import math
@@ -25,14 +26,16 @@ from studies.study import Answered, Finding, Panel, driven_contact, judged, of_r
 
 QUICK = {"cycles": (64, 512), "wanted": (2e-8,), "lines": 1}
 CYCLES = tuple(2**k for k in range(3, 13))
-WANTED = (2e-9, 1e-8, 1e-7)  # m
-FAR = 0.1  # of the steady speed: below it the slider is taken to gain speed evenly
-RING = 0.05  # of the step, from which on the ring hides it: 0.03 bends the exponent by 0.03, 0.13 by 0.12
-TRAVEL = 0.01  # of the step: the integral of a trajectory of 4000 samples
-SETTLINGS = 20.0  # of the wave, in a burst whose growth is judged: a delay of 1/20 bends the exponent by 0.1
+WANTED = (2e-9, 1e-8, 1e-7)  # planned steps, m
+FAR = 0.1  # fraction of the steady speed below which the acceleration counts as uniform
+RING = 0.05  # largest ring over the step of a judged step: 0.03 changes the exponent by 0.03, 0.13 by 0.12
+TRAVEL = 0.01  # relative error of the integral over a trajectory of 4000 samples
+# least burst length in settling times of the wave: a delay of 1/20 changes the exponent by 0.1
+SETTLINGS = 20.0
 
-# A bounce whose first swing is larger than this, over the approach at rest, changes the force while it lasts: growth is
-# judged of bursts of twice the cycles in which it falls to 1/e. At 2.9 it bends the exponent by 0.02, at 9.6 by 0.4.
+# A bounce whose first amplitude over the approach at rest exceeds LIVELY changes the driving force. Growth is then
+# judged only for bursts of at least DECAYS decay times of the bounce. A ratio of 2.9 changes the exponent by 0.02, 9.6
+# by 0.4.
 LIVELY, DECAYS = 5.0, 2.0
 
 HOLLOW = {"markersize": 5.0, "markerfacecolor": "white"}
@@ -47,38 +50,40 @@ def run(
     lines: int = 4,
     progress=None,
 ) -> Answered:
-    """Return steps over cycles, and cycles over steps.
+    """Return the steps of given numbers of cycles, and the numbers of cycles for given steps.
 
     Parameters
     ----------
     cycles : tuple of int
-        Lengths of the bursts, rising.
+        Lengths of the bursts in ascending order.
     wanted : tuple of float
         Steps to plan, m.
     lines : int
-        How many of the scene's levels, at most.
+        Largest number of levels of the scene.
     """
     driven = driven_contact(scene, progress=progress)
-    picked = driven.spread(1.5, lines)
+    levels = driven.spread(1.5, lines)
     bursts = Steps.of(driven, progress=progress)
     steps, planned = {}, {}
-    for level in picked:
+    for level in levels:
         name = driven.named(level)
         progress(f"step planner: {name}")
         steps[name] = [bursts.step(level, number) for number in cycles]
         planned[name] = [bursts.reaching(level, size) for size in wanted]
     pairs = [(size, *pair) for plans in planned.values() for size, pair in zip(wanted, plans, strict=True)]
     counts = {name: [enough.cycles for _, enough in plans] for name, plans in planned.items()}
-    slowest = picked[0]
+    slowest = levels[0]
     steady = contact.mean_motion(driven.slider, driven.at(slowest)).velocity
-    what = "amplitude " if driven.scene.wave is not None else ""
-    said = [f"{what}{name}: {', '.join(map(_plan, wanted, numbers))}" for name, numbers in counts.items()]
+    level_name = "amplitude " if driven.scene.wave is not None else ""
+    plan_texts = [
+        f"{level_name}{name}: {', '.join(map(_plan, wanted, numbers))}" for name, numbers in counts.items()
+    ]
     findings = [
         judged("The cycles found for a step reach it, and a cycle less does not.", "smallest step that was planned, m",
                min(abs(enough.displacement) for _, _, enough in pairs),
                holds=all(abs(less.displacement) < size <= abs(enough.displacement) for size, less, enough in pairs),
                expected=f"{wanted[0]:g} m and up to a cycle's worth more",
-               remark="; ".join(said + [bursts.sentence] * bool(bursts.sentence))),
+               remark="; ".join(plan_texts + [bursts.sentence] * bool(bursts.sentence))),
         *_growth([each for each in steps[driven.named(slowest)] if each.ring < RING * abs(each.displacement)],
                  steady, bursts, slowest),
     ]  # fmt: skip
@@ -107,13 +112,15 @@ def _plan(size: float, number: int) -> str:
 
 
 def _growth(clear, steady: float, bursts: Steps, level: float) -> Iterator[Finding]:
-    """Yield the findings on steps that stand clear of the ring: their growth, and the travel of the longest but one."""
-    least = max(
+    """Yield the findings on steps much larger than the ring: their growth, and the integral of the velocity."""
+    min_cycles = max(
         SETTLINGS * bursts.settling * bursts.driven.scene.frequency, DECAYS * _bouncing(bursts, level)
     )
-    far = [each for each in clear if abs(each.velocity) < FAR * abs(steady) and each.cycles >= least][-2:]
-    if len(far) == 2:
-        short, long = far
+    uniform = [
+        each for each in clear if abs(each.velocity) < FAR * abs(steady) and each.cycles >= min_cycles
+    ][-2:]
+    if len(uniform) == 2:
+        short, long = uniform
         exponent = math.log(long.displacement / short.displacement) / math.log(long.cycles / short.cycles)
         yield judged("Far from its steady speed the slider gains speed evenly: steps grow as cycles squared.",
                      f"exponent between {short.cycles} and {long.cycles} cycles at the smallest amplitude", exponent,
@@ -128,7 +135,7 @@ def _growth(clear, steady: float, bursts: Steps, level: float) -> Iterator[Findi
 
 
 def _bouncing(bursts: Steps, level: float) -> float:
-    """Return the cycles in which the bounce of a start from rest falls to 1/e; 0 where it is too small to matter."""
+    """Return the decay time (to 1/e) of the bounce after a start in cycles; 0 for a negligible bounce."""
     slider, orbits = bursts.driven.slider, bursts.driven.at(level)
     rest = slider.rest_approach(len(orbits))
     if abs(rest - contact.riding_height(slider, orbits)) <= LIVELY * rest:
@@ -138,7 +145,7 @@ def _bouncing(bursts: Steps, level: float) -> float:
 
 
 def _travelled(bursts: Steps, level: float, step) -> float:
-    """Return the integral of a trajectory's velocity over a step."""
+    """Return the integral of the velocity of a trajectory divided by the step."""
     (envelope, fading), after = bursts.shape(step.cycles), 10.0 * step.stopping_time
     motion = contact.burst(
         bursts.driven.slider, bursts.driven.at(level), duration=step.cycles / bursts.driven.scene.frequency,
@@ -150,17 +157,17 @@ def _travelled(bursts: Steps, level: float, step) -> float:
 
 @of_record
 def figure(record: Panel, ax):
-    """Draw distance against cycles, what was planned as crosses; what goes against the motor's direction is hollow."""
+    """Draw distance against cycles; crosses are planned steps, hollow marks are steps against the motor's direction."""
     data, planned = record.data, record.name == "step_planner"
     hollow = False
     for name, distance, colour in family(data["distance_m"]):
         reached = np.array([data["planned_cycles"][name], data["planned_distance_m"][name]])
-        known = np.hstack(([data["cycles"], distance], reached))
-        cycles, values = known[:, np.argsort(known[0])] * [[1.0], [1e9]]
+        all_points = np.hstack(([data["cycles"], distance], reached))
+        cycles, values = all_points[:, np.argsort(all_points[0])] * [[1.0], [1e9]]
         curve(ax, cycles, abs(values), ".-", colour, name)
-        back = values < 0.0
-        ax.plot(cycles[back], -values[back], "o", color=COLOURS[colour], **HOLLOW)
-        hollow |= bool(np.any(back))
+        backwards = values < 0.0
+        ax.plot(cycles[backwards], -values[backwards], "o", color=COLOURS[colour], **HOLLOW)
+        hollow |= bool(np.any(backwards))
         if planned:
             curve(ax, reached[0], abs(reached[1]) * 1e9, "x", colour, size=6.0)
     if hollow:

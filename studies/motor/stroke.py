@@ -1,11 +1,11 @@
 """How fast the slider runs at every place of the stator.
 
-Method: the slider of a scene (``twente`` when none is named) is put at many places between the driven transducer and
-the next one or the stator's end, and at each place at four points of half a wavelength, the period of the standing wave
-where waves come back: the surface motion under each of its balls, of the finite aperture where it is known, and the
-steady velocity there, at up to three of the scene's voltages.  Drawn are the mean and the range over half a wavelength.
-Dashed: a slider that starts at the scene's place and moves through the field for a while; it is heavy, and follows the
-mean.  Expected: Fresnel's fringes of the aperture.  Run time: about 30 s.
+Method: the slider of a scene (``twente`` by default) is placed at many positions between the driven transducer and the
+next transducer or the end of the stator. Around each position, four points cover half a wavelength, which is the period
+of a standing wave. At each point, the surface motion under each ball (of the finite aperture if it is known) gives the
+steady velocity at up to three voltages of the scene. The figure shows the mean and the range over half a wavelength. A
+dashed line shows a slider that starts at the position of the scene and travels through the field; because of its mass
+it follows the mean. Expected: Fresnel fringes of the aperture. Run time: about 30 s.
 """
 
 import numpy as np
@@ -21,20 +21,20 @@ from studies.study import Answered, Panel, driven_contact, judged, of_record, st
 
 QUICK = {"count": 10, "duration": 2e-3}
 LINES = 3
-WITHIN = 4  # points of half a wavelength about each place
-CLEAR = 0.5  # wavelengths from the fingers
+WITHIN = 4  # points over half a wavelength around each position
+CLEAR = 0.5  # least distance from the fingers in wavelengths
 
 
 @study("twente")
 def run(scene: Scene, *, count: int = 240, duration: float = 0.3, progress=None) -> Answered:
-    """Return amplitude and steady velocity against the slider's place, and the motion of a slider that travels.
+    """Return amplitude and steady velocity against the position of the slider, and the motion of a travelling slider.
 
     Parameters
     ----------
     count : int
-        Places.
+        Number of positions.
     duration : float
-        s, of the motion along the field.
+        Duration of the motion along the field, s.
     """
     driven = driven_contact(scene, progress=progress)
     if driven.record is None:
@@ -42,10 +42,10 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, progress=None)
     resolved_scene, slider, motion = driven.scene, driven.slider, driven.record.surface_motion
     along, center = bridge.wave_along(motion, resolved_scene.slider), resolved_scene.slider.center[0]
     low, high = _span(resolved_scene, along.wavelength)
-    half = along.wavelength / 2
-    at = np.linspace(low + half / 2, high - half / 2, count)
-    ripple = half * ((np.arange(WITHIN) + 0.5) / WITHIN - 0.5)
-    shifts = np.append(np.add.outer(at, ripple), center) - center
+    half_wavelength = along.wavelength / 2
+    positions = np.linspace(low + half_wavelength / 2, high - half_wavelength / 2, count)
+    ripple = half_wavelength * ((np.arange(WITHIN) + 0.5) / WITHIN - 0.5)
+    shifts = np.append(np.add.outer(positions, ripple), center) - center
     progress("stroke: the field along the stator")
     orbits = along.orbits(shifts)
     velocities, paths, speeds = {}, {}, {}
@@ -54,8 +54,8 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, progress=None)
         progress(f"stroke: {name}")
         rows = averaged([(slider, each, 0.0, level) for each in orbits])
         velocities[name] = np.array([velocity for velocity, *_ in rows[:-1]]).reshape(count, WITHIN)
-        here = float(rows[-1][0])
-        path = travelled(slider, along, level, duration, duration * here)
+        velocity_at_center = float(rows[-1][0])
+        path = travelled(slider, along, level, duration, duration * velocity_at_center)
         paths[name], speeds[name] = center + path.place, path.velocity
     amplitude = np.reshape(
         [np.mean([abs(each.normal) for each in row]) for row in orbits[:-1]], (count, WITHIN)
@@ -64,13 +64,13 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, progress=None)
     section = [np.mean([abs(motion.wave.motion(x)[1]) for x in balls + shift]) for shift in shifts[:-1]]
     panels = (
         Panel(name="velocity", title=f"{resolved_scene.title}: velocity along the stator", data={
-            "position_m": at, "velocity_m_per_s": {key: each.mean(axis=1) for key, each in velocities.items()},
+            "position_m": positions, "velocity_m_per_s": {key: each.mean(axis=1) for key, each in velocities.items()},
             "slowest_m_per_s": {key: each.min(axis=1) for key, each in velocities.items()},
             "fastest_m_per_s": {key: each.max(axis=1) for key, each in velocities.items()},
             "path_m": paths, "path_velocity_m_per_s": speeds,
         }),
         Panel(name="amplitude", title=f"{resolved_scene.title}: amplitude along the stator", data={
-            "position_m": at, "amplitude_m_per_V": amplitude.mean(axis=1),
+            "position_m": positions, "amplitude_m_per_V": amplitude.mean(axis=1),
             "smallest_m_per_V": amplitude.min(axis=1), "largest_m_per_V": amplitude.max(axis=1),
             "section_m_per_V": np.reshape(section, (count, WITHIN)).mean(axis=1),
             "finite_aperture": motion.beam is not None,
@@ -80,7 +80,7 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, progress=None)
     fastest = abs(steady[np.isfinite(steady)]).max()
     findings = (
         judged("At the scene's place the slider runs as the run says.",
-               "steady velocity there over that of the run, less 1", abs(here / expected - 1), high=2e-3),
+               "steady velocity there over that of the run, less 1", abs(velocity_at_center / expected - 1), high=2e-3),
         judged("A slider that travels is nowhere faster than the fastest place lets it be.",
                "its largest speed over the largest steady speed", abs(speeds[name]).max() / fastest, high=1.001,
                expected="up to 1"),
@@ -89,7 +89,7 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, progress=None)
 
 
 def _span(scene: Scene, wavelength: float) -> tuple[float, float]:
-    """Return the places of the slider's centre between which no ball comes near fingers or leaves the stator, m."""
+    """Return the range of the slider centre in m in which all balls stay on the free surface of the stator."""
     center = scene.slider.center[0]
     balls = [x - center for x, _ in scene.slider.places]
     clear = CLEAR * wavelength
@@ -101,7 +101,7 @@ def _span(scene: Scene, wavelength: float) -> tuple[float, float]:
 
 @of_record
 def figure(record: Panel, ax):
-    """Draw velocity or amplitude against the place on the stator."""
+    """Draw velocity or amplitude against the position on the stator."""
     data, x = record.data, record.data["position_m"] * 1e3
     band, label = {"alpha": 0.25, "linewidth": 0}, "range over half a wavelength"
     if "amplitude_m_per_V" in data:

@@ -35,7 +35,7 @@ def run(
 
 
 def figure(record: Record, ax):
-    """Draw velocity against voltage, or against amplitude where the wave is given."""
+    """Draw velocity against voltage, or against amplitude for a scene with a [wave]."""
     from studies.record.run_pictures import velocity
 
     return velocity(record, ax)

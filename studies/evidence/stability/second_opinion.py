@@ -3,9 +3,9 @@ r"""An independent check of a steady velocity: the limit of a run in time that s
 The motion is computed in time from the height and the velocity of the answer, and a second time from a slightly
 different velocity. Fixed steps are used where they are applicable, otherwise the event-driven method. In each run, a
 and b are the mean velocities over the second and over the last quarter, with a smooth weight that suppresses the
-ringing and the bounce. The ratio rho = (b_2 - b_1)/(a_2 - a_1) of the two runs extrapolates to the limit a + (b - a)/(1
-- rho), so that the run need not be as long as the settling of a heavy slider. The check uses no part of the
-steady-state solvers: no averaging, no Newton iteration and no cycle map.
+ringing and the bounce. With the ratio rho = (b_2 - b_1)/(a_2 - a_1) of the two runs, the extrapolated limit is
+a + (b - a)/(1 - rho), so that the run need not be as long as the settling of a heavy slider. The check uses no part of
+the steady-state solvers: no averaging, no Newton iteration and no cycle map.
 """
 
 import math
@@ -22,7 +22,7 @@ from contact.events.collocation import collocation
 from contact.events.motion import Motion
 from contact.stepping.time_stepping import steps
 
-# Steps per cycle and collocation nodes of the two methods. The last gives the velocity, the others its error.
+# Steps per cycle and collocation nodes of the two methods. The last gives the velocity, all give its error.
 STEPS, NODES = (64, 90, 128), (9, 14)
 # Cycles with fixed steps; for the event-driven method the least number of cycles, and the usual and the largest number
 # of segments (5 s per run)
