@@ -4,12 +4,13 @@ import re
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 from matplotlib.text import Text
 
 from contact import Orbit, Slider, burst, contact_history, steady
-from studies.chain import resolve
+from studies.chain import resolve, run
 from studies.record import Record
-from studies.record.plots import new_figure
+from studies.record.plots import COLOURS, new_figure
 from studies.record.run_pictures import pictures
 from studies.scene import Scene
 from studies.view import gallery_pictures
@@ -224,6 +225,15 @@ def test_the_picture_of_the_velocity_says_when_nothing_moves(levels):
     stuck = "at rest: the slider sticks at every level" in [text.get_text() for text in ax.texts]
     assert stuck == (levels[-1] < 0.6e-9)
     assert not stuck or ax.get_ylim() == (-1.0, 1.0)
+
+
+def test_the_surface_s_picture_marks_each_groove():
+    scene = Scene.load("reflector").replace(drive={"voltage": 30.0}, slider=None)
+    _, ax = new_figure(7.0, 4.3)
+    pictures(run(scene, tolerance=1e-2))["surface"](ax)
+    marked = [patch for patch in ax.patches if patch.get_facecolor()[:3] == to_rgb(COLOURS["second"])]
+    starts = [patch.get_x() for patch in marked]
+    assert starts == pytest.approx([1e3 * each for each in scene.piece[0].position], abs=1e-6)
 
 
 def test_the_surface_s_picture_marks_the_finite_aperture_under_the_slider():
