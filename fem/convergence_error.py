@@ -1,4 +1,4 @@
-"""Exception for an answer that has not converged; the error itself is estimated in fem/discretize/refinement.py."""
+"""Exception for an answer that has not converged; the error itself is estimated in fem/discretize/error_estimate.py."""
 
 
 class ConvergenceError(RuntimeError):

@@ -13,8 +13,8 @@ from functools import partial
 import numpy as np
 
 from fem.condense.sparse import sparse_solution
-from fem.discretize.elements import discretise
-from fem.discretize.forms import scikit_fem_derivatives
+from fem.discretize.depth_mesh import discretise
+from fem.discretize.element_matrices import scikit_fem_derivatives
 from fem.discretize.grading import Resolution, edge_layers, graded
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.geometry import Stator, Transducer, check_layout, outer_gaps

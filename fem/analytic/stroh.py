@@ -1,7 +1,7 @@
 """Surface impedance of a half-space by Stroh's formalism.
 
 Fields u(z) exp(i(omega t - k x)), body at z < 0, z its outward normal, d/dy = 0, no loss.  With the
-tables xx, xz, zz of forms.py, generalised traction -i k b on z = const and partial waves exp(-i k p z),
+tables xx, xz, zz of element_matrices.py, generalised traction -i k b on z = const and partial waves exp(-i k p z),
 Stroh's problem is N (u, b) = p (u, b) with the real matrix (Stroh 1962; Ting, *Anisotropic Elasticity*,
 1996, chapters 5, 12)
 

@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.beam.charges import ElectrodeCharges, electrode_charges
+from fem.beam.electrode_charges import ElectrodeCharges, electrode_charges
 from fem.beam.mutual_admittance import mutual_admittance
 from fem.beam.reception import with_apertures
 from fem.beam.rows import Row, driven_names, rows_of

@@ -25,11 +25,12 @@ import numpy as np
 
 from fem.beam.lateral import LateralRule, lateral_rule
 from fem.beam.line_source import KEPT, LOCAL, Branch, charge_scale
-from fem.discretize.elements import discretise
+from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.eigenproblem import companion_modes, even_odd_modes, opposite_modes
 from fem.waveguide.port_fields import PortFields
+from fem.waveguide.surface_modes import NEAR_HALF_SPACE, TWIN_MODES, TWIN_SHARE
 
 # Lateral wavenumbers over the surface wave's wavenumber between which the integral is faded out.
 FADE = (0.8, 1.0)
@@ -38,11 +39,6 @@ NARROWER = 0.8
 # k_y over the surface wave's wavenumber that replaces k_y = 0, where the constant potential is a double root.
 NEARLY_ZERO = 1e-5
 NEARLY_REAL = 0.3  # |Im k| / |Re k| below which the power flux of a mode determines its direction
-NEAR = 0.02  # relative distance of k from the expected one that halves a mode's localisation
-TWIN_SHARE, TWIN_DISTANCE = (
-    0.4,
-    0.03,
-)  # localisation and k, relative, of a second mode of the surface wave in a plate
 # On the contour a wave grows if its power leaves to the opposite side of its lateral phase, in proportion to the
 # tangent of the angle of its power.  Waves are kept up to the tangent STEEPEST.  GROWTH, over the surface wave's
 # wavenumber, allows for the error of the absorbing layer.
@@ -199,9 +195,13 @@ class CutSource:
             ~right,
         ):  # the most localised mode near that of the k_y before, and its twin in a plate
             apart = abs(k) / abs(expected * unit) - 1
-            share = section.surface_share(shapes) / (1 + (apart / NEAR) ** 2) * (side & nearly_real & kept)
+            share = (
+                section.surface_share(shapes)
+                / (1 + (apart / NEAR_HALF_SPACE) ** 2)
+                * (side & nearly_real & kept)
+            )
             best = np.argmax(share)
-            surface |= (share > TWIN_SHARE * share[best]) & (abs(k / k[best] - 1) < TWIN_DISTANCE)
+            surface |= (share > TWIN_SHARE * share[best]) & (abs(k / k[best] - 1) < TWIN_MODES)
         turn = np.ones((4, 1), dtype=complex)
         if section.solid.mirror_y is not None:  # fields that change sign under y -> -y are scaled by i
             turn[section.solid.mirror_y] = 1j

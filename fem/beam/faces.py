@@ -30,7 +30,7 @@ import numpy as np
 
 from fem.beam.lateral import LateralRule, evanescent, lateral_rule
 from fem.beam.line_source import KEPT, SIGNS, LineSource, charge_scale, static_mode
-from fem.discretize.elements import discretise
+from fem.discretize.depth_mesh import discretise
 from fem.discretize.section import Section
 from fem.waveguide.ends import end_reflection
 from fem.waveguide.modes import GuidedModes

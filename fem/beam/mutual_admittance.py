@@ -12,7 +12,7 @@ potential of mode p per line charge.  The solid is isotropic about z.
 
 import numpy as np
 
-from fem.beam.charges import ElectrodeCharges
+from fem.beam.electrode_charges import ElectrodeCharges
 from fem.beam.lateral import evanescent, lateral_rule
 from fem.beam.line_source import KEPT, LOCAL, line_source
 from fem.geometry import Transducer, separation, turn

@@ -1,8 +1,8 @@
 """Surface beam: motion of the surface in three dimensions, computed from the charges on fingers of finite length.
 
 The fingers end at y = +-W/2, and motions are per volt of the source.  The charge of a finger is a sum of sheets, each
-uniform over |y| < L_b / 2 (charges.py).  In a solid isotropic about z with absorbing ends there is one sheet over the
-whole aperture and several shorter ones, whose charges follow from the mean potentials over the fingers
+uniform over |y| < L_b / 2 (electrode_charges.py).  In a solid isotropic about z with absorbing ends there is one sheet
+over the whole aperture and several shorter ones, whose charges follow from the mean potentials over the fingers
 (own_aperture.py, reception.py).  In other cuts and between reflecting ends the charge is that of the section, uniform
 along y.  For every lateral wavenumber k_y the bare stator's response to the charge is a sum of guided modes p
 (line_source.py).  The charges q_j at x_j < x contribute at x, for a sheet of length W,
@@ -25,8 +25,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.beam.charges import MAX_PHASE, ChargeSheet, ElectrodeCharges, Fingers, electrode_charges
 from fem.beam.cut_source import CutSource, cut_source
+from fem.beam.electrode_charges import MAX_PHASE, ChargeSheet, ElectrodeCharges, Fingers, electrode_charges
 from fem.beam.faces import Faces, faces
 from fem.beam.line_source import Branch, LineSource, line_source
 from fem.beam.own_aperture import STEPS
@@ -181,7 +181,7 @@ class SurfaceBeam:
         for fineness in range(1, len(STEPS)):
             fewer = with_apertures(fields, self.mirror_width, fineness)
             beam = aperture_beam(self.wave, Solution(fields=fewer, circuit=self.circuit), self.mirror_width)
-            if [len(each.steps) for each in beam.charges] != steps:
+            if [len(each.steps) for each in beam.electrode_charges] != steps:
                 return beam
         return None
 

@@ -26,7 +26,7 @@ import numpy as np
 
 from fem.condense.piece import Blocks, Port
 from fem.convergence_error import ConvergenceError
-from fem.discretize.forms import element_matrix
+from fem.discretize.element_matrices import element_matrix
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.materials.medium import Medium
 

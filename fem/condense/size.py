@@ -6,7 +6,7 @@ import numpy as np
 
 from fem.condense.column import ELECTRODES
 from fem.condense.transducer import Condensation, transducer_superelements
-from fem.discretize.elements import discretise
+from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.geometry import Stator, Transducer

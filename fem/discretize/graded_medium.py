@@ -1,7 +1,7 @@
 """Medium of an absorbing layer: complex coordinate stretching that varies within an element, and a loss along x.
 
 With the stretch s(z) of the depth, the loss factor delta(z) and the table R of the moduli that are lossy, the weak form
-(forms.py, section.py) has the coefficients
+(element_matrices.py, section.py) has the coefficients
 
     s (C_xx + i delta R),   C_xz,   C_zz / s,   s rho omega^2.
 

@@ -217,7 +217,7 @@ def _inverse(kind: str, nodes: np.ndarray, points: np.ndarray) -> tuple[np.ndarr
 def medium_tables(medium: Medium, angular: float, *, part: str = "all") -> np.ndarray:
     """Coefficients of the five scalar matrices (`QuadSpace.scalar_matrices`) for a medium, (fields, fields, 5).
 
-    ``angular``: omega times the length unit, m/s; ``part`` as in `fem.discretize.forms.element_matrix`.
+    ``angular``: omega times the length unit, m/s; ``part`` as in `fem.discretize.element_matrices.element_matrix`.
     """
     inertia = -(angular**2) * np.diag(medium.inertia)
     tables = np.stack([medium.xx, medium.xz, medium.xz.T, medium.zz, inertia], axis=-1)

@@ -11,7 +11,7 @@ from fem.condense.moments import finger_moment
 from fem.condense.piece import Blocks
 from fem.condense.reduced import PieceSample, RationalPiece, rational_piece
 from fem.condense.transducer import Condensation, FingerShape, half_cells
-from fem.discretize.elements import discretise
+from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes

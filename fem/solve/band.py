@@ -14,7 +14,7 @@ from fem.circuit import Drive
 from fem.condense.mesh import MeshedPiece
 from fem.condense.reduced import PieceSample, rational_piece
 from fem.convergence_error import ConvergenceError
-from fem.discretize.refinement import LEVELS, first_level
+from fem.discretize.error_estimate import LEVELS, first_level
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.input_error import InputError
 from fem.mesh.layout import is_step

@@ -28,7 +28,7 @@ import numpy as np
 
 from fem.circuit import Drive
 from fem.convergence_error import ConvergenceError
-from fem.discretize.refinement import refine
+from fem.discretize.error_estimate import refine
 from fem.input_error import InputError
 from fem.results.driven_answer import SurfaceWave
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from fem.analytic.half_space import rayleigh
 from fem.convergence_error import refuse_above
+from fem.discretize.error_estimate import LEVELS, refine
 from fem.discretize.grading import Resolution
-from fem.discretize.refinement import LEVELS, refine
 from fem.materials import Solid
 from fem.waveguide.grating import Grating, StopBand, grating
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from fem.circuit import Drive
 from fem.convergence_error import refuse_above
+from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
-from fem.discretize.refinement import refine_stator
 from fem.geometry import Stator, Transducer, check_layout
 from fem.input_error import InputError
 from fem.results.driven_answer import SurfaceWave, surface_wave

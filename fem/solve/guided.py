@@ -3,7 +3,7 @@
 The field of a finite aperture is an integral of fields exp(-i k_y y) over the lateral wavenumber k_y.  At each k_y a
 uniform segment has modes exp(-i k_x x); k_x against k_y at one frequency is the slowness curve, and its normal is the
 direction in which the mode carries its energy.  The free wave is the mode at k_y = 0 whose motion is concentrated at
-the surface (selected by `fem.waveguide.modes.surface_modes`).  In a block of several wavelengths it is the Rayleigh
+the surface (selected by `fem.waveguide.surface_modes`).  In a block of several wavelengths it is the Rayleigh
 wave of the half-space, up to a splitting that decays exponentially with the thickness.
 
 Limits: a bare surface.  The kind of absorbing layer at the bottom is selected by the bulk waves of the sagittal plane.
@@ -15,9 +15,9 @@ from functools import cache
 import numpy as np
 
 from fem.convergence_error import refuse_above
-from fem.discretize.elements import discretise
+from fem.discretize.depth_mesh import discretise
+from fem.discretize.error_estimate import absorbs_slowly, refine
 from fem.discretize.grading import Resolution
-from fem.discretize.refinement import absorbs_slowly, refine
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.geometry import Stator
 from fem.input_error import InputError

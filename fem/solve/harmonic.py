@@ -1,7 +1,7 @@
 """The driven stator at one frequency: from the scene's geometry to the surface motion per volt, with its error.
 
 The problem is solved on two discretisations, one a level finer than the other.  Their difference divided by g - 1 is
-the error reported, where a level divides the error by at least g (`fem.discretize.refinement`).
+the error reported, where a level divides the error by at least g (`fem.discretize.error_estimate`).
 """
 
 from collections.abc import Callable
@@ -11,8 +11,8 @@ import numpy as np
 
 from fem.circuit import Drive
 from fem.convergence_error import refuse_above
+from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
-from fem.discretize.refinement import refine_stator
 from fem.geometry import Stator, Transducer, check_layout
 from fem.input_error import InputError
 from fem.materials import fields

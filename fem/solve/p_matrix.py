@@ -22,15 +22,16 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.convergence_error import refuse_above
+from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
-from fem.discretize.refinement import refine_stator
 from fem.discretize.section import FIELD_COLUMN
 from fem.geometry import Stator, Transducer
 from fem.threads import one_blas_thread
-from fem.waveguide.modes import ONE_WAVE, GuidedModes, power
+from fem.waveguide.modes import GuidedModes, power
 from fem.waveguide.network import SegmentWaves
 from fem.waveguide.port_fields import solve_ports
 from fem.waveguide.row_solver import Element, solve_row
+from fem.waveguide.surface_modes import ONE_WAVE
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -22,9 +22,9 @@ from fem.analytic.coupled_modes import relative_amplitude
 from fem.analytic.half_space import automatic_period
 from fem.analytic.quasistatic import transducer_estimate
 from fem.condense.transducer import Condensation, transducer_superelements
-from fem.discretize.elements import discretise
+from fem.discretize.depth_mesh import discretise
+from fem.discretize.error_estimate import LEVELS
 from fem.discretize.grading import Resolution
-from fem.discretize.refinement import LEVELS
 from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
 from fem.threads import one_blas_thread

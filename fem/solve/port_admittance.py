@@ -8,7 +8,7 @@ import numpy as np
 from fem.beam.reception import aperture_solver
 from fem.circuit import Drive
 from fem.convergence_error import refuse_above
-from fem.discretize.refinement import refine_stator
+from fem.discretize.error_estimate import refine_stator
 from fem.geometry import Stator, Transducer
 from fem.input_error import InputError
 from fem.solve.band import frequency_band

@@ -13,9 +13,9 @@ import numpy as np
 
 from fem.condense.piece import Piece
 from fem.convergence_error import refuse_above
-from fem.discretize.elements import discretise
+from fem.discretize.depth_mesh import discretise
+from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
-from fem.discretize.refinement import refine_stator
 from fem.geometry import Stator
 from fem.input_error import InputError
 from fem.materials.christoffel import slowest_wavelength

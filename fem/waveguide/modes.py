@@ -1,4 +1,4 @@
-"""Guided modes of a uniform segment, selection of the surface wave among them, and the radiation impedance.
+"""Guided modes of a uniform segment and the radiation impedance; surface_modes.py selects the surface wave.
 
 In a segment that is uniform in x the unknowns of a line are sums of modes v exp(-i k x) with (section.py)
 
@@ -22,6 +22,7 @@ import numpy as np
 from fem.convergence_error import ConvergenceError
 from fem.discretize.section import LineSpace
 from fem.eigenproblem import companion_modes, even_odd_modes
+from fem.waveguide.surface_modes import surface_modes
 
 POLISHING_STEPS = 6
 # Residual of the radiation impedance, and error of the flux of a slow mode by it: ordinary sections reach 1e-15, and
@@ -29,14 +30,8 @@ POLISHING_STEPS = 6
 RICCATI_TOLERANCE, MODES_TOLERANCE = 1e-12, 1e-3
 SLOW = 40.0  # radians per slowest bulk wavelength
 PROPAGATING = 0.3  # a mode whose |Im k| is below this share of |Re k| counts as propagating
-# Relative distance of k from the half-space's at which a mode's localisation counts half.
-NEAR_HALF_SPACE = 0.02
 # |Im k| / |Re k| below which the power flux decides the direction of a mode that carries power
 NEARLY_REAL = 3e-3
-# Two modes form the surface wave of a plate if their k differ relatively by less than ONE_WAVE, or by less than
-# TWIN_MODES while the less localised one has at least the fraction TWIN_SHARE of the other's localisation.
-ONE_WAVE, TWIN_MODES = 1e-3, 3e-2
-TWIN_SHARE = 0.4
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -132,33 +127,6 @@ class GuidedModes:
         return moving[surface_modes(self.wavenumbers[moving], share, expected, self.lateral_wavenumber)]
 
 
-def surface_modes(
-    wavenumbers: np.ndarray, share: np.ndarray, expected: float | None, lateral_wavenumber: float = 0.0
-) -> np.ndarray:
-    """Select the surface wave among modes that propagate in one direction: their indices, most localised first.
-
-    Parameters
-    ----------
-    wavenumbers : ndarray, shape (modes,)
-        k_x.
-    share : ndarray, shape (modes,)
-        Squared motion at the surface over its integral through the depth.
-    expected : float or None
-        Approximate sqrt(k_x^2 + k_y^2) of the surface wave, such as that of the half-space, if it is known.
-    lateral_wavenumber : float
-        k_y.
-    """
-    localised = share
-    if expected is not None:
-        total = np.sqrt(wavenumbers**2 + lateral_wavenumber**2) if lateral_wavenumber else wavenumbers
-        localised = share / (1.0 + (abs(total / expected - 1.0) / NEAR_HALF_SPACE) ** 2)
-    best = int(np.argmax(localised))
-    apart = abs(wavenumbers / wavenumbers[best] - 1)
-    split = (apart < TWIN_MODES) & (localised > TWIN_SHARE * localised[best])
-    chosen = np.flatnonzero((apart < ONE_WAVE) | split)
-    return chosen[np.argsort(-localised[chosen])]
-
-
 def power(displacement: np.ndarray, flux: np.ndarray, frequency: float) -> np.ndarray:
     """Mean power along +x of each column of a field (u, f) on a line, -(omega/2) Im(f u*), in the fields' unit."""
     return -np.pi * frequency * np.imag(np.sum(flux * np.conj(displacement), axis=0))
@@ -168,7 +136,7 @@ def guided_modes(section: LineSpace, frequency: float, lateral_wavenumber: float
     """All modes of a uniform segment with a bare surface at a frequency in Hz.
 
     ``lateral_wavenumber``: k_y in radians per length unit; it takes a `Section` with all fields (``lateral=True`` in
-    `fem.discretize.elements.discretise`).
+    `fem.discretize.depth_mesh.discretise`).
     """
     if lateral_wavenumber:
         if section is not section.full:

@@ -22,7 +22,7 @@ from fem.condense.columns import FingerColumns
 from fem.condense.piece import Port
 from fem.condense.transducer import Condensation, transducer_superelements
 from fem.convergence_error import ConvergenceError
-from fem.discretize.elements import discretise
+from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.geometry import Stator, Transducer, outer_gaps

@@ -9,7 +9,7 @@ import numpy as np
 
 from fem.condense.mesh import Assembly, MeshedPiece, assembled
 from fem.condense.reduced import ReducedPiece
-from fem.discretize.elements import discretise
+from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.geometry import Stator

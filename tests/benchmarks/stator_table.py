@@ -25,8 +25,8 @@ from fem import coupling, frequency_band, material, rayleigh, rotated
 from fem.condense.columns import condensed
 from fem.condense.join import repeated
 from fem.direct import direct_solution
+from fem.discretize.error_estimate import LEVELS
 from fem.discretize.grading import Resolution
-from fem.discretize.refinement import LEVELS
 from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.evaluation import surface_of

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.discretize.elements import discretise
+from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.geometry import Stator, Transducer

@@ -9,9 +9,9 @@ import pytest
 
 from fem.circuit import Drive
 from fem.condense.reduced import PieceSample, rational_piece
-from fem.discretize.elements import discretise
+from fem.discretize.depth_mesh import discretise
+from fem.discretize.error_estimate import LEVELS
 from fem.discretize.grading import Resolution
-from fem.discretize.refinement import LEVELS
 from fem.geometry import Stator, Transducer, check_layout
 from fem.input_error import InputError
 from fem.materials import material

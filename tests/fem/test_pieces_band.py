@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fem.condense.reduced import PieceSample, rational_piece
-from fem.discretize.elements import discretise
+from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.piece import MeshPiece

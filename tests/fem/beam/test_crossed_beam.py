@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.special import hankel2
 
-from fem.beam.charges import ElectrodeCharges
 from fem.beam.crossed_beam import crossed_beam
+from fem.beam.electrode_charges import ElectrodeCharges
 from fem.beam.line_source import line_source
 from fem.beam.mutual_admittance import mutual_admittance
 from fem.beam.surface_beam import BeamError, surface_beam

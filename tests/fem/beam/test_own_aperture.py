@@ -7,7 +7,7 @@ import pytest
 from scipy.special import hankel2
 
 from fem.beam import point_potential
-from fem.beam.charges import electrode_charges
+from fem.beam.electrode_charges import electrode_charges
 from fem.beam.line_source import LineSource
 from fem.beam.own_aperture import STEPS, _between_mirrors, finger_coupling, sheet_lengths
 from fem.beam.point_potential import PointPotential

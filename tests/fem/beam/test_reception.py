@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import hankel2
 
-from fem.beam.charges import electrode_charges
+from fem.beam.electrode_charges import electrode_charges
 from fem.beam.reception import aperture_coupling, with_apertures
 from fem.beam.surface_beam import surface_beam
 from fem.solve.port_admittance import port_admittance

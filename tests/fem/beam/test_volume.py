@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.beam.charges import electrode_charges
+from fem.beam.electrode_charges import electrode_charges
 from fem.beam.surface_beam import surface_beam
 from fem.materials.christoffel import slowest_wavelength
 from tests.fem.stators import FREQUENCY, comb, cut, plate, solution, wave_of

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fem.convergence_error import ConvergenceError
-from fem.discretize.refinement import LEVELS
+from fem.discretize.error_estimate import LEVELS
 from fem.geometry import Stator, Transducer
 from fem.materials import material, rotated
 from fem.reduce.projection import BandProblem, project, solve_at_nodes

@@ -12,7 +12,7 @@ import pytest
 import fem
 from fem.analytic.half_space import rayleigh
 from fem.convergence_error import ConvergenceError
-from fem.discretize.elements import discretise
+from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.geometry import Stator
 from fem.materials import rotated

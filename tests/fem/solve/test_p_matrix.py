@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fem import Stator, Transducer, cascade_admittance, cell_parameters, material, p_matrix, rotated
-from fem.discretize.refinement import LEVELS
+from fem.discretize.error_estimate import LEVELS
 from fem.solve.p_matrix import _on_level
 from fem.waveguide.port_fields import solve_ports
 

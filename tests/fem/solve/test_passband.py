@@ -15,7 +15,7 @@ from fem import (
     port_admittance,
     rotated,
 )
-from fem.discretize.refinement import LEVELS
+from fem.discretize.error_estimate import LEVELS
 from fem.solve.passband import MANY_PAIRS, surface_power
 from fem.waveguide.port_fields import solve_ports
 

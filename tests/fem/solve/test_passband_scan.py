@@ -7,7 +7,7 @@ import pytest
 
 from fem import Stator, Transducer, best_period, driven_wave, material, p_matrix, rotated
 from fem.convergence_error import ConvergenceError
-from fem.discretize.refinement import LEVELS
+from fem.discretize.error_estimate import LEVELS
 from fem.reduce.basis import bases_of
 from fem.solve.p_matrix import _difference
 from fem.solve.passband import surface_power

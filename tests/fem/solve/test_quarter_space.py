@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import legendre
 
-from fem.discretize.elements import discretise
+from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.geometry import Stator
 from fem.materials import isotropic

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fem.analytic.wave_compliance import wave_compliance
-from fem.discretize.elements import discretise
-from fem.discretize.refinement import LEVELS
+from fem.discretize.depth_mesh import discretise
+from fem.discretize.error_estimate import LEVELS
 from fem.geometry import Stator
 from fem.materials.christoffel import slowest_wavelength
 from fem.waveguide.force import force_response

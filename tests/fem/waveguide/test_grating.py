@@ -9,7 +9,7 @@ from scipy.special import ellipk, eval_legendre
 from fem.analytic.half_space import coupling, rayleigh
 from fem.analytic.quasistatic import surface_permittivity
 from fem.condense.transducer import Condensation, finger_cell
-from fem.discretize.refinement import LEVELS
+from fem.discretize.error_estimate import LEVELS
 from fem.solve.cell_parameters import cell_parameters
 from fem.solve.harmonic import solve_driven
 from fem.waveguide.grating import StopBand, grating

@@ -7,7 +7,7 @@ from fem.beam.surface_beam import aperture_beam
 from fem.condense.columns import condensed
 from fem.condense.join import repeated, with_ports
 from fem.condense.transducer import Condensation, transducer_superelements
-from fem.discretize.elements import discretise
+from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.evaluation import surface_of

@@ -3,7 +3,7 @@
 import pytest
 
 from fem.convergence_error import ConvergenceError
-from fem.discretize.refinement import refine
+from fem.discretize.error_estimate import refine
 
 
 def refined(answers, tolerance, start=0):

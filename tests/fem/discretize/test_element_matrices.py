@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from skfem import Basis, ElementQuadP, MeshQuad
 
-from fem.discretize.forms import element_matrix, scikit_fem_derivatives
+from fem.discretize.element_matrices import element_matrix, scikit_fem_derivatives
 from fem.discretize.spectral import gll_nodes
 from fem.materials import VACUUM_PERMITTIVITY, fields
 from fem.materials.medium import medium, units, vacuum_medium

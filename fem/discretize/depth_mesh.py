@@ -2,7 +2,8 @@
 
 The elements shrink by a fixed ratio per layer towards the surface, where the charge at a finger edge is singular
 (r^-1/2), and towards a bottom corner where a clamped face meets a free one.  An absorbing bottom is described in
-absorber.py.  The matrices of the elements (stiffness, inertia) are integrated in forms.py, and on meshes in quads.py.
+absorber.py.  The matrices of the elements (stiffness, inertia) are integrated in element_matrices.py, and on meshes in
+quads.py.
 """
 
 import numpy as np
