@@ -181,7 +181,7 @@ class SurfaceBeam:
         for fineness in range(1, len(STEPS)):
             fewer = with_apertures(fields, self.mirror_width, fineness)
             beam = aperture_beam(self.wave, Solution(fields=fewer, circuit=self.circuit), self.mirror_width)
-            if [len(each.steps) for each in beam.electrode_charges] != steps:
+            if [len(each.steps) for each in beam.charges] != steps:
                 return beam
         return None
 

@@ -51,7 +51,7 @@ def test_a_mode_missed_at_one_node_is_in_the_stated_error():
     """Where half and a quarter of the nodes do not show an exponential convergence."""
     beam = beam_in(lossless(*CUTS["YZ"]), thickness=0.8, length=14.0, pairs=1, order=5)
     beam = replace(beam, wave=replace(beam.wave, relative_error=0.0))
-    place = beam.electrode_charges[0].x[-1] + 4e-3, 0.4e-3
+    place = beam.charges[0].x[-1] + 4e-3, 0.4e-3
     expected, unspoilt = beam.motion_and_error(*place)
     ((_, poles),) = ((key, each) for key, each in beam.source._spectra.items() if len(each) > 1)
     poles[5] = poles[5]._replace(column=np.where(poles[5].surface[:, None], 0.0, poles[5].column))
@@ -65,7 +65,7 @@ def test_a_mode_missed_at_one_node_is_in_the_stated_error():
 def test_side_faces_by_half_of_the_basis(name):
     """What mirrors change, to a tenth of it."""
     beam = beam_in(lossless(*CUTS[name]), thickness=np.inf, length=14.0, pairs=1, order=5, aperture=2e-3)
-    place, width = (beam.electrode_charges[0].x[-1] + 4e-3, 0.4e-3), 3e-3
+    place, width = (beam.charges[0].x[-1] + 4e-3, 0.4e-3), 3e-3
     changes = [
         replace(each, mirror_width=width).motion(*place)[2] / each.motion(*place)[2] - 1
         for each in (beam, beam.with_side_faces(None))
@@ -93,7 +93,7 @@ def test_response_of_the_reduced_basis(name):
 @pytest.mark.parametrize("name", CUTS)
 def test_modes_without_lateral_wavenumber_are_the_section(name):
     beam = beam_in(lossless(*CUTS[name]), thickness=0.8, length=14.0, pairs=1)
-    edges = beam.electrode_charges[0].x[[0, -1]]
+    edges = beam.charges[0].x[[0, -1]]
     x = np.array([edges[0] - 2e-3, edges[1] + 1.5e-3, edges[1] + 4e-3])
     assert abs(beam._beyond_the_modes(x)).max() < 5e-3 * abs(beam.wave.motion(x)).max()
 
@@ -112,7 +112,7 @@ def test_constant_potential_leaves_no_motion():
     """k_y in the place of 0 makes u_x of the pole at k = 0 as small as itself."""
     beam = beam_in(cut("PZT-8", "Z", quality=60.0), thickness=0.8, length=14.0, pairs=1)
     solved = replace(beam, source=cut_source(beam.wave.solution.fields))
-    x = beam.electrode_charges[0].x[-1] + np.array([2e-3, 4e-3])
+    x = beam.charges[0].x[-1] + np.array([2e-3, 4e-3])
     assert abs(solved._beyond_the_modes(x)).max() < 3e-5 * abs(beam.wave.motion(x)).max()
 
 
@@ -173,7 +173,7 @@ def test_parabolic_formula(monkeypatch):
     gamma = -2 * (along[2] - along[0]) * along[0] / k_y[2] ** 2 - 1
     assert gamma == pytest.approx(-0.34, abs=0.02)
     y = np.linspace(0, 0.7, 15) * aperture
-    x = beam.electrode_charges[0].x.mean() + distance
+    x = beam.charges[0].x.mean() + distance
     found = abs(beam.surface_mode.motion(x, y)[2] / beam.wave.rayleigh_motion(x)[1])
     expected = fresnel_profile(along[0], distance * (1 + gamma), aperture, y)
     np.testing.assert_allclose(found, expected, atol=0.01 * expected.max())

@@ -23,7 +23,7 @@ def beam_between(ends, solid, *, length=9.0, thickness=0.8, order=5, aperture=5e
 def test_wide_aperture_between_faces_is_the_section(ends, bottom):
     """At the faces, beside and between the fingers; where nothing is grounded, u_x has the pole at k = 0."""
     beam = beam_between(ends, cut("PZT-8", "Z", quality=20.0), bottom=bottom, aperture=0.2)
-    edges, length = beam.electrode_charges[0].x[[0, -1]], beam.wave.length
+    edges, length = beam.charges[0].x[[0, -1]], beam.wave.length
     x = np.array([0.0, edges[0] - 1e-3, edges[1] + 1.2e-3, 0.7 * length, length])
     section = beam.wave.motion(x)
     tangential, _, normal = beam.motion(x)
@@ -83,7 +83,7 @@ def test_twice_the_charges_make_twice_the_field():
     beam = beam_between("free", cut("PZT-8", "Z", quality=15.0))
     place = 0.8 * beam.wave.length, 1.5e-3
     once = beam.motion(*place)
-    charges = tuple(replace(each, charge=2 * each.charge) for each in beam.electrode_charges)
+    charges = tuple(replace(each, charge=2 * each.charge) for each in beam.charges)
     np.testing.assert_allclose(replace(beam, charges=charges).motion(*place), 2 * once, rtol=1e-12)
 
 

@@ -27,7 +27,7 @@ def beam_and_field(cut: str, pairs: int, aperture: float, x, y):
     solved = solve_driven(stator, (one,), frequency=frequency, drive="a", resolution=LEVELS[1])
     beam = surface_beam(wave_of(solved))
     beam = replace(beam, wave=replace(beam.wave, relative_error=1e-5))  # the oracle has its charges
-    solid, charges = stator.solid, beam.electrode_charges[0]
+    solid, charges = stator.solid, beam.charges[0]
     field = HalfSpaceField(
         stiffness=solid.stiffness_lossy,
         coupling=solid.coupling,

@@ -47,7 +47,7 @@ def test_an_open_reflector_in_the_beam():
         comb(STATOR, "r", 14.0, finger_pairs=3, pattern="oooooo", aperture=0.4),
     )
     beam = surface_beam(wave_of(solution(STATOR, pair, order=6)))
-    assert abs(beam.electrode_charges[1].charge).max() > 0
+    assert abs(beam.charges[1].charge).max() > 0
     x = np.array([pair[1].extent[0] - 1.3e-3, pair[1].extent[1] + 2.1e-3])
     section, without = beam.wave.motion(x), wave_of(solution(STATOR, pair[:1], order=6)).motion(x)
     assert abs(section[1] - without[1])[1] > 0.05 * abs(section[1][1])

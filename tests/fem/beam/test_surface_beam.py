@@ -25,9 +25,7 @@ def beam_of(solid, *, length=30.0, thickness=1.3, order=7, layers=1, aperture=5e
 
 def section_charges(beam):
     """A beam of the charges that the section has: without what finite apertures change in them."""
-    whole = tuple(
-        electrode_charges(beam.wave.solution, index) for index in range(len(beam.electrode_charges))
-    )
+    whole = tuple(electrode_charges(beam.wave.solution, index) for index in range(len(beam.charges)))
     return replace(beam, charges=whole)
 
 
@@ -42,10 +40,8 @@ def lossy():
 def test_infinite_aperture_is_the_section(bottom):
     """Charges, line source and modes at k_y = 0 on both sides, next to the fingers and far away."""
     beam = section_charges(beam_of(cut("PZT-8", "Z", quality=60.0), bottom=bottom, aperture=1.0, layers=0))
-    edges = beam.electrode_charges[0].x[[0, -1]]
-    first, second = (
-        beam.electrode_charges[0].x[beam.electrode_charges[0].finger == number] for number in (2, 3)
-    )
+    edges = beam.charges[0].x[[0, -1]]
+    first, second = (beam.charges[0].x[beam.charges[0].finger == number] for number in (2, 3))
     between = 0.5 * (first[-1] + second[0])
     x = np.array([edges[0] - 3e-3, edges[0] - 1e-3, between, edges[1] + 1e-3, edges[1] + 8e-3])
     section = beam.wave.motion(x)
@@ -61,7 +57,7 @@ def test_infinite_aperture_is_the_section(bottom):
 def test_the_two_surface_waves_of_a_thick_plate():
     """One part in 1e8 apart, so that the eigensolver mixes them by 1e-4: together they are the section's wave."""
     beam = beam_of(cut("PZT-8", "Z"), thickness=5.5, order=8, layers=3)
-    x = beam.electrode_charges[0].x[-1] + np.array([5e-3, 8e-3])
+    x = beam.charges[0].x[-1] + np.array([5e-3, 8e-3])
     twins = beam.source.wavenumbers[beam.source.surface].real
     assert 0 < np.ptp(twins) < 1e-7 * twins[0]
     assert abs(beam._beyond_the_modes(x)).max() < 1e-7 * abs(beam.wave.motion(x)).max()
@@ -75,11 +71,11 @@ def test_two_transducers_add_up_to_the_section():
         comb(stator, "b", 14.0, finger_pairs=2, period=0.9, aperture=1.0, termination="short"),
     )
     beam = section_charges(surface_beam(wave_of(solution(stator, pair, order=7))))
-    first, second = (each.x[[0, -1]] for each in beam.electrode_charges)
+    first, second = (each.x[[0, -1]] for each in beam.charges)
     x = np.array([first[0] - 2e-3, first[1] + 1e-3, second[0] - 1e-3, second[1] + 2e-3])
     section = beam.wave.motion(x)
     np.testing.assert_allclose(beam.motion(x)[[0, 2]], section, atol=1e-7 * abs(section).max())
-    alone = replace(beam, charges=beam.electrode_charges[:1], apertures=(1.0,), centers=(0.0,)).motion(x)
+    alone = replace(beam, charges=beam.charges[:1], apertures=(1.0,), centers=(0.0,)).motion(x)
     assert abs(alone[2] - section[1]).max() > 1e-3 * abs(section).max()
 
 
@@ -136,7 +132,7 @@ def test_far_field_follows_the_aperture():
         float(beam.wave.solution.fields.modes.wavenumbers[surface].real)
         / beam.wave.solution.fields.section.length_unit
     )
-    charges = beam.electrode_charges[0]
+    charges = beam.charges[0]
     middle = 0.5 * (charges.x[0] + charges.x[-1])
     angles = np.radians([0.0, 3.0, 6.0, 9.0, 14.0])
     distance = 0.2
@@ -166,10 +162,8 @@ def test_between_and_under_the_fingers():
         comb(stator, "b", 14.0, aperture=0.5, termination="short"),
     )
     beam = section_charges(surface_beam(wave_of(solution(stator, pair, order=8, layers=2))))
-    fingers = [beam.electrode_charges[0].x[beam.electrode_charges[0].finger == number] for number in (2, 3)]
-    x = np.array(
-        [0.5 * (fingers[0][-1] + fingers[1][0]), fingers[1].mean(), beam.electrode_charges[1].x.mean()]
-    )
+    fingers = [beam.charges[0].x[beam.charges[0].finger == number] for number in (2, 3)]
+    x = np.array([0.5 * (fingers[0][-1] + fingers[1][0]), fingers[1].mean(), beam.charges[1].x.mean()])
     section = beam.wave.motion(x)
     np.testing.assert_allclose(beam.motion(x)[[0, 2]], section, atol=1e-7 * abs(section).max())
 
@@ -211,7 +205,7 @@ def power_of_planes(beam):
     per_mode = power(modes.right, modes.right_flux, FREQUENCY)[modes.wavenumbers != 0]
     per_mode = per_mode * modes.section.solid.stress_unit * abs(beam.source.amplitudes) ** 2
     k = beam.source.wavenumbers
-    charges, origin = beam.electrode_charges[0], float(beam.electrode_charges[0].x.mean())
+    charges, origin = beam.charges[0], float(beam.charges[0].x.mean())
     angles, weights = (np.pi / 2 * each for each in np.polynomial.legendre.leggauss(300))
     section = total = 0.0
     for mode in np.flatnonzero(abs(k.imag) < 1e-9 * abs(k)):
