@@ -63,7 +63,7 @@ def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
         ("power", bars(power_rows(record.electrical), "mW per V^2", "power (mW per V^2 of the source, peak)",
                        f"{title}\npower of the driven transducer")),
         ("power_flow", power_along(run.field.x, passing, covered=run.spans, fed=power, title=title)),
-        ("ledger", bars(ledger, "pJ", "energy per cycle (pJ); blue: from the wave, orange: into",
+        ("ledger", bars(ledger, "pJ", "energy per cycle (pJ); blue: from the wave, orange: taken up",
                         f"{title}: {gallery.voltage:g} V\nledger of one contact, {balance}")),
     ):  # fmt: skip
         progress(f"drawing {picture}")
