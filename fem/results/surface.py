@@ -191,8 +191,8 @@ def standing_wave_ratio(samples: np.ndarray) -> float:
     Parameters
     ----------
     samples : ndarray, shape (n,), complex
-        At equal distances, ten or more of them to a wavelength: a quintic spline runs through them. Between its points
-        the smallest size is the distance of the origin from the chord.
+        At equal distances, ten or more of them to a wavelength.  A polynomial of degree 7 through the nearest samples
+        interpolates them; between its points the smallest size is the distance of the origin from the chord.
 
     Examples
     --------
@@ -200,11 +200,15 @@ def standing_wave_ratio(samples: np.ndarray) -> float:
     >>> round(standing_wave_ratio(np.exp(-1j * phase) + 0.99 * np.exp(1j * (phase + 1.0))), 1)
     199.0
     """
-    from scipy.interpolate import make_interp_spline
-
-    count = len(samples)
-    spline = make_interp_spline(np.arange(count), samples, k=min(5, count - 1))
-    fine = spline(np.linspace(0, count - 1, (count - 1) * FINER + 1))
+    count, degree = len(samples), min(7, len(samples) - 1)
+    first = np.clip(
+        np.arange(count - 1) - degree // 2, 0, count - 1 - degree
+    )  # of the samples for each interval
+    window = np.arange(degree + 1)
+    coefficients = np.linalg.solve(np.vander(window, increasing=True), samples[first + window[:, None]])
+    within = (np.arange(count - 1) - first)[:, None] + np.arange(FINER) / FINER
+    fine = np.einsum("kij,ki->ij", within ** window[:, None, None], coefficients)
+    fine = np.append(fine.ravel(), samples[-1])
     chord = np.diff(fine)
     squares = np.maximum(abs(chord) ** 2, np.finfo(float).tiny)
     nearest = np.clip(-(fine[:-1].conj() * chord).real / squares, 0.0, 1.0)
