@@ -157,16 +157,22 @@ def wave_field(
             part = part.chosen(slice(1, None))
         parts.append(part)
     units = section.field_units
-    whole = _of_values(
-        solution.fields.stator.solid,
-        wave.frequency,
-        np.concatenate([part.x for part in parts]),
-        depth,
-        np.concatenate([part.values for part in parts]) * units,
-        np.concatenate([part.along for part in parts]) * units if energies else None,
-        section.order,
-        upward=np.concatenate([part.raised(section, depth) for part in parts]) * units if energies else None,
-        inside=np.concatenate([np.broadcast_to(part.inside, part.values.shape[:2]) for part in parts]),
+    values = np.concatenate([part.values for part in parts]) * units
+    inside = np.concatenate([np.broadcast_to(part.inside, part.values.shape[:2]) for part in parts])
+    own = None
+    if energies:
+        along = np.concatenate([part.along for part in parts]) * units
+        upward = np.concatenate([part.raised(section, depth) for part in parts]) * units
+        own = densities(solution.fields.stator.solid, wave.frequency, values, along, upward)
+    whole = WaveField(
+        x=np.concatenate([part.x for part in parts]),
+        z=depth,
+        displacement=values[:, :, :3],
+        potential=values[:, :, 3],
+        frequency=wave.frequency,
+        order=section.order,
+        densities=own,
+        inside=None if inside.all() else inside,
         pieces=tuple(meshed),
     )
     if energies:
@@ -292,29 +298,18 @@ def free_field(
     x = _lines(*span, wavelength / per_wavelength, ())
     exponent = -(2j * np.pi / wavelength + wave.attenuation)
     values = np.exp(exponent * x)[:, None, None] * wave.profile
-    along = exponent * values if energies else None
-    return _of_values(wave.solid, wave.frequency, x, wave.depth, values, along, wave.order)
-
-
-def _of_values(
-    solid, frequency: float, x, z, values, along, order: int, *, upward=None, inside=None, pieces=()
-) -> WaveField:
-    """Field of nodal values (nx, nz, 4), with densities where the derivatives along x are given."""
-    found = None
-    if along is not None:
-        if upward is None:
-            upward = upward_slope(values, order, np.diff(z[::order]))
-        found = densities(solid, frequency, values, along, upward)
+    own = None
+    if energies:
+        upward = upward_slope(values, wave.order, np.diff(wave.depth[:: wave.order]))
+        own = densities(wave.solid, wave.frequency, values, exponent * values, upward)
     return WaveField(
         x=x,
-        z=z,
+        z=wave.depth,
         displacement=values[:, :, :3],
         potential=values[:, :, 3],
-        frequency=frequency,
-        order=order,
-        densities=found,
-        inside=None if inside is None or inside.all() else inside,
-        pieces=pieces,
+        frequency=wave.frequency,
+        order=wave.order,
+        densities=own,
     )
 
 

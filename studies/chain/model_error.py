@@ -23,7 +23,6 @@ import numpy as np
 import contact
 import fem
 from studies.chain import bridge, resolve
-from studies.chain.blocks import node
 from studies.chain.radiation import point_admittance
 from studies.record import Record
 from studies.record.text import percent
@@ -45,6 +44,7 @@ Rows = Iterator[tuple[str, str, float, str]]
 SHARED = ("u_z", "velocity")  # quantities at the slider whose relative changes add up to the model error
 NO_ANSWER = 1.0  # smallest relative change for which the answer is refused
 # A first-order upper bound, which causes only a warning
+NODE = 1e-6  # |u_z|/|u_x| below which u_z is a node: waves from both sides cancel
 NEVER_DECISIVE = ("overtones of the wave under the pillars",)
 # Keys of an effect in run.json: name, changed quantity, relative change (or change in the stated unit), source
 KEYS = ("effect", "quantity", "size", "source")
@@ -259,9 +259,8 @@ def _contact(record: Record) -> Rows:
     effect, how = "radiation of a contact into the stator", "point load on an isotropic half-space, nu = 1/4"
     yield effect, "the contact's elastic force", radiated, how
     moving = [point for point in record.points if point["normal_amplitude_m"] > 0]
-    if not moving or node(record.surface_motion, list(slider.places)):
-        return
-    if _amplitude_per_power(record) is not None:
+    tangential, _, normal = abs(record.surface_motion.at(list(slider.places)))
+    if moving and normal.max() >= NODE * tangential.max() and _amplitude_per_power(record) is not None:
         how = "averaged equilibrium of the contacts on a wave that they load (elastic law)"
         load = max(_loaded(record, point) for point in (moving[0], moving[-1]))
         yield "load of the slider on the wave", "u_z", load, how

@@ -13,7 +13,7 @@ import numpy as np
 import fem
 from studies.chain import resolve
 from studies.chain.bridge import DrivenContact
-from studies.chain.model_error import SHARED
+from studies.chain.model_error import NODE, SHARED
 from studies.chain.points import contact_load
 from studies.chain.scene_warnings import scene_warnings
 from studies.record import Record
@@ -26,7 +26,6 @@ OFF_RESONANCE = 1.15
 PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # of air, in 1/(Pa m), V/(Pa m) and 1
 AIR = 101325.0  # pressure in Pa
 SIDEWAYS = 0.1  # |u_y|/|u_x| above which a warning is given
-NODE = 1e-6  # |u_z|/|u_x| below which u_z is a node: waves from both sides cancel
 CREEP = 0.01  # slider speed over the speed of the surface along x below which the slider counts as sticking
 SPREADS = 0.1  # relative change of u_z by the finite aperture above which a warning is given
 DECIDES = (

@@ -87,27 +87,30 @@ def traction_share(p: Array, tables: Array, drive: int, tau: float, side: int, s
 
 
 @compiled
-def slip_force(p: Array, tables: Array, drive: int, h: float, s: float, load: float, v: float) -> float:
-    """Return Q in N of a slipping slider; `load` is <P>."""
-    if load <= 0.0:
-        return 0.0
-    limit = p[index.FRICTION] * load
-    if s <= 0.0:
-        return -limit if v > 0.0 else limit
-    nu = v / (p[index.FIRST_DRIVE + drive * index.DRIVE_SIZE + index.SATURATION] * s)
-    side: int = 1 if v > 0.0 else 0
-    return limit * traction_share(p, tables, drive, ratio(h, s), side, sqrt(abs(nu)))
-
-
-@compiled
-def stick_limit(p: Array, tables: Array, drive: int, h: float, s: float, load: float, side: int) -> float:
-    """Return the force in N at which slip begins towards +x (side 1) or -x (side 0) of the slider."""
+def friction_force(
+    p: Array, tables: Array, drive: int, h: float, s: float, load: float, side: int, v: float
+) -> float:
+    """Return Q in N at the velocity v towards +x (side 1) or -x (side 0); `load` is <P>."""
     if load <= 0.0:
         return 0.0
     limit = p[index.FRICTION] * load
     if s <= 0.0:
         return -limit if side == 1 else limit
-    return limit * traction_share(p, tables, drive, ratio(h, s), side, 0.0)
+    nu = v / (p[index.FIRST_DRIVE + drive * index.DRIVE_SIZE + index.SATURATION] * s)
+    return limit * traction_share(p, tables, drive, ratio(h, s), side, sqrt(abs(nu)))
+
+
+@compiled
+def slip_force(p: Array, tables: Array, drive: int, h: float, s: float, load: float, v: float) -> float:
+    """Return Q in N of a slipping slider; `load` is <P>."""
+    side: int = 1 if v > 0.0 else 0
+    return friction_force(p, tables, drive, h, s, load, side, v)
+
+
+@compiled
+def stick_limit(p: Array, tables: Array, drive: int, h: float, s: float, load: float, side: int) -> float:
+    """Return the force in N at which slip begins towards +x (side 1) or -x (side 0) of the slider."""
+    return friction_force(p, tables, drive, h, s, load, side, 0.0)
 
 
 @compiled
