@@ -131,6 +131,15 @@ class Surface:
         )
 
     @property
+    def meshed_pieces(self) -> tuple[tuple[float, float], ...]:
+        """Ends along x in m of each meshed piece without fingers, from left to right."""
+        return tuple(
+            (each.start, each.stop)
+            for each in self.pieces
+            if isinstance(each, CondensedPiece) and each.beside is None and not each.transducer
+        )
+
+    @property
     def transfer_length(self) -> float:
         """Distance in m over which the surface wave moves to the other face: half a beat of its two plate modes.
 

@@ -149,6 +149,7 @@ def _driven(scene: Scene, predictor: Predictor) -> Record:
         ),
         surface=surface_columns(scene, motion),
         surface_motion=motion,
+        meshed_pieces=motion.wave.meshed_pieces,
         **blocks,
     )
     return replace(

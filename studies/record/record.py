@@ -67,6 +67,8 @@ class Record:
         With a burst.
     surface_motion : studies.chain.surface_motion.SurfaceMotion or None
         The stator's answer itself, with ``wave``, from which the interior field can be rebuilt; None after `load`.
+    meshed_pieces : tuple of (float, float)
+        Ends along x of each meshed piece without fingers, m; empty after `load`.
     versions : dict
         Of the program and its packages; those of this process when empty.
 
@@ -100,6 +102,7 @@ class Record:
     slider_wave: dict = field(default_factory=dict, repr=False)
     trajectories: tuple = field(default=(), repr=False)
     surface_motion: Any = field(default=None, repr=False, compare=False)
+    meshed_pieces: tuple[tuple[float, float], ...] = field(default=(), repr=False, compare=False)
     versions: dict = field(default_factory=dict, compare=False)
 
     @property

@@ -190,7 +190,7 @@ def surface(record: "Record", ax, *, curves: bool = False):
         if each.angle % 180 == 0:  # in the section
             half, center = each.half_length, each.place[0]
             shaded(ax, (center - half) * scale, (center + half) * scale)
-    for number, (start, stop) in enumerate(_meshed(record)):
+    for number, (start, stop) in enumerate(record.meshed_pieces):
         shaded(ax, start * scale, stop * scale, None if number else "meshed piece", colour="second")
     if scene.slider is not None:
         top = 1 / WINDOW_ROOM if rippled else 1.0
@@ -209,18 +209,6 @@ def surface(record: "Record", ax, *, curves: bool = False):
     ax.set_ylim(bottom=0, top=WINDOW_ROOM * max(size.max() for size in sizes) if rippled else None)
     title = f"{scene.title}: {record.wave['frequency_Hz'] / 1e6:g} MHz"
     return finished(ax, label, quantity("amplitude_m_per_V").axis, title, columns=3, grid=False)
-
-
-def _meshed(record: "Record") -> list[tuple[float, float]]:
-    """Return the ends in m of each meshed piece without fingers; none of a record that was read, which has no field."""
-    if not record.scene.piece or record.surface_wave is None:
-        return []
-    # neither a uniform segment, nor fingers, nor an end of the plain section
-    return [
-        (each.start, each.stop)
-        for each in record.surface_wave.pieces
-        if not getattr(each, "transducer", True) and each.beside is None
-    ]
 
 
 def _ranges(x, size, width: float):
