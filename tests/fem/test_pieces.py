@@ -12,8 +12,9 @@ from fem.condense.reduced import PieceSample, rational_piece
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.error_estimate import LEVELS
 from fem.discretize.grading import Resolution
-from fem.geometry import Stator, Transducer, check_layout
+from fem.geometry import Stator, Transducer
 from fem.input_error import InputError
+from fem.layout import check_layout
 from fem.materials import material
 from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.even_corners import with_even_corners
@@ -499,7 +500,10 @@ def test_a_grounded_electrode_takes_no_net_charge_from_the_transducers(tmp_path)
 
 
 def test_a_band_of_a_whole_stator(tmp_path):
-    """Each frequency is solved anew; the error is that of the sharpest resonance between those that are checked."""
+    """Between a few condensations the mesh is interpolated, motion and interior too, to a tenth of the tolerance.
+
+    The error of the discretisation is that of the sharpest resonance between the frequencies that are checked.
+    """
     stator = replace(_whole(tmp_path), solid=cut("PZT-4", "Z", quality=1000))
     places = (4e-3,)
     band = frequency_band(
@@ -514,6 +518,12 @@ def test_a_band_of_a_whole_stator(tmp_path):
         assert abs(wave.admittance / exact.circuit.admittance - 1) < band.admittance_error
         moved = surface_of(exact).motion(np.array(places))
         assert motion_difference(wave.motion(np.array(places)), moved) < band.relative_error
+    anew = replace(band.model, interpolation=None).solution(2.188e6, "a")
+    moved = surface_of(anew).motion(np.array(places))
+    assert motion_difference(wave.motion(np.array(places)), moved) < 5e-3
+    assert abs(wave.admittance / anew.circuit.admittance - 1) < 1e-5
+    assert len(band.model.interpolation[1].rational.nodes) < 10
+    assert wave.power_residual < 1e-5
     nodes = [
         solve_ports(stator, CHIP_ROW, frequency=f, resolution=LEVELS[0]) for f in (2.13e6, 2.17e6, 2.21e6)
     ]
@@ -551,3 +561,14 @@ def test_what_a_whole_stator_has_not(tmp_path):
             tolerance=0.1,
             places=(1e-3,),
         )
+
+
+def test_two_pieces_as_one_end_are_told_apart_by_their_places(tmp_path):
+    """One file at two places has one name: the refusal says where each of them lies."""
+    mesh = read_mesh(bevelled_end(tmp_path / "end.msh", 0.7, 0.5, 0.8, size=0.35), 1e-3)
+    ends = tuple(MeshPiece(name="end", mesh=mesh, position=place) for place in (7e-3, 5e-3))
+    stator = replace(plate(cut("PZT-4", "Z")), length=8e-3, thickness=0.8e-3, ends="free", pieces=ends)
+    with pytest.raises(
+        InputError, match=r'"end" \(5 to 5.7 mm\) and "end" \(7 to 7.7 mm\) are both the right end'
+    ):
+        check_layout(stator, ())
