@@ -28,8 +28,7 @@ from fem.geometry import Stator
 from fem.materials import fields as coupled_fields
 from fem.materials.christoffel import slowest_wavelength
 from fem.materials.medium import Medium, medium, units
-from fem.mesh.layout import MAX_UNKNOWNS
-from fem.mesh.piece import FLOATING, GROUNDED, MeshPiece
+from fem.mesh.piece import FLOATING, GROUNDED, MAX_UNKNOWNS, MeshPiece
 from fem.mesh.quads import conditions_of, quad_mesh
 from fem.mesh.section_mesh import ELECTRODE
 

@@ -17,7 +17,7 @@ from fem.convergence_error import ConvergenceError
 from fem.discretize.error_estimate import LEVELS, first_level
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.input_error import InputError
-from fem.mesh.layout import is_step
+from fem.mesh.placement import is_step
 from fem.reduce.model import ReducedModel
 from fem.reduce.projection import BandProblem, NodeSolutions, project, solve_at_nodes
 from fem.results.driven_answer import SurfaceWave, surface_wave

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fem.analytic.half_space import automatic_period, rayleigh
-from fem.geometry import CLEARANCE, Stator, Transducer, check_layout, outer_gaps
+from fem.geometry import CLEARANCE, Stator, Transducer, outer_gaps
+from fem.layout import check_layout
 from tests.fem.stators import cut, lossless
 
 SOLID = cut("PZT-8", "Z")

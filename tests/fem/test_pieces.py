@@ -12,8 +12,9 @@ from fem.condense.reduced import PieceSample, rational_piece
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.error_estimate import LEVELS
 from fem.discretize.grading import Resolution
-from fem.geometry import Stator, Transducer, check_layout
+from fem.geometry import Stator, Transducer
 from fem.input_error import InputError
+from fem.layout import check_layout
 from fem.materials import material
 from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.even_corners import with_even_corners
@@ -551,3 +552,14 @@ def test_what_a_whole_stator_has_not(tmp_path):
             tolerance=0.1,
             places=(1e-3,),
         )
+
+
+def test_two_pieces_as_one_end_are_told_apart_by_their_places(tmp_path):
+    """One file at two places has one name: the refusal says where each of them lies."""
+    mesh = read_mesh(bevelled_end(tmp_path / "end.msh", 0.7, 0.5, 0.8, size=0.35), 1e-3)
+    ends = tuple(MeshPiece(name="end", mesh=mesh, position=place) for place in (7e-3, 5e-3))
+    stator = replace(plate(cut("PZT-4", "Z")), length=8e-3, thickness=0.8e-3, ends="free", pieces=ends)
+    with pytest.raises(
+        InputError, match=r'"end" \(5 to 5.7 mm\) and "end" \(7 to 7.7 mm\) are both the right end'
+    ):
+        check_layout(stator, ())

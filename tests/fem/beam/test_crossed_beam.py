@@ -14,7 +14,8 @@ from fem.beam.mutual_admittance import mutual_admittance
 from fem.beam.surface_beam import BeamError, surface_beam
 from fem.circuit import Drive
 from fem.discretize.grading import Resolution
-from fem.geometry import check_layout, check_plan, covers, separation, turn
+from fem.geometry import covers, separation, turn
+from fem.layout import check_layout, check_plan
 from fem.solve.harmonic import driven_wave
 from fem.waveguide.port_fields import solve_ports
 from tests.fem.stators import FREQUENCY, comb, cut, plate, solution, wave_of
