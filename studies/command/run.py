@@ -18,10 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "scene", nargs="?", default="twente", metavar="SCENE", help="a path or a shipped name (twente)"
     )
-    add_shared(parser, "--voltage", "--set")
-    parser.add_argument(
-        "--tolerance", metavar="T", help="bound of the relative error of the last quantity (1e-3)"
-    )
+    add_shared(parser, "--voltage", "--set", "--tolerance")
     parser.add_argument("--out", metavar="DIR", help="where the results go (results/NAME)")
     parser.add_argument(
         "--json", action="store_true", help="run.json on stdout; no pictures, files only with --out"
