@@ -40,9 +40,10 @@ def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
     for first, second in pairwise(placed):
         if first.extent[1] >= second.extent[0]:
             raise InputError(
-                "transducer",
-                f"{first.name!r} and {second.name!r} must not overlap: the first ends at "
-                f"{first.extent[1]:g} m, the second begins at {second.extent[0]:g} m",
+                "transducer.center",
+                f"must keep the fingers of {second.name!r} off those of {first.name!r}: the former begin at "
+                f"{second.extent[0] * 1e3:.6g} mm, the latter end at {first.extent[1] * 1e3:.6g} mm",
+                owner=second.name,
             )
     _check_pieces(stator, transducers)
 
@@ -61,22 +62,26 @@ def check_plan(stator: Stator, width: float, transducers: tuple[Transducer, ...]
         _check_along(each.name, left, right, stator.length, axis="x = ")
         if max(-low, high) > width / 2 * (1 + 1e-12):
             raise InputError(
-                "transducer",
-                f"must lie on the stator, y from -{width / 2:g} to {width / 2:g} m, but its "
-                f"fingers reach from y = {low:g} to {high:g} m",
+                "transducer.center",
+                f"must keep the fingers on the stator, y from -{width * 500:g} to {width * 500:g} mm, got fingers from "
+                f"y = {low * 1e3:.6g} to {high * 1e3:.6g} mm",
                 owner=each.name,
             )
     for one, other in combinations(transducers, 2):
         if separation(one, other)[0] <= 0:
-            raise InputError("transducer", f"{one.name!r} and {other.name!r} must not overlap on the surface")
+            raise InputError(
+                "transducer.center",
+                f"must keep the fingers of {other.name!r} off those of {one.name!r}: they overlap on the surface",
+                owner=other.name,
+            )
 
 
 def _check_along(name: str, left: float, right: float, length: float, axis: str = "") -> None:
     if left <= 0 or right >= length:
         raise InputError(
-            "transducer",
-            f"must lie on the stator, 0 to {length:g} m, but its fingers reach "
-            f"from {axis}{left:g} to {right:g} m",
+            "transducer.center",
+            f"must keep the fingers on the stator, 0 to {length * 1e3:g} mm, got fingers from "
+            f"{axis}{left * 1e3:.6g} to {right * 1e3:.6g} mm",
             owner=name,
         )
 

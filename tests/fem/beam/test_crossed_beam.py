@@ -202,10 +202,10 @@ def test_a_place_on_the_surface():
     [
         (
             (LEFT, replace(FRONT, center_y=0.0, center=LEFT.center)),
-            "'a' and 'c' must not overlap on the surface",
+            "off those of 'a': they overlap on the surface",
         ),
-        ((LEFT, replace(FRONT, center_y=-0.499 * WIDTH)), "fingers reach from y = "),
-        ((LEFT, replace(FRONT, center=1e-3)), "fingers reach from x = "),
+        ((LEFT, replace(FRONT, center_y=-0.499 * WIDTH)), "got fingers from y = "),
+        ((LEFT, replace(FRONT, center=1e-3)), "got fingers from x = "),
         ((LEFT, replace(LEFT, center_y=6e-3)), "names must differ"),
     ],
 )
