@@ -15,7 +15,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from fem.condense.fronts import Dissection, Factor
 from fem.condense.interface import line_projection
@@ -444,4 +443,6 @@ class _Unknowns:
             numbers[interface], total = total + np.arange(len(interface)), total + len(interface)
         for electrode in self.wired:
             numbers[tied == electrode], total = total, total + 1
+        from scipy.linalg import block_diag  # a run without meshed pieces spares this import, 0.15 s
+
         return numbers, block_diag(*projections, np.eye(len(self.ports)))
