@@ -86,7 +86,7 @@ def march(turn, force, slope, amplitude, g, incident):
 
 
 def _solve_banded(band, bands, right_hand_side):
-    """Solve a banded system, `bands` in the format of `scipy.linalg.solve_banded` with `band` diagonals on each side."""
+    """Solve a banded system; `bands` as for `scipy.linalg.solve_banded`, with `band` diagonals on each side."""
     unknowns = right_hand_side.size
     if unknowns > MAX_DENSE:
         from scipy.linalg import solve_banded

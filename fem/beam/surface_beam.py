@@ -190,8 +190,9 @@ class SurfaceBeam:
     ) -> np.ndarray | None:
         """Relative error of |u_z| by the finite number of steps of the charge along the fingers.
 
-        ``normal`` is u_z at the points, if it is known already.  The error is estimated from the change by taking fewer steps.  It bounds the difference from 100 steps in transducers
-        on PZT (tests/fem/beam/test_finger_ends.py).  None if the charge is uniform along the fingers.
+        ``normal`` is u_z at the points, if it is known already.  The error is estimated from the change by taking
+        fewer steps.  It bounds the difference from 100 steps in transducers on PZT
+        (tests/fem/beam/test_finger_ends.py).  None if the charge is uniform along the fingers.
         """
         if self.coarser is None:
             return None
