@@ -86,6 +86,12 @@ def changed(problem, load, paths):
     )  # fmt: skip
 
 
+@formula
+def full_friction(problem):
+    """Return mu times the preload, the friction of contacts that carry it and all slip."""
+    return problem.friction * problem.preload
+
+
 class Own(IntEnum):
     """Places of a slider's numbers, SI units."""
 

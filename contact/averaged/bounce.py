@@ -72,7 +72,7 @@ def speed_lost(problem: Problem, rest: float, level: float) -> float:
 def _speed(problem, means):
     """Return the velocity at which the mean tangential force balances damper and load, NaN if the search fails."""
     least, largest = (_left(problem, means, v) + problem.load for v in (0.0, -1e-300))
-    direction, load = way_out(least, largest, problem.load, problem.friction * problem.preload)
+    direction, load = way_out(problem, least, largest)
     if direction == 0.0:
         return 0.0
     at_rest = least if direction > 0.0 else largest

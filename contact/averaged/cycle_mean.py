@@ -29,6 +29,7 @@ from contact.body import Coordinates, approach, circle, slip_speed, slip_window
 from contact.codes import Slips
 from contact.jit.compiled import compiled, native, summed
 from contact.law.normal import load
+from contact.law.protocol import slip_limit
 
 TURN = 2.0 * np.pi
 # events of a contact in a cycle; phases of a cycle at which (3) and (4) of a bent limit are evaluated
@@ -203,7 +204,7 @@ def _edge(path, c, s, phi):
 def _stick_margin(problem, path, s, anchor, phi):
     """Return D_s, eq. (4)."""
     z, _, y, _ = _motion_at(path, phi)
-    return problem.law.limit(problem, z) - s * (anchor.x + y - anchor.y)
+    return slip_limit(problem, z) - s * (anchor.x + y - anchor.y)
 
 
 @compiled
@@ -461,7 +462,7 @@ def _first_passage(problem, path, windows, counts):
             _, start, kind = windows[0] if path.v < 0.0 else windows[1]
             if kind == Slips.ALWAYS:
                 return Passage(0.0, TURN, back, 0.0)
-        return Passage(start, start + TURN, 0.0, back * law.limit(problem, _motion_at(path, start)[0]))
+        return Passage(start, start + TURN, 0.0, back * slip_limit(problem, _motion_at(path, start)[0]))
     half = np.arccos(-path.h / reach)
     start, stop = crest - half, crest + half
     for _ in range(8 if path.wave.normal_cos.size > 1 else 0):
@@ -494,7 +495,7 @@ def _add_contact(problem, path, rule, work):
     _, _, slips = _follow_contact(problem, path, rule, work, windows, passage, True)
     counts[Counted.SLIPS] += slips
     # slip one way only, by less than a fraction of the spring's range: it takes many cycles to forget
-    forgets = TURN * abs(path.v) >= 0.4 * problem.law.limit(problem, path.h)
+    forgets = TURN * abs(path.v) >= 0.4 * slip_limit(problem, path.h)
     if path.h >= reach and (slips == 0 or (slips == 1 and not forgets)):
         counts[Counted.STUCK] += 1
 
@@ -514,7 +515,7 @@ def _follow_contact(problem, path, rule, work, windows, passage, counted):
                 _add_integrals(problem, path, rule, work, phi, end, slip, 0.0)
             if end >= stop:
                 return slip, x, slips
-            x, slip, phi = slip * problem.law.limit(problem, max(_motion_at(path, end)[0], 0.0)), 0.0, end
+            x, slip, phi = slip * slip_limit(problem, max(_motion_at(path, end)[0], 0.0)), 0.0, end
         else:
             anchor = Anchor(x, _motion_at(path, phi)[2])
             up = _next_slip(problem, path, 1.0, windows[0], anchor, phi, stop)

@@ -31,7 +31,7 @@ from contact.averaged.riding import Rule, mean_push, quadrature, riding
 from contact.body import Coordinates, damping_force, normal_amplitude, tangential_amplitude
 from contact.codes import Status
 from contact.jit.compiled import compiled, formula, native
-from contact.problem import changed
+from contact.problem import changed, full_friction
 from contact.roots import narrowed, trial
 
 
@@ -168,14 +168,13 @@ def load_direction(largest):
 
 
 @formula
-def way_out(least, largest, load, friction):
+def way_out(problem, least, largest):
     """Return (way, load) of a slider at rest: +1, -1 or 0 where it is held, and the load with its sign.
 
-    `least` and `largest` bound the mean tangential force of a cycle at rest, `friction` is mu times the preload; the
-    load is zero or positive.
+    `least` and `largest` bound the mean tangential force of a cycle at rest; the problem's load is zero or positive.
     """
-    rounding = 1e-13 * friction
-    load *= load_direction(largest)
+    rounding = 1e-13 * full_friction(problem)
+    load = problem.load * load_direction(largest)
     if least - load > rounding:
         return 1.0, load
     return (-1.0 if largest - load < -rounding else 0.0), load
@@ -199,7 +198,7 @@ def balanced_speed(problem, means, way, at_rest, fastest, close):
     the search ends where a step is below `close` of its range. Of `problem` the friction coefficient, preload, load and
     tangential damping are asked.
     """
-    friction = problem.friction * problem.preload
+    friction = full_friction(problem)
     a, fa = 0.0, at_rest - problem.load
     b = way * fastest
     fb = means.left(problem, means, b)
@@ -254,15 +253,15 @@ def balance_row(problem, harmonics, work, out):
 @compiled
 def _at_rest(problem, h, work, out):
     """Fill the least and the largest tangential force of a cycle at rest; return `way_out`."""
-    counts, friction = work.first.counts, problem.friction * problem.preload
+    counts = work.first.counts
     least = largest = excess(problem, work.fine, h, 0.0, work) + problem.load
     stuck = counts[Counted.STUCK]
     out[Entry.MADE_PER_CYCLE], out[Entry.SLIPS_PER_CYCLE] = counts[Counted.MADE], counts[Counted.SLIPS]
-    if least - max(problem.load, 0.0) <= 1e-13 * friction:
+    if least - max(problem.load, 0.0) <= 1e-13 * full_friction(problem):
         largest = excess(problem, work.fine, h, -1e-300, work) + problem.load
     counts[Counted.STUCK] = stuck
     out[Entry.LEAST_AT_REST], out[Entry.LARGEST_AT_REST] = least, largest
-    return way_out(least, largest, problem.load, friction)
+    return way_out(problem, least, largest)
 
 
 @compiled

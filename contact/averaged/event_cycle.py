@@ -20,7 +20,7 @@ from contact.events.collocation import collocation
 from contact.events.energy import Sum
 from contact.events.motion import Motion
 from contact.orbit import Orbit
-from contact.problem import Problem, immobile, scaled
+from contact.problem import Problem, full_friction, immobile, scaled
 from contact.roots import bracketed
 from contact.slider import Slider
 
@@ -105,7 +105,7 @@ def _at_height(problem, height):
     """Return the equilibrium of the tangential forces at one mean approach."""
     rest = _rest_cycles(problem, height)
     (least, _), (largest, _) = rest
-    direction, load = way_out(least, largest, problem.load, problem.friction * problem.preload)
+    direction, load = way_out(problem, least, largest)
     problem = problem._replace(
         load=load
     )  # the sign of the load changes if the wave drives against its crests
@@ -123,7 +123,7 @@ def _held(problem, height, rest):
     """Return the equilibrium of a held slider; bisection finds deformations whose mean force carries the load."""
     (least, motion), (largest, high_motion) = rest
     below, above = motion.state[3:], high_motion.state[3:]
-    rounding, a, b = 1e-13 * problem.preload * problem.friction, 0.0, 1.0
+    rounding, a, b = 1e-13 * full_friction(problem), 0.0, 1.0
     for _ in range(50 if largest > least + rounding else 0):
         middle = 0.5 * (a + b)
         mean, motion = traction(problem, height, 0.0, (1.0 - middle) * below + middle * above)

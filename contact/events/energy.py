@@ -11,13 +11,14 @@ from enum import IntEnum
 
 import numpy as np
 
-from contact.body import Point, slip_speed
+from contact.body import Point
 from contact.codes import Regime, Tangential
 from contact.events.collocation import ROOT_AT_START, SMOOTH
 from contact.events.segment import Plane, Row, normal_force, point_at
 from contact.jit.compiled import compiled, formula
 from contact.law.elastic import spring, tangential
 from contact.law.hysteretic import annulus_slip
+from contact.law.protocol import slip_limit, slip_rate
 from contact.roots import interpolate
 
 
@@ -92,7 +93,7 @@ def account_contact(problem, grid, state, nodes, segment, i):
         if rated:
             slip_loss += pull * x_rate
         elif regime != Regime.STICK:
-            slip = slip_speed(sign, z_rate, x_rate, law.limit_rate(problem, z))
+            slip = slip_rate(problem, sign, point)
             if regime == Regime.SLIP or regime == Regime.CREEP:
                 slip_loss += pull * sign * slip
             elif regime == Regime.ANNULUS:
@@ -154,7 +155,7 @@ def _spring_force(problem, sign, point):
     """Return the force of the spring of a contact that slips, and its deformation."""
     force, x = tangential(problem, Regime.SLIP, sign, point)
     z, law = point[0], problem.law
-    most = problem.stiffness * law.stuck(problem, z, law.limit(problem, z)) if z > 0.0 else 0.0
+    most = problem.stiffness * law.stuck(problem, z, slip_limit(problem, z)) if z > 0.0 else 0.0
     return min(abs(force), most), x
 
 

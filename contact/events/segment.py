@@ -27,6 +27,7 @@ from contact.jit.compiled import compiled
 from contact.law.elastic import FAR_SIDE, spring
 from contact.law.hysteretic import moment_rate
 from contact.law.normal import load
+from contact.law.protocol import slip_limit
 from contact.roots import interpolate
 
 MAX_SWEEPS = 25  # of Picard's iteration
@@ -231,7 +232,7 @@ def contact_forces(problem, grid, state, nodes, i, memory):
         own[Plane.P, i, j] = problem.stiffness * load(own[Plane.Z, i, j], problem.shape)
     if regime == Regime.SLIP:
         for j in range(n):
-            own[Plane.X, i, j] = sign * law.limit(problem, own[Plane.Z, i, j])
+            own[Plane.X, i, j] = sign * slip_limit(problem, own[Plane.Z, i, j])
     else:
         for j in range(n):
             own[Plane.X, i, j] = state.deformation[i] + travel(own[Plane.U_X, i, j], place_at(nodes, j))
@@ -388,7 +389,7 @@ def contact_end(problem, state, nodes, i):
     z = approach(problem.paths, i, own[Plane.U_Z, i, n], q)
     own[Plane.Z, i, n] = z
     if state.regime[i] == Regime.SLIP:
-        own[Plane.X, i, n] = state.sign[i] * problem.law.limit(problem, z)
+        own[Plane.X, i, n] = state.sign[i] * slip_limit(problem, z)
     elif state.regime[i] != Regime.SEPARATED:
         own[Plane.X, i, n] = state.deformation[i] + travel(own[Plane.U_X, i, n], q)
 

@@ -33,7 +33,7 @@ from contact.body import slip_speed
 from contact.codes import Event, Regime
 from contact.jit.compiled import formula
 from contact.law.normal import approach, energy, load, slope
-from contact.law.protocol import Law, limit_bend
+from contact.law.protocol import Law, limit_bend, slip_limit, slip_rate
 
 # Added to every guard, scaled: a guard counts as passed when it is below minus this, so that one which starts at zero
 # up to rounding (eps 2e-16) does not end its regime at once
@@ -84,21 +84,22 @@ def tangential_force(x, z, friction, c, shape):
 
 
 @formula
-def limit(problem, z):
-    """Return X = c z."""
-    return problem.limit_slope * z
+def coefficient(problem, z):
+    """Return the coefficient of friction at rest."""
+    return problem.friction
 
 
 @formula
-def limit_rate(problem, z):
-    """Return dX/dz."""
+def limit_ratio(problem, z):
+    """Return X/z = c."""
     return problem.limit_slope
 
 
 @formula
 def stuck(problem, z, x):
     """Return Q in stick."""
-    return spring_force(z, x, problem.friction, problem.limit_slope, problem.shape)
+    law = problem.law
+    return spring_force(z, x, law.coefficient(problem, z), law.limit_ratio(problem, z), problem.shape)
 
 
 @formula
@@ -109,37 +110,47 @@ def sliding(problem, z, w):
 
 @formula
 def deformation(problem, z, force):
-    """Return x of a spring that carries the friction limit."""
-    return problem.limit_slope * z
+    """Return x of a spring that carries a force, at most X."""
+    law = problem.law
+    return spring_deformation(
+        z, force, law.coefficient(problem, z), law.limit_ratio(problem, z), problem.shape
+    )
 
 
 @formula
-def spring_energy(problem, z, x):
+def energy_stored(problem, z, x):
     """Return the spring's energy."""
-    return spring_work(z, x, problem.friction, problem.limit_slope, problem.shape)
+    law = problem.law
+    return spring_work(z, x, law.coefficient(problem, z), law.limit_ratio(problem, z), problem.shape)
 
 
 @formula
-def spring_back(problem, z, x):
-    """Return the derivative of the spring's energy in z at constant x."""
+def reciprocal_force(problem, z, x):
+    """Return the derivative of the spring's energy in z at constant x, where mu and c do not depend on z."""
     c = problem.limit_slope
     return problem.friction * c * back_load(z, z - x / c, problem.shape)
 
 
 @formula
+def _deformation_at_limit(problem, z, force):
+    """Return X: a contact that slips carries the friction limit, whatever its speed."""
+    return slip_limit(problem, z)
+
+
+@formula
 def guard(problem, memory, i, regime, which, sign, point, front):
     """Return guard number `which` (0, 1, 2) of a regime; 1.0 where the regime has no such guard."""
-    z, x, z_rate, x_rate = point
-    law, band = problem.law, problem.stick_band
+    z, x, _, _ = point
+    band = problem.stick_band
     if which == 0:
         return FAR_SIDE - z if regime == Regime.SEPARATED else FAR_SIDE + z
     if regime == Regime.STICK:
-        return FAR_SIDE + law.limit(problem, z) - sign * x if which == 1 else FAR_SIDE + sign * x
+        return FAR_SIDE + slip_limit(problem, z) - sign * x if which == 1 else FAR_SIDE + sign * x
     if regime == Regime.SLIP and which == 1:
-        return FAR_SIDE + slip_speed(sign, z_rate, x_rate, law.limit_rate(problem, z)) - band
+        return FAR_SIDE + slip_rate(problem, sign, point) - band
     if regime == Regime.CREEP:
-        speed = slip_speed(sign, z_rate, x_rate, law.limit_rate(problem, z))
-        return FAR_SIDE + (band - speed if which == 1 else sign * x - law.limit(problem, z))
+        speed = slip_rate(problem, sign, point)
+        return FAR_SIDE + (band - speed if which == 1 else sign * x - slip_limit(problem, z))
     return 1.0
 
 
@@ -163,15 +174,13 @@ def guard_rate(problem, memory, i, regime, which, sign, point, second):
 @formula
 def follow(problem, memory, i, regime, which, sign, point):
     """Return (regime, sign, x, kind of event) on the far side of guard `which`."""
-    z, _, z_rate, x_rate = point
-    band, most = problem.stick_band, problem.law.limit(problem, z)
-    slope = problem.law.limit_rate(problem, z)
-    speed = slip_speed(sign, z_rate, x_rate, slope)
+    band, most = problem.stick_band, slip_limit(problem, point.approach)
+    speed = slip_rate(problem, sign, point)
     if which == 0:
         if regime != Regime.SEPARATED:
             return Regime.SEPARATED, sign, 0.0, Event.RELEASE
-        sign = -1.0 if x_rate < 0.0 else 1.0
-        speed = slip_speed(sign, z_rate, x_rate, slope)
+        sign = -1.0 if point.deformation_rate < 0.0 else 1.0
+        speed = slip_rate(problem, sign, point)
         if speed > band:
             return Regime.SLIP, sign, 0.0, Event.CONTACT
         return (Regime.CREEP if speed > 0.0 else Regime.STICK), sign, 0.0, Event.CONTACT
@@ -195,12 +204,12 @@ def regime_at(problem, point):
     band = problem.stick_band
     if z < 0.0 or (z == 0.0 and z_rate <= 0.0):
         return Regime.SEPARATED, 1.0, 0.0
-    sign, most = 1.0, problem.law.limit(problem, z)
+    sign, most = 1.0, slip_limit(problem, z)
     if x < 0.0 or (x == 0.0 and x_rate < 0.0):
         sign = -1.0
     if sign * x >= most * (1.0 - 1e-13):
         x = sign * most
-        speed = slip_speed(sign, z_rate, x_rate, problem.law.limit_rate(problem, z))
+        speed = slip_rate(problem, sign, point)
         if speed > band:
             return Regime.SLIP, sign, x
         if speed > 0.0 and band > 0.0:
@@ -215,16 +224,14 @@ def tangential(problem, regime, sign, point):
     In stick the smooth branch of sign s is continued past x = 0, and held at the limit past it. A contact that slips
     has the deformation of its force, or that of the slip limit where the force exceeds what the spring can carry.
     """
-    z, x, z_rate, x_rate = point
-    law = problem.law
-    most = law.limit(problem, z)
+    z, x, _, _ = point
+    law, most = problem.law, slip_limit(problem, z)
     if regime == Regime.SEPARATED or z <= 0.0 or most <= 0.0:
         return 0.0, 0.0
     if regime == Regime.STICK:
         x = min(sign * x, most)
         return sign * problem.stiffness * law.stuck(problem, z, x), x
-    speed = max(slip_speed(sign, z_rate, x_rate, law.limit_rate(problem, z)), 0.0)
-    pull = law.sliding(problem, z, speed)
+    pull = law.sliding(problem, z, max(slip_rate(problem, sign, point), 0.0))
     return sign * problem.stiffness * pull, law.deformation(problem, z, pull)
 
 
@@ -244,14 +251,14 @@ def spring(problem, regime, sign, point):
     return pull, problem.stiffness * law.back(problem, z, x), problem.stiffness * law.energy(problem, z, x)
 
 
-# guards and transitions of the stop operator, as fields of `Law`
-STOP = {"force": force, "guard": guard, "guard_rate": guard_rate, "follow": follow}
-
-
 def coulomb(kind: int) -> Law:
-    """Return the elastic law with one coefficient of friction, which the hysteretic law shares in gross slip."""
+    """Return the elastic law with one coefficient of friction.
+
+    The hysteretic law shares its gross slip. A law whose coefficient depends on approach or speed replaces some fields.
+    """
     rated = bent = 0
     return Law(
-        kind, rated, bent, np.zeros(0), limit, limit_rate, stuck, sliding, deformation, spring_energy, spring_back,
-        **STOP,
+        kind, rated, bent, np.zeros(0), coefficient, limit_ratio, limit_rate=limit_ratio, stuck=stuck, sliding=sliding,
+        deformation=_deformation_at_limit, energy=energy_stored, back=reciprocal_force, force=force, guard=guard,
+        guard_rate=guard_rate, follow=follow,
     )  # fmt: skip

@@ -31,7 +31,7 @@ from contact.events.motion import Motion
 from contact.events.segment import Column, Sample
 from contact.orbit import Orbit
 from contact.periodic.shooting import MULTIPLIER_ERROR, Periodic
-from contact.problem import largest_resonance, scaled
+from contact.problem import full_friction, largest_resonance, scaled
 from contact.slider import Slider
 from contact.stepping.time_stepping import steps
 
@@ -293,7 +293,7 @@ def _eventual(problem, motion, near):
 def _relaxation(problem):
     """Return the rate per radian at which v relaxes: damper, plus friction force over the range of surface speeds."""
     reach = float(np.max(tangential_amplitude(problem.paths, np.arange(problem.contacts)))) + 1e-300
-    return problem.tangential_damping + 0.3 * problem.friction * problem.preload / reach
+    return problem.tangential_damping + 0.3 * full_friction(problem) / reach
 
 
 def _refuse_unless_affordable(problem, rate):
