@@ -16,7 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.averaged.cycle_mean import Cycle, Mean, cycle, cycle_room
+from contact.averaged.cycle_mean import cycle
+from contact.averaged.cycle_pieces import Cycle, Mean, cycle_room
 from contact.averaged.equilibrium import balanced_speed, force_left, full_slip_speed, way_out
 from contact.averaged.riding import Rule, quadrature
 from contact.codes import Status

@@ -26,7 +26,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.averaged.cycle_mean import Counted, Cycle, Mean, cycle, cycle_room, respond
+from contact.averaged.cycle_mean import cycle, respond
+from contact.averaged.cycle_pieces import Counted, Cycle, Mean, cycle_room
 from contact.averaged.riding import Rule, mean_push, quadrature, riding
 from contact.body import Coordinates, damping_force, normal_amplitude, tangential_amplitude
 from contact.codes import Status

@@ -6,8 +6,7 @@ fundamental alone is kept, that of the last forces, until neither changes: conta
 
 import numpy as np
 
-from contact.averaged import flat_cycle as columns
-from contact.averaged.flat_cycle import COLUMNS
+from contact.averaged.cycle_mean import Each
 from contact.averaged.march import march
 from contact.averaged.overtone_march import Classes, Spectrum, Waves, overtone_march, samples
 from contact.averaged.pillar_cycle import Forces, PillarCycle
@@ -52,13 +51,8 @@ class OvertoneCycle(PillarCycle):
         """Let the wave pass as if nothing touched it."""
         super().reset()
         m, n = self.turn.size, self.harmonics
-        driving, against, force = (
-            np.zeros((m, n), complex),
-            np.zeros((m, 1), complex),
-            np.zeros((m, 2, n), complex),
-        )
-        self.spectrum = Spectrum(driving, against, force, np.zeros((self.x.size, 2), complex))
         driving, against = np.zeros((m, n), complex), np.zeros((m, 1), complex)
+        self.spectrum = Spectrum(driving.copy(), against.copy(), np.zeros((m, 2, n), complex))
         self.approach, self.sweeps = None, []  # of the last forces; amplitudes and steps of the last sweeps
         fundamental = self.forward, self.backward
         self.forward, self.backward = (driving, against) if self.forward_drives else (against, driving)
@@ -80,7 +74,7 @@ class OvertoneCycle(PillarCycle):
         )
         spectrum.along[:], spectrum.against[:] = driving[self.downstream], other[self.downstream]
         incident[0] = self.incident[0 if self.forward_drives else 1]
-        out = np.empty((self.x.size, COLUMNS))
+        out = np.zeros((self.x.size, len(Each)))
         waves = Waves(self.downstream_turn, self.downstream_orbit, self.g, incident)
         failed = overtone_march(
             self.contacts, waves, np.ascontiguousarray(approach), float(w), float(side), spectrum, self.samples, out
@@ -89,10 +83,7 @@ class OvertoneCycle(PillarCycle):
             rule = "rows change the wave by more than their midpoint can follow"
             raise ConvergenceError("not converged", f"{failed} of {self.turn.size} {rule}")
         driving[:] = spectrum.along[self.downstream]
-        return Forces(
-            out, self.k_n * out[:, columns.MEAN_APPROACH], self.k_t * out[:, columns.MEAN_STRETCH],
-            self.k_n * spectrum.first[:, 0], self.k_t * spectrum.first[:, 1],
-        )  # fmt: skip
+        return self._forces_of(out)
 
     def advance(self, forces: Forces, _slope=None) -> float:
         """Move the wave against the driving one to what the forces leave; return its change over the incident one.
@@ -110,7 +101,7 @@ class OvertoneCycle(PillarCycle):
             np.zeros((m, 2, 2), complex),
         )
         force[:, side], amplitude[:, side] = normal + orbit * tangential, other
-        slope[:, side, side] = self.sums(forces.cycles[:, columns.SHARE] * self.k_n)
+        slope[:, side, side] = self.sums(forces.cycles[:, Each.SHARE] * self.k_n)
         step = march(self.turn, force, slope, amplitude, self.g, self.incident)[:, side] - other
         change = float(np.abs(step).max()) / max(self.wave.amplitude, 1e-300)
         # D. G. Anderson, J. ACM 12 (1965) 547: of the last sweeps the combination with the smallest step

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.averaged import flat_cycle as columns
+from contact.averaged.cycle_mean import Each
 from contact.jit.compiled import compiled, native
 
 MAX_PASSES = 400  # of the midpoint at one row
@@ -50,7 +50,6 @@ class Spectrum(NamedTuple):
     along: np.ndarray  # of the wave that is followed
     against: np.ndarray  # of the one from the other side, U_1 alone, shape (m, 1); given
     force: np.ndarray  # sum P_n and sum Q_n
-    first: np.ndarray  # z_1 and x_1 of each class, m, shape (n, 2)
 
 
 class Samples(NamedTuple):
@@ -117,7 +116,7 @@ def _cycle(surface, mean, c, back, out):
             x = after if z[j + 1] > 0.0 else 0.0
             share += part
             mean[0, j], mean[1, j] = 0.5 * (low + high) * part, total * part
-    out[columns.FRICTION], out[columns.SHARE] = friction / (2.0 * np.pi), share / count
+    out[Each.FRICTION], out[Each.SHARE] = friction / (2.0 * np.pi), share / count
 
 
 @compiled
@@ -141,9 +140,7 @@ def _row(classes, j, approach, w, back, spectrum, room, out):
     for i in range(count):
         mean[2, i] = mean[3, i] = 0.0
     for k in range(classes.first[j], classes.behind[j]):
-        for column in range(columns.COLUMNS):
-            out[k, column] = 0.0
-        spectrum.first[k, 0] = spectrum.first[k, 1] = 0.0
+        out[k, :] = 0.0
         if approach[k] + highest <= 0.0:
             continue
         for i in range(count + 1):
@@ -154,12 +151,14 @@ def _row(classes, j, approach, w, back, spectrum, room, out):
             classes.weight[k] * classes.normal_stiffness[k], classes.weight[k] * classes.tangential_stiffness[k]
         )  # fmt: skip
         for i in range(count):
-            out[k, columns.MEAN_APPROACH] += mean[0, i] / count
-            out[k, columns.MEAN_STRETCH] += mean[1, i] / count
+            out[k, Each.NORMAL] += mean[0, i] / count
+            out[k, Each.TANGENTIAL] += mean[1, i] / count
             mean[2, i] += normal * mean[0, i]
             mean[3, i] += tangential * mean[1, i]
-        for side in range(2):
-            spectrum.first[k, side] = _coefficient(mean[side], table, scale, 0)
+        first = _coefficient(mean[0], table, scale, 0)
+        out[k, Each.NORMAL_COS], out[k, Each.NORMAL_SIN] = first.real, -first.imag
+        first = _coefficient(mean[1], table, scale, 0)
+        out[k, Each.TANGENTIAL_COS], out[k, Each.TANGENTIAL_SIN] = first.real, -first.imag
     for n in range(number):
         for side in range(2):
             spectrum.force[j, side, n] = _coefficient(mean[2 + side], table, scale, n)
@@ -170,15 +169,14 @@ def _row(classes, j, approach, w, back, spectrum, room, out):
     {"classes.first": "m", "classes.behind": "m", "classes.weight": "n", "classes.normal_stiffness": "n",
      "classes.tangential_stiffness": "n", "classes.limit_slope": "n", "waves.turn": "m", "waves.orbit": "1",
      "waves.incident": "h", "approach": "n", "spectrum.along": "m h", "spectrum.against": "m 1",
-     "spectrum.force": "m 2 h", "spectrum.first": "n 2", "room.table": "h 1+s", "room.scale": "h", "room.before": "h",
-     "room.surface": "4 1+s", "room.mean": "4 s", "out": "n 7"},
+     "spectrum.force": "m 2 h", "room.table": "h 1+s", "room.scale": "h", "room.before": "h",
+     "room.surface": "4 1+s", "room.mean": "4 s", "out": "n 8"},
 )  # fmt: skip
 def overtone_march(classes, waves, approach, w, side, spectrum, room, out):
-    """Follow the wave through all rows; fill its amplitudes, the forces and the columns of `flat_cycle`.
+    """Follow the wave through all rows; fill its amplitudes, the forces and the columns of `cycle_mean.Each`.
 
-    g = 0 keeps `spectrum.along` as it is. `w`, `side`: see
-    `flat_cycle`. The forces that are there begin the search for each row's midpoint. Returns the rows whose midpoint
-    did not settle.
+    g = 0 keeps `spectrum.along` as it is. `w`: velocity over omega, m; `side`: sign of the motion before w = 0. The
+    search for each row's midpoint begins with the forces that are there. Returns how many midpoints did not settle.
     """
     table, surface, scale, before = room.table, room.surface, room.scale, room.before
     number, count, orbit, half = scale.size, room.mean.shape[1], waves.orbit[0], 0.5j * waves.g
@@ -213,7 +211,7 @@ def overtone_march(classes, waves, approach, w, side, spectrum, room, out):
             # contacts in touch are springs to a change of the amplitudes, each for its share of the cycle
             spring, change = 0.0j, 0.0
             for k in range(classes.first[j], classes.behind[j]):
-                spring += half * classes.weight[k] * classes.normal_stiffness[k] * out[k, columns.SHARE]
+                spring += half * classes.weight[k] * classes.normal_stiffness[k] * out[k, Each.SHARE]
             for n in range(number):
                 fed = before[n] + half * (force[j, 0, n] + orbit.conjugate() * force[j, 1, n])
                 new = (fed - spring * along[j, n]) / (1.0 - spring)

@@ -20,7 +20,8 @@ import numpy as np
 
 from contact import bounds
 from contact.averaged.closed_forms import closed_form
-from contact.averaged.cycle_mean import Each, cycle, cycle_room
+from contact.averaged.cycle_mean import Each, contact_cycles
+from contact.averaged.cycle_pieces import cycle_room
 from contact.averaged.equilibrium import FINE_NODES, Entry
 from contact.averaged.event_cycle import RUNAWAY
 from contact.averaged.riding import quadrature, riding_approach
@@ -169,9 +170,11 @@ def mean_forces(slider: Slider, orbits: Orbit | tuple[Orbit, ...], motion: MeanM
     """
     listed = as_orbits(orbits)
     problem = scaled(slider, listed, direction=1.0, start=0.0)
-    work, rule = cycle_room(1, FINE_NODES, len(listed)), quadrature(FINE_NODES)
-    cycle(problem, riding_approach(problem), float(motion.first_order) / problem.speed, rule, work)
-    each = work.each * (slider.mass * problem.omega**2 * problem.length)
+    each, friction = np.empty((len(listed), len(Each))), np.full((len(listed), 2), problem.friction)
+    friction[:, 1] = problem.limit_slope
+    h, v = riding_approach(problem), float(motion.first_order) / problem.speed
+    contact_cycles(problem, friction, h, v, quadrature(FINE_NODES), cycle_room(1, FINE_NODES), each)
+    each *= slider.mass * problem.omega**2 * problem.length
     first_normal = each[:, Each.NORMAL_COS] - 1j * each[:, Each.NORMAL_SIN]
     first_tangential = each[:, Each.TANGENTIAL_COS] - 1j * each[:, Each.TANGENTIAL_SIN]
     return MeanForces(each[:, Each.NORMAL], each[:, Each.TANGENTIAL], first_normal, first_tangential)

@@ -10,7 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.averaged.cycle_mean import Counted, Mean, cycle, respond
+from contact.averaged.cycle_mean import cycle, respond
+from contact.averaged.cycle_pieces import Counted, Mean
 from contact.averaged.equilibrium import force_left, rest, room, settled
 from contact.averaged.riding import Rule, mean_push, riding
 from contact.body import Coordinates, body_force, contact_force, tangential_amplitude
