@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.averaged.cycle_mean import cycle
-from contact.averaged.cycle_pieces import Cycle, Mean, cycle_room
+from contact.averaged.cycle_pieces import Cycle, Mean, cycle_arrays
 from contact.averaged.equilibrium import balanced_speed, force_left, full_slip_speed, way_out
 from contact.averaged.riding import Rule, quadrature
 from contact.codes import Status
@@ -56,7 +56,7 @@ def speed_lost(problem: Problem, rest: float, level: float) -> float:
     if abs(level - rest) < 1e-9 * (abs(level) + abs(rest)):
         return 0.0  # the riding height is the height at rest: there is no bounce
     rule = quadrature(12)
-    work = cycle_room(1)
+    work = cycle_arrays(1)
 
     def acceleration(h):
         cycle(problem, h, 0.0, rule, work)

@@ -349,7 +349,7 @@ def _relative_path(paths, i, h, v, work):
 @native(
     "t f f t t",
     {
-        "problem.paths.height": "n", "problem.paths.normal_cos": "n", "rule.place": "q", "rule.weight": "q",
+        "problem.paths.height": "n", "problem.paths.normal_cos": "n", "rule.node": "q", "rule.weight": "q",
         "work.fast.normal_cos": "k", "work.path.normal_cos": "k", "work.force.normal_cos": "0 | k", "work.means": "3",
         "work.counts": "3", "work.nodes.cos": "k q | 1 0",
     },
@@ -377,7 +377,7 @@ def cycle(problem, h, v, rule, work):
 @native(
     "t f2 f f t t f2",
     {
-        "problem.paths.height": "n", "problem.paths.normal_cos": "n", "friction": "n 2", "rule.place": "q",
+        "problem.paths.height": "n", "problem.paths.normal_cos": "n", "friction": "n 2", "rule.node": "q",
         "rule.weight": "q", "work.path.normal_cos": "1", "work.force.normal_cos": "1", "work.means": "3",
         "work.counts": "3", "work.nodes.cos": "1 q | 1 1", "out": "n 8",
     },

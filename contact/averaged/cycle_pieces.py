@@ -97,7 +97,7 @@ class Passage(NamedTuple):
     x: float  # deformation at the start
 
 
-def cycle_room(harmonics: int, nodes: int = 0) -> Cycle:
+def cycle_arrays(harmonics: int, nodes: int = 0) -> Cycle:
     """Return the arrays of a cycle of so many harmonics, the slider without fast motion.
 
     `nodes` of the quadrature where the harmonics of the forces are wanted (1 with closed integrals), else 0.
@@ -189,22 +189,22 @@ def _add_piece(problem, path, rule, work, start, width, slip, offset):
     """Add the integrals of the forces over one smooth piece."""
     kappa = problem.stiffness
     if path.wave.normal_cos.size == 1 and work.force.normal_cos.size == 0:
-        push, pull = _first_harmonic_sums(problem, path, rule, start, width, slip, offset)
+        normal_sum, tangential_sum = _first_harmonic_sums(problem, path, rule, start, width, slip, offset)
     else:
         _motion_at_nodes(path, rule, work.nodes, start, width, offset)
-        push, pull = _forces_at_nodes(problem, path, rule, work.nodes, slip)
+        normal_sum, tangential_sum = _forces_at_nodes(problem, path, rule, work.nodes, slip)
         _add_harmonics(problem, path, rule, work, kappa * width)
-    work.means[Mean.NORMAL] += kappa * width * push
-    work.means[Mean.TANGENTIAL] += kappa * width * pull
+    work.means[Mean.NORMAL] += kappa * width * normal_sum
+    work.means[Mean.TANGENTIAL] += kappa * width * tangential_sum
 
 
 @summed
 def _motion_at_nodes(path, rule, nodes, start, width, offset):
     """Fill the harmonics' cosines and sines, the approach and the deformation at the nodes of a piece."""
-    h, v, wave, n = path.h, path.v, path.wave, rule.place.size
+    h, v, wave, n = path.h, path.v, path.wave, rule.node.size
     cos, sin, z, x = nodes.cos, nodes.sin, nodes.normal, nodes.tangential
     for j in range(n):
-        phi = start + width * rule.place[j]
+        phi = start + width * rule.node[j]
         cos[0, j], sin[0, j] = circle(phi)
         z[j] = h
         x[j] = offset - v * phi
@@ -226,7 +226,7 @@ def _forces_at_nodes(problem, path, rule, nodes, slip):
     """Replace approach and deformation at the nodes by the weighted forces P/kappa and Q/kappa; return their sums."""
     law, shape, wave = problem.law, problem.shape, path.wave
     z, x = nodes.normal, nodes.tangential
-    push = pull = 0.0
+    normal_sum = tangential_sum = 0.0
     if slip != 0.0:  # in slip x holds the speed of slip, which the force may depend on
         for j in range(rule.weight.size):
             x[j] = -slip * path.v
@@ -244,9 +244,9 @@ def _forces_at_nodes(problem, path, rule, nodes, slip):
             force = slip * law.sliding(problem, z[j], max(x[j], 0.0))
         z[j] = rule.weight[j] * load(z[j], shape)
         x[j] = rule.weight[j] * force
-        push += z[j]
-        pull += x[j]
-    return push, pull
+        normal_sum += z[j]
+        tangential_sum += x[j]
+    return normal_sum, tangential_sum
 
 
 @summed
@@ -280,17 +280,17 @@ def _first_harmonic_sums(problem, path, rule, start, width, slip, offset):
     law, shape = problem.law, problem.shape
     h, v, wave = path.h, path.v, path.wave
     a, b, d, e = wave.normal_cos[0], wave.normal_sin[0], wave.tangential_cos[0], wave.tangential_sin[0]
-    push, pull = 0.0, 0.0
+    normal_sum, tangential_sum = 0.0, 0.0
     for j in range(rule.weight.size):
-        phi = start + width * rule.place[j]
+        phi = start + width * rule.node[j]
         co, si = circle(phi)
         z = h + a * co + b * si
-        push += rule.weight[j] * load(z, shape)
+        normal_sum += rule.weight[j] * load(z, shape)
         if slip == 0.0:
             x = offset + d * co + e * si - v * phi
             force = law.stuck(problem, z, abs(x))
-            pull += rule.weight[j] * (-force if x < 0.0 else force)
+            tangential_sum += rule.weight[j] * (-force if x < 0.0 else force)
         else:
             speed = slip * (e * co - d * si - v) - law.limit_rate(problem, z) * (b * co - a * si)
-            pull += rule.weight[j] * slip * law.sliding(problem, z, max(speed, 0.0))
-    return push, pull
+            tangential_sum += rule.weight[j] * slip * law.sliding(problem, z, max(speed, 0.0))
+    return normal_sum, tangential_sum

@@ -63,7 +63,7 @@ class Samples(NamedTuple):
 
 
 def samples(number: int, count: int) -> Samples:
-    """Return the room for so many harmonics in so many samples."""
+    """Return the cycle for so many harmonics in so many samples."""
     n = np.arange(1, number + 1)
     table = np.exp(1j * np.outer(n, 2.0 * np.pi * np.arange(count + 1) / count))
     return Samples(
@@ -130,9 +130,9 @@ def _coefficient(values, table, scale, n):
 
 
 @compiled
-def _row(classes, j, approach, w, back, spectrum, room, out):
+def _row(classes, j, approach, w, back, spectrum, cycle, out):
     """Fill the forces of the row j at its amplitudes."""
-    table, surface, mean, scale = room.table, room.surface, room.mean, room.scale
+    table, surface, mean, scale = cycle.table, cycle.surface, cycle.mean, cycle.scale
     number, count = scale.size, mean.shape[1]
     highest = -np.inf
     for i in range(count + 1):
@@ -169,17 +169,17 @@ def _row(classes, j, approach, w, back, spectrum, room, out):
     {"classes.first": "m", "classes.behind": "m", "classes.weight": "n", "classes.normal_stiffness": "n",
      "classes.tangential_stiffness": "n", "classes.limit_slope": "n", "waves.turn": "m", "waves.orbit": "1",
      "waves.incident": "h", "approach": "n", "spectrum.along": "m h", "spectrum.against": "m 1",
-     "spectrum.force": "m 2 h", "room.table": "h 1+s", "room.scale": "h", "room.before": "h",
-     "room.surface": "4 1+s", "room.mean": "4 s", "out": "n 8"},
+     "spectrum.force": "m 2 h", "cycle.table": "h 1+s", "cycle.scale": "h", "cycle.before": "h",
+     "cycle.surface": "4 1+s", "cycle.mean": "4 s", "out": "n 8"},
 )  # fmt: skip
-def overtone_march(classes, waves, approach, w, side, spectrum, room, out):
+def overtone_march(classes, waves, approach, w, side, spectrum, cycle, out):
     """Follow the wave through all rows; fill its amplitudes, the forces and the columns of `cycle_mean.Each`.
 
     g = 0 keeps `spectrum.along` as it is. `w`: velocity over omega, m; `side`: sign of the motion before w = 0. The
     search for each row's midpoint begins with the forces that are there. Returns how many midpoints did not settle.
     """
-    table, surface, scale, before = room.table, room.surface, room.scale, room.before
-    number, count, orbit, half = scale.size, room.mean.shape[1], waves.orbit[0], 0.5j * waves.g
+    table, surface, scale, before = cycle.table, cycle.surface, cycle.scale, cycle.before
+    number, count, orbit, half = scale.size, cycle.mean.shape[1], waves.orbit[0], 0.5j * waves.g
     back = 1.0 if (w < 0.0 or (w == 0.0 and side < 0.0)) else -1.0
     along, against, force = spectrum.along, spectrum.against, spectrum.force
     size = abs(waves.incident[0])
@@ -204,7 +204,7 @@ def overtone_march(classes, waves, approach, w, side, spectrum, room, out):
                     u_z += p.real * c.real - p.imag * c.imag
                     u_x += q.real * c.real - q.imag * c.imag
                 surface[0, i], surface[1, i] = u_z, u_x
-            _row(classes, j, approach, w, back, spectrum, room, out)
+            _row(classes, j, approach, w, back, spectrum, cycle, out)
             if waves.g == 0.0:
                 change = 0.0
                 break

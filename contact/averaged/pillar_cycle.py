@@ -13,7 +13,7 @@ import numpy as np
 
 from contact import body
 from contact.averaged.cycle_mean import Each, contact_cycles
-from contact.averaged.cycle_pieces import CLOSED, cycle_room
+from contact.averaged.cycle_pieces import CLOSED, cycle_arrays
 from contact.averaged.march import march, passed
 from contact.averaged.pillars import PassingWave, Pillars
 from contact.averaged.riding import mean_loads, quadrature
@@ -83,7 +83,7 @@ class PillarCycle:
             problem,
             np.stack([self.limit_slope] * 2, axis=1),
             rule,
-            cycle_room(1, max(len(rule.place), 1)),
+            cycle_arrays(1, max(len(rule.node), 1)),
         )
         self.reset()
 

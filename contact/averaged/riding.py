@@ -26,7 +26,7 @@ NODES = 48  # of the answer for one slider
 class Rule(NamedTuple):
     """A quadrature: places in [0, 1] and weights, arrays (n,)."""
 
-    place: np.ndarray
+    node: np.ndarray
     weight: np.ndarray
 
 
@@ -64,7 +64,7 @@ def _sums_over_arc(z, a, half, rule, shape):
     """Return the sums of p and dp/dz of z + a cos phi over the half of a cycle that is in contact."""
     force = rate = 0.0
     for j in range(rule.weight.size):
-        co, _ = circle(half * rule.place[j])
+        co, _ = circle(half * rule.node[j])
         force += rule.weight[j] * load(z + a * co, shape)
         rate += rule.weight[j] * slope(z + a * co, shape)
     return force, rate
@@ -105,7 +105,7 @@ def mean_load(z: float, a: float, shape: int) -> float:
 
 
 @compiled
-def mean_push(problem, h, rule):
+def mean_normal_force(problem, h, rule):
     """Return the cycle mean of sum P at constant approach and its derivative in h."""
     kappa, paths = problem.stiffness, problem.paths
     total = steepness = force = rate = 0.0
@@ -134,7 +134,7 @@ def riding(problem, rule):
     high = approach_under(target / (problem.stiffness * n), problem.shape) - least
     h = high
     for _ in range(80):
-        force, steepness = mean_push(problem, h, rule)
+        force, steepness = mean_normal_force(problem, h, rule)
         if force > target:
             high = h
         else:

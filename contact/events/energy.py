@@ -26,8 +26,8 @@ class Sum(IntEnum):
     """Places in `State.sums`; from WAVE_NORMAL to LEAK energies, in the order of `answers.ledger.Ledger`."""
 
     # integrals over phase of sum Q, of the sum of normal forces without damper, slider displacement
-    TRACTION = 0
-    SUPPORT = 1
+    TANGENTIAL_FORCE = 0
+    NORMAL_FORCE = 1
     DISPLACEMENT = 2
     WAVE_NORMAL = 3
     WAVE_TANGENTIAL = 4
@@ -103,8 +103,8 @@ def account_contact(problem, grid, state, nodes, segment, i):
     if rated:
         work, leak = _spring_in_slip(problem, grid, state, nodes, segment, i)
         slip_loss -= work
-    sums[Sum.TRACTION] += traction
-    sums[Sum.SUPPORT] += support
+    sums[Sum.TANGENTIAL_FORCE] += traction
+    sums[Sum.NORMAL_FORCE] += support
     sums[Sum.WAVE_NORMAL] += by_normal
     sums[Sum.WAVE_TANGENTIAL] += by_tangential
     sums[Sum.SLIP_LOSS] += slip_loss

@@ -49,26 +49,26 @@ class Motion:
         # what the kernels take: the arrays themselves
         self.carried = segment.State(state[:3], state[3:], sign, regime, tally, sums)
 
-    def place(self, height, climb, speed, deformations=0.0):
+    def place(self, height, normal_velocity, speed, deformations=0.0):
         """Set the state at phase 0: slider position and its rate, slider velocity, deformations; all scaled.
 
         With the hysteretic law contacts that have a memory are taken there from where they are, on a straight line in
         approach and deformation.
         """
         if self.memory is not None:
-            self._displace(height, climb, speed, deformations)
+            self._displace(height, normal_velocity, speed, deformations)
             return
-        self.state[:3] = height, climb, speed
+        self.state[:3] = height, normal_velocity, speed
         self.state[3:] = deformations
         open_regimes(self.problem, 0.0, self.carried)
 
     def copy(self) -> "Motion":
         """Return an independent motion in the same state."""
-        twin = copy.copy(self)
-        twin._carry(*(each.copy() for each in (self.state, self.sign, self.regime, self.tally, self.sums)))
+        other = copy.copy(self)
+        other._carry(*(each.copy() for each in (self.state, self.sign, self.regime, self.tally, self.sums)))
         if self.memory is not None:
-            twin.memory = hysteretic.copy(self.memory)
-        return twin
+            other.memory = hysteretic.copy(self.memory)
+        return other
 
     def begin(self):
         """Set what has been counted and summed to zero, and note the energies at this start."""
@@ -94,7 +94,7 @@ class Motion:
         return samples
 
     def _travel(self, task):
-        work = event_driven.room(self.regime.size, self.grid.sigma.size)
+        work = event_driven.work_arrays(self.regime.size, self.grid.sigma.size)
         why = event_driven.travel(self.problem, self.grid, self.carried, work, task, self.memory)
         if why != Status.DONE:
             raise self._failure(why)
@@ -122,8 +122,8 @@ class Motion:
         At phase 0: the surface's height there is what the approach is taken from.
         """
         problem, state = self.problem, self.carried
-        height, climb, speed = state.slider
-        rate, paths = Coordinates(climb, speed), problem.paths
+        height, normal_velocity, speed = state.slider
+        rate, paths = Coordinates(normal_velocity, speed), problem.paths
         approaches = self._approaches(height)
         stored = problem.stiffness * np.sum(normal.energy(approaches, problem.shape))
         for i, (z, x) in enumerate(zip(approaches, state.deformation, strict=True)):
@@ -136,14 +136,14 @@ class Motion:
                 stored += elastic.spring(problem, regime, sign, Point(z, x, z_rate, x_rate))[2]
             else:
                 stored += hysteretic.chain_energy(problem, self.memory, i, regime, sign, z, x)
-        return np.array([stored, problem.preload * height, 0.5 * (climb**2 + speed**2)])
+        return np.array([stored, problem.preload * height, 0.5 * (normal_velocity**2 + speed**2)])
 
     def _approaches(self, height):
         """Return the approach of every contact at phase 0, where the surface is as at the end of a cycle."""
         every = np.arange(self.problem.contacts)
         return approach(self.problem.paths, every, self.problem.paths.normal_cos, Coordinates(height, 0.0))
 
-    def _displace(self, height, climb, speed, deformations):
+    def _displace(self, height, normal_velocity, speed, deformations):
         c, state = self.problem.limit_slope, self.carried
         before, after = self._approaches(state.slider[At.POSITION]), self._approaches(height)
         target = np.broadcast_to(np.asarray(deformations, float), self.regime.shape)
@@ -156,7 +156,7 @@ class Motion:
             self.regime[i], self.sign[i], state.deformation[i] = hysteretic.jump(
                 self.memory, i, self.regime[i], self.sign[i], old, new, c
             )
-        state.slider[:] = height, climb, speed
+        state.slider[:] = height, normal_velocity, speed
 
     @property
     def sticks(self) -> bool:

@@ -275,15 +275,17 @@ def integrate(grid, state, nodes, segment):
     z_s, z_rate, v = state.slider[At.POSITION], state.slider[At.NORMAL_VELOCITY], state.slider[At.VELOCITY]
     for j in range(n):
         tau = grid.tau[segment.map, j]
-        climb, speed = (
+        normal_velocity, speed = (
             z_rate + length * slider[Row.NORMAL_ONCE, j],
             v + length * slider[Row.TANGENTIAL_ONCE, j],
         )
         height = z_s + length * (z_rate * tau + length * slider[Row.NORMAL_TWICE, j])
         way = length * (v * tau + length * slider[Row.TANGENTIAL_TWICE, j])
         moved = max(abs(height - slider[Row.POSITION, j]), abs(way - slider[Row.TRAVEL, j]))
-        moved = max(moved, abs(climb - slider[Row.NORMAL_VELOCITY, j]), abs(speed - slider[Row.VELOCITY, j]))
-        slider[Row.POSITION, j], slider[Row.NORMAL_VELOCITY, j] = height, climb
+        moved = max(
+            moved, abs(normal_velocity - slider[Row.NORMAL_VELOCITY, j]), abs(speed - slider[Row.VELOCITY, j])
+        )
+        slider[Row.POSITION, j], slider[Row.NORMAL_VELOCITY, j] = height, normal_velocity
         slider[Row.TRAVEL, j], slider[Row.VELOCITY, j] = way, speed
         # a motion that is not finite must not pass for one that does not change
         change = max(change, moved if moved < 1e100 else 1e300)
@@ -336,7 +338,7 @@ def has_converged(change, last):
 
 
 @compiled
-def lay_out(problem, grid, state, nodes, segment, mobile, memory):
+def iterate_motion(problem, grid, state, nodes, segment, mobile, memory):
     """Iterate to the motion on a segment, from constant accelerations; return (converged, sweeps)."""
     surface(problem, grid, nodes, segment)
     _guess(grid, state, nodes, segment)
@@ -361,11 +363,15 @@ def _guess(grid, state, nodes, segment):
     """Fill the first guess: constant accelerations from the end of the last segment."""
     slider = nodes.slider
     normal, tangential = slider[Row.NORMAL_ACCELERATION, 0], slider[Row.TANGENTIAL_ACCELERATION, 0]
-    z_s, climb, v = state.slider[At.POSITION], state.slider[At.NORMAL_VELOCITY], state.slider[At.VELOCITY]
+    z_s, normal_velocity, v = (
+        state.slider[At.POSITION],
+        state.slider[At.NORMAL_VELOCITY],
+        state.slider[At.VELOCITY],
+    )
     for j in range(grid.sigma.size):
         t = segment.length * grid.tau[segment.map, j]
-        slider[Row.POSITION, j] = z_s + t * (climb + 0.5 * t * normal)
-        slider[Row.NORMAL_VELOCITY, j] = climb + t * normal
+        slider[Row.POSITION, j] = z_s + t * (normal_velocity + 0.5 * t * normal)
+        slider[Row.NORMAL_VELOCITY, j] = normal_velocity + t * normal
         slider[Row.TRAVEL, j] = t * (v + 0.5 * t * tangential)
         slider[Row.VELOCITY, j] = v + t * tangential
 
@@ -442,7 +448,7 @@ def roughness(problem, grid, nodes, segment, i, most):
 
 
 @compiled
-def largest_push(nodes, i):
+def largest_normal_force(nodes, i):
     """Return the largest normal force of a contact at the nodes."""
     most = 0.0
     for k in range(nodes.guard.size):

@@ -18,8 +18,8 @@ LAST = (0, 2, 1, 2, 3, 2)
 
 def open_regimes(problem, phase, state):
     """Set regime and sign of every contact, and its deformation within the slip limit, from the state at a phase."""
-    height, climb, speed = state.slider
-    q, rate = Coordinates(height, 0.0), Coordinates(climb, speed)
+    height, normal_velocity, speed = state.slider
+    q, rate = Coordinates(height, 0.0), Coordinates(normal_velocity, speed)
     for i in range(state.regime.size):
         u_z, u_z_rate, _, u_x_rate = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
         z = approach(problem.paths, i, u_z, q)
@@ -30,7 +30,7 @@ def open_regimes(problem, phase, state):
 @compiled
 def earliest(problem, grid, state, nodes, memory):
     """Return (sigma, contact, guard) of the earliest root on the segment; sigma = 2 if there is none."""
-    first, who, which = 2.0, -1, -1
+    first, contact, which = 2.0, -1, -1
     for i in range(state.regime.size):
         regime = state.regime[i]
         for k in range(4):
@@ -42,8 +42,8 @@ def earliest(problem, grid, state, nodes, memory):
             guards(problem, state, nodes, i, k, memory)
             place = first_root(grid.sigma, grid.bary, grid.rates, nodes.guard)
             if place < first:
-                first, who, which = place, i, k
-    return first, who, which
+                first, contact, which = place, i, k
+    return first, contact, which
 
 
 @compiled
@@ -55,7 +55,7 @@ def is_sharp(which, regime):
 
 
 @compiled
-def cut(segment, place, who, which, sharp, entered):
+def cut(segment, place, contact, which, sharp, entered):
     """Return the segment cut at a root in sigma; with roots of the force at both ends it is cut in the middle."""
     s = 0.5 * (min(place, 1.0) + 1.0)
     if segment.map == ROOT_AT_START:
@@ -64,10 +64,10 @@ def cut(segment, place, who, which, sharp, entered):
         s = 1.0 - (1.0 - s) ** 2
     length, map_ = segment.length * s, segment.map
     if sharp and entered and length > 1e-9:
-        length, who = 0.5 * length, -1
+        length, contact = 0.5 * length, -1
     elif sharp:
         map_ = ROOT_AT_END
-    return Segment(segment.phase, length, segment.longest, map_, who, which, 0)
+    return Segment(segment.phase, length, segment.longest, map_, contact, which, 0)
 
 
 @compiled

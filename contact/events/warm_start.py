@@ -60,7 +60,7 @@ def matching(pattern, old, first, phase, state):
 
 
 @compiled
-def recalled(pattern, old, m, nodes):
+def recall(pattern, old, m, nodes):
     """Fill the accelerations at the nodes with those of the last cycle's segment."""
     for j in range(nodes.guard.size):
         nodes.slider[Row.NORMAL_ACCELERATION, j] = pattern.acceleration[old, m, 0, j]
@@ -68,7 +68,7 @@ def recalled(pattern, old, m, nodes):
 
 
 @compiled
-def keep(pattern, new, segment, end, state, nodes):
+def store(pattern, new, segment, end, state, nodes):
     """Keep a segment of this cycle, which ends at the phase `end`."""
     m = pattern.count[new]
     if m >= pattern.begin.shape[1]:

@@ -26,7 +26,7 @@ import time
 import weakref
 from collections.abc import Mapping
 from contextlib import ExitStack, contextmanager
-from functools import cache, cached_property
+from functools import cache, cached_property, wraps
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -75,6 +75,26 @@ def native(types: str, shapes: Mapping[str, str] | None = None):
         Shapes of arrays by argument, see `contact.jit.shapes`.
     """
     return lambda function: function if _PLAIN else Native(function, tuple(types.split()), shapes)
+
+
+def per_thread(make, most: int = 16):
+    """Return a function that keeps what `make` returns, for each thread and its last `most` arguments; a decorator.
+
+    For work arrays: a kernel finds the same named tuples again, and need not pack them (`Native`). They end with their
+    thread.
+    """
+    local = threading.local()
+
+    @wraps(make)
+    def kept(*arguments):
+        arrays = vars(local)
+        if arguments not in arrays:
+            if len(arrays) >= most:
+                arrays.clear()
+            arrays[arguments] = make(*arguments)
+        return arrays[arguments]
+
+    return kept
 
 
 _KERNELS: "weakref.WeakSet[Kernel]" = weakref.WeakSet()

@@ -231,8 +231,8 @@ def tangential(problem, regime, sign, point):
     if regime == Regime.STICK:
         x = min(sign * x, most)
         return sign * problem.stiffness * law.stuck(problem, z, x), x
-    pull = law.sliding(problem, z, max(slip_rate(problem, sign, point), 0.0))
-    return sign * problem.stiffness * pull, law.deformation(problem, z, pull)
+    force = law.sliding(problem, z, max(slip_rate(problem, sign, point), 0.0))
+    return sign * problem.stiffness * force, law.deformation(problem, z, force)
 
 
 @formula
@@ -245,10 +245,10 @@ def force(problem, memory, i, regime, sign, point, level, front):
 def spring(problem, regime, sign, point):
     """Return Q, the reciprocal force dW/dz at constant x, and the energy W of a contact's tangential spring."""
     z, law = point[0], problem.law
-    pull, x = tangential(problem, regime, sign, point)
+    force, x = tangential(problem, regime, sign, point)
     if x == 0.0:
-        return pull, 0.0, 0.0
-    return pull, problem.stiffness * law.back(problem, z, x), problem.stiffness * law.energy(problem, z, x)
+        return force, 0.0, 0.0
+    return force, problem.stiffness * law.back(problem, z, x), problem.stiffness * law.energy(problem, z, x)
 
 
 def coulomb(kind: int) -> Law:

@@ -231,8 +231,11 @@ def _sliding(user):
     def sliding(problem, z, w):
         up = 0.5 * (z + abs(z))
         unit = force_unit(problem)
-        push = unit * load(up, problem.shape)
-        return own(up * problem.length, push, w * problem.length * problem.omega, contact_of(problem)) / unit
+        normal_force = unit * load(up, problem.shape)
+        return (
+            own(up * problem.length, normal_force, w * problem.length * problem.omega, contact_of(problem))
+            / unit
+        )
 
     return _named(sliding, user)
 
@@ -243,8 +246,8 @@ def _limit(user):
 
     def coefficient(problem, z):
         up = max(z, CLOSEST)
-        push = force_unit(problem) * load(up, problem.shape)
-        return own(up * problem.length, push, 0.0, contact_of(problem)) / push
+        normal_force = force_unit(problem) * load(up, problem.shape)
+        return own(up * problem.length, normal_force, 0.0, contact_of(problem)) / normal_force
 
     coefficient = _named(coefficient, user)
     if "limit" in user.functions:
@@ -252,8 +255,8 @@ def _limit(user):
 
         def limit_ratio(problem, z):
             up = max(z, CLOSEST)
-            push = force_unit(problem) * load(up, problem.shape)
-            return given(up * problem.length, push, contact_of(problem)) / (up * problem.length)
+            normal_force = force_unit(problem) * load(up, problem.shape)
+            return given(up * problem.length, normal_force, contact_of(problem)) / (up * problem.length)
 
     else:
 

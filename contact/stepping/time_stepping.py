@@ -251,12 +251,12 @@ def _step(problem, k, table, own, slider, m):
     h, paths = slider[Row.STEP, m], problem.paths
     rate = Coordinates(slider[Row.NORMAL_VELOCITY, m], slider[Row.VELOCITY, m])
     force = body_force(problem, rate)
-    climb_half = rate.normal + 0.5 * h * (slider[Row.NORMAL, m] + force.normal)
-    speed_half = rate.along + 0.5 * h * (slider[Row.TANGENTIAL, m] + force.along)
-    q = Coordinates(slider[Row.POSITION, m] + h * climb_half, h * speed_half)
+    normal_half = rate.normal + 0.5 * h * (slider[Row.NORMAL, m] + force.normal)
+    along_half = rate.along + 0.5 * h * (slider[Row.TANGENTIAL, m] + force.along)
+    q = Coordinates(slider[Row.POSITION, m] + h * normal_half, h * along_half)
     # enough for rates at the step's end
-    rate_next = Coordinates(2.0 * climb_half - rate.normal, 2.0 * speed_half - rate.along)
-    push, pull, push_excess, pull_excess = 0.0, 0.0, 0.0, 0.0
+    rate_next = Coordinates(2.0 * normal_half - rate.normal, 2.0 * along_half - rate.along)
+    normal_force, tangential_force, normal_excess, tangential_excess = 0.0, 0.0, 0.0, 0.0
     for i in range(own.shape[1]):
         z_old, x, slip = own[Own.Z, i], own[Own.X, i], own[Own.SLIP, i]
         z_new = approach(paths, i, table[Plane.U_Z, k + 1, i], q)
@@ -277,18 +277,23 @@ def _step(problem, k, table, own, slider, m):
                 (table[Plane.W_X, k + 1, i] - table[Plane.W_X, k, i]) / h,
             )  # fmt: skip
             x, slip, normal, tangential = _passed(problem, passage, x, slip, sticks)
-            push_excess += normal
-            pull_excess += tangential
+            normal_excess += normal
+            tangential_excess += tangential
         own[Own.X, i], own[Own.SLIP, i] = x, slip
         if z_new > 0.0:
             point = Point(z_new, x, z_rate, travel(table[Plane.W_X, k + 1, i], rate_next))
-            push += contact_force(problem, elastic_force(problem.stiffness, z_new, problem.shape), z_rate)
-            pull += _traction(problem, point, slip)
-    climb = climb_half + 0.5 * h * (push - problem.preload) - push_excess
-    speed = speed_half + 0.5 * h * (pull - problem.load) - pull_excess
-    slider[Row.POSITION, m], slider[Row.NORMAL_VELOCITY, m] = q.normal, climb * slider[Row.DAMP_N, m]
+            normal_force += contact_force(
+                problem, elastic_force(problem.stiffness, z_new, problem.shape), z_rate
+            )
+            tangential_force += _traction(problem, point, slip)
+    normal_velocity = normal_half + 0.5 * h * (normal_force - problem.preload) - normal_excess
+    speed = along_half + 0.5 * h * (tangential_force - problem.load) - tangential_excess
+    slider[Row.POSITION, m], slider[Row.NORMAL_VELOCITY, m] = (
+        q.normal,
+        normal_velocity * slider[Row.DAMP_N, m],
+    )
     slider[Row.VELOCITY, m] = speed * slider[Row.DAMP_T, m]
-    slider[Row.NORMAL, m], slider[Row.TANGENTIAL, m] = push, pull
+    slider[Row.NORMAL, m], slider[Row.TANGENTIAL, m] = normal_force, tangential_force
     slider[Row.TRAVELLED, m] += q.along
 
 
@@ -300,8 +305,8 @@ def _step(problem, k, table, own, slider, m):
         "work.slider": "9 r",
     },
 )  # fmt: skip
-def _abreast(runs, states, task, work):
-    """Do the work of `abreast`; return whether all is finite."""
+def _run_side_by_side(runs, states, task, work):
+    """Do the work of `run_side_by_side`; return whether all is finite."""
     per_cycle, slider, envelope = runs.per_cycle, work.slider, task.envelope
     shaped = envelope.size > 0
     e = envelope[0] if shaped else 1.0 + 0.0j
@@ -354,23 +359,23 @@ def _begin(problem, state, per_cycle, work, m):
     slider[Row.VELOCITY, m] = state[At.VELOCITY]
     q = Coordinates(state[At.POSITION], 0.0)
     rate = Coordinates(state[At.NORMAL_VELOCITY], state[At.VELOCITY])
-    push, pull = 0.0, 0.0
+    normal_force, tangential_force = 0.0, 0.0
     for i in range(own.shape[1]):
         x, slip = state[At.DEFORMATIONS + i], 0.0
         z = approach(problem.paths, i, table[Plane.U_Z, 0, i], q)
         if z > 0.0:
             z_rate, limit = approach_rate(table[Plane.W_Z, 0, i], rate), slip_limit(problem, z)
-            push += contact_force(problem, elastic_force(problem.stiffness, z, problem.shape), z_rate)
+            normal_force += contact_force(problem, elastic_force(problem.stiffness, z, problem.shape), z_rate)
             if abs(x) > limit * (1.0 - 1e-13):
                 slip = np.sign(x)
             if x != 0.0:
                 point = Point(z, x, z_rate, travel(table[Plane.W_X, 0, i], rate))
-                pull += _traction(problem, point, slip)
+                tangential_force += _traction(problem, point, slip)
         own[Own.Z, i], own[Own.X, i], own[Own.SLIP, i] = z, x, slip
-    slider[Row.NORMAL, m], slider[Row.TANGENTIAL, m] = push, pull
+    slider[Row.NORMAL, m], slider[Row.TANGENTIAL, m] = normal_force, tangential_force
 
 
-def abreast(problems, states, number, per_cycle, stride, envelope) -> np.ndarray:
+def run_side_by_side(problems, states, number, per_cycle, stride, envelope) -> np.ndarray:
     """Move several runs of n contacts through whole cycles, side by side; return rows (runs, number // stride, 3).
 
     `states` (k, 3 + n) hold z_s, z_s', v, x_1..x_n and are changed in place; `per_cycle` (k,) are the steps in each
@@ -386,12 +391,12 @@ def abreast(problems, states, number, per_cycle, stride, envelope) -> np.ndarray
     )
     task = Task(number, stride, np.empty((count, number // stride if stride else 0, len(Column))), envelope)
     runs = Runs(np.array([each.row for each in problems]), paths, per_cycle, problems[0].law)
-    if not _abreast(runs, states, task, work):
+    if not _run_side_by_side(runs, states, task, work):
         raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")
     return task.rows
 
 
 def steps(problem, state, number, per_cycle, *, stride=1, envelope=None) -> np.ndarray:
-    """Move one run through whole cycles of equal steps; return its rows, see `abreast`."""
+    """Move one run through whole cycles of equal steps; return its rows, see `run_side_by_side`."""
     envelope = np.empty(0, complex) if envelope is None else envelope
-    return abreast([problem], state[None], number, np.array([per_cycle]), stride, envelope)[0]
+    return run_side_by_side([problem], state[None], number, np.array([per_cycle]), stride, envelope)[0]

@@ -8,7 +8,7 @@ import pytest
 
 from contact import Orbit, PassingWave, Pillars, Slider, mean_motion, pillar_load_line, pillar_motion
 from contact.averaged.cycle_mean import Each, contact_cycles
-from contact.averaged.cycle_pieces import CLOSED, cycle_room
+from contact.averaged.cycle_pieces import CLOSED, cycle_arrays
 from contact.body import Paths
 from contact.law.elastic import coulomb
 from contact.problem import Problem
@@ -51,7 +51,7 @@ def cycles(h, a, b, c, w):
             paths=Paths(*(np.array([float(each[i])]) for each in parts)), law=coulomb(0),
         )  # fmt: skip
         friction = np.full((1, 2), float(c[i]))
-        contact_cycles(problem, friction, 0.0, float(w[i]), CLOSED, cycle_room(1, 1), out[i : i + 1])
+        contact_cycles(problem, friction, 0.0, float(w[i]), CLOSED, cycle_arrays(1, 1), out[i : i + 1])
     found = {each.name: out[:, each] for each in Each}
     found["P1"] = found["NORMAL_COS"] - 1j * found["NORMAL_SIN"]
     return found | {"Q1": found["TANGENTIAL_COS"] - 1j * found["TANGENTIAL_SIN"]}
