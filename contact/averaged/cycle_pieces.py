@@ -105,8 +105,8 @@ def cycle_arrays(harmonics: int, nodes: int = 0) -> Cycle:
     fast, path, force = (
         Harmonics(*np.zeros((4, n))) for n in (harmonics, harmonics, harmonics * (nodes > 0))
     )
-    room = Nodes(*np.zeros((2, harmonics, nodes)), *np.zeros((2, nodes)))
-    return Cycle(fast, path, force, room, np.zeros(len(Mean)), np.zeros(len(Counted), np.int64))
+    at_nodes = Nodes(*np.zeros((2, harmonics, nodes)), *np.zeros((2, nodes)))
+    return Cycle(fast, path, force, at_nodes, np.zeros(len(Mean)), np.zeros(len(Counted), np.int64))
 
 
 @compiled
@@ -150,7 +150,7 @@ def _add_closed(problem, path, work, start, stop, slip, offset):
     """Add the closed integrals of Q, of its first harmonic and of the friction power over a piece."""
     h, v, wave, force, law = path.h, path.v, path.wave, work.force, problem.law
     a, b, d, e = wave.normal_cos[0], wave.normal_sin[0], wave.tangential_cos[0], wave.tangential_sin[0]
-    c = law.limit_ratio(problem, h)
+    c = law.limit_ratio(problem, h)  # one number: X = c z makes all integrals closed
     stiffness = problem.stiffness * law.coefficient(problem, h) / c
     c1, s1, c2, s2 = np.cos(start), np.sin(start), np.cos(stop), np.sin(stop)
     width = stop - start

@@ -122,7 +122,7 @@ def _at_height(problem, height):
 def _held(problem, height, rest):
     """Return the equilibrium of a held slider; bisection finds deformations whose mean force carries the load."""
     (least, motion), (largest, high_motion) = rest
-    below, above = motion.state[3:], high_motion.state[3:]
+    below, above = motion.carried.deformation, high_motion.carried.deformation
     rounding, a, b = 1e-13 * full_friction(problem), 0.0, 1.0
     for _ in range(50 if largest > least + rounding else 0):
         middle = 0.5 * (a + b)
@@ -147,12 +147,12 @@ def mean_tangential_force(problem, height, speed, deformations):
     motion = Motion(immobile(problem), grid=collocation(NODES), truncation=TRUNCATION)
     motion.place(-height, 0.0, speed, deformations)
     for turn in range(6):
-        before = motion.state[3:].copy()
+        before = motion.carried.deformation.copy()
         motion.tally[:], motion.sums[:] = 0, 0.0
         motion.turn(1, mobile=False)
         # the memory of a hysteretic contact becomes periodic one cycle after its deformation
         settled = turn > 1 or motion.memory is None
-        if settled and np.max(np.abs(motion.state[3:] - before)) < 1e-13:
+        if settled and np.max(np.abs(motion.carried.deformation - before)) < 1e-13:
             break
     return motion.sums[Sum.TANGENTIAL_FORCE] / (2.0 * math.pi), motion
 
@@ -166,6 +166,6 @@ class EventCycles:
     @staticmethod
     def left(problem: Problem, means: "EventCycles", v: float) -> float:
         """Return the mean tangential force less load and damper, which accelerates the slider at the velocity v."""
-        deformations = 0.0 if means.motion is None else means.motion.state[3:]
+        deformations = 0.0 if means.motion is None else means.motion.carried.deformation
         mean, means.motion = mean_tangential_force(problem, means.height, v, deformations)
         return force_left(problem, mean, v)

@@ -16,7 +16,7 @@ from contact.averaged.equilibrium import clear_fast_motion, force_left, settle, 
 from contact.averaged.riding import Rule, mean_normal_force, riding
 from contact.body import Coordinates, body_force, contact_force, tangential_amplitude
 from contact.codes import Status
-from contact.events.segment import At
+from contact.events.segment import At, Column
 from contact.jit.compiled import compiled, native
 from contact.stepping.end_corrections import cubic
 
@@ -129,8 +129,8 @@ def bounce(problem, state, span, work):
             return phase, taken, Status.UNSETTLED
         while taken < at.size and at[taken] <= phase + d * (1.0 + 1e-12):
             s = (at[taken] - phase) / d
-            rows[taken, 0] = v0 + s * (v - v0)
-            rows[taken, 1] = -cubic(s, h0, h, d * w0, d * w)
+            rows[taken, Column.VELOCITY] = v0 + s * (v - v0)
+            rows[taken, Column.POSITION] = -cubic(s, h0, h, d * w0, d * w)
             taken += 1
         phase += d
         steps += 1
@@ -154,7 +154,7 @@ def _rate(problem, h, v, rule, work, max_rounds):
 
 @compiled
 def accelerate(problem, state, phase, taken, span, work, k):
-    """Follow the velocity with the bounce dead; return the reason for ending. `k`: (7,) room."""
+    """Follow the velocity with the bounce dead; return the reason for ending. `k`: (7,) work array."""
     stop, at, rows, tolerance = span.stop, span.at, span.rows, 0.1 * span.tolerance
     h, v, rule, means = state[At.POSITION], state[At.VELOCITY], span.rule, work.second
     max_rounds = 3 if span.corrected else 0
@@ -196,8 +196,10 @@ def accelerate(problem, state, phase, taken, span, work, k):
             last += d * _DENSE[i] * k[i]
         while taken < at.size and at[taken] <= phase + d * (1.0 + 1e-12):
             s = (at[taken] - phase) / d
-            rows[taken, 0] = v + s * (rise + (1.0 - s) * (bend + s * (fourth + (1.0 - s) * last)))
-            rows[taken, 1] = -h
+            rows[taken, Column.VELOCITY] = v + s * (
+                rise + (1.0 - s) * (bend + s * (fourth + (1.0 - s) * last))
+            )
+            rows[taken, Column.POSITION] = -h
             taken += 1
         phase += d
         v = y
@@ -236,7 +238,7 @@ def _response(problem, state, span, work, k):
         state[At.VELOCITY] + fast_speed,
     )
     for m in range(span.at.size):
-        span.rows[m, 0] += fast_speed
+        span.rows[m, Column.VELOCITY] += fast_speed
     return why
 
 

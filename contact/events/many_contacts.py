@@ -18,12 +18,12 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.body import Coordinates, damping_force
-from contact.codes import Count, Event, Outcome, Regime, Status
+from contact.codes import LAST_GUARD, Count, Event, Outcome, Regime, Status
 from contact.events import segment as seg
 from contact.events.collocation import ROOT_AT_START, SMOOTH
 from contact.events.energy import Sum, account_contact, account_slider, mark
 from contact.events.segment import At, Attempt, Plane, Row
-from contact.events.transitions import LAST, cut, end_guard, enter_next, is_sharp
+from contact.events.transitions import cut, end_guard, enter_next, is_sharp
 from contact.jit.compiled import compiled
 from contact.law.hysteretic import Memory
 from contact.roots import first_root
@@ -320,7 +320,7 @@ def _move(grid, work, outer, piece, first):
 def _first_event(problem, grid, state, nodes, i, memory):
     """Return (sigma, guard) of the earliest root of a contact's guards on the piece; (2, -1) if there is none."""
     regime, first, which = state.regime[i], 2.0, -1
-    for k in range(1 if regime == Regime.SEPARATED else LAST[regime] + 1):
+    for k in range(1 if regime == Regime.SEPARATED else LAST_GUARD[regime] + 1):
         seg.guards(problem, state, nodes, i, k, memory)
         place = first_root(grid.sigma, grid.bary, grid.rates, nodes.guard)
         if place < first:

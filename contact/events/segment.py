@@ -21,7 +21,7 @@ from contact.body import (
     short_sine,
     travel,
 )
-from contact.codes import Regime, Tangential
+from contact.codes import Guard, Regime, Tangential
 from contact.events.collocation import ROOT_AT_END, ROOT_AT_START
 from contact.jit.compiled import compiled
 from contact.law.elastic import FAR_SIDE, spring
@@ -404,7 +404,7 @@ def contact_end(problem, state, nodes, i):
 def guards(problem, state, nodes, i, which, memory):
     """Fill `nodes.guard` with guard `which` of contact i at all nodes."""
     regime, sign, own, out = state.regime[i], state.sign[i], nodes.contact, nodes.guard
-    if which == 0:
+    if which == Guard.GAP:
         side = -1.0 if regime == Regime.SEPARATED else 1.0
         for j in range(out.size):
             out[j] = FAR_SIDE + side * own[Plane.Z, i, j]

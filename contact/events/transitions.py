@@ -3,7 +3,7 @@ r"""Events at the end of a segment: which guard vanishes first, how fast, and wh
 import numpy as np
 
 from contact.body import Coordinates, Point, approach, approach_rate, at_phase, travel
-from contact.codes import Event, Regime
+from contact.codes import LAST_GUARD, Event, Guard, Regime
 from contact.events.collocation import ROOT_AT_END, ROOT_AT_START
 from contact.events.energy import Sum
 from contact.events.segment import Plane, Row, Segment, guards, point_at
@@ -11,9 +11,6 @@ from contact.jit.compiled import compiled
 from contact.law.elastic import regime_at, spring
 from contact.law.hysteretic import on_curve
 from contact.roots import first_root
-
-# the last guard of each regime
-LAST = (0, 2, 1, 2, 3, 2)
 
 
 def open_regimes(problem, phase, state):
@@ -33,10 +30,10 @@ def earliest(problem, grid, state, nodes, memory):
     first, contact, which = 2.0, -1, -1
     for i in range(state.regime.size):
         regime = state.regime[i]
-        for k in range(4):
-            if (k > 0 and regime == Regime.SEPARATED) or k > LAST[regime]:
+        for k in range(Guard.ANNULUS_EDGE + 1):
+            if (k > 0 and regime == Regime.SEPARATED) or k > LAST_GUARD[regime]:
                 continue
-            if k == 3 and first < 1.0 - 1e-6 and memory is not None:
+            if k == Guard.ANNULUS_EDGE and first < 1.0 - 1e-6 and memory is not None:
                 if on_curve(memory, i):
                     continue  # the front is smooth only up to the first of the other events
             guards(problem, state, nodes, i, k, memory)
@@ -48,10 +45,11 @@ def earliest(problem, grid, state, nodes, memory):
 
 @compiled
 def is_sharp(which, regime):
-    """Return whether a guard's root is one at which the force has a square root."""
-    if which == 0:
+    """Return True if the force has a square root where this guard vanishes."""
+    if which == Guard.GAP:
         return regime != Regime.SEPARATED
-    return (which == 1 and regime == Regime.STICK) or (which == 2 and regime == Regime.ANNULUS)
+    stick_ends = which == Guard.STICK_LIMIT and regime == Regime.STICK
+    return stick_ends or (which == Guard.ANNULUS_PIECE and regime == Regime.ANNULUS)
 
 
 @compiled
@@ -95,9 +93,9 @@ def transit(problem, state, nodes, segment, phase, memory):
     if not rate < 0.0:
         state.tally[Event.GRAZE] += 1
     for i in range(state.regime.size):
-        for k in range(4):
+        for k in range(Guard.ANNULUS_EDGE + 1):
             met = i == segment.contact and k == segment.guard
-            if i != segment.contact and (state.regime[i] != Regime.SEPARATED or k == 0):
+            if i != segment.contact and (state.regime[i] != Regime.SEPARATED or k == Guard.GAP):
                 value, rate = end_guard(problem, state, nodes, i, k, phase, memory)
                 met = abs(value) < 4e-16 and rate < 0.0
             if met:

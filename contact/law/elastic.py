@@ -30,7 +30,7 @@ the guard, so that rounding does not repeat the event at once.
 import numpy as np
 
 from contact.body import slip_speed
-from contact.codes import Event, Regime
+from contact.codes import Event, Guard, Regime
 from contact.jit.compiled import formula
 from contact.law.normal import approach, energy, load, slope
 from contact.law.protocol import Law, limit_bend, slip_limit, slip_rate
@@ -81,6 +81,12 @@ def tangential_force(x, z, friction, c, shape):
     if c == 0.0:
         return 0.0 * x
     return np.sign(x) * spring_force(z, abs(x), friction, c, shape)
+
+
+@formula
+def coulomb_limit(c, z):
+    """Return X = c z, the slip limit with one coefficient of friction."""
+    return c * z
 
 
 @formula
@@ -139,18 +145,18 @@ def _deformation_at_limit(problem, z, force):
 
 @formula
 def guard(problem, memory, i, regime, which, sign, point, front):
-    """Return guard number `which` (0, 1, 2) of a regime; 1.0 where the regime has no such guard."""
+    """Return guard number `which` (`codes.Guard`) of a regime; 1.0 where the regime has no such guard."""
     z, x, _, _ = point
     band = problem.stick_band
-    if which == 0:
+    if which == Guard.GAP:
         return FAR_SIDE - z if regime == Regime.SEPARATED else FAR_SIDE + z
     if regime == Regime.STICK:
-        return FAR_SIDE + slip_limit(problem, z) - sign * x if which == 1 else FAR_SIDE + sign * x
-    if regime == Regime.SLIP and which == 1:
+        return FAR_SIDE + (slip_limit(problem, z) - sign * x if which == Guard.STICK_LIMIT else sign * x)
+    if regime == Regime.SLIP and which == Guard.SLIP_SPEED:
         return FAR_SIDE + slip_rate(problem, sign, point) - band
     if regime == Regime.CREEP:
         speed = slip_rate(problem, sign, point)
-        return FAR_SIDE + (band - speed if which == 1 else sign * x - slip_limit(problem, z))
+        return FAR_SIDE + (band - speed if which == Guard.CREEP_SPEED else sign * x - slip_limit(problem, z))
     return 1.0
 
 
@@ -158,14 +164,14 @@ def guard(problem, memory, i, regime, which, sign, point, front):
 def guard_rate(problem, memory, i, regime, which, sign, point, second):
     """Return the rate of a guard; `second` is (z'', x'') of the contact."""
     z, _, z_rate, x_rate = point
-    if which == 0:
+    if which == Guard.GAP:
         return -z_rate if regime == Regime.SEPARATED else z_rate
-    if regime == Regime.STICK and which == 2:
+    if regime == Regime.STICK and which == Guard.STICK_REVERSAL:
         return sign * x_rate
     slope = problem.law.limit_rate(problem, z)
     if regime == Regime.STICK:
         return slope * z_rate - sign * x_rate
-    if regime == Regime.CREEP and which == 2:
+    if regime == Regime.CREEP and which == Guard.CREEP_LIMIT:
         return sign * x_rate - slope * z_rate
     rate = slip_speed(sign, second[0], second[1], slope) - limit_bend(problem, z) * z_rate * z_rate
     return rate if regime == Regime.SLIP else -rate
@@ -174,9 +180,9 @@ def guard_rate(problem, memory, i, regime, which, sign, point, second):
 @formula
 def follow(problem, memory, i, regime, which, sign, point):
     """Return (regime, sign, x, kind of event) on the far side of guard `which`."""
-    band, most = problem.stick_band, slip_limit(problem, point.approach)
+    band, limit = problem.stick_band, slip_limit(problem, point.approach)
     speed = slip_rate(problem, sign, point)
-    if which == 0:
+    if which == Guard.GAP:
         if regime != Regime.SEPARATED:
             return Regime.SEPARATED, sign, 0.0, Event.RELEASE
         sign = -1.0 if point.deformation_rate < 0.0 else 1.0
@@ -185,16 +191,16 @@ def follow(problem, memory, i, regime, which, sign, point):
             return Regime.SLIP, sign, 0.0, Event.CONTACT
         return (Regime.CREEP if speed > 0.0 else Regime.STICK), sign, 0.0, Event.CONTACT
     if regime == Regime.STICK:
-        if which == 2:
+        if which == Guard.STICK_REVERSAL:
             return Regime.STICK, -sign, 0.0, Event.REVERSAL
         if speed > band:
-            return Regime.SLIP, sign, sign * most, Event.STICK_TO_SLIP
-        return (Regime.CREEP if band > 0.0 else Regime.STICK), sign, sign * most, Event.STICK_TO_SLIP
+            return Regime.SLIP, sign, sign * limit, Event.STICK_TO_SLIP
+        return (Regime.CREEP if band > 0.0 else Regime.STICK), sign, sign * limit, Event.STICK_TO_SLIP
     if regime == Regime.SLIP:
-        return (Regime.CREEP if band > 0.0 else Regime.STICK), sign, sign * most, Event.SLIP_TO_STICK
-    if which == 1:
-        return Regime.SLIP, sign, sign * most, Event.STICK_TO_SLIP
-    return Regime.STICK, sign, sign * most, Event.SLIP_TO_STICK
+        return (Regime.CREEP if band > 0.0 else Regime.STICK), sign, sign * limit, Event.SLIP_TO_STICK
+    if which == Guard.CREEP_SPEED:
+        return Regime.SLIP, sign, sign * limit, Event.STICK_TO_SLIP
+    return Regime.STICK, sign, sign * limit, Event.SLIP_TO_STICK
 
 
 @formula
@@ -204,11 +210,11 @@ def regime_at(problem, point):
     band = problem.stick_band
     if z < 0.0 or (z == 0.0 and z_rate <= 0.0):
         return Regime.SEPARATED, 1.0, 0.0
-    sign, most = 1.0, slip_limit(problem, z)
+    sign, limit = 1.0, slip_limit(problem, z)
     if x < 0.0 or (x == 0.0 and x_rate < 0.0):
         sign = -1.0
-    if sign * x >= most * (1.0 - 1e-13):
-        x = sign * most
+    if sign * x >= limit * (1.0 - 1e-13):
+        x = sign * limit
         speed = slip_rate(problem, sign, point)
         if speed > band:
             return Regime.SLIP, sign, x
@@ -225,11 +231,11 @@ def tangential(problem, regime, sign, point):
     has the deformation of its force, or that of the slip limit where the force exceeds what the spring can carry.
     """
     z, x, _, _ = point
-    law, most = problem.law, slip_limit(problem, z)
-    if regime == Regime.SEPARATED or z <= 0.0 or most <= 0.0:
+    law, limit = problem.law, slip_limit(problem, z)
+    if regime == Regime.SEPARATED or z <= 0.0 or limit <= 0.0:
         return 0.0, 0.0
     if regime == Regime.STICK:
-        x = min(sign * x, most)
+        x = min(sign * x, limit)
         return sign * problem.stiffness * law.stuck(problem, z, x), x
     force = law.sliding(problem, z, max(slip_rate(problem, sign, point), 0.0))
     return sign * problem.stiffness * force, law.deformation(problem, z, force)

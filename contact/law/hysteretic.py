@@ -52,7 +52,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.body import slip_speed
-from contact.codes import Event, Regime, Shape, Tangential
+from contact.codes import Event, Guard, Regime, Shape, Tangential
 from contact.jit.compiled import compiled, formula
 from contact.law import elastic
 from contact.law.elastic import FAR_SIDE
@@ -92,12 +92,12 @@ def blank(contacts: int, grid) -> Memory:
 
 def copy(memory: Memory) -> Memory:
     """Return an independent copy; only what is in use is copied."""
-    twin = blank(memory.number.size, memory.grid)
-    twin.number[:], twin.level[:] = memory.number, memory.level
+    other = blank(memory.number.size, memory.grid)
+    other.number[:], other.level[:] = memory.number, memory.level
     used = int(np.max(memory.number))
     for name in ("kind", "corner", "curve"):
-        getattr(twin, name)[:, :used] = getattr(memory, name)[:, :used]
-    return twin
+        getattr(other, name)[:, :used] = getattr(memory, name)[:, :used]
+    return other
 
 
 @compiled
@@ -231,7 +231,7 @@ def follow(problem, memory, i, regime, which, s, point):
     """Return (regime, sign, x, kind of event) on the far side of guard `which`, the chain changed to match."""
     z, x, z_rate, x_rate = point
     c = problem.limit_slope
-    if which == 0:
+    if which == Guard.GAP:
         memory.number[i] = 0
         memory.level[i] = 0.0
         if regime != Regime.SEPARATED:
@@ -239,10 +239,10 @@ def follow(problem, memory, i, regime, which, s, point):
         s = -1.0 if x_rate < 0.0 else 1.0
         return (Regime.SLIP if s * x_rate > c * z_rate else Regime.GROW), s, 0.0, Event.CONTACT
     if regime == Regime.GROW:
-        s = 1.0 if which == 1 else -1.0
+        s = 1.0 if which == Guard.GROW_FORWARD else -1.0
         regime = _annulus(memory, i, s)
         return regime, s, (s * c * z if regime == Regime.SLIP else x), Event.REVERSAL
-    if which == 1:  # slip of this sign ends: the contact grows, or slips back from the edge
+    if which == Guard.SLIP_SPEED:  # slip of this sign ends: the contact grows, or slips back from the edge
         kind = Event.SLIP_TO_STICK if regime == Regime.SLIP else Event.REVERSAL
         if regime == Regime.SLIP:
             x = s * c * z
@@ -250,7 +250,7 @@ def follow(problem, memory, i, regime, which, s, point):
         if z_rate > 0.0:
             return Regime.GROW, s, x, kind
         return _annulus(memory, i, -s), -s, x, kind
-    if which == 2:  # a piece is wiped out
+    if which == Guard.ANNULUS_PIECE:  # a piece is wiped out
         memory.number[i] -= 1
         if _annulus(memory, i, s) == Regime.SLIP:
             return Regime.SLIP, s, s * c * z, Event.STICK_TO_SLIP
@@ -274,26 +274,27 @@ def force(problem, memory, i, regime, s, point, level, front_before):
 
 @compiled
 def guard(problem, memory, i, regime, which, s, point, eta):
-    """Return guard number `which` of a regime; 1.0 where the regime has no such guard.
+    """Return guard number `which` (`codes.Guard`) of a regime; 1.0 where the regime has no such guard.
 
-    Separated and gross slip have the guards of the elastic law. Those of the others, with eta the front:
-
-        annulus   0: z > 0    1: slip speed > 0    2: eta above the inner end of its piece    3: z - eta > 0
-        grow      0: z > 0    1: slip speed forward < 0    2: slip speed backward < 0
+    Separated and gross slip have the guards of the elastic law; `eta` is the front of an annulus.
     """
     if regime < Regime.ANNULUS:
         return elastic.guard(problem, memory, i, regime, which, s, point, eta)
     z, x, z_rate, x_rate = point
     c = problem.limit_slope
-    if which == 0:
+    if which == Guard.GAP:
         return FAR_SIDE + z
     if regime == Regime.GROW:
-        return 1.0 if which == 3 else FAR_SIDE - slip_speed(1.0 if which == 1 else -1.0, z_rate, x_rate, c)
-    if which == 1:
+        if which > Guard.GROW_BACKWARD:
+            return 1.0
+        return FAR_SIDE - slip_speed(1.0 if which == Guard.GROW_FORWARD else -1.0, z_rate, x_rate, c)
+    if which == Guard.SLIP_SPEED:
         return FAR_SIDE + slip_speed(s, z_rate, x_rate, c)
     k = memory.number[i] - 1
     own, other = (U, W) if s > 0.0 else (W, U)
-    if which == 2:  # u (or w) of the open line has not come to that of the piece's inner end
+    if (
+        which == Guard.ANNULUS_PIECE
+    ):  # u (or w) of the open line has not come to that of the piece's inner end
         return FAR_SIDE + s * (memory.corner[i, k, own] - x) + c * z
     if memory.kind[i, k] != 0:  # as in `front`, but smooth where the segment has run too far
         eta = 0.5 * (z + s * (memory.corner[i, k, other] - x) / c)
@@ -309,18 +310,20 @@ def guard_rate(problem, memory, i, regime, which, s, point, second):
         return elastic.guard_rate(problem, memory, i, regime, which, s, point, second)
     _, _, z_rate, x_rate = point
     c = problem.limit_slope
-    if which == 0:
+    if which == Guard.GAP:
         return z_rate
     if regime == Regime.GROW:
-        return 0.0 if which == 3 else -slip_speed(1.0 if which == 1 else -1.0, second[0], second[1], c)
-    if which == 1:
+        if which > Guard.GROW_BACKWARD:
+            return 0.0
+        return -slip_speed(1.0 if which == Guard.GROW_FORWARD else -1.0, second[0], second[1], c)
+    if which == Guard.SLIP_SPEED:
         return slip_speed(s, second[0], second[1], c)
-    return c * z_rate - s * x_rate if which == 2 else 0.5 * (s * x_rate + c * z_rate) / c
+    return c * z_rate - s * x_rate if which == Guard.ANNULUS_PIECE else 0.5 * (s * x_rate + c * z_rate) / c
 
 
 @compiled
 def on_curve(memory, i):
-    """Return whether a chain ends with a curve: the front moves smoothly along it up to the next event only."""
+    """Return True if a chain ends with a curve: the front moves smoothly along it up to the next event only."""
     return memory.kind[i, memory.number[i] - 1] == 0
 
 

@@ -261,8 +261,8 @@ def _limit(user):
     else:
 
         def limit_ratio(problem, z):
-            n = problem.law.numbers
-            return coefficient(problem, z) * n[2] / (4.0 * n[3])
+            contact = contact_of(problem)
+            return coefficient(problem, z) * contact.effective_modulus / (4.0 * contact.tangential_modulus)
 
     limit_ratio = _named(limit_ratio, user)
 

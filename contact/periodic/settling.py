@@ -28,7 +28,7 @@ from contact.convergence_error import ConvergenceError
 from contact.events.collocation import collocation
 from contact.events.energy import Sum
 from contact.events.motion import Motion
-from contact.events.segment import Column, Sample
+from contact.events.segment import At, Column, Sample
 from contact.orbit import Orbit
 from contact.periodic.shooting import MULTIPLIER_ERROR, Periodic
 from contact.problem import full_friction, largest_resonance, scaled
@@ -326,7 +326,7 @@ def _rest(slider, orbits, problem):
 
 def _arrived(rows, near):
     """Return True if the last four cycles ended within `CLOSE` of the known motion."""
-    late = np.abs(rows[-4:, :2] - np.array([near.state[2], near.state[0]]))
+    late = np.abs(rows[-4:, :2] - near.state[[At.VELOCITY, At.POSITION]])  # Column.VELOCITY, Column.POSITION
     close = CLOSE * (1.0 + np.max(np.abs(near.state[:3])))
     return len(late) == 4 and bool(np.max(late[:, 0]) < min(close, near.same) and np.max(late[:, 1]) < close)
 
@@ -379,7 +379,7 @@ def _mean(motion, cycles, passed, rate):
     """Return the mean over `cycles` more cycles from batch means; the remaining drift counts as an error."""
     motion.begin()
     each = max(1, cycles // BATCHES)
-    means = motion.turn(each * BATCHES, stride=1)[:, 2].reshape(BATCHES, each).mean(axis=1)
+    means = motion.turn(each * BATCHES, stride=1)[:, Column.MEAN_VELOCITY].reshape(BATCHES, each).mean(axis=1)
     spread = STUDENT * float(np.std(means, ddof=1)) / math.sqrt(BATCHES)
     half = BATCHES // 2
     drift = abs(float(np.mean(means[half:]) - np.mean(means[:half])))
