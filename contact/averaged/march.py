@@ -45,7 +45,7 @@ def march(turn, force, slope, amplitude, g, incident):
     incident : (2,) array, complex
         U+ on the left and U- on the right, m.
     """
-    from scipy.linalg import solve_banded
+    from scipy.linalg import lapack
 
     m, kind, n = turn.size, slope.dtype, slope.shape[1]  # n equations for each row
     # the jumps of U+ and -U- at a row are i g times `to_wave` times F
@@ -63,19 +63,21 @@ def march(turn, force, slope, amplitude, g, incident):
     source[0] -= neighbours[0, :, : n // 2] @ incident[:1].view(kind)
     source[-1] -= neighbours[-1, :, n // 2 :] @ incident[1:].view(kind)
     band = 2 * n - 1  # the equations of a row contain U+ on its left and U- on its right
-    bands = np.zeros((2 * band + 1, n * m), kind)
+    bands = np.zeros((3 * band + 1, n * m), kind)  # with the space that LAPACK needs for pivoting
     for row in range(n):
         for column in range(n):
-            bands[band + row - column, column::n] = own[:, row, column]
+            diagonal = 2 * band + row - column
+            bands[diagonal, column::n] = own[:, row, column]
             if column < n // 2:  # U+ on the left of row j is an unknown of row j - 1
-                bands[band + row - column + n, column : n * (m - 1) : n] = neighbours[1:, row, column]
+                bands[diagonal + n, column : n * (m - 1) : n] = neighbours[1:, row, column]
             else:
-                bands[band + row - column - n, n + column :: n] = neighbours[:-1, row, column]
-    try:
-        solution = solve_banded((band, band), bands, source.ravel(), overwrite_ab=True, check_finite=False)
-    except np.linalg.LinAlgError as error:
+                bands[diagonal - n, n + column :: n] = neighbours[:-1, row, column]
+    # `solve_banded` does the same and checks its arguments for as long as this takes for a hundred rows
+    solve = lapack.zgbsv if kind == complex else lapack.dgbsv
+    _, _, solution, status = solve(band, band, bands, source.ravel(), overwrite_ab=True)
+    if status != 0:
         message = "the rows' forces change so fast with the wave that it is not determined"
-        raise ConvergenceError("not converged", message) from error
+        raise ConvergenceError("not converged", message)
     amplitudes = solution.view(complex).reshape(m, 2)
     forward = np.append(incident[0], amplitudes[:, 0])
     backward = np.append(amplitudes[:, 1], incident[1])

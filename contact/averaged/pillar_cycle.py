@@ -76,7 +76,7 @@ class PillarCycle:
         # P/k_n and Q/k_t are those of a contact with stiffness 1 and mu = c
         problem = Problem(
             stiffness=1.0, contact_damping=0.0, normal_damping=0.0, preload=1.0, tangential_damping=0.0, load=0.0,
-            friction=1.0, limit_slope=1.0, stick_band=0.0, longest=1.0, shape=self.shape, paths=None, length=1.0,
+            friction=1.0, limit_slope=1.0, stick_band=0.0, longest=1.0, shape=self.shape, paths=Paths(*np.empty((5, self.x.size))), length=1.0,
             omega=1.0, law=coulomb(Tangential.ELASTIC),
         )  # fmt: skip
         self._cycles = (
@@ -123,11 +123,12 @@ class PillarCycle:
         problem, friction, rule, work = self._cycles
         u_z, u_x = (each[self.row] for each in self.amplitudes())
         unit = max(float(np.max(np.abs(approach))), float(np.max(np.abs(u_z))), 1e-300)
-        parts = approach, u_z.real, -u_z.imag, u_x.real, -u_x.imag
-        paths, v = Paths(*(each / unit for each in parts)), float(w) / unit
-        out = np.empty((self.x.size, len(Each)))
-        v = -1e-300 if v == 0.0 and side < 0.0 else v
-        contact_cycles(problem._replace(paths=paths), friction, 0.0, v, rule, work, out)
+        for path, part in zip(
+            problem.paths, (approach, u_z.real, -u_z.imag, u_x.real, -u_x.imag), strict=True
+        ):
+            np.divide(part, unit, out=path)
+        v, out = float(w) / unit, np.empty((self.x.size, len(Each)))
+        contact_cycles(problem, friction, 0.0, -1e-300 if v == 0.0 and side < 0.0 else v, rule, work, out)
         force = float(load(unit, self.shape))
         out[:, : Each.FRICTION] *= force
         out[:, Each.FRICTION] *= force * unit

@@ -1,6 +1,6 @@
-"""A run of the event-driven motion: the state it carries, and the arrays that the compiled kernel wants.
+"""The event-driven motion of one slider on one wave: its state, and runs that change it.
 
-The only class here that changes: it guards the state of one slider on one wave, in the wave's own units.
+All quantities are in the units of `contact.problem`.
 """
 
 import copy
@@ -75,7 +75,7 @@ class Motion:
         self.tally[:], self.sums[:], self.begun = 0, 0.0, self.energy()
 
     def turn(self, number: int, *, mobile: bool = True, stride: int = 0) -> np.ndarray:
-        """Move through `number` whole cycles; return rows (v, z_s, mean v) every `stride` cycles."""
+        """Move through `number` whole cycles; return rows (`Column`) every `stride` cycles, none for 0."""
         rows = np.empty((number // stride if stride else 0, len(Column)))
         nothing = np.empty((0, self.regime.size, len(Sample)))
         whole = 2.0 * np.pi
@@ -85,7 +85,7 @@ class Motion:
         return rows
 
     def move(self, start: float, stop: float, at: np.ndarray) -> np.ndarray:
-        """Move from one phase to another; return (k, contacts, 6) samples z, x, P, Q, regime, v at the phases `at`."""
+        """Move from one phase to another; return samples (k, contacts, len(`Sample`)) at the k phases `at`."""
         samples = np.zeros((at.size, self.regime.size, len(Sample)))
         cycles = self.tally[Count.CYCLES]
         limit, rows = self._limit(stop - start), np.empty((0, len(Column)))
@@ -166,6 +166,6 @@ class Motion:
         return bool(np.all(rest) and np.any(self.regime)) and not np.any(self.tally[list(moved)])
 
     def _limit(self, span):
-        """Return the segments that a run may take: a guard that fires for ever must fail, not hang."""
+        """Return the largest number of segments of a run, after which it fails: a guard may fire without end."""
         events = 500.0 * self.regime.size * (1.0 + span / (2.0 * math.pi))
         return int(min(events + 40.0 * span / self.problem.longest, 1e9))

@@ -1,8 +1,10 @@
 r"""One smooth segment of motion between two events, by Chebyshev-Picard iteration.
 
-The forces at the nodes give velocities and positions by the collocation's integration matrices, and these give the
-forces again. A slider is heavy against the contact's stiffness over a part of a cycle, so each sweep gains a factor of
-about (omega_n L)^2/2: four digits and more at a wave of 2 MHz, and a shorter segment where it gains too little.
+The forces at the nodes give velocities and positions through the integration matrices of `collocation`, and these give
+the forces again. Each sweep reduces the error by a factor of about (omega_n L)^2/2, with omega_n the contact resonance
+over omega and L the segment's length: four digits and more for a wave of 2 MHz. A segment on which it gains too little
+is made shorter. A column of `Nodes` holds the values at one node, `Row` those of the slider and `Plane` those of each
+contact.
 """
 
 from enum import IntEnum
@@ -68,21 +70,21 @@ class Row(IntEnum):
 class Plane(IntEnum):
     """Planes of `Nodes.contact`."""
 
-    U_Z = 0
-    U_X = 1
+    U_Z = 0  # surface displacement
+    U_X = 1  # from the segment's start
     U_Z_RATE = 2
     U_X_RATE = 3
-    Z = 4
-    X = 5
-    P = 6
-    Q = 7
-    BACK = 8
-    FRONT = 9
-    LEVEL = 10
+    Z = 4  # approach
+    X = 5  # deformation
+    P = 6  # elastic normal force
+    Q = 7  # tangential force
+    BACK = 8  # reciprocal normal force
+    FRONT = 9  # front of the slip annulus, `law.hysteretic`
+    LEVEL = 10  # moment M of the memory there
 
 
 class State(NamedTuple):
-    """What a slider carries from one segment to the next, and what has been counted on the way."""
+    """State of a slider between two segments, with the tally and the sums of the run so far."""
 
     slider: np.ndarray  # (3,): z_s, z_s' and v
     deformation: np.ndarray  # (contacts,): x
@@ -332,7 +334,7 @@ def _four(once, twice, j, slider):
 
 @compiled
 def has_converged(change, last):
-    """Return whether Picard's iteration has arrived: the last change times the observed gain is below rounding."""
+    """Return True if Picard's iteration has converged: the last change times its observed gain is below rounding."""
     gain = change / last
     return change < 1e-16 or (0.0 < gain < 0.5 and change * gain < 1e-15) or (gain > 0.5 and change < 2e-15)
 

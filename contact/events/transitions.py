@@ -1,4 +1,4 @@
-r"""Events at the end of a segment: which guard vanishes first, how fast, and what follows."""
+r"""Events that end a segment: the first guard that vanishes, its rate there, and the regimes that follow."""
 
 import numpy as np
 
@@ -86,7 +86,7 @@ def end_guard(problem, state, nodes, i, which, phase, memory):
 def transit(problem, state, nodes, segment, phase, memory):
     """Take the contact whose guard ends the segment, and all whose guards vanish then, to their next regimes.
 
-    Returns whether a contact was made.
+    Returns True if a contact was made.
     """
     made = False
     _, rate = end_guard(problem, state, nodes, segment.contact, segment.guard, phase, memory)

@@ -144,7 +144,7 @@ def _same(speed, problem):
 
 
 def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, target: Periodic) -> Reached:
-    """Return whether a slider from rest reaches a stable periodic motion, or which motion it reaches instead."""
+    """Return True if a slider from rest reaches a stable periodic motion, or which motion it reaches instead."""
     motion = target.motion.copy()
     motion.move(0.0, 0.5 * math.pi, np.empty(0))  # from the trough of u_z to its upward zero
     problem, begin = _start(slider, orbits, balance.load_sign)

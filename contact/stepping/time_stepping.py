@@ -306,7 +306,7 @@ def _step(problem, k, table, own, slider, m):
     },
 )  # fmt: skip
 def _run_side_by_side(runs, states, task, work):
-    """Do the work of `run_side_by_side`; return whether all is finite."""
+    """Do the work of `run_side_by_side`; return True if all is finite."""
     per_cycle, slider, envelope = runs.per_cycle, work.slider, task.envelope
     shaped = envelope.size > 0
     e = envelope[0] if shaped else 1.0 + 0.0j
