@@ -73,7 +73,7 @@ def march(turn, force, slope, amplitude, g, incident):
             else:
                 bands[diagonal - n, n + column :: n] = neighbours[:-1, row, column]
     # `solve_banded` does the same and checks its arguments for as long as this takes for a hundred rows
-    solve = lapack.zgbsv if kind == complex else lapack.dgbsv
+    solve = lapack.dgbsv if n == 4 else lapack.zgbsv
     _, _, solution, status = solve(band, band, bands, source.ravel(), overwrite_ab=True)
     if status != 0:
         message = "the rows' forces change so fast with the wave that it is not determined"

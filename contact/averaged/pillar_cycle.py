@@ -74,17 +74,13 @@ class PillarCycle:
         self.evaluations = 0
         rule = CLOSED if self.shape == Shape.PUNCH else quadrature(NODES)
         # P/k_n and Q/k_t are those of a contact with stiffness 1 and mu = c
+        friction, paths = np.stack([self.limit_slope] * 2, axis=1), Paths(*np.empty((5, self.x.size)))
         problem = Problem(
             stiffness=1.0, contact_damping=0.0, normal_damping=0.0, preload=1.0, tangential_damping=0.0, load=0.0,
-            friction=1.0, limit_slope=1.0, stick_band=0.0, longest=1.0, shape=self.shape, paths=Paths(*np.empty((5, self.x.size))), length=1.0,
+            friction=1.0, limit_slope=1.0, stick_band=0.0, longest=1.0, shape=self.shape, paths=paths, length=1.0,
             omega=1.0, law=coulomb(Tangential.ELASTIC),
         )  # fmt: skip
-        self._cycles = (
-            problem,
-            np.stack([self.limit_slope] * 2, axis=1),
-            rule,
-            cycle_arrays(1, max(len(rule.node), 1)),
-        )
+        self._cycles = problem, friction, rule, cycle_arrays(1, max(len(rule.node), 1))
         self.reset()
 
     def reset(self):
