@@ -66,7 +66,7 @@ class PillarCycle:
         self.x, self.y, self.height = x[first_of_class], across[first_of_class], heights[first_of_class]
         self.k_n = pillars.normal_stiffness[first_of_class]
         self.k_t = pillars.tangential_stiffness[first_of_class]
-        self.limit_slope = pillars.friction_coefficient * self.k_n / self.k_t
+        self.limit_slope = pillars.limit_slope[first_of_class]
         _, self.first, self.row = np.unique(position[first_of_class], return_index=True, return_inverse=True)
         self.row_x = self.x[self.first]
         self.turn = np.exp(-1j * wave.wavenumber * self.row_x)
