@@ -22,7 +22,8 @@ from fem.beam.reception import with_apertures
 from fem.beam.rows import Row, driven_names, rows_of
 from fem.beam.surface_beam import BeamError, SurfaceBeam, aperture_beam
 from fem.circuit import Circuit, Drive, as_drive, solve_circuit
-from fem.geometry import Stator, Transducer, check_plan, turn
+from fem.geometry import Stator, Transducer, turn
+from fem.layout import check_plan
 from fem.materials import isotropic_about_normal
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.power_balance import PowerBalance, power_balance
