@@ -20,6 +20,7 @@ of a slider with fast motion; `contact_cycles` gives those of each contact, with
 """
 
 from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,6 +33,7 @@ from contact.averaged.cycle_pieces import (
     Path,
     add_closed_normal,
     add_integrals,
+    first_harmonic,
     motion_at,
 )
 from contact.averaged.riding import arc
@@ -61,6 +63,36 @@ class Each(IntEnum):
     SHARE = 7  # part of the cycle in contact
 
 
+class MeanForces(NamedTuple):
+    """Forces of each of n contacts on the slider over a cycle: P = P_0 + Re P_1 exp(i omega t), Q likewise.
+
+    Attributes
+    ----------
+    normal, tangential : (n,) array
+        Means over the cycle, N.
+    first_normal, first_tangential : (n,) array, complex
+        First harmonics, N.
+    cycles : (n, len(Each)) array
+        The columns that they were made from, in the units of the computation.
+    """
+
+    normal: np.ndarray
+    tangential: np.ndarray
+    first_normal: np.ndarray
+    first_tangential: np.ndarray
+    cycles: np.ndarray
+
+
+def forces_of(cycles, normal_unit, tangential_unit) -> MeanForces:
+    """Return the forces of columns `Each` for units of force in N, one or of each contact."""
+    first_normal = cycles[:, Each.NORMAL_COS] - 1j * cycles[:, Each.NORMAL_SIN]
+    first_tangential = cycles[:, Each.TANGENTIAL_COS] - 1j * cycles[:, Each.TANGENTIAL_SIN]
+    return MeanForces(
+        normal_unit * cycles[:, Each.NORMAL], tangential_unit * cycles[:, Each.TANGENTIAL],
+        normal_unit * first_normal, tangential_unit * first_tangential, cycles,
+    )  # fmt: skip
+
+
 @compiled
 def _crossing(path, alpha, beta, anchor, low, high, rises, close):
     """Return the root of alpha z + beta x between `low` and `high` (safeguarded Newton).
@@ -87,9 +119,9 @@ def _crossing(path, alpha, beta, anchor, low, high, rises, close):
 @compiled
 def _window(path, c, s):
     """Return (start, end, kind) of the window (3): in closed form for one harmonic, corrected for several."""
-    a, b, d, e = path.wave
-    start, end, kind = slip_window(s, a[0], b[0], d[0], e[0], path.v, c)
-    if kind == Slips.WINDOW and a.size > 1:
+    a, b, d, e = first_harmonic(path)
+    start, end, kind = slip_window(s, a, b, d, e, path.v, c)
+    if kind == Slips.WINDOW and path.wave.normal_cos.size > 1:
         return _edge(path, c, s, start), _edge(path, c, s, end), kind
     return start, end, kind
 
@@ -97,12 +129,7 @@ def _window(path, c, s):
 @compiled
 def _edge(path, c, s, phi):
     """Return the root of g_s near phi (Newton's method with the first harmonic's slope)."""
-    a, b, d, e = (
-        path.wave.normal_cos[0],
-        path.wave.normal_sin[0],
-        path.wave.tangential_cos[0],
-        path.wave.tangential_sin[0],
-    )
+    a, b, d, e = first_harmonic(path)
     across, along = s * e - c * b, c * a - s * d
     rate = along * np.cos(phi) - across * np.sin(phi)
     if abs(rate) > 1e-3 * np.hypot(across, along):
@@ -147,7 +174,7 @@ def _next_slip(problem, path, s, window, anchor, start, stop, close):
 @compiled
 def _add_stick(problem, path, rule, work, start, stop, anchor):
     """Add the integrals of a time of stick, cut where x = 0 (5), at which the force of a ball is not smooth."""
-    d, e = path.wave.tangential_cos[0], path.wave.tangential_sin[0]
+    _, _, d, e = first_harmonic(path)
     size, offset = np.hypot(d, e), anchor.x - anchor.y
     if rule.weight.size == 0:
         add_integrals(problem, path, rule, work, start, stop, 0.0, offset)
@@ -194,17 +221,21 @@ def _slip_end(problem, path, s, window, phi, stop):
     while left < stop:
         right = min(left + TURN / SCANNED, stop)
         if _slip_rate(problem, path, s, right) < 0.0:
-            return _slip_end_between(problem, path, s, left, right)
+            return _bisected(problem, path, s, None, left, right)
         left = right
     return stop
 
 
 @compiled
-def _slip_end_between(problem, path, s, a, b):
-    """Return where g_s falls through zero between a and b (bisection)."""
+def _bisected(problem, path, s, anchor, a, b):
+    """Return where D_s or, without an anchor, g_s falls through zero between a and b."""
     for _ in range(46):
         middle = 0.5 * (a + b)
-        if _slip_rate(problem, path, s, middle) < 0.0:
+        if anchor is None:
+            value = _slip_rate(problem, path, s, middle)
+        else:
+            value = _stick_margin(problem, path, s, anchor, middle)
+        if value < 0.0:
             b = middle
         else:
             a = middle
@@ -219,16 +250,9 @@ def _next_slip_scanned(problem, path, s, anchor, start, stop):
         right = min(left + TURN / SCANNED, stop)
         low, still = right, _slip_rate(problem, path, s, right) > 0.0
         if falling and not still:  # the margin has its least value between
-            low = _slip_end_between(problem, path, s, left, right)
+            low = _bisected(problem, path, s, None, left, right)
         if _stick_margin(problem, path, s, anchor, low) < -1e-14:
-            a, b = left, low
-            for _ in range(46):
-                middle = 0.5 * (a + b)
-                if _stick_margin(problem, path, s, anchor, middle) < 0.0:
-                    b = middle
-                else:
-                    a = middle
-            return b
+            return _bisected(problem, path, s, anchor, left, low)
         left, falling = right, still
     return stop
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from contact.averaged.riding import Rule, punch_means
 from contact.body import circle
-from contact.jit.compiled import compiled, summed
+from contact.jit.compiled import compiled, formula, summed
 from contact.law.normal import load
 
 TURN = 2.0 * np.pi
@@ -109,6 +109,13 @@ def cycle_arrays(harmonics: int, nodes: int = 0) -> Cycle:
     return Cycle(fast, path, force, at_nodes, np.zeros(len(Mean)), np.zeros(len(Counted), np.int64))
 
 
+@formula
+def first_harmonic(path):
+    """Return the amplitudes a, b of z and d, e of y in the first harmonic, z = ... + a cos phi + b sin phi."""
+    wave = path.wave
+    return wave.normal_cos[0], wave.normal_sin[0], wave.tangential_cos[0], wave.tangential_sin[0]
+
+
 @compiled
 def motion_at(path, phi):
     """Return z, z', y, y' of a path at a phase, eq. (1)."""
@@ -135,7 +142,7 @@ def add_integrals(problem, path, rule, work, start, stop, slip, offset):
     if rule.weight.size == 0:
         _add_closed(problem, path, work, start, stop, slip, offset)
         return
-    a, b = path.wave.normal_cos[0], path.wave.normal_sin[0]
+    a, b, _, _ = first_harmonic(path)
     if path.h >= np.hypot(a, b):
         trough = np.arctan2(b, a) + np.pi
         trough += TURN * np.ceil((start - trough) / TURN)
@@ -148,8 +155,8 @@ def add_integrals(problem, path, rule, work, start, stop, slip, offset):
 @compiled
 def _add_closed(problem, path, work, start, stop, slip, offset):
     """Add the closed integrals of Q, of its first harmonic and of the friction power over a piece."""
-    h, v, wave, force, law = path.h, path.v, path.wave, work.force, problem.law
-    a, b, d, e = wave.normal_cos[0], wave.normal_sin[0], wave.tangential_cos[0], wave.tangential_sin[0]
+    h, v, force, law = path.h, path.v, work.force, problem.law
+    a, b, d, e = first_harmonic(path)
     c = law.limit_ratio(problem, h)  # one number: X = c z makes all integrals closed
     stiffness = problem.stiffness * law.coefficient(problem, h) / c
     c1, s1, c2, s2 = np.cos(start), np.sin(start), np.cos(stop), np.sin(stop)
@@ -179,9 +186,10 @@ def add_closed_normal(problem, path, work, reach):
     mean, first, _ = punch_means(path.h, reach)
     work.means[Mean.NORMAL] += TURN * problem.stiffness * mean
     if reach > 0.0:
+        a, b, _, _ = first_harmonic(path)
         first *= np.pi * problem.stiffness / reach
-        work.force.normal_cos[0] += first * path.wave.normal_cos[0]
-        work.force.normal_sin[0] += first * path.wave.normal_sin[0]
+        work.force.normal_cos[0] += first * a
+        work.force.normal_sin[0] += first * b
 
 
 @compiled
@@ -278,8 +286,8 @@ def _add_harmonics(problem, path, rule, work, scale):
 def _first_harmonic_sums(problem, path, rule, start, width, slip, offset):
     """Return the integrals of normal force and traction over a smooth piece of a path of one harmonic."""
     law, shape = problem.law, problem.shape
-    h, v, wave = path.h, path.v, path.wave
-    a, b, d, e = wave.normal_cos[0], wave.normal_sin[0], wave.tangential_cos[0], wave.tangential_sin[0]
+    h, v = path.h, path.v
+    a, b, d, e = first_harmonic(path)
     normal_sum, tangential_sum = 0.0, 0.0
     for j in range(rule.weight.size):
         phi = start + width * rule.node[j]

@@ -1,4 +1,4 @@
-"""Forces of all contacts of a slider over one wave cycle, and the wave amplitudes at the rows of contacts.
+"""MeanForces of all contacts of a slider over one wave cycle, and the wave amplitudes at the rows of contacts.
 
 Contacts at the same x form a row. Contacts of a row with equal height and stiffness (and equal y, if the slider tilts
 about x) form a class, which is computed once with the sum of their weights. The cycle means are those of
@@ -7,12 +7,10 @@ a function of approach and deformation. The tangential spring of a ball does not
 its friction power is all that it takes from the wave and does not give to the slider.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from contact import body
-from contact.averaged.cycle_mean import Each, contact_cycles
+from contact.averaged.cycle_mean import Each, MeanForces, contact_cycles, forces_of
 from contact.averaged.cycle_pieces import CLOSED, cycle_arrays
 from contact.averaged.march import march, passed
 from contact.averaged.pillars import PassingWave, Pillars
@@ -31,16 +29,6 @@ TANGENTIAL_SHARE = 0.3
 
 
 NODES = 24  # per smooth piece of a ball's cycle; errors of 1e-10 of the largest force
-
-
-class Forces(NamedTuple):
-    """Means and first harmonics of the forces on the slider, per class of pillars (without weights)."""
-
-    cycles: np.ndarray  # (n, len(Each)): of P/k_n and Q/k_t, works over k_t
-    normal: np.ndarray  # <P>, N
-    tangential: np.ndarray  # <Q>, N
-    first_normal: np.ndarray  # P_1, N, complex
-    first_tangential: np.ndarray  # Q_1
 
 
 class PillarCycle:
@@ -113,8 +101,8 @@ class PillarCycle:
         own = height[self.row] if np.ndim(height) else height
         return (self.k_n * each for each in mean_loads(own + self.height, abs(u_z)[self.row], self.shape))
 
-    def forces(self, approach, w: float, side: float) -> Forces:
-        """Return the forces at mean approaches in m and a velocity over omega in m."""
+    def forces(self, approach, w: float, side: float) -> MeanForces:
+        """Return the forces per class, without weights, at mean approaches in m and a velocity over omega in m."""
         self.evaluations += 1
         problem, friction, rule, work = self._cycles
         u_z, u_x = (each[self.row] for each in self.amplitudes())
@@ -128,18 +116,9 @@ class PillarCycle:
         force = float(load(unit, self.shape))
         out[:, : Each.FRICTION] *= force
         out[:, Each.FRICTION] *= force * unit
-        return self._forces_of(out)
+        return forces_of(out, self.k_n, self.k_t)
 
-    def _forces_of(self, cycles):
-        """Return the forces of the columns of `Each`."""
-        normal = cycles[:, Each.NORMAL_COS] - 1j * cycles[:, Each.NORMAL_SIN]
-        tangential = cycles[:, Each.TANGENTIAL_COS] - 1j * cycles[:, Each.TANGENTIAL_SIN]
-        return Forces(
-            cycles, self.k_n * cycles[:, Each.NORMAL], self.k_t * cycles[:, Each.TANGENTIAL], self.k_n * normal,
-            self.k_t * tangential,
-        )  # fmt: skip
-
-    def advance(self, forces: Forces, slope=None) -> float:
+    def advance(self, forces: MeanForces, slope=None) -> float:
         """Update the wave amplitudes for the forces; return the change over the incident amplitude.
 
         `slope` holds the derivatives of the rows' forces from `tangent`. The update is then a step of Newton's method,
@@ -168,7 +147,7 @@ class PillarCycle:
         shares = np.array([[abs(c) ** 2, c.conjugate() ** 2], [c**2, abs(c) ** 2]])
         return normal[:, None, None] + shares * tangential[:, None, None]
 
-    def tangent(self, approach, w: float, side: float, forces: Forces):
+    def tangent(self, approach, w: float, side: float, forces: MeanForces):
         """Return the derivatives of the rows' forces with respect to their amplitudes, shape (m, 4, 4); see `march`."""
         here, size = self._driving(forces).view(float), max(self.wave.amplitude, 1e-300)
         slope = np.empty((self.turn.size, 4, 4))
@@ -182,13 +161,13 @@ class PillarCycle:
         self.forward, self.backward = kept
         return slope
 
-    def row_forces(self, forces: Forces):
+    def row_forces(self, forces: MeanForces):
         """Return sum P_n and sum Q_n of the rows from left to right, shape (m, 2, harmonics); here one harmonic."""
         return np.stack([self.sums(forces.first_normal), self.sums(forces.first_tangential)], axis=1)[
             ..., None
         ]
 
-    def passed(self, forces: Forces):
+    def passed(self, forces: MeanForces):
         """Return U+ on the right and U- on the left of each row, shape (2, m, number of harmonics).
 
         The forces must belong to the current amplitudes.
@@ -196,7 +175,7 @@ class PillarCycle:
         force = self.row_forces(forces)
         return passed(self.turn, force[:, 0], force[:, 1], self.wave.orbit, self.g, self.incident)
 
-    def work(self, forces: Forces):
+    def work(self, forces: MeanForces):
         """Return the complex power over omega of the surface on each row; its imaginary part is the mean power."""
         force, (u_z, u_x) = self.row_forces(forces)[..., 0], self.amplitudes()
         return 0.5 * (force[:, 0] * u_z.conj() + force[:, 1] * u_x.conj())

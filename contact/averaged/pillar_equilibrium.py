@@ -20,7 +20,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from contact.averaged.pillar_cycle import Forces, PillarCycle
+from contact.averaged.cycle_mean import MeanForces
+from contact.averaged.pillar_cycle import PillarCycle
 from contact.convergence_error import ConvergenceError
 from contact.law.normal import approach
 
@@ -49,7 +50,7 @@ class Balance:
     w: float  # velocity over omega, m
     side: float  # sign of the velocity, or of the motion before it if the velocity is zero
     traction: float  # sum <Q>, N
-    forces: Forces = field(repr=False)
+    forces: MeanForces = field(repr=False)
     residual: float  # largest scaled residual
     change: float  # last relative change of the wave's amplitudes
     error: float  # estimated error of w, m, from the residuals and the last change
@@ -82,7 +83,7 @@ class Equilibrium:
         sign = abs(wave.forward) ** 2 - abs(wave.backward) ** 2
         self.unknowns[SPEED] = -0.6 * wave.orbit.imag * sign / max(wave.amplitude, 1e-300)
         self.residual = self.change = np.inf
-        self.forces: Forces | None = None
+        self.forces: MeanForces | None = None
         self.slope: np.ndarray | None = (
             None  # derivatives of the rows' forces, used if fixed-point sweeps converge too slowly
         )

@@ -20,7 +20,7 @@ import numpy as np
 
 from contact import bounds
 from contact.averaged.closed_forms import closed_form
-from contact.averaged.cycle_mean import Each, contact_cycles
+from contact.averaged.cycle_mean import Each, MeanForces, contact_cycles, forces_of
 from contact.averaged.cycle_pieces import cycle_arrays
 from contact.averaged.equilibrium import FINE_NODES, Entry
 from contact.averaged.event_cycle import RUNAWAY
@@ -144,29 +144,11 @@ def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion
     return _answer(row)
 
 
-@dataclass(frozen=True)
-class MeanForces:
-    """Forces of each contact on the slider in the averaged steady state: P = P_0 + Re P_1 exp(i omega t), Q likewise.
-
-    Attributes
-    ----------
-    normal, tangential : (n,) array
-        Means over a cycle, N.
-    first_normal, first_tangential : (n,) array, complex
-        First harmonics, N; time starts where the orbits' complex amplitudes say.
-    """
-
-    normal: np.ndarray
-    tangential: np.ndarray
-    first_normal: np.ndarray
-    first_tangential: np.ndarray
-
-
 def mean_forces(slider: Slider, orbits: Orbit | tuple[Orbit, ...], motion: MeanMotion) -> MeanForces:
     """Return the forces of each contact in an averaged steady state of `mean_motion`, by first-order averaging.
 
-    The force of a contact that always sticks depends on its history. Its deformation is taken as the least possible
-    one.
+    Time starts where the orbits' complex amplitudes say. The force of a contact that always sticks depends on its
+    history; its deformation is taken as the least possible one.
     """
     listed = as_orbits(orbits)
     problem = scaled(slider, listed, direction=1.0, start=0.0)
@@ -174,10 +156,8 @@ def mean_forces(slider: Slider, orbits: Orbit | tuple[Orbit, ...], motion: MeanM
     friction[:, 1] = problem.limit_slope
     h, v = riding_approach(problem), float(motion.first_order) / problem.speed
     contact_cycles(problem, friction, h, v, quadrature(FINE_NODES), cycle_arrays(1, FINE_NODES), each)
-    each *= slider.mass * problem.omega**2 * problem.length
-    first_normal = each[:, Each.NORMAL_COS] - 1j * each[:, Each.NORMAL_SIN]
-    first_tangential = each[:, Each.TANGENTIAL_COS] - 1j * each[:, Each.TANGENTIAL_SIN]
-    return MeanForces(each[:, Each.NORMAL], each[:, Each.TANGENTIAL], first_normal, first_tangential)
+    unit = slider.mass * problem.omega**2 * problem.length
+    return forces_of(each, unit, unit)
 
 
 def _answer(rows):

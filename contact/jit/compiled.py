@@ -125,24 +125,19 @@ class Kernel:
         usual = numba.config.CACHE_DIR
         numba.config.CACHE_DIR = folder or usual
         try:
-            return numba.njit(
-                cache=folder is not None, nogil=True, error_model="numpy", fastmath=self.freedom
-            )(self.function)
+            return self._jitted(cache=folder is not None)
         finally:
             numba.config.CACHE_DIR = usual
+
+    def _jitted(self, **options):
+        return _numba().njit(nogil=True, error_model="numpy", fastmath=self.freedom, **options)(self.function)
 
     @property
     def inner(self):
         """Numba's own, for calls from other kernels: without wrappers for Python; one for all threads."""
         known = vars(self).get("_inner")
         if known is None:
-            made = _numba().njit(
-                nogil=True,
-                error_model="numpy",
-                fastmath=self.freedom,
-                no_cpython_wrapper=True,
-                no_cfunc_wrapper=True,
-            )(self.function)
+            made = self._jitted(no_cpython_wrapper=True, no_cfunc_wrapper=True)
             _DISPATCHERS.append(made)
             known = vars(self).setdefault("_inner", made)  # of two threads at once, the first's
         return known

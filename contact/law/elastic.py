@@ -151,7 +151,12 @@ def guard(problem, memory, i, regime, which, sign, point, front):
     if which == Guard.GAP:
         return FAR_SIDE - z if regime == Regime.SEPARATED else FAR_SIDE + z
     if regime == Regime.STICK:
-        return FAR_SIDE + (slip_limit(problem, z) - sign * x if which == Guard.STICK_LIMIT else sign * x)
+        deformation = sign * x
+        return (
+            FAR_SIDE + slip_limit(problem, z) - deformation
+            if which == Guard.STICK_LIMIT
+            else FAR_SIDE + deformation
+        )
     if regime == Regime.SLIP and which == Guard.SLIP_SPEED:
         return FAR_SIDE + slip_rate(problem, sign, point) - band
     if regime == Regime.CREEP:
