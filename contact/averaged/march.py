@@ -21,6 +21,9 @@ import numpy as np
 
 from contact.convergence_error import ConvergenceError
 
+# Unknowns up to which a dense matrix is solved: a motor with a few balls then spares the import of scipy.linalg, 0.15 s
+MAX_DENSE = 64
+
 
 def real_form(matrix):
     """Return complex matrices (m, n, n) as real ones (m, 2n, 2n), with alternating real and imaginary parts."""
@@ -45,8 +48,6 @@ def march(turn, force, slope, amplitude, g, incident):
     incident : (2,) array, complex
         U+ on the left and U- on the right, m.
     """
-    from scipy.linalg import lapack
-
     m, kind, n = turn.size, slope.dtype, slope.shape[1]  # n equations for each row
     # the jumps of U+ and -U- at a row are i g times `to_wave` times F
     to_wave = np.zeros((m, 2, 2), complex)
@@ -72,18 +73,36 @@ def march(turn, force, slope, amplitude, g, incident):
                 bands[diagonal + n, column : n * (m - 1) : n] = neighbours[1:, row, column]
             else:
                 bands[diagonal - n, n + column :: n] = neighbours[:-1, row, column]
-    # `solve_banded` does the same and checks its arguments for as long as this takes for a hundred rows
-    solve = lapack.dgbsv if n == 4 else lapack.zgbsv
-    _, _, solution, status = solve(band, band, bands, source.ravel(), overwrite_ab=True)
-    if status != 0:
+    try:
+        solution = _solve_banded(band, bands, source.ravel())
+    except np.linalg.LinAlgError as error:
         message = "the rows' forces change so fast with the wave that it is not determined"
-        raise ConvergenceError("not converged", message)
+        raise ConvergenceError("not converged", message) from error
     amplitudes = solution.view(complex).reshape(m, 2)
     forward = np.append(incident[0], amplitudes[:, 0])
     backward = np.append(amplitudes[:, 1], incident[1])
     return 0.5 * np.stack(
         [turn * (forward[:-1] + forward[1:]), turn.conj() * (backward[:-1] + backward[1:])], axis=1
     )
+
+
+def _solve_banded(band, bands, right_hand_side):
+    """Solve a banded system; `bands` as for LAPACK's gbsv, with `band` diagonals on each side and above `band` spare."""
+    unknowns = right_hand_side.size
+    if unknowns <= MAX_DENSE:
+        row, column = np.indices((unknowns, unknowns))
+        diagonal = 2 * band + row - column
+        inside = (diagonal >= band) & (diagonal <= 3 * band)
+        matrix = np.where(inside, bands[np.clip(diagonal, band, 3 * band), column], 0.0)
+        return np.linalg.solve(matrix, right_hand_side)
+    from scipy.linalg import lapack
+
+    # scipy.linalg.solve_banded does the same, but checks its arguments for as long as this takes for a hundred rows
+    solve = lapack.zgbsv if bands.dtype.kind == "c" else lapack.dgbsv
+    _, _, solution, status = solve(band, band, bands, right_hand_side, overwrite_ab=True)
+    if status != 0:
+        raise np.linalg.LinAlgError("singular matrix")
+    return solution
 
 
 def passed(turn, normal, tangential, orbit, g, incident):
