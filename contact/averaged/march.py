@@ -87,7 +87,7 @@ def march(turn, force, slope, amplitude, g, incident):
 
 
 def _solve_banded(band, bands, right_hand_side):
-    """Solve a banded system; `bands` as for LAPACK's gbsv, with `band` diagonals on each side and above `band` spare."""
+    """Solve a banded system; `bands` as for LAPACK's gbsv: `band` diagonals on each side, `band` spare ones above."""
     unknowns = right_hand_side.size
     if unknowns <= MAX_DENSE:
         row, column = np.indices((unknowns, unknowns))
