@@ -87,6 +87,7 @@ def _load_means(z, a, rule, shape):
 def _mean_loads(z, a, rule, shape, out):
     for i in range(z.size):
         out[0, i], out[1, i] = _load_means(z[i], a[i], rule, shape)
+    return 0
 
 
 def mean_loads(z, a, shape):

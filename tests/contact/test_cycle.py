@@ -6,8 +6,9 @@ import pytest
 from contact.averaged.cycle_mean import cycle, respond
 from contact.averaged.cycle_pieces import Counted, Mean, cycle_arrays
 from contact.averaged.event_cycle import balanced, mean_tangential_force
-from contact.averaged.riding import mean_normal_force, quadrature, riding_height
+from contact.averaged.riding import mean_loads, mean_normal_force, punch_means, quadrature, riding_height
 from contact.body import normal_amplitude, tangential_amplitude
+from contact.codes import Shape
 from tests.contact.motors import orbit, slider
 
 
@@ -58,7 +59,22 @@ def test_a_sticking_cycle_says_so():
     assert means(problem, h, 0.0)[1][Counted.STUCK] == 1
 
 
-def test_the_slope_of_the_mean_push_is_its_derivative():
+# Oracle: Gauss-Legendre quadrature on the arc in contact; z + cos phi = delta - 2 sin^2(phi/2) is free of cancellation
+@pytest.mark.parametrize("delta", [2.0**-30, 2.0**-9, 0.125, 0.75, 1.5, 2.0, 2.5])
+def test_the_means_of_a_punch_are_integrals_over_its_arc(delta):
+    half = 2.0 * np.arcsin(np.sqrt(0.5 * delta)) if delta < 2.0 else np.pi
+    node, weight = np.polynomial.legendre.leggauss(40)
+    phi, weight = 0.5 * half * (node + 1.0), 0.5 * half * weight / np.pi
+    z = delta - 2.0 * np.sin(0.5 * phi) ** 2
+    mean, first, arc = punch_means(delta - 1.0, 1.0)
+    assert mean == pytest.approx(weight @ z, rel=1e-13)
+    assert first == pytest.approx(2.0 * weight @ (z * np.cos(phi)), rel=1e-13)
+    assert arc == pytest.approx(half, rel=1e-14)
+    assert mean_loads(delta - 1.0, 1.0, Shape.PUNCH)[:, 0] == pytest.approx([mean, half / np.pi], rel=1e-13)
+    assert mean_loads(delta - 1.0, 1.0, Shape.SPHERE)[0, 0] == pytest.approx(weight @ z**1.5, rel=1e-6)
+
+
+def test_the_slope_of_the_mean_normal_force_is_its_derivative():
     problem = balanced(slider(), (orbit(10e-9),)).problem
     rule, a = quadrature(24), float(normal_amplitude(problem.paths, 0))
     for h in (-0.9 * a, -0.2 * a, 0.3 * a, 0.999 * a, 1.7 * a):
