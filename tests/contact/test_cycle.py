@@ -67,10 +67,12 @@ def test_the_means_of_a_punch_are_integrals_over_its_arc(delta):
     phi, weight = 0.5 * half * (node + 1.0), 0.5 * half * weight / np.pi
     z = delta - 2.0 * np.sin(0.5 * phi) ** 2
     mean, first, arc = punch_means(delta - 1.0, 1.0)
-    assert mean == pytest.approx(weight @ z, rel=1e-13)
-    assert first == pytest.approx(2.0 * weight @ (z * np.cos(phi)), rel=1e-13)
+    assert mean == pytest.approx(weight @ z, rel=1e-13, abs=0.0)
+    assert first == pytest.approx(2.0 * weight @ (z * np.cos(phi)), rel=1e-13, abs=0.0)
     assert arc == pytest.approx(half, rel=1e-14)
-    assert mean_loads(delta - 1.0, 1.0, Shape.PUNCH)[:, 0] == pytest.approx([mean, half / np.pi], rel=1e-13)
+    assert mean_loads(delta - 1.0, 1.0, Shape.PUNCH)[:, 0] == pytest.approx(
+        [mean, half / np.pi], rel=1e-13, abs=0.0
+    )
     assert mean_loads(delta - 1.0, 1.0, Shape.SPHERE)[0, 0] == pytest.approx(weight @ z**1.5, rel=1e-6)
 
 
