@@ -1,7 +1,6 @@
 """Unknowns on the edges and vertices of a meshed piece: boundary conditions, electrodes and interfaces."""
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from fem.condense.interface import line_projection
 from fem.condense.piece import Port
@@ -62,6 +61,10 @@ class MeshUnknowns:
 
         Unknowns to be eliminated (free ones and floating electrodes) come first, then the interfaces and the ports.
         """
+        from scipy.linalg import (
+            block_diag,
+        )  # its import takes 0.3 s, which runs without meshed pieces do not spend
+
         count, tied = len(self.names), self.tied.ravel()
         prescribed = self.held | (self.tied >= 0)
         free = ~prescribed.ravel()
