@@ -19,8 +19,8 @@ from fem.input_error import InputError
 from fem.materials import Solid
 from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.piece import MeshPiece
+from fem.mesh.piece_warnings import arc_warnings, corner_warnings
 from fem.mesh.placement import Placement, is_step, placement
-from fem.mesh.quads import corner_warnings
 
 Bottom = Literal["free", "grounded", "clamped", "absorbing"]
 Ends = Literal["absorbing", "free", "clamped"]
@@ -84,8 +84,9 @@ class Stator:
     def piece_warnings(self, frequency: float, transducers: tuple["Transducer", ...] = ()) -> tuple[str, ...]:
         """Warnings about the meshed pieces at a frequency in Hz, one sentence each."""
         warnings, placed = [], self.placement
+        wavelength = slowest_wavelength(self.solid, frequency)
         for piece in self.pieces:
-            warnings += corner_warnings(piece, self.bottom, slowest_wavelength(self.solid, frequency))
+            warnings += corner_warnings(piece, self.bottom, wavelength) + arc_warnings(piece, wavelength)
         for side, piece in enumerate(placed.ends):
             if piece is None or is_step(piece, self.thickness):
                 continue

@@ -72,9 +72,7 @@ class RationalPiece:
     @property
     def resonances(self) -> np.ndarray:
         """Omega^2 of the resonances with lines and ports at zero, as far as the nodes show them, (rad/s)^2, complex."""
-        from scipy.linalg import (
-            eigvals,
-        )  # its import takes 0.3 s, which runs without meshed pieces do not spend
+        from scipy.linalg import eigvals  # see `fem.condense.mesh_unknowns`
 
         kept = self.frame.shape[1]
         return eigvals(self.stiffness[kept:, kept:], self.inertia[kept:, kept:])

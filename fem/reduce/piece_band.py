@@ -67,8 +67,11 @@ def interpolated(
             rational_piece(pieces[0], frame, size, [*samples[:omitted], *samples[omitted + 1 :]])
             for omitted in {0, len(samples) - 2}
         ]
-        changes = []  # at each frequency, of the interpolation that changes less: 0 at every node
+        changes = []  # at each frequency, of the interpolation that changes less
         for frequency in frequencies:
+            if frequency in whole.nodes:
+                changes.append(0.0)
+                continue
             reference = answers(whole, frequency)
             norm = np.linalg.norm(reference, axis=0)
             relative = [np.linalg.norm(answers(each, frequency) - reference, axis=0) / norm for each in fewer]

@@ -27,8 +27,8 @@ from studies.inverse.parameters import (
     TIME_OFFSET,
     WAVE_VELOCITY_FACTOR,
 )
-from studies.lab.trace import averaged, low_pass, travelled_distance
-from studies.record.measured import FIELD, Measurement
+from studies.lab.encoder import averaged, low_pass, travelled_distance
+from studies.lab.measurement import FIELD, Measurement
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.override import value_at
