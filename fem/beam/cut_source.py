@@ -135,7 +135,8 @@ class CutSource:
         """Waves to both sides, at the nodes of a rule for points with a lateral reach of at most ``reach`` (m)."""
         rounded = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # rounded up, so that few rules serve all points
         low, high = (each * self.wavenumber for each in FADE)
-        coarse_rule = {} if self.section.floating_potential else {"coarser": COARSER, "max_tilt": TILTED}
+        floats = self.section.floating_potential
+        coarse_rule = {"cusp": True} if floats else {"coarser": COARSER, "max_tilt": TILTED}
         narrow = NARROWER * low, NARROWER * high
         rule = lateral_rule(self.wavenumber, rounded, (low, high), mirror_width, narrow=narrow, **coarse_rule)
         yield from self._lasting(rule, distance)
