@@ -333,13 +333,16 @@ def _check_overlaps(placed: Placement, length: float, transducers: tuple[Transdu
             )
     spans.sort(key=lambda each: each[0])
     for (one, first), (other, second) in pairwise(spans):
-        if one[1] > other[0] + room * 1e-3:
-            here, there = (first, one), (second, other)
-            if not here[0].startswith("piece"):
-                here, there = there, here
+        here, there = (first, one), (second, other)
+        if not here[0].startswith("piece"):
+            here, there = there, here
+        # bare surface must be left between a piece and the fingers
+        fingers = here[0].startswith("piece") and there[0].startswith("transducer")
+        if one[1] > other[0] + (-room if fingers else room * 1e-3):
+            what = "overlaps" if one[1] > other[0] + room * 1e-3 else "touches"
             raise InputError(
                 "piece",
-                f"{here[0].removeprefix('piece ')} {_span(here[1])} overlaps the {there[0]} {_span(there[1])}",
+                f"{here[0].removeprefix('piece ')} {_span(here[1])} {what} the {there[0]} {_span(there[1])}",
             )
 
 

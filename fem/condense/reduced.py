@@ -17,7 +17,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.linalg import eigvals
 
 from fem.condense.mesh import Assembly, MeshedPiece
 from fem.condense.piece import Port, RecoveredField
@@ -73,6 +72,8 @@ class RationalPiece:
     @property
     def resonances(self) -> np.ndarray:
         """Omega^2 of the resonances with lines and ports at zero, as far as the nodes show them, (rad/s)^2, complex."""
+        from scipy.linalg import eigvals  # see `fem.condense.mesh_unknowns`
+
         kept = self.frame.shape[1]
         return eigvals(self.stiffness[kept:, kept:], self.inertia[kept:, kept:])
 

@@ -94,14 +94,14 @@ def with_model_error(record: Record) -> Record:
         if row["quantity"] in SHARED and abs(row["size"]) >= NO_ANSWER and row["effect"] not in NEVER_DECISIVE
     ]
     shortfall = record.shortfall
-    # keep an earlier reason, such as a node of the wave
-    if decisive and not shortfall.startswith("no answer"):
+    if decisive and not record.refused:  # an earlier reason, such as a node of the wave, is kept
         worst = max(decisive, key=lambda row: abs(row["size"]))
         shortfall = (
             f"no answer: the model leaves out what changes {worst['quantity']} by about {percent(worst['size'])} "
             f"({worst['effect']}); {100 * NO_ANSWER:g} % or more is refused"
         )
-    return replace(record, model_error=rows, points=points, error=error, shortfall=shortfall)
+    refused = record.refused or bool(decisive)
+    return replace(record, model_error=rows, points=points, error=error, shortfall=shortfall, refused=refused)
 
 
 def _wavelength(record: Record) -> float:
@@ -134,11 +134,9 @@ def _aperture(record: Record) -> Rows:
         yield from _crossed(record, places)
         return
     beam, at = motion.beam, tuple(zip(*places, strict=True))
-    as_modelled, other_faces = (
-        beam.with_side_faces(each).motion(*at)[2]
-        for each in (beam.mirror_width, None if block.mirror_width else block.width)
-    )
-    ratios = abs(other_faces / as_modelled)
+    same, other = map(beam.with_side_faces, (beam.mirror_width, None if block.mirror_width else block.width))
+    as_modelled = motion.at(places) if same is beam else same.motion(*at)
+    ratios = abs(other.motion(*at)[2] / as_modelled[2])
     worst = max((float(each) - 1 for each in ratios), key=abs)
     how = "the beam between side faces that reflect it as mirrors against none, or the other way round"
     yield "side faces", "u_z", worst, how
@@ -185,7 +183,7 @@ def _finger_ends(record: Record) -> Rows:
         yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
         return
     at = tuple(zip(*places, strict=True))
-    charge_error = beam.charge_error(*at)
+    charge_error = beam.charge_error(*at, motion.at(places)[2])
     if charge_error is not None:
         yield effect, "u_z", float(charge_error.max()), "the charge in fewer steps along the fingers"
         return

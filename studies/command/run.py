@@ -60,7 +60,8 @@ def call(arguments: argparse.Namespace) -> int:
     tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
     measured = None
     if arguments.measured is not None:
-        from studies.record.measured import compared, read_measured, refuse_incomparable
+        from studies.lab.measurement_csv import read_measured
+        from studies.record.velocity_comparison import compared, refuse_incomparable
 
         measured = read_measured(arguments.measured)
         refuse_incomparable(scene, measured)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from studies.record.measured import QUANTITIES, Measurement
+from studies.lab.measurement import Measurement
 from studies.record.plots import COLOURS, finished, new_figure
 from studies.record.quantities import quantity
 from studies.record.text import labelled, table
@@ -18,6 +18,15 @@ from studies.scene.toml import document
 if TYPE_CHECKING:
     from studies.inverse.result import Fit
 
+QUANTITIES = {
+    "velocity": quantity("velocity_m_per_s"),
+    "burst": quantity("velocity_m_per_s"),
+    "amplitude": quantity("normal_amplitude_m"),
+    "ring-down frequency": quantity("ring_down_frequency_Hz"),
+    "position": quantity("travelled_m"),
+    "scan": quantity("surface_motion_m_per_V"),
+    "network": quantity("scattering"),
+}  # that are measured
 SHOWN_CANDIDATES = 6
 INFORMED = 2.0  # times narrower than its range, from which a measurement tells something of a number
 DOUBTFUL = 0.01  # probability of the sum of squares below which the model does not explain the data

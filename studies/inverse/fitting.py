@@ -29,7 +29,7 @@ from studies.inverse.parameters import (
 from studies.inverse.prediction import MeasurementPredictor
 from studies.inverse.profile import BetterMinimumError, End, allowed_excess, profile
 from studies.inverse.result import Fit
-from studies.record.measured import FIELD, Measurement
+from studies.lab.measurement import FIELD, Measurement
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 

@@ -13,7 +13,7 @@ from scipy.stats import qmc
 
 from studies.inverse.parameters import Parameter
 from studies.inverse.prediction import MeasurementPredictor
-from studies.record.measured import Measurement
+from studies.lab.measurement import Measurement
 from studies.refusal import RunError
 
 STEP = 1e-4  # of the logarithm, or of the range: the difference errs by its square, a prediction by 1e-9

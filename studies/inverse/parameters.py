@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from studies.record.measured import Measurement, read_measured
+from studies.lab.measurement import Measurement
+from studies.lab.measurement_csv import read_measured
 from studies.refusal import SceneError, nearest, shown
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.numbers import Quantity

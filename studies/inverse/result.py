@@ -10,7 +10,7 @@ from studies.inverse.least_squares import Problem
 from studies.inverse.next_measurement import Candidate
 from studies.inverse.parameters import Parameter
 from studies.inverse.profile import End
-from studies.record.measured import Measurement
+from studies.lab.measurement import Measurement
 from studies.report.intermediate import scaled_unit
 from studies.scene import Scene
 

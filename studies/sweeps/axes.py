@@ -12,7 +12,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from studies.record.measured import MeasuredTable
+from studies.lab.csv_columns import CsvColumns
 from studies.refusal import SceneError, shown
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import toml_value
@@ -114,7 +114,7 @@ def _entry(rule, value):
 
 
 def _read(path: Path) -> dict[str, list]:
-    table = MeasuredTable.read(path, "points")
+    table = CsvColumns.read(path, "points")
     if len(set(table.names)) < len(table.names):
         raise SceneError("points", f"{str(path)!r} names a key twice")
     for number, row in enumerate(table.rows, start=2):

@@ -383,6 +383,11 @@ def test_a_stator_scene_imports_no_contact_solver():
     assert set(found).isdisjoint({"numba", "pyvista", "matplotlib", "pint", "scipy"})
 
 
+def test_a_run_from_voltage_to_velocity_spares_scipy():
+    # its import would take about a tenth of the run
+    assert "scipy" not in imported(run_of("run", "twente", "--voltage", "70", "--json"))
+
+
 def test_a_closed_pipe_is_no_traceback():
     script = f"{sys.executable} -m studies scenes | true"
     done = subprocess.run(["bash", "-c", script], capture_output=True, text=True)
