@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import fem
 from studies.record.surface_map import surface_map
 from studies.refusal import RunError
 from studies.results.content import write_json
@@ -54,8 +55,6 @@ def write_run(record: "Record", folder: Path, *, field: bool) -> None:
         keys = [record.level, "time_s", "velocity_m_per_s", "normal_position_m"]
         write_table(folder / "trajectory.csv", keys, rows)
     if field and record.surface_wave is not None:
-        import fem
-
         fem.write_vtu(fem.wave_field(record.surface_wave), folder / "field.vtu")
         if record.surface_motion.beam is not None:
             x, y, motion = surface_map(record.surface_motion.beam, record.scene.stator)
