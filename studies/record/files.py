@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 import fem
 from studies.record.surface_map import surface_map
 from studies.refusal import RunError
@@ -14,8 +16,6 @@ from studies.scene import Scene
 from studies.scene.toml import document
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from studies.record import Record
 
 
@@ -112,9 +112,9 @@ class Motion:
         Normal position of the slider, m.
     """
 
-    time: "np.ndarray"
-    velocity: "np.ndarray"
-    position: "np.ndarray"
+    time: np.ndarray
+    velocity: np.ndarray
+    position: np.ndarray
 
 
 def read_run(folder: Path) -> dict:
@@ -161,8 +161,6 @@ def _complex(value):
 
 def _table(path: Path) -> dict:
     """Return the columns of a table of numbers as arrays."""
-    import numpy as np
-
     with path.open(newline="", encoding="utf-8") as file:
         head, *rows = csv.reader(file)
     return dict(zip(head, np.array(rows, dtype=float).reshape(len(rows), len(head)).T, strict=True))
