@@ -94,14 +94,14 @@ def with_model_error(record: Record) -> Record:
         if row["quantity"] in SHARED and abs(row["size"]) >= NO_ANSWER and row["effect"] not in NEVER_DECISIVE
     ]
     shortfall = record.shortfall
-    # keep an earlier reason, such as a node of the wave
-    if decisive and not shortfall.startswith("no answer"):
+    if decisive and not record.refused:  # an earlier reason, such as a node of the wave, is kept
         worst = max(decisive, key=lambda row: abs(row["size"]))
         shortfall = (
             f"no answer: the model leaves out what changes {worst['quantity']} by about {percent(worst['size'])} "
             f"({worst['effect']}); {100 * NO_ANSWER:g} % or more is refused"
         )
-    return replace(record, model_error=rows, points=points, error=error, shortfall=shortfall)
+    refused = record.refused or bool(decisive)
+    return replace(record, model_error=rows, points=points, error=error, shortfall=shortfall, refused=refused)
 
 
 def _wavelength(record: Record) -> float:
