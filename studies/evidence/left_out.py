@@ -215,8 +215,8 @@ def _command(name: str, words: tuple[str, ...]) -> dict:
 
 def _statement(row: dict) -> str:
     if row["allowed"] <= SAME:
-        return f"The answer is the same with this put back in: {row['part']}."
-    return f"Put back in, this changes the answer by no more than its own size: {row['part']}."
+        return f"The answer does not change if this is included: {row['part']}."
+    return f"Included, this changes the answer by no more than its own size: {row['part']}."
 
 
 def _findings(rows: list[dict], commands: list[dict]) -> tuple[Finding, ...]:

@@ -213,10 +213,10 @@ def _findings(rows: list[dict]) -> tuple[Finding, ...]:
     )
     held = [row for row in rows if row["relative_error"] is not None]
     counts = ", ".join(f"{total[verdict]} {verdict}" for verdict in VERDICTS)
-    remark = f"{counts}; {len(held)} answers held against another way"
+    remark = f"{counts}; {len(held)} answers compared with a reference"
     return (
         judged(
-            "The atlas is wide.",
+            "The study covers enough cases.",
             "cases",
             len(rows),
             low=LEAST - 1,
