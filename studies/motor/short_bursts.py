@@ -82,8 +82,11 @@ def steps_in_words(
     elastic = np.flatnonzero(np.abs(steps["exact_m"]) < steps["elastic_m"])
     if elastic.size:
         k = int(elastic[-1])
-        rows.append(("", f"{steps['cycles'][k]} cycles move the slider by up to {steps['farthest_m'][k] * 1e9:+.3g} nm; "
-                         f"it moves back and remains at {steps['exact_m'][k] * 1e9:+.3g} nm"))  # fmt: skip
+        farthest, remaining = (f"{steps[key][k] * 1e9:+.3g} nm" for key in ("farthest_m", "exact_m"))
+        text = (
+            f"{steps['cycles'][k]} cycles move the slider by up to {farthest}; it moves back to {remaining}"
+        )
+        rows.append(("", text))
     rows.append(
         ("", f"the averaged motor's steps differ by at most {difference * 1e9:.2g} nm from the exact ones")
     )

@@ -79,7 +79,8 @@ def run(
         f"{level_name}{name}: {', '.join(map(_plan, wanted, numbers))}" for name, numbers in counts.items()
     ]
     findings = [
-        judged("The planned number of cycles reaches the step, and one cycle less does not.", "smallest step that was planned, m",
+        judged("The planned number of cycles reaches the step, and one cycle less does not.",
+               "smallest step that was planned, m",
                min(abs(enough.displacement) for _, _, enough in pairs),
                holds=all(abs(less.displacement) < size <= abs(enough.displacement) for size, less, enough in pairs),
                expected=f"{wanted[0]:g} m and up to a cycle's worth more",

@@ -37,7 +37,8 @@ def run(scene: Scene, *, count: int | None = None, tolerance: float = 1e-2, prog
     theory = passband.expected(resolved)
     susceptance, conductance = 2 * np.pi * at * theory.capacitance, theory.conductance(at)
     findings = (
-        judged("A transducer takes up power: its conductance is not negative.", "smallest conductance (S)", admittance.real.min(), low=0),
+        judged("A transducer takes up power: its conductance is not negative.",
+               "smallest conductance (S)", admittance.real.min(), low=0),
         judged("The largest conductance is that of charges that send a Rayleigh wave.",
                "largest conductance over the estimate's", admittance.real.max() / conductance.max(), low=0.5, high=2,
                expected="between 0.5 and 2: the estimate includes no reflections and no bulk waves"),

@@ -3,7 +3,7 @@
 Method: u_z per volt under the slider of the scene (``twente-left`` by default; in the middle of a stator without a
 slider) at 161 frequencies of a band, or at as many as resolve the ripple of returning waves: the whole motion and the
 part of the surface mode, and the group delay -d(phase)/d(omega) of that part. They are compared with the quasi-static
-estimate, including the loss on the way. Expected, if no waves return (otherwise nothing is judged): a maximum within a
+estimate, including the loss on the way. Expected: if no waves return (otherwise nothing is judged), a maximum within a
 factor of 2 of the estimate; a half-power bandwidth of 0.6 to 1.1 of f/N (0.886 f/N for sin x / x without the influence
 of the path and the circuit); and in that band a median delay equal to the distance from the centre of the fingers over
 the velocity of the Rayleigh wave. Run time: about 8 s.
