@@ -172,8 +172,10 @@ def refuse_beyond(scene: Scene, distance: float) -> None:
         elif each.place[0] > max(places):
             high = min(high, each.place[0] - half - max(places))
     if not low < distance < high:
-        rule = f"must keep the slider on the free surface, {low:.4g} to {high:.4g} m from its place"
-        raise SceneError("--target", f"{rule}, got {distance:.4g} m")
+        rule = (
+            f"must keep the slider on the free surface, {low * 1e3:.4g} to {high * 1e3:.4g} mm from its place"
+        )
+        raise SceneError("--target", f"{rule}, got {distance * 1e3:.4g} mm")
 
 
 def motor_numbers(motor: AveragedMotor) -> tuple[MotorNumbers, float]:
