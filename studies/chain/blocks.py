@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+import fem
 from studies.chain.surface_motion import SurfaceMotion
 from studies.scene import Scene
 
@@ -51,23 +52,21 @@ def node(motion: SurfaceMotion, places) -> str:
         return ""
     return (
         f"no answer: u_z vanishes under the slider ({under:.1e} m per V, {largest:.1e} elsewhere), as in the middle of "
-        "a transducer by symmetry: another slider.position"
+        "a transducer by symmetry: choose another slider.position"
     )
 
 
 def unresolved(motion: SurfaceMotion, places) -> str:
     """Return a refusal if the beam model does not resolve the field at a contact, otherwise an empty string."""
-    from fem import SurfaceBeam
-
     beam = motion.beam
-    if isinstance(beam, SurfaceBeam) and (
+    if isinstance(beam, fem.SurfaceBeam) and (
         unresolved_places := [place for place in places if beam.unresolved(*place)]
     ):
         (x, y), *_ = unresolved_places
         wavelength = abs(motion.wave.phase_velocity) / motion.wave.frequency
         return (
             f"no answer: in this cut the field beside the fingers and within a wavelength, {wavelength:.4g} m, of "
-            f"their ends is not known, and a contact lies there, at ({x:g}, {y:g}) m: another slider.position"
+            f"their ends is not known, and a contact lies there, at ({x:g}, {y:g}) m: choose another slider.position"
         )
     return ""
 
