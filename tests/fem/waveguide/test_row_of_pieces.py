@@ -1,5 +1,7 @@
 """A row whose pieces have no fingers: plain columns between transducers are not seen, in any of the results."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
