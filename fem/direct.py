@@ -17,7 +17,8 @@ from fem.discretize.depth_mesh import discretise
 from fem.discretize.element_matrices import scikit_fem_derivatives
 from fem.discretize.grading import Resolution, edge_layers, graded
 from fem.discretize.section import FIELD_COLUMN, Section
-from fem.geometry import Stator, Transducer, check_layout, outer_gaps
+from fem.geometry import Stator, Transducer, outer_gaps
+from fem.layout import check_layout
 from fem.materials import fields
 from fem.materials.medium import Medium, medium, units
 from fem.waveguide.modes import guided_modes

@@ -9,7 +9,7 @@ is an open strip, whose potential is such that it carries no net charge.  A row 
 """
 
 from dataclasses import dataclass
-from itertools import combinations, pairwise
+from functools import cached_property
 from numbers import Integral
 from typing import Literal, get_args
 
@@ -18,9 +18,9 @@ import numpy as np
 from fem.input_error import InputError
 from fem.materials import Solid
 from fem.materials.christoffel import slowest_wavelength
-from fem.mesh.layout import Placement, check_pieces, is_step, placement
 from fem.mesh.piece import MeshPiece
-from fem.mesh.quads import corner_warnings
+from fem.mesh.piece_warnings import arc_warnings, corner_warnings
+from fem.mesh.placement import Placement, is_step, placement
 
 Bottom = Literal["free", "grounded", "clamped", "absorbing"]
 Ends = Literal["absorbing", "free", "clamped"]
@@ -76,7 +76,7 @@ class Stator:
         """True if no wave is reflected from the bottom."""
         return self.bottom == "absorbing" or not np.isfinite(self.thickness)
 
-    @property
+    @cached_property
     def placement(self) -> Placement:
         """Position of each meshed piece in the row of pieces, and both ends of the uniform part of the stator."""
         return placement(self.pieces, length=self.length, thickness=self.thickness)
@@ -84,8 +84,9 @@ class Stator:
     def piece_warnings(self, frequency: float, transducers: tuple["Transducer", ...] = ()) -> tuple[str, ...]:
         """Warnings about the meshed pieces at a frequency in Hz, one sentence each."""
         warnings, placed = [], self.placement
+        wavelength = slowest_wavelength(self.solid, frequency)
         for piece in self.pieces:
-            warnings += corner_warnings(piece, self.bottom, slowest_wavelength(self.solid, frequency))
+            warnings += corner_warnings(piece, self.bottom, wavelength) + arc_warnings(piece, wavelength)
         for side, piece in enumerate(placed.ends):
             if piece is None or is_step(piece, self.thickness):
                 continue
@@ -245,80 +246,6 @@ def _other_fingers(piece: MeshPiece, transducer: Transducer) -> list[str]:
     ]
 
 
-def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
-    """Check that the transducers of a section lie on the stator, do not overlap, are not rotated and differ in name.
-
-    Raises
-    ------
-    ValueError
-        If a rule is broken; the message names the transducers and their edges in m.
-    """
-    _check_names(transducers)
-    for transducer in transducers:
-        if transducer.angle:
-            raise InputError(
-                "transducer",
-                f"must have the angle 0 in a section along x, got {transducer.angle:g} "
-                "rad: what follows the circuit of one section is not known for turned transducers",
-                owner=transducer.name,
-            )
-    placed = sorted(transducers, key=lambda transducer: transducer.center)
-    for transducer in placed:
-        _check_along(transducer.name, *transducer.extent, stator.length)
-    for first, second in pairwise(placed):
-        if first.extent[1] >= second.extent[0]:
-            raise InputError(
-                "transducer",
-                f"{first.name!r} and {second.name!r} must not overlap: the first ends at "
-                f"{first.extent[1]:g} m, the second begins at {second.extent[0]:g} m",
-            )
-    check_pieces(
-        stator.pieces,
-        length=stator.length,
-        thickness=stator.thickness,
-        bottom=stator.bottom,
-        ends=stator.ends,
-        above=stator.above,
-        absorbs_below=stator.absorbs_below,
-        solid=stator.solid,
-        transducers={each.name: (*each.extent, each.signs) for each in transducers},
-    )
-
-
-def check_plan(stator: Stator, width: float, transducers: tuple[Transducer, ...]) -> None:
-    """Check in the plan view that the transducers lie on the surface, do not overlap and differ in name.
-
-    Raises
-    ------
-    ValueError
-        If a rule is broken; the message names the transducers and their edges in m.
-    """
-    _check_names(transducers)
-    for each in transducers:
-        (left, low), (right, high) = each.corners.min(axis=0), each.corners.max(axis=0)
-        _check_along(each.name, left, right, stator.length, axis="x = ")
-        if max(-low, high) > width / 2 * (1 + 1e-12):
-            raise InputError(
-                "transducer",
-                f"must lie on the stator, y from -{width / 2:g} to {width / 2:g} m, but its "
-                f"fingers reach from y = {low:g} to {high:g} m",
-                owner=each.name,
-            )
-    for one, other in combinations(transducers, 2):
-        if separation(one, other)[0] <= 0:
-            raise InputError("transducer", f"{one.name!r} and {other.name!r} must not overlap on the surface")
-
-
-def _check_along(name: str, left: float, right: float, length: float, axis: str = "") -> None:
-    if left <= 0 or right >= length:
-        raise InputError(
-            "transducer",
-            f"must lie on the stator, 0 to {length:g} m, but its fingers reach "
-            f"from {axis}{left:g} to {right:g} m",
-            owner=name,
-        )
-
-
 def separation(one: Transducer, other: Transducer) -> tuple[float, float]:
     """Widest gap between two transducers in m, and the direction of this gap in rad; overlap gives 0 or less.
 
@@ -348,12 +275,6 @@ def turn(angle: float) -> np.ndarray:
     """
     c, s = (each if abs(each) > 1e-12 else 0.0 for each in (np.cos(angle), np.sin(angle)))  # 90 deg is exact
     return np.array([[c, s], [-s, c]])
-
-
-def _check_names(transducers: tuple[Transducer, ...]) -> None:
-    names = [transducer.name for transducer in transducers]
-    if len(set(names)) < len(names):
-        raise InputError("transducer", f"names must differ, got {', '.join(names)}")
 
 
 def outer_gaps(stator: Stator, transducers: tuple[Transducer, ...]) -> list[tuple[float, float]]:

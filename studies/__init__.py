@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from studies.inverse.parameters import Parameter
     from studies.inverse.residual import Residual
     from studies.inverse.result import Fit
-    from studies.record.measured import Measurement
+    from studies.lab.measurement import Measurement
     from studies.record.record import Record
     from studies.refusal import RunError, SceneError
     from studies.report.datasheet import Datasheet, datasheet
@@ -49,7 +49,7 @@ _PUBLIC = {
     "inverse.parameters": "Parameter",
     "inverse.residual": "Residual",
     "inverse.result": "Fit",
-    "record.measured": "Measurement",
+    "lab.measurement": "Measurement",
     "record.record": "Record",
     "refusal": "RunError SceneError",
     "report.datasheet": "Datasheet datasheet",

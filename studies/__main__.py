@@ -109,7 +109,8 @@ def _defect(error: Exception) -> int:
 
 
 def _dispatch(words: list[str]) -> int:
-    from studies.command.parser import parser
+    from studies.command.parser import parser, refused
+    from studies.refusal import SceneError
 
     top = parser(words[0] if words else None)
     try:
@@ -119,7 +120,10 @@ def _dispatch(words: list[str]) -> int:
     if arguments.call is None:
         top.print_help()
         return 0
-    return arguments.function(arguments)
+    try:
+        return arguments.function(arguments)
+    except SceneError as error:
+        raise refused(error, arguments) from None
 
 
 def _said(message, status: int) -> int:

@@ -223,7 +223,7 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
 
 
 def _by_law(sliders, which, todo):
-    """Yield (law, numbers, problems) for each law, since a kernel is compiled for the functions of one law.
+    """Yield (law, numbers, problems) for each law that has problems: a kernel is compiled for the functions of one law.
 
     Laws that differ only in their numbers are the same law here. `numbers` has shape (sliders, k). The row of a slider
     with another law holds the numbers of the first slider with this law; no problem of this group uses it.
@@ -235,7 +235,9 @@ def _by_law(sliders, which, todo):
         numbers = np.array(
             [(law if of_kind else first).numbers for law, of_kind in zip(laws, same, strict=True)]
         )
-        yield first, numbers, todo[same[which[todo, 0]]]
+        some = todo[same[which[todo, 0]]]
+        if some.size:
+            yield first, numbers, some
 
 
 def _fill_closed(slider, orbits, factor, row):

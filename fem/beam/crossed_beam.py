@@ -22,7 +22,8 @@ from fem.beam.reception import with_apertures
 from fem.beam.rows import Row, driven_names, rows_of
 from fem.beam.surface_beam import BeamError, SurfaceBeam, aperture_beam
 from fem.circuit import Circuit, Drive, as_drive, solve_circuit
-from fem.geometry import Stator, Transducer, check_plan, turn
+from fem.geometry import Stator, Transducer, turn
+from fem.layout import check_plan
 from fem.materials import isotropic_about_normal
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.power_balance import PowerBalance, power_balance
@@ -127,7 +128,9 @@ class CrossedBeam:
                 total = total + abs(beam.motion(np.clip(s, 0.0, row.stator.length), t)[2])
         return total
 
-    def charge_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray | None:
+    def charge_error(
+        self, x: float | np.ndarray, y: float | np.ndarray = 0.0, normal: np.ndarray | None = None
+    ) -> np.ndarray | None:
         """`SurfaceBeam.charge_error` for the sum of all beams."""
         total, x, y = 0.0, np.asarray(x, dtype=float), np.asarray(y, dtype=float)
         for row, beam in self._moving:
@@ -136,7 +139,7 @@ class CrossedBeam:
             if own is None:
                 return None
             total = total + own * abs(beam.motion(s, t)[2])
-        return total / abs(self.motion(x, y)[2])
+        return total / abs(self.motion(x, y)[2] if normal is None else normal)
 
     def shadowed(self, slowing: float) -> float:
         """Estimated change of u_z, in m per V, by the metal of other rows, which this model neglects.

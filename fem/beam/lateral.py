@@ -59,6 +59,7 @@ def lateral_rule(
     coarser: float = 1.0,
     max_tilt: float = MAX_TILT,
     narrow: tuple[float, float] | None = None,
+    cusp: bool = False,
 ) -> LateralRule:
     """Nodes and weights of the integral over k_y.
 
@@ -78,6 +79,9 @@ def lateral_rule(
         Largest distance of the contour from the real axis over ``highest``.
     narrow : tuple of float, optional
         The same as ``fade`` for the rule that ends at smaller k_y.
+    cusp : bool
+        Whether the integrand depends on |k_y|.  The rule is then uniform in s, t = s^3 / (s^2 + D^2), where the cusp
+        becomes |s|^5 and leaves an error of h^6 instead of h^2.
 
     Returns
     -------
@@ -95,7 +99,11 @@ def lateral_rule(
     start, stop = (each + scale for each in fade)
     count = 4 * int(np.ceil(stop / (coarser * SPACING * offset) / 4))
     t = np.linspace(0.0, stop, count + 1)
-    weights = t[1] / np.pi * _faded(t, start, stop)
+    weights = np.full(count + 1, t[1] / np.pi)
+    if cusp:
+        square = t**2 / (t**2 + offset**2)
+        t, weights = t * square, weights * square * (3 - 2 * square)
+    weights *= _faded(t, start, stop)
     weights[0] *= 0.5
     tilt = np.tanh(t / scale)
     return LateralRule(

@@ -185,16 +185,19 @@ class SurfaceBeam:
                 return beam
         return None
 
-    def charge_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray | None:
+    def charge_error(
+        self, x: float | np.ndarray, y: float | np.ndarray = 0.0, normal: np.ndarray | None = None
+    ) -> np.ndarray | None:
         """Relative error of |u_z| by the finite number of steps of the charge along the fingers.
 
-        It is estimated from the change by taking fewer steps.  It bounds the difference from 100 steps in transducers
-        on PZT (tests/fem/beam/test_finger_ends.py).  None if the charge is uniform along the fingers.
+        ``normal`` is u_z at the points, if it is known already.  The error is estimated from the change by taking
+        fewer steps.  It bounds the difference from 100 steps in transducers on PZT
+        (tests/fem/beam/test_finger_ends.py).  None if the charge is uniform along the fingers.
         """
         if self.coarser is None:
             return None
-        here = self.motion(x, y)[2]
-        return COARSER_SHARE * abs(abs(self.coarser.motion(x, y)[2]) - abs(here)) / abs(here)
+        here = abs(self.motion(x, y)[2] if normal is None else normal)
+        return COARSER_SHARE * abs(abs(self.coarser.motion(x, y)[2]) - here) / here
 
     def unresolved(self, x: float, y: float) -> bool:
         """True if a point (m) lies beside fingers or within a wavelength of their ends and the source is a `CutSource`.
@@ -212,6 +215,8 @@ class SurfaceBeam:
 
     def with_side_faces(self, width: float | None) -> "SurfaceBeam":
         """The beam of the same charges between mirrors a width (m) apart, or None; for estimates, accurate to 1e-3."""
+        if width == self.mirror_width and self.source.rough is self.source:
+            return self
         return replace(self, mirror_width=width, source=self.source.rough)
 
     def with_longer_fingers(self, periods: float) -> "SurfaceBeam":

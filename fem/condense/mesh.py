@@ -15,23 +15,21 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from fem.condense.fronts import Dissection, Factor
-from fem.condense.interface import line_projection
+from fem.condense.mesh_field import MeshField, TopEdges
+from fem.condense.mesh_unknowns import MeshUnknowns
 from fem.condense.piece import Port
 from fem.convergence_error import ConvergenceError
 from fem.discretize.grading import Resolution
 from fem.discretize.quads import QuadSpace, medium_block, medium_tables
-from fem.discretize.section import FIELD_COLUMN, Section
+from fem.discretize.section import Section
 from fem.geometry import Stator
 from fem.materials import fields as coupled_fields
 from fem.materials.christoffel import slowest_wavelength
 from fem.materials.medium import Medium, medium, units
-from fem.mesh.layout import MAX_UNKNOWNS
-from fem.mesh.piece import FLOATING, GROUNDED, MeshPiece
+from fem.mesh.piece import MAX_UNKNOWNS, MeshPiece
 from fem.mesh.quads import conditions_of, quad_mesh
-from fem.mesh.section_mesh import ELECTRODE
 
 # Elements of a mesh relative to those of the section, which are at most one wavelength long: half the size, one order
 # less, and one geometric layer more towards singular points.  The motion behind a groove then has the error 1.3e-3 at
@@ -40,8 +38,6 @@ from fem.mesh.section_mesh import ELECTRODE
 ELEMENT_SHARE = 0.5
 ORDERS_LESS = 1
 MORE_LAYERS = 1
-# Fields that a boundary condition sets to zero.
-HELD: dict[str, tuple[str, ...]] = {"clamped": ("u",), "grounded": ("phi",), "free": ()}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,13 +58,15 @@ class MeshedPiece:
     insides: list[np.ndarray] = field(repr=False)  # of every part of `Assembly.parts`: inside from rim
     _last: dict = field(default_factory=dict, init=False, repr=False)
 
-    def recover(self, sides: np.ndarray) -> "MeshField":
+    def recover(self, sides: np.ndarray) -> MeshField:
         """Field inside for given lines and ports, shape (len(matrix),)."""
         sides = np.asarray(sides, dtype=complex)
         key = sides.tobytes()
         if key not in self._last:
             self._last.clear()
-            self._last[key] = MeshField(piece=self, skeleton=self.skeleton(sides[:, None])[:, 0])
+            self._last[key] = MeshField(
+                assembly=self.assembly, skeleton=self.skeleton(sides[:, None])[:, 0], condense=lambda: self
+            )
         return self._last[key]
 
     def skeleton(self, sides: np.ndarray) -> np.ndarray:
@@ -120,11 +118,6 @@ class Assembly:
         """As of `fem.condense.piece.Piece`."""
         return "phi" in self.fields and not (self.grounded or self.ports)
 
-    @property
-    def key(self) -> tuple:
-        """Key that is equal for pieces with the same assembly."""
-        return self.piece.contents
-
     @cached_property
     def parts(self) -> list[tuple[Medium, np.ndarray, np.ndarray]]:
         """Batches of elements of one medium, limited in memory: medium, elements, skeleton unknowns of their rims."""
@@ -136,6 +129,11 @@ class Assembly:
                 numbers = functions * len(self.fields) + columns[:, None]
                 result.append((own, elements, numbers.reshape(len(elements), -1)))
         return result
+
+    @cached_property
+    def surface(self) -> TopEdges:
+        """Upper boundary of the mesh."""
+        return TopEdges(self.space)
 
     @cached_property
     def dissection(self) -> Dissection:
@@ -185,134 +183,6 @@ class Assembly:
         )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class MeshField:
-    """Field of a meshed piece for given lines and ports."""
-
-    piece: MeshedPiece = field(repr=False)
-    skeleton: np.ndarray = field(repr=False)  # scaled unknowns of edges and vertices, fields innermost
-
-    @property
-    def assembly(self) -> Assembly:
-        """Part of the piece that does not depend on the frequency."""
-        return self.piece.assembly
-
-    @cached_property
-    def _surface(self) -> "_TopEdges":
-        return _TopEdges(self.assembly.space)
-
-    def motion(self, x: np.ndarray) -> np.ndarray:
-        """u_x and u_z of the highest point of the mesh at places x from the piece's left edge, length units."""
-        space, names = self.assembly.space, self.assembly.fields
-        left = self.assembly.piece.mesh.extent[0] / space.unit
-        numbers, weights = self._surface.at(np.asarray(x, dtype=float) + left)
-        nodal = self.skeleton.reshape(-1, len(names))
-        return np.stack(
-            [np.sum(nodal[numbers, names.index(name)] * weights, axis=1) for name in ("ux", "uz")]
-        )
-
-    def at(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Scaled u_x, u_y, u_z and phi at points (m, 2), measured from the left edge and the surface in length units.
-
-        Returns the values and their derivatives along x and z, (m, 4) each, zero outside the mesh; and the name of the
-        solid's group at each point, empty outside the mesh.
-        """
-        space = self.assembly.space
-        owner, places = space.locate(np.asarray(points) + self._origin)
-        order = np.argsort(owner, kind="stable")
-        first = np.searchsorted(owner[order], np.arange(space.elements + 1))
-        out = np.zeros((3, len(points), 4), dtype=complex)
-        for own, elements, values in self.piece.elements(self.skeleton[:, None]):
-            columns = np.array([FIELD_COLUMN[name] for name in own.fields])
-            for element, nodal in zip(elements, values[..., 0], strict=True):
-                here = order[first[element] : first[element + 1]]
-                if len(here):
-                    out[:, here[:, None], columns] = _local_fields(space, element, places[here], nodal)
-        return *out, np.where(owner >= 0, space.mesh.solids[owner], "")
-
-    @property
-    def _origin(self) -> np.ndarray:
-        """The left edge at the surface in the mesh's own axes, length units."""
-        return np.array([self.assembly.piece.mesh.extent[0] / self.assembly.space.unit, 0.0])
-
-    def on_elements(self, places: np.ndarray):
-        """Yield the field at reference positions (m, 2) of every element, in batches of elements of one solid.
-
-        Each batch has the name of the solid's group; the points, measured from the left edge and the surface in length
-        units, (elements, m, 2); and scaled u_x, u_y, u_z and phi with their derivatives along x and z,
-        (3, elements, m, 4).
-        """
-        space = self.assembly.space
-        for own, elements, values in self.piece.elements(self.skeleton[:, None]):
-            out = np.zeros((3, len(elements), len(places), 4), dtype=complex)
-            out[..., [FIELD_COLUMN[name] for name in own.fields]] = _local_fields(
-                space, elements, places, values[..., 0]
-            )
-            yield space.mesh.solids[elements[0]], space.positions(elements, places) - self._origin, out
-
-    def loss(self) -> float:
-        """Power lost inside, scaled, (omega / 2) sum u^H Im(A) u, from the imaginary moduli element by element."""
-        total = 0.0
-        for own, elements, unknowns in self.piece.elements(self.skeleton[:, None]):
-            if not np.iscomplexobj(own.xx):
-                continue
-            values, tables = unknowns[..., 0], medium_tables(own, 0.0, part="loss")
-            scalars = self.assembly.space.scalar_matrices(elements)
-            forms = values.conj().swapaxes(1, 2)[:, None] @ (scalars @ values[:, None])
-            total += float(np.einsum("mpij,ijp->", forms, tables).real)
-        return np.pi * self.piece.frequency * total
-
-
-def _local_fields(space: QuadSpace, elements, places: np.ndarray, nodal: np.ndarray) -> np.ndarray:
-    """Fields and their derivatives along x and z at reference positions (m, 2) of elements: (3, ..., m, fields).
-
-    ``elements``: one index or an array of them; ``nodal``: their unknowns, (..., functions, fields).
-    """
-    value, by_first, by_second = space.local_values(places)
-    slopes = np.stack([by_first @ nodal, by_second @ nodal], axis=-2)  # (..., m, reference, fields)
-    along = np.moveaxis(space.slopes(elements, places).swapaxes(-1, -2) @ slopes, -2, 0)
-    return np.concatenate([(value @ nodal)[None], along])
-
-
-class _TopEdges:
-    """Upper boundary of a mesh: the highest boundary edge at each x, and the basis functions there."""
-
-    def __init__(self, space: QuadSpace):
-        self.space = space
-        edges, points = space.mesh.boundary, space.mesh.points / space.unit
-        self.numbers = space.edge_numbers(edges)
-        start, stop = points[edges[:, 0]], points[edges[:, 1]]
-        middle = 0.5 * (start + stop)
-        if space.mesh.quads.shape[1] > 4:
-            middles = {}
-            for quad in space.mesh.quads.tolist():
-                for side, (one, other) in enumerate(((0, 1), (1, 2), (2, 3), (0, 3))):
-                    middles[min(quad[one], quad[other]), max(quad[one], quad[other])] = quad[4 + side]
-            middle = points[[middles[min(a, b), max(a, b)] for a, b in edges.tolist()]]
-        # position = start + t * linear + t^2 * quadratic
-        self.start, self.quadratic = start, 2 * (start - 2 * middle + stop)
-        self.linear = stop - start - self.quadratic
-        low, high = np.minimum(start[:, 0], stop[:, 0]), np.maximum(start[:, 0], stop[:, 0])
-        flat = high - low > 1e-9 * np.linalg.norm(stop - start, axis=1)
-        self.low, self.high = np.where(flat, low, np.inf), np.where(flat, high, -np.inf)
-
-    def at(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers (points, order + 1) and values of the functions at the highest boundary point above each x."""
-        numbers, along = np.empty((len(x), self.numbers.shape[1]), dtype=int), np.empty(len(x))
-        room = 1e-9 * (self.high[np.isfinite(self.high)].max() - self.low[np.isfinite(self.low)].min())
-        for index, place in enumerate(x):
-            here = np.flatnonzero((self.low <= place + room) & (self.high >= place - room))
-            if not len(here):
-                raise ValueError("x must lie on the piece: it has no surface there")
-            a, b, c = self.quadratic[here, 0], self.linear[here, 0], self.start[here, 0] - place
-            root = np.sqrt(np.maximum(b**2 - 4 * a * c, 0.0))
-            t = np.clip(-2 * c / (b + np.where(b < 0, -root, root)), 0.0, 1.0)
-            heights = self.start[here, 1] + t * self.linear[here, 1] + t**2 * self.quadratic[here, 1]
-            best = int(np.argmax(heights))
-            numbers[index], along[index] = self.numbers[here[best]], t[best]
-        return numbers, self.space.edge_values(along)
-
-
 def assembled(
     piece: MeshPiece,
     stator: Stator,
@@ -357,7 +227,7 @@ def assembled(
     for name in piece.mesh.solids:
         own = tuple(each for each in names if each != "phi" or solids[name].is_piezoelectric)
         media[name] = medium(solids[name], own, scales=units(stator.solid))
-    unknowns = _Unknowns(piece, stator, space, media, names)
+    unknowns = MeshUnknowns(piece, stator, space, media, names)
     sides = tuple(side for side in ("left", "right") if side in sections)
     numbers, projection = unknowns.numbered({side: sections[side] for side in sides})
     return Assembly(
@@ -372,76 +242,3 @@ def assembled(
         projection=projection,
         grounded=unknowns.grounded,
     )
-
-
-class _Unknowns:
-    """Unknowns on a piece's edges and vertices: fixed at zero, tied to an electrode, on an interface, or free."""
-
-    def __init__(
-        self,
-        piece: MeshPiece,
-        stator: Stator,
-        space: QuadSpace,
-        media: dict[str, Medium],
-        names: tuple[str, ...],
-    ):
-        self.space, self.names = space, names
-        self.held = np.ones((space.skeleton, len(names)), dtype=bool)  # fixed at zero, or in no element
-        for solid, own in media.items():
-            numbers = np.unique(space.numbers[space.mesh.solids == solid][:, : space.rim])
-            self.held[numbers[:, None], [names.index(name) for name in own.fields]] = False
-        lines, self.grounded = space.mesh.lines, False
-        for group, condition in (("bottom", stator.bottom), ("clamped", "clamped"), ("grounded", "grounded")):
-            if group in lines:
-                zero = [("phi" if name == "phi" else "u") in HELD[condition] for name in names]
-                self.held[np.unique(space.edge_numbers(lines[group]))] |= zero
-                self.grounded |= "phi" in names and condition == "grounded"
-        electrodes = [name for name in piece.mesh.electrodes if "phi" in names]
-        connections = [piece.connection(name) for name in electrodes]
-        self.ports = tuple(
-            Port(kind="voltage", name=each) for each in connections if each not in (FLOATING, GROUNDED)
-        )
-        # Number of the electrode that a function is tied to.  The functions inside its edges are zero, because the
-        # potential is constant.
-        self.tied = np.full(self.held.shape, -1)
-        for index, name in enumerate(electrodes):
-            numbers, phi = space.edge_numbers(lines[ELECTRODE + name]), names.index("phi")
-            self.held[np.unique(numbers[:, 2:]), phi] = True
-            if connections[index] == GROUNDED:
-                self.held[np.unique(numbers[:, :2]), phi] = True
-                self.grounded = True
-            else:
-                self.tied[np.unique(numbers[:, :2]), phi] = index
-        self.floating = [k for k, each in enumerate(connections) if each == FLOATING]
-        self.wired = [k for k, each in enumerate(connections) if each not in (FLOATING, GROUNDED)]
-
-    def numbered(self, sections: dict[str, Section]) -> tuple[np.ndarray, np.ndarray]:
-        """``numbers`` and ``projection`` of the `Assembly`.
-
-        Unknowns to be eliminated (free ones and floating electrodes) come first, then the interfaces and the ports.
-        """
-        count, tied = len(self.names), self.tied.ravel()
-        prescribed = self.held | (self.tied >= 0)
-        free = ~prescribed.ravel()
-        interfaces, projections = [], []  # unknowns of an interface, and these from the section's line
-        for side, section in sections.items():
-            by_field = line_projection(
-                self.space,
-                self.space.mesh.lines[side],
-                section,
-                {name: prescribed[:, column] for column, name in enumerate(self.names)},
-            )
-            functions, parts = zip(*(by_field[name] for name in self.names), strict=True)
-            own = np.concatenate([each * count + column for column, each in enumerate(functions)])
-            interfaces.append(own)
-            projections.append(np.concatenate(parts))
-            free[own] = False
-        numbers, total = np.full(free.shape, -1), int(free.sum())
-        numbers[free] = np.arange(total)
-        for electrode in self.floating:
-            numbers[tied == electrode], total = total, total + 1
-        for interface in interfaces:
-            numbers[interface], total = total + np.arange(len(interface)), total + len(interface)
-        for electrode in self.wired:
-            numbers[tied == electrode], total = total, total + 1
-        return numbers, block_diag(*projections, np.eye(len(self.ports)))

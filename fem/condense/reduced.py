@@ -9,14 +9,14 @@ difference is a derivative:
     X_i^T M X_j = (S_i - S_j) / (s_j - s_i),    X_j^T M X_j = -dS/ds (s_j),    X_i^T K X_j = S_i + s_i X_i^T M X_j.
 
 The differences X_j - X_m are fields that vanish on the lines and ports.  Their elimination at any s gives a rational
-function that has the values and derivatives of S at all nodes, and the resonances of the piece with clamped lines.
+function that has the values and derivatives of S at all nodes, and the resonances of the piece with clamped lines.  The
+field in the piece at s is the same combination sum_j X_j w_j of the nodes' fields.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.linalg import eigvals
 
 from fem.condense.mesh import Assembly, MeshedPiece
 from fem.condense.piece import Port, RecoveredField
@@ -54,6 +54,10 @@ class RationalPiece:
         Unknowns of a reduced line.
     stiffness, inertia : ndarray
         K and M over reduced lines and ports, then clamped fields; M in s^2/rad^2.
+    nodes : ndarray, shape (nodes,)
+        Frequencies in Hz at which the piece was condensed.
+    basis : ndarray, shape (nodes, reduced lines and ports, columns of K)
+        The fields of K and M as combinations of the nodes' fields X_j.
     """
 
     assembly: Assembly
@@ -62,29 +66,49 @@ class RationalPiece:
     size: int
     stiffness: np.ndarray = field(repr=False)
     inertia: np.ndarray = field(repr=False)
+    nodes: np.ndarray = field(repr=False)
+    basis: np.ndarray = field(repr=False)
 
     @property
     def resonances(self) -> np.ndarray:
         """Omega^2 of the resonances with lines and ports at zero, as far as the nodes show them, (rad/s)^2, complex."""
+        from scipy.linalg import eigvals  # see `fem.condense.mesh_unknowns`
+
         kept = self.frame.shape[1]
         return eigvals(self.stiffness[kept:, kept:], self.inertia[kept:, kept:])
 
-    def at(self, frequency: float) -> ReducedPiece:
-        """Piece at a frequency in Hz; the first recovery of the field inside condenses the full piece."""
+    def _eliminated(self, frequency: float) -> tuple[np.ndarray, np.ndarray]:
+        """Condensed matrix at a frequency in Hz, and the clamped fields for unit values on lines and ports."""
         system = self.stiffness - (2 * np.pi * frequency) ** 2 * self.inertia
         kept = self.frame.shape[1]
         coupling = system[kept:, :kept]
-        matrix = system[:kept, :kept] - coupling.T @ np.linalg.solve(system[kept:, kept:], coupling)
+        clamped = -np.linalg.solve(system[kept:, kept:], coupling)
+        matrix = system[:kept, :kept] + coupling.T @ clamped
+        return 0.5 * (matrix + matrix.T), clamped
+
+    def weights(self, frequency: float) -> np.ndarray:
+        """Weights w_j of the nodes' fields X_j for unit values on lines and ports, shape (nodes, kept, kept)."""
+        _, clamped = self._eliminated(frequency)
+        return self.basis @ np.concatenate([np.eye(self.frame.shape[1]), clamped])
+
+    def at(
+        self, frequency: float, recover: Callable[[np.ndarray], RecoveredField] | None = None
+    ) -> ReducedPiece:
+        """Piece at a frequency in Hz.
+
+        ``recover`` returns the field inside for given reduced lines and ports; without it, the full piece is condensed
+        for that.
+        """
         low, high = self.assembly.piece.extent
         return ReducedPiece(
             size=self.size,
-            matrix=0.5 * (matrix + matrix.T),
+            matrix=self._eliminated(frequency)[0],
             width=(high - low) / self.assembly.space.unit,
             ports=self.assembly.ports,
             floating_potential=self.assembly.floating_potential,
             grounded=self.assembly.grounded,
             unknowns=self.unknowns,
-            recover=lambda sides: self.assembly.condensed(frequency).recover(self.frame @ sides),
+            recover=recover or (lambda sides: self.assembly.condensed(frequency).recover(self.frame @ sides)),
         )
 
 
@@ -108,15 +132,15 @@ def rational_piece(
     piece: MeshedPiece, frame: np.ndarray, size: int, samples: list[PieceSample]
 ) -> RationalPiece:
     """Interpolate a piece between samples; ``piece`` is the condensed piece at any frequency."""
-    nodes = np.array([(2 * np.pi * each.frequency) ** 2 for each in samples])
-    count, kept = len(nodes), frame.shape[1]
+    squares = np.array([(2 * np.pi * each.frequency) ** 2 for each in samples])
+    count, kept = len(samples), frame.shape[1]
     inertia = np.empty((count, kept, count, kept), dtype=np.result_type(*(each.value for each in samples)))
     stiffness = np.empty_like(inertia)
     for i, one in enumerate(samples):
         for j, other in enumerate(samples):
-            quotient = one.inertia if i == j else (one.value - other.value) / (nodes[j] - nodes[i])
+            quotient = one.inertia if i == j else (one.value - other.value) / (squares[j] - squares[i])
             inertia[i, :, j] = quotient
-            stiffness[i, :, j] = 0.5 * (one.value + other.value + (nodes[i] + nodes[j]) * quotient)
+            stiffness[i, :, j] = 0.5 * (one.value + other.value + (squares[i] + squares[j]) * quotient)
     # New basis: the middle node's fields, and the other nodes' differences from them, which vanish on the lines;
     # linearly dependent differences are dropped.
     middle = count // 2
@@ -136,4 +160,6 @@ def rational_piece(
         size=size,
         stiffness=basis.T @ stiffness.reshape(count * kept, -1) @ basis,
         inertia=basis.T @ flat @ basis,
+        nodes=np.array([each.frequency for each in samples]),
+        basis=basis.reshape(count, kept, -1),
     )

@@ -8,6 +8,7 @@ from fem.materials.solids import Solid
 from fem.mesh.section_mesh import ELECTRODE, SectionMesh
 
 FLOATING, GROUNDED = "floating", "grounded"
+MAX_UNKNOWNS = 2_000_000  # of one piece
 SAME = 1e-6  # of the thickness: lengths nearer than this are equal
 
 
@@ -45,6 +46,12 @@ class MeshPiece:
         """Smallest and largest x on the stator, m."""
         low, high = self.mesh.extent
         return self.position + low, self.position + high
+
+    @property
+    def where(self) -> str:
+        """Its extent in words, for messages."""
+        low, high = self.extent
+        return f"{low * 1e3:.6g} to {high * 1e3:.6g} mm"
 
     @property
     def gaps(self) -> tuple[tuple[float, float], ...]:

@@ -20,7 +20,6 @@ from fem.mesh.section_mesh import ELECTRODE, SectionMesh
 from fem.mesh.shapes import CORNERS, reference_corners, shape_functions
 
 LAYER_RATIO = 0.15  # as in fem.discretize.grading
-NEAR_INTERFACE = 1 / 8  # wavelengths: at 0.12 the admittance errs by 1e-5, at a third by 6e-7
 STRAIGHT = np.deg2rad(0.5)  # a boundary that turns by less is straight
 SQUARE_NODES = np.array(  # of the quadratic map: corners, middles of the edges, centre
     [[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0], [1, 0.5], [0.5, 1], [0, 0.5], [0.5, 0.5]], dtype=float
@@ -319,24 +318,3 @@ def conditions_of(piece: MeshPiece, bottom: str) -> dict[str, str]:
     for name in piece.mesh.lines:
         words.setdefault(name, name)
     return words
-
-
-def corner_warnings(piece: MeshPiece, bottom: str, wavelength: float) -> list[str]:
-    """Warn of singular corners near an interface, whose field the section's line cannot resolve.
-
-    ``wavelength``: of the slowest bulk wave, m.
-    """
-    result = []
-    corners = piece.mesh.points[sorted(singular_vertices(piece.mesh, conditions_of(piece, bottom)))]
-    for side in ("left", "right"):
-        line = piece.mesh.interface(side)
-        if line is None or not len(corners):
-            continue
-        distance = float(abs(corners[:, 0] - line[0]).min())
-        if distance < NEAR_INTERFACE * wavelength:
-            result.append(
-                f'piece "{piece.name}": a corner stands {distance * 1e3:.3g} mm from the interface {side}, nearer '
-                f"than an eighth of a wavelength ({NEAR_INTERFACE * wavelength * 1e3:.3g} mm): its field is cut off "
-                "there, which costs 1e-5 of the answer or more; draw the piece wider"
-            )
-    return result

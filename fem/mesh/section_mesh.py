@@ -22,6 +22,7 @@ ELECTRODE = "electrode:"
 LINES = {"line": 2, "line3": 3}
 SOLIDS = ("tetra", "hexahedron", "wedge", "pyramid")
 FLAT = 1e-9  # of the longest edge squared: an element of a smaller area has none
+FARTHEST = 1e3  # m: no stator is that long, and squares of lengths stay finite
 SAME = 1e-6  # of the height: places nearer than this are one
 
 
@@ -161,6 +162,10 @@ def _read(path: Path, unit: float) -> SectionMesh:
     points = np.asarray(file.points, dtype=float)
     if not np.isfinite(points).all():
         raise MeshError("the file has a coordinate that is no finite number")
+    if (farthest := abs(points).max(initial=0.0) * unit) > FARTHEST:
+        raise MeshError(
+            f"the file has a coordinate of {farthest:.3g} m, at most {FARTHEST:g} m: is its length unit right?"
+        )
     if points.shape[1] > 2 and np.ptp(points[:, 2]) > FLAT * max(np.ptp(points, axis=0).max(), 1e-300):
         raise MeshError("the file's third coordinate is not constant: a section has two, x and z")
     surfaces, lines = _grouped(file)

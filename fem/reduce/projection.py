@@ -8,8 +8,6 @@ from fem.circuit import Drive
 from fem.condense.column import ELECTRODES
 from fem.condense.mesh import MeshedPiece
 from fem.condense.moments import finger_moment
-from fem.condense.piece import Blocks
-from fem.condense.reduced import PieceSample, RationalPiece, rational_piece
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
@@ -19,21 +17,18 @@ from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
 from fem.reduce.basis import WALL_WIDTH, ReducedSection, bases_of, containing, parity_groups, snapshots
 from fem.reduce.model import HalfCell, ReducedModel
+from fem.reduce.piece_band import piece_of_row
 from fem.results.solution import Solution
 from fem.threads import side_by_side
-from fem.waveguide.ends import Wall, end_pieces
+from fem.waveguide.ends import end_pieces
 from fem.waveguide.modes import guided_modes
-from fem.waveguide.network import Scatterer
-from fem.waveguide.port_fields import PortFields
 from fem.waveguide.row import PieceRow
 
+PIECE_SHARE = 0.3  # of the tolerance, for the interpolation of meshed pieces
 AMPLITUDE_SHARE = 1e-2  # smallest relative amplitude that the basis must represent, over the tolerance
 # (Largest relative width of the band, number of nodes): the interpolation then errs by 1e-6.
 NODES = ((0.12, 4), (0.25, 5), (0.5, 7))
 LOOSE = 3e-4  # for this and larger tolerances one node fewer suffices, with an error of 1e-4
-# A meshed piece may resonate in the band.  Its interpolation is compared with interpolations of one node fewer at
-# PIECE_CHECKS frequencies; it may have MAX_PIECE_NODES nodes and err by PIECE_SHARE of the tolerance.
-PIECE_CHECKS, MAX_PIECE_NODES, PIECE_SHARE = 21, 9, 0.3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,7 +142,10 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
         odd = np.array([section.odd[np.argmax(abs(column))] for column in bases[0].T])
     walls = [bases[0].T @ pair @ bases[0] for pair in nodes.walls]
     reduced = ReducedSection(full=section, basis=bases[0], odd=odd)
-    rational = {key: _interpolated(problem, nodes, key, reduced) for key in nodes.pieces}
+    rational = {
+        key: piece_of_row(pieces, reduced, nodes.solutions, problem.limits, PIECE_SHARE * problem.tolerance)
+        for key, pieces in nodes.pieces.items()
+    }
     return ReducedModel(
         stator=problem.stator,
         transducers=problem.transducers,
@@ -167,69 +165,6 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
         pieces={key: piece for key, (piece, _) in rational.items()},
         piece_error=max((error for _, error in rational.values()), default=0.0),
     )
-
-
-def _interpolated(
-    problem: BandProblem, nodes: NodeSolutions, key: tuple, section: ReducedSection
-) -> tuple[RationalPiece, float]:
-    """A meshed piece over the band, and the relative change of the fields on its lines when one node is left out.
-
-    Nodes are added where that change is largest, until it is below the reduction's share of the tolerance.
-    """
-    pieces, basis = nodes.pieces[key], section.basis
-    assembly = pieces[0].assembly
-    n, r, lines = len(basis), basis.shape[1], len(assembly.lines)
-    frame = np.zeros((lines * n + len(assembly.ports), lines * r + len(assembly.ports)))
-    for line in range(lines):
-        frame[line * n : (line + 1) * n, line * r : (line + 1) * r] = basis
-    frame[lines * n :, lines * r :] = np.eye(len(assembly.ports))
-    samples = [PieceSample.of(each, frame) for each in pieces]
-    low, high = problem.limits
-    frequencies = np.linspace(low, high, PIECE_CHECKS)
-    modes = guided_modes(section, (low + high) / 2)
-    between = len(assembly.lines) == 2
-    incoming = [_incident(each.fields, key, basis) for each in nodes.solutions if between]
-
-    def sides(piece: RationalPiece, frequency: float) -> np.ndarray:
-        at = piece.at(frequency)
-        if not between:
-            wall = Wall(matrix=at.matrix, recover=at.recover, floating_potential=at.floating_potential)
-            return wall.sent_back(modes, 0 if "right" in assembly.sides else 1, modes.propagating)
-        own = Scatterer(piece=at, modes=modes, potentials=np.zeros((len(at.ports), 0)))
-        return np.hstack([own.sides(*each) for each in incoming])
-
-    while True:
-        samples.sort(key=lambda each: each.frequency)
-        whole = rational_piece(pieces[0], frame, r, samples)
-        # without the first node, and without the last but one
-        fewer = [
-            rational_piece(pieces[0], frame, r, [*samples[:omitted], *samples[omitted + 1 :]])
-            for omitted in {0, len(samples) - 2}
-        ]
-        changes = []  # at each frequency, of the interpolation that changes less: 0 at every node
-        for frequency in frequencies:
-            reference = sides(whole, frequency)
-            size = np.linalg.norm(reference, axis=0)
-            relative = [np.linalg.norm(sides(each, frequency) - reference, axis=0) / size for each in fewer]
-            changes.append(np.min(np.max(relative, axis=1)))
-        error = float(max(changes))
-        if error <= PIECE_SHARE * problem.tolerance or len(samples) >= MAX_PIECE_NODES:
-            return whole, error
-        pieces.append(assembly.condensed(float(frequencies[int(np.argmax(changes))])))
-        samples.append(PieceSample.of(pieces[-1], frame))
-
-
-def _incident(fields: PortFields, key: tuple, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Incident fields at all positions of a piece, on reduced lines, and potentials of its ports, by excitation."""
-    lines, ports = [], []
-    for index, scatterer in enumerate(fields.network.scatterers):
-        piece = scatterer.piece
-        if isinstance(piece, MeshedPiece) and piece.assembly.key == key:
-            at, volt = Blocks(len(basis)), fields.section.solid.potential_unit
-            incident = volt * fields.incoming[index]
-            lines.append(np.concatenate([basis.T @ incident[at.left], basis.T @ incident[at.right]]))
-            ports.append(volt * fields.sides[index][at.ports])
-    return np.hstack(lines), np.hstack(ports)
 
 
 def _projected_halves(pairs: list[tuple], bases, width: float, both: bool) -> HalfCell:

@@ -17,7 +17,7 @@ from fem.convergence_error import ConvergenceError
 from fem.discretize.error_estimate import LEVELS, first_level
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.input_error import InputError
-from fem.mesh.layout import is_step
+from fem.mesh.placement import is_step
 from fem.reduce.model import ReducedModel
 from fem.reduce.projection import BandProblem, NodeSolutions, project, solve_at_nodes
 from fem.results.driven_answer import SurfaceWave, surface_wave
@@ -33,6 +33,7 @@ from fem.waveguide.port_fields import PortFields, Solve, solve_ports
 FIRST_TRUNCATION, LAST_TRUNCATION, TRUNCATION_STEP = 5e-2, 2e-3, 0.5
 MAX_TRUNCATION = 1e-4  # relative singular value, for loose tolerances
 REDUCTION_SHARE = 0.5  # of the tolerance, for the reduction's error; the rest is the discretisation's
+WHOLE_SHARE = 0.1  # of the tolerance, for the interpolation of a stator of one mesh
 REDUCTION_SAFETY = (
     2.0  # the reduction may err more by this factor elsewhere in the band than where it is checked
 )
@@ -216,11 +217,13 @@ def _unreduced_attempt(problem: BandProblem, level_tolerance: float) -> Band:
             [each if each.resolution == finest else model.port_fields(each.frequency) for each in fields]
         )
     growth = [max(1.0, worst / each / ESTIMATE_EXCESS) for each in here]
-    return Band(
-        model=model,
-        relative_error=max(more * wave.relative_error for more, wave in zip(growth, waves, strict=True)),
-        admittance_error=max(more * wave.admittance_error for more, wave in zip(growth, waves, strict=True)),
-    )
+    error = max(more * wave.relative_error for more, wave in zip(growth, waves, strict=True))
+    admittance_error = max(more * wave.admittance_error for more, wave in zip(growth, waves, strict=True))
+    if stator.placement.whole is not None and error <= problem.tolerance:
+        potentials = waves[0].solution.fields.network.scatterers[0].potentials
+        model, own = model.interpolated(potentials, problem.places, WHOLE_SHARE * problem.tolerance)
+        error, admittance_error = error + own, admittance_error + own
+    return Band(model=model, relative_error=error, admittance_error=admittance_error)
 
 
 def _closed_amplification(nodes: list[PortFields]) -> tuple[list[float], float]:

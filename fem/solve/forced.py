@@ -12,8 +12,9 @@ from fem.circuit import Drive
 from fem.convergence_error import refuse_above
 from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
-from fem.geometry import Stator, Transducer, check_layout
+from fem.geometry import Stator, Transducer
 from fem.input_error import InputError
+from fem.layout import check_layout
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
 from fem.results.solution import Solution, forced_solution

@@ -1,37 +1,73 @@
-"""A band of frequencies without a reduced model: every frequency takes the time of one full solution.
+"""A band of frequencies for stators that the reduced model cannot represent: with a step of thickness, or of one mesh.
 
-For stators with a step of thickness, or of one mesh, which the reduced model cannot represent.  The discretisation is
-the finest that three frequencies of the band need to meet the tolerance.
+The discretisation is the finest that three frequencies of the band need to meet the tolerance.  A stator of one mesh is
+interpolated between a few condensations (`fem.reduce.piece_band`), unless it resonates too often in the band for that;
+then, and behind a step, every frequency takes the time of one full solution.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from fem.circuit import Drive
+from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.geometry import Stator, Transducer
 from fem.input_error import InputError
+from fem.materials.christoffel import slowest_wavelength
+from fem.reduce.piece_band import WholePiece, piece_of_whole_stator
 from fem.results.solution import Solution, driven_solution
-from fem.waveguide.port_fields import PortFields, Solve, solve_ports
+from fem.waveguide.modes import guided_modes
+from fem.waveguide.port_fields import PortFields, Solve, joined_fields, solve_ports
+from fem.waveguide.row import PieceRow
+
+FIRST_NODES = 3  # of the interpolation: both limits and the middle of the band
 
 
 @dataclass(frozen=True, kw_only=True)
 class FullModel:
-    """A stator solved anew at every frequency of a band; it answers as `fem.reduce.model.ReducedModel` does."""
+    """A stator without reduced lines over a band; it answers as `fem.reduce.model.ReducedModel` does."""
 
     stator: Stator
     transducers: tuple[Transducer, ...]  # from left to right
     limits: tuple[float, float]  # lowest and highest frequency in Hz
     resolution: Resolution
+    # the mesh that is the whole stator, and its interpolation; None where every frequency is solved anew
+    interpolation: tuple[PieceRow, WholePiece] | None = field(default=None, repr=False)
 
     def port_fields(self, frequency: float, solve: Solve | None = None) -> PortFields:
         """Solve for unit voltage at every port at a frequency of the band (Hz); ``solve``: as of `joined_fields`."""
         low, high = self.limits
         if not low <= frequency <= high:
             raise InputError("frequency", f"must lie in the band, {low:g} to {high:g} Hz", frequency, "Hz")
-        return solve_ports(
-            self.stator, self.transducers, frequency=frequency, resolution=self.resolution, solve=solve
+        stator, transducers, resolution = self.stator, self.transducers, self.resolution
+        if self.interpolation is None:
+            return solve_ports(stator, transducers, frequency=frequency, resolution=resolution, solve=solve)
+        row, piece = self.interpolation
+        modes = guided_modes(row.section, frequency)
+        pieces = row.arranged(dict.fromkeys(row.assemblies, piece.at(frequency)), modes)
+        return joined_fields(
+            stator, transducers, [], modes=modes, resolution=resolution, pieces=pieces, solve=solve
         )
 
     def solution(self, frequency: float, drive: str | Drive) -> Solution:
         """Solve for a drive at a frequency of the band (Hz)."""
         return driven_solution(self.port_fields(frequency), drive)
+
+    def interpolated(
+        self, potentials: np.ndarray, places: np.ndarray, tolerance: float
+    ) -> tuple["FullModel", float]:
+        """Return the model of a stator of one mesh with its interpolation, and the relative error of that.
+
+        ``potentials``: of the mesh's ports, (ports, columns), and ``places`` (m): where the error is checked.  The
+        model itself is returned, without an error, if the stator resonates too often in the band.
+        """
+        unit = slowest_wavelength(self.stator.solid, self.limits[1])
+        section = discretise(self.stator, self.resolution, wavelength=unit, surface_scale=np.inf)
+        row = PieceRow(self.stator, section, self.resolution, self.limits[1])
+        (assembly,) = row.assemblies.values()
+        nodes = [assembly.condensed(float(frequency)) for frequency in np.linspace(*self.limits, FIRST_NODES)]
+        piece, error = piece_of_whole_stator(nodes, potentials, places / unit, self.limits, tolerance)
+        if error > tolerance:
+            return self, 0.0
+        return replace(self, interpolation=(row, piece)), error

@@ -19,7 +19,7 @@ from fem.discretize.grading import Resolution
 from fem.geometry import Stator
 from fem.input_error import InputError
 from fem.materials.christoffel import slowest_wavelength
-from fem.mesh.layout import is_step
+from fem.mesh.placement import is_step
 from fem.solve.p_matrix import PMatrix, of_segments, waves_of
 from fem.threads import one_blas_thread
 from fem.waveguide.ends import Wall

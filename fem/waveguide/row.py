@@ -13,8 +13,8 @@ from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.geometry import Stator
-from fem.mesh.layout import is_step
 from fem.mesh.piece import MeshPiece
+from fem.mesh.placement import is_step
 from fem.waveguide.ends import Beyond, End, Wall
 from fem.waveguide.modes import GuidedModes, guided_modes
 

@@ -7,9 +7,9 @@ import numpy as np
 import fem
 from studies.chain import resolve
 from studies.chain.scan_prediction import along_places, over_frequency, placed
-from studies.lab.trace import aligned, travelled_distance
+from studies.lab.encoder import aligned, travelled_distance
+from studies.lab.measurement import Measurement
 from studies.record import Record
-from studies.record.measured import Measurement
 from studies.record.scan_comparison import compared_scan
 from studies.refusal import SceneError
 from studies.scene import Scene

@@ -134,11 +134,9 @@ def _aperture(record: Record) -> Rows:
         yield from _crossed(record, places)
         return
     beam, at = motion.beam, tuple(zip(*places, strict=True))
-    as_modelled, other_faces = (
-        beam.with_side_faces(each).motion(*at)[2]
-        for each in (beam.mirror_width, None if block.mirror_width else block.width)
-    )
-    ratios = abs(other_faces / as_modelled)
+    same, other = map(beam.with_side_faces, (beam.mirror_width, None if block.mirror_width else block.width))
+    as_modelled = motion.at(places) if same is beam else same.motion(*at)
+    ratios = abs(other.motion(*at)[2] / as_modelled[2])
     worst = max((float(each) - 1 for each in ratios), key=abs)
     how = "the beam between side faces that reflect it as mirrors against none, or the other way round"
     yield "side faces", "u_z", worst, how
@@ -185,7 +183,7 @@ def _finger_ends(record: Record) -> Rows:
         yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
         return
     at = tuple(zip(*places, strict=True))
-    charge_error = beam.charge_error(*at)
+    charge_error = beam.charge_error(*at, motion.at(places)[2])
     if charge_error is not None:
         yield effect, "u_z", float(charge_error.max()), "the charge in fewer steps along the fingers"
         return

@@ -411,7 +411,7 @@ def refuse_covered(scene: Scene) -> None:
     for place in () if scene.slider is None else scene.slider.places:
         for each, block in zip(row, scene.transducer, strict=True):
             if block.turned and fem.covers(each, place):
-                where = f"({place[0]:g}, {place[1]:g}) m"
+                where = f"({place[0] * 1e3:g}, {place[1] * 1e3:g}) mm"
                 raise SceneError(
                     "slider.position", f"must keep the contacts off {each.name!r}, got one at {where}"
                 )

@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def call(arguments: argparse.Namespace) -> int:
     """Compute a motor's datasheet; print its table and leave its page and numbers."""
     from studies.report.datasheet import datasheet as computed
-    from studies.report.datasheet_page import page, table
+    from studies.report.datasheet_page import page
     from studies.results.content import write_json
 
     tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
@@ -31,6 +31,6 @@ def call(arguments: argparse.Namespace) -> int:
             result.commit()
             with committed_pictures(result):
                 (result.folder / "datasheet.html").write_text(page(sheet), encoding="utf-8")
-    print_answer(arguments, sheet.to_dict(), f"{table(sheet)}\nresults  {out}")
+    print_answer(arguments, sheet.to_dict(), f"{sheet}\nresults  {out}")
     warn(sheet.record.warnings)
     return 0

@@ -51,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def call(arguments: argparse.Namespace) -> int:
     """Search for the best motor within ranges; print it and leave its scene beside all evaluations."""
-    from studies.inverse.design_report import design_answer, draw_design, write_design
+    from studies.inverse.design_report import draw_design, write_design
     from studies.inverse.goals import read_constraint, read_variable
     from studies.inverse.optimum import Options
     from studies.inverse.optimum import design as search
@@ -75,5 +75,5 @@ def call(arguments: argparse.Namespace) -> int:
         )
         write_design(optimum, out)
         draw_design(optimum, out / "design.png")
-    print_answer(arguments, optimum.to_dict(), f"{design_answer(optimum, variables)}\n{'results':<16}{out}")
+    print_answer(arguments, optimum.to_dict(), f"{optimum}\n{'results':<16}{out}")
     return 0

@@ -2,6 +2,7 @@
 
 import argparse
 import re
+from contextlib import nullcontext
 from pathlib import Path
 
 from studies.command.options import add_shared
@@ -68,24 +69,24 @@ def call(arguments: argparse.Namespace) -> int:
     source, name = arguments.scene, Path(arguments.scene).stem
     arguments.scene = scene_of(source)
     tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
-    alone = arguments.out is not None and names_file(Path(arguments.out), arguments, scene)
-    with Progress() as progress:
+    out = Path(arguments.out or Path("results") / f"{name}-export-{arguments.format}")
+    origin, named = Origin(kind="export", name=f"{arguments.format} of {name}"), arguments.out is not None
+    alone = named and names_file(out, arguments, scene)
+    place = nullcontext() if alone else result_directory(out, origin, named_by_user=named)
+    with place as result, Progress() as progress:
         done = exported(arguments, scene, name, tolerance=tolerance, progress=progress)
-        out = Path(arguments.out or Path("results") / f"{name}-export-{arguments.format}")
-        if alone:
+        if result is None:
             done.write_alone(out)
         else:
-            origin = Origin(kind="export", name=f"{arguments.format} of {name}")
-            with result_directory(out, origin, named_by_user=arguments.out is not None) as result:
-                done.write(result.folder)
-                result.commit()
-                if done.pictures and not arguments.no_plot:
-                    from studies.record.plots import saved
+            done.write(result.folder)
+            result.commit()
+            if done.pictures and not arguments.no_plot:
+                from studies.record.plots import saved
 
-                    with committed_pictures(result):
-                        for file, draw in done.pictures.items():
-                            saved(result.folder / file, draw)
-            say(result.notes)
+                with committed_pictures(result):
+                    for file, draw in done.pictures.items():
+                        saved(result.folder / file, draw)
+    say([] if result is None else result.notes)
     print("\n".join([*labelled(done.answer, 16), f"{'results':<16}{out}"]))
     say(done.remarks)
     return 0
@@ -125,6 +126,8 @@ def names_file(out: Path, arguments: argparse.Namespace, scene: Scene) -> bool:
         )
     if out.exists():
         raise SceneError("--out", f"{str(out)!r} exists already, and is not replaced")
+    if not out.absolute().parent.is_dir():
+        raise SceneError("--out", f"cannot write {str(out)!r}: No such file or directory")
     return True
 
 

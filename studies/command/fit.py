@@ -40,7 +40,7 @@ def call(arguments: argparse.Namespace) -> int:
     from fem import blas_on_one_thread
     from studies.inverse import fit as fitted
     from studies.inverse import read_measurement, read_parameter
-    from studies.inverse.fit_report import draw_fit, fit_answer, write_fit
+    from studies.inverse.fit_report import draw_fit, write_fit
 
     tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
     measurements = [read_measurement(file, tuple(settings)) for file, *settings in arguments.data]
@@ -53,5 +53,5 @@ def call(arguments: argparse.Namespace) -> int:
             if not (arguments.no_plot or arguments.json):
                 with committed_pictures(result):
                     draw_fit(result_of_fit, result.folder / "fit.png")
-    print_answer(arguments, result_of_fit.to_dict(), f"{fit_answer(result_of_fit)}\n{'results':<16}{out}")
+    print_answer(arguments, result_of_fit.to_dict(), f"{result_of_fit}\n{'results':<16}{out}")
     return 0

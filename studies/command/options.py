@@ -17,7 +17,7 @@ OPTIONS: dict[str, dict] = {
         "metavar": "KEY=VALUES",
         "help": 'an axis: START:STOP:N, START:STOP:N:log or a list, e.g. slider.preload="1 mN:100 mN:50"',
     },
-    "--tolerance": {"metavar": "T", "help": "bound of the relative error of the slider velocity (1e-3)"},
+    "--tolerance": {"metavar": "T", "help": "bound of the relative error of the last quantity (1e-3)"},
     "--workers": {
         "type": int,
         "default": 1,

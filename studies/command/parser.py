@@ -1,6 +1,7 @@
 """The command line: one module of this package for each command, with its arguments and what it does."""
 
 import argparse
+from contextlib import nullcontext
 from importlib import import_module
 
 from studies.refusal import SceneError
@@ -11,6 +12,38 @@ EXIT_CODES = (
     "Exit codes: 0 an answer within its tolerance; 1 one that misses it, or is refused for its model error; 2 bad "
     "input; 3 no answer; 70 a defect of sawmotor; 130 interrupted."
 )
+
+
+# options by the arguments of `studies.design`, `studies.fit` and `studies.sweep` that they give
+OPTIONS = {
+    "goals": "--maximise", "variables": "--over", "constraints": "--subject", "measurements": "--data",
+    "parameters": "--free", "also": "--also", "evaluations": "--evaluations", "out": "--out", "over": "--over",
+    "points": "--points", "scheduler": "--scheduler", "workers": "--workers",
+}  # fmt: skip
+
+
+def with_options(error: SceneError) -> SceneError:
+    """Return an error about an argument of a Python function as one about the option that gives it.
+
+    Examples
+    --------
+    >>> print(with_options(SceneError("variables slider.mass", "is given twice")))
+    --over slider.mass is given twice
+    """
+    if len(error.problems) > 1:
+        return SceneError.together(map(with_options, error.problems))
+    word, space, rest = error.path.partition(" ")
+    return SceneError(OPTIONS.get(word, word) + space + rest, error.rule, error.place)
+
+
+def refused(error: SceneError, arguments: argparse.Namespace) -> SceneError:
+    """Return an error of a call with the options, the file and the line that it is about."""
+    file = getattr(arguments, "scene_file", None)
+    try:
+        with nullcontext() if file is None else file.located():
+            raise with_options(error)
+    except SceneError as located:
+        return located
 
 
 class Call(argparse.ArgumentParser):

@@ -18,10 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "scene", nargs="?", default="twente", metavar="SCENE", help="a path or a shipped name (twente)"
     )
-    add_shared(parser, "--voltage", "--set")
-    parser.add_argument(
-        "--tolerance", metavar="T", help="bound of the relative error of the last quantity (1e-3)"
-    )
+    add_shared(parser, "--voltage", "--set", "--tolerance")
     parser.add_argument("--out", metavar="DIR", help="where the results go (results/NAME)")
     parser.add_argument(
         "--json", action="store_true", help="run.json on stdout; no pictures, files only with --out"
@@ -63,7 +60,8 @@ def call(arguments: argparse.Namespace) -> int:
     tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
     measured = None
     if arguments.measured is not None:
-        from studies.record.measured import compared, read_measured, refuse_incomparable
+        from studies.lab.measurement_csv import read_measured
+        from studies.record.velocity_comparison import compared, refuse_incomparable
 
         measured = read_measured(arguments.measured)
         refuse_incomparable(scene, measured)

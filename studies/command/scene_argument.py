@@ -27,6 +27,8 @@ def changed_file(arguments: argparse.Namespace) -> SceneFile:
         file = file.replaced("drive.voltage", values if len(values) > 1 else values[0])
     if arguments.call in ("sweep", "fit", "design"):
         without_bands(file.table)
+    else:
+        arguments.scene_file = file  # so that a refusal during the run names file and line too
     return file
 
 

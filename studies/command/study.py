@@ -5,7 +5,7 @@ from pathlib import Path
 
 from studies.command.options import add_shared
 from studies.command.output import committed_pictures, origin_of, say
-from studies.command.scene_argument import without_bands
+from studies.command.scene_argument import read_tolerance, without_bands
 from studies.progress import Progress
 from studies.results import Origin, result_directory
 from studies.scene import read_table
@@ -41,6 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="KEY=VALUE",
         help='positioning: sensor, period, preload, load and gains, e.g. resolution="1 nm"; once for each',
     )
+    add_shared(parser, "--tolerance")
     parser.add_argument(
         "--quick", action="store_true", help="a small version of it, to see what it gives: no evidence"
     )
@@ -57,6 +58,8 @@ def call(arguments: argparse.Namespace) -> int:
         print("\n".join(labelled([(name, question(name)) for name in STUDIES], 2 + max(map(len, STUDIES)))))
         return 0
     module(arguments.name)
+    if arguments.tolerance is not None:
+        arguments.tolerance = read_tolerance(arguments.tolerance)
     origin = Origin(kind="study", name=arguments.name)
     out = arguments.out or Path("results") / f"{arguments.name}-study"
     if arguments.scene is not None:
@@ -79,7 +82,7 @@ def call(arguments: argparse.Namespace) -> int:
             over=read_axes(arguments.over),
             options={
                 name: value
-                for name in ("band", "z0", "measured", "target", "controller", "loop")
+                for name in ("band", "z0", "measured", "target", "controller", "loop", "tolerance")
                 if (value := getattr(arguments, name)) is not None
             },
             quick=arguments.quick,

@@ -22,10 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="beside the velocity: limits (threshold, release), thrust (blocked), efficiency, pressure, step (cycle), "
         "start-up (time to 63 %% of the velocity)",
     )
-    parser.add_argument(
-        "--tolerance", metavar="T", help="bound of the relative error of the last quantity (1e-3)"
-    )
-    add_shared(parser, "--workers")
+    add_shared(parser, "--tolerance", "--workers")
     parser.add_argument(
         "--scheduler", metavar="ADDRESS", help="of a Dask scheduler, e.g. tcp://127.0.0.1:8786"
     )

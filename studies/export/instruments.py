@@ -14,8 +14,8 @@ from studies.chain import passband, resolve
 from studies.chain.scan_prediction import placed, predicted_scan
 from studies.chain.scattering import band_frequencies, reference_impedance, scattering_matrix
 from studies.export.exported import Exported
+from studies.lab.encoder import averaged, low_pass, travelled_distance
 from studies.lab.scan import Scan, scan_csv, scan_uff
-from studies.lab.trace import averaged, low_pass, travelled_distance
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.override import toml_value

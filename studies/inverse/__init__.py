@@ -8,6 +8,6 @@ from studies.inverse.fitting import fit
 from studies.inverse.parameters import Parameter, read_measurement, read_parameter
 from studies.inverse.residual import Residual
 from studies.inverse.result import Fit
-from studies.record.measured import Measurement
+from studies.lab.measurement import Measurement
 
 __all__ = ["Fit", "Measurement", "Parameter", "Residual", "fit", "read_measurement", "read_parameter"]

@@ -1,17 +1,22 @@
 """What a design search leaves: its answer as text, design.json, the scene at the optimum, a picture."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from studies.inverse.optimum import GOALS, Design
-from studies.inverse.parameters import Parameter
+from studies.inverse.goals import GOALS
 from studies.record.plots import COLOURS, finished, saved
 from studies.record.quantities import quantity
 from studies.record.text import labelled, table
+from studies.report.intermediate import si
 from studies.results.content import write_json
+from studies.scene.keys import rule_at, unit_of
 from studies.scene.toml import document
 
+if TYPE_CHECKING:
+    from studies.inverse.optimum import Design
 
-def write_design(design: Design, folder: Path) -> None:
+
+def write_design(design: "Design", folder: Path) -> None:
     """Write design.json, optimum.toml and design.png into a directory."""
     folder.mkdir(parents=True, exist_ok=True)
     write_json(folder / "design.json", design.to_dict())
@@ -19,7 +24,7 @@ def write_design(design: Design, folder: Path) -> None:
     (folder / "optimum.toml").write_text(document(design.table, remarks=(remark,)), encoding="utf-8")
 
 
-def draw_design(design: Design, path: Path) -> None:
+def draw_design(design: "Design", path: Path) -> None:
     """Draw the goal against the evaluations, or the front of two goals, into a PNG file."""
     columns = [
         next(name for name in GOALS[goal][0] if design.optimum.get(name) is not None) for goal in design.goals
@@ -45,20 +50,13 @@ def draw_design(design: Design, path: Path) -> None:
     saved(path, drawn)
 
 
-def design_answer(design: Design, variables: list[Parameter]) -> str:
+def design_answer(design: "Design") -> str:
     """Return what a search prints."""
     rows = [["variable", "best", "5 % off leaves", "constraints"]]
-    for each in variables:
-        robust = design.robustness[each.key]
+    for key, robust in design.robustness.items():
         kept = "kept" if robust["keeps_constraints"] else "broken"
-        rows.append(
-            [
-                each.key,
-                f"{design.optimum[each.key]:.5g}",
-                f"{100 * robust['least_share_of_goal']:.4g} %",
-                kept,
-            ]
-        )
+        best = si(design.optimum[key], unit_of(rule_at(key)) or "").rstrip()
+        rows.append([key, best, f"{100 * robust['least_share_of_goal']:.4g} %", kept])
     notes: list[tuple[str, str | list[str]]] = [("at the best", [
         f"{name} {value:.5g}" for name, value in design.optimum.items()
         if isinstance(value, float) and "." not in name and name != "relative_error"

@@ -95,7 +95,7 @@ class Evaluations:
             if tuple(evaluation[key] for key in self.question.keys) != expected:
                 raise RunError(
                     f"point {evaluation['point']} of the store is another one than this search asks for: "
-                    "name another --out"
+                    "name another directory"
                 )
             self.rows.append(evaluation)
 

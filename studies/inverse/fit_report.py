@@ -3,17 +3,30 @@
 import math
 from itertools import combinations
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from studies.inverse.result import Fit
-from studies.record.measured import QUANTITIES, Measurement
+from studies.lab.measurement import Measurement
 from studies.record.plots import COLOURS, finished, new_figure
 from studies.record.quantities import quantity
 from studies.record.text import labelled, table
+from studies.report.intermediate import scaled_unit, si
 from studies.results.content import write_json
 from studies.scene.toml import document
 
+if TYPE_CHECKING:
+    from studies.inverse.result import Fit
+
+QUANTITIES = {
+    "velocity": quantity("velocity_m_per_s"),
+    "burst": quantity("velocity_m_per_s"),
+    "amplitude": quantity("normal_amplitude_m"),
+    "ring-down frequency": quantity("ring_down_frequency_Hz"),
+    "position": quantity("travelled_m"),
+    "scan": quantity("surface_motion_m_per_V"),
+    "network": quantity("scattering"),
+}  # that are measured
 SHOWN_CANDIDATES = 6
 INFORMED = 2.0  # times narrower than its range, from which a measurement tells something of a number
 DOUBTFUL = 0.01  # probability of the sum of squares below which the model does not explain the data
@@ -21,22 +34,25 @@ DOUBTFUL = 0.01  # probability of the sum of squares below which the model does 
 MANY = 100  # points from which on they are drawn smaller
 
 
-def fit_answer(fit: Fit) -> str:
+def fit_answer(fit: "Fit") -> str:
     """Return what a fit prints."""
-    rows = [["parameter", "value", "95 % from", "to"]]
-    for key, value in fit.values.items():
-        ends = fit.intervals[key]
-        width = abs(ends[1] - ends[0]) if None not in ends else abs(value)
-        digits = (
-            4 + max(0, math.ceil(-math.log10(max(width / (abs(value) or 1.0), 1e-12)))) - 1
-        )  # shows the interval
-        digits = max(digits, 4)
-        texts = ("open" if end is None else f"{end:.{digits}g}" for end in ends)
-        rows.append([key, f"{value:.{digits + 1}g}", *texts])
+    rows = [["parameter", "value", "95 % from", "to", "unit"]]
+    for each in fit.problem.parameters:
+        value, ends = fit.values[each.key], fit.intervals[each.key]
+        factor, unit = scaled_unit(value, each.unit)
+        low, high = ends
+        width = abs(value) if low is None or high is None else high - low
+        digits = max(
+            4, 3 + math.ceil(-math.log10(max(width / (abs(value) or 1.0), 1e-12)))
+        )  # show the interval
+        texts = ("open" if end is None else f"{end * factor:.{digits}g}" for end in ends)
+        rows.append([each.key, f"{value * factor:.{digits + 1}g}", *texts, unit])
     notes = [("goodness of fit", _goodness(fit))]
     notes += [("undetermined", each.sentence) for each in fit.directions]
     for rival in fit.rivals:
-        at = ", ".join(f"{key} = {value:.4g}" for key, value in rival.items())
+        at = ", ".join(
+            f"{each.key} = {si(rival[each.key], each.unit, 4)}".rstrip() for each in fit.problem.parameters
+        )
         notes.append(("also possible", f"{at}: another minimum that these data do not rule out"))
     for key, both in fit.ends.items():
         notes += [("open", f"{key} {way}: {end.because}") for way, end in zip(("below", "above"), both, strict=True)
@@ -48,14 +64,14 @@ def fit_answer(fit: Fit) -> str:
         for name, gains in fit.informs:
             known = [f"{key} ({gain:.3g} times narrower)" for key, gain in gains.items() if gain > INFORMED]
             notes.append(("informs", f"{name}: {', '.join(known) or 'none of the numbers'}"))
-    for each in fit.candidates[:SHOWN_CANDIDATES]:
-        gain = f"{each.key} from {100 * each.before:.3g} % to {100 * each.after:.3g} %"
-        notes.append(("measure next", f"{each.name}: {gain}"))
+    for candidate in fit.candidates[:SHOWN_CANDIDATES]:
+        gain = f"{candidate.key} from {100 * candidate.before:.3g} % to {100 * candidate.after:.3g} %"
+        notes.append(("measure next", f"{candidate.name}: {gain}"))
     title = fit.problem.predictor.table.get("title", "") or "no title"
     return "\n".join([title, "", *table(rows), "", *labelled(notes)])
 
 
-def _goodness(fit: Fit) -> str:
+def _goodness(fit: "Fit") -> str:
     if fit.deviation is not None:
         measured = QUANTITIES[fit.problem.measurements[0].quantity]
         return (
@@ -69,13 +85,13 @@ def _goodness(fit: Fit) -> str:
     return f"{text}, probability {fit.probability:.2g}{doubt}"
 
 
-def write_fit(fit: Fit, folder: Path) -> None:
+def write_fit(fit: "Fit", folder: Path) -> None:
     """Write fit.json and fitted.toml, the scene with the estimates, which runs."""
     write_json(folder / "fit.json", fit.to_dict())
     (folder / "fitted.toml").write_text(fitted_scene(fit), encoding="utf-8")
 
 
-def fitted_scene(fit: Fit) -> str:
+def fitted_scene(fit: "Fit") -> str:
     """Return the fitted scene as TOML, with an interval or a reason beside each fitted number."""
     names = ", ".join(each.name for each in fit.problem.measurements)
     remarks, beside = [f"fitted to {names}; intervals of 95 % by profile likelihood, SI units"], {}
@@ -92,20 +108,20 @@ def fitted_scene(fit: Fit) -> str:
     return document(fit.scene().to_table(), remarks=tuple(remarks), beside=beside)
 
 
-def draw_fit(fit: Fit, path: Path) -> None:
+def draw_fit(fit: "Fit", path: Path) -> None:
     """Draw each measurement with the fitted curve, its band and its residuals into a PNG file."""
     problem, count = fit.problem, len(fit.problem.measurements)
     figure, axes = new_figure(
         6.4 * count, 6.0, rows=2, columns=count, squeeze=False, height_ratios=(2.5, 1.0), sharex="col"
     )
     ends = np.cumsum([len(each.values) for each in problem.measurements])
-    residuals = np.split(problem.residuals([fit.best])[0], ends)  # those of systematic errors come last
+    residuals = np.split(problem.residuals([fit.inner])[0], ends)  # those of systematic errors come last
     for k, measurement in enumerate(problem.measurements):
         _draw(fit, measurement, residuals[k], axes[0, k], axes[1, k])
     figure.savefig(path, dpi=150)
 
 
-def _draw(fit: Fit, measurement: Measurement, residuals, upper, lower) -> None:
+def _draw(fit: "Fit", measurement: Measurement, residuals, upper, lower) -> None:
     """Draw one measurement with band and curve into Axes, its residuals into others below."""
     at, along = measurement.levels, quantity(measurement.level_key or "normal_amplitude_m")
     data = measurement.network or measurement.scan

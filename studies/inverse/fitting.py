@@ -29,7 +29,7 @@ from studies.inverse.parameters import (
 from studies.inverse.prediction import MeasurementPredictor
 from studies.inverse.profile import BetterMinimumError, End, allowed_excess, profile
 from studies.inverse.result import Fit
-from studies.record.measured import FIELD, Measurement
+from studies.lab.measurement import FIELD, Measurement
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 
@@ -82,24 +82,22 @@ def fit(
     >>> ratio.vary, 0.69 < ratio.value < 0.71, 0 < ratio.stderr < 0.01
     (True, True, True)
     """
-    report = progress or LOGGER.info
     problem, fixed, estimated = prepared(
-        scene, measurements, parameters, tolerance=tolerance, progress=report
+        scene, measurements, parameters, tolerance=tolerance, progress=progress or LOGGER.info
     )
     free = problem.parameters
     problem = replace(problem, measurements=_signed(problem))
     degrees = problem.points - len(free)
     if degrees < (1 if estimated else 0):
-        raise SceneError("--free", f"asks for {len(free)} numbers from {problem.points} measured values")
-    report("fit: least squares")
+        raise SceneError("parameters", f"asks for {len(free)} numbers from {problem.points} measured values")
     minima = problem.minima()
     for _ in range(4):
         try:
-            return replace(_explored(problem, minima, degrees, estimated, report), fixed=fixed)
+            return replace(_explored(problem, minima, degrees, estimated), fixed=fixed)
         except BetterMinimumError as minimum:
             minima = [problem.minimum(minimum.x), *minima]
     raise RunError(
-        "the fit has several minima, none of which is clearly the lowest: narrow the ranges of --free"
+        "the fit has several minima, none of which is clearly the lowest: narrow the ranges of the parameters"
     )
 
 
@@ -118,7 +116,7 @@ def prepared(
     fixed = tuple(each for each in wanted if not each.vary)
     for each in fixed:
         if each.value is None:
-            raise SceneError(f"--free {each.key}", "is held, and needs a value")
+            raise SceneError(f"parameters {each.key}", "is held, and needs a value")
     held = {each.key: each.value for each in fixed}
     curves = [replace(each, settings=held | each.settings) for each in curves]
     free = tuple(each for each in wanted if each.vary)
@@ -127,7 +125,7 @@ def prepared(
     return Problem(predictor=predictor, parameters=free, measurements=tuple(curves)), fixed, estimated
 
 
-def _explored(problem: Any, minima: Any, degrees: Any, estimated: Any, report: Any) -> Fit:
+def _explored(problem: Any, minima: Any, degrees: Any, estimated: Any) -> Fit:
     """Return the fit about its least minimum: directions, profiles, next measurements."""
     if estimated:
         scale = math.sqrt(minima[0][1] / degrees) or 1e-9
@@ -146,7 +144,7 @@ def _explored(problem: Any, minima: Any, degrees: Any, estimated: Any, report: A
     rivals = [(x, squares) for x, squares in others if squares - least < allowed]
     ends: dict[str, tuple[End | None, End | None]] = {}
     for j, parameter in enumerate(problem.parameters):
-        report(f"fit: interval of {parameter.key}")
+        problem.predictor.begin(f"fit: interval of {parameter.key}")
         step = FIRST_STEP * math.sqrt(covariance[j, j])
         if parameter.key in lost:
             ends[parameter.key] = (None, None)
@@ -157,11 +155,11 @@ def _explored(problem: Any, minima: Any, degrees: Any, estimated: Any, report: A
             _outermost(*tried, 1.0, step, allowed),
         )
     directions += _open_directions(problem, best, ends, lost)
-    report("fit: next measurements")
+    problem.predictor.begin("fit: next measurements")
     informs = _informed(problem, slopes, information)
     sizes, count = np.sqrt(np.diag(covariance)), len(problem.parameters)
     return Fit(
-        problem=problem, best=best, chi2=least, degrees_of_freedom=degrees, ends=ends,
+        problem=problem, inner=best, chi2=least, degrees_of_freedom=degrees, ends=ends,
         deviation=problem.measurements[0].deviations[0] if estimated else None,
         directions=tuple(directions), correlation=(covariance / np.outer(sizes, sizes))[:count, :count],
         rivals=tuple(problem.numbers(x) for x, _ in rivals), covariance=covariance,
@@ -224,26 +222,28 @@ def _open_directions(problem: Any, best: Any, ends: Any, lost: Any) -> list[Dire
 
 def _refuse(predictor: MeasurementPredictor, measurements: Any, parameters: Any) -> None:
     if not measurements:
-        raise SceneError("--data", "is required: a CSV file of measured points")
+        raise SceneError("measurements", "is required: a CSV file of measured points")
     for each in measurements:
         if each.quantity not in FIELD and not predictor.slider:
             raise SceneError(
-                f"--data {each.name}", "needs a scene with a [slider]: without one there is no velocity"
+                f"measurements {each.name}", "needs a scene with a [slider]: without one there is no velocity"
             )
         if each.network is not None and not predictor.given_wave:
-            refuse_other_range(predictor.scene({}), each.network, "--data")
+            refuse_other_range(predictor.scene({}), each.network, "measurements")
         if each.scan is not None:
-            placed(predictor.scene({}), each.scan, "--data")
+            placed(predictor.scene({}), each.scan, "measurements")
     if not parameters:
-        raise SceneError("--free", "is required: KEY=LOW:HIGH")
+        raise SceneError("parameters", "is required: KEY=LOW:HIGH")
     keys = [parameter.key for parameter in parameters]
     for key in keys:
         if keys.count(key) > 1:
-            raise SceneError(f"--free {key}", "is given twice")
+            raise SceneError(f"parameters {key}", "is given twice")
         if key == AMPLITUDE_FACTOR and predictor.given_wave:
-            raise SceneError(f"--free {key}", "needs a stator; with a given [wave] free amplitude_per_volt")
+            raise SceneError(
+                f"parameters {key}", "needs a stator; with a given [wave] free amplitude_per_volt"
+            )
         if key == AMPLITUDE_PER_VOLT and not predictor.given_wave:
-            raise SceneError(f"--free {key}", "needs a given [wave]; with a stator free amplitude_factor")
+            raise SceneError(f"parameters {key}", "needs a given [wave]; with a stator free amplitude_factor")
         if "." in key:  # an end of the range that the scene refuses is refused by name
             parameter = parameters[keys.index(key)]
             for end in (parameter.low, parameter.high):
@@ -257,11 +257,11 @@ def _weighted(measurements: Any) -> tuple[list[Measurement], bool]:
         return list(measurements), False
     if any(known) or len({each.quantity for each in measurements}) > 1:
         raise SceneError(
-            "--data", "must state standard deviations in every file, or in none and all of one quantity"
+            "measurements", "must state standard deviations in every file, or in none and all of one quantity"
         )
     size = float(np.sqrt(np.mean(np.square(np.concatenate([each.values for each in measurements])))))
     if size == 0.0:
-        raise SceneError("--data", "holds nothing but zeros, and no standard deviations")
+        raise SceneError("measurements", "holds nothing but zeros, and no standard deviations")
     alike = [replace(each, deviations=(1.0,) * len(each.values)) for each in measurements]
     return [each.scattered(0.01 * size) for each in alike], True
 

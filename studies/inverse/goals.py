@@ -50,7 +50,7 @@ class Constraint:
 
 def read_variable(text: str) -> Parameter:
     """Read ``KEY=LOW:HIGH`` of a number or a count of the scene."""
-    return read_parameter(text, "--over", design=True)
+    return read_parameter(text, "variables", design=True)
 
 
 def read_constraint(text: str) -> Constraint:
@@ -63,21 +63,23 @@ def read_constraint(text: str) -> Constraint:
     """
     match = re.fullmatch(r"\s*([\w.]+)\s*(<=|>=)\s*(.+?)\s*", text)
     if match is None:
-        raise SceneError("--subject", f"must be NAME <= VALUE or NAME >= VALUE, got {shown(text)}")
+        raise SceneError("constraints", f"must be NAME <= VALUE or NAME >= VALUE, got {shown(text)}")
     name, sign, value = match.groups()
     bound: float | str | tuple
     if name in BOUNDED:
         column, also = BOUNDED[name]
         unit = quantity(column).unit.removeprefix("1")
-        bound = float(value) if is_number(value) else si_value(f"--subject {name}", value, unit)
+        bound = float(value) if is_number(value) else si_value(f"constraints {name}", value, unit)
     elif "." in name:
         column, also, bound = name, "", rule_at(name).read(name, float(value) if is_number(value) else value)
         if isinstance(bound, tuple):
             bound = bound[0]
     else:
-        raise SceneError(f"--subject {name}", f"is no outcome and no key of a scene{nearest(name, BOUNDED)}")
+        raise SceneError(
+            f"constraints {name}", f"is no outcome and no key of a scene{nearest(name, BOUNDED)}"
+        )
     if isinstance(bound, bool) or not isinstance(bound, (int, float)) or not math.isfinite(bound):
-        raise SceneError(f"--subject {name}", f"must be compared with a number, got {shown(value)}")
+        raise SceneError(f"constraints {name}", f"must be compared with a number, got {shown(value)}")
     return Constraint(
         text=" ".join(text.split()), column=column, also=also, upper=sign == "<=", bound=float(bound)
     )

@@ -13,7 +13,7 @@ from scipy.stats import qmc
 
 from studies.inverse.parameters import Parameter
 from studies.inverse.prediction import MeasurementPredictor
-from studies.record.measured import Measurement
+from studies.lab.measurement import Measurement
 from studies.refusal import RunError
 
 STEP = 1e-4  # of the logarithm, or of the range: the difference errs by its square, a prediction by 1e-9
@@ -124,7 +124,9 @@ class Problem:
     def minima(self) -> list[tuple[np.ndarray, float]]:
         """Return (x, sum of squares) of the distinct minima found from several starts, the least first."""
         starts = self.starts()
+        self.predictor.begin(f"fit: {len(starts)} starting points", len(starts) * len(self.measurements))
         squares = np.sum(self.residuals(starts) ** 2, axis=1)
+        self.predictor.begin("fit: least squares")
         solutions = [self.minimum(starts[0])]
         looked_at = MAX_SLOW_STARTS if self.predictor.one_by_one else MAX_STARTS
         for k in [k for k in np.argsort(squares)[:looked_at] if k > 0]:

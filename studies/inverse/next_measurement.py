@@ -11,7 +11,7 @@ import numpy as np
 
 from studies.inverse.least_squares import Problem
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
-from studies.record.measured import FIELD, Measurement
+from studies.lab.measurement import FIELD, Measurement
 from studies.report.intermediate import si
 
 FREQUENCY_ERROR, AMPLITUDE_ERROR, WEIGHED = 0.01, 0.02, 0.01

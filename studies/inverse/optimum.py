@@ -11,7 +11,7 @@ what no evaluation at the tolerance beats in both.
 import logging
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +21,9 @@ from studies.inverse.goals import GOALS, read_constraint, read_variable
 from studies.inverse.parameters import ranges
 from studies.inverse.search import UNKNOWN, Search
 from studies.refusal import RunError, SceneError
+from studies.report.intermediate import si
 from studies.scene import Scene
+from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import replaced
 
 LOGGER = logging.getLogger("studies.design")
@@ -30,7 +32,7 @@ DEFAULT = Options()
 CHANGE = 0.05  # of each variable, for the robustness
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Design:
     """Result of a design search."""
 
@@ -39,9 +41,9 @@ class Design:
     front: list[dict]  # rows that no other beats in both goals; the optimum alone with one goal
     # By key: smallest share of the goal that is left and whether all constraints hold, 5 % either way
     robustness: dict
-    rows: list[dict] = field(repr=False)  # evaluations of the search, in their order
+    rows: list[dict]  # evaluations of the search, in their order
     evaluations: int  # with those of the robustness
-    table: dict = field(repr=False)  # TOML document of the scene at the optimum
+    table: dict  # TOML document of the scene at the optimum
 
     def to_dict(self) -> dict:
         """Return what design.json holds."""
@@ -49,6 +51,20 @@ class Design:
             "goals": list(self.goals), "optimum": self.optimum, "front": self.front, "robustness": self.robustness,
             "evaluations": self.evaluations,
         }  # fmt: skip
+
+    def __str__(self) -> str:
+        """Return what `sawmotor design` prints."""
+        from studies.inverse.design_report import design_answer
+
+        return design_answer(self)
+
+    def __repr__(self) -> str:
+        """Return the goals, the variables of the best motor and the number of evaluations on one line."""
+        best = ", ".join(
+            f"{key} = {si(self.optimum[key], unit_of(rule_at(key)) or '', 4)}".rstrip()
+            for key in self.robustness
+        )
+        return f"Design({' and '.join(self.goals)}: {best}, {self.evaluations} evaluations)"
 
 
 def design(
@@ -92,11 +108,11 @@ def design(
     budget = 60 * len(variables) if options.evaluations is None else options.evaluations
     if not set(goals) <= set(GOALS) or not 1 <= len(goals) == len(set(goals)) <= 2:
         rule = f"must be one or two different ones of {', '.join(GOALS)}, got {', '.join(goals) or 'none'}"
-        raise SceneError("--maximise", rule)
+        raise SceneError("goals", rule)
     if not variables:
-        raise SceneError("--over", "is required: KEY=LOW:HIGH")
+        raise SceneError("variables", "is required: KEY=LOW:HIGH")
     if budget < 4 * len(variables) + 8:
-        raise SceneError("--evaluations", f"must be at least {4 * len(variables) + 8}, got {budget}")
+        raise SceneError("evaluations", f"must be at least {4 * len(variables) + 8}, got {budget}")
     also = {GOALS[goal][1] for goal in goals} | {each.also for each in constraints}
     plan = planned(table, tuple(variables), also=tuple(sorted(also - {""})), tolerance=options.tolerance)
     search = {"goals": goals, "subject": [each.text for each in constraints], "evaluations": budget,

@@ -12,9 +12,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from studies.record.measured import Measurement, read_measured
+from studies.lab.measurement import Measurement
+from studies.lab.measurement_csv import read_measured
 from studies.refusal import SceneError, nearest, shown
-from studies.scene.keys import rule_at
+from studies.scene.keys import rule_at, unit_of
 from studies.scene.numbers import Quantity
 from studies.scene.override import parts_of, toml_value
 from studies.scene.rule import Count
@@ -71,6 +72,11 @@ class Parameter:
         return self.high
 
     @property
+    def unit(self) -> str:
+        """SI unit; empty for a pure number."""
+        return unit_of(OWN.get(self.key) or rule_at(self.key)) or ""
+
+    @property
     def logarithmic(self) -> bool:
         """Whether it is worked with as its logarithm."""
         return self.low > 0.0
@@ -111,7 +117,7 @@ class Parameter:
         return 0.5 * (self.inner(self.low) + self.inner(self.high))
 
 
-def read_parameter(text: str, option: str = "--free", *, design: bool = False) -> Parameter:
+def read_parameter(text: str, option: str = "parameters", *, design: bool = False) -> Parameter:
     """Read ``KEY=LOW:HIGH``; for a ``design`` voltage, amplitude and counts too.
 
     Raises
@@ -184,7 +190,7 @@ def as_measurements(measurements: Any) -> list[Measurement]:
     return [each if isinstance(each, Measurement) else read_measurement(each) for each in several]
 
 
-def read_setting(text: str, option: str = "--data") -> tuple[str, object]:
+def read_setting(text: str, option: str = "measurements") -> tuple[str, object]:
     """Read ``KEY=VALUE``, what holds for one measurement; the value as in a scene file."""
     key, value = parts_of(option, text, "FILE.csv KEY=VALUE ...")
     if key in OWN:
@@ -201,10 +207,10 @@ def read_measurement(path: str | Path, settings: tuple[str, ...] = ()) -> Measur
         If the file cannot be read or is no measurement, or a setting is wrong.
     """
     if "=" in str(path):
-        raise SceneError("--data", f"must begin with a file: FILE.csv KEY=VALUE ..., got {str(path)!r}")
+        raise SceneError("measurements", f"must begin with a file: FILE.csv KEY=VALUE ..., got {str(path)!r}")
     fixed = dict(read_setting(text) for text in settings)
     systematic = float(str(fixed.pop(SYSTEMATIC, 0.0)))
-    return replace(read_measured(path, "--data"), systematic=systematic, settings=fixed)
+    return replace(read_measured(path, "measurements"), systematic=systematic, settings=fixed)
 
 
 def _number(option: str, key: str, text: str) -> float:

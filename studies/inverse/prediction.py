@@ -5,6 +5,7 @@ The steady states of all sets and levels are asked for together, by the rule of 
 """
 
 import math
+import time
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -26,8 +27,8 @@ from studies.inverse.parameters import (
     TIME_OFFSET,
     WAVE_VELOCITY_FACTOR,
 )
-from studies.lab.trace import averaged, low_pass, travelled_distance
-from studies.record.measured import FIELD, Measurement
+from studies.lab.encoder import averaged, low_pass, travelled_distance
+from studies.lab.measurement import FIELD, Measurement
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.override import value_at
@@ -50,6 +51,20 @@ class MeasurementPredictor(Predictor):
             resolved(scene).to_table(), tolerance=tolerance, steps=1, progress=progress, slider=has_slider
         )
         self._fields: dict = {}  # of scans and networks that are known, by the stator and the data
+        self._stage, self._total, self._done, self._told = "", 0, 0, 0.0
+
+    def begin(self, stage: str, total: int = 0) -> None:
+        """Report a stage; its predictions are counted from now on, of a total where that is known."""
+        self._stage, self._total, self._done, self._told = stage, total, 0, time.monotonic()
+        self.progress(stage)
+
+    def _count_one(self) -> None:
+        """Count a prediction, and report the number of them about once a second."""
+        self._done += 1
+        if self._stage and time.monotonic() > self._told + 1.0:
+            self._told = time.monotonic()
+            of_total = f" of {self._total}" if self._total else ""
+            self.progress(f"{self._stage}: {self._done}{of_total} predictions")
 
     @property
     def given_wave(self) -> bool:
@@ -83,13 +98,16 @@ class MeasurementPredictor(Predictor):
         answers: list[np.ndarray | slice] = []
         states: list[tuple[DrivenContact, float]] = []
         for measurement, numbers in questions:
+            self._count_one()
             numbers = numbers | measurement.settings
             if measurement.quantity in FIELD:
                 answers.append(self._field(measurement, numbers))
                 continue
             contact = self.contact(numbers)
             factors = self._factors(measurement, numbers, contact)
-            if measurement.quantity == "velocity":
+            if measurement.quantity == "velocity" and self.one_by_one:
+                answers.append(self.velocities([(contact, float(factor)) for factor in factors]))
+            elif measurement.quantity == "velocity":
                 answers.append(slice(len(states), len(states) + len(factors)))
                 states += [(contact, float(factor)) for factor in factors]
             elif measurement.quantity == "amplitude":
@@ -98,7 +116,7 @@ class MeasurementPredictor(Predictor):
                 answers.append(self._burst(measurement, contact, float(factors[0]), numbers))
             else:
                 answers.append(np.array([contact.slider.tangential_resonance(len(contact.orbits))]))
-        speeds = self.velocities(states)
+        speeds = self.velocities(states) if states else np.empty(0)
         return [speeds[each] if isinstance(each, slice) else each for each in answers]
 
     def _field(self, measurement: Measurement, numbers: dict) -> np.ndarray:
@@ -108,7 +126,7 @@ class MeasurementPredictor(Predictor):
         """
         scene, stator = self._resolved(numbers)
         if stator is None:
-            raise SceneError(f"--data {measurement.name}", "needs a scene with a stator")
+            raise SceneError(f"measurements {measurement.name}", "needs a scene with a stator")
         scan, key = measurement.scan, (stator, id(measurement.scan or measurement.network))
         if measurement.network is not None:
             if key not in self._fields:
@@ -117,7 +135,7 @@ class MeasurementPredictor(Predictor):
                 )
             known = self._fields[key][1]
             return np.concatenate([known.real.ravel(), known.imag.ravel()])
-        scan = placed(scene, scan, "--data")
+        scan = placed(scene, scan, "measurements")
         if key not in self._fields:
             # solved as the scans that the program writes are: what differs is the data alone
             motion = predicted_scan(scene, scan, tolerance=self.tolerance, progress=self.progress)
@@ -149,7 +167,7 @@ class MeasurementPredictor(Predictor):
             return levels
         if AMPLITUDE_PER_VOLT not in numbers:
             raise SceneError(
-                f"--data {measurement.name}",
+                f"measurements {measurement.name}",
                 "holds voltages, and a given [wave] has none: give amplitude_per_volt=LENGTH with the file, or free it",
             )
         return levels * numbers[AMPLITUDE_PER_VOLT]
@@ -173,7 +191,9 @@ class MeasurementPredictor(Predictor):
         duration = contact.scene.burst
         if duration is None:
             key = "wave.burst" if self.given_wave else "drive.burst"
-            raise SceneError(f"--data {measurement.name}", f'holds a burst: give {key}="0.1 s" with the file')
+            raise SceneError(
+                f"measurements {measurement.name}", f'holds a burst: give {key}="0.1 s" with the file'
+            )
         contact = replace(contact, ringing=self.ring_up(contact))
         (speed,) = self.velocities([(contact, level)])
         offset = float(numbers.get(TIME_OFFSET, 0.0))

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from studies.inverse.fitting import prepared
-from studies.record.measured import Measurement
+from studies.lab.measurement import Measurement
 from studies.refusal import needed
 from studies.scene import Scene
 

@@ -1,6 +1,6 @@
 """The result of a fit: estimates, intervals, undetermined directions, predictive band."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import chi2
@@ -10,18 +10,19 @@ from studies.inverse.least_squares import Problem
 from studies.inverse.next_measurement import Candidate
 from studies.inverse.parameters import Parameter
 from studies.inverse.profile import End
-from studies.record.measured import Measurement
+from studies.lab.measurement import Measurement
+from studies.report.intermediate import scaled_unit
 from studies.scene import Scene
 
 DRAWS, GRID = 200, 40  # of the predictive band; levels at which it is drawn
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Fit:
     """What measurements say about a motor."""
 
-    problem: Problem = field(repr=False)  # what was fitted
-    best: np.ndarray  # inner values at the minimum
+    problem: Problem  # what was fitted
+    inner: np.ndarray  # what the solvers work with at the minimum, such as logarithms
     chi2: float  # sum of squared residuals
     degrees_of_freedom: int
     # standard deviation in SI units estimated from the residuals; None where the data state their own
@@ -41,7 +42,26 @@ class Fit:
     @property
     def values(self) -> dict[str, float]:
         """Estimates by key, SI units."""
-        return self.problem.numbers(self.best)
+        return self.problem.numbers(self.inner)
+
+    best = values  # the name that scipy and lmfit use
+
+    def __str__(self) -> str:
+        """Return what `sawmotor fit` prints."""
+        from studies.inverse.fit_report import fit_answer
+
+        return fit_answer(self)
+
+    def __repr__(self) -> str:
+        """Return each estimate with its interval, and the goodness of fit, on one line."""
+        parts = []
+        for each in self.problem.parameters:
+            value = self.values[each.key]
+            factor, unit = scaled_unit(value, each.unit)
+            low, high = ("open" if end is None else f"{end * factor:.4g}" for end in self.intervals[each.key])
+            parts.append(f"{each.key} = {value * factor:.4g} {unit}".rstrip() + f" ({low} to {high})")
+        freedom = f"chi^2 {self.chi2:.4g} with {self.degrees_of_freedom} degrees of freedom"
+        return f"Fit({', '.join([*parts, freedom])})"
 
     @property
     def params(self) -> dict[str, Parameter]:
@@ -119,8 +139,9 @@ class Fit:
         linearised prediction.
         """
         problem, imagined = self.problem, _drawn(measurement)
+        problem.predictor.begin(f"fit: band of {measurement.name}")
         at = np.array(imagined.coordinate)
-        best = problem.predictions([self.best], (imagined,))[0][0]
+        best = problem.predictions([self.inner], (imagined,))[0][0]
         slow = (
             problem.predictor.one_by_one
             or measurement.quantity not in ("velocity", "amplitude")
@@ -128,11 +149,11 @@ class Fit:
         )
         if slow:
             steps = np.linalg.cholesky(self.covariance).T
-            moved = [np.clip(self.best + step, problem.low, problem.high) for step in steps]
+            moved = [np.clip(self.inner + step, problem.low, problem.high) for step in steps]
             shifts = [by_key[0] - best for by_key in problem.predictions(moved, (imagined,))]
             width = 1.96 * np.sqrt(np.nansum(np.square(shifts), axis=0))
             return at, best, best - width, best + width
-        draws = np.random.default_rng(0).multivariate_normal(self.best, self.covariance, DRAWS)
+        draws = np.random.default_rng(0).multivariate_normal(self.inner, self.covariance, DRAWS)
         draws = np.clip(draws, problem.low, problem.high)
         values = np.array([by_key[0] for by_key in problem.predictions(draws, (imagined,))])
         low, high = np.nanpercentile(values, [2.5, 97.5], axis=0)

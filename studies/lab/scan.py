@@ -23,14 +23,14 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.lab.heads import (
+from studies.lab.csv_columns import (
     DISPLACEMENTS,
     FREQUENCIES,
     PHASES,
     PLACES,
     VELOCITIES,
     VOLTAGES,
-    Heads,
+    CsvColumns,
     file_error,
 )
 from studies.refusal import SceneError, needed
@@ -130,35 +130,35 @@ def is_scan(path: Path, names: list[str]) -> bool:
     return any(name.startswith(f"{kind}_{axis}_") for name in names for kind in "uv" for axis in "xyz")
 
 
-def scan_of_columns(heads: Heads) -> Scan:
+def scan_of_columns(columns: CsvColumns) -> Scan:
     """Return the scan from the columns of a CSV file; raise SceneError for a missing column or a wrong unit."""
-    noun = _motion_name(heads)
+    noun = _motion_name(columns)
     is_velocity, component = noun[0] == "v", "u" + noun[1:]
     base = VELOCITIES if is_velocity else DISPLACEMENTS
     units = base | {f"{unit}_per_V": factor for unit, factor in base.items()}
     x, y, frequency = (
-        heads.column("x", PLACES),
-        heads.column("y", PLACES),
-        heads.column("frequency", FREQUENCIES),
+        columns.column("x", PLACES),
+        columns.column("y", PLACES),
+        columns.column("frequency", FREQUENCIES),
     )
     if x is None and y is None and frequency is None:
-        raise heads.error(
-            f"must have a column x_UNIT, y_UNIT or frequency_UNIT, got {', '.join(heads.names)}"
+        raise columns.error(
+            f"must have a column x_UNIT, y_UNIT or frequency_UNIT, got {', '.join(columns.names)}"
         )
-    values, unit = _values(heads, noun, units)
-    deviation = heads.column(f"{noun}_standard_deviation", units)
+    values, unit = _values(columns, noun, units)
+    deviation = columns.column(f"{noun}_standard_deviation", units)
     if deviation is not None and np.min(deviation[0]) <= 0.0:
-        raise heads.error(
+        raise columns.error(
             f"must have a {noun}_standard_deviation that is positive, got {float(np.min(deviation[0])):g}"
         )
-    voltage = heads.column("voltage", VOLTAGES)
+    voltage = columns.column("voltage", VOLTAGES)
     if voltage is not None and np.ptp(voltage[0]) > 0.0:
-        raise heads.error("must hold one voltage_V, got several")
-    zeros = np.zeros(len(heads.rows))
+        raise columns.error("must hold one voltage_V, got several")
+    zeros = np.zeros(len(columns.rows))
     # without a column, the position is that of the slider or of the middle of the stator: NaN until the scene is known
     unknown = zeros * np.nan
     return Scan(
-        name=heads.path.name, component=component, x=unknown if x is None else x[0],
+        name=columns.path.name, component=component, x=unknown if x is None else x[0],
         y=(zeros if x is not None else unknown) if y is None else y[0],
         frequency=None if frequency is None else frequency[0], values=values,
         deviation=None if deviation is None else deviation[0], per_volt=unit.endswith("_per_V"),
@@ -166,33 +166,33 @@ def scan_of_columns(heads: Heads) -> Scan:
     )  # fmt: skip
 
 
-def _motion_name(heads: Heads) -> str:
+def _motion_name(columns: CsvColumns) -> str:
     """Return the name of the motion among the column names, such as ``u_z``."""
     known = [f"{kind}_{axis}" for kind in "uv" for axis in "xyz"]
-    motions = sorted({each for each in known for name in heads.names if name.startswith(f"{each}_")})
+    motions = sorted({each for each in known for name in columns.names if name.startswith(f"{each}_")})
     if len(motions) != 1:
-        raise heads.error(f"must hold one motion, such as u_z, got {', '.join(motions) or 'none'}")
+        raise columns.error(f"must hold one motion, such as u_z, got {', '.join(motions) or 'none'}")
     return motions[0]
 
 
-def _values(heads: Heads, noun: str, units) -> tuple[np.ndarray, str]:
+def _values(columns: CsvColumns, noun: str, units) -> tuple[np.ndarray, str]:
     """Return the motion as complex amplitudes or magnitudes, and its unit."""
-    real, imaginary = (heads.column(f"{noun}_{part}", units) for part in ("real", "imag"))
-    magnitude, phase = heads.column(f"{noun}_magnitude", units), heads.column(f"{noun}_phase", PHASES)
+    real, imaginary = (columns.column(f"{noun}_{part}", units) for part in ("real", "imag"))
+    magnitude, phase = columns.column(f"{noun}_magnitude", units), columns.column(f"{noun}_phase", PHASES)
     if (real is None) != (imaginary is None):
         missing = "imag" if imaginary is None else "real"
-        raise heads.error(f"must have a column {noun}_{missing}_UNIT beside the other part")
+        raise columns.error(f"must have a column {noun}_{missing}_UNIT beside the other part")
     if real is not None:
         if magnitude is not None:
-            raise heads.error(f"must hold {noun} once, as complex parts or as a magnitude")
+            raise columns.error(f"must hold {noun} once, as complex parts or as a magnitude")
         if real[1] != imaginary[1]:
-            raise heads.error(f"must have one unit for {noun}, got {real[1]} and {imaginary[1]}")
+            raise columns.error(f"must have one unit for {noun}, got {real[1]} and {imaginary[1]}")
         return real[0] + 1j * imaginary[0], real[1]
     if magnitude is None:
         wanted = f"{noun}_real_UNIT with {noun}_imag_UNIT, or {noun}_magnitude_UNIT"
-        raise heads.error(f"must have the columns {wanted}; got {', '.join(heads.names)}")
+        raise columns.error(f"must have the columns {wanted}; got {', '.join(columns.names)}")
     if np.min(magnitude[0]) < 0.0:
-        raise heads.error(
+        raise columns.error(
             f"must have a {noun}_magnitude that is zero or positive, got {float(np.min(magnitude[0])):g}"
         )
     return (magnitude[0] if phase is None else magnitude[0] * np.exp(1j * phase[0])), magnitude[1]

@@ -20,7 +20,7 @@ from studies.chain.resolve import resolved
 from studies.record.plots import finished, logarithmic, own
 from studies.record.quantities import quantity
 from studies.refusal import RunError, SceneError
-from studies.report.intermediate import prefixed, si
+from studies.report.intermediate import scaled_unit, si
 from studies.scene import Scene
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import replaced, value_at
@@ -188,7 +188,7 @@ def _default_axes(scene: Scene, level: str, counts: tuple[int, int]) -> dict:
     factors = columns["threshold_factor"][0], columns["release_factor"][0]
     if None in factors:
         raise SceneError(
-            "--over", "must be given twice: this scene has no threshold or release to choose axes by"
+            "over", "must be given twice: this scene has no threshold or release to choose axes by"
         )
     low, high = (max(scene.levels) * factor for factor in factors)
     return {
@@ -199,13 +199,13 @@ def _default_axes(scene: Scene, level: str, counts: tuple[int, int]) -> dict:
 
 def _check(axes) -> None:
     if len(axes) != 2 or any(isinstance(each, tuple) for each in axes):
-        raise SceneError("--over", f"must be given twice for a map, START:STOP:N or a list, got {len(axes)}")
+        raise SceneError("over", f"must be given twice for a map, START:STOP:N or a list, got {len(axes)}")
     for each in axes:
         values, key = each.columns[0], each.keys[0]
         if unit_of(rule_at(key)) is None or not all(isinstance(value, (int, float)) for value in values):
-            raise SceneError(f"--over {key}", "must be of numbers for a map")
+            raise SceneError(f"over {key}", "must be of numbers for a map")
         if len(values) < 3 or not all(a < b for a, b in pairwise(values)):
-            raise SceneError(f"--over {key}", "must hold three values or more for a map, rising")
+            raise SceneError(f"over {key}", "must hold three values or more for a map, rising")
 
 
 def _own(table: dict, key: str) -> list[float]:
@@ -218,13 +218,7 @@ def _own(table: dict, key: str) -> list[float]:
 def _scaled(key: str, values):
     """Return ((values in a suitable unit, factor from SI), axis label)."""
     unit, values = unit_of(rule_at(key)), np.asarray(values, float)
-    name, factor = key.split(".")[-1].replace("_", " "), 1.0
-    if unit == "kg":
-        unit, factor = "g", 1e3
-    largest = abs(values).max() * factor
-    if unit and not set(" /") & set(unit) and largest:
-        power, letter = prefixed(largest)
-        unit, factor = letter + unit, factor * 10.0**-power
+    name, (factor, unit) = key.split(".")[-1].replace("_", " "), scaled_unit(abs(values).max(), unit)
     return (values * factor, factor), f"{name} ({unit})" if unit else name
 
 

@@ -240,7 +240,7 @@ class Record:
             column = np.array(
                 [value or "" for value in values] if words else values, dtype=str if words else float
             )
-            data[key] = (self.level, column, described(key))
+            data[key] = (self.level, column, ({} if words else {"units": "1"}) | described(key))
         about = {"title": self.scene.title, "tolerance": self.tolerance}
         level = {self.level: data.pop(self.level)} if data else {}
         return needed("xarray", "to_xarray").Dataset(data, level, about)

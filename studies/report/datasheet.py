@@ -8,7 +8,7 @@ as exact.
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -21,7 +21,9 @@ from studies.chain.pillar_points import PillarContact
 from studies.chain.pillar_points import burst as pillar_burst
 from studies.chain.steps import Steps
 from studies.record import Record
+from studies.record.text import sentences
 from studies.refusal import RunError
+from studies.report.intermediate import si
 from studies.scene import Scene
 
 if TYPE_CHECKING:
@@ -40,10 +42,19 @@ CONTACT_TOLERANCE = 1e-4
 CENTRE = 5e-4
 
 
+GROUPS = {
+    "speed": "Speed",
+    "force": "Force",
+    "positioning": "Positioning",
+    "power": "Power and efficiency",
+    "resonance": "Resonance",
+}
+
+
 class Row(NamedTuple):
     """One line of the datasheet."""
 
-    group: str  # key of `datasheet_page.GROUPS`
+    group: str  # key of `GROUPS`
     name: str
     value: float  # in SI units
     unit: str
@@ -51,20 +62,57 @@ class Row(NamedTuple):
     condition: str = ""  # conditions in addition to the rated level
     model_error: float | None = None  # relative, due to neglected effects; None if unknown
 
+    def texts(self) -> dict[str, str]:
+        """Return name, value, error and condition as the table and the page show them."""
+        value = si(self.value, self.unit, 4)
+        if self.unit == "1":
+            value = f"{100 * self.value:.3g} %" if self.value > 1e-3 else f"{self.value:.3g}"
+        error = "" if self.error is None else "< 0.0001 %"
+        if self.error and self.error > 5e-7:
+            error = (
+                f"\u00b1 {float(f'{100 * self.error:.1g}'):g} %"  # without an exponent: 30 instead of 3e+01
+            )
+        if self.model_error:
+            error += f", model {float(f'{100 * self.model_error:.2g}'):g} %"
+        return {"name": self.name, "value": value, "error": error, "condition": self.condition}
 
-@dataclass(frozen=True, kw_only=True)
+
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Datasheet:
     """The datasheet of a motor and the computed motions behind it."""
 
-    record: Record  # record of the underlying run
-    driven: DrivenContact = field(repr=False)
+    record: Record  # of the underlying run
+    driven: DrivenContact
     rated: float  # V of the source, or amplitude in m for a scene with a [wave]
     rows: tuple[Row, ...]
-    lines: dict = field(repr=False)  # by level: contact.LoadLine of one computed ball
+    lines: dict  # by level: contact.LoadLine of one computed ball
     balls: float  # number of balls that one computed ball represents
     # Start from rest at the rated level and the stop after it
-    start_stop: "Trajectory | PillarBurst" = field(repr=False)
-    steps: tuple = field(repr=False)  # contact.Step of the shortest burst for each size in `STEPS`
+    start_stop: "Trajectory | PillarBurst"
+    steps: tuple  # contact.Step of the shortest burst for each size in `STEPS`
+
+    def __str__(self) -> str:
+        """Return the datasheet as a table of text, as `sawmotor datasheet` prints it."""
+        groups = {group: [row.texts() for row in self.rows if row.group == group] for group in GROUPS}
+        name, value = (
+            max(len(row[key]) for rows in groups.values() for row in rows) for key in ("name", "value")
+        )
+        lines = [f"{self.record.scene.title}: rated at {self.driven.named(self.rated)} peak"]
+        for group, rows in groups.items():
+            lines += ["", GROUPS[group]]
+            lines += [
+                f"  {each['name']:<{name}}  {each['value']:>{value}}  {each['error']:<10}  {each['condition']}".rstrip()
+                for each in rows
+            ]
+        if self.record.model_error:
+            lines += ["", "Model error, apart from the errors above"]
+            lines += [f"  {each}" for each in sentences(self.record)]
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        """Return title, rated level and velocity on one line."""
+        title, speed = self.record.scene.title or "untitled", self.rows[0]
+        return f"Datasheet({title!r}, {self.driven.named(self.rated)}, {speed.name} {si(speed.value, speed.unit, 4)})"
 
     def to_dict(self) -> dict:
         """Return the contents of datasheet.json: title, rated level, rows and model error."""

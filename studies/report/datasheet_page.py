@@ -4,19 +4,12 @@ from studies.record.plots import COLOURS, as_uri, curve, family, finished
 from studies.record.quantities import quantity
 from studies.record.run_pictures import velocity
 from studies.record.text import sentences
-from studies.report.datasheet import SETTLED, Datasheet, Row
-from studies.report.intermediate import load_axis, si
+from studies.report.datasheet import GROUPS, SETTLED, Datasheet
+from studies.report.intermediate import load_axis
 from studies.report.page import rendered
 from studies.results.content import provenance
 
 TEMPLATE = "datasheet.html"
-GROUPS = {
-    "speed": "Speed",
-    "force": "Force",
-    "positioning": "Positioning",
-    "power": "Power and efficiency",
-    "resonance": "Resonance",
-}
 PICTURE = (4.1, 3.4)  # inches
 
 
@@ -34,35 +27,13 @@ def page(sheet: Datasheet) -> str:
         rated=sheet.driven.named(sheet.rated),
         record=record,
         groups={
-            title: [_texts(row) for row in sheet.rows if row.group == group]
+            title: [row.texts() for row in sheet.rows if row.group == group]
             for group, title in GROUPS.items()
         },
         pictures=[{"data": as_uri(draw, size=PICTURE), "caption": caption} for draw, caption in drawn],
         model_error=sentences(record),
         version=provenance()["version"],
     )
-
-
-def table(sheet: Datasheet) -> str:
-    """Return the table of a datasheet as text."""
-    groups = {group: [_texts(row) for row in sheet.rows if row.group == group] for group in GROUPS}
-    name, value = (
-        max(len(row[key]) for rows in groups.values() for row in rows) for key in ("name", "value")
-    )
-    lines = [f"{sheet.record.scene.title}: rated at {sheet.driven.named(sheet.rated)} peak"]
-    for group, rows in groups.items():
-        lines += ["", GROUPS[group]]
-        lines += [
-            f"  {each['name']:<{name}}  {each['value']:>{value}}  {each['error']:<10}  {each['condition']}".rstrip()
-            for each in rows
-        ]
-    if sheet.record.model_error:
-        lines += [
-            "",
-            "Model error, apart from the errors above",
-            *(f"  {each}" for each in sentences(sheet.record)),
-        ]
-    return "\n".join(lines)
 
 
 def speed(sheet: Datasheet, ax):
@@ -92,16 +63,3 @@ def start_and_stop(sheet: Datasheet, ax):
     ax.axhline(settled_velocity, color=COLOURS["stick"], linestyle="--", linewidth=1, label=label)
     title = f"start and stop at {sheet.driven.named(sheet.rated)}"
     return finished(ax, quantity("time_s").axis, quantity("velocity_m_per_s").axis, title)
-
-
-def _texts(row: Row) -> dict:
-    """Return the texts of a row as the page shows them."""
-    value = si(row.value, row.unit, 4)
-    if row.unit == "1":
-        value = f"{100 * row.value:.3g} %" if row.value > 1e-3 else f"{row.value:.3g}"
-    error = "" if row.error is None else "< 0.0001 %"
-    if row.error and row.error > 5e-7:
-        error = f"\u00b1 {float(f'{100 * row.error:.1g}'):g} %"  # without an exponent: 30 instead of 3e+01
-    if row.model_error:
-        error += f", model {float(f'{100 * row.model_error:.2g}'):g} %"
-    return {"name": row.name, "value": value, "error": error, "condition": row.condition}

@@ -54,8 +54,24 @@ def load_axis(largest: float) -> tuple[float, str]:
     >>> load_axis(1.2), load_axis(3e-4)
     ((1.0, 'load (N)'), (1000000.0, 'load (µN)'))
     """
-    power, letter = prefixed(largest)
-    return 10.0**-power, f"load ({letter}N)"
+    factor, unit = scaled_unit(largest, "N")
+    return factor, f"load ({unit})"
+
+
+def scaled_unit(size: float, unit: str | None) -> tuple[float, str]:
+    """Return the factor from SI units and the unit with a prefix that suits a size; compound units get no prefix.
+
+    Examples
+    --------
+    >>> scaled_unit(2e-3, "N"), scaled_unit(9e-5, "kg"), scaled_unit(1e-4, "N s/m")
+    ((1000.0, 'mN'), (1000000.0, 'mg'), (1.0, 'N s/m'))
+    """
+    factor = 1e3 if unit == "kg" else 1.0
+    unit = "g" if unit == "kg" else unit or ""
+    if not unit or not size or set(" /") & set(unit):
+        return factor, unit
+    power, letter = prefixed(abs(size) * factor)
+    return factor * 10.0**-power, letter + unit
 
 
 def intermediate_numbers(record: Record) -> tuple[Number, ...]:

@@ -117,10 +117,13 @@ def check_transducers(scene) -> Refused:
         if each.name in names[:index]:
             yield f"{at}.name", f"must differ from the others, got {shown(each.name)} twice"
         if each.aperture > stator.width:
-            rule = f"must be at most stator.width, {stator.width:g} m, got {each.aperture:g} m"
+            rule = f"must be at most stator.width, {stator.width * 1e3:g} mm, got {each.aperture * 1e3:g} mm"
             yield f"{at}.aperture", rule
         if not 0 < x < stator.length:
-            yield f"{at}.center", f"must be on the stator, 0 to {stator.length:g} m, got {x:g} m"
+            yield (
+                f"{at}.center",
+                f"must be on the stator, 0 to {stator.length * 1e3:g} mm, got {x * 1e3:g} mm",
+            )
 
 
 def check_turned(scene) -> Refused:
@@ -179,12 +182,15 @@ def check_slider(scene) -> Refused:
     places = [x for x, _ in slider.places]
     for place in sorted({min(places), max(places)}):
         if not 0 <= place <= stator.length:
-            rule = f"must keep the contacts on the stator, 0 to {stator.length:g} m"
-            yield "slider.position", f"{rule}, got {slider.center[0]:g} m, a contact at {place:g} m"
+            rule = f"must keep the contacts on the stator, 0 to {stator.length * 1e3:g} mm"
+            yield (
+                "slider.position",
+                f"{rule}, got {slider.center[0] * 1e3:g} mm, a contact at {place * 1e3:g} mm",
+            )
     beside, half = max((y for _, y in slider.places), key=abs), stator.width / 2
     if abs(beside) > half:
-        rule = f"must keep the contacts on the stator, y from -{half:g} to {half:g} m"
-        yield "slider.position", f"{rule}, got a contact at y = {beside:g} m"
+        rule = f"must keep the contacts on the stator, y from -{half * 1e3:g} to {half * 1e3:g} mm"
+        yield "slider.position", f"{rule}, got a contact at y = {beside * 1e3:g} mm"
 
 
 def check_pieces(scene) -> Refused:

@@ -2,8 +2,8 @@
 
 from studies.chain.measured_run import scan_block
 from studies.chain.scan_prediction import placed, predicted_scan
+from studies.lab.measurement_csv import read_measured
 from studies.lab.scan import Scan
-from studies.record.measured import read_measured
 from studies.record.scan_comparison import scan_comparison
 from studies.refusal import SceneError
 from studies.scene import Scene

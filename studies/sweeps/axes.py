@@ -12,7 +12,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from studies.record.measured import MeasuredTable
+from studies.lab.csv_columns import CsvColumns
 from studies.refusal import SceneError, shown
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import toml_value
@@ -67,7 +67,7 @@ def point_axis(source) -> Axis:
         )
     axes = [axis(key, values if not isinstance(values, str) else [values]) for key, values in source.items()]
     if not axes or len({len(each) for each in axes}) != 1:
-        raise SceneError("--points", "must hold a value for every key in every line")
+        raise SceneError("points", "must hold a value for every key in every line")
     return Axis(tuple(source), tuple(each.columns[0] for each in axes))
 
 
@@ -82,18 +82,18 @@ def level_key(table: dict) -> str | None:
 def _ranged(key, rule, text):
     unit = unit_of(rule)
     if unit is None:
-        raise SceneError(f"--over {key}", f"takes words: give a list with commas, got {shown(text)}")
-    steps = read_range(f"--over {key}", text, unit).values
+        raise SceneError(f"over {key}", f"takes words: give a list with commas, got {shown(text)}")
+    steps = read_range(f"over {key}", text, unit).values
     if isinstance(rule.number, Count):
         if any(abs(step - round(step)) > 1e-9 for step in steps):
-            raise SceneError(f"--over {key}", f"must fall on whole numbers, got {shown(text)}")
+            raise SceneError(f"over {key}", f"must fall on whole numbers, got {shown(text)}")
         steps = [round(step) for step in steps]
     return Axis((key,), (steps,))
 
 
 def _listed(key, rule, values):
     if not 1 <= len(values) <= MAX_COUNT:
-        raise SceneError(f"--over {key}", f"must hold 1 to {MAX_COUNT} values, got {len(values)}")
+        raise SceneError(f"over {key}", f"must hold 1 to {MAX_COUNT} values, got {len(values)}")
     return Axis((key,), ([_entry(rule, value) for value in values],))
 
 
@@ -114,12 +114,12 @@ def _entry(rule, value):
 
 
 def _read(path: Path) -> dict[str, list]:
-    table = MeasuredTable.read(path, "--points")
+    table = CsvColumns.read(path, "points")
     if len(set(table.names)) < len(table.names):
-        raise SceneError("--points", f"{str(path)!r} names a key twice")
+        raise SceneError("points", f"{str(path)!r} names a key twice")
     for number, row in enumerate(table.rows, start=2):
         if len(row) != len(table.names):
             rule = f"must have {len(table.names)} values in row {number}, got {len(row)}"
-            raise SceneError("--points", f"{str(path)!r} {rule}")
+            raise SceneError("points", f"{str(path)!r} {rule}")
     columns = zip(*table.rows, strict=True)
     return {key: list(map(toml_value, column)) for key, column in zip(table.names, columns, strict=True)}

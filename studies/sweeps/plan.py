@@ -149,7 +149,7 @@ def designed(table: dict, over, *, tolerance, also=()) -> Design:
     """
     for word in also:
         if word not in ALSO:
-            raise SceneError("--also", f"must be of {', '.join(ALSO)}, got {word!r}")
+            raise SceneError("also", f"must be of {', '.join(ALSO)}, got {word!r}")
     axes = []
     for part in over if isinstance(over, list) else [over or {}]:
         axes += (
@@ -160,14 +160,14 @@ def designed(table: dict, over, *, tolerance, also=()) -> Design:
     keys = [key for each in axes for key in each.keys]
     for key in keys:
         if keys.count(key) > 1:
-            raise SceneError(f"--over {key}", "is given twice")
+            raise SceneError(f"over {key}", "is given twice")
     level = level_key(table)
     if level is not None and level not in keys:
         block, name = level.split(".")
         axes.append(axis(level, list(rule_at(level).read(level, table.get(block, {}).get(name)))))
     design = Design(question=_question(table, tuple(axes), tolerance, tuple(also)), axes=tuple(axes))
     if len(design) > MAX_POINTS:
-        raise SceneError("--over", f"must make at most {MAX_POINTS} points, got {len(design)}")
+        raise SceneError("over", f"must make at most {MAX_POINTS} points, got {len(design)}")
     return design
 
 

@@ -112,7 +112,7 @@ class Store:
             if names:
                 what = f"its {', '.join(names)} {'differs' if len(names) == 1 else 'differ'}"
                 rule = f"{str(self.folder)!r} holds another sweep: {what}; name another directory"
-                raise SceneError("--out", rule)
+                raise SceneError("out", rule)
         question = design.question
         identity_of_sweep |= {"scene": question.table, "keys": question.keys, "tolerance": question.tolerance}
         identity_of_sweep |= {
@@ -145,19 +145,19 @@ def _lock(folder: Path) -> FileLock:
     """Return the lock of the folder, held until it is released or its process ends."""
     try:
         if folder.exists() and not folder.is_dir():
-            raise SceneError("--out", f"{str(folder)!r} is a file; name another directory")
+            raise SceneError("out", f"{str(folder)!r} is a file; name another directory")
         if folder.exists() and any(folder.iterdir()) and not (folder / LOCK).exists():
             raise SceneError(
-                "--out", f"{str(folder)!r} holds something that is no sweep; name another directory"
+                "out", f"{str(folder)!r} holds something that is no sweep; name another directory"
             )
         folder.mkdir(parents=True, exist_ok=True)
         return locked(folder / LOCK)
     except DirectoryInUseError:
         raise RunError(
-            f"another sweep{_owner(folder)} is writing into {str(folder)!r}: wait for it, or name another --out"
+            f"another sweep{_owner(folder)} is writing into {str(folder)!r}: wait for it, or name another directory"
         ) from None
     except OSError as error:
-        raise SceneError("--out", f"cannot write {str(folder)!r}: {error.strerror}") from None
+        raise SceneError("out", f"cannot write {str(folder)!r}: {error.strerror}") from None
 
 
 def _owner(folder: Path) -> str:

@@ -102,12 +102,12 @@ class OnDask(Workers):
 
     def __init__(self, address: str):
         if not re.fullmatch(r"(\w+://)?(\[[0-9a-fA-F:]+\]|[^\s/:]+):\d{1,5}", address):
-            raise SceneError("--scheduler", f"must be such as tcp://127.0.0.1:8786, got {shown(address)}")
+            raise SceneError("scheduler", f"must be such as tcp://127.0.0.1:8786, got {shown(address)}")
         try:
             from distributed import Client
             from distributed.scheduler import KilledWorker
         except ImportError:
-            raise SceneError("--scheduler", "needs Dask: pip install distributed") from None
+            raise SceneError("scheduler", "needs Dask: pip install distributed") from None
         self.lost = (KilledWorker,)
         for name in list(logging.root.manager.loggerDict):  # what goes wrong is said here, in a sentence
             if name.split(".")[0] == "distributed":
@@ -115,7 +115,7 @@ class OnDask(Workers):
         try:
             self._client = Client(address, timeout=10, set_as_default=False)
         except ValueError as error:
-            raise SceneError("--scheduler", f"must be such as tcp://127.0.0.1:8786: {error}") from None
+            raise SceneError("scheduler", f"must be such as tcp://127.0.0.1:8786: {error}") from None
         except OSError as error:
             text = " ".join(str(error).split())
             raise RunError(f"no Dask scheduler answers at {address!r}: {text}") from None
@@ -143,7 +143,7 @@ def workers(number: int | str) -> Workers:
     if isinstance(number, str):
         return OnDask(number)
     if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= 1000:
-        raise SceneError("--workers", f"must be a number from 1 to 1000, got {number!r}")
+        raise SceneError("workers", f"must be a number from 1 to 1000, got {number!r}")
     return Workers() if number == 1 else Processes(number)
 
 

@@ -58,6 +58,8 @@ class Wanted:
             if Path(file).suffix.lower() not in allowed:
                 one = f"one of {', '.join(allowed)}" if len(allowed) > 2 else " or ".join(allowed)
                 raise SceneError(f"--{option}", f"must end in {one}, got {file!r}")
+            if not Path(file).absolute().parent.is_dir():
+                raise SceneError(f"--{option}", f"cannot write {file!r}: No such file or directory")
         if self.surface and (self.data is None or show == "contact"):
             raise SceneError("--surface", "makes --data FILE.csv of a field a table of its surface")
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from contact import Orbit, Slider, steady_sweep
+from tests.oracles.contact_friction import Motor
 
 SEED = {
     "radius": 1e-3,
@@ -42,3 +43,18 @@ def steady_map(slider: Slider, orbits, *, factors, preloads, threads=None):
         [replace(slider, preload=float(preload)) for preload in preloads], waves, which=which,
         factors=np.tile(factors, (len(preloads), 1)), wave_errors=[0.0], threads=threads,
     )  # fmt: skip
+
+
+def friction_motor(friction, coefficient, shape="sphere"):
+    """Return two unequal contacts and their waves, and the same for the oracle with mu = `coefficient`(p, w)."""
+    own = {"radius": 5e-6} if shape == "punch" else {}
+    amplitudes, phases, heights = (4e-9, 3e-9), (0.0, 1.1), (0.0, 0.4e-9)
+    s = slider(friction_coefficient=0.3, friction=friction, shape=shape, heights=heights, **own)
+    waves = tuple(
+        Orbit(frequency=FREQUENCY, normal=-1j * a * np.exp(1j * p), tangential=-0.7 * a * np.exp(1j * p))
+        for a, p in zip(amplitudes, phases, strict=True)
+    )
+    same = Motor(
+        mu=coefficient, amplitudes=amplitudes, phases=phases, heights=heights, punch=shape == "punch", **own
+    )
+    return s, waves, same

@@ -1,26 +1,13 @@
-"""Friction that depends on slip speed and pressure, and laws from a user's file, by all three methods."""
+"""Friction that depends on slip speed and pressure, by all three methods."""
 
 import math
-import textwrap
-from dataclasses import replace
 
-import numpy as np
 import pytest
 
-from contact import (
-    FallingFriction,
-    Orbit,
-    UserLaw,
-    blocked_thrust,
-    burst,
-    mean_motion,
-    steady,
-    threshold_factor,
-)
+from contact import FallingFriction, blocked_thrust, burst, mean_motion, steady, threshold_factor
 from contact.input_error import InputError
-from contact.jit import compiled
-from tests.contact.motors import orbit, slider
-from tests.oracles.contact_friction import Motor, follow
+from tests.contact.motors import friction_motor, orbit, slider
+from tests.oracles.contact_friction import follow
 
 SPEED = FallingFriction(sliding=0.15, speed=0.05)
 PRESSURE = FallingFriction(high_pressure=0.1, pressure=5e7)
@@ -31,79 +18,10 @@ COEFFICIENTS = {
     PRESSURE: lambda p, w: 0.1 + 0.2 / (1.0 + p / 5e7),
     BOTH: lambda p, w: (0.4 - 0.1 / (1.0 + p / 5e7)) * (0.5 + 0.5 * math.exp(-w / 0.02)),
 }
-# viscous and Coulomb friction; the second law also has a spring of its own, stiffer and linear
-VISCOUS = """
-    MU, ETA = 0.15, 0.4  # 1, s/m
-
-    def sliding(approach, normal_force, slip_speed, contact):
-        return normal_force * (MU + ETA * slip_speed)
-    """
-LINEAR = (
-    VISCOUS
-    + """
-    def stiffness(approach, contact):
-        return 8.0 * contact.tangential_modulus * (contact.radius * approach) ** 0.5
-
-    def limit(approach, normal_force, contact):
-        return MU * normal_force / stiffness(approach, contact)
-
-    def stuck(approach, normal_force, deformation, contact):
-        return stiffness(approach, contact) * deformation
-    """
-)
-
-
-# Stribeck's curve in two straight lines: a kink in the slip speed, where the exact method has no event
-BILINEAR = """
-    STATIC, SLIDING, SPEED = 0.3, 0.15, 0.02
-
-    def sliding(approach, normal_force, slip_speed, contact):
-        if slip_speed < SPEED:
-            return normal_force * (STATIC - (STATIC - SLIDING) * slip_speed / SPEED)
-        return normal_force * SLIDING
-    """
-
-
-def law(text):
-    return UserLaw("law.py", textwrap.dedent(text))
 
 
 def motor(friction, shape="sphere"):
-    """Return two unequal contacts and their waves, and the same for the oracle."""
-    own = {"radius": 5e-6} if shape == "punch" else {}
-    amplitudes, phases, heights = (4e-9, 3e-9), (0.0, 1.1), (0.0, 0.4e-9)
-    s = slider(friction_coefficient=0.3, friction=friction, shape=shape, heights=heights, **own)
-    waves = tuple(
-        Orbit(frequency=2.2e6, normal=-1j * a * np.exp(1j * p), tangential=-0.7 * a * np.exp(1j * p))
-        for a, p in zip(amplitudes, phases, strict=True)
-    )
-    same = Motor(
-        mu=COEFFICIENTS.get(friction), amplitudes=amplitudes, phases=phases,
-        heights=heights, punch=shape == "punch", **own,
-    )  # fmt: skip
-    return s, waves, same
-
-
-@pytest.mark.parametrize(("shape", "near"), [("punch", 2e-8), ("sphere", 1e-6)])
-def test_a_users_law_with_a_kink_is_followed_to_the_truncation(shape, near):
-    s, waves, same = motor(None, shape)
-    s = replace(s, friction=law(BILINEAR))
-    same = replace(same, mu=lambda p, w: 0.3 - 0.15 * min(w / 0.02, 1.0))
-    state, _, _, tangential, _ = follow(same, 6)
-    exact = burst(s, waves, duration=6 / 2.2e6, after=0.0, tolerance=1e-9, samples=6, method="exact")
-    assert exact.velocity_at_burst_end == pytest.approx(state[2], rel=near)
-    assert exact.ledger.wave_tangential == pytest.approx(tangential, rel=near)
-    assert exact.ledger.relative_residual < 1e-9
-    assert exact.statistics["halvings"] > 20  # the kinks shorten the segments
-    steps = burst(s, waves, duration=6 / 2.2e6, after=0.0, tolerance=1e-5, samples=6, method="stepped")
-    apart = abs(steps.velocity_at_burst_end - exact.velocity_at_burst_end)
-    assert apart < 2.0 * steps.answer.error + 2.0 * exact.answer.error
-
-
-@pytest.mark.parametrize("name", ["guard", "follow", "memory"])
-def test_guards_and_memory_of_a_users_law_are_refused(name):
-    with pytest.raises(InputError, match=rf"slider\.law must not define {name}, but law\.py does"):
-        law(VISCOUS + f"\n    def {name}(*arguments):\n        return 1.0\n    ")
+    return friction_motor(friction, COEFFICIENTS.get(friction), shape)
 
 
 # Oracle: DOP853 between events, which is good to some 1e-7 where the sphere's force has a root
@@ -145,6 +63,7 @@ def test_averaged_and_exact_steady_states_agree_and_the_energy_closes(friction, 
         assert abs(exact.ledger.leak) < 1e-12 * exact.ledger.wave
 
 
+@pytest.mark.slow  # two more kernels; test_user_law.py has them for another law
 def test_long_bursts_agree_within_their_errors():
     s, waves, _ = motor(BOTH)
     runs = [
@@ -191,54 +110,6 @@ def test_a_dragged_slider_slides_where_friction_and_damper_carry_the_load():
 
 
 @pytest.mark.parametrize(
-    "text", [VISCOUS, pytest.param(LINEAR, marks=pytest.mark.slow)], ids=["viscous", "linear"]
-)
-def test_a_law_from_a_file_serves_all_three_methods(text):
-    s = slider(friction=law(text))
-    wave = orbit(6e-9)
-    runs = [
-        burst(s, wave, duration=3500 / 2.2e6, after=0.0, tolerance=1e-4, samples=4, method=method)
-        for method in ("exact", "stepped", "averaged")
-    ]
-    reference = max(abs(runs[0].velocity_at_burst_end), 2.2e6 * 2.0 * math.pi * 4.2e-9 / 10.0)
-    for run in runs[1:]:
-        apart = abs(run.velocity_at_burst_end - runs[0].velocity_at_burst_end) / reference
-        assert apart < 2.0 * (run.relative_error + runs[0].relative_error)
-    exact, mean = steady(s, wave, tolerance=1e-6), mean_motion(s, wave)
-    assert exact.velocity == pytest.approx(mean.velocity, rel=1e-6)
-    assert exact.ledger.relative_residual < (1e-8 if text is VISCOUS else 1e-6)
-    plain = steady(slider(friction_coefficient=0.15), wave, tolerance=1e-6)
-    assert abs(exact.velocity / plain.velocity - 1.0) > 5e-4
-
-
-# Oracle: the same, the viscous part as mu(w)
-def test_a_viscous_law_moves_as_the_independent_integrator_says():
-    s, waves, same = motor(law(VISCOUS), "punch")
-    viscous = Motor(**(vars(same) | {"mu": lambda p, w: 0.15 + 0.4 * w}))
-    state, _, _, tangential, _ = follow(viscous, 6)
-    exact = burst(s, waves, duration=6 / 2.2e6, after=0.0, tolerance=1e-9, samples=6, method="exact")
-    assert exact.velocity_at_burst_end == pytest.approx(state[2], rel=1e-7)
-    assert exact.ledger.wave_tangential == pytest.approx(tangential, rel=1e-7)
-
-
-def test_an_edited_law_is_another_law(tmp_path):
-    file, wave = tmp_path / "law.py", orbit(6e-9)
-    answers = []
-    for eta in ("0.4", "0.8"):
-        file.write_text(textwrap.dedent(VISCOUS).replace("0.4", eta))
-        answers.append(mean_motion(slider(law=file), wave).velocity)
-    file.write_text(textwrap.dedent(VISCOUS))
-    assert mean_motion(slider(law=str(file)), wave).velocity == answers[0]
-    assert abs(answers[1] / answers[0] - 1.0) > 1e-4
-    # the text is part of the name of what is kept on disk
-    first, second = (
-        slider(friction=law(VISCOUS.replace("0.4", eta))).tangential_law for eta in ("0.4", "0.8")
-    )
-    if not compiled._PLAIN:
-        assert first.sliding.word != second.sliding.word
-
-
-@pytest.mark.parametrize(
     ("given", "sentence"),
     [
         ({"friction": SPEED, "stick_band": 0.1}, "slider.stick_band must be 0.0 with a friction that depends"),
@@ -252,21 +123,6 @@ def test_an_edited_law_is_another_law(tmp_path):
 def test_what_does_not_go_together_is_refused(given, sentence):
     with pytest.raises(InputError, match=sentence):
         slider(**given)
-
-
-@pytest.mark.parametrize(
-    ("text", "sentence"),
-    [
-        ("MU = 0.1", "must define sliding"),
-        ("def sliding(force): return force", "takes other arguments"),
-        ("def sliding(", "cannot be run: SyntaxError"),
-        ("def sliding(a, p, w, c): return -p", "zero or positive, and finite"),
-        ("def sliding(a, p, w, c): return p / (w - w)", "cannot be evaluated: ZeroDivisionError"),
-    ],
-)
-def test_a_law_that_is_none_is_refused(text, sentence):
-    with pytest.raises(InputError, match=sentence):
-        slider(friction=UserLaw("law.py", text))
 
 
 @pytest.mark.parametrize(

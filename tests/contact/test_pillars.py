@@ -278,6 +278,17 @@ def test_newtons_step_is_exact_where_contacts_stick():
         assert now == pytest.approx(then, abs=1e-8 * 20e-9)
 
 
+def test_few_rows_are_solved_as_many_are(monkeypatch):
+    from contact.averaged import march
+
+    slider, passing = grid(5, 2), wave(backward=9e-9j, strip_width=2e-4)
+    dense = pillar_motion(slider, passing, loading=True)
+    monkeypatch.setattr(march, "MAX_DENSE", 0)
+    banded = pillar_motion(slider, passing, loading=True)
+    assert dense.velocity == pytest.approx(banded.velocity, rel=1e-11)
+    assert dense.exit_over_entry == pytest.approx(banded.exit_over_entry, rel=1e-11)
+
+
 def test_the_tilted_slider_is_in_balance():
     slider, passing, load = SCENES["free to tilt"]
     found = pillar_motion(slider, passing, load=load, loading=True)

@@ -119,6 +119,18 @@ def bevelled_end(
     return write_msh(path, points, {"stator": triangles}, lines)
 
 
+def profile(path: Path, top: np.ndarray, depth: float, rows: int = 3) -> Path:
+    """A plate section of triangles below an upper side of straight edges through the points ``top`` (n, 2)."""
+    share = np.linspace(0, 1, rows + 1)
+    x, z = np.repeat(top[:, :1], rows + 1, axis=1), -depth + share * (top[:, 1:] + depth)
+    node = np.arange(x.size).reshape(x.shape)
+    a, b, c, d = (each.ravel() for each in (node[:-1, :-1], node[1:, :-1], node[1:, 1:], node[:-1, 1:]))
+    triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    ends = {"left": node[0], "right": node[-1], "bottom": node[:, 0]}
+    lines = {name: np.stack([own[:-1], own[1:]], axis=1) for name, own in ends.items()}
+    return write_msh(path, np.stack([x.ravel(), z.ravel()], axis=1), {"stator": triangles}, lines)
+
+
 def chip(
     path: Path, length: float, depth: float, electrodes: dict, *, size: float, groups=("bottom",)
 ) -> Path:

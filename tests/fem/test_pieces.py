@@ -12,8 +12,9 @@ from fem.condense.reduced import PieceSample, rational_piece
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.error_estimate import LEVELS
 from fem.discretize.grading import Resolution
-from fem.geometry import Stator, Transducer, check_layout
+from fem.geometry import Stator, Transducer
 from fem.input_error import InputError
+from fem.layout import check_layout
 from fem.materials import material
 from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.even_corners import with_even_corners
@@ -31,7 +32,7 @@ from fem.solve.reflector import reflector
 from fem.waveguide.force import LineForce
 from fem.waveguide.port_fields import solve_ports
 from fem.waveguide.row import PieceRow
-from tests.fem.drawings import bevelled_end, chip, rectangle
+from tests.fem.drawings import bevelled_end, chip, profile, rectangle
 from tests.fem.piece_references import REFERENCES, places
 from tests.fem.stators import comb, cut, plate, wave_of
 
@@ -499,7 +500,10 @@ def test_a_grounded_electrode_takes_no_net_charge_from_the_transducers(tmp_path)
 
 
 def test_a_band_of_a_whole_stator(tmp_path):
-    """Each frequency is solved anew; the error is that of the sharpest resonance between those that are checked."""
+    """Between a few condensations the mesh is interpolated, motion and interior too, to a tenth of the tolerance.
+
+    The error of the discretisation is that of the sharpest resonance between the frequencies that are checked.
+    """
     stator = replace(_whole(tmp_path), solid=cut("PZT-4", "Z", quality=1000))
     places = (4e-3,)
     band = frequency_band(
@@ -514,6 +518,12 @@ def test_a_band_of_a_whole_stator(tmp_path):
         assert abs(wave.admittance / exact.circuit.admittance - 1) < band.admittance_error
         moved = surface_of(exact).motion(np.array(places))
         assert motion_difference(wave.motion(np.array(places)), moved) < band.relative_error
+    anew = replace(band.model, interpolation=None).solution(2.188e6, "a")
+    moved = surface_of(anew).motion(np.array(places))
+    assert motion_difference(wave.motion(np.array(places)), moved) < 5e-3
+    assert abs(wave.admittance / anew.circuit.admittance - 1) < 1e-5
+    assert len(band.model.interpolation[1].rational.nodes) < 10
+    assert wave.power_residual < 1e-5
     nodes = [
         solve_ports(stator, CHIP_ROW, frequency=f, resolution=LEVELS[0]) for f in (2.13e6, 2.17e6, 2.21e6)
     ]
@@ -551,3 +561,49 @@ def test_what_a_whole_stator_has_not(tmp_path):
             tolerance=0.1,
             places=(1e-3,),
         )
+
+
+def test_two_pieces_as_one_end_are_told_apart_by_their_places(tmp_path):
+    """One file at two places has one name: the refusal says where each of them lies."""
+    mesh = read_mesh(bevelled_end(tmp_path / "end.msh", 0.7, 0.5, 0.8, size=0.35), 1e-3)
+    ends = tuple(MeshPiece(name="end", mesh=mesh, position=place) for place in (7e-3, 5e-3))
+    stator = replace(plate(cut("PZT-4", "Z")), length=8e-3, thickness=0.8e-3, ends="free", pieces=ends)
+    with pytest.raises(
+        InputError, match=r'"end" \(5 to 5.7 mm\) and "end" \(7 to 7.7 mm\) are both the right end'
+    ):
+        check_layout(stator, ())
+
+
+def _with_profile(path, bottom, *, width=2.0) -> Stator:
+    """A stator with a piece between whose flat ends the upper side runs through the points ``bottom`` (mm)."""
+    flat = [[0.0, 0.0], [0.3, 0.0]]
+    top = np.array([*flat, *bottom, *([width - x, z] for x, z in flat[::-1])])
+    piece = MeshPiece(name="arc", mesh=read_mesh(profile(path, top, 1.1), 1e-3), position=5e-3)
+    return Stator(solid=cut("PZT-4", "Z"), length=10e-3, thickness=1.1e-3, ends="absorbing", pieces=(piece,))
+
+
+def test_the_sagitta_of_a_coarsely_drawn_arc_is_stated(tmp_path):
+    """The change of u_z that a warning states contains that against edges a third as long, and is not far from it."""
+    row = (
+        Transducer(name="a", center=2.5e-3, finger_pairs=2, period=1e-3, metallisation=0.5, aperture=1e-2),
+    )
+    places, moved, stated = np.array([4.1e-3, 7.6e-3]), [], []
+    radius, half = 0.5125, 0.4  # 0.2 mm deep
+    for edges in (8, 24):
+        angle = np.arcsin(half / radius) * np.linspace(-1, 1, edges + 1)
+        arc = np.stack([1 + radius * np.sin(angle), radius * (np.cos(angle[0]) - np.cos(angle))], axis=1)
+        stator = _with_profile(tmp_path / f"arc{edges}.msh", arc)
+        solved = solve_driven(stator, row, frequency=2.17e6, drive="a", resolution=LEVELS[0])
+        moved.append(surface_of(solved).motion(places))
+        (said,) = [each for each in stator.piece_warnings(2.17e6) if "sagitta" in each]
+        stated.append(float(said.split("about ")[1].split()[0]))
+    assert stated[1] == pytest.approx(stated[0] / 9, rel=0.1)
+    true = motion_difference(*moved)
+    assert true < stated[0] - stated[1] < 10 * true
+
+
+@pytest.mark.parametrize("bottom", [[[0.6, -0.2], [1.2, -0.2]], [[0.7, -0.01], [1.3, -0.01]]])
+def test_slanted_walls_are_no_arc(tmp_path, bottom):
+    """A trapezoidal groove has two corners that turn to one side: they were drawn on purpose."""
+    stator = _with_profile(tmp_path / "trapezoid.msh", bottom)
+    assert not any("sagitta" in each for each in stator.piece_warnings(2.17e6))

@@ -182,6 +182,8 @@ def test_a_scene_that_is_left_runs_again_to_the_same_numbers(call, tmp_path):
         ["sweep", "twente", "--over", "slider.preload=1:2"],
         ["sweep", "twente", "--over", "slider.preload"],
         ["sweep", "twente", "--over", "slider.prelod=1,2"],
+        ["study", "rayleigh", "--tolerance", "1e-2"],
+        ["export", "twente", "--format", "touchstone", "--out", "no/net.s2p"],
         ["wave", "PZT-9"],
         ["wave", "PZT-8", "--surface", "wet"],
         ["wave", "PZT-8", "--orientation", "1,2"],
@@ -195,6 +197,47 @@ def test_bad_input_is_refused_in_one_sentence_with_code_2(call, tmp_path, words)
     assert (status, out) == (2, "")
     assert a_sentence_each(err) if "slider={}" in words else one_sentence(err), err
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["sweep", "twente-contact", "--also", "speed"], "--also must be of"),
+        (
+            ["design", "twente-contact", "--over", "slider.mass=1:2", "--maximise", "noise"],
+            "--maximise must be one",
+        ),
+        (["design", "twente-contact", "--maximise", "thrust"], "--over is required"),
+        (
+            ["fit", "twente-contact", "--data", "no.csv", "--free", "slider.mass=1:2"],
+            "--data 'no.csv' cannot be read",
+        ),
+        (
+            ["fit", "twente-contact", "--free", "slider.mass=2:1"],
+            "--free slider.mass must have LOW below HIGH",
+        ),
+    ],
+)
+def test_what_a_python_function_refuses_is_said_of_the_option(call, words, sentence):
+    status, out, err = call(*words)
+    assert (status, out) == (2, "")
+    assert err.startswith(f"sawmotor: {sentence}")
+
+
+def test_an_export_says_at_once_that_its_directory_cannot_be_written(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("studies.command.export.exported", None)
+    (tmp_path / "mine").write_text("mine")
+    assert main(["export", "twente", "--format", "uff", "--out", str(tmp_path / "mine")]) == 2
+    assert "a file of that name exists" in capsys.readouterr().err
+
+
+def test_a_fault_of_the_layout_names_file_line_key_and_unit(tmp_path, capsys):
+    file = tmp_path / "motor.toml"
+    file.write_text(shipped_scenes()["twente"].read_text().replace('"145 mm"', '"20 mm"'))
+    (line,) = (k for k, text in enumerate(file.read_text().splitlines(), 1) if text == 'center = "20 mm"')
+    assert main(["run", str(file)]) == 2
+    said = f"{file}, line {line}: transducer.1.center must keep the fingers of 'right' off those of 'left'"
+    assert said in capsys.readouterr().err
 
 
 def test_a_directory_that_cannot_be_written_is_code_2(call, tmp_path):
@@ -338,6 +381,11 @@ def test_a_contact_scene_imports_no_field_solver():
 def test_a_stator_scene_imports_no_contact_solver():
     found = imported(run_of("run", "rayleigh", "--json"))
     assert set(found).isdisjoint({"numba", "pyvista", "matplotlib", "pint", "scipy"})
+
+
+def test_a_run_from_voltage_to_velocity_spares_scipy():
+    # its import would take about a tenth of the run
+    assert "scipy" not in imported(run_of("run", "twente", "--voltage", "70", "--json"))
 
 
 def test_a_closed_pipe_is_no_traceback():

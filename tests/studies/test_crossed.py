@@ -124,12 +124,15 @@ def test_a_drive_across_is_refused(chip):
 @pytest.mark.parametrize(
     ("front", "message"),
     [
-        ({"center": ["4 mm", "-2 mm"]}, "transducer 'left' and 'front' must not overlap on the surface"),
-        ({"center": ["9 mm", "-12 mm"]}, "fingers reach from y = -0.01"),
-        ({"center": ["1 mm", "-9 mm"]}, "fingers reach from x = -0.00"),
+        (
+            {"center": ["4 mm", "-2 mm"]},
+            "transducer.1.center must keep the fingers of 'front' off those of 'left': they overlap on the surface",
+        ),
+        ({"center": ["9 mm", "-12 mm"]}, "got fingers from y = -1"),
+        ({"center": ["1 mm", "-9 mm"]}, "got fingers from x = -"),
         (
             {"center": ["9 mm", "0.5 mm"]},
-            "slider.position must keep the contacts off 'front', got one at (0.009, 0) m",
+            "slider.position must keep the contacts off 'front', got one at (9, 0) mm",
         ),
         ({"angle": "1 mm"}, "must be an angle"),
     ],

@@ -20,7 +20,7 @@ from studies.record.plots import new_figure
 from studies.record.text import sentences
 from studies.refusal import SceneError
 from studies.report import datasheet_page
-from studies.report.datasheet import datasheet
+from studies.report.datasheet import GROUPS, datasheet
 from studies.scene import Scene, read_table
 from tests.studies.legible import assert_legible
 from tests.studies.settings import assigned
@@ -145,7 +145,7 @@ def test_every_number_has_a_unit_and_a_finite_error(sheet):
         assert each["unit"]
         assert np.isfinite(each["value"])
         assert 0.0 <= each.get("error", 0.0) < (0.2 if "smallest step" in each["name"] else 0.05)
-    assert {each["group"] for each in whole["rows"]} == set(datasheet_page.GROUPS)
+    assert {each["group"] for each in whole["rows"]} == set(GROUPS)
 
 
 def test_the_page_is_self_contained_and_says_what_is_not_modelled(sheet):
@@ -157,7 +157,7 @@ def test_the_page_is_self_contained_and_says_what_is_not_modelled(sheet):
     assert "no lateral modes of the width" in page
     for each in sheet.rows:
         assert f"<td>{each.name}</td>" in page
-    text = datasheet_page.table(sheet)
+    text = str(sheet)
     assert all(each.name in text for each in sheet.rows)
 
 
@@ -173,7 +173,7 @@ def test_its_pictures_can_be_read(sheet, draw):
 def test_it_says_what_the_model_leaves_out_with_its_size(sheet):
     sizes = sentences(sheet.record)
     assert sizes[-1].startswith("below the tolerance")
-    for text in (unescape(datasheet_page.page(sheet)), datasheet_page.table(sheet)):
+    for text in (unescape(datasheet_page.page(sheet)), str(sheet)):
         assert all(each in text for each in sizes)
     assert sheet.to_dict()["model_error"] == sheet.record.model_error
 

@@ -1,7 +1,9 @@
 """Fits: closed forms of linear and multiplicative models, a scaling law of the contact, and the command."""
 
+import itertools
 import json
 import math
+import re
 from dataclasses import replace
 from importlib import import_module
 
@@ -29,6 +31,9 @@ class Model:
     def __init__(self, formula, **own):
         self.formula, self.own = formula, own
 
+    def begin(self, stage, total=0):
+        """Say nothing."""
+
     def predict(self, asked):
         return [self.formula(np.array(m.levels), **(self.own | numbers)) for m, numbers in asked]
 
@@ -45,7 +50,7 @@ def explored(model, parameters, monkeypatch, **own):
     data = Measurement(name="m", quantity="velocity", level_key="voltage_V", levels=LEVELS,
                        values=tuple(model.formula(np.array(LEVELS), **model.own)), **own)  # fmt: skip
     problem = Problem(predictor=model, parameters=parameters, measurements=(data,))
-    return _explored(problem, problem.minima(), problem.points - len(parameters), False, lambda text: None)
+    return _explored(problem, problem.minima(), problem.points - len(parameters), False)
 
 
 def test_intervals_of_a_straight_line_are_those_of_the_textbook(monkeypatch):
@@ -86,7 +91,7 @@ def test_intervals_without_deviations_are_student_s(monkeypatch):
                        values=tuple(model.formula(np.array(LEVELS), 2.0)), deviations=(1.0,) * 7)  # fmt: skip
     free = (Parameter(key="b", low=0.5, high=8.0),)
     problem = Problem(predictor=fitted, parameters=free, measurements=(data,))
-    found = _explored(problem, problem.minima(), problem.points - 1, True, lambda text: None)
+    found = _explored(problem, problem.minima(), problem.points - 1, True)
     x = np.array(LEVELS)
     slope = float(x @ data.values / (x @ x))
     residual = math.sqrt(np.sum((np.array(data.values) - slope * x) ** 2) / (len(x) - 1))
@@ -242,6 +247,23 @@ def test_the_command_prints_json_in_si_units(tmp_path, capsys, curve):
     assert whole["parameters"]["slider.damping.tangential"]["value"] == pytest.approx(1e-4, rel=1e-4)
     assert whole["degrees_of_freedom"] == len(curve.levels) - 1
     assert not any(tmp_path.glob("results*"))
+
+
+def test_a_fit_shows_itself_in_the_units_of_its_numbers_and_says_what_it_computes(curve, monkeypatch):
+    monkeypatch.setattr("studies.inverse.prediction.time.monotonic", itertools.count(0.0, 2.0).__next__)
+    said: list[str] = []
+    result = fit("twente-contact", curve, {"slider.preload": (2e-4, 4e-3)}, progress=said.append)
+    assert result.best == result.values
+    preload = result.best["slider.preload"]
+    assert re.match(
+        rf"Fit\(slider.preload = {1e6 * preload:.4g} µN \([\d.]+ to [\d.]+\), chi\^2", repr(result)
+    )
+    (row,) = (line.split() for line in str(result).splitlines() if line.startswith("slider.preload "))
+    assert row[-1] == "µN"
+    assert float(row[1]) == pytest.approx(1e6 * preload, rel=1e-4)
+    assert "fit: 65 starting points" in said
+    assert any(re.fullmatch(r"fit: 65 starting points: \d+ of 65 predictions", each) for each in said)
+    assert any(re.fullmatch(r"fit: least squares: \d+ predictions", each) for each in said)
 
 
 @pytest.mark.parametrize(

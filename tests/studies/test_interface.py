@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import sys
 import threading
 
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 import threadpoolctl
 
-from studies import Record, RunError, Scene, SceneError, network, run, sweep
+from studies import Record, RunError, Scene, SceneError, datasheet, network, run, sweep
 from studies.record.quantities import quantity
 from studies.results import MANIFEST
 
@@ -161,6 +162,9 @@ def test_a_record_shows_itself(record, driven):
     assert "velocity (mm/s)" in page
     ax = record.plot(Figure().add_subplot())
     assert "mm/s" in ax.get_ylabel()
+    sheet = datasheet("twente-contact")
+    assert re.match(r"Datasheet\('.*', 20 nm, .*speed.* 1[0-9.]+ mm/s\)", repr(sheet))
+    assert "blocked thrust" in str(sheet)
     free = run("rayleigh")
     assert "free wave, 218" in repr(free)
     assert "depth" in free.plot(Figure().add_subplot()).get_xlabel()
@@ -174,6 +178,8 @@ def test_a_sweep_as_a_data_set_has_the_runs_own_numbers(contact):
     value = grid["velocity_m_per_s"].sel({"slider.preload": 2e-3, "wave.normal_amplitude": 6e-9})
     assert float(value) == pytest.approx(float(single.velocity[0]), rel=1e-3)
     assert str(grid["regime"][1, 1].item()) == single.regime[0]
+    for data in (grid, run(contact).to_xarray()):
+        assert all("units" in each.attrs for each in data.variables.values() if each.dtype.kind == "f")
     table = sweep(contact, over).columns()
     assert table["velocity_m_per_s"] == grid["velocity_m_per_s"].to_numpy().ravel().tolist()
 

@@ -10,8 +10,8 @@ import pytest
 
 from studies import Record, Scene, SceneError, run, sweep
 from studies.__main__ import main
+from studies.lab.measurement_csv import read_measured
 from studies.motor import load_line
-from studies.record.measured import read_measured
 
 
 @pytest.fixture

@@ -16,10 +16,10 @@ from studies.chain.scan_prediction import at_other_velocity, placed
 from studies.export.instruments import csv_files, touchstone_files, virtual_scan
 from studies.inverse import fit, read_measurement, read_parameter
 from studies.inverse.prediction import MeasurementPredictor
+from studies.lab.encoder import aligned, averaged, low_pass, travelled_distance
+from studies.lab.measurement_csv import measured_scan, read_measured
 from studies.lab.network import NetworkData, read_network
 from studies.lab.scan import Scan, scan_csv, scan_of_uff, scan_uff
-from studies.lab.trace import aligned, averaged, low_pass, travelled_distance
-from studies.record.measured import measured_scan, read_measured
 from studies.record.scan_comparison import compared_scan
 from studies.refusal import SceneError
 from studies.scene import Scene

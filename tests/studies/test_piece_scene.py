@@ -298,6 +298,8 @@ def test_heights_and_units(plain):
 def test_places_and_overlaps(plain):
     words = refused(plain, position="3 mm")
     assert 'piece "plain" (3 to 4 mm) overlaps the transducer "t" (1.625 to 3.375 mm)' in words
+    words = refused(plain, position="3.375 mm")
+    assert 'piece "plain" (3.375 to 4.375 mm) touches the transducer "t" (1.625 to 3.375 mm)' in words
     words = refused(plain, position=["6 mm", "6.5 mm"])
     assert 'piece "plain" (6 to 7 mm) overlaps the piece "plain" (6.5 to 7.5 mm)' in words
     assert "must lie on the stator, 0 to 12 mm, it reaches from 11.5 to 12.5 mm" in refused(
@@ -396,6 +398,8 @@ def test_files_that_are_no_mesh(tmp_path, plain):
     assert "the file's third coordinate is not constant: a section has two" in refused(tmp_path / "deep.msh")
     (tmp_path / "nan.msh").write_text(text.replace("1 0.0 -1.1 0", "1 nan -1.1 0"))
     assert "the file has a coordinate that is no finite number" in refused(tmp_path / "nan.msh")
+    (tmp_path / "far.msh").write_text(text.replace("1 0.0 -1.1 0", "1 1e300 -1.1 0"))
+    assert "the file has a coordinate of 1e+297 m, at most 1000 m" in refused(tmp_path / "far.msh")
     lines = text.split("$Elements\n")
     count, *rest = lines[1].split("\n")
     cubic = f"{int(count)}\n" + "\n".join(rest).replace("1 1 2 1 1 1 2", "1 26 2 1 1 1 2 3 4", 1)

@@ -45,8 +45,8 @@ slider.contacts=["1 mm", 0.001] | slider.contacts ... differ
 slider.contacts=["1 mm", "1 kg"] | slider.contacts.1 ... '1 kg'
 slider.law=hertz | slider.law ... "elastic" ... 'hertz'
 slider.reciprocal=1 | slider.reciprocal ... true or false
-slider.position=170 mm | slider.position ... 0 to 0.16 m ... 0.17 m
-slider.contacts=["0 mm", "81 mm"] | slider.position ... 0.161 m
+slider.position=170 mm | slider.position ... 0 to 160 mm ... 170 mm
+slider.contacts=["0 mm", "81 mm"] | slider.position ... 161 mm
 slider=3 | slider ... block of keys ... 3
 drive.voltage=[] | drive.voltage ... empty list
 drive.voltage=[1, -2] | drive.voltage.1 ... zero or positive ... -2.0 V
@@ -65,9 +65,9 @@ slider.a\x1eb=1 | slider.a\\x1eb ... is no key
 transducer.0.termination=closed | transducer.0.termination ... "open" or "short"
 transducer.0.termination=[1, 2, 3] | transducer.0.termination ... [resistance, reactance]
 transducer.1.name=left | transducer.1.name ... 'left'
-transducer.1.center=170 mm | transducer.1.center ... 0 to 0.16 m ... 0.17 m
+transducer.1.center=170 mm | transducer.1.center ... 0 to 160 mm ... 170 mm
 transducer=4 | transducer ... [[transducer]]
-transducer.1.aperture=36 mm | transducer.1.aperture ... at most stator.width, 0.035 m ... 0.036 m
+transducer.1.aperture=36 mm | transducer.1.aperture ... at most stator.width, 35 mm ... 36 mm
 stator.ends=open | stator.ends ... "absorbing" ... 'open'
 stator.bottom=fre | stator.bottom ... did you mean free?
 stator.orientation=128XY | stator.orientation ... did you mean 128YX?
@@ -119,10 +119,10 @@ NO_MODULI; slider.ball=LiNbO3 (Ogi) | slider.ball ... isotropic
 stator.material=PZT8 | stator.material ... PZT-8
 stator.material=steel | transducer ... not piezoelectric
 transducer.0.center=2 mm | transducer.0
-transducer.0.center=136 mm | transducer ... overlap
+transducer.0.center=136 mm | transducer.1.center ... off those of
 transducer.0.finger_pairs=500 | transducer.0 ... stator
-MM_PERIODS; transducer.1.center=20 mm | transducer 'left' and 'right' must not overlap: the first ends at 0.01
-transducer.1.center=158 mm; transducer.1.period=1 mm | transducer.1 must lie on the stator, 0 to 0.16 m, ... to 0.16
+MM_PERIODS; transducer.1.center=20 mm | transducer.1.center must keep the fingers ... the former begin at 1
+transducer.1.center=158 mm; transducer.1.period=1 mm | transducer.1.center ... 0 to 160 mm, ... to 16
 drive.burst=1 h | drive.burst ... 364 s ... got 3600 s
 drive.burst=1 h; drive.frequency=center; MM_PERIODS | drive.burst ... 370 s ... got 3600 s
 wave={frequency="2.2 MHz", normal_amplitude="1 nm", tangential_ratio=0.7} | wave must not stand beside [stator]

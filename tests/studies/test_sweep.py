@@ -112,7 +112,7 @@ def test_values_of_an_axis(key, text, values):
         ({"slider.preload": "1 kg:2 kg:5"}, {}, "a force"),
         ({"stator.material": "1:2:5"}, {}, "takes words"),
         ({"slider.contacts": "1:2:5"}, {}, "whole numbers"),
-        ({"slider.preload": "1:2:3"}, {"also": ("speed",)}, "--also"),
+        ({"slider.preload": "1:2:3"}, {"also": ("speed",)}, "also"),
         ([{"slider.preload": "1:2:3"}, {"slider.preload": [1.0]}], {}, "twice"),
     ],
 )  # fmt: skip

@@ -6,8 +6,9 @@ from pathlib import Path
 import pytest
 
 from studies.chain import run
-from studies.record.measured import compared, read_measured
+from studies.lab.measurement_csv import read_measured
 from studies.record.quantities import ENDINGS, quantities, with_quantities
+from studies.record.velocity_comparison import compared
 from studies.scene import Scene, read_table
 from tests.studies.settings import assigned
 

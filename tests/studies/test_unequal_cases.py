@@ -79,7 +79,7 @@ def test_breakdown_of_a_second_source_that_is_the_larger():
 def test_a_ball_beside_either_edge_is_refused(beside):
     """The stator is 35 mm wide."""
     places = [["0 mm", "5 mm"], ["0 mm", f"{beside} mm"], ["0 mm", "-6 mm"]]
-    with pytest.raises(SceneError, match=f"got a contact at y = {beside / 1e3:g} m"):
+    with pytest.raises(SceneError, match=f"got a contact at y = {beside:g} mm"):
         Scene.load("twente").replace(slider={"contacts": places})
 
 

@@ -14,7 +14,8 @@ from fem.beam.mutual_admittance import mutual_admittance
 from fem.beam.surface_beam import BeamError, surface_beam
 from fem.circuit import Drive
 from fem.discretize.grading import Resolution
-from fem.geometry import check_layout, check_plan, covers, separation, turn
+from fem.geometry import covers, separation, turn
+from fem.layout import check_layout, check_plan
 from fem.solve.harmonic import driven_wave
 from fem.waveguide.port_fields import solve_ports
 from tests.fem.stators import FREQUENCY, comb, cut, plate, solution, wave_of
@@ -201,10 +202,10 @@ def test_a_place_on_the_surface():
     [
         (
             (LEFT, replace(FRONT, center_y=0.0, center=LEFT.center)),
-            "'a' and 'c' must not overlap on the surface",
+            "off those of 'a': they overlap on the surface",
         ),
-        ((LEFT, replace(FRONT, center_y=-0.499 * WIDTH)), "fingers reach from y = "),
-        ((LEFT, replace(FRONT, center=1e-3)), "fingers reach from x = "),
+        ((LEFT, replace(FRONT, center_y=-0.499 * WIDTH)), "got fingers from y = "),
+        ((LEFT, replace(FRONT, center=1e-3)), "got fingers from x = "),
         ((LEFT, replace(LEFT, center_y=6e-3)), "names must differ"),
     ],
 )

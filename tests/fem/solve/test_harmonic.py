@@ -162,9 +162,12 @@ def drive(stator=STATOR, transducers=PAIR, **changes):
         ({"transducers": (PAIR[0], PAIR[0])}, "transducer names must differ"),
         (
             {"transducers": (PAIR[0], replace(PAIR[0], name="b", center=1.2 * PAIR[0].center))},
-            "'a' and 'b' must not overlap",
+            "fingers of 'b' off those of 'a'",
         ),
-        ({"transducers": (replace(PAIR[0], center=STATOR.length),)}, "'a' must lie on the stator, 0 to"),
+        (
+            {"transducers": (replace(PAIR[0], center=STATOR.length),)},
+            "'a'.center must keep the fingers on the stator, 0 to",
+        ),
         (
             {"stator": replace(STATOR, solid=material("steel"))},
             "transducer needs a piezoelectric stator, and steel is not piezoelectric",

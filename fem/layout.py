@@ -1,139 +1,145 @@
-"""Layout of the meshed pieces on a stator: their order, which of them are its ends, and the rules for their places."""
+"""Rules for the places of transducers and meshed pieces on a stator, and for what a piece is made of."""
 
-import itertools
-from dataclasses import dataclass
+from itertools import combinations, pairwise
 
 import numpy as np
 
+from fem.geometry import Stator, Transducer, separation
 from fem.input_error import InputError
 from fem.materials.solids import Solid
-from fem.mesh.piece import FLOATING, GROUNDED, SAME, MeshPiece
+from fem.mesh.piece import FLOATING, GROUNDED, MAX_UNKNOWNS, SAME, MeshPiece
+from fem.mesh.placement import Placement, is_step
 from fem.mesh.section_mesh import ELECTRODE
 from fem.mesh.shapes import CORNERS
 
-MAX_UNKNOWNS = 2_000_000  # of one piece
 # Unknowns of a quadrilateral at the coarsest level, at the least: order 4 (fem.condense.mesh), u_x, u_z and phi.
 LEAST_PER_QUAD = 3 * 4**2
 UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "inch": 0.0254}  # m
 
 
-@dataclass(frozen=True, kw_only=True)
-class Placement:
-    """Meshed pieces by their part in the row."""
-
-    between: tuple[MeshPiece, ...]  # from left to right, with an interface on both sides
-    ends: tuple[MeshPiece | None, MeshPiece | None]  # the left and the right end, where they are meshes
-    whole: MeshPiece | None  # the stator from end to end: it has no interface
-    # start, stop: where the uniform stator begins and ends, m
-    start: float
-    stop: float
-
-
-def is_step(piece: MeshPiece, thickness: float) -> bool:
-    """True if a piece is a step from the stator's thickness to another one."""
-    sides = ("left", "right")
-    return (
-        all(piece.interface(side) for side in sides)
-        and sum(piece.fits(side, thickness) for side in sides) == 1
-    )
-
-
-def placement(pieces: tuple[MeshPiece, ...], *, length: float, thickness: float) -> Placement:
-    """Sort pieces by their part in the row: between uniform segments, an end of the stator, or all of it."""
-    whole = None
-    between: list[MeshPiece] = []
-    ends: list[MeshPiece | None] = [None, None]
-    for piece in sorted(pieces, key=lambda each: each.extent[0]):
-        left, right = piece.interface("left"), piece.interface("right")
-        if left is None and right is None:
-            whole = piece
-            continue
-        if is_step(piece, thickness):
-            side = 1 if piece.fits("left", thickness) else 0
-        elif left is None and right is not None:
-            side = 0
-        elif right is None and left is not None:
-            side = 1
-        else:
-            between.append(piece)
-            continue
-        if ends[side] is not None:
-            raise InputError(
-                "piece", f'"{piece.name}" and "{ends[side].name}" are both the {("left", "right")[side]} end'
-            )
-        ends[side] = piece
-    start = 0.0 if ends[0] is None else ends[0].interface("right")[0]
-    stop = length if ends[1] is None else ends[1].interface("left")[0]
-    return Placement(between=tuple(between), ends=(ends[0], ends[1]), whole=whole, start=start, stop=stop)
-
-
-def check_pieces(
-    pieces: tuple[MeshPiece, ...],
-    *,
-    length: float,
-    thickness: float,
-    bottom: str,
-    ends: str,
-    above: str,
-    absorbs_below: bool,
-    solid: Solid,
-    transducers: dict[str, tuple[float, float, str]],
-) -> None:
-    """Check that the pieces fit the stator and each other; ``transducers``: edges (m) and signs by name.
+def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
+    """Check that the transducers of a section lie on the stator, do not overlap, are not rotated and differ in name.
 
     Raises
     ------
-    InputError
-        Names the piece, the rule, the values and the unit.
+    ValueError
+        If a rule is broken; the message names the transducers and their edges in m.
     """
-    if not pieces:
+    _check_names(transducers)
+    for transducer in transducers:
+        if transducer.angle:
+            raise InputError(
+                "transducer",
+                f"must have the angle 0 in a section along x, got {transducer.angle:g} "
+                "rad: what follows the circuit of one section is not known for turned transducers",
+                owner=transducer.name,
+            )
+    placed = sorted(transducers, key=lambda transducer: transducer.center)
+    for transducer in placed:
+        _check_along(transducer.name, *transducer.extent, stator.length)
+    for first, second in pairwise(placed):
+        if first.extent[1] >= second.extent[0]:
+            raise InputError(
+                "transducer.center",
+                f"must keep the fingers of {second.name!r} off those of {first.name!r}: the former begin at "
+                f"{second.extent[0] * 1e3:.6g} mm, the latter end at {first.extent[1] * 1e3:.6g} mm",
+                owner=second.name,
+            )
+    _check_pieces(stator, transducers)
+
+
+def check_plan(stator: Stator, width: float, transducers: tuple[Transducer, ...]) -> None:
+    """Check in the plan view that the transducers lie on the surface, do not overlap and differ in name.
+
+    Raises
+    ------
+    ValueError
+        If a rule is broken; the message names the transducers and their edges in m.
+    """
+    _check_names(transducers)
+    for each in transducers:
+        (left, low), (right, high) = each.corners.min(axis=0), each.corners.max(axis=0)
+        _check_along(each.name, left, right, stator.length, axis="x = ")
+        if max(-low, high) > width / 2 * (1 + 1e-12):
+            raise InputError(
+                "transducer.center",
+                f"must keep the fingers on the stator, y from -{width * 500:g} to {width * 500:g} mm, got fingers from "
+                f"y = {low * 1e3:.6g} to {high * 1e3:.6g} mm",
+                owner=each.name,
+            )
+    for one, other in combinations(transducers, 2):
+        if separation(one, other)[0] <= 0:
+            raise InputError(
+                "transducer.center",
+                f"must keep the fingers of {other.name!r} off those of {one.name!r}: they overlap on the surface",
+                owner=other.name,
+            )
+
+
+def _check_along(name: str, left: float, right: float, length: float, axis: str = "") -> None:
+    if left <= 0 or right >= length:
+        raise InputError(
+            "transducer.center",
+            f"must keep the fingers on the stator, 0 to {length * 1e3:g} mm, got fingers from "
+            f"{axis}{left * 1e3:.6g} to {right * 1e3:.6g} mm",
+            owner=name,
+        )
+
+
+def _check_names(transducers: tuple[Transducer, ...]) -> None:
+    names = [transducer.name for transducer in transducers]
+    if len(set(names)) < len(names):
+        raise InputError("transducer", f"names must differ, got {', '.join(names)}")
+
+
+def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
+    """Raise an InputError if the pieces do not fit the stator, the transducers or each other."""
+    if not stator.pieces:
         return
-    if absorbs_below or above != "none":
+    above = stator.above
+    if stator.absorbs_below or above != "none":
         key, value = ("stator.above", above) if above != "none" else ("stator.bottom", "absorbing")
         raise InputError(
             key,
             f"must be {'none' if above != 'none' else 'free, grounded or clamped'} with a meshed piece, got {value!r}",
         )
-    placed = placement(pieces, length=length, thickness=thickness)
+    placed = stator.placement
     if placed.whole is not None:
-        _check_whole(placed.whole, len(pieces), length, thickness, ends, transducers)
-    for piece in pieces:
-        _check_heights(piece, thickness)
+        _check_whole(placed.whole, stator, transducers)
+    for piece in stator.pieces:
+        _check_heights(piece, stator.thickness)
         _check_size(piece)
         _check_materials(piece)
-        _check_electrodes(piece, transducers, placed)
-        _check_electrode_lines(piece, solid)
-        if bottom in ("grounded", "clamped") and "bottom" not in piece.mesh.lines:
+        _check_electrodes(piece, transducers, at_end=piece in placed.ends)
+        _check_electrode_lines(piece, stator.solid)
+        if stator.bottom != "free" and "bottom" not in piece.mesh.lines:
             raise InputError(
-                "piece", f"has no line group bottom, and stator.bottom is {bottom}", owner=piece.name
+                "piece", f"has no line group bottom, and stator.bottom is {stator.bottom}", owner=piece.name
             )
-    for side, piece in enumerate(placed.ends):
-        if piece is not None and is_step(piece, thickness) and ends != "absorbing":
+    for end, inner in zip(placed.ends, (placed.start, placed.stop), strict=True):
+        if end is None:
+            continue
+        if is_step(end, stator.thickness) and stator.ends != "absorbing":
             raise InputError(
                 "stator.ends",
-                f"must be absorbing behind the step of thickness of piece {piece.name!r}, got {ends!r}",
+                f"must be absorbing behind the step of thickness of piece {end.name!r}, got {stator.ends!r}",
             )
-        if piece is not None and not 0 < piece.interface("right" if side == 0 else "left")[0] < length:
+        if not 0 < inner < stator.length:
             raise InputError(
                 "piece",
-                f"begins beside the stator, 0 to {length * 1e3:g} mm: {_where(piece)}",
-                owner=piece.name,
+                f"begins beside the stator, 0 to {stator.length * 1e3:g} mm: {end.where}",
+                owner=end.name,
             )
-    _check_overlaps(placed, length, transducers)
-
-
-def _where(piece: MeshPiece) -> str:
-    low, high = piece.extent
-    return f"{low * 1e3:.6g} to {high * 1e3:.6g} mm"
+    if placed.whole is None:
+        _check_overlaps(placed, stator.length, transducers)
 
 
 def _check_heights(piece: MeshPiece, thickness: float) -> None:
-    lines = {side: piece.interface(side) for side in ("left", "right") if piece.interface(side) is not None}
-    wrong = [side for side in lines if not piece.fits(side, thickness)]
-    if len(wrong) < len(lines) or not wrong:
+    """Raise an InputError for a piece of which no interface is as high as the stator."""
+    lines = {side: line for side in ("left", "right") if (line := piece.interface(side)) is not None}
+    if not lines or any(piece.fits(side, thickness) for side in lines):
         return
-    side = wrong[0]
-    _, height, top = lines[side]
+    side, (_, height, top) = next(iter(lines.items()))
     if abs(height - thickness) <= SAME * thickness:
         raise InputError(
             "piece",
@@ -155,10 +161,9 @@ def _unit_question(piece: MeshPiece, drawn: float, meant: float) -> str:
     return f": is the file's length unit {hint}?" if hint else ""
 
 
-def _check_whole(
-    piece: MeshPiece, pieces: int, length: float, thickness: float, ends: str, transducers: dict
-) -> None:
+def _check_whole(piece: MeshPiece, stator: Stator, transducers: tuple[Transducer, ...]) -> None:
     """Raise an InputError for a piece without interface that is not the whole stator."""
+    length, thickness = stator.length, stator.thickness
 
     def refuse(rule: str, key: str = "piece") -> None:
         raise InputError(key, rule, owner=piece.name)
@@ -167,12 +172,13 @@ def _check_whole(
     if max(abs(low), abs(high - length)) > SAME * length:
         refuse(
             "has no line group left or right, where a mesh meets the uniform stator; without them it must be the whole "
-            f"stator, 0 to {length * 1e3:.6g} mm, it reaches from {_where(piece)}"
+            f"stator, 0 to {length * 1e3:.6g} mm, it reaches from {piece.where}"
             f"{_unit_question(piece, high - low, length)}"
         )
-    if pieces > 1:
+    if len(stator.pieces) > 1:
         refuse(
-            f"has no line group left or right and is the whole stator: it must be the only piece, got {pieces}"
+            "has no line group left or right and is the whole stator: it must be the only piece, got "
+            f"{len(stator.pieces)}"
         )
     bottom, top = (each * 1e3 for each in piece.mesh.depth)
     if max(abs(bottom + thickness * 1e3), abs(top)) > SAME * thickness * 1e3:
@@ -181,19 +187,19 @@ def _check_whole(
             f"stator.thickness) to 0, it reaches from {bottom:.6g} to {top:.6g} mm"
             f"{_unit_question(piece, (top - bottom) * 1e-3, thickness)}"
         )
-    if ends != "free":
+    if stator.ends != "free":
         refuse(
             f'must be free with piece "{piece.name}", which is the whole stator: its line group clamped says what is '
-            f"held, and a mesh does not absorb; got {ends!r}",
+            f"held, and a mesh does not absorb; got {stator.ends!r}",
             key="stator.ends",
         )
     connected = {connection for _, connection in piece.electrodes}
-    for name, (_, _, signs) in transducers.items():
+    for each in transducers:
         for sign in "+-":
-            if sign in signs and name + sign not in connected:
+            if sign in each.signs and each.name + sign not in connected:
                 refuse(
-                    f"must connect a line group electrode:NAME to {name}{sign}: the piece is the whole stator, and the "
-                    f'fingers of transducer "{name}" are those that the mesh draws',
+                    f"must connect a line group electrode:NAME to {each.name}{sign}: the piece is the whole stator, "
+                    f'and the fingers of transducer "{each.name}" are those that the mesh draws',
                     key="piece.electrodes",
                 )
 
@@ -218,6 +224,7 @@ def _check_size(piece: MeshPiece) -> None:
 
 
 def _check_materials(piece: MeshPiece) -> None:
+    """Raise an InputError for surface groups without a solid, or solids without a surface group."""
     known = ["stator", *(name for name, _ in piece.solids)]
     if "stator" in known[1:]:
         raise InputError(
@@ -243,7 +250,9 @@ def _check_materials(piece: MeshPiece) -> None:
             )
 
 
-def _check_electrodes(piece: MeshPiece, transducers: dict, placed: Placement) -> None:
+def _check_electrodes(piece: MeshPiece, transducers: tuple[Transducer, ...], *, at_end: bool) -> None:
+    """Raise an InputError for connections to electrodes or transducers that do not exist."""
+    signs = {each.name: each.signs for each in transducers}
     for name, connection in piece.electrodes:
         if name not in piece.mesh.electrodes:
             groups = ", ".join(piece.mesh.electrodes) or "none"
@@ -255,20 +264,20 @@ def _check_electrodes(piece: MeshPiece, transducers: dict, placed: Placement) ->
         if connection in (FLOATING, GROUNDED):
             continue
         comb, sign = connection[:-1], connection[-1:]
-        if sign not in ("+", "-") or comb not in transducers:
-            known = ", ".join(f"{each}+, {each}-" for each in transducers)
+        if sign not in ("+", "-") or comb not in signs:
+            known = ", ".join(f"{each}+, {each}-" for each in signs)
             raise InputError(
                 "piece.electrodes",
                 f'must connect "{name}" to floating, grounded or a comb ({known}), got {connection!r}',
                 owner=piece.name,
             )
-        if sign not in transducers[comb][2]:
+        if sign not in signs[comb]:
             raise InputError(
                 "piece.electrodes",
                 f'connects "{name}" to {connection}, and that transducer has no finger "{sign}"',
                 owner=piece.name,
             )
-        if piece in placed.ends:
+        if at_end:
             raise InputError(
                 "piece.electrodes",
                 f'must leave "{name}" floating or grounded: a piece at the stator\'s end is connected to no comb',
@@ -303,9 +312,8 @@ def _check_electrode_lines(piece: MeshPiece, solid: Solid) -> None:
         owner |= dict.fromkeys(nodes, name)
 
 
-def _check_overlaps(placed: Placement, length: float, transducers: dict) -> None:
-    if placed.whole is not None:
-        return
+def _check_overlaps(placed: Placement, length: float, transducers: tuple[Transducer, ...]) -> None:
+    """Raise an InputError for a piece beside the stator, or over another piece or a transducer."""
     spans = [(each.extent, f'piece "{each.name}"') for each in placed.between]
     for side, piece in enumerate(placed.ends):
         if piece is not None:
@@ -313,25 +321,28 @@ def _check_overlaps(placed: Placement, length: float, transducers: dict) -> None
             spans.append(
                 ((-float("inf"), high) if side == 0 else (low, float("inf")), f'piece "{piece.name}"')
             )
-    spans += [((low, high), f'transducer "{name}"') for name, (low, high, _) in transducers.items()]
+    spans += [(each.extent, f'transducer "{each.name}"') for each in transducers]
     room = SAME * length
     for piece in placed.between:
         low, high = piece.extent
         if low < -room or high > length + room:
             raise InputError(
                 "piece",
-                f"must lie on the stator, 0 to {length * 1e3:g} mm, it reaches from {_where(piece)}",
+                f"must lie on the stator, 0 to {length * 1e3:g} mm, it reaches from {piece.where}",
                 owner=piece.name,
             )
     spans.sort(key=lambda each: each[0])
-    for (one, first), (other, second) in itertools.pairwise(spans):
-        if one[1] > other[0] + room * 1e-3:
-            here, there = (first, one), (second, other)
-            if not here[0].startswith("piece"):
-                here, there = there, here
+    for (one, first), (other, second) in pairwise(spans):
+        here, there = (first, one), (second, other)
+        if not here[0].startswith("piece"):
+            here, there = there, here
+        # bare surface must be left between a piece and the fingers
+        fingers = here[0].startswith("piece") and there[0].startswith("transducer")
+        if one[1] > other[0] + (-room if fingers else room * 1e-3):
+            what = "overlaps" if one[1] > other[0] + room * 1e-3 else "touches"
             raise InputError(
                 "piece",
-                f"{here[0].removeprefix('piece ')} {_span(here[1])} overlaps the {there[0]} {_span(there[1])}",
+                f"{here[0].removeprefix('piece ')} {_span(here[1])} {what} the {there[0]} {_span(there[1])}",
             )
 
 

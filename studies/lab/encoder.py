@@ -1,6 +1,6 @@
-"""Processing of an encoder's trace: filters of the instrument, and alignment in time.
+"""What an encoder does to a motion: its filters, and the alignment of its trace in time.
 
-`studies.record.measured` reads the CSV file of a trace.
+`measurement_csv` reads the CSV file of a trace.
 """
 
 import numpy as np

@@ -1,5 +1,6 @@
 """Columns of a CSV file by the quantity and the unit in their heads, such as ``x_mm`` or ``u_z_real_nm_per_V``."""
 
+import csv
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +14,8 @@ FREQUENCIES = {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6}
 DISPLACEMENTS = {"m": 1.0, "um": 1e-6, "nm": 1e-9, "pm": 1e-12}
 VELOCITIES = {"m_per_s": 1.0, "mm_per_s": 1e-3, "um_per_s": 1e-6}
 VOLTAGES = {"V": 1.0}
+LENGTHS = {"m": 1.0, "nm": 1e-9}
+SPEEDS = {"m_per_s": 1.0, "mm_per_s": 1e-3}
 PHASES = {"rad": 1.0, "deg": np.pi / 180.0}
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
 
@@ -23,13 +26,33 @@ def file_error(path: Path, option: str, rule: str) -> SceneError:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Heads:
-    """The columns of a file as text, with the option of the command that named it."""
+class CsvColumns:
+    """The columns of a CSV file as text, with the option of the command that named it.
+
+    Columns that nobody asks for may have any unit.
+    """
 
     path: Path
     option: str
     names: list[str]
     rows: list[list[str]]
+
+    @classmethod
+    def read(cls, path: str | Path, option: str) -> "CsvColumns":
+        """Read a CSV file; lines that begin with # are ignored."""
+        path = Path(path)
+        try:
+            text = path.read_text(encoding="utf-8-sig")
+        except OSError as error:
+            raise SceneError(option, f"{str(path)!r} cannot be read: {error.strerror}") from None
+        except UnicodeDecodeError:
+            raise SceneError(option, f"{str(path)!r} is no CSV file in UTF-8") from None
+        lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
+        separator = next((sign for sign in ",;\t" if lines and sign in lines[0]), ",")
+        rows = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=separator)]
+        if len(rows) < 2:
+            raise SceneError(option, f"{str(path)!r} must hold a line of names and at least one point")
+        return cls(path=path, option=option, names=rows[0], rows=rows[1:])
 
     def column(self, noun: str, units: dict[str, float]) -> tuple[np.ndarray, str] | None:
         """Return the values of the column ``noun_UNIT`` in SI units and its unit; None where no head begins so.
@@ -48,6 +71,33 @@ class Heads:
             raise self.error(rule)
         at, unit = self.names.index(matches[0]), matches[0].removeprefix(f"{noun}_")
         return np.array([self._number(k, at) for k in range(len(self.rows))]) * units[unit], unit
+
+    def known(self, noun: str, units: dict[str, float]) -> tuple[float, ...] | None:
+        """Return the column ``noun_unit`` in SI units, or None if the file has none."""
+        for unit, factor in units.items():
+            if f"{noun}_{unit}" in self.names:
+                at = self.names.index(f"{noun}_{unit}")
+                return tuple(self._number(row, at) * factor for row in range(len(self.rows)))
+        return None
+
+    def deviation(self, nouns: tuple[str, ...], units: dict[str, float]) -> tuple[float, ...] | None:
+        """Return the first of the columns ``nouns`` that exists, in SI units, or None; it must be positive."""
+        bare = next(
+            (name for name in ("error", "velocity_error", "sigma", "uncertainty") if name in self.names), None
+        )
+        if bare is not None:
+            rule = f"the column {bare} has no unit; name it " + " or ".join(
+                f"{nouns[0]}_{unit}" for unit in units
+            )
+            raise SceneError(self.option, f"{str(self.path)!r}: {rule}")
+        noun = next((noun for noun in nouns for unit in units if f"{noun}_{unit}" in self.names), None)
+        if noun is None:
+            return None
+        values = self.known(noun, units) or ()
+        if min(values) <= 0:
+            rule = f"{str(self.path)!r}: {noun}_{next(iter(units))} must be positive, got {min(values)!r}"
+            raise SceneError(self.option, rule)
+        return values
 
     def error(self, rule: str) -> SceneError:
         """Return the error that this file breaks a rule."""

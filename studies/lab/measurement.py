@@ -1,0 +1,61 @@
+"""A measurement of a motor: the numbers that were measured, and what they were measured against."""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from studies.lab.network import NetworkData
+from studies.lab.scan import Scan
+
+FIELD = ("scan", "network")  # quantities of the stator alone
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measurement:
+    """Measured or planned values of one quantity, as arrays of one length in SI units.
+
+    Attributes
+    ----------
+    name : str
+        Name of the file, or a description.
+    quantity : str
+        ``velocity``, ``burst``, ``position``, ``amplitude``, ``ring-down frequency``, ``scan`` or ``network``.
+    level_key : str
+        ``voltage_V`` or ``normal_amplitude_m``; empty if the level is that of the scene.
+    levels : tuple of float
+        Drive voltages in V, or normal amplitudes in m.
+    time : tuple of float
+        Time in s from the start of a burst; empty if the measurement is no burst.
+    values : tuple of float
+        Measured values; empty for a measurement that is only planned.
+    deviations : tuple of float or None
+        Standard deviations; None if they are unknown.
+    systematic : float
+        Relative standard deviation of a factor common to all values of the measurement.
+    settings : dict
+        Keys of the scene, and their values for this measurement alone.
+    """
+
+    name: str
+    quantity: str
+    level_key: str = ""
+    levels: tuple[float, ...] = ()
+    time: tuple[float, ...] = ()
+    values: tuple[float, ...] = ()
+    deviations: tuple[float, ...] | Any = None
+    systematic: float = 0.0
+    settings: dict = field(default_factory=dict)
+    # of a vibrometer or a network analyser; the values are then its real parts, followed by the imaginary ones
+    scan: Scan | None = field(default=None, repr=False)
+    network: NetworkData | None = field(default=None, repr=False)
+
+    @property
+    def coordinate(self) -> "tuple[float, ...]":
+        """Abscissa of each value: time in s or level; position in m of a scan, frequency in Hz of a network."""
+        data = self.scan if self.scan is not None else self.network
+        if data is None:
+            return self.time or self.levels
+        return tuple(data.coordinate) * (len(self.values) // len(data.coordinate))
+
+    def scattered(self, factor: float) -> "Measurement":
+        """Return the measurement with its standard deviations multiplied by a factor."""
+        return replace(self, deviations=tuple(factor * each for each in self.deviations))

@@ -1,0 +1,97 @@
+"""Reading the file of a measurement: the CSV files of velocities, amplitudes, bursts and traces, and all others.
+
+The columns of the file have the names of run.json and determine the kind of measurement:
+
+- ``voltage_V`` or ``normal_amplitude_m``, with ``velocity_m_per_s``: velocity curve,
+- ``voltage_V`` with ``normal_amplitude_m``, without a velocity: calibration of the surface amplitude,
+- ``time_s`` with ``velocity_m_per_s``: burst,
+- ``time_s`` with ``position_m``: trace of an encoder.
+
+``velocity_standard_deviation_m_per_s`` (or ``error_m_per_s``) and ``normal_amplitude_standard_deviation_m`` are
+standard deviations.  The units ``_mm_per_s``, ``_nm`` and ``_ms`` are also accepted.  Other columns are ignored, so
+that the velocity.csv of one run can be compared with another run.  Files of vibrometers and network analysers are
+recognised here and read by `scan` and `network`.
+"""
+
+from pathlib import Path
+
+from studies.lab.csv_columns import DISPLACEMENTS, LENGTHS, SPEEDS, TIMES, VOLTAGES, CsvColumns
+from studies.lab.measurement import Measurement
+from studies.lab.network import TOUCHSTONE, read_network
+from studies.lab.scan import UFF_ENDINGS, Scan, is_scan, scan_of_columns, scan_of_uff
+from studies.refusal import SceneError
+
+
+def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
+    """Read the file of a measurement; ``option``: the command's option that error messages name.
+
+    Raises
+    ------
+    SceneError
+        If the file cannot be read, lacks a column, or contains an entry that is not a number.
+    """
+    if TOUCHSTONE.fullmatch(Path(path).suffix):
+        data = read_network(Path(path), option)
+        return Measurement(name=data.name, quantity="network", values=tuple(data.flat()), network=data)
+    if Path(path).suffix.lower() in UFF_ENDINGS:
+        if not Path(path).is_file():
+            raise SceneError(option, f"{str(path)!r} cannot be read: no such file")
+        return measured_scan(scan_of_uff(Path(path), option))
+    table = CsvColumns.read(path, option)
+    if is_scan(table.path, table.names):
+        return measured_scan(scan_of_columns(table))
+    position = table.column("position", DISPLACEMENTS | {"mm": 1e-3})
+    voltage, amplitude = table.known("voltage", VOLTAGES), table.known("normal_amplitude", LENGTHS)
+    velocity, time = table.known("velocity", SPEEDS), table.known("time", TIMES)
+    level_key = "voltage_V" if voltage is not None else "normal_amplitude_m" if amplitude is not None else ""
+    levels = voltage or amplitude or ()
+    if min(levels, default=0.0) < 0.0:
+        raise SceneError(option, f"{str(path)!r}: voltages and amplitudes must be zero or positive")
+    if time is not None and (
+        list(time) != sorted(set(time)) or time[-1] <= 0.0
+    ):  # before 0: ahead of the trigger
+        raise SceneError(option, f"{str(path)!r}: time must rise from point to point, to a time after 0")
+    if velocity is not None and time is not None:
+        quantity, values = "burst", velocity
+        if len(set(levels)) > 1:
+            raise SceneError(option, f"{str(path)!r} must hold one burst: one level, got {len(set(levels))}")
+        levels = levels[:1]
+    elif position is not None and time is not None:
+        quantity, values, levels = "position", tuple(position[0]), levels[:1]
+    elif velocity is not None and level_key:
+        quantity, values = "velocity", velocity
+    elif voltage is not None and amplitude is not None:
+        quantity, values = "amplitude", amplitude
+    else:
+        wanted = "voltage_V or normal_amplitude_m with velocity_m_per_s, voltage_V with normal_amplitude_m, "
+        wanted += (
+            "time_s with velocity_m_per_s or position_m, or x_m with u_z_real_m_per_V and u_z_imag_m_per_V"
+        )
+        bracketed = any(sign in name for name in table.names for sign in "[( ")
+        hint = ": a head is a name and its unit, such as x_mm or u_z_real_pm" if bracketed else ""
+        raise SceneError(
+            option, f"{str(path)!r} must have the columns {wanted}; got {', '.join(table.names)}{hint}"
+        )
+    if quantity == "amplitude":
+        deviations = table.deviation(("normal_amplitude_standard_deviation",), LENGTHS)
+    elif quantity == "position":
+        deviations = table.deviation(("position_standard_deviation",), LENGTHS)
+    else:
+        deviations = table.deviation(("error", "velocity_standard_deviation"), SPEEDS)
+    return Measurement(
+        name=Path(path).name, quantity=quantity, level_key=level_key, levels=tuple(levels), time=time or (),
+        values=values, deviations=deviations,
+    )  # fmt: skip
+
+
+def measured_scan(scan: Scan) -> Measurement:
+    """Return a vibrometer's scan as a measurement: per volt and as displacement if its file allows it."""
+    if not scan.is_velocity:
+        scan = scan.at_volts(None)
+    elif scan.frequency is not None:
+        scan = scan.at_volts(None).as_displacement(0.0)
+    count = 2 if scan.is_complex else 1
+    deviations = None if scan.deviation is None else tuple(scan.deviation) * count
+    return Measurement(
+        name=scan.name, quantity="scan", values=tuple(scan.flat()), deviations=deviations, scan=scan
+    )

@@ -1,0 +1,92 @@
+"""Measured velocities beside the predictions of a run, and which measurements a run can be compared with."""
+
+from typing import TYPE_CHECKING
+
+from studies.lab.measurement import Measurement
+from studies.refusal import SceneError
+
+if TYPE_CHECKING:
+    from studies.scene import Scene
+
+OPTION = "--measured"
+
+
+def refuse_incomparable(scene: "Scene", measured: Measurement) -> None:
+    """Raise a SceneError if a run of the scene does not predict the measured quantity."""
+    if measured.quantity == "scan":
+        if scene.stator is None or not scene.transducer:
+            raise SceneError(OPTION, f"{measured.name!r} is a scan: it needs a scene with a driven stator")
+        return
+    if measured.quantity == "network":
+        raise SceneError(
+            OPTION, f"{measured.name!r} is a network analyser's: sawmotor study network draws it"
+        )
+    if scene.slider is None:
+        raise SceneError(OPTION, "needs a scene with a [slider]: there is no velocity to compare with")
+    level = "voltage_V" if scene.wave is None else "normal_amplitude_m"
+    if measured.quantity in ("burst", "position"):
+        if scene.burst is None:
+            key = "wave.burst" if scene.wave is not None else "drive.burst"
+            raise SceneError(
+                OPTION, f'{measured.name!r} holds a burst: --set {key}="0.1 s" says how long it was'
+            )
+        return
+    if measured.quantity != "velocity":
+        raise SceneError(OPTION, f"must hold velocities against {level}, got a {measured.quantity}")
+    if measured.level_key != level:
+        raise SceneError(OPTION, f"must have the column {level} for this scene, got {measured.level_key}")
+
+
+def compared(measured: Measurement, predicted: list[float | None]) -> dict:
+    """Return the block ``measured`` of run.json: the measured points, their predictions and the deviations.
+
+    Speeds that were measured without a sign get the sign of the prediction.
+
+    Parameters
+    ----------
+    measured : Measurement
+        Velocities.
+    predicted : list of float or None
+        Velocity at each level of the measurement, m/s; None where the motor has no steady velocity.
+
+    Raises
+    ------
+    SceneError
+        If there is no level with both a measured and a predicted velocity.
+    """
+    import numpy as np
+
+    answered = np.array([each is not None for each in predicted])
+    if not answered.any():
+        raise SceneError(OPTION, "has nothing to be compared with: the motor has no velocity at its levels")
+    expected = np.array([each or 0.0 for each in predicted])
+    velocity = np.array(measured.values)
+    unsigned = bool(np.all(velocity >= 0) and np.all(expected <= 0) and np.any(expected < 0))
+    if unsigned:
+        velocity = -velocity
+    points = []
+    for k, level in enumerate(measured.levels):
+        point = {measured.level_key: float(level), "velocity_m_per_s": float(velocity[k]) + 0.0}
+        if measured.deviations is not None:
+            point["error_m_per_s"] = measured.deviations[k]
+        if answered[k]:
+            point["predicted_m_per_s"] = float(expected[k])
+        points.append(point)
+    gap = (velocity - expected)[answered]
+    rms, largest = float(np.sqrt(np.mean(gap**2))), float(abs(expected).max())
+    block = {
+        "file": measured.name,
+        "points": points,
+        "compared": int(answered.sum()),
+        "sign_of_prediction_given": unsigned,
+        "rms_deviation_m_per_s": rms,
+        "mean_deviation_m_per_s": float(gap.mean()),
+    }
+    if largest > 0:
+        block["rms_deviation_relative"] = rms / largest
+        block["measured_over_predicted"] = float(np.sum(velocity * expected) / np.sum(expected**2))
+    if measured.deviations is not None:
+        ratios = gap / np.array(measured.deviations)[answered]
+        block["within_one_error"] = int(np.sum(abs(ratios) <= 1))
+        block["chi_square_per_point"] = float(np.mean(ratios**2))
+    return block
