@@ -422,7 +422,7 @@ class Motor:
         )
 
     def run(self, cycles, every=1, state=None, silent=False):
-        """Return (times, rows, state); rows of v, travel, z_s and ends of stick of each contact every `every` cycles."""
+        """Return (times, rows, state); rows of v, travel, z_s and number of slips of each contact."""
         t, y, regime, sign = state or self.start()
         waves, times, shape = self.waves
         if silent:
