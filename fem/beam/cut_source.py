@@ -39,11 +39,10 @@ NARROWER = 0.8
 # k_y over the surface wave's wavenumber that replaces k_y = 0, where the constant potential is a double root.
 NEARLY_ZERO = 1e-5
 NEARLY_REAL = 0.3  # |Im k| / |Re k| below which the power flux of a mode determines its direction
-# On the contour a wave grows if its power leaves to the opposite side of its lateral phase, in proportion to the
-# tangent of the angle of its power.  Waves are kept up to the tangent STEEPEST.  GROWTH, over the surface wave's
-# wavenumber, allows for the error of the absorbing layer.
-STEEPEST, GROWTH = 1.0, 1e-3
-PARITY_SHARE = 0.1  # factor on SINGULAR if x -> -x is a symmetry, where the modes cost a quarter
+# Modes of absorbing layers may grow by this share of the surface wave's wavenumber.
+GROWTH = 1e-3
+# Factor on SINGULAR if x -> -x is a symmetry, where the modes cost a quarter.
+PARITY_SHARE = 0.3
 # Spacing of the nodes and distance of the contour from the real axis; the error is 2e-5 on YZ and 128YX lithium
 # niobate.  They are not used if the potential floats, because u_x then depends on |k_y|.
 COARSER, TILTED = 1.6, 0.06
@@ -117,11 +116,8 @@ class CutSource:
 
     @property
     def rough(self) -> "CutSource":
-        """The same source on half of the basis: accurate to 1e-3, at a fifth of the cost.
-
-        It is the source itself if x -> -x is a symmetry, because its modes are cheap then.
-        """
-        return self if self.reduced.odd is not None else replace(self, reduced=self.reduced.half, _spectra={})
+        """The same source on half of the basis: accurate to 1e-3, at a fifth of the cost."""
+        return replace(self, reduced=self.reduced.half, _spectra={})
 
     def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
         """`LineSource.surface_wavenumbers`, at real lateral wavenumbers of either sign."""
@@ -175,7 +171,9 @@ class CutSource:
         out, surface = [], self.wavenumber
         for node in nodes:
             lateral = max(abs(node), NEARLY_ZERO * self.wavenumber) * (node / abs(node) if node else 1.0)
-            allowed = STEEPEST * abs(np.imag(lateral)) + GROWTH * self.wavenumber
+            # On the contour a wave grows along x in proportion to the tangent of the angle of its power, if that leaves
+            # to the opposite side of its lateral phase: by Im k_y at 45 degrees, the limit of this module.
+            allowed = abs(np.imag(lateral)) + GROWTH * self.wavenumber
             out.append(self._poles(*self.reduced.modes(lateral), surface, allowed * self.section.length_unit))
             surface = next(iter(out[-1].wavenumbers[out[-1].surface & out[-1].right]), surface)
         return out
@@ -263,14 +261,16 @@ class _Reduced(NamedTuple):
 
     @property
     def half(self) -> "_Reduced":
-        """The same on the half of the vectors with the largest singular values, without their parity."""
-        kept = slice((len(self.surface.T) + 1) // 2)
-        matrices = [tuple(each[kept, kept] for each in parts) for parts in self.matrices.coefficients]
+        """The same on the half of the vectors of each parity with the largest singular values."""
+        odd = np.zeros(len(self.surface.T), dtype=bool) if self.odd is None else self.odd
+        groups = [np.flatnonzero(odd), np.flatnonzero(~odd)]
+        kept = np.concatenate([each[: (len(each) + 1) // 2] for each in groups])
+        matrices = [tuple(each[np.ix_(kept, kept)] for each in parts) for parts in self.matrices.coefficients]
         return self._replace(
             basis=self.basis[:, kept],
             matrices=_Polynomials(matrices),
             surface=self.surface[:, kept],
-            odd=None,
+            odd=None if self.odd is None else self.odd[kept],
         )
 
     def response(self, along: complex, lateral: complex) -> np.ndarray:

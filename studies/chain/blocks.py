@@ -51,7 +51,7 @@ def node(motion: SurfaceMotion, places) -> str:
         return ""
     return (
         f"no answer: u_z vanishes under the slider ({under:.1e} m per V, {largest:.1e} elsewhere), as in the middle of "
-        "a transducer by symmetry: another slider.position"
+        "a transducer by symmetry: choose another slider.position"
     )
 
 
@@ -67,7 +67,7 @@ def unresolved(motion: SurfaceMotion, places) -> str:
         wavelength = abs(motion.wave.phase_velocity) / motion.wave.frequency
         return (
             f"no answer: in this cut the field beside the fingers and within a wavelength, {wavelength:.4g} m, of "
-            f"their ends is not known, and a contact lies there, at ({x:g}, {y:g}) m: another slider.position"
+            f"their ends is not known, and a contact lies there, at ({x:g}, {y:g}) m: choose another slider.position"
         )
     return ""
 

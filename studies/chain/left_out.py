@@ -50,7 +50,7 @@ def _free(scene: Scene) -> Iterator[tuple[bool, str]]:
     yield True, "electrodes: the scene has no transducer"
     yield True, "elements along x: the wave is a mode of the section"
     meshes = (
-        "meshed pieces: the free wave does not meet them; sawmotor study reflector says what they send back"
+        "meshed pieces: the free wave does not meet them; sawmotor study reflector computes what they reflect"
     )
     yield bool(scene.piece), meshes
     yield "uy" not in fields, UNCOUPLED
@@ -66,10 +66,10 @@ def _driven(scene: Scene) -> Iterator[tuple[bool, str]]:
     yield "uy" not in names, UNCOUPLED
     yield symmetric, "half of the guided-mode problem: x -> -x is a symmetry of this orientation"
     yield stator.above == "none", "field in the vacuum above: D_n = 0 on the bare surface"
-    yield thin, "a Rayleigh wave: the plate is thinner than a wavelength, what is named so is a plate mode"
+    yield thin, "a Rayleigh wave: the plate is thinner than a wavelength, and its mode is a plate mode"
     whole = resolve.whole_stator(scene).placement.whole
-    yield whole is None, "elements in the uniform stretches: sums of guided modes instead"
-    yield True, "interior field: only the surface was asked for"
+    yield whole is None, "elements in the uniform segments: sums of guided modes are used there"
+    yield True, "interior field: only the motion of the surface is computed"
 
 
 def _surface_speed(stator) -> float:
@@ -87,16 +87,18 @@ def _diffraction(scene: Scene, beam: bool, reason: str) -> Iterator[tuple[bool, 
             "is false" if scene.stator.diffraction is False else "is absent, and the scene has no slider"
         )
         why = reason or f"stator.diffraction {setting}"
-        yield True, f"diffraction, the wave is that of the plane section: {why}"
+        yield True, f"diffraction: the wave is that of the plane section, {why}"
         return
     where = "the interior field" if scene.driven_obliquely else "surface.csv and the interior field"
     burst, reflects = scene.burst is not None and scene.slider is not None, scene.stator.ends != "absorbing"
     anisotropic = len(scene.transducer) > 1 and not fem.isotropic_about_normal(resolve.solid(scene.stator))
     between = "spreading between the transducers: in this cut they receive as in the plane section"
-    returning = "spreading of what comes back to the transducers: their circuit is that of the plane section"
-    yield True, f"diffraction in {where}: of the plane section; --field adds surface_map.csv"
-    yield burst, "diffraction in the shape of the burst's ring-up: that of the plane section"
-    yield scene.crossed, "what the metal of a transducer scatters of a beam that crosses its own line"
+    returning = (
+        "spreading of the waves that return to the transducers: their circuit is that of the plane section"
+    )
+    yield True, f"diffraction in {where}: they are those of the plane section; --field adds surface_map.csv"
+    yield burst, "diffraction in the shape of the burst's ring-up: that of the plane section is used"
+    yield scene.crossed, "scattering of a beam by the metal of a transducer that it crosses"
     yield reflects, returning
     yield anisotropic and not reflects, between
 
@@ -105,12 +107,9 @@ def _recovery(scene: Scene) -> Iterator[tuple[bool, str]]:
     """Yield the neglected effects in the circuit that recovers power."""
     recovery = scene.drive.recovery
     if recovery is not None:
-        diodes = "harmonics of the rectifier and its diodes' drop: a resistance for sinusoidal current"
+        diodes = "harmonics of the rectifier and the voltage drop of its diodes: a resistance for sinusoidal current"
         yield recovery.rectifier is not None, diodes
-        yield (
-            recovery.circulation,
-            "errors of phase and reflections in the return path: its combiner is ideal",
-        )
+        yield (recovery.circulation, "phase errors and reflections in the return path: its combiner is ideal")
 
 
 def _ring_up(slider, ringing: RingUp | None, trajectories) -> Iterator[tuple[bool, str]]:
@@ -121,12 +120,12 @@ def _ring_up(slider, ringing: RingUp | None, trajectories) -> Iterator[tuple[boo
     count = len(trajectories)
     without_ring_down = sum(motion.rang == 0.0 for _, motion in trajectories)
     without_ring_up = sum(motion.method != "stepped" for _, motion in trajectories)
-    bursts = f"in {without_ring_down} of {count} bursts the surface stands still once the drive ends"
+    bursts = f"in {without_ring_down} of {count} bursts the surface stops when the drive ends"
     yield without_ring_down > 0, f"the burst's ring-down: {bursts}"
-    bursts = f"{without_ring_up} of {count} bursts, whose motion takes a steady wave"
+    bursts = f"{without_ring_up} of {count} bursts, which are computed on a steady wave"
     yield without_ring_up > 0, f"the burst's ring-up ({ringing.sentence}) in {bursts}"
     several_places = not isinstance(slider.contacts, int) and len(slider.offsets) > 1
-    yield several_places, "the burst's ring-up under each ball: that at the slider's centre is taken for all"
+    yield several_places, "the burst's ring-up under each ball: that at the slider's centre is used for all"
 
 
 def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
@@ -140,7 +139,7 @@ def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
         return
     merged_contacts = slider.contacts - 1 if isinstance(slider.contacts, int) else 0
     yield merged_contacts > 0, f"{merged_contacts} of {slider.contacts} contacts: in phase they move as one"
-    no_transient = "motion from rest: no burst, the periodic state is found without waiting for it"
+    no_transient = "motion from rest: without a burst, the periodic state is computed directly"
     yield scene.burst is None, no_transient
     yield not slider.remembers, f"contact memory: the law is {slider.law}, Q depends on z, x and slip alone"
     reaction = "the tangential spring's reaction on the normal motion: reciprocal is false"
@@ -161,10 +160,10 @@ def _pillars(scene: Scene) -> Iterator[tuple[bool, str]]:
     """Yield the neglected effects in a slider on pillars."""
     slider = scene.slider
     known_compliance = scene.wave is None or scene.wave.compliance is not None
-    yield True, "the slider's bounce and vibration: it is heavy on the wave's time scale, a plane on pillars"
+    yield True, "the slider's bounce and vibration: it is too heavy to follow the wave within a cycle"
     yield (
         scene.burst is None,
-        "motion from rest: no burst, the averaged equilibrium is found without waiting for it",
+        "motion from rest: without a burst, the averaged equilibrium is computed directly",
     )
     yield not known_compliance, "the slider's reaction on the wave: wave.compliance is absent"
     yield (
@@ -173,11 +172,11 @@ def _pillars(scene: Scene) -> Iterator[tuple[bool, str]]:
     )
     if known_compliance and slider.loading is not False:
         overtones = "overtones that run back" if slider.loading == "harmonics" else "overtones of the wave"
-        yield True, f"{overtones}, and what pillars scatter into other waves; sizes in model_error"
-        yield scene.stator is not None, "what transducers send back of the wave that the slider reflects"
+        yield True, f"{overtones}, and scattering by pillars into other waves; sizes in model_error"
+        yield scene.stator is not None, "reflection by the transducers of the wave that the slider reflects"
     yield (
         not slider.pillars.interaction,
-        "neighbours that stiffen a pillar: slider.pillars.interaction is false",
+        "stiffening of pillars by their neighbours: slider.pillars.interaction is false",
     )
     yield slider.pillars.height is None, "the pillars' own compliance: slider.pillars.height is absent"
     yield slider.damping.tangential == 0, "R_t: slider.damping.tangential is zero"

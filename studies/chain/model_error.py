@@ -94,14 +94,14 @@ def with_model_error(record: Record) -> Record:
         if row["quantity"] in SHARED and abs(row["size"]) >= NO_ANSWER and row["effect"] not in NEVER_DECISIVE
     ]
     shortfall = record.shortfall
-    # keep an earlier reason, such as a node of the wave
-    if decisive and not shortfall.startswith("no answer"):
+    if decisive and not record.refused:  # an earlier reason, such as a node of the wave, is kept
         worst = max(decisive, key=lambda row: abs(row["size"]))
         shortfall = (
             f"no answer: the model leaves out what changes {worst['quantity']} by about {percent(worst['size'])} "
             f"({worst['effect']}); {100 * NO_ANSWER:g} % or more is refused"
         )
-    return replace(record, model_error=rows, points=points, error=error, shortfall=shortfall)
+    refused = record.refused or bool(decisive)
+    return replace(record, model_error=rows, points=points, error=error, shortfall=shortfall, refused=refused)
 
 
 def _wavelength(record: Record) -> float:
@@ -138,7 +138,7 @@ def _aperture(record: Record) -> Rows:
     as_modelled = motion.at(places) if same is beam else same.motion(*at)
     ratios = abs(other.motion(*at)[2] / as_modelled[2])
     worst = max((float(each) - 1 for each in ratios), key=abs)
-    how = "the beam between side faces that reflect it as mirrors against none, or the other way round"
+    how = "the beam with side faces that reflect like mirrors, compared with the beam without side faces"
     yield "side faces", "u_z", worst, how
 
 
@@ -147,11 +147,13 @@ def _crossed(record: Record, places) -> Rows:
     beam, (x, y) = record.surface_motion.beam, zip(*places, strict=True)
     amplitude, solid = abs(beam.motion(x, y)[2]), resolve.solid(record.scene.stator)
     images = float((beam.first_images(x, y) / amplitude).max())
-    how = "first images of the beams in both side faces, as if these reflected everything and in phase"
+    how = "first images of the beams in both side faces, which are assumed to reflect everything in phase"
     yield "side faces", "u_z", images, how
     bare, metal = (fem.rayleigh(solid, surface).velocity for surface in ("open", "metallised"))
     phase_shift = float(beam.shadowed(1 - metal / bare) / amplitude.min())
-    how = "phase that a beam gains along the fingers it crosses, by the velocities with and without metal"
+    how = (
+        "phase change of a beam along the fingers that it crosses, from the velocities with and without metal"
+    )
     yield "metal of the transducers in the way of crossing beams", "u_z", phase_shift, how
 
 
@@ -185,7 +187,12 @@ def _finger_ends(record: Record) -> Rows:
     at = tuple(zip(*places, strict=True))
     charge_error = beam.charge_error(*at, motion.at(places)[2])
     if charge_error is not None:
-        yield effect, "u_z", float(charge_error.max()), "the charge in fewer steps along the fingers"
+        yield (
+            effect,
+            "u_z",
+            float(charge_error.max()),
+            "change by fewer steps of the charge along the fingers",
+        )
         return
     if record.scene.crossed:
         yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
@@ -196,7 +203,7 @@ def _finger_ends(record: Record) -> Rows:
     yield effect, "u_z", float(max(changes, key=abs)), "static charge at the ends of fingers in a long row"
     remainder = max(UNEVEN_CHARGE, UNEVEN_PER_PAIR * driven.finger_pairs)
     effect = "ripple of the charge along the fingers"
-    yield effect, "u_z", remainder, f"what static ends leave of it, {ceramic}"
+    yield effect, "u_z", remainder, f"error that remains with static charge at the ends, {ceramic}"
 
 
 def _vacuum(record: Record) -> Rows:
@@ -241,7 +248,12 @@ def _electrode_mass(record: Record) -> Rows:
     effect = "mass of 100 nm aluminium on the fingers"
     # phase accumulated from the middle of the transducer to its end
     phase = math.pi * record.scene.driven_transducer.finger_pairs * slower
-    yield effect, "u_z", phase, "first-order perturbation of the velocity under them, over half the row"
+    yield (
+        effect,
+        "u_z",
+        phase,
+        "first-order perturbation of the velocity under the fingers, over half of the row",
+    )
 
 
 def _contact(record: Record) -> Rows:

@@ -50,14 +50,14 @@ def pillar_rows(record: Record) -> Rows:
         return
     wave, slider = motion.wave, record.scene.slider
     if body.misfit > 0.0:
-        how = "what two surface waves of one wavelength leave of the surface mode there, rms"
+        how = "rms misfit of two plane waves to the surface mode under the slider"
         yield "beating and spreading of the wave under the slider", "u_z", body.misfit, how
     vibration = bounce_ratio(slider, wave.frequency) ** 2
     yield (
         "the slider's own vibration",
         "velocity",
         vibration,
-        "square of its bounce over the wave's frequency",
+        "square of the contact resonance over the wave's frequency",
     )
     if wave.compliance > 0.0:
         if not motion.loading and motion.loading_number > 0.0:
@@ -75,7 +75,12 @@ def pillar_rows(record: Record) -> Rows:
     yield from leak(record, motion)
     if slider.pillars.height_scatter > 0.0:
         sample_error = SAMPLE / math.sqrt(motion.pillars.number)
-        yield "another seed of the heights", "velocity", sample_error, "0.18 over the root of the number, rms"
+        yield (
+            "another seed of the heights",
+            "velocity",
+            sample_error,
+            "0.18 over the square root of the number of pillars, rms",
+        )
     yield from _neighbours(body, motion, slider, level)
     mean_radius = float(pillars.layout(slider)["diameter"].mean()) / 2
     pull_off = (
@@ -134,7 +139,7 @@ def leak(record: Record, motion) -> Rows:
     # The loading number approximates the phase advance. The angle of exit_over_entry cannot replace it because it is
     # known only modulo 2 pi.
     advance = motion.loading_number / (motion.wave.wavenumber * length)
-    how = f"the wave is faster by {100 * advance:.2g} %, bulk waves begin at {100 * margin:.2g} %"
+    how = f"the load makes the wave faster by {100 * advance:.2g} %, bulk waves begin at {100 * margin:.2g} %"
     yield "leak into bulk waves", "the limit of bound waves", advance / margin, how
     wave, stiffness_ratio = (
         motion.wave,
@@ -189,6 +194,6 @@ def pillar_warnings(record: Record) -> Iterator[str]:
     slider, block = record.scene.slider, record.scene.slider.pillars
     default_seed = block.height_scatter > 0.0 and block.seed == pillars.SEED
     if default_seed:
-        yield f"the heights scatter with the seed {block.seed}, which is chosen where slider.pillars.seed is absent"
+        yield f"the heights scatter with the seed {block.seed}, the default of slider.pillars.seed"
     if slider.damping.normal or slider.damping.contact:
-        yield "slider.damping.normal and contact do nothing here: the averaged slider on pillars does not bounce"
+        yield "slider.damping.normal and contact have no effect: the averaged slider on pillars does not bounce"

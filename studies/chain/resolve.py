@@ -161,7 +161,7 @@ def section_row(scene: Scene) -> tuple:
     """Return `transducers` for models with a single section along x; a SceneError if some lie on other lines."""
     if scene.crossed:
         rule = "must all have the angle 0 and y = 0 here: this answer is that of one section along x"
-        raise SceneError("transducer", f"{rule}; sawmotor run, sweep and view take turned ones")
+        raise SceneError("transducer", f"{rule}; sawmotor run, sweep and view accept rotated ones")
     return transducers(scene)
 
 
@@ -377,10 +377,8 @@ def _check_layout(scene: Scene) -> None:
             return
         fem.check_plan(block, scene.stator.width, row)
     if not fem.isotropic_about_normal(block.solid):
-        rule = (
-            "may be turned, or stand beside the middle line, in solids isotropic about z alone; this cut of"
-        )
-        raise SceneError("transducer", f"{rule} {block.solid.name} is none")
+        rule = "may be rotated, or stand beside the middle line, only in solids isotropic about z, unlike this cut of"
+        raise SceneError("transducer", f"{rule} {block.solid.name}")
     refuse_covered(scene)
 
 

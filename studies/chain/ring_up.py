@@ -37,7 +37,7 @@ class RingUp:
     # (settling time / burst duration). Without one: a lower bound of the ring-up time over the burst duration.
     error: float
     # Factor on the steady orbits; None if the ring-up is too long to be computed
-    envelope: "Envelope | None" = field(default=None, repr=False)
+    envelope: "Envelope | Any" = field(default=None, repr=False)
     # Factor after the end of the burst, with the time counted from that end
     ring_down: "Envelope | None" = field(default=None, repr=False)
     response: "BurstEnvelope | Any" = field(default=None, repr=False)  # fem.BurstEnvelope

@@ -130,7 +130,7 @@ def _driven(scene: Scene, predictor: Predictor) -> Record:
         # under pillars the centre is one place of many
         vanished = "" if scene.slider.pillars is not None else node(motion, places)
         if still := vanished or unresolved(motion, places):
-            blocks["shortfall"] = still
+            blocks |= {"shortfall": still, "refused": True}
     if motion.beam is not None:
         scene = replace(scene, stator=replace(scene.stator, diffraction=True))
     electrical = electrical_block(scene, motion)

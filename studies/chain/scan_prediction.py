@@ -65,18 +65,19 @@ def over_frequency(
         For u_y, which a section has not, several places or a place beside the middle line.
     """
     place = float(scan.x[0])
-    if scan.component == "u_y" or np.ptp(scan.x) > 0.0 or np.any(scan.y != 0.0) or scene.crossed:
+    several = np.ptp(scan.x) > 0.0 or np.any(scan.y != 0.0)
+    if scan.frequency is None or scan.component == "u_y" or several or scene.crossed:
         rule = (
             "over frequency must be of u_x or u_z at one place on the middle line, of one row of transducers"
         )
         raise SceneError("--measured", f"{scan.name!r} {rule}")
-    at = np.unique(scan.frequency)
+    at, number = np.unique(scan.frequency, return_inverse=True)
     alone = stator_alone(scene)
     prepared = response(alone, at[0], at[-1], places=(place,), tolerance=tolerance, progress=progress)
     progress(f"stator: {len(at)} frequencies")
     waves = prepared.waves(at, resolve.drive(alone))
     motion = np.array([wave.motion(place)[COMPONENTS.index(scan.component) // 2] for wave in waves])
-    return motion[np.searchsorted(at, scan.frequency)]
+    return motion[number]
 
 
 def predicted_scan(

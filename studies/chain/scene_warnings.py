@@ -39,7 +39,7 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
         yield (
             f"slider.preload, {slider.preload * 1e3:.4g} mN, is less than the weight of the slider's "
             f"{slider.mass * 1e3:.4g} g, {weight * 1e3:.4g} mN, which it includes: something lifts the slider, or a "
-            "unit is mistaken"
+            "unit is wrong"
         )
     if isinstance(slider.contacts, int) and slider.contacts > 1:
         yield (

@@ -40,7 +40,7 @@ class Steps:
         except contact.ConvergenceError as error:
             if error.status != "not applicable":
                 raise
-            return cls(driven=driven, reason="the motion in the contact needs the events")
+            return cls(driven=driven, reason="the motion in the contact must be followed event by event")
         alone = driven.record.scene
         drive = replace(alone.drive, burst=1.0 / scene.frequency)
         ringing = ring_up(replace(alone, drive=drive), center, progress=progress)
@@ -54,10 +54,10 @@ class Steps:
         """What a reader of a step must know of the wave; empty where its growth is in the step."""
         if not self.reason:
             several = self.ringing is not None and len(self.driven.orbits) > 1
-            return "all balls feel the wave's growth at the slider's centre" if several else ""
+            return "the growth of the wave at the slider's centre is used for all balls" if several else ""
         return (
             f"the wave is taken at full size from the first cycle, because {self.reason}: "
-            "a burst shorter than the wave's settling time moves less"
+            "a burst shorter than the wave's settling time moves the slider less far"
         )
 
     @property

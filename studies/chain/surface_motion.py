@@ -176,7 +176,7 @@ def surface_motion(wave, block: Stator, places, *, slider: bool = True) -> Surfa
         if added > changed:
             reason = f"the beam's own error, {added:.1e}, would exceed what it changes, {changed:.1e}"
             return SurfaceMotion(
-                wave=wave, reason=f"stator.diffraction is absent and {reason}; true takes it"
+                wave=wave, reason=f"stator.diffraction is absent and {reason}; true computes it nevertheless"
             )
     return spread
 

@@ -138,8 +138,8 @@ def _section(record: Record) -> Iterator[str]:
         if each["effect"] == "finite aperture" and abs(each["size"]) > SPREADS:
             refused = fem.beam_refusal(resolve.whole_stator(record.scene))
             yield (
-                f"the plane section leaves out that the aperture is finite, about {100 * each['size']:+.0f} % of u_z: "
-                + (refused or "stator.diffraction = true takes it in")
+                f"the plane section neglects that the aperture is finite, about {100 * each['size']:+.0f} % of u_z: "
+                + (refused or "stator.diffraction = true includes it")
             )
     stator, wave, frequency = record.scene.stator, record.surface_wave, record.scene.frequency
     if stator.ends != "absorbing" and math.isinf(resolve.solid(stator).mechanical_quality):
@@ -152,7 +152,7 @@ def _section(record: Record) -> Iterator[str]:
         if fem.absorber_kind(resolve.solid(stator)) == "viscous":
             yield (
                 "no fast absorbing layer is known for the half-space of this cut, whose slowness curve is too concave "
-                "at the x axis: a viscous layer stands for it, which converges slowly; a stator.thickness of a few "
+                "at the x axis: a viscous layer is used, which converges slowly; a stator.thickness of a few "
                 "wavelengths with a free bottom is much faster"
             )
         return
@@ -165,8 +165,8 @@ def _section(record: Record) -> Iterator[str]:
         )
     elif thickness < 1:
         yield (
-            f"the plate is {thickness:.2g} wavelengths thick: what runs in it is a plate wave that moves both faces, "
-            "no surface wave; take a thicker plate or a higher frequency"
+            f"the plate is {thickness:.2g} wavelengths thick: its wave is a plate wave that moves both faces, "
+            "not a surface wave; take a thicker plate or a higher frequency"
         )
 
 
@@ -178,7 +178,7 @@ def _left_out(record: Record) -> Iterator[str]:
         if quantity in SHARED and abs(size) >= DECIDES and row["effect"] != "finite aperture":
             yield (
                 f"model error: {row['effect']} changes {quantity} by about {percent(size)}, which the model leaves "
-                f"out ({row['source']}); the numerical error does not contain it"
+                f"out ({row['source']}); the numerical error does not include it"
             )
 
 
@@ -191,7 +191,7 @@ def _contact(record: Record, driven: DrivenContact) -> Iterator[str]:
     if normal < NODE * tangential:
         yield (
             "u_z vanishes at the slider's centre: the amplitudes of the points are taken "
-            "at the centre and say nothing about the wave under the contacts: another slider.position"
+            "at the centre and do not describe the wave under the contacts: choose another slider.position"
         )
     ratio = record.wave.get("largest_lateral_ratio", 0.0)
     if ratio > SIDEWAYS:
@@ -200,7 +200,7 @@ def _contact(record: Record, driven: DrivenContact) -> Iterator[str]:
             nearer = "in this cut the wave has u_y on its axis, and counts most where a standing wave's u_x is small"
         yield (
             f"the surface moves sideways under the slider, |u_y/u_x| = {ratio:.2g}, but the contact follows it along "
-            f"x alone: {'drive less across' if record.scene.crossed else nearer}"
+            f"x alone: {'reduce the drive of the crossing transducers' if record.scene.crossed else nearer}"
         )
     slider, orbits = driven.slider, driven.at(max(record.scene.levels))
     if slider.preload == 0:
@@ -218,7 +218,7 @@ def _contact(record: Record, driven: DrivenContact) -> Iterator[str]:
         pressure, when = (at_rest, "at rest") if resting else (highest, "on the wave's crest")
         yield (
             f"{kind} {pressure / 1e9:.3g} GPa {when} exceeds what {part}, {limits.contact_pressure / 1e9:.3g} GPa "
-            f"({limits.pressure_source}): more or larger {what}, or less preload{'' if resting else ' or drive'}"
+            f"({limits.pressure_source}): choose more or larger {what}, or less preload{'' if resting else ' or drive'}"
         )
 
 
@@ -241,8 +241,10 @@ def _points(record: Record, driven: DrivenContact) -> Iterator[str]:
         known = record.wave.get("relative_error")
         threshold = record.summary.get("threshold_amplitude_m" if unit == "m" else "threshold_voltage_V")
         starts = "" if threshold is None else f"; it starts at {driven.named(threshold)}"
-        accuracy = "" if known is None else f", the wave under the slider being known to {known:.1e}"
-        yield f"the slider sticks at every point: no velocity, and no error of it{starts}{accuracy}"
+        accuracy = (
+            "" if known is None else f"; the relative error of the wave under the slider is {known:.1e}"
+        )
+        yield f"the slider sticks at every point, so that neither a velocity nor its error is given{starts}{accuracy}"
 
 
 def _unit(record: Record) -> str:

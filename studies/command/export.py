@@ -2,8 +2,10 @@
 
 import argparse
 import re
+from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
+from typing import Any
 
 from studies.command.options import add_shared
 from studies.command.output import committed_pictures, say
@@ -137,13 +139,17 @@ def exported(
     """Return what a call of the command exports, nothing written; options that a format does not take are refused."""
     from studies.export import instruments, mask_files, simulators
 
-    calls = {
+    calls: dict[str, Callable[..., Exported]] = {
         "fmu": simulators.fmu_files, "c": simulators.c_files, "gds": mask_files.gds_files, "dxf": mask_files.dxf_files,
         "uff": instruments.uff_files, "csv": instruments.csv_files, "touchstone": instruments.touchstone_files,
         "vtu": instruments.vtu_files,
     }  # fmt: skip
     taken = checked(arguments)
-    options = {key: value for key in taken if (value := getattr(arguments, key)) not in (None, [])}
+    options: dict[str, Any] = {
+        key: value for key in taken if (value := getattr(arguments, key)) not in (None, [])
+    }
+    if arguments.format in ("uff", "csv", "touchstone"):
+        options = {"recording": instruments.Recording(**options)}
     return calls[arguments.format](scene, name, tolerance=tolerance, progress=progress, **options)
 
 

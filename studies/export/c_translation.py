@@ -35,7 +35,7 @@ def c_source(python: str, prefix: str) -> tuple[str, str]:
     """
     body = ast.parse(python).body
     constants = [
-        f"#define {node.targets[0].id} {node.value.value}"
+        f"#define {ast.unparse(node.targets[0])} {ast.unparse(node.value)}"
         for node in body
         if isinstance(node, ast.Assign) and isinstance(node.value, ast.Constant)
     ]
@@ -86,7 +86,7 @@ class _Function:
             case ast.Assign(targets=[target]):
                 fresh = isinstance(target, ast.Name) and target.id not in self.locals
                 if fresh:
-                    self.locals[target.id] = "double"
+                    self.locals[ast.unparse(target)] = "double"
                 return [f"{'double ' * fresh}{self._of(target)} = {self._of(node.value)};"]
             case ast.AugAssign():
                 return [f"{self._of(node.target)} {OPERATORS[type(node.op)]}= {self._of(node.value)};"]
@@ -103,8 +103,8 @@ class _Function:
 
     def _of(self, node) -> str:
         match node:
-            case ast.Constant(value=bool()):
-                return str(int(node.value))
+            case ast.Constant(value=bool(value)):
+                return str(int(value))
             case ast.Constant(value=int() | float()):
                 return repr(node.value)
             case ast.Name():

@@ -4,7 +4,7 @@ A vibrometer's scan (CSV, UFF), a network analyser's file (Touchstone), an encod
 of the surface (VTU).  Noise is Gaussian, of a given share of the largest value, from a given seed.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -29,61 +29,119 @@ SCANS = ("x", "y", "xy", "frequency")
 COARSE = 2  # points per wavelength of an area: places enough for the beam, not for the ripple
 
 
-def csv_files(
-    scene: Scene, name: str, *, scan: str | None = None, band: str | None = None, noise: str | None = None,
-    seed: int | None = None, bandwidth: str | None = None, sampling: str | None = None, tolerance: float, progress,
-) -> Exported:  # fmt: skip
-    """Return scan.csv; with a slider, and no scan asked for, burst.csv of a burst and the motor's tables too.
+@dataclass(frozen=True, kw_only=True)
+class Recording:
+    """How instruments record, in the words of the command.
 
-    ``bandwidth`` and ``sampling`` are those of the encoder that records the burst.
+    Attributes
+    ----------
+    scan : str or None
+        What a vibrometer scans. "x": from the driven transducer to the next one or the stator's end, 8 points per
+        wavelength; "y": across the beam at the slider; "xy": an area; "frequency": at the slider, over ``band``.
+    band : str or None
+        START:STOP:N in MHz.
+    noise, seed : str or None, int or None
+        Share of the largest value that is the standard deviation of each real number, and the seed of the noise.
+    bandwidth, sampling : str or None
+        Low-pass filter and averaging time of an encoder.
+    z0 : str or None
+        Reference impedance of a network analyser.
     """
-    encoder = {
-        option: si_value(f"--{option}", toml_value(value), unit)
-        for option, value, unit in (("bandwidth", bandwidth, "Hz"), ("sampling", sampling, "s"))
-        if value is not None
-    }
-    for option, value in encoder.items():
-        if not value > 0.0:
-            raise SceneError(f"--{option}", f"must be positive, got {value:g}")
-        if scene.slider is None or scene.burst is None or scan is not None:
-            raise SceneError(
-                f"--{option}", "is of an encoder: the scene needs a slider and a burst, and no --scan"
-            )
+
+    scan: str | None = None
+    band: str | None = None
+    noise: str | None = None
+    seed: int | None = None
+    bandwidth: str | None = None
+    sampling: str | None = None
+    z0: str | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse a wrong noise before anything is computed."""
+        _ = self.share
+
+    @property
+    def share(self) -> float:
+        """Standard deviation of the noise over the largest value."""
+        if self.noise is None:
+            if self.seed is not None:
+                raise SceneError("--seed", "needs --noise")
+            return 0.0
+        text = str(self.noise).strip()
+        percent = text.endswith("%")
+        value = si_value("--noise", toml_value(text.rstrip("% ")), "") * (0.01 if percent else 1.0)
+        if not 0.0 <= value < 1.0:
+            raise SceneError("--noise", f"must be at least 0 and below 1, or a percentage, got {self.noise}")
+        if self.seed is None:
+            raise SceneError("--noise", "needs --seed N, so that the same noise can be had again")
+        return value
+
+    @property
+    def remark(self) -> tuple[str, ...]:
+        """What a file says of its noise."""
+        if self.noise is None:
+            return ()
+        return (
+            f"noise: standard deviation {self.share:g} of the largest value in each part, seed {self.seed}",
+        )
+
+    def noisy(self, values: np.ndarray, more: int = 0) -> np.ndarray:
+        """Return real or complex values with noise; ``more`` is added to the seed."""
+        size = self.share * float(np.max(np.abs(values)))
+        if size == 0.0 or self.seed is None:
+            return values
+        random = np.random.default_rng(self.seed + more)
+        scatter = random.standard_normal(values.shape) + 1j * random.standard_normal(values.shape)
+        return values + size * (scatter if np.iscomplexobj(values) else scatter.real)
+
+    def encoder(self, scene: Scene) -> dict[str, float]:
+        """Return bandwidth in Hz and sampling in s of the encoder, where they are given; SceneError without a burst."""
+        encoder = {
+            option: si_value(f"--{option}", toml_value(value), unit)
+            for option, value, unit in (("bandwidth", self.bandwidth, "Hz"), ("sampling", self.sampling, "s"))
+            if value is not None
+        }
+        for option, value in encoder.items():
+            if not value > 0.0:
+                raise SceneError(f"--{option}", f"must be positive, got {value:g}")
+            if scene.slider is None or scene.burst is None or self.scan is not None:
+                raise SceneError(
+                    f"--{option}", "is of an encoder: the scene needs a slider and a burst, and no --scan"
+                )
+        return encoder
+
+
+def csv_files(scene: Scene, name: str, recording: Recording, *, tolerance: float, progress) -> Exported:
+    """Return scan.csv; with a slider, and no scan asked for, burst.csv of a burst and the motor's tables too."""
+    encoder = recording.encoder(scene)
     files: dict[str, bytes | str] = {}
     answer: tuple[tuple[str, str], ...] = ()
     pictures: dict = {}
     if scene.transducer:
-        taken, remarks = virtual_scan(scene, scan or "x", band, noise, seed, tolerance, progress)
+        taken, remarks = virtual_scan(scene, recording, tolerance, progress)
         files["scan.csv"], answer = scan_csv(taken, remarks), _said(taken, remarks)
         pictures["scan.png"] = lambda ax: _draw(taken, ax)
-    elif scan is not None:
+    elif recording.scan is not None:
         scene.refuse("transducer", "is missing: a scan is of a driven stator")
-    if scene.slider is not None and scan is None:
+    if scene.slider is not None and recording.scan is None:
         if scene.burst is not None:
-            files["burst.csv"] = _trace(scene, encoder, noise, seed, tolerance, progress)
+            files["burst.csv"] = _trace(scene, recording, encoder, tolerance, progress)
             answer += (("encoder", "burst.csv: position and velocity over time"),)
         from studies.export.averaged_motor import averaged_motor
         from studies.export.simulators import tables
 
         motor = averaged_motor(scene, tolerance=tolerance, progress=progress)
         files |= tables(motor)
-        answer += (
-            (
-                "tables",
-                "mean forces of the averaged motor: " + ", ".join(n for n in files if n.startswith("mean_")),
-            ),
-        )
+        forces = ", ".join(file for file in files if file.startswith("mean_"))
+        answer += (("tables", f"mean forces of the averaged motor: {forces}"),)
     if not files:
         scene.refuse("transducer", "is missing: without it and without a slider there is nothing to record")
     return Exported(files=files, answer=answer, pictures=pictures)
 
 
-def uff_files(
-    scene: Scene, name: str, *, scan: str | None = None, band: str | None = None, noise: str | None = None,
-    seed: int | None = None, tolerance: float, progress,
-) -> Exported:  # fmt: skip
+def uff_files(scene: Scene, name: str, recording: Recording, *, tolerance: float, progress) -> Exported:
     """Return NAME.uff, the virtual vibrometer's scan as datasets 58."""
-    taken, remarks = virtual_scan(scene, scan or "x", band, noise, seed, tolerance, progress)
+    taken, remarks = virtual_scan(scene, recording, tolerance, progress)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "scan.uff"
         scan_uff(taken, path, remarks)
@@ -96,28 +154,22 @@ def uff_files(
 
 
 def touchstone_files(
-    scene: Scene, name: str, *, band: str | None = None, z0: str | None = None, noise: str | None = None,
-    seed: int | None = None, tolerance: float, progress,
-) -> Exported:  # fmt: skip
+    scene: Scene, name: str, recording: Recording, *, tolerance: float, progress
+) -> Exported:
     """Return NAME.sNp, the S-parameters of all transducers with two combs, in the scene's order."""
     import fem
 
     resolved = passband.driven_scene(scene)
-    reference = reference_impedance(50.0 if z0 is None else z0)
-    at = (
-        passband.frequencies(resolved, None, FREQUENCIES)
-        if band is None
-        else band_frequencies(resolved, band)
-    )
+    reference = reference_impedance(50.0 if recording.z0 is None else recording.z0)
+    at = _frequencies(resolved, recording.band)
     names, _, scattering = scattering_matrix(resolved, at, reference, tolerance, progress)
-    share, remark = _noise(noise, seed)
-    scattering = scattering + _scatter(scattering.shape, share, seed)
-    remarks = (resolved.title or name, "ports: " + ", ".join(names), *remark)
-    text = fem.touchstone(at, scattering, reference, remarks)
+    remarks = (resolved.title or name, "ports: " + ", ".join(names), *recording.remark)
+    text = fem.touchstone(at, recording.noisy(scattering), reference, remarks)
     span = f"{at[0] / 1e6:.5g} to {at[-1] / 1e6:.5g} MHz"
     said = f"{len(at)} frequencies, {span}, ports {', '.join(names)}, {reference:g} ohm"
     return Exported(
-        files={f"{name}.s{len(names)}p": text}, answer=(("network", said), *(("noise", r) for r in remark))
+        files={f"{name}.s{len(names)}p": text},
+        answer=(("network", said), *(("noise", each) for each in recording.remark)),
     )
 
 
@@ -139,36 +191,29 @@ def vtu_files(scene: Scene, name: str, *, tolerance: float, progress) -> Exporte
 
 
 def virtual_scan(
-    scene: Scene, kind: str, band, noise, seed, tolerance: float, progress
+    scene: Scene, recording: Recording, tolerance: float, progress
 ) -> tuple[Scan, tuple[str, ...]]:
-    """Return what a vibrometer would record per volt, u_z, and remarks.
-
-    Parameters
-    ----------
-    kind : str
-        "x": from the driven transducer to the next one or the stator's end, 8 points per wavelength; "y": across the
-        beam at the slider; "xy": an area; "frequency": at the slider, over ``band``.
-    band, noise : str or None
-        START:STOP:N in MHz; share of the largest |u_z|, the standard deviation of real and imaginary part each.
-    seed : int or None
-        Of the noise.
-    """
+    """Return what a vibrometer would record per volt, u_z, and remarks."""
+    kind, share = recording.scan or "x", recording.share
     if kind not in SCANS:
         raise SceneError("--scan", f"must be one of {', '.join(SCANS)}, got {kind!r}")
-    if band is not None and kind != "frequency":
+    if recording.band is not None and kind != "frequency":
         raise SceneError(
             "--band", f"is for --scan frequency and the format touchstone, not for --scan {kind}"
         )
-    share, remark = _noise(noise, seed)
     resolved = passband.driven_scene(scene)
-    empty = placed(resolved, _points(resolved, kind, band))
+    empty = placed(resolved, _points(resolved, kind, recording.band))
     motion = predicted_scan(resolved, empty, tolerance=tolerance, progress=progress)
     size = share * float(np.max(np.abs(motion)))
     taken = replace(
-        empty, name="scan", values=motion + size * _scatter(motion.shape, 1.0, seed),
+        empty, name="scan", values=recording.noisy(motion),
         deviation=np.full(len(motion), size) if size > 0.0 else None,
     )  # fmt: skip
-    return taken, (resolved.title or "untitled", "u_z per volt of the source, peak, exp(+i omega t)", *remark)
+    return taken, (
+        resolved.title or "untitled",
+        "u_z per volt of the source, peak, exp(+i omega t)",
+        *recording.remark,
+    )
 
 
 def _points(scene: Scene, kind: str, band) -> Scan:
@@ -197,38 +242,17 @@ def _points(scene: Scene, kind: str, band) -> Scan:
         along = along[:: PER_WAVELENGTH // COARSE]
         x, y, frequency = np.tile(along, len(y)), np.repeat(y, len(along)), None
     else:
-        frequency = (
-            passband.frequencies(scene, None, FREQUENCIES) if band is None else band_frequencies(scene, band)
-        )
+        frequency = _frequencies(scene, band)
         x, y = np.full(len(frequency), place), np.full(len(frequency), middle)
     return Scan(name="scan", x=x, y=y, frequency=frequency, values=np.zeros(len(x), complex))
 
 
-def _noise(noise: str | None, seed: int | None) -> tuple[float, tuple[str, ...]]:
-    """Return the share of the largest value that is noise, and the remark on it."""
-    if noise is None:
-        if seed is not None:
-            raise SceneError("--seed", "needs --noise")
-        return 0.0, ()
-    text = str(noise).strip()
-    percent = text.endswith("%")
-    value = si_value("--noise", toml_value(text.rstrip("% ")), "") * (0.01 if percent else 1.0)
-    if not 0.0 <= value < 1.0:
-        raise SceneError("--noise", f"must be at least 0 and below 1, or a percentage, got {noise}")
-    if seed is None:
-        raise SceneError("--noise", "needs --seed N, so that the same noise can be had again")
-    return value, (f"noise: standard deviation {value:g} of the largest value in each part, seed {seed}",)
+def _frequencies(scene: Scene, band: str | None) -> np.ndarray:
+    """Return the frequencies of a band in Hz; without one those of the passband."""
+    return passband.frequencies(scene, None, FREQUENCIES) if band is None else band_frequencies(scene, band)
 
 
-def _scatter(shape, size: float, seed: int | None) -> np.ndarray:
-    """Return complex Gaussian noise of a standard deviation in real and imaginary part each."""
-    if size == 0.0 or seed is None:
-        return np.zeros(shape, complex)
-    random = np.random.default_rng(seed)
-    return size * (random.standard_normal(shape) + 1j * random.standard_normal(shape))
-
-
-def _trace(scene: Scene, encoder: dict[str, float], noise, seed, tolerance: float, progress) -> str:
+def _trace(scene: Scene, recording: Recording, encoder: dict[str, float], tolerance: float, progress) -> str:
     """Return what an encoder records of the scene's burst at its largest level, as CSV.
 
     ``encoder``: its ``bandwidth`` in Hz and its ``sampling`` in s, where it has them; they come before the noise.
@@ -240,21 +264,22 @@ def _trace(scene: Scene, encoder: dict[str, float], noise, seed, tolerance: floa
     levels = {"normal_amplitude": (level,)} if key == "wave" else {"voltage": (level,)}
     alone = replace(scene, **{key: replace(block, **levels)}, uncertain=None)
     _, path = run(alone, tolerance=tolerance, progress=progress).trajectories[0]
-    share, remark = _noise(noise, seed)
     columns = [np.full(len(path.time), level), path.time]
     for number, curve in enumerate((travelled_distance(path.time, path.velocity), path.velocity)):
         if "bandwidth" in encoder:
             curve = low_pass(path.time, curve, encoder["bandwidth"])
         if "sampling" in encoder:
             curve = averaged(path.time, curve, encoder["sampling"], path.time)
-        own_seed = None if seed is None else seed + 1 - number
-        columns.append(curve + _scatter(curve.shape, share * float(np.max(np.abs(curve))), own_seed).real)
+        columns.append(recording.noisy(curve, more=1 - number))
     head = f"{'normal_amplitude_m' if key == 'wave' else 'voltage_V'},time_s,position_m,velocity_m_per_s"
     rows = [",".join(repr(float(value)) for value in row) for row in np.column_stack(columns)]
     filters = tuple(
         f"{name} {value:g} {'Hz' if name == 'bandwidth' else 's'}" for name, value in encoder.items()
     )
-    return "\n".join([*(f"# {each}" for each in (scene.title, *filters, *remark)), head, *rows[1:]]) + "\n"
+    return (
+        "\n".join([*(f"# {each}" for each in (scene.title, *filters, *recording.remark)), head, *rows[1:]])
+        + "\n"
+    )
 
 
 def _said(taken: Scan, remarks) -> tuple:
@@ -264,8 +289,8 @@ def _said(taken: Scan, remarks) -> tuple:
 def _draw(taken: Scan, ax):
     from studies.record.plots import curve, finished
 
-    at, label = (taken.frequency * 1e-6, "frequency (MHz)") if taken.kind == "frequency" else (
-        (taken.y * 1e3, "y (mm)") if taken.kind == "y" else (taken.x * 1e3, "x (mm)")
-    )  # fmt: skip
-    curve(ax, at, np.abs(taken.values) * 1e9, ".", "slip", "virtual vibrometer", size=2.5)
+    at, scale, label = taken.coordinate, 1e3, "y (mm)" if taken.kind == "y" else "x (mm)"
+    if taken.kind == "frequency":
+        scale, label = 1e-6, "frequency (MHz)"
+    curve(ax, at * scale, np.abs(taken.values) * 1e9, ".", "slip", "virtual vibrometer", size=2.5)
     return finished(ax, label, f"|{taken.component}| (nm per V)", "What a vibrometer would record", columns=1)

@@ -53,7 +53,7 @@ def candidates(problem: Problem) -> list[Measurement]:
         imagined.append(replace(plain, name=name, levels=at, settings=settings, **changes))
 
     if base.quantity not in ("amplitude", "none"):
-        preload = float(base.settings.get("slider.preload", predictor.value("slider.preload")))
+        preload = float(base.settings.get("slider.preload") or predictor.value("slider.preload") or 0.0)
         spread = tuple(np.linspace(min(levels), top, 12)) if len(levels) > 1 else (top,)
         for size in (0.5 * preload, 2.0 * preload):
             settings = base.settings | {"slider.preload": size}

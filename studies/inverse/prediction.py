@@ -28,7 +28,9 @@ from studies.inverse.parameters import (
     WAVE_VELOCITY_FACTOR,
 )
 from studies.lab.encoder import averaged, low_pass, travelled_distance
-from studies.lab.measurement import FIELD, Measurement
+from studies.lab.measurement import Measurement
+from studies.lab.network import NetworkData
+from studies.lab.scan import Scan
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.override import value_at
@@ -100,8 +102,9 @@ class MeasurementPredictor(Predictor):
         for measurement, numbers in questions:
             self._count_one()
             numbers = numbers | measurement.settings
-            if measurement.quantity in FIELD:
-                answers.append(self._field(measurement, numbers))
+            data = measurement.network or measurement.scan
+            if data is not None:
+                answers.append(self._field(measurement, data, numbers))
                 continue
             contact = self.contact(numbers)
             factors = self._factors(measurement, numbers, contact)
@@ -119,7 +122,7 @@ class MeasurementPredictor(Predictor):
         speeds = self.velocities(states) if states else np.empty(0)
         return [speeds[each] if isinstance(each, slice) else each for each in answers]
 
-    def _field(self, measurement: Measurement, numbers: dict) -> np.ndarray:
+    def _field(self, measurement: Measurement, data: NetworkData | Scan, numbers: dict) -> np.ndarray:
         """Return the numbers of a scan or of a network analyser's file.
 
         A scan's phase has no origin of its own: the prediction is turned by the angle that fits best.
@@ -127,19 +130,17 @@ class MeasurementPredictor(Predictor):
         scene, stator = self._resolved(numbers)
         if stator is None:
             raise SceneError(f"measurements {measurement.name}", "needs a scene with a stator")
-        scan, key = measurement.scan, (stator, id(measurement.scan or measurement.network))
-        if measurement.network is not None:
+        key = stator, id(data)
+        if isinstance(data, NetworkData):
             if key not in self._fields:
-                self._keep(
-                    key, measurement.network, network_prediction(scene, measurement.network, self.tolerance)
-                )
+                self._keep(key, data, network_prediction(scene, data, self.tolerance))
             known = self._fields[key][1]
             return np.concatenate([known.real.ravel(), known.imag.ravel()])
-        scan = placed(scene, scan, "measurements")
+        scan = placed(scene, data, "measurements")
         if key not in self._fields:
             # solved as the scans that the program writes are: what differs is the data alone
             motion = predicted_scan(scene, scan, tolerance=self.tolerance, progress=self.progress)
-            self._keep(key, measurement.scan, motion)
+            self._keep(key, data, motion)
         motion = self._fields[key][1] * numbers.get(AMPLITUDE_FACTOR, 1.0)
         motion = at_other_velocity(scene, scan, motion, numbers.get(WAVE_VELOCITY_FACTOR, 1.0))
         if not scan.is_complex:

@@ -85,7 +85,8 @@ class Search:
 
     def _repeated(self, weights) -> np.ndarray:
         """Evaluate the best points of the coarse search at the tolerance; return the best of them in the unit box."""
-        best = sorted(self.coarse.rows, key=lambda row: self.value(row, weights))[:REPEATED]
+        rows = [] if self.coarse is None else self.coarse.rows
+        best = sorted(rows, key=lambda row: self.value(row, weights))[:REPEATED]
         rows = self.ask([tuple(row[each.key] for each in self.variables) for row in best])
         start = min(rows, key=lambda row: self.value(row, weights))
         return np.array([each.share(start[each.key]) for each in self.variables])

@@ -151,7 +151,11 @@ def _answers(
     column, also = ANSWERS[outcome]
     level_key = "wave.normal_amplitude" if predictor.given_wave else "drive.voltage"
     changes = [
-        {key: predictor.value(key) * factor for key, factor in factors.items() if key != "level"}
+        {
+            key: float(predictor.value(key) or 0.0) * factor
+            for key, factor in factors.items()
+            if key != "level"
+        }
         | {level_key: level * factors.get("level", 1.0)}
         for factors in many
     ]
@@ -198,9 +202,10 @@ def _checks(predictor: MeasurementPredictor, rows: dict, level: float) -> list[F
                        "velocity agree.", "largest difference over the largest elasticity", worst / size,
                        high=AGREEMENT),
     ]  # fmt: skip
-    law = [rows.get(f"slider.{key}") for key in ("preload", "effective_modulus", "friction_coefficient")]
-    if all(law) and predictor.contact({}).scene.slider.load == 0.0:
-        total = law[0][0] + law[1][0] - law[2][0]
+    law = [f"slider.{key}" for key in ("preload", "effective_modulus", "friction_coefficient")]
+    if set(law) <= set(rows) and predictor.contact({}).scene.slider.load == 0.0:
+        preload, modulus, friction = (rows[key][0] for key in law)
+        total = preload + modulus - friction
         sentence = "Preload and modulus up, friction coefficient down by one factor change nothing."
         findings.append(
             judged(sentence, "sum of the elasticities", abs(total), high=1e-3, expected="0 to 1e-3")

@@ -94,7 +94,9 @@ class Scan:
     @property
     def coordinate(self) -> np.ndarray:
         """The varying coordinate: frequency in Hz or position in m. For a scan of an area it is x."""
-        return self.frequency if self.kind == "frequency" else self.y if self.kind == "y" else self.x
+        if self.frequency is not None and self.kind == "frequency":
+            return self.frequency
+        return self.y if self.kind == "y" else self.x
 
     def as_displacement(self, drive_frequency: float) -> "Scan":
         """Return the scan as displacements; ``drive_frequency`` in Hz is used if the scan has no frequencies."""
@@ -182,7 +184,7 @@ def _values(columns: CsvColumns, noun: str, units) -> tuple[np.ndarray, str]:
     if (real is None) != (imaginary is None):
         missing = "imag" if imaginary is None else "real"
         raise columns.error(f"must have a column {noun}_{missing}_UNIT beside the other part")
-    if real is not None:
+    if real is not None and imaginary is not None:
         if magnitude is not None:
             raise columns.error(f"must hold {noun} once, as complex parts or as a magnitude")
         if real[1] != imaginary[1]:
@@ -231,11 +233,10 @@ def scan_uff(scan: Scan, path: Path, remarks: tuple[str, ...] = ()) -> None:
             raise SceneError(
                 "--format", "uff needs at least two points on each line along x: ask for more, or for csv"
             )
-        order = line[np.argsort((scan.frequency if by_frequency else scan.x)[line])]
-        abscissa = scan.frequency[order] if by_frequency else scan.x[order]
-        where = f"x = {scan.x[order[0]]!r} m, y = {scan.y[order[0]]!r} m".replace("np.float64(", "").replace(
-            ")", ""
-        )
+        along = scan.coordinate if by_frequency else scan.x
+        order = line[np.argsort(along[line])]
+        abscissa, first = along[order], order[0]
+        where = f"x = {float(scan.x[first])!r} m, y = {float(scan.y[first])!r} m"
         dataset = {
             "type": 58, "func_type": 4 if by_frequency else 0, "data": scan.values[order], "x": abscissa, "binary": 0,
             "id1": f"{'velocity' if scan.is_velocity else 'displacement'} {scan.component}"[:80],

@@ -11,8 +11,8 @@ the slider towards +x) and its duration. There are four kinds:
 - ``FILE.py:FUNCTION``: a user's function of a `Reading` that returns a level, or a level and a duration in s.
 """
 
-import importlib.util
 import math
+import runpy
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -278,18 +278,14 @@ def _user_controller(name: str) -> Callable[[Reading], Command]:
     path = Path(file)
     if not path.is_file():
         raise SceneError("--controller", f"{file!r} is no file")
-    spec = importlib.util.spec_from_file_location(f"sawmotor_controller_{path.stem}", path)
-    module = importlib.util.module_from_spec(spec)
     try:
-        spec.loader.exec_module(module)
+        content = runpy.run_path(file, run_name=f"sawmotor_controller_{path.stem}")
     except Exception as error:
         text = " ".join(str(error).split())
         raise SceneError("--controller", f"{file!r} cannot be run: {type(error).__name__}: {text}") from None
-    own = getattr(module, function, None)
+    own = content.get(function)
     if not callable(own):
-        known = [
-            each for each in vars(module) if callable(getattr(module, each)) and not each.startswith("_")
-        ]
+        known = [name for name, each in content.items() if callable(each) and not name.startswith("_")]
         raise SceneError("--controller", f"{file!r} has no function {function!r}{nearest(function, known)}")
 
     def command(reading: Reading) -> Command:

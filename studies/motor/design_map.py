@@ -55,7 +55,7 @@ def run(
     if resolved_scene.slider is None:
         resolved_scene.refuse("slider", "is missing: without one there is nothing to map")
     table = resolved_scene.to_table()
-    level = level_key(table)
+    level = level_key(table) or ""
     axes = [
         axis(key, values) for key, values in (over or _default_axes(resolved_scene, level, counts)).items()
     ]
@@ -86,7 +86,7 @@ def run(
     title = resolved_scene.title
     if not has_level_axis:
         name = level.rpartition(".")[2].replace("_", " ")
-        title += f", {name} {si(max(resolved_scene.levels), unit_of(rule_at(level)))}"
+        title += f", {name} {si(max(resolved_scene.levels), unit_of(rule_at(level)) or '')}"
     panels = [
         Panel(
             name=name,
@@ -175,7 +175,9 @@ def _levels(values) -> list[float]:
 
 def _as_lists(values) -> list:
     """Return an array as nested lists, with None for values that are not finite."""
-    return np.where(np.isfinite(values), values.astype(object), None).tolist()
+    lists = values.astype(object)
+    lists[~np.isfinite(values)] = None
+    return lists.tolist()
 
 
 def _default_axes(scene: Scene, level: str, counts: tuple[int, int]) -> dict:

@@ -67,6 +67,28 @@ class Loop:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Drives:
+    """The drives of a motor as the loop sees them.
+
+    Attributes
+    ----------
+    powers : (float, float)
+        Power of the first and of the second drive, W per squared unit of the level.
+    direction : float
+        Sign of the velocity under the first drive.
+    one_way : bool
+        True if there is no second drive.
+    frequency : float
+        Frequency of the wave in Hz, used to round bursts to whole cycles; 0 for no rounding.
+    """
+
+    powers: tuple[float, float] = (0.0, 0.0)
+    direction: float = 1.0
+    one_way: bool = False
+    frequency: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
 class Move:
     """One move to a target. Positions are relative to the initial position of the motor.
 
@@ -111,23 +133,12 @@ class Move:
 
 
 def moved(
-    motor: Moving, target: float, control: Callable[[Reading], Command], numbers: MotorNumbers, loop: Loop, *,
-    powers: tuple[float, float] = (0.0, 0.0), direction: float = 1.0, frequency: float = 0.0, one_way: bool = False,
+    motor: Moving, target: float, control: Callable[[Reading], Command], numbers: MotorNumbers, loop: Loop,
+    drives: Drives,
 ) -> Move:  # fmt: skip
-    """Simulate and return a move of a motor to a target; the state of the motor changes.
-
-    Parameters
-    ----------
-    powers : (float, float)
-        Power of the first and of the second drive, W per squared unit of the level.
-    direction : float
-        Sign of the velocity under the first drive.
-    one_way : bool
-        True if there is no second drive.
-    frequency : float
-        Frequency of the wave in Hz, used to round bursts to whole cycles; 0 for no rounding.
-    """
+    """Simulate and return a move of a motor to a target; the state of the motor changes."""
     random = np.random.default_rng(loop.seed)
+    direction, frequency = drives.direction, drives.frequency
     delay_periods = round(loop.delay / loop.period)
     begin, start = motor.time, motor.position
     memory: dict = {}
@@ -145,7 +156,7 @@ def moved(
             force = loop.force if motor.time >= loop.force_at else 0.0
             motor.advance(duration / steps, level * direction, force=force, preload=loop.preload)
             samples.append((motor.time - begin, motor.position, motor.velocity, level * direction))
-        energy += powers[int(level * direction < 0.0)] * level**2 * duration
+        energy += drives.powers[int(level * direction < 0.0)] * level**2 * duration
         cycles += frequency * duration * (level != 0.0)
 
     while motor.time - begin < loop.limit:
@@ -157,7 +168,7 @@ def moved(
             time=motor.time - begin, position=reading, target=target, period=loop.period, motor=numbers, memory=memory
         ))  # fmt: skip
         level = min(max(command.level, -numbers.level), numbers.level)
-        if one_way and level * direction < 0.0:
+        if drives.one_way and level * direction < 0.0:
             level = 0.0  # no drive pushes the slider back
         duration = command.duration if frequency == 0.0 else round(command.duration * frequency) / frequency
         duration = duration if level != 0.0 else 0.0

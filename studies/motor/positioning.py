@@ -27,7 +27,7 @@ from studies.chain import resolve
 from studies.export.averaged_motor import AveragedMotor, averaged_motor, ring_speed
 from studies.motor.controllers import MotorNumbers, controller
 from studies.motor.followed_motor import STEPS, FollowedMotor
-from studies.motor.position_loop import Loop, Move, moved, replayed
+from studies.motor.position_loop import Drives, Loop, Move, moved, replayed
 from studies.motor.short_bursts import short_bursts, step_scatter, steps_in_words
 from studies.record.plots import COLOURS, curve, finished
 from studies.refusal import SceneError
@@ -86,14 +86,14 @@ def run(
         )
     progress("positioning: the way there and back")
     state = FollowedMotor(motor, preload=settings.preload)
-    drive = {
-        "powers": (*(each.power for each in motor.drives), 0.0)[:2], "direction": direction, "one_way": one_way,
-        "frequency": motor.drives[0].orbits[0].frequency,
-    }  # fmt: skip
-    moves = {"there": moved(state, distance, make_controller(), numbers, settings, **drive)}
+    drives = Drives(
+        powers=(motor.drives[0].power, 0.0 if one_way else motor.drives[1].power), direction=direction, one_way=one_way,
+        frequency=motor.drives[0].orbits[0].frequency,
+    )  # fmt: skip
+    moves = {"there": moved(state, distance, make_controller(), numbers, settings, drives)}
     if not one_way:
         next_seed = replace(settings, seed=settings.seed + 1)
-        moves["back"] = moved(state, 0.0, make_controller(), numbers, next_seed, **drive)
+        moves["back"] = moved(state, 0.0, make_controller(), numbers, next_seed, drives)
     coarse = FollowedMotor(motor, preload=settings.preload, steps=STEPS // 2)
     error, _ = _difference(moves, coarse, settings)
     averaging = _difference(moves, motor.start(preload=settings.preload), settings)

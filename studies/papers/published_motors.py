@@ -300,7 +300,7 @@ def _row(motor, quantity, published, what, known, swept, unit, scale) -> dict:
     for name, unknown in swept.items():
         alone = [what(known | {name: value}) for value in unknown.swept]
         reach[unknown.name] = max(alone) / min(alone) if min(alone) > 0 else math.inf
-    most = max(reach, key=reach.get)
+    most = max(reach, key=reach.__getitem__)
     low, high = min(*values, taken), max(*values, taken)
     below, above = published if isinstance(published, tuple) else (published, published)
     if below < above and below < low and high < above:

@@ -32,7 +32,7 @@ def run(*, steps: tuple[float, ...] = (), progress=None) -> Answered:
     seed = Seed(progress, steps=steps)
     panels, findings = [], []
     for make in (figure_2, figure_5a, figure_5b, figure_6a, figure_6b, figure_7):
-        seed.progress(f"seed figures: {make.__doc__.split(':')[0]}")
+        seed.progress(f"seed figures: {str(make.__doc__).split(':')[0]}")
         of_figure, checks = make(seed)
         panels += of_figure
         findings += checks

@@ -59,6 +59,9 @@ class Record:
         Measured points beside the predicted ones, where a file of them was given.
     shortfall : str
         Why this is no answer within its tolerance; empty when it is one.
+    refused : bool
+        True if the shortfall holds for the whole answer: a node of the wave, a field that the model does not resolve,
+        or a neglected effect as large as the answer; False after `load`.
     surface : dict of str to array
         Columns of surface.csv (driven stator) or of profile.csv (free wave).
     pillars, slider_wave : dict of str to array
@@ -97,6 +100,7 @@ class Record:
     uncertainty: dict = field(default_factory=dict)
     measured: dict = field(default_factory=dict)
     shortfall: str = ""
+    refused: bool = field(default=False, repr=False, compare=False)
     surface: dict = field(default_factory=dict, repr=False)
     pillars: dict = field(default_factory=dict, repr=False)
     slider_wave: dict = field(default_factory=dict, repr=False)

@@ -22,7 +22,7 @@ MAX_DOTS = 20_000  # pillars drawn; of more, evenly chosen ones
 POWERS = (
     ("friction_power_W", "friction", "intermittent"),
     ("thrust_power_W", "thrust", "second"),
-    ("wave_power_out_W", "carried on by the wave", "slip"),
+    ("wave_power_out_W", "remaining in the wave", "slip"),
 )
 
 
@@ -275,8 +275,8 @@ def slider_wave(record: "Record", ax):
     ahead = np.abs(table["forward_m"]).max() >= np.abs(table["backward_m"]).max()
     names = ("forward_m", "backward_m") if ahead else ("backward_m", "forward_m")
     main, other = (np.asarray(table[name]) for name in names)
-    ax.plot(x, np.abs(main) * 1e9, color=COLOURS["slip"], label="wave that drives, amplitude")
-    ax.plot(x, np.abs(other) * 1e9, color=COLOURS["stick"], label="wave against it, amplitude")
+    ax.plot(x, np.abs(main) * 1e9, color=COLOURS["slip"], label="driving wave, amplitude")
+    ax.plot(x, np.abs(other) * 1e9, color=COLOURS["stick"], label="opposing wave, amplitude")
     for style, n in zip(("--", "-.", ":"), (2, 3, 4), strict=True):
         if f"overtone_{n}_m" in table:
             size = np.abs(np.asarray(table[f"overtone_{n}_m"])) * 1e9

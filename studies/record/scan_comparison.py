@@ -92,13 +92,13 @@ def scan_comparison(block: dict):
     """Yield what a run prints of a scan's comparison, as rows of a name and a line."""
     yield (
         "measured",
-        f"{block['compared']} points of {block['file']}, a {block['quantity']}, compared where they lie",
+        f"{block['compared']} points of {block['file']}, a {block['quantity']}, compared at their places",
     )
     phase = block.get("phase_of_measured_rad")
     turned = "" if phase is None else f", phase {np.degrees(phase):+.3g} deg"
     yield "", f"measured / predicted {block['measured_over_predicted']:.4g}{turned}"
     whole, shape = block["rms_deviation_relative"], block["rms_deviation_of_shape"]
-    yield "", f"deviation {100 * whole:.3g} % rms; {100 * shape:.3g} % once size and phase are taken out"
+    yield "", f"deviation {100 * whole:.3g} % rms; {100 * shape:.3g} % after a fit of size and phase"
     if "measured_standing_wave_ratio" in block:
         ratios = (block[f"{name}_standing_wave_ratio"] for name in ("measured", "predicted"))
         yield "", "standing-wave ratio {:.4g} measured, {:.4g} predicted".format(*ratios)

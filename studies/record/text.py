@@ -45,7 +45,7 @@ def answer(record: "Record") -> str:
     wanted = f"asked for {record.tolerance:.1e}"
     if record.at_rest:
         known = record.wave.get("relative_error")
-        wave = "" if known is None else f"; the wave under the slider is known to {known:.1e}"
+        wave = "" if known is None else f"; the relative error of the wave under the slider is {known:.1e}"
         rows.append(("relative error", f"none: no point moves{wave}, {wanted}"))
     elif record.error:
         parts = ", ".join(f"{name} {size:.1e}" for name, size in record.error["parts"].items())
@@ -177,9 +177,9 @@ def _uncertainty(block: dict):
         at = f" at {count} points" if count else ""
         yield (
             "",
-            f"the answer bends within the tolerance of {key}{at}: the band holds the middle and the ends there;",
+            f"the answer is nonlinear within the tolerance of {key}{at}: the band includes its middle and its ends;",
         )
-        yield "", 'uncertain.method = "sampled" follows the bend'
+        yield "", 'uncertain.method = "sampled" is more accurate'
     widths = block.get("velocity_half_width_m_per_s", {})
     for key, size in block["tolerances"].items():
         effect = f": +- {widths[key] * 1e3:.3g} mm/s at the highest level" if key in widths else ""
@@ -246,7 +246,7 @@ def comparison(block: dict):
         within = f"{block['within_one_error']} of {block['compared']} within their error"
         yield "", f"{within}, chi^2 per point {block['chi_square_per_point']:.3g}"
     if block["sign_of_prediction_given"]:
-        yield "", "measured without a sign: taken to run as predicted"
+        yield "", "measured without a sign: the predicted direction is assumed"
 
 
 def _limits(summary: dict):

@@ -364,7 +364,7 @@ def _resonances(record: Record, driven: DrivenContact, say: Any) -> Any:
     scene, contacts, slider = record.scene, len(driven.orbits), driven.slider
     yield Row("resonance", "drive frequency", float(scene.frequency), "Hz")
     if scene.transducer:
-        say("stator: looking for the strongest wave")
+        say("stator: search for the strongest wave")
         best = resolve.resolved(replace(scene, drive=replace(scene.drive, frequency="center"))).frequency
         condition = "per volt, sent by the driven fingers alone"
         yield Row("resonance", "frequency of the strongest wave", float(best), "Hz", CENTRE, condition)

@@ -104,7 +104,7 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
 
 def long_wait(scene: Scene, *, tolerance: float) -> tuple[str, ...]:
     """Return a sentence on the expected time of a run that takes more than a minute; otherwise an empty tuple."""
-    return announced(plan(scene, tolerance=tolerance)["expected"]["seconds"], " (--explain tells of what)")
+    return announced(plan(scene, tolerance=tolerance)["expected"]["seconds"], " (--explain lists the parts)")
 
 
 def long_sweep(scene: Scene, *, tolerance: float, stators: int, points: int) -> tuple[str, ...]:
@@ -138,10 +138,11 @@ def explanation(plan: dict) -> str:
         rows += [(part["name"], lines), ("", [""])]
     rows += [
         ("left out", [line for each in plan["left_out"] for line in textwrap.wrap(each, WIDTH)]),
-        ("error", [f"at most {plan['tolerance']:.1e} is asked for"]),
-        ("expected time", [f"{expected['seconds']:.2g} s within a factor of {TIME_WITHIN:g}, bursts apart: counted "
+        ("error", [f"at most {plan['tolerance']:.1e} is required"]),
+        ("expected time", [f"{expected['seconds']:.2g} s within a factor of {TIME_WITHIN:g}, without bursts: counted "
                            f"operations at {SPEED:.1e} per second"]),
-        ("expected memory", [f"{expected['bytes'] / 1e6:.0f} MB within a factor of {MEMORY_WITHIN:g}, pictures apart"]),
+        ("expected memory", [f"{expected['bytes'] / 1e6:.0f} MB within a factor of {MEMORY_WITHIN:g}, without "
+                             "pictures"]),
     ]  # fmt: skip
     title = plan["title"] or "no title"
     return "\n".join([title, "what a run would compute; nothing has been computed", "", *labelled(rows)])
@@ -166,11 +167,11 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
         _stator_text(scene),
         f"transducers: {len(row)}, different ones: {finest.scatterers}, fingers in all: {fingers}",
         *(
-            [f"sections, one for each row of parallel transducers: {sections}; the first is told"]
+            [f"sections, one for each row of parallel transducers: {sections}; the first is described"]
             if scene.crossed
             else ()
         ),
-        "two discretisations, the second for the error; one more wherever their difference exceeds the tolerance",
+        "two discretisations, the second for the error; one more if their difference exceeds the tolerance",
         f"fields {', '.join(finest.section.solid.fields)}; {'complex' if finest.complex else 'real'} arithmetic in "
         "the pieces, guided modes between them",
     )
@@ -191,9 +192,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
         covered = any(abs(slider.center[0] - each.place[0]) <= each.half_length for each in scene.transducer)
         if not covered:
             left_out_options["ringing"] = RingUp(error=0.0)
-            how = (
-                "response over a band of frequencies, as many as the ringing asks for; the least certain time"
-            )
+            how = "response over a band, with as many frequencies as the ring-up needs; its time is the least certain"
             parts.append({"name": "ring-up", "facts": [how]})
             operations, block_bytes = (
                 operations + BAND * _operations(sizes[1]),

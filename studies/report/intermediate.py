@@ -103,7 +103,7 @@ def _stator(record: Record):
     yield (
         "discretisation",
         f"{wave_solution.resolution}, {wave_solution.unknowns} unknowns",
-        "that of what follows",
+        "that of the numbers below",
     )
     # eigenvalues and modes converge faster than the driven motion, whose error is therefore an upper bound
     yield "phase velocity of the surface mode", si(wave["phase_velocity_m_per_s"], "m/s", 9), motion
@@ -115,20 +115,20 @@ def _stator(record: Record):
         _error(electrical_error * abs(1 - comb_voltage)),
     )
     for name, key in (
-        ("given by the source", "power_W_per_V2"),
+        ("delivered by the source", "power_W_per_V2"),
         ("lost in the solid and absorbed", "power_dissipated_W_per_V2"),
-        ("sent out through the ends", "power_radiated_W_per_V2"),
+        ("radiated through the ends", "power_radiated_W_per_V2"),
     ):
-        yield f"power {name}", si(electrical[key], "W/V\u00b2"), f"balance missed by {power_residual}"
+        yield f"power {name}", si(electrical[key], "W/V\u00b2"), f"residual of the balance {power_residual}"
     for name, key in (
         ("u_z at the slider's place, per volt", "normal_m_per_V"),
         ("u_x at the slider's place, per volt", "tangential_m_per_V"),
-        ("of u_z the surface mode's", "rayleigh_normal_m_per_V"),
+        ("part of the surface mode in u_z", "rayleigh_normal_m_per_V"),
     ):
         if key in wave:
             yield name, _polar(wave[key], "m/V"), motion
     ratio, error = wave["standing_wave_ratio"], _error(2 * wave_solution.relative_error)
-    yield "standing-wave ratio about there", f"{ratio:.5g}", f"of the order of {error}"
+    yield "standing-wave ratio near it", f"{ratio:.5g}", f"of the order of {error}"
 
 
 def _free(record: Record):

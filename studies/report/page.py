@@ -21,7 +21,7 @@ CAPTIONS = {
     "velocity": "Slider velocity; marks are computed, lines are closed forms.",
     "trajectory": "Velocity during the bursts and after them.",
     "surface": "Motion of the surface per volt; grey: transducers.",
-    "errors": "Estimated error of each point, and what was asked for.",
+    "errors": "Estimated error of each point, and the tolerance.",
 }  # of `run_pictures.pictures`
 
 

@@ -30,7 +30,9 @@ def plain(path: str, value):
     if isinstance(value, complex):
         return [plain(path, value.real), plain(path, value.imag)]
     if isinstance(value, float) and not math.isfinite(value):
-        raise RunError(f"the run gave {value} for {path}: the scene lies beyond what the numbers can hold")
+        raise RunError(
+            f"the run gave {value} for {path}: the scene exceeds the range of floating-point numbers"
+        )
     return value
 
 

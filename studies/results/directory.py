@@ -184,7 +184,8 @@ def _refuse_others(target: Path, origin: Origin, *, named_by_user: bool) -> None
     kinds = [kind for mark, kind in MARKS.items() if mark in held]
     if held - HIDDEN and not kinds and not then:
         raise SceneError(
-            "", f"the result directory {str(target)!r} holds something that is no former result; name another"
+            "",
+            f"the result directory {str(target)!r} holds files that are not a result of sawmotor; name another",
         )
     if named_by_user:
         return

@@ -59,7 +59,7 @@ def origin_of(manifest: dict) -> dict:
 
 def named(origin: dict) -> str:
     """Return an origin as part of a sentence."""
-    source = f" (scene {origin['source']}, seen from there)" if "source" in origin else ""
+    source = f" (scene {origin['source']}, relative to it)" if "source" in origin else ""
     return f"the {origin.get('kind', 'result')} {origin.get('name', '')}{source}"
 
 

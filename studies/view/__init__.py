@@ -89,7 +89,7 @@ def view(
 def _field_writers(record: Record, wanted: Wanted, show: str, progress, note) -> dict[str, Callable]:
     """Return functions that write the field of a run, by option, and the function ``window`` that opens a window."""
     field = run_field(record, progress=progress)
-    span = limits(field, wanted.span)
+    span = None if wanted.span is None else limits(field, wanted.span)
     max_factor = -float(field.field.z[0]) / (float(abs(field.field.displacement).max()) or 1.0)
     if wanted.factor is not None and wanted.factor > max_factor:
         rule = f"must be at most {max_factor:.3g}, where the displacement is drawn as large as the stator is thick"

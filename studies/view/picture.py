@@ -26,7 +26,7 @@ from studies.view import description
 from studies.view.quantities import shade
 from studies.view.run_field import RunField
 from studies.view.section import Piece, Sheet, beam_sheet, magnification, mesh_sheets, piece, sheets, strips
-from studies.view.views import BELOW, Frame, frames
+from studies.view.views import BELOW, SOLID, Frame, frames
 
 MM = 1e3
 BARE, EDGE = "#D9D9D9", "#606060"
@@ -185,7 +185,7 @@ class Picture:
         """Return the part of the section that a view or the solid shows."""
         run, span, bottom = self.run, (0.0, self.run.length), self.run.field.z[0]
         spacing = run.wavelength / LINES
-        if frame.view is not None:
+        if frame.view is not SOLID:
             start, stop = frame.view.start, frame.view.stop
             margin = 2 * (stop - start)
             if self.framed:

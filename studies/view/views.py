@@ -1,5 +1,6 @@
 """The views of the section in a picture, and their positions in it."""
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -25,6 +26,9 @@ class View:
     weight: float
 
 
+SOLID = View(name="the solid", start=-math.inf, stop=math.inf, weight=1.0)
+
+
 class Frame(NamedTuple):
     """Rectangle of a view or of the solid in the picture: left, low, right and high in pixels.
 
@@ -32,7 +36,7 @@ class Frame(NamedTuple):
     """
 
     box: tuple[float, float, float, float]
-    view: View | None = None
+    view: View = SOLID
     pixel: float = 0.0
     top: float = 0.0
 
@@ -42,10 +46,8 @@ class Frame(NamedTuple):
         return self.top - (self.box[3] - self.box[1]) * self.pixel
 
 
-def limits(run: RunField, span) -> tuple[float, float] | None:
+def limits(run: RunField, span: str | tuple[float, float]) -> tuple[float, float]:
     """Return the limits in m of "whole", "slider", "wavelength" or of two positions, which must lie on the stator."""
-    if span is None:
-        return None
     if span == "whole":
         return 0.0, run.length
     if isinstance(span, str):

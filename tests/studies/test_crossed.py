@@ -58,7 +58,7 @@ def test_a_run_of_crossing_beams(crossing):
     assert (x[0], x[-1]) == (0.0, scene.stator.length)  # no section lies along x: the beams on y = 0
     np.testing.assert_array_equal(columns["u_z_m_per_V"], motion.along(x, 0.0)[2])
     assert set(crossing.electrical["sources"]) == {"left", "front"}
-    assert any("metal of a transducer scatters" in each for each in crossing.left_out)
+    assert any("metal of a transducer that it crosses" in each for each in crossing.left_out)
     effects = {each["effect"]: each["size"] for each in crossing.model_error}
     assert 0 < effects["metal of the transducers in the way of crossing beams"] < 0.5
     assert effects["side faces"] > 0
@@ -99,7 +99,7 @@ def test_a_turned_scene_needs_a_beam(chip):
     assert "stator.sides must be absorbing where" in refused(chip, stator={"sides": "mirror"})
     assert "stator.diffraction must be true or absent where" in refused(chip, stator={"diffraction": False})
     anisotropic = refused(chip, stator={"material": "LiNbO3 (Warner)", "orientation": "YZ"})
-    assert "in solids isotropic about z alone; this cut of LiNbO3 (Warner) is none" in anisotropic
+    assert "only in solids isotropic about z, unlike this cut of LiNbO3 (Warner)" in anisotropic
     assert "transducer.1.pattern must have + and - fingers where" in refused(
         chip, transducer={"front": {"pattern": "oooo"}}
     )

@@ -113,7 +113,7 @@ def test_a_step_is_what_a_burst_of_as_many_cycles_moves(motor, sheet):
     [
         ({"position": ("9 mm", "0 mm")}, "the slider stands over a transducer or a meshed piece"),
         ({"method": "exact"}, "slider.method is exact"),
-        ({"stick_band": 1e-3}, "the motion in the contact needs the events"),
+        ({"stick_band": 1e-3}, "the motion in the contact must be followed event by event"),
     ],
 )
 def test_where_the_wave_s_growth_is_not_in_the_steps_they_say_so(sheet, changes, words):

@@ -13,7 +13,7 @@ import fem
 from studies.__main__ import main
 from studies.chain import resolve
 from studies.chain.scan_prediction import at_other_velocity, placed
-from studies.export.instruments import csv_files, touchstone_files, virtual_scan
+from studies.export.instruments import Recording, csv_files, touchstone_files, virtual_scan
 from studies.inverse import fit, read_measurement, read_parameter
 from studies.inverse.prediction import MeasurementPredictor
 from studies.lab.encoder import aligned, averaged, low_pass, travelled_distance
@@ -38,7 +38,7 @@ def quiet(text):
 @cache
 def clean():
     """What a vibrometer would see of a short stator, without noise."""
-    return virtual_scan(SMALL, "x", None, None, None, 1e-2, quiet)[0]
+    return virtual_scan(SMALL, Recording(), 1e-2, quiet)[0]
 
 
 def noisy(seed, share=0.01):
@@ -93,7 +93,7 @@ def test_uff_round_trip_is_exact_to_the_format_s_twelve_digits(kind, form, tmp_p
 
 @cache
 def network():
-    made = touchstone_files(SMALL, "small", band="2.1:2.3:9", tolerance=1e-2, progress=quiet)
+    made = touchstone_files(SMALL, "small", Recording(band="2.1:2.3:9"), tolerance=1e-2, progress=quiet)
     return made.files["small.s1p"]
 
 
@@ -354,7 +354,7 @@ def test_an_exported_trace_is_filtered_and_averaged_as_the_encoder_does(tmp_path
 
     def recorded(**encoder):
         scene = Scene.load("twente-contact").replace(wave={"normal_amplitude": "10 nm", "burst": "30 ms"})
-        made = csv_files(scene, "trace", **encoder, tolerance=1e-3, progress=quiet)
+        made = csv_files(scene, "trace", Recording(**encoder), tolerance=1e-3, progress=quiet)
         lines = [line for line in made.files["burst.csv"].splitlines() if line[0].isdigit()]
         return np.array([[float(each) for each in line.split(",")] for line in lines])
 

@@ -155,6 +155,11 @@ def test_a_model_error_of_a_tenth_is_a_warning_and_one_of_the_whole_no_answer(mo
         if warned:
             assert f"u_z by about {round(100 * size):+d} %, which" in said[0]
     assert "u_z by about +120 % (load of the slider on the wave)" in judged.shortfall
+    assert judged.refused
+    missed = with_model_error(replace(motor, shortfall="the tolerance is missed"))
+    assert "load of the slider" in missed.shortfall
+    earlier = with_model_error(replace(motor, shortfall="u_z vanishes", refused=True))
+    assert earlier.shortfall == "u_z vanishes"
 
 
 def test_model_error_of_a_point_is_that_of_the_wave_times_the_sensitivity(motor):

@@ -14,7 +14,7 @@ from studies.export.averaged_motor import averaged_motor, ring_speed
 from studies.motor import positioning
 from studies.motor.controllers import CONTROLLERS, Command, MotorNumbers, Reading, controller
 from studies.motor.followed_motor import FollowedMotor
-from studies.motor.position_loop import Loop, moved, replayed
+from studies.motor.position_loop import Drives, Loop, moved, replayed
 from studies.motor.short_bursts import SCATTER_CYCLES, step_scatter
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -37,8 +37,8 @@ def orbits(level):
 def move(start, name="two_phase", target=1e-5, settings=None, **loop):
     known, way = numbers()
     return moved(
-        start, target, controller(name, settings or {}), known, Loop(**loop), direction=way,
-        frequency=motor().drives[0].orbits[0].frequency,
+        start, target, controller(name, settings or {}), known, Loop(**loop),
+        Drives(direction=way, frequency=motor().drives[0].orbits[0].frequency),
     )  # fmt: skip
 
 
@@ -171,7 +171,7 @@ def test_a_delayed_sensor_is_seen_late():
         control,
         known,
         Loop(noise=0.0, resolution=0.0, delay=3e-4, limit=2e-3),
-        direction=way,
+        Drives(direction=way),
     )
     true = np.interp(1e-4 * np.arange(len(seen)), found.time, found.position)
     np.testing.assert_allclose(seen[3:], true[:-3], atol=1e-15)
@@ -200,7 +200,12 @@ def test_times_overshoot_and_bursts_of_an_invented_move():
         return Command(level=place or 0.0, duration=reading.period, phase="burst" if place else "rest")
 
     found = moved(
-        Jumping(), 1e-6, control, known, Loop(noise=0.0, period=1e-3), powers=(2.0, 0.0), frequency=1e6
+        Jumping(),
+        1e-6,
+        control,
+        known,
+        Loop(noise=0.0, period=1e-3),
+        Drives(powers=(2.0, 0.0), frequency=1e6),
     )
     assert found.overshoot == pytest.approx(0.2e-6)
     assert found.within[1e-7] == pytest.approx(2.1e-3)  # the first instant of the third period

@@ -260,7 +260,7 @@ def test_an_empty_directory_may_be_filled(tmp_path):
 
 def test_a_stranger_s_directory_is_never_touched(tmp_path):
     (tmp_path / "thesis.tex").write_text("three years")
-    with pytest.raises(SceneError, match="no former result"), result_directory(tmp_path, RUN):
+    with pytest.raises(SceneError, match="not a result of sawmotor"), result_directory(tmp_path, RUN):
         pytest.fail("lent")
     assert contents(tmp_path) == ["thesis.tex"]
 

@@ -314,6 +314,7 @@ def test_no_answer_where_the_wave_has_a_node_under_every_ball():
     middle = ['slider.position="6 mm"', "slider.contacts=1"]
     found = run(scene("lithium-niobate-128yx", *middle, 'drive.voltage="60 V"'), tolerance=0.05)
     assert found.shortfall.startswith("no answer: u_z vanishes under the slider")
+    assert found.refused
     beside = ['slider.position="6.1 mm"', "slider.contacts=1"]
     assert (
         "vanishes"

@@ -117,3 +117,15 @@ def test_distant_ends_matter_to_rounding_only_with_loss():
         ports.append(solution(stator, (comb(stator, "a", 30.0),)).fields.admittances[0, 0])
     assert ports[0] == pytest.approx(ports[2], rel=1e-9)
     assert ports[1] == pytest.approx(ports[2], rel=1e-9)
+
+
+@pytest.mark.parametrize(("ends", "bottom"), [("free", "clamped"), ("clamped", "clamped"), ("free", "free")])
+def test_reciprocity_between_plain_ends_on_a_fine_level(ends, bottom):
+    """1e-9 by the modes' own fluxes, 17 times that at a resonance."""
+    stator = plate(cut("PZT-4", "Z"), length=9.0, ends=ends, bottom=bottom)
+    row = (
+        comb(stator, "a", 1.5, finger_pairs=2, metallisation=0.45),
+        comb(stator, "b", 7.3, metallisation=0.55),
+    )
+    admittances = solution(stator, row, order=9, layers=4).fields.admittances
+    assert abs(admittances - admittances.T).max() < 1e-11 * abs(admittances).max()
