@@ -29,6 +29,27 @@ class Regime(IntEnum):
     GROW = 5  # an edge that grows without slip
 
 
+class Guard(IntEnum):
+    """Numbers of the guards, by regime: what each is positive for. All regimes have GAP, the others share numbers."""
+
+    GAP = 0  # the contact is open (separated) or closed (all other regimes)
+    STICK_LIMIT = 1  # deformation within the slip limit
+    STICK_REVERSAL = 2  # deformation of the present sign
+    SLIP_SPEED = 1  # slip or slip of an annulus goes on
+    CREEP_SPEED = 1  # slower than the stick band
+    CREEP_LIMIT = 2  # deformation beyond the slip limit
+    ANNULUS_PIECE = 2  # the front has not come to the inner end of its piece of memory
+    ANNULUS_EDGE = 3  # the front is inside the edge
+    GROW_FORWARD = 1  # no slip forward
+    GROW_BACKWARD = 2  # no slip backward
+
+
+# the last guard of each regime, by `Regime`
+LAST_GUARD = tuple(map(int, (
+    Guard.GAP, Guard.STICK_REVERSAL, Guard.SLIP_SPEED, Guard.CREEP_LIMIT, Guard.ANNULUS_EDGE, Guard.GROW_BACKWARD,
+)))  # fmt: skip
+
+
 class Event(IntEnum):
     """Kind of an event, and its place in the tally of a run."""
 

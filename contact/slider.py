@@ -15,7 +15,7 @@ from contact.codes import Shape, Tangential
 from contact.input_error import InputError
 from contact.law import elastic, hysteretic, normal
 from contact.law.falling import FallingFriction
-from contact.law.protocol import Law
+from contact.law.protocol import Law, slip_limit
 from contact.law.user import Contact, UserLaw, tried, user_law
 
 LAWS = ("elastic", "hysteretic")
@@ -262,12 +262,12 @@ class Slider:
 
     def _sheared(self, z):
         """Return the deformations of contacts at approaches z, sheared together until they carry the load."""
-        law, si = self.tangential_law, self._in_si
-        limits = np.array([float(law.limit(si, each)) if each > 0.0 else 0.0 for each in z])
+        si = self._in_si
+        limits = np.array([float(slip_limit(si, each)) if each > 0.0 else 0.0 for each in z])
 
         def carried(x):
             pairs = zip(z, np.minimum(x, limits), strict=True)
-            return self.normal_stiffness * sum(float(law.stuck(si, a, b)) for a, b in pairs if b > 0.0)
+            return self.normal_stiffness * sum(float(si.law.stuck(si, a, b)) for a, b in pairs if b > 0.0)
 
         max_limit = float(np.max(limits))
         if self.load == 0.0 or carried(max_limit) <= self.load:

@@ -4,7 +4,8 @@ import sys
 
 from contact import burst, mean_motion
 from contact.answers.load_line import blocked_thrust
-from contact.averaged.cycle_mean import cycle, cycle_room
+from contact.averaged.cycle_mean import cycle
+from contact.averaged.cycle_pieces import cycle_arrays
 from contact.averaged.event_cycle import balanced
 from contact.averaged.riding import quadrature
 from tests.contact.motors import orbit, slider
@@ -18,7 +19,7 @@ def compile_part(part: str) -> None:
     if part == "events":
         burst(slider(law="hysteretic"), WAVE, tolerance=1e-3, method="exact", **once)
         burst(slider(), WAVE, tolerance=1e-2, method="stepped", **once)
-        cycle(balanced(slider(), (WAVE,)).problem, 1.0, 0.1, quadrature(20), cycle_room(1))
+        cycle(balanced(slider(), (WAVE,)).problem, 1.0, 0.1, quadrature(20), cycle_arrays(1))
     else:
         mean_motion(slider(), WAVE)
         blocked_thrust(slider(), (WAVE,))

@@ -14,7 +14,7 @@ import numpy as np
 
 from contact import bounds
 from contact.answers.steady import SteadyState, steady
-from contact.averaged.equilibrium import rest_tractions, tractions
+from contact.averaged.equilibrium import mean_tangential_forces, rest_forces
 from contact.averaged.run import STIFFEST_STEADY, refuse_unless_applicable
 from contact.averaged.sweep import mean_motion
 from contact.averaged.sweep_rows import STALL_ERROR
@@ -85,7 +85,7 @@ def blocked_thrust(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[f
         Status "not applicable" where averaging does not apply.
     """
     _, problem, unit = _unloaded(slider, orbits)
-    low, high = rest_tractions(problem)
+    low, high = rest_forces(problem)
     # a slider that is driven against the crests moves towards -x, so that both forces change sign
     return (
         (float(low * unit), float(high * unit)) if high > -low else (float(-high * unit), float(-low * unit))
@@ -113,7 +113,7 @@ def mean_traction(slider: Slider, orbits: Orbit | tuple[Orbit, ...], velocities:
     """
     side, problem, unit = _unloaded(slider, orbits)
     speeds = side * np.asarray(velocities, float) / problem.speed
-    return side * tractions(problem, speeds) * unit
+    return side * mean_tangential_forces(problem, speeds) * unit
 
 
 def _unloaded(slider: Slider, orbits: Orbit | tuple[Orbit, ...]):

@@ -32,6 +32,7 @@ from contact.envelope import Envelope
 from contact.events.energy import Sum
 from contact.events.segment import Column
 from contact.law.normal import slope
+from contact.law.protocol import slip_limit
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
 from contact.stepping.time_stepping import steps
@@ -316,5 +317,5 @@ def _stopped(slider, motion):
 def _surely_sticks(problem, share, lowest, farthest):
     """Return True if contacts with these least approaches and largest deformations stay below the slip limit."""
     holding = np.flatnonzero(share)
-    limits = [problem.law.limit(problem, float(z)) if z > 0.0 else 0.0 for z in lowest[holding]]
+    limits = [slip_limit(problem, float(z)) if z > 0.0 else 0.0 for z in lowest[holding]]
     return bool(np.all(farthest[holding] < limits))

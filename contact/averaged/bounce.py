@@ -16,7 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.averaged.cycle_mean import Cycle, Mean, cycle, cycle_room
+from contact.averaged.cycle_mean import cycle
+from contact.averaged.cycle_pieces import Cycle, Mean, cycle_arrays
 from contact.averaged.equilibrium import balanced_speed, force_left, full_slip_speed, way_out
 from contact.averaged.riding import Rule, quadrature
 from contact.codes import Status
@@ -55,7 +56,7 @@ def speed_lost(problem: Problem, rest: float, level: float) -> float:
     if abs(level - rest) < 1e-9 * (abs(level) + abs(rest)):
         return 0.0  # the riding height is the height at rest: there is no bounce
     rule = quadrature(12)
-    work = cycle_room(1)
+    work = cycle_arrays(1)
 
     def acceleration(h):
         cycle(problem, h, 0.0, rule, work)
@@ -72,7 +73,7 @@ def speed_lost(problem: Problem, rest: float, level: float) -> float:
 def _speed(problem, means):
     """Return the velocity at which the mean tangential force balances damper and load, NaN if the search fails."""
     least, largest = (_left(problem, means, v) + problem.load for v in (0.0, -1e-300))
-    direction, load = way_out(least, largest, problem.load, problem.friction * problem.preload)
+    direction, load = way_out(problem, least, largest)
     if direction == 0.0:
         return 0.0
     at_rest = least if direction > 0.0 else largest

@@ -19,19 +19,19 @@ slider's own motion, the answer to the harmonics of the forces, back into the cy
 height and velocity its fixed point is the full periodic motion but for the harmonics left out.
 """
 
-import threading
 from collections.abc import Callable
 from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
 
-from contact.averaged.cycle_mean import Counted, Cycle, Mean, cycle, cycle_room, respond
-from contact.averaged.riding import Rule, mean_push, quadrature, riding
+from contact.averaged.cycle_mean import cycle, respond
+from contact.averaged.cycle_pieces import Counted, Cycle, Mean, cycle_arrays
+from contact.averaged.riding import Rule, mean_normal_force, quadrature, riding
 from contact.body import Coordinates, damping_force, normal_amplitude, tangential_amplitude
 from contact.codes import Status
-from contact.jit.compiled import compiled, formula, native
-from contact.problem import changed
+from contact.jit.compiled import compiled, formula, native, per_thread
+from contact.problem import changed, full_friction
 from contact.roots import narrowed, trial
 
 
@@ -90,27 +90,23 @@ class ClosedForm(NamedTuple):
     left: Callable
 
 
-_ROOMS = threading.local()  # by harmonics: a kernel finds the same arrays again, and has them packed
-
-
-def room(harmonics: int) -> Work:
-    """Return this thread's work arrays for so many harmonics of the fast motion."""
-    rooms = vars(_ROOMS).setdefault("rooms", {})
-    if harmonics not in rooms:
-        second = cycle_room(harmonics, FINE_NODES)
-        rooms[harmonics] = Work(quadrature(NODES), quadrature(FINE_NODES), cycle_room(1), second)
-    return rooms[harmonics]
+@per_thread
+def work_arrays(harmonics: int) -> Work:
+    """Return the work arrays for so many harmonics of the fast motion."""
+    return Work(
+        quadrature(NODES), quadrature(FINE_NODES), cycle_arrays(1), cycle_arrays(harmonics, FINE_NODES)
+    )
 
 
 @compiled
-def rest(fast):
+def clear_fast_motion(fast):
     """Take the slider's fast motion away."""
     for k in range(fast.normal_cos.size):
         fast.normal_cos[k] = fast.normal_sin[k] = fast.tangential_cos[k] = fast.tangential_sin[k] = 0.0
 
 
 @compiled
-def settled(problem, rule, h, v, work, most):
+def settle(problem, rule, h, v, work, most):
     """Set fast motion, means and height of the cycle that repeats at mean velocity v; return (h, residual change).
 
     `work` is a `Cycle`; the first guess is its fast motion and `h`, and each round gains a factor of about (f_n/f)^2.
@@ -118,7 +114,7 @@ def settled(problem, rule, h, v, work, most):
     change, fast = np.inf, work.fast
     for _ in range(most):
         cycle(problem, h, v, rule, work)
-        _, slope = mean_push(problem, h, rule)
+        _, slope = mean_normal_force(problem, h, rule)
         step = (problem.preload - work.means[Mean.NORMAL]) / slope if slope > 0.0 else 0.0
         a, b, c, d = fast.normal_cos[0], fast.normal_sin[0], fast.tangential_cos[0], fast.tangential_sin[0]
         respond(problem, work)
@@ -168,14 +164,13 @@ def load_direction(largest):
 
 
 @formula
-def way_out(least, largest, load, friction):
+def way_out(problem, least, largest):
     """Return (way, load) of a slider at rest: +1, -1 or 0 where it is held, and the load with its sign.
 
-    `least` and `largest` bound the mean tangential force of a cycle at rest, `friction` is mu times the preload; the
-    load is zero or positive.
+    `least` and `largest` bound the mean tangential force of a cycle at rest; the problem's load is zero or positive.
     """
-    rounding = 1e-13 * friction
-    load *= load_direction(largest)
+    rounding = 1e-13 * full_friction(problem)
+    load = problem.load * load_direction(largest)
     if least - load > rounding:
         return 1.0, load
     return (-1.0 if largest - load < -rounding else 0.0), load
@@ -199,7 +194,7 @@ def balanced_speed(problem, means, way, at_rest, fastest, close):
     the search ends where a step is below `close` of its range. Of `problem` the friction coefficient, preload, load and
     tangential damping are asked.
     """
-    friction = problem.friction * problem.preload
+    friction = full_friction(problem)
     a, fa = 0.0, at_rest - problem.load
     b = way * fastest
     fb = means.left(problem, means, b)
@@ -254,15 +249,15 @@ def balance_row(problem, harmonics, work, out):
 @compiled
 def _at_rest(problem, h, work, out):
     """Fill the least and the largest tangential force of a cycle at rest; return `way_out`."""
-    counts, friction = work.first.counts, problem.friction * problem.preload
+    counts = work.first.counts
     least = largest = excess(problem, work.fine, h, 0.0, work) + problem.load
     stuck = counts[Counted.STUCK]
     out[Entry.MADE_PER_CYCLE], out[Entry.SLIPS_PER_CYCLE] = counts[Counted.MADE], counts[Counted.SLIPS]
-    if least - max(problem.load, 0.0) <= 1e-13 * friction:
+    if least - max(problem.load, 0.0) <= 1e-13 * full_friction(problem):
         largest = excess(problem, work.fine, h, -1e-300, work) + problem.load
     counts[Counted.STUCK] = stuck
     out[Entry.LEAST_AT_REST], out[Entry.LARGEST_AT_REST] = least, largest
-    return way_out(least, largest, problem.load, friction)
+    return way_out(problem, least, largest)
 
 
 @compiled
@@ -293,11 +288,11 @@ def _first_order(problem, h, way, close, work, out):
 def _second_order(problem, slope, top, work, out):
     """Correct the equilibrium by the slider's fast motion; return the reason for ending."""
     second = work.second
-    rest(second.fast)
+    clear_fast_motion(second.fast)
     h, v, v_old, f_old = out[Entry.HEIGHT], out[Entry.VELOCITY], out[Entry.VELOCITY], 0.0
     change = np.inf
     for count in range(40):
-        h, change = settled(problem, work.fine, h, v, second, 1)
+        h, change = settle(problem, work.fine, h, v, second, 1)
         f = force_left(problem, second.means[Mean.TANGENTIAL], v)
         if count > 1 and abs(v - v_old) > 1e-9 * top:
             new = (f - f_old) / (v - v_old)
@@ -323,7 +318,7 @@ def _second_order(problem, slope, top, work, out):
 
 
 @native("t f1 t f1")
-def _tractions(problem, speeds, work, out):
+def _mean_forces(problem, speeds, work, out):
     """Fill the mean tangential forces of cycles at given velocities; return 0."""
     h = riding(problem, work.fine)
     for k in range(speeds.size):
@@ -332,14 +327,14 @@ def _tractions(problem, speeds, work, out):
     return 0
 
 
-def tractions(problem, speeds):
+def mean_tangential_forces(problem, speeds):
     """Return the mean tangential forces, scaled, of cycles at given scaled velocities, of first order."""
     out = np.empty(len(speeds))
-    _tractions(problem, speeds, room(1), out)
+    _mean_forces(problem, speeds, work_arrays(1), out)
     return out
 
 
-def rest_tractions(problem):
+def rest_forces(problem):
     """Return the least and the largest mean tangential force of a cycle at rest; they differ where a contact sticks."""
-    least, largest = tractions(problem, np.array([0.0, -1e-300]))
+    least, largest = mean_tangential_forces(problem, np.array([0.0, -1e-300]))
     return float(least), float(largest)

@@ -20,7 +20,7 @@ from contact.events.collocation import collocation
 from contact.events.energy import Sum
 from contact.events.motion import Motion
 from contact.orbit import Orbit
-from contact.problem import Problem, immobile, scaled
+from contact.problem import Problem, full_friction, immobile, scaled
 from contact.roots import bracketed
 from contact.slider import Slider
 
@@ -65,7 +65,7 @@ def balanced(slider: Slider, orbits: tuple[Orbit, ...]) -> Balance:
         if height <= low:
             return -preload
         balance = _at_height(problem, height)
-        surplus = float(balance.motion.sums[Sum.SUPPORT]) / (2.0 * math.pi) - preload
+        surplus = float(balance.motion.sums[Sum.NORMAL_FORCE]) / (2.0 * math.pi) - preload
         return surplus if abs(surplus) > 1e-12 * preload else 0.0
 
     bracketed(excess, low, high, tolerance=1e-14 * (1.0 + abs(high)))
@@ -83,7 +83,7 @@ def cycle_at(
     height, speed = height / problem.length, velocity / problem.speed
     if held:
         return _held(problem, height, _rest_cycles(problem, height))
-    _, motion = traction(problem, height, speed, 0.0)
+    _, motion = mean_tangential_force(problem, height, speed, 0.0)
     return Balance(problem=problem, height=height, speed=speed, held=False, motion=motion)
 
 
@@ -98,14 +98,14 @@ def trough(orbits):
 def _rest_cycles(problem, height):
     """Return (mean tangential force, motion) at v = 0 for the least and for the largest possible deformations."""
     far = 10.0 * (1.0 + abs(height)) * (1.0 + problem.limit_slope)
-    return traction(problem, height, 0.0, -far), traction(problem, height, 0.0, far)
+    return mean_tangential_force(problem, height, 0.0, -far), mean_tangential_force(problem, height, 0.0, far)
 
 
 def _at_height(problem, height):
     """Return the equilibrium of the tangential forces at one mean approach."""
     rest = _rest_cycles(problem, height)
     (least, _), (largest, _) = rest
-    direction, load = way_out(least, largest, problem.load, problem.friction * problem.preload)
+    direction, load = way_out(problem, least, largest)
     problem = problem._replace(
         load=load
     )  # the sign of the load changes if the wave drives against its crests
@@ -122,11 +122,11 @@ def _at_height(problem, height):
 def _held(problem, height, rest):
     """Return the equilibrium of a held slider; bisection finds deformations whose mean force carries the load."""
     (least, motion), (largest, high_motion) = rest
-    below, above = motion.state[3:], high_motion.state[3:]
-    rounding, a, b = 1e-13 * problem.preload * problem.friction, 0.0, 1.0
+    below, above = motion.carried.deformation, high_motion.carried.deformation
+    rounding, a, b = 1e-13 * full_friction(problem), 0.0, 1.0
     for _ in range(50 if largest > least + rounding else 0):
         middle = 0.5 * (a + b)
-        mean, motion = traction(problem, height, 0.0, (1.0 - middle) * below + middle * above)
+        mean, motion = mean_tangential_force(problem, height, 0.0, (1.0 - middle) * below + middle * above)
         if abs(mean - problem.load) < 1e3 * rounding:
             break
         a, b = (a, middle) if mean > problem.load else (middle, b)
@@ -142,19 +142,19 @@ def opposed(slider: Slider, orbits: tuple[Orbit, ...]) -> float:
     return load_direction(largest)
 
 
-def traction(problem, height, speed, deformations):
+def mean_tangential_force(problem, height, speed, deformations):
     """Return (<sum Q>, motion) of a repeating cycle at constant height and velocity, started from `deformations`."""
     motion = Motion(immobile(problem), grid=collocation(NODES), truncation=TRUNCATION)
     motion.place(-height, 0.0, speed, deformations)
     for turn in range(6):
-        before = motion.state[3:].copy()
+        before = motion.carried.deformation.copy()
         motion.tally[:], motion.sums[:] = 0, 0.0
         motion.turn(1, mobile=False)
         # the memory of a hysteretic contact becomes periodic one cycle after its deformation
         settled = turn > 1 or motion.memory is None
-        if settled and np.max(np.abs(motion.state[3:] - before)) < 1e-13:
+        if settled and np.max(np.abs(motion.carried.deformation - before)) < 1e-13:
             break
-    return motion.sums[Sum.TRACTION] / (2.0 * math.pi), motion
+    return motion.sums[Sum.TANGENTIAL_FORCE] / (2.0 * math.pi), motion
 
 
 class EventCycles:
@@ -166,6 +166,6 @@ class EventCycles:
     @staticmethod
     def left(problem: Problem, means: "EventCycles", v: float) -> float:
         """Return the mean tangential force less load and damper, which accelerates the slider at the velocity v."""
-        deformations = 0.0 if means.motion is None else means.motion.state[3:]
-        mean, means.motion = traction(problem, means.height, v, deformations)
+        deformations = 0.0 if means.motion is None else means.motion.carried.deformation
+        mean, means.motion = mean_tangential_force(problem, means.height, v, deformations)
         return force_left(problem, mean, v)

@@ -64,14 +64,15 @@ def march(turn, force, slope, amplitude, g, incident):
     source[0] -= neighbours[0, :, : n // 2] @ incident[:1].view(kind)
     source[-1] -= neighbours[-1, :, n // 2 :] @ incident[1:].view(kind)
     band = 2 * n - 1  # the equations of a row contain U+ on its left and U- on its right
-    bands = np.zeros((2 * band + 1, n * m), kind)
+    bands = np.zeros((3 * band + 1, n * m), kind)  # with the space that LAPACK needs for pivoting
     for row in range(n):
         for column in range(n):
-            bands[band + row - column, column::n] = own[:, row, column]
+            diagonal = 2 * band + row - column
+            bands[diagonal, column::n] = own[:, row, column]
             if column < n // 2:  # U+ on the left of row j is an unknown of row j - 1
-                bands[band + row - column + n, column : n * (m - 1) : n] = neighbours[1:, row, column]
+                bands[diagonal + n, column : n * (m - 1) : n] = neighbours[1:, row, column]
             else:
-                bands[band + row - column - n, n + column :: n] = neighbours[:-1, row, column]
+                bands[diagonal - n, n + column :: n] = neighbours[:-1, row, column]
     try:
         solution = _solve_banded(band, bands, source.ravel())
     except np.linalg.LinAlgError as error:
@@ -86,17 +87,22 @@ def march(turn, force, slope, amplitude, g, incident):
 
 
 def _solve_banded(band, bands, right_hand_side):
-    """Solve a banded system; `bands` as for `scipy.linalg.solve_banded`, with `band` diagonals on each side."""
+    """Solve a banded system; `bands` as for LAPACK's gbsv: `band` diagonals on each side, `band` spare ones above."""
     unknowns = right_hand_side.size
-    if unknowns > MAX_DENSE:
-        from scipy.linalg import solve_banded
+    if unknowns <= MAX_DENSE:
+        row, column = np.indices((unknowns, unknowns))
+        diagonal = 2 * band + row - column
+        inside = (diagonal >= band) & (diagonal <= 3 * band)
+        matrix = np.where(inside, bands[np.clip(diagonal, band, 3 * band), column], 0.0)
+        return np.linalg.solve(matrix, right_hand_side)
+    from scipy.linalg import lapack
 
-        return solve_banded((band, band), bands, right_hand_side, overwrite_ab=True, check_finite=False)
-    row, column = np.indices((unknowns, unknowns))
-    diagonal = band + row - column
-    inside = (diagonal >= 0) & (diagonal <= 2 * band)
-    matrix = np.where(inside, bands[np.clip(diagonal, 0, 2 * band), column], 0.0)
-    return np.linalg.solve(matrix, right_hand_side)
+    # scipy.linalg.solve_banded does the same, but checks its arguments for as long as this takes for a hundred rows
+    solve = lapack.zgbsv if bands.dtype.kind == "c" else lapack.dgbsv
+    _, _, solution, status = solve(band, band, bands, right_hand_side, overwrite_ab=True)
+    if status != 0:
+        raise np.linalg.LinAlgError("singular matrix")
+    return solution
 
 
 def passed(turn, normal, tangential, orbit, g, incident):

@@ -6,11 +6,10 @@ fundamental alone is kept, that of the last forces, until neither changes: conta
 
 import numpy as np
 
-from contact.averaged import flat_cycle as columns
-from contact.averaged.flat_cycle import COLUMNS
+from contact.averaged.cycle_mean import Each, MeanForces, forces_of
 from contact.averaged.march import march
 from contact.averaged.overtone_march import Classes, Spectrum, Waves, overtone_march, samples
-from contact.averaged.pillar_cycle import Forces, PillarCycle
+from contact.averaged.pillar_cycle import PillarCycle
 from contact.convergence_error import ConvergenceError
 
 SAMPLES, FEWEST = 4, 32  # of a cycle: for each harmonic, and at least
@@ -52,13 +51,8 @@ class OvertoneCycle(PillarCycle):
         """Let the wave pass as if nothing touched it."""
         super().reset()
         m, n = self.turn.size, self.harmonics
-        driving, against, force = (
-            np.zeros((m, n), complex),
-            np.zeros((m, 1), complex),
-            np.zeros((m, 2, n), complex),
-        )
-        self.spectrum = Spectrum(driving, against, force, np.zeros((self.x.size, 2), complex))
         driving, against = np.zeros((m, n), complex), np.zeros((m, 1), complex)
+        self.spectrum = Spectrum(driving.copy(), against.copy(), np.zeros((m, 2, n), complex))
         self.approach, self.sweeps = None, []  # of the last forces; amplitudes and steps of the last sweeps
         fundamental = self.forward, self.backward
         self.forward, self.backward = (driving, against) if self.forward_drives else (against, driving)
@@ -69,7 +63,7 @@ class OvertoneCycle(PillarCycle):
         orbit, forward, backward = self.wave.orbit, self.forward[:, 0], self.backward[:, 0]
         return forward + backward, orbit * forward + orbit.conjugate() * backward
 
-    def forces(self, approach, w: float, side: float) -> Forces:
+    def forces(self, approach, w: float, side: float) -> MeanForces:
         """Return the forces at mean approaches in m and a velocity over omega, the wave that drives followed."""
         self.evaluations += 1
         if not np.array_equal(approach, self.approach):
@@ -80,7 +74,7 @@ class OvertoneCycle(PillarCycle):
         )
         spectrum.along[:], spectrum.against[:] = driving[self.downstream], other[self.downstream]
         incident[0] = self.incident[0 if self.forward_drives else 1]
-        out = np.empty((self.x.size, COLUMNS))
+        out = np.zeros((self.x.size, len(Each)))
         waves = Waves(self.downstream_turn, self.downstream_orbit, self.g, incident)
         failed = overtone_march(
             self.contacts, waves, np.ascontiguousarray(approach), float(w), float(side), spectrum, self.samples, out
@@ -89,12 +83,9 @@ class OvertoneCycle(PillarCycle):
             rule = "rows change the wave by more than their midpoint can follow"
             raise ConvergenceError("not converged", f"{failed} of {self.turn.size} {rule}")
         driving[:] = spectrum.along[self.downstream]
-        return Forces(
-            out, self.k_n * out[:, columns.MEAN_APPROACH], self.k_t * out[:, columns.MEAN_STRETCH],
-            self.k_n * spectrum.first[:, 0], self.k_t * spectrum.first[:, 1],
-        )  # fmt: skip
+        return forces_of(out, self.k_n, self.k_t)
 
-    def advance(self, forces: Forces, _slope=None) -> float:
+    def advance(self, forces: MeanForces, _slope=None) -> float:
         """Move the wave against the driving one to what the forces leave; return its change over the incident one.
 
         Contacts in touch are springs to it: the forces F of a row follow F_0 + S (U - U_0), S the sum of their normal
@@ -110,7 +101,7 @@ class OvertoneCycle(PillarCycle):
             np.zeros((m, 2, 2), complex),
         )
         force[:, side], amplitude[:, side] = normal + orbit * tangential, other
-        slope[:, side, side] = self.sums(forces.cycles[:, columns.SHARE] * self.k_n)
+        slope[:, side, side] = self.sums(forces.cycles[:, Each.SHARE] * self.k_n)
         step = march(self.turn, force, slope, amplitude, self.g, self.incident)[:, side] - other
         change = float(np.abs(step).max()) / max(self.wave.amplitude, 1e-300)
         # D. G. Anderson, J. ACM 12 (1965) 547: of the last sweeps the combination with the smallest step
@@ -126,11 +117,11 @@ class OvertoneCycle(PillarCycle):
     def tangent(self, *_):
         """Return None: there is no step of Newton's, the sweeps go on."""
 
-    def row_forces(self, _forces: Forces):
+    def row_forces(self, _forces: MeanForces):
         """Return sum P_n and sum Q_n of the rows from left to right, shape (m, 2, N)."""
         return self.spectrum.force[self.downstream]
 
-    def passed(self, forces: Forces):
+    def passed(self, forces: MeanForces):
         """Return U+ behind each row and U- before it, shape (2, m, N); the wave against has no overtones."""
         found = super().passed(forces)
         found[1 if self.forward_drives else 0, :, 1:] = 0.0
@@ -143,7 +134,7 @@ class OvertoneCycle(PillarCycle):
         found = self.passed(forces)
         return complex(found[0, -1, -1] if self.forward_drives else found[1, 0, -1])
 
-    def work(self, forces: Forces):
+    def work(self, forces: MeanForces):
         """Return the complex power over omega of the surface on each row and in each harmonic."""
         force, (u_z, u_x) = self.row_forces(forces), self.amplitudes()
         driving, orbit = (

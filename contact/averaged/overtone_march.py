@@ -12,12 +12,14 @@ multiplied by s_n = (n pi/M)/sin(n pi/M), which makes a contact that never lifts
 as 1/M^2 (tests/contact/test_pillars_overtones.py).
 """
 
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
 
-from contact.averaged import flat_cycle as columns
+from contact.averaged.cycle_mean import Each
 from contact.jit.compiled import compiled, native
+from contact.law.elastic import coulomb_limit
 
 MAX_PASSES = 400  # of the midpoint at one row
 SETTLED = 1e-13  # change of the midpoint over the incident amplitude
@@ -50,21 +52,38 @@ class Spectrum(NamedTuple):
     along: np.ndarray  # of the wave that is followed
     against: np.ndarray  # of the one from the other side, U_1 alone, shape (m, 1); given
     force: np.ndarray  # sum P_n and sum Q_n
-    first: np.ndarray  # z_1 and x_1 of each class, m, shape (n, 2)
+
+
+class At(IntEnum):
+    """Rows of `Samples.surface`, at the samples of a cycle."""
+
+    U_Z = 0
+    U_X = 1
+    Z = 2
+    Y = 3
+
+
+class Over(IntEnum):
+    """Rows of `Samples.mean`, over the intervals between samples: <z>, <x> of a contact, forces of a row in N."""
+
+    Z = 0
+    X = 1
+    NORMAL = 2
+    TANGENTIAL = 3
 
 
 class Samples(NamedTuple):
-    """Room for one cycle: exp(i n phi_j), shape (N, M + 1), s_n, and what M + 1 samples or M intervals hold."""
+    """One cycle in M samples, with N harmonics."""
 
-    table: np.ndarray
-    scale: np.ndarray
-    before: np.ndarray  # (N,)
-    surface: np.ndarray  # u_z, u_x, z, y; (4, M + 1)
-    mean: np.ndarray  # <z>, <x> of one contact and the forces of a row; (4, M)
+    table: np.ndarray  # exp(i n phi_j), (N, M + 1)
+    scale: np.ndarray  # s_n, (N,)
+    before: np.ndarray  # amplitudes that reach a row, in its frame, m, (N,)
+    surface: np.ndarray  # (len(At), M + 1), m
+    mean: np.ndarray  # (len(Over), M)
 
 
 def samples(number: int, count: int) -> Samples:
-    """Return the room for so many harmonics in so many samples."""
+    """Return the arrays for so many harmonics in so many samples of a cycle."""
     n = np.arange(1, number + 1)
     table = np.exp(1j * np.outer(n, 2.0 * np.pi * np.arange(count + 1) / count))
     return Samples(
@@ -75,8 +94,11 @@ def samples(number: int, count: int) -> Samples:
 
 @compiled
 def _cycle(surface, mean, c, back, out):
-    """Fill <z> and <x> of each interval from rows 2 and 3 of `surface`; a contact that rides begins stretched back."""
-    z, y = surface[2], surface[3]
+    """Fill <z> and <x> of each interval from z and y at the samples, and friction and share in contact in `out`.
+
+    `back`: sign of the stretch by the slider's drift, with which a contact that never opens begins.
+    """
+    z, y = surface[At.Z], surface[At.Y]
     count = z.size - 1
     start = -1
     for j in range(count):
@@ -85,7 +107,7 @@ def _cycle(surface, mean, c, back, out):
             break
     x, turns = 0.0, 1
     if start < 0:  # after one cycle the drift has stretched it as far as it goes
-        start, x, turns = 0, back * c * z[0], 2
+        start, x, turns = 0, back * coulomb_limit(c, z[0]), 2
     friction = share = 0.0
     for _ in range(turns):
         friction = share = 0.0
@@ -93,14 +115,15 @@ def _cycle(surface, mean, c, back, out):
             j = (start + i) % count
             low, high = z[j], z[j + 1]
             if low <= 0.0 and high <= 0.0:
-                mean[0, j] = mean[1, j] = x = 0.0
+                mean[Over.Z, j] = mean[Over.X, j] = x = 0.0
                 continue
             part = 1.0
             if low < 0.0:
                 part, low, x = high / (high - low), 0.0, 0.0
             elif high < 0.0:
                 part, high = low / (low - high), 0.0
-            moved, limit, rise = (y[j + 1] - y[j]) * part, c * low, c * (high - low)
+            moved = (y[j + 1] - y[j]) * part
+            limit, rise = coulomb_limit(c, low), coulomb_limit(c, high - low)
             # the first of both gaps c z - s x to close ends the stick, and slip lasts to the interval's end
             slip, stick = 0.0, 1.0
             for s in (1.0, -1.0):
@@ -116,8 +139,8 @@ def _cycle(surface, mean, c, back, out):
                 after = slip * (limit + rise)
             x = after if z[j + 1] > 0.0 else 0.0
             share += part
-            mean[0, j], mean[1, j] = 0.5 * (low + high) * part, total * part
-    out[columns.FRICTION], out[columns.SHARE] = friction / (2.0 * np.pi), share / count
+            mean[Over.Z, j], mean[Over.X, j] = 0.5 * (low + high) * part, total * part
+    out[Each.FRICTION], out[Each.SHARE] = friction / (2.0 * np.pi), share / count
 
 
 @compiled
@@ -131,38 +154,38 @@ def _coefficient(values, table, scale, n):
 
 
 @compiled
-def _row(classes, j, approach, w, back, spectrum, room, out):
-    """Fill the forces of the row j at its amplitudes."""
-    table, surface, mean, scale = room.table, room.surface, room.mean, room.scale
+def _row(classes, j, approach, w, back, spectrum, cycle, out):
+    """Fill the forces of the row j at its amplitudes; `cycle`: `Samples` with the surface motion."""
+    table, surface, mean, scale = cycle.table, cycle.surface, cycle.mean, cycle.scale
     number, count = scale.size, mean.shape[1]
     highest = -np.inf
     for i in range(count + 1):
-        highest = max(highest, surface[0, i])
+        highest = max(highest, surface[At.U_Z, i])
     for i in range(count):
-        mean[2, i] = mean[3, i] = 0.0
+        mean[Over.NORMAL, i] = mean[Over.TANGENTIAL, i] = 0.0
     for k in range(classes.first[j], classes.behind[j]):
-        for column in range(columns.COLUMNS):
-            out[k, column] = 0.0
-        spectrum.first[k, 0] = spectrum.first[k, 1] = 0.0
+        out[k, :] = 0.0
         if approach[k] + highest <= 0.0:
             continue
         for i in range(count + 1):
-            surface[2, i] = approach[k] + surface[0, i]
-            surface[3, i] = surface[1, i] - w * (2.0 * np.pi * i / count)
+            surface[At.Z, i] = approach[k] + surface[At.U_Z, i]
+            surface[At.Y, i] = surface[At.U_X, i] - w * (2.0 * np.pi * i / count)
         _cycle(surface, mean, classes.limit_slope[k], back, out[k])
         normal, tangential = (
             classes.weight[k] * classes.normal_stiffness[k], classes.weight[k] * classes.tangential_stiffness[k]
         )  # fmt: skip
         for i in range(count):
-            out[k, columns.MEAN_APPROACH] += mean[0, i] / count
-            out[k, columns.MEAN_STRETCH] += mean[1, i] / count
-            mean[2, i] += normal * mean[0, i]
-            mean[3, i] += tangential * mean[1, i]
-        for side in range(2):
-            spectrum.first[k, side] = _coefficient(mean[side], table, scale, 0)
+            out[k, Each.NORMAL] += mean[Over.Z, i] / count
+            out[k, Each.TANGENTIAL] += mean[Over.X, i] / count
+            mean[Over.NORMAL, i] += normal * mean[Over.Z, i]
+            mean[Over.TANGENTIAL, i] += tangential * mean[Over.X, i]
+        first = _coefficient(mean[Over.Z], table, scale, 0)
+        out[k, Each.NORMAL_COS], out[k, Each.NORMAL_SIN] = first.real, -first.imag
+        first = _coefficient(mean[Over.X], table, scale, 0)
+        out[k, Each.TANGENTIAL_COS], out[k, Each.TANGENTIAL_SIN] = first.real, -first.imag
     for n in range(number):
         for side in range(2):
-            spectrum.force[j, side, n] = _coefficient(mean[2 + side], table, scale, n)
+            spectrum.force[j, side, n] = _coefficient(mean[Over.NORMAL + side], table, scale, n)
 
 
 @native(
@@ -170,18 +193,17 @@ def _row(classes, j, approach, w, back, spectrum, room, out):
     {"classes.first": "m", "classes.behind": "m", "classes.weight": "n", "classes.normal_stiffness": "n",
      "classes.tangential_stiffness": "n", "classes.limit_slope": "n", "waves.turn": "m", "waves.orbit": "1",
      "waves.incident": "h", "approach": "n", "spectrum.along": "m h", "spectrum.against": "m 1",
-     "spectrum.force": "m 2 h", "spectrum.first": "n 2", "room.table": "h 1+s", "room.scale": "h", "room.before": "h",
-     "room.surface": "4 1+s", "room.mean": "4 s", "out": "n 7"},
+     "spectrum.force": "m 2 h", "cycle.table": "h 1+s", "cycle.scale": "h", "cycle.before": "h",
+     "cycle.surface": "4 1+s", "cycle.mean": "4 s", "out": "n 8"},
 )  # fmt: skip
-def overtone_march(classes, waves, approach, w, side, spectrum, room, out):
-    """Follow the wave through all rows; fill its amplitudes, the forces and the columns of `flat_cycle`.
+def overtone_march(classes, waves, approach, w, side, spectrum, cycle, out):
+    """Follow the wave through all rows; fill its amplitudes, the forces and the columns of `cycle_mean.Each`.
 
-    g = 0 keeps `spectrum.along` as it is. `w`, `side`: see
-    `flat_cycle`. The forces that are there begin the search for each row's midpoint. Returns the rows whose midpoint
-    did not settle.
+    g = 0 keeps `spectrum.along` as it is. `w`: velocity over omega, m; `side`: sign of the motion before w = 0. The
+    search for each row's midpoint begins with the forces that are there. Returns how many midpoints did not settle.
     """
-    table, surface, scale, before = room.table, room.surface, room.scale, room.before
-    number, count, orbit, half = scale.size, room.mean.shape[1], waves.orbit[0], 0.5j * waves.g
+    table, surface, scale, before = cycle.table, cycle.surface, cycle.scale, cycle.before
+    number, count, orbit, half = scale.size, cycle.mean.shape[1], waves.orbit[0], 0.5j * waves.g
     back = 1.0 if (w < 0.0 or (w == 0.0 and side < 0.0)) else -1.0
     along, against, force = spectrum.along, spectrum.against, spectrum.force
     size = abs(waves.incident[0])
@@ -205,15 +227,15 @@ def overtone_march(classes, waves, approach, w, side, spectrum, room, out):
                     q = scale[n] * (orbit * a + orbit.conjugate() * b)
                     u_z += p.real * c.real - p.imag * c.imag
                     u_x += q.real * c.real - q.imag * c.imag
-                surface[0, i], surface[1, i] = u_z, u_x
-            _row(classes, j, approach, w, back, spectrum, room, out)
+                surface[At.U_Z, i], surface[At.U_X, i] = u_z, u_x
+            _row(classes, j, approach, w, back, spectrum, cycle, out)
             if waves.g == 0.0:
                 change = 0.0
                 break
             # contacts in touch are springs to a change of the amplitudes, each for its share of the cycle
             spring, change = 0.0j, 0.0
             for k in range(classes.first[j], classes.behind[j]):
-                spring += half * classes.weight[k] * classes.normal_stiffness[k] * out[k, columns.SHARE]
+                spring += half * classes.weight[k] * classes.normal_stiffness[k] * out[k, Each.SHARE]
             for n in range(number):
                 fed = before[n] + half * (force[j, 0, n] + orbit.conjugate() * force[j, 1, n])
                 new = (fed - spring * along[j, n]) / (1.0 - spring)

@@ -1,21 +1,25 @@
-"""Forces of all contacts of a slider over one wave cycle, and the wave amplitudes at the rows of contacts.
+"""MeanForces of all contacts of a slider over one wave cycle, and the wave amplitudes at the rows of contacts.
 
 Contacts at the same x form a row. Contacts of a row with equal height and stiffness (and equal y, if the slider tilts
-about x) form a class, which is computed once with the sum of their weights. `MEANS` provides the cycle means: closed
-forms for flat pillars (`flat_cycle`) and quadrature for balls (`ball_cycle`).
+about x) form a class, which is computed once with the sum of their weights. The cycle means are those of
+`cycle_mean.contact_cycles`: closed for flat pillars, by quadrature for balls. In both P = k_n p(z), and Q is k_t times
+a function of approach and deformation. The tangential spring of a ball does not act back on its normal motion, so that
+its friction power is all that it takes from the wave and does not give to the slider.
 """
-
-from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 
 from contact import body
-from contact.averaged import ball_cycle, flat_cycle
-from contact.averaged import flat_cycle as columns
+from contact.averaged.cycle_mean import Each, MeanForces, contact_cycles, forces_of
+from contact.averaged.cycle_pieces import CLOSED, cycle_arrays
 from contact.averaged.march import march, passed
 from contact.averaged.pillars import PassingWave, Pillars
-from contact.body import Coordinates, tilted
+from contact.averaged.riding import mean_loads, quadrature
+from contact.body import Coordinates, Paths, tilted
+from contact.codes import Shape, Tangential
+from contact.law.elastic import coulomb
+from contact.law.normal import SHAPES, load
+from contact.problem import Problem
 
 SAME_ROW = 1e-9  # positions closer than this times the slider's length are equal up to rounding in the input
 STEP = 1e-7  # step of finite differences, relative to the incident amplitude
@@ -24,37 +28,14 @@ MAX_STEP = 0.5  # largest change of the wave amplitudes in one Newton step, rela
 TANGENTIAL_SHARE = 0.3
 
 
-class CycleMeans(NamedTuple):
-    """Functions that compute the cycle means for one shape of contact."""
-
-    cycles: (
-        Callable  # fills the columns of `flat_cycle` for each contact, with forces divided by its stiffnesses
-    )
-    mean_normal: Callable  # returns the mean of P/k_n and its derivative with respect to the approach
-    exponent: float  # exponent of P = k_n z^exponent
-
-
-MEANS = {
-    "punch": CycleMeans(flat_cycle.flat_cycles, flat_cycle.mean_normal, 1.0),
-    "sphere": CycleMeans(ball_cycle.ball_cycles, ball_cycle.mean_normal, 1.5),
-}
-
-
-class Forces(NamedTuple):
-    """Means and first harmonics of the forces on the slider, per class of pillars (without weights)."""
-
-    cycles: np.ndarray  # (n, COLUMNS) of `flat_cycle`
-    normal: np.ndarray  # <P>, N
-    tangential: np.ndarray  # <Q>, N
-    first_normal: np.ndarray  # P_1, N, complex
-    first_tangential: np.ndarray  # Q_1
+NODES = 24  # per smooth piece of a ball's cycle; errors of 1e-10 of the largest force
 
 
 class PillarCycle:
     """Contacts in classes and rows, with the current wave amplitudes at the rows."""
 
     def __init__(self, pillars: Pillars, wave: PassingWave, loading: bool):
-        self.pillars, self.wave, self.means = pillars, wave, MEANS[pillars.shape]
+        self.pillars, self.wave, self.shape = pillars, wave, SHAPES.index(pillars.shape)
         self.g = wave.compliance / wave.strip_width if loading else 0.0
         x, y = pillars.x, pillars.y
         heights = pillars.heights - 0.5 * pillars.curvature * (x**2 + y**2)
@@ -73,13 +54,21 @@ class PillarCycle:
         self.x, self.y, self.height = x[first_of_class], across[first_of_class], heights[first_of_class]
         self.k_n = pillars.normal_stiffness[first_of_class]
         self.k_t = pillars.tangential_stiffness[first_of_class]
-        self.limit_slope = pillars.friction_coefficient * self.k_n / self.k_t
+        self.limit_slope = pillars.limit_slope[first_of_class]
         _, self.first, self.row = np.unique(position[first_of_class], return_index=True, return_inverse=True)
         self.row_x = self.x[self.first]
         self.turn = np.exp(-1j * wave.wavenumber * self.row_x)
         self.incident = np.array([wave.forward, wave.backward])
         self.evaluations = 0
-        self._out = np.empty((self.x.size, columns.COLUMNS))
+        rule = CLOSED if self.shape == Shape.PUNCH else quadrature(NODES)
+        # P/k_n and Q/k_t are those of a contact with stiffness 1 and mu = c
+        friction, paths = np.stack([self.limit_slope] * 2, axis=1), Paths(*np.empty((5, self.x.size)))
+        problem = Problem(
+            stiffness=1.0, contact_damping=0.0, normal_damping=0.0, preload=1.0, tangential_damping=0.0, load=0.0,
+            friction=1.0, limit_slope=1.0, stick_band=0.0, longest=1.0, shape=self.shape, paths=paths, length=1.0,
+            omega=1.0, law=coulomb(Tangential.ELASTIC),
+        )  # fmt: skip
+        self._cycles = problem, friction, rule, cycle_arrays(1, max(len(rule.node), 1))
         self.reset()
 
     def reset(self):
@@ -110,26 +99,26 @@ class PillarCycle:
         """Return <P> of each class in N and its derivative with respect to the approach in N/m, without tilt."""
         (u_z, _) = self.amplitudes()
         own = height[self.row] if np.ndim(height) else height
-        return (self.k_n * each for each in self.means.mean_normal(own + self.height, abs(u_z)[self.row]))
+        return (self.k_n * each for each in mean_loads(own + self.height, abs(u_z)[self.row], self.shape))
 
-    def forces(self, approach, w: float, side: float) -> Forces:
-        """Return the forces at mean approaches in m and a velocity over omega in m."""
+    def forces(self, approach, w: float, side: float) -> MeanForces:
+        """Return the forces per class, without weights, at mean approaches in m and a velocity over omega in m."""
         self.evaluations += 1
+        problem, friction, rule, work = self._cycles
         u_z, u_x = (each[self.row] for each in self.amplitudes())
-        out, size = self._out, abs(u_z)
-        crest = np.divide(u_z, size, out=np.ones_like(u_z), where=size > 0.0)
-        along = u_x * crest.conj()
-        self.means.cycles(
-            np.ascontiguousarray(approach), size, np.ascontiguousarray(along.real), -along.imag, self.limit_slope,
-            float(w), float(side), out,
-        )  # fmt: skip
-        stretch = out[:, columns.COS_STRETCH] - 1j * out[:, columns.SIN_STRETCH]
-        return Forces(
-            out, self.k_n * out[:, columns.MEAN_APPROACH], self.k_t * out[:, columns.MEAN_STRETCH],
-            self.k_n * out[:, columns.FIRST_APPROACH] * crest, self.k_t * stretch * crest,
-        )  # fmt: skip
+        unit = max(float(np.max(np.abs(approach))), float(np.max(np.abs(u_z))), 1e-300)
+        for path, part in zip(
+            problem.paths, (approach, u_z.real, -u_z.imag, u_x.real, -u_x.imag), strict=True
+        ):
+            np.divide(part, unit, out=path)
+        v, out = float(w) / unit, np.empty((self.x.size, len(Each)))
+        contact_cycles(problem, friction, 0.0, -1e-300 if v == 0.0 and side < 0.0 else v, rule, work, out)
+        force = float(load(unit, self.shape))
+        out[:, : Each.FRICTION] *= force
+        out[:, Each.FRICTION] *= force * unit
+        return forces_of(out, self.k_n, self.k_t)
 
-    def advance(self, forces: Forces, slope=None) -> float:
+    def advance(self, forces: MeanForces, slope=None) -> float:
         """Update the wave amplitudes for the forces; return the change over the incident amplitude.
 
         `slope` holds the derivatives of the rows' forces from `tangent`. The update is then a step of Newton's method,
@@ -158,7 +147,7 @@ class PillarCycle:
         shares = np.array([[abs(c) ** 2, c.conjugate() ** 2], [c**2, abs(c) ** 2]])
         return normal[:, None, None] + shares * tangential[:, None, None]
 
-    def tangent(self, approach, w: float, side: float, forces: Forces):
+    def tangent(self, approach, w: float, side: float, forces: MeanForces):
         """Return the derivatives of the rows' forces with respect to their amplitudes, shape (m, 4, 4); see `march`."""
         here, size = self._driving(forces).view(float), max(self.wave.amplitude, 1e-300)
         slope = np.empty((self.turn.size, 4, 4))
@@ -172,13 +161,13 @@ class PillarCycle:
         self.forward, self.backward = kept
         return slope
 
-    def row_forces(self, forces: Forces):
+    def row_forces(self, forces: MeanForces):
         """Return sum P_n and sum Q_n of the rows from left to right, shape (m, 2, harmonics); here one harmonic."""
         return np.stack([self.sums(forces.first_normal), self.sums(forces.first_tangential)], axis=1)[
             ..., None
         ]
 
-    def passed(self, forces: Forces):
+    def passed(self, forces: MeanForces):
         """Return U+ on the right and U- on the left of each row, shape (2, m, number of harmonics).
 
         The forces must belong to the current amplitudes.
@@ -186,7 +175,7 @@ class PillarCycle:
         force = self.row_forces(forces)
         return passed(self.turn, force[:, 0], force[:, 1], self.wave.orbit, self.g, self.incident)
 
-    def work(self, forces: Forces):
+    def work(self, forces: MeanForces):
         """Return the complex power over omega of the surface on each row; its imaginary part is the mean power."""
         force, (u_z, u_x) = self.row_forces(forces)[..., 0], self.amplitudes()
         return 0.5 * (force[:, 0] * u_z.conj() + force[:, 1] * u_x.conj())

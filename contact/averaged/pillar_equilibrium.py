@@ -20,8 +20,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from contact.averaged.pillar_cycle import Forces, PillarCycle
+from contact.averaged.cycle_mean import MeanForces
+from contact.averaged.pillar_cycle import PillarCycle
 from contact.convergence_error import ConvergenceError
+from contact.law.normal import approach
 
 CLOSE = 1e-12  # tolerance of the scaled residuals and of the change of the wave amplitudes
 INNER = 1e-3  # the amplitudes are iterated until their change is below this times the residual
@@ -48,7 +50,7 @@ class Balance:
     w: float  # velocity over omega, m
     side: float  # sign of the velocity, or of the motion before it if the velocity is zero
     traction: float  # sum <Q>, N
-    forces: Forces = field(repr=False)
+    forces: MeanForces = field(repr=False)
     residual: float  # largest scaled residual
     change: float  # last relative change of the wave's amplitudes
     error: float  # estimated error of w, m, from the residuals and the last change
@@ -64,7 +66,7 @@ class Equilibrium:
         self.load, self.preload_at = 0.0, pillars.preload_at
         self.preload, self.friction = pillars.preload, pillars.friction_coefficient * pillars.preload
         stiffness = float(np.sum(cycle.weight * cycle.k_n))
-        rest = (self.preload / stiffness) ** (1.0 / cycle.means.exponent)
+        rest = float(approach(self.preload / stiffness, cycle.shape))
         self.length = max(wave.amplitude, rest)
         self.speed = max(abs(wave.orbit) * wave.amplitude, 1e-3 * self.length)
         self.arm = np.array([max(float(np.ptp(each)), 1e-300) / 2.0 for each in (pillars.x, pillars.y)])
@@ -82,7 +84,7 @@ class Equilibrium:
         sign = abs(wave.forward) ** 2 - abs(wave.backward) ** 2
         self.unknowns[SPEED] = -0.6 * wave.orbit.imag * sign / max(wave.amplitude, 1e-300)
         self.residual = self.change = np.inf
-        self.forces: Forces | None = None
+        self.forces: MeanForces | None = None
         self.slope: np.ndarray | None = (
             None  # derivatives of the rows' forces, used if fixed-point sweeps converge too slowly
         )
@@ -104,7 +106,7 @@ class Equilibrium:
     def _row_heights(self):
         """Return H of each row under its share of the preload."""
         cycle = self.cycle
-        rest = (self.row_load / cycle.sums(cycle.k_n)) ** (1.0 / cycle.means.exponent)
+        rest = approach(self.row_load / cycle.sums(cycle.k_n), cycle.shape)
         heights = rest - np.minimum.reduceat(cycle.height, cycle.first)
         if self.forces is not None:  # the last heights are better initial values if they are still too large
             force = cycle.sums(next(cycle.mean_normal(self.rows)))

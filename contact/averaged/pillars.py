@@ -7,10 +7,9 @@ import numpy as np
 
 from contact import bounds
 from contact.input_error import InputError
-from contact.law.normal import stiffness
+from contact.law.normal import SHAPES, stiffness
 from contact.slider import Slider
 
-SHAPE_NAMES = ("punch", "sphere")
 TILTS, BACKINGS = ("held", "pitch", "free"), ("rigid", "soft")
 
 
@@ -107,7 +106,7 @@ class Pillars:
             object.__setattr__(self, name, rule(f"pillars.{name}", getattr(self, name), unit))
         at = tuple(bounds.finite("pillars.preload_at", each, "m") for each in self.preload_at)
         object.__setattr__(self, "preload_at", at)
-        bounds.choice("pillars.shape", self.shape, SHAPE_NAMES)
+        bounds.choice("pillars.shape", self.shape, SHAPES)
         bounds.choice("pillars.tilt", self.tilt, TILTS)
         bounds.choice("pillars.backing", self.backing, BACKINGS)
         if self.backing == "soft" and self.tilt != "held":

@@ -2,7 +2,8 @@ r"""The height at which a heavy slider rides on a wave: the cycle mean of the no
 
 Such a slider does not answer within a cycle, so contact i has the approach z_i = h + h_i + Re(U_i exp(i omega t)) with
 one h. <p(z)> of a contact depends on its mean approach and on |u_z| alone. It is integrated over the arc in contact,
-phi = beta (1 - cos theta)/2, which makes the root at the end of the arc smooth: Gauss-Legendre is spectral.
+phi = beta (1 - cos theta)/2, which makes the root at the end of the arc smooth: Gauss-Legendre is spectral. For a punch
+it is closed.
 """
 
 from functools import cache
@@ -11,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.body import Coordinates, approach, circle, normal_amplitude
+from contact.codes import Shape
 from contact.jit.compiled import compiled, formula, native, summed
 from contact.law.normal import approach as approach_under
 from contact.law.normal import load, slope
@@ -24,7 +26,7 @@ NODES = 48  # of the answer for one slider
 class Rule(NamedTuple):
     """A quadrature: places in [0, 1] and weights, arrays (n,)."""
 
-    place: np.ndarray
+    node: np.ndarray
     weight: np.ndarray
 
 
@@ -36,29 +38,66 @@ def quadrature(nodes: int) -> Rule:
     return Rule(0.5 * (1.0 - np.cos(theta)), 0.25 * np.pi * weight * np.sin(theta))
 
 
+@formula
+def arc(z, a):
+    """Return half of the arc of a cycle in which z + a cos phi is positive; z > -a."""
+    return np.arccos(-np.minimum(z / np.maximum(a, 1e-300), 1.0))
+
+
+@compiled
+def punch_means(z, a):
+    """Return (<z>, z_1, half of the arc in contact) of z + a cos phi where it is positive; z > -a, z_1 of cos phi."""
+    if z >= a:
+        return z, a, np.pi
+    p = 2.0 * np.arcsin(np.sqrt(0.5 * (z + a) / a))
+    if p < 0.1:  # series: the closed form loses digits as p^-3 does
+        q = p * p
+        mean = p * q * (1.0 / 3.0 - q * (1.0 / 30.0 - q * (1.0 / 840.0 - q / 45360.0)))
+        first = p * q * (2.0 / 3.0 - q * (2.0 / 15.0 - q * (4.0 / 315.0 - q / 1417.5)))
+    else:
+        mean, first = np.sin(p) - p * np.cos(p), p - np.sin(p) * np.cos(p)
+    return a * mean / np.pi, a * first / np.pi, p
+
+
 @summed
-def _mean_loads(z, a, half, rule, shape):
+def _sums_over_arc(z, a, half, rule, shape):
     """Return the sums of p and dp/dz of z + a cos phi over the half of a cycle that is in contact."""
     force = rate = 0.0
     for j in range(rule.weight.size):
-        co, _ = circle(half * rule.place[j])
+        co, _ = circle(half * rule.node[j])
         force += rule.weight[j] * load(z + a * co, shape)
         rate += rule.weight[j] * slope(z + a * co, shape)
     return force, rate
 
 
-@formula
-def arc(z, a):
-    """Return half of the arc of a cycle in which z + a cos phi is positive; z > -a. Numbers, or arrays in Python."""
-    return np.arccos(-np.minimum(z / np.maximum(a, 1e-300), 1.0))
+@compiled
+def _load_means(z, a, rule, shape):
+    """Return the cycle means of p(z + a cos phi) and of its derivative in z."""
+    if z <= -a:
+        return 0.0, 0.0
+    if shape == Shape.PUNCH:
+        mean, _, half = punch_means(z, a)
+        return mean, half / np.pi
+    half = arc(z, a)
+    force, rate = _sums_over_arc(z, a, half, rule, shape)
+    return force * half / np.pi, rate * half / np.pi
+
+
+@native("f1 f1 t i f2", {"z": "n", "a": "n", "out": "2 n"})
+def _mean_loads(z, a, rule, shape, out):
+    for i in range(z.size):
+        out[0, i], out[1, i] = _load_means(z[i], a[i], rule, shape)
+    return 0
 
 
 def mean_loads(z, a, shape):
     """Return the cycle means of p(z + a cos phi) and of its derivative in z; arrays (n,)."""
-    z, a = np.atleast_1d(z), np.atleast_1d(a)
-    half, rule = arc(np.maximum(z, -a), a)[:, None], quadrature(NODES)
-    places = z[:, None] + a[:, None] * np.cos(half * rule.place)
-    return tuple((half * of(places, shape)) @ rule.weight / np.pi for of in (load, slope))
+    z, a = np.broadcast_arrays(np.atleast_1d(z), np.atleast_1d(a))
+    out = np.empty((2, z.size))
+    _mean_loads(
+        np.ascontiguousarray(z, float), np.ascontiguousarray(a, float), quadrature(NODES), int(shape), out
+    )
+    return out
 
 
 def mean_load(z: float, a: float, shape: int) -> float:
@@ -67,23 +106,19 @@ def mean_load(z: float, a: float, shape: int) -> float:
 
 
 @compiled
-def mean_push(problem, h, rule):
+def mean_normal_force(problem, h, rule):
     """Return the cycle mean of sum P at constant approach and its derivative in h."""
     kappa, paths = problem.stiffness, problem.paths
     total = steepness = force = rate = 0.0
-    last_a = last_z = -1.0
+    last_a, last_z = -1.0, 0.0
     for i in range(paths.height.size):
         a, z = normal_amplitude(paths, i), approach(paths, i, 0.0, Coordinates(-h, 0.0))
         if a != last_a or z != last_z:
             force = rate = 0.0
             last_a, last_z = a, z
-            if z > -a:
-                half = arc(z, a)
-                force, rate = _mean_loads(z, a, half, rule, problem.shape)
-                force *= kappa * half / np.pi
-                rate *= kappa * half / np.pi
-        total += force
-        steepness += rate
+            force, rate = _load_means(z, a, rule, problem.shape)
+        total += kappa * force
+        steepness += kappa * rate
     return total, steepness
 
 
@@ -100,7 +135,7 @@ def riding(problem, rule):
     high = approach_under(target / (problem.stiffness * n), problem.shape) - least
     h = high
     for _ in range(80):
-        force, steepness = mean_push(problem, h, rule)
+        force, steepness = mean_normal_force(problem, h, rule)
         if force > target:
             high = h
         else:

@@ -20,6 +20,7 @@ from contact.averaged.riding import quadrature
 from contact.averaged.transient import Span, response
 from contact.codes import Status
 from contact.convergence_error import ConvergenceError
+from contact.events.segment import At, Column
 from contact.orbit import Orbit
 from contact.slider import Slider
 
@@ -94,7 +95,7 @@ def averaged_run(burst, begin):
 
     def follow(harmonics, allowed, per_period, nodes):
         """Return (final state, rows) of a run with `per_period` steps per bounce and tolerance `allowed` on v."""
-        state, rows = begin.state[:3].copy(), np.zeros((phases.size, 2))
+        state, rows = begin.carried.slider.copy(), np.zeros((phases.size, 2))
         rule, corrected = quadrature(nodes), int(harmonics > 0)
         span = Span(stop, allowed * unit, per_period, rule, corrected, phases, rows)
         why = response(burst.problem, state, span, HARMONICS)
@@ -104,7 +105,9 @@ def averaged_run(burst, begin):
 
     def difference(one, other):
         """Return the largest difference in v between two runs over the second half of the burst."""
-        return max(float(np.max(np.abs(one[1] - other[1])[late, 0])), abs(float(one[0][2] - other[0][2])))
+        (state, rows), (other_state, other_rows) = one, other
+        apart = np.abs(rows - other_rows)[late, Column.VELOCITY]
+        return max(float(np.max(apart)), abs(float(state[At.VELOCITY] - other_state[At.VELOCITY])))
 
     allowed = max(min(tolerance, 1e-3), 1e-9)
     per_period = int(min(8.0 * max(1.0, 1e-4 / allowed) ** 0.4, 96.0))
@@ -118,14 +121,14 @@ def averaged_run(burst, begin):
     steps = difference(fine, coarse[corrected]) / STEP_GAIN
     error = steps + left + (0.0 if corrected else averaging)
     rows = np.zeros((ends.size, 2))
-    rows[ends <= 1] = begin.state[2], begin.state[0]
+    rows[ends <= 1] = begin.state[At.VELOCITY], begin.state[At.POSITION]
     rows[inner] = averaged_rows[np.searchsorted(phases, at)]
     # The contacts slip within a cycle, so that the deformations at its start do not matter. The first cycle, started
     # with zero deformations, gives those at phase 0. The second cycle starts from the averaged state with these
     # deformations and is the last cycle of the burst.
     begin.place(*state, 0.0)
     begin.turn(1)
-    begin.place(*state, begin.state[3:])
+    begin.place(*state, begin.carried.deformation)
     begin.turn(1)
-    rows[ends >= cycles] = begin.state[2], begin.state[0]
+    rows[ends >= cycles] = begin.state[At.VELOCITY], begin.state[At.POSITION]
     return begin, rows, error, {"cycles": cycles, "order": 2 if corrected else 1}

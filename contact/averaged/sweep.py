@@ -20,12 +20,13 @@ import numpy as np
 
 from contact import bounds
 from contact.averaged.closed_forms import closed_form
-from contact.averaged.cycle_mean import Each, cycle, cycle_room
+from contact.averaged.cycle_mean import Each, MeanForces, contact_cycles, forces_of
+from contact.averaged.cycle_pieces import cycle_arrays
 from contact.averaged.equilibrium import FINE_NODES, Entry
 from contact.averaged.event_cycle import RUNAWAY
 from contact.averaged.riding import quadrature, riding_approach
 from contact.averaged.run import HARMONICS, STIFFEST_STEADY, refusals, refuse_unless_applicable
-from contact.averaged.sweep_rows import Given, states
+from contact.averaged.sweep_rows import Sweep, solve_rows
 from contact.body import Paths
 from contact.codes import Status, Steady
 from contact.convergence_error import ConvergenceError
@@ -143,38 +144,20 @@ def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion
     return _answer(row)
 
 
-@dataclass(frozen=True)
-class MeanForces:
-    """Forces of each contact on the slider in the averaged steady state: P = P_0 + Re P_1 exp(i omega t), Q likewise.
-
-    Attributes
-    ----------
-    normal, tangential : (n,) array
-        Means over a cycle, N.
-    first_normal, first_tangential : (n,) array, complex
-        First harmonics, N; time starts where the orbits' complex amplitudes say.
-    """
-
-    normal: np.ndarray
-    tangential: np.ndarray
-    first_normal: np.ndarray
-    first_tangential: np.ndarray
-
-
 def mean_forces(slider: Slider, orbits: Orbit | tuple[Orbit, ...], motion: MeanMotion) -> MeanForces:
     """Return the forces of each contact in an averaged steady state of `mean_motion`, by first-order averaging.
 
-    The force of a contact that always sticks depends on its history. Its deformation is taken as the least possible
-    one.
+    Time starts where the orbits' complex amplitudes say. The force of a contact that always sticks depends on its
+    history; its deformation is taken as the least possible one.
     """
     listed = as_orbits(orbits)
     problem = scaled(slider, listed, direction=1.0, start=0.0)
-    work, rule = cycle_room(1, FINE_NODES, len(listed)), quadrature(FINE_NODES)
-    cycle(problem, riding_approach(problem), float(motion.first_order) / problem.speed, rule, work)
-    each = work.each * (slider.mass * problem.omega**2 * problem.length)
-    first_normal = each[:, Each.NORMAL_COS] - 1j * each[:, Each.NORMAL_SIN]
-    first_tangential = each[:, Each.TANGENTIAL_COS] - 1j * each[:, Each.TANGENTIAL_SIN]
-    return MeanForces(each[:, Each.NORMAL], each[:, Each.TANGENTIAL], first_normal, first_tangential)
+    each, friction = np.empty((len(listed), len(Each))), np.full((len(listed), 2), problem.friction)
+    friction[:, 1] = problem.limit_slope
+    h, v = riding_approach(problem), float(motion.first_order) / problem.speed
+    contact_cycles(problem, friction, h, v, quadrature(FINE_NODES), cycle_arrays(1, FINE_NODES), each)
+    unit = slider.mass * problem.omega**2 * problem.length
+    return forces_of(each, unit, unit)
 
 
 def _answer(rows):
@@ -214,7 +197,7 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
     todo = np.flatnonzero(apply)
     for law, of_laws, some in _by_law(sliders, which, todo):
         errors = np.asarray(wave_errors, float)
-        given = Given(parameters, of_laws, law, heights, paths, omegas, errors, ratios, which, factors)
+        given = Sweep(parameters, of_laws, law, heights, paths, omegas, errors, ratios, which, factors)
         _spread(given, out, some, threads)
     side = np.array(sides)[which[:, 1]]
     for column in (Entry.VELOCITY, Entry.FIRST_ORDER):
@@ -259,9 +242,11 @@ def _spread(given, out, todo, threads):
     """Fill the rows of the problems `todo` in several threads, interleaved because neighbours have similar cost."""
     threads = min(threads or os.cpu_count() or 1, max(1, len(todo) // 8))
     if threads == 1:
-        states(given, out, todo, HARMONICS, 0, 1)
+        solve_rows(given, out, todo, HARMONICS, 0, 1)
         return
     with ThreadPoolExecutor(threads) as pool:
-        jobs = [pool.submit(states, given, out, todo, HARMONICS, first, threads) for first in range(threads)]
+        jobs = [
+            pool.submit(solve_rows, given, out, todo, HARMONICS, first, threads) for first in range(threads)
+        ]
         for job in jobs:
             job.result()

@@ -1,24 +1,26 @@
 r"""The averaged equilibrium of many sliders and waves: one compiled loop, one error rule.
 
-One problem after the other, each in its own unit of length ell = max(rest approach, largest amplitude), so that nothing
-of an answer depends on its neighbours. See `equilibrium.balance_row` for the equations. `sweep` asks for one row or a
-million; every door to an averaged steady state leads here.
+`solve_rows` solves one problem after the other, each in its own unit of length ell = max(rest approach, largest
+amplitude), so that no answer depends on its neighbours. See `equilibrium.balance_row` for the equations. One steady
+state is a sweep of one problem.
 
-Error of the velocity: the largest of the harmonics left out, the residual, a share of the second-order correction and
-rounding. Where the slider is held or hardly moves, averaging may have misjudged the threshold, by up to 12 (f_n/f)^2 in
-amplitude; the velocity at an amplitude larger by that is added.
+The error of the velocity is the largest of
+
+- the harmonics left out, the residual and the quadrature's error;
+- a share of the second-order correction, and rounding;
+- where the slider is held or hardly moves: the velocity at a larger amplitude. Averaging may have misjudged the
+  threshold, by up to 12 (f_n/f)^2 in amplitude.
 """
 
-import threading
 from typing import NamedTuple
 
 import numpy as np
 
-from contact.averaged.equilibrium import Entry, Work, balance_row, excess, room
+from contact.averaged.equilibrium import Entry, Work, balance_row, excess, work_arrays
 from contact.averaged.riding import riding
 from contact.body import Paths, at_phase, normal_amplitude, of_run, tangential_amplitude
 from contact.codes import Status, Steady
-from contact.jit.compiled import compiled, native
+from contact.jit.compiled import compiled, native, per_thread
 from contact.law.protocol import Law, with_numbers
 from contact.problem import Own, changed, in_units
 
@@ -41,60 +43,67 @@ CORRECTION_ERROR = 1e-4  # share of the second-order correction that is not trus
 LEAST_ERROR = 1e-9
 
 
-class Given(NamedTuple):
-    """The problems of a sweep."""
+class Sweep(NamedTuple):
+    """The n problems of a sweep: s sliders and w waves, and which of them each problem combines."""
 
-    sliders: np.ndarray  # (s, 11) array: `problem.numbers`
-    laws: np.ndarray  # (s, k) array: Numbers of the sliders' laws
-    law: Law  # Of all of them, but for its numbers
-    heights: np.ndarray  # (s, contacts) array: Of the contacts, m
-    paths: Paths  # Of the waves, m; arrays (w, contacts), the heights zero
-    # (w,) arrays: rad/s; relative
-    omegas: np.ndarray
-    wave_errors: np.ndarray
-    ratios: np.ndarray  # (n,) array: Contact resonance over the wave's frequency, per problem
-    # (n, 2) array of int, (n,) array: Slider and wave of each problem, factor on the amplitudes
-    which: np.ndarray
-    factors: np.ndarray
+    sliders: np.ndarray  # (s, len(Own)): `problem.numbers`, SI units
+    laws: np.ndarray  # (s, k): numbers of the sliders' laws
+    law: Law  # of all sliders, but for its numbers
+    heights: np.ndarray  # (s, contacts), m
+    paths: Paths  # surface motion of the waves, m; arrays (w, contacts), their heights zero
+    omegas: np.ndarray  # (w,), rad/s
+    wave_errors: np.ndarray  # (w,), relative
+    ratios: np.ndarray  # (n,): contact resonance over the wave's frequency
+    which: np.ndarray  # (n, 2) of int: slider and wave
+    factors: np.ndarray  # (n,): on the wave's amplitudes
 
 
-class Room(NamedTuple):
-    """Work arrays of a sweep: those of an equilibrium, a second one of it, paths of a problem and of one changed."""
+class SweepArrays(NamedTuple):
+    """Work arrays of a sweep."""
 
     work: Work
-    tried: np.ndarray
-    paths: Paths
-    spare: Paths
+    tried: np.ndarray  # (len(Entry),): row of a problem on a changed wave
+    paths: Paths  # scaled paths of the problem
+    changed_paths: Paths  # of the problem on a changed wave
 
 
-_ROOMS = threading.local()  # by harmonics and contacts: a kernel finds the same arrays again
+@per_thread
+def sweep_arrays(harmonics: int, contacts: int) -> SweepArrays:
+    """Return the work arrays for so many harmonics and contacts."""
+    paths, changed_paths = (Paths(*np.zeros((5, contacts))) for _ in range(2))
+    return SweepArrays(work_arrays(harmonics), np.zeros(len(Entry)), paths, changed_paths)
 
 
-def states(given: Given, out, todo, harmonics: int, first: int, stride: int) -> None:
-    """Fill the rows (n, len(Entry)) of `out` of every `stride`-th problem of `todo`, from the `first`.
+def solve_rows(sweep: Sweep, out, todo, harmonics: int, first: int, stride: int) -> None:
+    """Fill the rows of every `stride`-th problem of `todo`, from the `first`.
 
-    A row that is not reached keeps its regime and says why in its status; `harmonics` of the slider's fast motion.
+    Parameters
+    ----------
+    sweep : Sweep
+    out : (n, len(Entry)) array
+        A row of a problem that is not solved keeps its regime and says why in its status.
+    todo : array of int
+        Numbers of the problems to solve.
+    harmonics : int
+        Of the slider's fast motion; 0: averaging of first order.
     """
-    key = harmonics, given.paths.height.shape[1]
-    rooms = vars(_ROOMS).setdefault("rooms", {})
-    if key not in rooms:
-        paths, spare = (Paths(*np.zeros((5, key[1]))) for _ in range(2))
-        rooms[key] = Room(room(harmonics), np.zeros(len(Entry)), paths, spare)
-    _states(given, out, todo, harmonics, first, stride, rooms[key])
+    _solve_rows(
+        sweep, out, todo, harmonics, first, stride, sweep_arrays(harmonics, sweep.paths.height.shape[1])
+    )
 
 
 @native("t f2 i1 i i i t")
-def _states(given, out, todo, harmonics, first, stride, room):
-    """Do the work of `states`; return 0."""
+def _solve_rows(sweep, out, todo, harmonics, first, stride, arrays):
+    """Do the work of `solve_rows`; return 0."""
     for t in range(first, todo.size, stride):
         k = todo[t]
-        slider, wave = given.sliders[given.which[k, 0]], given.which[k, 1]
-        omega = given.omegas[wave]
-        heights, paths = given.heights[given.which[k, 0]], of_run(given.paths, wave)
-        law = with_numbers(given.law, given.laws[given.which[k, 0]])
-        problem = _scaled(slider, law, heights, paths, given.factors[k], omega, room.paths)
-        _state(problem, given.ratios[k], given.wave_errors[wave], harmonics, room, out[k])
+        own, wave = sweep.which[k, 0], sweep.which[k, 1]
+        slider, omega = sweep.sliders[own], sweep.omegas[wave]
+        law = with_numbers(sweep.law, sweep.laws[own])
+        paths = of_run(sweep.paths, wave)
+        problem = _scaled(slider, law, sweep.heights[own], paths, sweep.factors[k], omega, arrays.paths)
         row, speed = out[k], problem.length * omega
+        _solve_row(problem, sweep.ratios[k], sweep.wave_errors[wave], harmonics, arrays, row)
         row[Entry.VELOCITY] *= speed
         row[Entry.FIRST_ORDER] *= speed
         row[Entry.HEIGHT] *= problem.length
@@ -104,9 +113,9 @@ def _states(given, out, todo, harmonics, first, stride, room):
 
 
 @compiled
-def _state(problem, ratio, wave_error, harmonics, room, row):
-    """Fill the scaled answer of one problem."""
-    tried, work, spare = room.tried, room.work, room.spare
+def _solve_row(problem, ratio, wave_error, harmonics, arrays, row):
+    """Fill the row of one scaled problem, its velocities and thrusts scaled."""
+    tried, work, spare = arrays.tried, arrays.work, arrays.changed_paths
     status = balance_row(problem, harmonics, work, row)
     row[Entry.STATUS] = status.value
     if status != Status.DONE:
@@ -130,8 +139,8 @@ def _state(problem, ratio, wave_error, harmonics, room, row):
             return
         error = max(error, beyond)
         reference = max(reference, beyond) if reference == 0.0 else reference
-    lost = _from_wave(problem, spare, row[Entry.COARSE], wave_error, work, tried)
-    if not (np.isfinite(v) and np.isfinite(error) and np.isfinite(lost)):
+    from_wave = _error_from_wave(problem, spare, row[Entry.COARSE], wave_error, work, tried)
+    if not (np.isfinite(v) and np.isfinite(error) and np.isfinite(from_wave)):
         return
     stall = row[Entry.LEAST_AT_REST]
     if row[Entry.LARGEST_AT_REST] <= -stall:  # driven against its crests
@@ -142,24 +151,24 @@ def _state(problem, ratio, wave_error, harmonics, room, row):
     elif row[Entry.SLIPS_PER_CYCLE] > 0.0:
         row[Entry.REGIME] = Steady.SLIP.value
     row[Entry.ERROR] = error / reference if reference > 0.0 else 0.0
-    row[Entry.FROM_WAVE] = lost / reference if reference > 0.0 else 0.0
+    row[Entry.FROM_WAVE] = from_wave / reference if reference > 0.0 else 0.0
     row[Entry.THRUST] = max(stall, 0.0)
     row[Entry.THRUST_ERROR] = row[Entry.THRUST] * min(STALL_ERROR * ratio**2, 1.0)
 
 
 @compiled
-def _scaled(slider, law, heights, given, factor, omega, paths):
-    """Return the scaled problem, with its paths in the room given."""
+def _scaled(slider, law, heights, motion, factor, omega, paths):
+    """Return the scaled problem of a slider on the surface motion times a factor; its paths are written to `paths`."""
     reach = 0.0
     for i in range(paths.height.size):
-        reach = max(reach, factor * tangential_amplitude(given, i), factor * normal_amplitude(given, i))
+        reach = max(reach, factor * tangential_amplitude(motion, i), factor * normal_amplitude(motion, i))
     length = max(slider[Own.REST], reach)
     for i in range(paths.height.size):
         paths.height[i] = heights[i] / length
-        paths.normal_cos[i] = given.normal_cos[i] * factor / length
-        paths.normal_sin[i] = given.normal_sin[i] * factor / length
-        paths.tangential_cos[i] = given.tangential_cos[i] * factor / length
-        paths.tangential_sin[i] = given.tangential_sin[i] * factor / length
+        paths.normal_cos[i] = motion.normal_cos[i] * factor / length
+        paths.normal_sin[i] = motion.normal_sin[i] * factor / length
+        paths.tangential_cos[i] = motion.tangential_cos[i] * factor / length
+        paths.tangential_sin[i] = motion.tangential_sin[i] * factor / length
     return in_units(slider, length, omega, paths, law)
 
 
@@ -185,8 +194,11 @@ def _with_error(problem, factor, ratio_change, phase_change, out):
 
 
 @compiled
-def _from_wave(problem, spare, base, wave_error, work, tried):
-    """Return the change of the first-order velocity by the wave's relative error; inf where it is not found."""
+def _error_from_wave(problem, spare, base, wave_error, work, tried):
+    """Return the change of the first-order velocity `base` by the wave's relative error; inf where it is not found.
+
+    Root of the sum of squares over larger or smaller amplitudes, another u_x/u_z and another phase between u_x and u_z.
+    """
     if wave_error == 0.0:
         return 0.0
     step = max(wave_error, LEAST_STEP)
@@ -194,21 +206,19 @@ def _from_wave(problem, spare, base, wave_error, work, tried):
     if base != 0.0:
         high, low = (1.0 + LEAST_STEP) * base, (1.0 - LEAST_STEP) * base
         slope = (_surplus(problem, high, work) - _surplus(problem, low, work)) / (high - low)
-    both = turned = 0.0
-    for m in range(4):
-        factor = 1.0 + step if m == 0 else 1.0 - step if m == 1 else 1.0
-        other = _with_error(problem, factor, step if m == 2 else 0.0, step if m == 3 else 0.0, spare)
-        effect = abs(_velocity_on(other, base, slope, work, tried) - base)
-        if m < 2:
-            both = max(both, effect)
-        else:
-            turned += effect**2
-    return np.sqrt(both**2 + turned) * wave_error / step
+    larger = _change(_with_error(problem, 1.0 + step, 0.0, 0.0, spare), base, slope, work, tried)
+    smaller = _change(_with_error(problem, 1.0 - step, 0.0, 0.0, spare), base, slope, work, tried)
+    ratio = _change(_with_error(problem, 1.0, step, 0.0, spare), base, slope, work, tried)
+    phase = _change(_with_error(problem, 1.0, 0.0, step, spare), base, slope, work, tried)
+    return np.sqrt(max(larger, smaller) ** 2 + (ratio**2 + phase**2)) * wave_error / step
 
 
 @compiled
-def _velocity_on(problem, base, slope, work, tried):
-    """Return the first-order velocity of a problem near that of `base`: two secant steps where they are small."""
+def _change(problem, base, slope, work, tried):
+    """Return how far the first-order velocity of a problem is from `base`: two secant steps where they are small.
+
+    `slope`: of the mean force in the velocity at `base`, of a problem nearby.
+    """
     if slope < 0.0:
         before, f = base, _surplus(problem, base, work)
         v = base - f / slope
@@ -217,8 +227,8 @@ def _velocity_on(problem, base, slope, work, tried):
             if v != before and g != f:
                 last = v - g * (v - before) / (g - f)
                 if abs(last - v) < 0.1 * abs(v - base):
-                    return last
-    return tried[Entry.COARSE] if balance_row(problem, 0, work, tried) == Status.DONE else np.inf
+                    return abs(last - base)
+    return abs(tried[Entry.COARSE] - base) if balance_row(problem, 0, work, tried) == Status.DONE else np.inf
 
 
 @compiled

@@ -10,12 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.averaged.cycle_mean import Counted, Mean, cycle, respond
-from contact.averaged.equilibrium import force_left, rest, room, settled
-from contact.averaged.riding import Rule, mean_push, riding
+from contact.averaged.cycle_mean import cycle, respond
+from contact.averaged.cycle_pieces import Counted, Mean
+from contact.averaged.equilibrium import clear_fast_motion, force_left, settle, work_arrays
+from contact.averaged.riding import Rule, mean_normal_force, riding
 from contact.body import Coordinates, body_force, contact_force, tangential_amplitude
 from contact.codes import Status
-from contact.events.segment import At
+from contact.events.segment import At, Column
 from contact.jit.compiled import compiled, native
 from contact.stepping.end_corrections import cubic
 
@@ -42,7 +43,7 @@ _DENSE = np.array(
 @compiled
 def _bounce_acceleration(problem, h, w, gain, rule):
     """Return h'' of the bounce at (h, h'); `gain` is the second-order correction of the mean force."""
-    force, _ = mean_push(problem, h, rule)
+    force, _ = mean_normal_force(problem, h, rule)
     own = body_force(problem, Coordinates(-w, 0.0))
     return -own.normal - contact_force(problem, force + gain, w)
 
@@ -93,40 +94,43 @@ def bounce(problem, state, span, work):
     rule = span.rule
     stop, per_period, at, rows = span.stop, span.per_period, span.at, span.rows
     h_end = riding(problem, rule)
-    _, slope = mean_push(problem, max(h_end, state[At.POSITION]), rule)
+    _, slope = mean_normal_force(problem, max(h_end, state[At.POSITION]), rule)
     rate = np.sqrt(slope)
     dt = 2.0 * np.pi / rate / per_period
     h, w, v = state[At.POSITION], state[At.NORMAL_VELOCITY], state[At.VELOCITY]
-    phase, taken, gain, pull, largest, steps = 0.0, 0, 0.0, 0.0, 0.0, 0
+    phase, taken, gain, tangential_force, largest, steps = 0.0, 0, 0.0, 0.0, 0.0, 0
     while phase < stop:
         d = min(dt, stop - phase)
         h0, w0, v0 = h, w, v
         middle, w = _bounce_step(problem, h, w, gain, rule, 0.5 * d)
         h, w = _bounce_step(problem, middle, w, gain, rule, 0.5 * d)
-        v_middle = v + 0.5 * d * force_left(problem, pull, v)
+        v_middle = v + 0.5 * d * force_left(problem, tangential_force, v)
         for _ in range(2 if steps == 0 else 1):
             if span.corrected:
                 cycle(problem, middle, v_middle, rule, work.second)
                 respond(problem, work.second)
                 cycle(problem, middle, v_middle, rule, work.second)
-                force, _ = mean_push(problem, middle, rule)
+                force, _ = mean_normal_force(problem, middle, rule)
                 gain = work.second.means[Mean.NORMAL] - force
-                pull, stuck = work.second.means[Mean.TANGENTIAL], work.second.counts[Counted.STUCK]
+                tangential_force, stuck = (
+                    work.second.means[Mean.TANGENTIAL],
+                    work.second.counts[Counted.STUCK],
+                )
             else:
                 cycle(problem, middle, v_middle, rule, work.first)
-                pull, stuck = work.first.means[Mean.TANGENTIAL], work.first.counts[Counted.STUCK]
-            v_middle = v + 0.5 * d * force_left(problem, pull, v_middle)
+                tangential_force, stuck = work.first.means[Mean.TANGENTIAL], work.first.counts[Counted.STUCK]
+            v_middle = v + 0.5 * d * force_left(problem, tangential_force, v_middle)
         if stuck > 0:
             return phase, taken, Status.STICKS
-        v = (v * (1.0 - 0.5 * d * problem.tangential_damping) + d * (pull - problem.load)) / (
+        v = (v * (1.0 - 0.5 * d * problem.tangential_damping) + d * (tangential_force - problem.load)) / (
             1.0 + 0.5 * d * problem.tangential_damping
         )
         if not np.isfinite(h + w + v):
             return phase, taken, Status.UNSETTLED
         while taken < at.size and at[taken] <= phase + d * (1.0 + 1e-12):
             s = (at[taken] - phase) / d
-            rows[taken, 0] = v0 + s * (v - v0)
-            rows[taken, 1] = -cubic(s, h0, h, d * w0, d * w)
+            rows[taken, Column.VELOCITY] = v0 + s * (v - v0)
+            rows[taken, Column.POSITION] = -cubic(s, h0, h, d * w0, d * w)
             taken += 1
         phase += d
         steps += 1
@@ -140,25 +144,25 @@ def bounce(problem, state, span, work):
 
 
 @compiled
-def _rate(problem, h, v, rule, work, most):
-    """Return (V', h) at velocity V; height and fast motion are first settled in at most `most` rounds (0: kept)."""
-    if most > 0:
-        h, _ = settled(problem, rule, h, v, work, most)
+def _rate(problem, h, v, rule, work, max_rounds):
+    """Return (V', h) at velocity V, after at most `max_rounds` rounds of `equilibrium.settle` (0: h is kept)."""
+    if max_rounds > 0:
+        h, _ = settle(problem, rule, h, v, work, max_rounds)
     cycle(problem, h, v, rule, work)
     return force_left(problem, work.means[Mean.TANGENTIAL], v), h
 
 
 @compiled
 def accelerate(problem, state, phase, taken, span, work, k):
-    """Follow the velocity with the bounce dead; return the reason for ending. `k`: (7,) room."""
+    """Follow the velocity with the bounce dead; return the reason for ending. `k`: (7,) work array."""
     stop, at, rows, tolerance = span.stop, span.at, span.rows, 0.1 * span.tolerance
     h, v, rule, means = state[At.POSITION], state[At.VELOCITY], span.rule, work.second
-    most = 3 if span.corrected else 0
+    max_rounds = 3 if span.corrected else 0
     if span.corrected:
         _rate(problem, h, v, rule, means, 8)
     else:  # the fast motion stays that of the start
         h = riding(problem, rule)
-    k[0], h = _rate(problem, h, v, rule, means, most)
+    k[0], h = _rate(problem, h, v, rule, means, max_rounds)
     top = 0.0
     for i in range(problem.paths.height.size):
         top = max(top, tangential_amplitude(problem.paths, i))
@@ -172,7 +176,7 @@ def accelerate(problem, state, phase, taken, span, work, k):
             y = v
             for j in range(i):
                 y += d * _TABLE[i, j] * k[j]
-            k[i], h = _rate(problem, h, y, rule, means, most)
+            k[i], h = _rate(problem, h, y, rule, means, max_rounds)
         error = 0.0
         for i in range(7):
             error += d * _ERROR[i] * k[i]
@@ -192,8 +196,10 @@ def accelerate(problem, state, phase, taken, span, work, k):
             last += d * _DENSE[i] * k[i]
         while taken < at.size and at[taken] <= phase + d * (1.0 + 1e-12):
             s = (at[taken] - phase) / d
-            rows[taken, 0] = v + s * (rise + (1.0 - s) * (bend + s * (fourth + (1.0 - s) * last)))
-            rows[taken, 1] = -h
+            rows[taken, Column.VELOCITY] = v + s * (
+                rise + (1.0 - s) * (bend + s * (fourth + (1.0 - s) * last))
+            )
+            rows[taken, Column.POSITION] = -h
             taken += 1
         phase += d
         v = y
@@ -207,7 +213,7 @@ def accelerate(problem, state, phase, taken, span, work, k):
 def _response(problem, state, span, work, k):
     """Fill the answer of `response`; return the reason for ending."""
     rule, second, speed = span.rule, work.second, state[At.VELOCITY]
-    rest(second.fast)
+    clear_fast_motion(second.fast)
     h, w, v = -state[At.POSITION], -state[At.NORMAL_VELOCITY], speed
     # the mean motion at phase 0 is the state less the fast motion, which depends on the mean motion: three rounds
     for _ in range(3):
@@ -222,7 +228,7 @@ def _response(problem, state, span, work, k):
     if why == Status.DONE and phase < span.stop:
         why = accelerate(problem, state, phase, taken, span, work, k)
     if not span.corrected:
-        rest(second.fast)
+        clear_fast_motion(second.fast)
         cycle(problem, state[At.POSITION], state[At.VELOCITY], rule, second)
         respond(problem, second)
     fast_height, fast_rate, fast_speed = fast_state(second.fast)
@@ -232,10 +238,10 @@ def _response(problem, state, span, work, k):
         state[At.VELOCITY] + fast_speed,
     )
     for m in range(span.at.size):
-        span.rows[m, 0] += fast_speed
+        span.rows[m, Column.VELOCITY] += fast_speed
     return why
 
 
 def response(problem, state, span: Span, harmonics: int) -> int:
     """Follow a slider whose state is z_s, z_s' and v at phase 0, then at the end; return the reason for ending."""
-    return _response(problem, state, span, room(harmonics), np.zeros(7))
+    return _response(problem, state, span, work_arrays(harmonics), np.zeros(7))

@@ -1,33 +1,33 @@
-r"""Where the energy goes, segment by segment: powers at the nodes, integrated with the motion's own matrices.
+r"""Energies of a motion, segment by segment: powers at the nodes, integrated with the motion's own matrices.
 
-The surface does the work N u_z' + Q u_x' on the contact, N all of the normal force. What does not reach the slider is
-stored in the springs, lost in the Hunt-Crossley damper (chi P z'^2) or in slip (Q times slip speed). The elastic law
-has no potential unless the reciprocal normal force dW/dz acts: without it the law itself loses -(dW/dz) z'
-(negative: energy out of nothing). The slider passes on to its dampers, the load, and the preload's
-potential. All in the scaled problem's unit of energy, m omega^2 ell^2.
+The surface does the work N u_z' + Q u_x' on a contact, N the whole normal force. The part that does not reach the
+slider is stored in the springs, lost in the Hunt-Crossley damper (power chi P z'^2) or lost in slip (Q times the speed
+of slip). The elastic law has no potential unless the reciprocal normal force dW/dz acts. Without it the law itself
+loses -(dW/dz) z', which may be negative (the leak). The slider gives its energy to its dampers, the load and the
+potential of the preload. The unit of energy is m omega^2 ell^2.
 """
 
 from enum import IntEnum
 
 import numpy as np
 
-from contact.body import Point, slip_speed
+from contact.body import Point
 from contact.codes import Regime, Tangential
 from contact.events.collocation import ROOT_AT_START, SMOOTH
 from contact.events.segment import Plane, Row, normal_force, point_at
 from contact.jit.compiled import compiled, formula
 from contact.law.elastic import spring, tangential
 from contact.law.hysteretic import annulus_slip
+from contact.law.protocol import slip_limit, slip_rate
 from contact.roots import interpolate
 
 
 class Sum(IntEnum):
     """Places in `State.sums`; from WAVE_NORMAL to LEAK energies, in the order of `answers.ledger.Ledger`."""
 
-    # integrals over phase of sum Q, of the sum of normal forces without damper, slider displacement
-    TRACTION = 0
-    SUPPORT = 1
-    DISPLACEMENT = 2
+    TANGENTIAL_FORCE = 0  # integral of sum Q over the phase
+    NORMAL_FORCE = 1  # integral of the sum of the normal forces without their dampers
+    DISPLACEMENT = 2  # of the slider along the wave
     WAVE_NORMAL = 3
     WAVE_TANGENTIAL = 4
     SLIP_LOSS = 5
@@ -36,12 +36,11 @@ class Sum(IntEnum):
     TANGENTIAL_LOSS = 8
     LOAD_WORK = 9
     LEAK = 10
-    # phase since the last event (0: none yet) and the inverse of the smallest gap between two
-    SINCE = 11
-    CROWDING = 12
+    SINCE = 11  # phase since the last event; 0: none yet
+    CROWDING = 12  # inverse of the smallest phase between two events
 
 
-# Gauss and Legendre's rule on [0, 1]
+# Gauss-Legendre rule on [0, 1], whose points are then crowded at the end of slip
 CROWDED, WEIGHT = (0.5 * each for each in np.polynomial.legendre.leggauss(20))
 CROWDED = CROWDED + 0.5
 
@@ -92,7 +91,7 @@ def account_contact(problem, grid, state, nodes, segment, i):
         if rated:
             slip_loss += pull * x_rate
         elif regime != Regime.STICK:
-            slip = slip_speed(sign, z_rate, x_rate, law.limit_rate(problem, z))
+            slip = slip_rate(problem, sign, point)
             if regime == Regime.SLIP or regime == Regime.CREEP:
                 slip_loss += pull * sign * slip
             elif regime == Regime.ANNULUS:
@@ -102,8 +101,8 @@ def account_contact(problem, grid, state, nodes, segment, i):
     if rated:
         work, leak = _spring_in_slip(problem, grid, state, nodes, segment, i)
         slip_loss -= work
-    sums[Sum.TRACTION] += traction
-    sums[Sum.SUPPORT] += support
+    sums[Sum.TANGENTIAL_FORCE] += traction
+    sums[Sum.NORMAL_FORCE] += support
     sums[Sum.WAVE_NORMAL] += by_normal
     sums[Sum.WAVE_TANGENTIAL] += by_tangential
     sums[Sum.SLIP_LOSS] += slip_loss
@@ -154,13 +153,13 @@ def _spring_force(problem, sign, point):
     """Return the force of the spring of a contact that slips, and its deformation."""
     force, x = tangential(problem, Regime.SLIP, sign, point)
     z, law = point[0], problem.law
-    most = problem.stiffness * law.stuck(problem, z, law.limit(problem, z)) if z > 0.0 else 0.0
+    most = problem.stiffness * law.stuck(problem, z, slip_limit(problem, z)) if z > 0.0 else 0.0
     return min(abs(force), most), x
 
 
 @compiled
 def mark(sums):
-    """Note an event: the gap since the last one counts if there was one."""
+    """Record an event: the phase since the last one, if there was one, may be the smallest."""
     if sums[Sum.SINCE] > 1e-200:
         sums[Sum.CROWDING] = max(sums[Sum.CROWDING], 1.0 / sums[Sum.SINCE])
     sums[Sum.SINCE] = 1e-300

@@ -9,8 +9,7 @@ coefficients exceed the tolerance, or on which Picard's iteration does not gain,
 contacts span their events (`many_contacts`).
 """
 
-import threading
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,8 +20,8 @@ from contact.events.collocation import ROOT_AT_START, SMOOTH
 from contact.events.energy import Sum, account, mark
 from contact.events.segment import At, Attempt, Column, Plane, Row
 from contact.events.transitions import cut, earliest, end_guard, is_sharp, transit
-from contact.events.warm_start import Pattern, blank, keep, matching, recalled
-from contact.jit.compiled import compiled, native
+from contact.events.warm_start import Pattern, blank, matching, recall, store
+from contact.jit.compiled import compiled, native, per_thread
 from contact.law.hysteretic import is_full, write_curve
 
 TALLY = len(Event) + len(Count)
@@ -51,25 +50,14 @@ class Work(NamedTuple):
     span: many_contacts.Span
 
 
-_ROOMS = threading.local()  # a thread's arrays end with it
-MAX_ROOMS = 16  # of a thread
+@per_thread
+def work_arrays(contacts: int, nodes: int) -> Work:
+    """Return the work arrays for so many contacts and nodes of a segment."""
+    values = seg.Nodes(np.zeros((len(Row), nodes)), np.zeros((len(Plane), contacts, nodes)), np.empty(nodes))
+    return Work(values, blank(contacts, nodes), many_contacts.span(contacts, nodes, TALLY))
 
 
-def room(contacts: int, nodes: int) -> Work:
-    """Return this thread's work arrays, the same ones as the last time for these sizes."""
-    rooms: dict[Any, Work] = vars(_ROOMS)
-    if (contacts, nodes) not in rooms:
-        if len(rooms) >= MAX_ROOMS:
-            rooms.clear()
-        rooms[contacts, nodes] = Work(
-            seg.Nodes(np.zeros((len(Row), nodes)), np.zeros((len(Plane), contacts, nodes)), np.empty(nodes)),
-            blank(contacts, nodes),
-            many_contacts.span(contacts, nodes, TALLY),
-        )
-    return rooms[contacts, nodes]
-
-
-class Course(NamedTuple):
+class Progress(NamedTuple):
     """Where a run stands."""
 
     phase: float
@@ -125,33 +113,33 @@ def _warm_started(problem, grid, state, nodes, task, segment, memory):
 def _cold_started(problem, grid, state, nodes, task, segment, memory):
     """Lay a segment out, and end it at the first root of a guard on it; return (converged, segment)."""
     entered = segment.map == ROOT_AT_START
-    converged, sweeps = seg.lay_out(problem, grid, state, nodes, segment, task.mobile, memory)
+    converged, sweeps = seg.iterate_motion(problem, grid, state, nodes, segment, task.mobile, memory)
     state.tally[Count.SWEEPS] += sweeps
     if not converged:
         return False, segment
-    place, who, which = earliest(problem, grid, state, nodes, memory)
+    place, contact, which = earliest(problem, grid, state, nodes, memory)
     for _ in range(12):
-        if who < 0:
+        if contact < 0:
             break
-        sharp = is_sharp(which, state.regime[who])
-        segment = cut(segment, place, who, which, sharp, entered)
-        segment = _landed(problem, grid, state, nodes, task, segment, memory)
+        sharp = is_sharp(which, state.regime[contact])
+        segment = cut(segment, place, contact, which, sharp, entered)
+        segment = _ended_at_event(problem, grid, state, nodes, task, segment, memory)
         if segment.length == 0.0 or segment.contact < 0:
             break
         # with the better motion another guard may come first
-        place, who, which = earliest(problem, grid, state, nodes, memory)
-        if (who == segment.contact and which == segment.guard) or place > 1.0 - 1e-6:
+        place, contact, which = earliest(problem, grid, state, nodes, memory)
+        if (contact == segment.contact and which == segment.guard) or place > 1.0 - 1e-6:
             break
     return True, segment
 
 
 @compiled
-def _landed(problem, grid, state, nodes, task, segment, memory):
+def _ended_at_event(problem, grid, state, nodes, task, segment, memory):
     """Return the segment laid out to where its guard vanishes."""
     for trial in range(12):
         if segment.length < 1e-14:
             segment = seg.resized(segment, 0.0)
-        _, sweeps = seg.lay_out(problem, grid, state, nodes, segment, task.mobile, memory)
+        _, sweeps = seg.iterate_motion(problem, grid, state, nodes, segment, task.mobile, memory)
         state.tally[Count.SWEEPS] += sweeps
         if segment.contact < 0:
             break
@@ -169,7 +157,7 @@ def _roughness(problem, grid, nodes, segment):
     """Return the largest roughness of a contact's forces on the segment."""
     worst = most = 0.0
     for i in range(nodes.contact.shape[1]):
-        most = max(most, seg.largest_push(nodes, i))
+        most = max(most, seg.largest_normal_force(nodes, i))
     for i in range(nodes.contact.shape[1]):
         worst = max(worst, seg.roughness(problem, grid, nodes, segment, i, most))
     return worst
@@ -210,42 +198,42 @@ def _begin_with(nodes, normal, tangential):
 
 
 @compiled
-def _from_last_cycle(problem, grid, state, work, task, memory, course):
+def _from_last_cycle(problem, grid, state, work, task, memory, progress):
     """Return the segment that the last cycle had here, laid out to the same end or event; length 0 without it."""
-    pattern, old, m = work.pattern, course.old, course.match
-    nothing = seg.segment_at(course.phase, 0.0, SMOOTH, 0)
+    pattern, old, m = work.pattern, progress.old, progress.match
+    nothing = seg.segment_at(progress.phase, 0.0, SMOOTH, 0)
     if m < 0:
         return nothing
     map_, contact, end = pattern.map[old, m], pattern.contact[old, m], pattern.end[old, m]
     last = contact < 0 and end >= task.stop - 1e-12
-    length = (task.stop if last else end) - course.phase
-    fits = 0.0 < length <= problem.longest and course.phase + length <= task.stop
-    if not fits or (map_ == ROOT_AT_START) != course.entered:
+    length = (task.stop if last else end) - progress.phase
+    fits = 0.0 < length <= problem.longest and progress.phase + length <= task.stop
+    if not fits or (map_ == ROOT_AT_START) != progress.entered:
         return nothing
-    segment = seg.Segment(course.phase, length, length, map_, contact, pattern.guard[old, m], int(last))
-    recalled(pattern, old, m, work.nodes)
+    segment = seg.Segment(progress.phase, length, length, map_, contact, pattern.guard[old, m], int(last))
+    recall(pattern, old, m, work.nodes)
     found = _warm_started(problem, grid, state, work.nodes, task, segment, memory)
     return seg.Segment(segment.phase, found, found, map_, contact, segment.guard, segment.last)
 
 
 @compiled
-def _attempt(problem, grid, state, work, task, memory, course):
+def _attempt(problem, grid, state, work, task, memory, progress):
     """Lay out the next segment; return what became of it."""
     nodes, longest = work.nodes, problem.longest
     normal = nodes.slider[Row.NORMAL_ACCELERATION, 0]
     tangential = nodes.slider[Row.TANGENTIAL_ACCELERATION, 0]
-    segment = _from_last_cycle(problem, grid, state, work, task, memory, course)
+    segment = _from_last_cycle(problem, grid, state, work, task, memory, progress)
     if segment.length == 0.0:
         _begin_with(nodes, normal, tangential)
-        map_ = ROOT_AT_START if course.entered else SMOOTH
-        segment = seg.next_segment(course.phase, course.length, task.stop, map_)
+        map_ = ROOT_AT_START if progress.entered else SMOOTH
+        segment = seg.next_segment(progress.phase, progress.length, task.stop, map_)
         converged, segment = _cold_started(problem, grid, state, nodes, task, segment, memory)
         if not converged:
             return Attempt(Outcome.NOT_CONVERGED, segment, 0.25 * segment.length, Status.STIFF)
     if segment.length == 0.0:
         return Attempt(Outcome.EVENT_AT_START, segment, segment.longest, Status.DONE)
     rough, change = _roughness(problem, grid, nodes, segment), 1.0
-    if course.match < 0 or rough > task.tolerance:
+    if progress.match < 0 or rough > task.tolerance:
         order = nodes.guard.size - 1
         change = min(2.0, max(0.2, 0.9 * (task.tolerance / (rough + 1e-300)) ** (1.0 / order)))
     if rough > task.tolerance and segment.length > 1e-6 * longest:
@@ -257,22 +245,22 @@ def _attempt(problem, grid, state, work, task, memory, course):
 
 
 @compiled
-def _next(problem, grid, state, work, task, memory, course):
+def _next(problem, grid, state, work, task, memory, progress):
     """Lay out the next segment, of many contacts one that spans their events; return what became of it."""
     if memory is None and state.regime.size >= many_contacts.MANY:
-        return many_contacts.attempt(problem, grid, state, work, task, memory, course)
-    return _attempt(problem, grid, state, work, task, memory, course)
+        return many_contacts.attempt(problem, grid, state, work, task, memory, progress)
+    return _attempt(problem, grid, state, work, task, memory, progress)
 
 
 @compiled
-def _accept(problem, grid, state, work, task, memory, course, segment):
+def _accept(problem, grid, state, work, task, memory, progress, segment):
     """Account for a segment and move the state to its end; return (phase there, samples taken)."""
-    phase = task.stop if segment.last else course.phase + segment.length
+    phase = task.stop if segment.last else progress.phase + segment.length
     if memory is None and state.regime.size >= many_contacts.MANY:
-        return phase, many_contacts.accept(problem, grid, state, work, task, segment, course.taken)
+        return phase, many_contacts.accept(problem, grid, state, work, task, segment, progress.taken)
     account(problem, grid, state, work.nodes, segment)
-    taken = _sampled(grid, state, work.nodes, task, segment, course.taken)
-    keep(work.pattern, 1 - course.old, segment, phase, state, work.nodes)
+    taken = _sampled(grid, state, work.nodes, task, segment, progress.taken)
+    store(work.pattern, 1 - progress.old, segment, phase, state, work.nodes)
     _move_to_end(problem, state, work.nodes, memory)
     return phase, taken
 
@@ -300,8 +288,8 @@ def advance(problem, grid, state, work, task, memory, cycle):
             return Status.NOT_FINITE
         match = matching(work.pattern, 1 - new, first, phase, state) if warm else -1
         first = max(first, match + 1)
-        course = Course(phase, min(length, problem.longest), entered, match, 1 - new, taken)
-        tried = _next(problem, grid, state, work, task, memory, course)
+        progress = Progress(phase, min(length, problem.longest), entered, match, 1 - new, taken)
+        tried = _next(problem, grid, state, work, task, memory, progress)
         segment, length = tried.segment, tried.length
         if tried.outcome == Outcome.NOT_CONVERGED or tried.outcome == Outcome.TOO_ROUGH:
             tally[Count.HALVINGS] += 1
@@ -311,7 +299,7 @@ def advance(problem, grid, state, work, task, memory, cycle):
             continue
         if tried.outcome == Outcome.ACCEPTED:
             tally[Count.SEGMENTS] += 1
-            phase, taken = _accept(problem, grid, state, work, task, memory, course, segment)
+            phase, taken = _accept(problem, grid, state, work, task, memory, progress, segment)
             idle, entered, warm = 0, False, True
         else:
             idle += 1

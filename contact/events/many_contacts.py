@@ -18,12 +18,12 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.body import Coordinates, damping_force
-from contact.codes import Count, Event, Outcome, Regime, Status
+from contact.codes import LAST_GUARD, Count, Event, Outcome, Regime, Status
 from contact.events import segment as seg
 from contact.events.collocation import ROOT_AT_START, SMOOTH
 from contact.events.energy import Sum, account_contact, account_slider, mark
 from contact.events.segment import At, Attempt, Plane, Row
-from contact.events.transitions import LAST, cut, end_guard, enter_next, is_sharp
+from contact.events.transitions import cut, end_guard, enter_next, is_sharp
 from contact.jit.compiled import compiled
 from contact.law.hysteretic import Memory
 from contact.roots import first_root
@@ -75,13 +75,13 @@ class Following(NamedTuple):
 
 
 @compiled
-def attempt(problem, grid, state, work, task, memory, course):
+def attempt(problem, grid, state, work, task, memory, progress):
     """Lay out the next segment; return what became of it. Where it is accepted the contacts are at its end.
 
-    `work`, `task`, `course`: a `Work`, `Task` and `Course` of `event_driven`.
+    `work`, `task`, `progress`: a `Work`, `Task` and `Progress` of `event_driven`.
     """
     span = work.span
-    outer = seg.next_segment(course.phase, course.length, task.stop, SMOOTH)
+    outer = seg.next_segment(progress.phase, progress.length, task.stop, SMOOTH)
     _remember(state, span)
     why, rough = _iterated(problem, grid, state, work, task, outer, memory)
     too_rough = rough > task.tolerance and outer.length > 1e-6 * problem.longest
@@ -90,7 +90,7 @@ def attempt(problem, grid, state, work, task, memory, course):
         outcome = Outcome.NOT_CONVERGED if why != Status.DONE else Outcome.TOO_ROUGH
         return Attempt(outcome, outer, 0.5 * outer.length, why)
     # once more, on the motion that was found, with everything that is to be recorded
-    why = _all_followed(problem, grid, state, work, task, outer, Following(True, course.taken, memory))
+    why = _all_followed(problem, grid, state, work, task, outer, Following(True, progress.taken, memory))
     if why != Status.DONE:
         return Attempt(Outcome.NOT_CONVERGED, outer, 0.0, why)
     grow = 2.0 if rough == 0.0 else min(2.0, 0.9 * (task.tolerance / rough) ** 0.2)
@@ -193,12 +193,12 @@ def _integrate(state, series, half, n):
     change = 0.0
     for axis in range(2):
         acceleration = series[Row.NORMAL_ACCELERATION + axis]
-        climb, height = (series[Row.NORMAL_VELOCITY], series[Row.POSITION]) if axis == 0 else (
+        normal_velocity, height = (series[Row.NORMAL_VELOCITY], series[Row.POSITION]) if axis == 0 else (
             series[Row.VELOCITY], series[Row.TRAVEL])  # fmt: skip
         velocity = state.slider[At.NORMAL_VELOCITY] if axis == 0 else state.slider[At.VELOCITY]
         begin = state.slider[At.POSITION] if axis == 0 else 0.0
-        change = max(change, _primitive(acceleration, climb, velocity, half, n))
-        change = max(change, _primitive(climb, height, begin, half, n + 1))
+        change = max(change, _primitive(acceleration, normal_velocity, velocity, half, n))
+        change = max(change, _primitive(normal_velocity, height, begin, half, n + 1))
     return change
 
 
@@ -241,17 +241,17 @@ def _followed(problem, grid, state, work, task, outer, i, following):
     phase, length, entered, idle = outer.phase, outer.length, False, 0
     for _ in range(MAX_PIECES):
         piece = seg.segment_at(phase, min(length, stop - phase), ROOT_AT_START if entered else SMOOTH, 0)
-        _laid(problem, grid, state, work, outer, piece, i, memory)
+        _fill_piece(problem, grid, state, work, outer, piece, i, memory)
         place, which = _first_event(problem, grid, state, nodes, i, memory)
         if which >= 0:
             sharp = is_sharp(which, state.regime[i])
             piece = cut(piece, place, i, which, sharp, entered)
             if piece.contact >= 0:
-                piece = _landed(problem, grid, state, work, outer, piece, i, memory)
+                piece = _ended_at_event(problem, grid, state, work, outer, piece, i, memory)
             if piece.length > 0.0:
-                _laid(problem, grid, state, work, outer, piece, i, memory)
+                _fill_piece(problem, grid, state, work, outer, piece, i, memory)
         if piece.length > 0.0:
-            rough = seg.roughness(problem, grid, nodes, piece, i, seg.largest_push(nodes, i))
+            rough = seg.roughness(problem, grid, nodes, piece, i, seg.largest_normal_force(nodes, i))
             if rough > task.tolerance and piece.length > 1e-6 * problem.longest:
                 length = 0.5 * piece.length
                 continue
@@ -282,7 +282,7 @@ def _followed(problem, grid, state, work, task, outer, i, following):
 
 
 @compiled
-def _laid(problem, grid, state, work, outer, piece, i, memory):
+def _fill_piece(problem, grid, state, work, outer, piece, i, memory):
     """Fill the motion and the forces of a contact at the nodes of a piece."""
     _move(grid, work, outer, piece, 0)
     seg.surface_of(problem, grid, work.nodes, piece, i, np.cos(piece.phase), np.sin(piece.phase), 0)
@@ -320,7 +320,7 @@ def _move(grid, work, outer, piece, first):
 def _first_event(problem, grid, state, nodes, i, memory):
     """Return (sigma, guard) of the earliest root of a contact's guards on the piece; (2, -1) if there is none."""
     regime, first, which = state.regime[i], 2.0, -1
-    for k in range(1 if regime == Regime.SEPARATED else LAST[regime] + 1):
+    for k in range(1 if regime == Regime.SEPARATED else LAST_GUARD[regime] + 1):
         seg.guards(problem, state, nodes, i, k, memory)
         place = first_root(grid.sigma, grid.bary, grid.rates, nodes.guard)
         if place < first:
@@ -329,7 +329,7 @@ def _first_event(problem, grid, state, nodes, i, memory):
 
 
 @compiled
-def _landed(problem, grid, state, work, outer, piece, i, memory):
+def _ended_at_event(problem, grid, state, work, outer, piece, i, memory):
     """Return the piece ended where its guard vanishes, by Newton's method with the motion at its end alone."""
     n, nodes = grid.sigma.size - 1, work.nodes
     c0, s0 = np.cos(piece.phase), np.sin(piece.phase)

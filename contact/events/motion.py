@@ -1,6 +1,6 @@
-"""A run of the event-driven motion: the state it carries, and the arrays that the compiled kernel wants.
+"""The event-driven motion of one slider on one wave: its state, and runs that change it.
 
-The only class here that changes: it guards the state of one slider on one wave, in the wave's own units.
+All quantities are in the units of `contact.problem`.
 """
 
 import copy
@@ -49,33 +49,33 @@ class Motion:
         # what the kernels take: the arrays themselves
         self.carried = segment.State(state[:3], state[3:], sign, regime, tally, sums)
 
-    def place(self, height, climb, speed, deformations=0.0):
+    def place(self, height, normal_velocity, speed, deformations=0.0):
         """Set the state at phase 0: slider position and its rate, slider velocity, deformations; all scaled.
 
         With the hysteretic law contacts that have a memory are taken there from where they are, on a straight line in
         approach and deformation.
         """
         if self.memory is not None:
-            self._displace(height, climb, speed, deformations)
+            self._displace(height, normal_velocity, speed, deformations)
             return
-        self.state[:3] = height, climb, speed
+        self.state[:3] = height, normal_velocity, speed
         self.state[3:] = deformations
         open_regimes(self.problem, 0.0, self.carried)
 
     def copy(self) -> "Motion":
         """Return an independent motion in the same state."""
-        twin = copy.copy(self)
-        twin._carry(*(each.copy() for each in (self.state, self.sign, self.regime, self.tally, self.sums)))
+        other = copy.copy(self)
+        other._carry(*(each.copy() for each in (self.state, self.sign, self.regime, self.tally, self.sums)))
         if self.memory is not None:
-            twin.memory = hysteretic.copy(self.memory)
-        return twin
+            other.memory = hysteretic.copy(self.memory)
+        return other
 
     def begin(self):
         """Set what has been counted and summed to zero, and note the energies at this start."""
         self.tally[:], self.sums[:], self.begun = 0, 0.0, self.energy()
 
     def turn(self, number: int, *, mobile: bool = True, stride: int = 0) -> np.ndarray:
-        """Move through `number` whole cycles; return rows (v, z_s, mean v) every `stride` cycles."""
+        """Move through `number` whole cycles; return rows (`Column`) every `stride` cycles, none for 0."""
         rows = np.empty((number // stride if stride else 0, len(Column)))
         nothing = np.empty((0, self.regime.size, len(Sample)))
         whole = 2.0 * np.pi
@@ -85,7 +85,7 @@ class Motion:
         return rows
 
     def move(self, start: float, stop: float, at: np.ndarray) -> np.ndarray:
-        """Move from one phase to another; return (k, contacts, 6) samples z, x, P, Q, regime, v at the phases `at`."""
+        """Move from one phase to another; return samples (k, contacts, len(`Sample`)) at the k phases `at`."""
         samples = np.zeros((at.size, self.regime.size, len(Sample)))
         cycles = self.tally[Count.CYCLES]
         limit, rows = self._limit(stop - start), np.empty((0, len(Column)))
@@ -94,7 +94,7 @@ class Motion:
         return samples
 
     def _travel(self, task):
-        work = event_driven.room(self.regime.size, self.grid.sigma.size)
+        work = event_driven.work_arrays(self.regime.size, self.grid.sigma.size)
         why = event_driven.travel(self.problem, self.grid, self.carried, work, task, self.memory)
         if why != Status.DONE:
             raise self._failure(why)
@@ -122,8 +122,8 @@ class Motion:
         At phase 0: the surface's height there is what the approach is taken from.
         """
         problem, state = self.problem, self.carried
-        height, climb, speed = state.slider
-        rate, paths = Coordinates(climb, speed), problem.paths
+        height, normal_velocity, speed = state.slider
+        rate, paths = Coordinates(normal_velocity, speed), problem.paths
         approaches = self._approaches(height)
         stored = problem.stiffness * np.sum(normal.energy(approaches, problem.shape))
         for i, (z, x) in enumerate(zip(approaches, state.deformation, strict=True)):
@@ -136,14 +136,14 @@ class Motion:
                 stored += elastic.spring(problem, regime, sign, Point(z, x, z_rate, x_rate))[2]
             else:
                 stored += hysteretic.chain_energy(problem, self.memory, i, regime, sign, z, x)
-        return np.array([stored, problem.preload * height, 0.5 * (climb**2 + speed**2)])
+        return np.array([stored, problem.preload * height, 0.5 * (normal_velocity**2 + speed**2)])
 
     def _approaches(self, height):
         """Return the approach of every contact at phase 0, where the surface is as at the end of a cycle."""
         every = np.arange(self.problem.contacts)
         return approach(self.problem.paths, every, self.problem.paths.normal_cos, Coordinates(height, 0.0))
 
-    def _displace(self, height, climb, speed, deformations):
+    def _displace(self, height, normal_velocity, speed, deformations):
         c, state = self.problem.limit_slope, self.carried
         before, after = self._approaches(state.slider[At.POSITION]), self._approaches(height)
         target = np.broadcast_to(np.asarray(deformations, float), self.regime.shape)
@@ -156,7 +156,7 @@ class Motion:
             self.regime[i], self.sign[i], state.deformation[i] = hysteretic.jump(
                 self.memory, i, self.regime[i], self.sign[i], old, new, c
             )
-        state.slider[:] = height, climb, speed
+        state.slider[:] = height, normal_velocity, speed
 
     @property
     def sticks(self) -> bool:
@@ -166,6 +166,6 @@ class Motion:
         return bool(np.all(rest) and np.any(self.regime)) and not np.any(self.tally[list(moved)])
 
     def _limit(self, span):
-        """Return the segments that a run may take: a guard that fires for ever must fail, not hang."""
+        """Return the largest number of segments of a run, after which it fails: a guard may fire without end."""
         events = 500.0 * self.regime.size * (1.0 + span / (2.0 * math.pi))
         return int(min(events + 40.0 * span / self.problem.longest, 1e9))

@@ -1,8 +1,10 @@
 r"""One smooth segment of motion between two events, by Chebyshev-Picard iteration.
 
-The forces at the nodes give velocities and positions by the collocation's integration matrices, and these give the
-forces again. A slider is heavy against the contact's stiffness over a part of a cycle, so each sweep gains a factor of
-about (omega_n L)^2/2: four digits and more at a wave of 2 MHz, and a shorter segment where it gains too little.
+The forces at the nodes give velocities and positions through the integration matrices of `collocation`, and these give
+the forces again. Each sweep reduces the error by a factor of about (omega_n L)^2/2, with omega_n the contact resonance
+over omega and L the segment's length: four digits and more for a wave of 2 MHz. A segment on which it gains too little
+is made shorter. A column of `Nodes` holds the values at one node, `Row` those of the slider and `Plane` those of each
+contact.
 """
 
 from enum import IntEnum
@@ -21,12 +23,13 @@ from contact.body import (
     short_sine,
     travel,
 )
-from contact.codes import Regime, Tangential
+from contact.codes import Guard, Regime, Tangential
 from contact.events.collocation import ROOT_AT_END, ROOT_AT_START
 from contact.jit.compiled import compiled
 from contact.law.elastic import FAR_SIDE, spring
 from contact.law.hysteretic import moment_rate
 from contact.law.normal import load
+from contact.law.protocol import slip_limit
 from contact.roots import interpolate
 
 MAX_SWEEPS = 25  # of Picard's iteration
@@ -67,21 +70,21 @@ class Row(IntEnum):
 class Plane(IntEnum):
     """Planes of `Nodes.contact`."""
 
-    U_Z = 0
-    U_X = 1
+    U_Z = 0  # surface displacement
+    U_X = 1  # from the segment's start
     U_Z_RATE = 2
     U_X_RATE = 3
-    Z = 4
-    X = 5
-    P = 6
-    Q = 7
-    BACK = 8
-    FRONT = 9
-    LEVEL = 10
+    Z = 4  # approach
+    X = 5  # deformation
+    P = 6  # elastic normal force
+    Q = 7  # tangential force
+    BACK = 8  # reciprocal normal force
+    FRONT = 9  # front of the slip annulus, `law.hysteretic`
+    LEVEL = 10  # moment M of the memory there
 
 
 class State(NamedTuple):
-    """What a slider carries from one segment to the next, and what has been counted on the way."""
+    """State of a slider between two segments, with the tally and the sums of the run so far."""
 
     slider: np.ndarray  # (3,): z_s, z_s' and v
     deformation: np.ndarray  # (contacts,): x
@@ -231,7 +234,7 @@ def contact_forces(problem, grid, state, nodes, i, memory):
         own[Plane.P, i, j] = problem.stiffness * load(own[Plane.Z, i, j], problem.shape)
     if regime == Regime.SLIP:
         for j in range(n):
-            own[Plane.X, i, j] = sign * law.limit(problem, own[Plane.Z, i, j])
+            own[Plane.X, i, j] = sign * slip_limit(problem, own[Plane.Z, i, j])
     else:
         for j in range(n):
             own[Plane.X, i, j] = state.deformation[i] + travel(own[Plane.U_X, i, j], place_at(nodes, j))
@@ -274,15 +277,17 @@ def integrate(grid, state, nodes, segment):
     z_s, z_rate, v = state.slider[At.POSITION], state.slider[At.NORMAL_VELOCITY], state.slider[At.VELOCITY]
     for j in range(n):
         tau = grid.tau[segment.map, j]
-        climb, speed = (
+        normal_velocity, speed = (
             z_rate + length * slider[Row.NORMAL_ONCE, j],
             v + length * slider[Row.TANGENTIAL_ONCE, j],
         )
         height = z_s + length * (z_rate * tau + length * slider[Row.NORMAL_TWICE, j])
         way = length * (v * tau + length * slider[Row.TANGENTIAL_TWICE, j])
         moved = max(abs(height - slider[Row.POSITION, j]), abs(way - slider[Row.TRAVEL, j]))
-        moved = max(moved, abs(climb - slider[Row.NORMAL_VELOCITY, j]), abs(speed - slider[Row.VELOCITY, j]))
-        slider[Row.POSITION, j], slider[Row.NORMAL_VELOCITY, j] = height, climb
+        moved = max(
+            moved, abs(normal_velocity - slider[Row.NORMAL_VELOCITY, j]), abs(speed - slider[Row.VELOCITY, j])
+        )
+        slider[Row.POSITION, j], slider[Row.NORMAL_VELOCITY, j] = height, normal_velocity
         slider[Row.TRAVEL, j], slider[Row.VELOCITY, j] = way, speed
         # a motion that is not finite must not pass for one that does not change
         change = max(change, moved if moved < 1e100 else 1e300)
@@ -329,13 +334,13 @@ def _four(once, twice, j, slider):
 
 @compiled
 def has_converged(change, last):
-    """Return whether Picard's iteration has arrived: the last change times the observed gain is below rounding."""
+    """Return True if Picard's iteration has converged: the last change times its observed gain is below rounding."""
     gain = change / last
     return change < 1e-16 or (0.0 < gain < 0.5 and change * gain < 1e-15) or (gain > 0.5 and change < 2e-15)
 
 
 @compiled
-def lay_out(problem, grid, state, nodes, segment, mobile, memory):
+def iterate_motion(problem, grid, state, nodes, segment, mobile, memory):
     """Iterate to the motion on a segment, from constant accelerations; return (converged, sweeps)."""
     surface(problem, grid, nodes, segment)
     _guess(grid, state, nodes, segment)
@@ -360,11 +365,15 @@ def _guess(grid, state, nodes, segment):
     """Fill the first guess: constant accelerations from the end of the last segment."""
     slider = nodes.slider
     normal, tangential = slider[Row.NORMAL_ACCELERATION, 0], slider[Row.TANGENTIAL_ACCELERATION, 0]
-    z_s, climb, v = state.slider[At.POSITION], state.slider[At.NORMAL_VELOCITY], state.slider[At.VELOCITY]
+    z_s, normal_velocity, v = (
+        state.slider[At.POSITION],
+        state.slider[At.NORMAL_VELOCITY],
+        state.slider[At.VELOCITY],
+    )
     for j in range(grid.sigma.size):
         t = segment.length * grid.tau[segment.map, j]
-        slider[Row.POSITION, j] = z_s + t * (climb + 0.5 * t * normal)
-        slider[Row.NORMAL_VELOCITY, j] = climb + t * normal
+        slider[Row.POSITION, j] = z_s + t * (normal_velocity + 0.5 * t * normal)
+        slider[Row.NORMAL_VELOCITY, j] = normal_velocity + t * normal
         slider[Row.TRAVEL, j] = t * (v + 0.5 * t * tangential)
         slider[Row.VELOCITY, j] = v + t * tangential
 
@@ -388,7 +397,7 @@ def contact_end(problem, state, nodes, i):
     z = approach(problem.paths, i, own[Plane.U_Z, i, n], q)
     own[Plane.Z, i, n] = z
     if state.regime[i] == Regime.SLIP:
-        own[Plane.X, i, n] = state.sign[i] * problem.law.limit(problem, z)
+        own[Plane.X, i, n] = state.sign[i] * slip_limit(problem, z)
     elif state.regime[i] != Regime.SEPARATED:
         own[Plane.X, i, n] = state.deformation[i] + travel(own[Plane.U_X, i, n], q)
 
@@ -397,7 +406,7 @@ def contact_end(problem, state, nodes, i):
 def guards(problem, state, nodes, i, which, memory):
     """Fill `nodes.guard` with guard `which` of contact i at all nodes."""
     regime, sign, own, out = state.regime[i], state.sign[i], nodes.contact, nodes.guard
-    if which == 0:
+    if which == Guard.GAP:
         side = -1.0 if regime == Regime.SEPARATED else 1.0
         for j in range(out.size):
             out[j] = FAR_SIDE + side * own[Plane.Z, i, j]
@@ -441,7 +450,7 @@ def roughness(problem, grid, nodes, segment, i, most):
 
 
 @compiled
-def largest_push(nodes, i):
+def largest_normal_force(nodes, i):
     """Return the largest normal force of a contact at the nodes."""
     most = 0.0
     for k in range(nodes.guard.size):

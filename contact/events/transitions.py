@@ -1,9 +1,9 @@
-r"""Events at the end of a segment: which guard vanishes first, how fast, and what follows."""
+r"""Events that end a segment: the first guard that vanishes, its rate there, and the regimes that follow."""
 
 import numpy as np
 
 from contact.body import Coordinates, Point, approach, approach_rate, at_phase, travel
-from contact.codes import Event, Regime
+from contact.codes import LAST_GUARD, Event, Guard, Regime
 from contact.events.collocation import ROOT_AT_END, ROOT_AT_START
 from contact.events.energy import Sum
 from contact.events.segment import Plane, Row, Segment, guards, point_at
@@ -12,14 +12,11 @@ from contact.law.elastic import regime_at, spring
 from contact.law.hysteretic import on_curve
 from contact.roots import first_root
 
-# the last guard of each regime
-LAST = (0, 2, 1, 2, 3, 2)
-
 
 def open_regimes(problem, phase, state):
     """Set regime and sign of every contact, and its deformation within the slip limit, from the state at a phase."""
-    height, climb, speed = state.slider
-    q, rate = Coordinates(height, 0.0), Coordinates(climb, speed)
+    height, normal_velocity, speed = state.slider
+    q, rate = Coordinates(height, 0.0), Coordinates(normal_velocity, speed)
     for i in range(state.regime.size):
         u_z, u_z_rate, _, u_x_rate = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
         z = approach(problem.paths, i, u_z, q)
@@ -30,32 +27,33 @@ def open_regimes(problem, phase, state):
 @compiled
 def earliest(problem, grid, state, nodes, memory):
     """Return (sigma, contact, guard) of the earliest root on the segment; sigma = 2 if there is none."""
-    first, who, which = 2.0, -1, -1
+    first, contact, which = 2.0, -1, -1
     for i in range(state.regime.size):
         regime = state.regime[i]
-        for k in range(4):
-            if (k > 0 and regime == Regime.SEPARATED) or k > LAST[regime]:
+        for k in range(Guard.ANNULUS_EDGE + 1):
+            if (k > 0 and regime == Regime.SEPARATED) or k > LAST_GUARD[regime]:
                 continue
-            if k == 3 and first < 1.0 - 1e-6 and memory is not None:
+            if k == Guard.ANNULUS_EDGE and first < 1.0 - 1e-6 and memory is not None:
                 if on_curve(memory, i):
                     continue  # the front is smooth only up to the first of the other events
             guards(problem, state, nodes, i, k, memory)
             place = first_root(grid.sigma, grid.bary, grid.rates, nodes.guard)
             if place < first:
-                first, who, which = place, i, k
-    return first, who, which
+                first, contact, which = place, i, k
+    return first, contact, which
 
 
 @compiled
 def is_sharp(which, regime):
-    """Return whether a guard's root is one at which the force has a square root."""
-    if which == 0:
+    """Return True if the force has a square root where this guard vanishes."""
+    if which == Guard.GAP:
         return regime != Regime.SEPARATED
-    return (which == 1 and regime == Regime.STICK) or (which == 2 and regime == Regime.ANNULUS)
+    stick_ends = which == Guard.STICK_LIMIT and regime == Regime.STICK
+    return stick_ends or (which == Guard.ANNULUS_PIECE and regime == Regime.ANNULUS)
 
 
 @compiled
-def cut(segment, place, who, which, sharp, entered):
+def cut(segment, place, contact, which, sharp, entered):
     """Return the segment cut at a root in sigma; with roots of the force at both ends it is cut in the middle."""
     s = 0.5 * (min(place, 1.0) + 1.0)
     if segment.map == ROOT_AT_START:
@@ -64,10 +62,10 @@ def cut(segment, place, who, which, sharp, entered):
         s = 1.0 - (1.0 - s) ** 2
     length, map_ = segment.length * s, segment.map
     if sharp and entered and length > 1e-9:
-        length, who = 0.5 * length, -1
+        length, contact = 0.5 * length, -1
     elif sharp:
         map_ = ROOT_AT_END
-    return Segment(segment.phase, length, segment.longest, map_, who, which, 0)
+    return Segment(segment.phase, length, segment.longest, map_, contact, which, 0)
 
 
 @compiled
@@ -88,16 +86,16 @@ def end_guard(problem, state, nodes, i, which, phase, memory):
 def transit(problem, state, nodes, segment, phase, memory):
     """Take the contact whose guard ends the segment, and all whose guards vanish then, to their next regimes.
 
-    Returns whether a contact was made.
+    Returns True if a contact was made.
     """
     made = False
     _, rate = end_guard(problem, state, nodes, segment.contact, segment.guard, phase, memory)
     if not rate < 0.0:
         state.tally[Event.GRAZE] += 1
     for i in range(state.regime.size):
-        for k in range(4):
+        for k in range(Guard.ANNULUS_EDGE + 1):
             met = i == segment.contact and k == segment.guard
-            if i != segment.contact and (state.regime[i] != Regime.SEPARATED or k == 0):
+            if i != segment.contact and (state.regime[i] != Regime.SEPARATED or k == Guard.GAP):
                 value, rate = end_guard(problem, state, nodes, i, k, phase, memory)
                 met = abs(value) < 4e-16 and rate < 0.0
             if met:

@@ -1,9 +1,9 @@
-r"""The segments of the last cycle, as the first guess of the next.
+r"""Warm start: the segments of the last cycle are the first guess of the next cycle's.
 
-A slider that is heavy on the wave's time scale meets the same events, at nearly the same phases, in cycle after cycle.
-For each segment the kernel keeps where it began and ended, how it ended and the accelerations at its nodes. The next
-cycle lays its segment out to the same end at once; what it finds there is checked as any other segment is, so that the
-pattern saves time and decides nothing.
+A slider that is heavy on the wave's time scale meets the same events at nearly the same phases in every cycle. For each
+segment the kernel stores where it began and ended, which guard ended it, and the accelerations at its nodes. The next
+cycle computes its segment up to the same end at once. The result is checked like that of any other segment, so that the
+warm start saves time and does not change the motion beyond rounding.
 """
 
 from typing import NamedTuple
@@ -13,16 +13,16 @@ import numpy as np
 from contact.events.segment import Row
 from contact.jit.compiled import compiled
 
-# segments that are kept per cycle: of an impact many more are not worth it
-ROOM = 48
-# how far a segment may begin from where it did, in its own length
+# Segments stored per cycle. A motion with more events than that does not repeat closely enough to gain.
+MAX_SEGMENTS = 48
+# largest distance between the starts of two segments that match, over the length of the stored one
 _NEAR = 0.3
 
 
 class Pattern(NamedTuple):
-    """Segments of two cycles, the last and this."""
+    """Segments of the last cycle and of this one, K of each at most."""
 
-    count: np.ndarray  # (2,) int: segments that are kept
+    count: np.ndarray  # (2,) int: segments stored
     begin: np.ndarray  # (2, K): phases
     end: np.ndarray
     map: np.ndarray  # (2, K) int: as in `segment.Segment`
@@ -34,12 +34,12 @@ class Pattern(NamedTuple):
 
 
 def blank(contacts: int, nodes: int) -> Pattern:
-    """Return room for a pattern."""
-    which, contact = (2, ROOM), (2, ROOM, contacts)
+    """Return an empty pattern for so many contacts and nodes of a segment."""
+    which, contact = (2, MAX_SEGMENTS), (2, MAX_SEGMENTS, contacts)
     kinds = [np.empty(which, np.int64) for _ in range(3)]
     return Pattern(
         np.zeros(2, np.int64), np.empty(which), np.empty(which), *kinds, np.empty(contact, np.int64), np.empty(contact),
-        np.empty((2, ROOM, 2, nodes)),
+        np.empty((2, MAX_SEGMENTS, 2, nodes)),
     )  # fmt: skip
 
 
@@ -60,7 +60,7 @@ def matching(pattern, old, first, phase, state):
 
 
 @compiled
-def recalled(pattern, old, m, nodes):
+def recall(pattern, old, m, nodes):
     """Fill the accelerations at the nodes with those of the last cycle's segment."""
     for j in range(nodes.guard.size):
         nodes.slider[Row.NORMAL_ACCELERATION, j] = pattern.acceleration[old, m, 0, j]
@@ -68,8 +68,8 @@ def recalled(pattern, old, m, nodes):
 
 
 @compiled
-def keep(pattern, new, segment, end, state, nodes):
-    """Keep a segment of this cycle, which ends at the phase `end`."""
+def store(pattern, new, segment, end, state, nodes):
+    """Store a segment of this cycle, which ends at the phase `end`."""
     m = pattern.count[new]
     if m >= pattern.begin.shape[1]:
         return

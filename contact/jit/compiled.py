@@ -1,17 +1,19 @@
-"""Compilation of the kernels: by numba on first use, from a file of machine code ever after.
+"""Compilation of the kernels: by numba on first use, later loaded from a file of machine code.
 
-`compiled` marks a function that numba compiles when it is first called from Python, or together with a kernel that
-calls it.  `native` marks the few kernels that do the work.  Such a kernel allocates nothing and raises nothing, so its
-machine code stands alone: it is optimised once, as a whole, and kept in a file that llvmlite loads without numba, whose
-import alone costs more than a sweep.  `NUMBA_DISABLE_JIT=1` leaves all of them plain Python.
+- `formula` marks a few lines of arithmetic, inlined in kernels and plain Python for Python.
+- `compiled` marks a function that numba compiles when Python first calls it, or as a part of a kernel that calls it.
+- `native` marks the few kernels that Python calls. They allocate nothing and raise nothing, so that their machine code
+  needs no runtime: it is optimised once as a whole and stored in a file that llvmlite loads. Numba is not imported
+  then, whose import costs more time than a sweep.
 
-Where a file cannot be read, made, linked or understood, numba's ordinary compiler compiles the kernel instead: that
-costs seconds and changes no answer (`ORDINARY` names such kernels).
+With `NUMBA_DISABLE_JIT=1` all of them stay plain Python. If a file cannot be read, written, linked or loaded, numba's
+ordinary compiler compiles the kernel instead. This takes some seconds and changes no answer (`ORDINARY` names such
+kernels).
 
-The files lie in the first folder that can be written to: NUMBA_CACHE_DIR, the package's __pycache__, the user's cache,
-a folder of the user's own among the temporary files.  There they lie in a folder named after a digest of every source
-that holds kernels or constants that they freeze, of the compilers' versions and of the processor, so a change in any of
-them compiles anew and nothing stale is ever run.
+The files are stored in the first of these folders that can be written to: NUMBA_CACHE_DIR, the package's __pycache__,
+the user's cache, the user's own folder among the temporary files. Their folder is named by a digest of all sources that
+hold kernels or constants in kernels, of the versions of the compilers, and of the processor. A change of any of these
+therefore compiles all kernels again.
 """
 
 import ctypes
@@ -26,7 +28,7 @@ import time
 import weakref
 from collections.abc import Mapping
 from contextlib import ExitStack, contextmanager
-from functools import cache, cached_property
+from functools import cache, cached_property, wraps
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -68,13 +70,33 @@ def native(types: str, shapes: Mapping[str, str] | None = None):
     Parameters
     ----------
     types : str
-        One word per argument: f or i for a number, f1, i2, c1 ... for contiguous arrays of doubles, integers or complex
+        One code per argument: f or i for a number, f1, i2, c1 ... for contiguous arrays of doubles, integers or complex
         numbers with so many axes, and t for a named tuple of numbers, arrays and further named tuples, or None.  The
         kernel returns an integer, a truth value or nothing.
     shapes : mapping of str to str, optional
         Shapes of arrays by argument, see `contact.jit.shapes`.
     """
     return lambda function: function if _PLAIN else Native(function, tuple(types.split()), shapes)
+
+
+def per_thread(make, most: int = 16):
+    """Return a function that keeps what `make` returns, for each thread and its last `most` arguments; a decorator.
+
+    For work arrays: a kernel finds the same named tuples again, and need not pack them (`Native`). They end with their
+    thread.
+    """
+    local = threading.local()
+
+    @wraps(make)
+    def kept(*arguments):
+        arrays = vars(local)
+        if arguments not in arrays:
+            if len(arrays) >= most:
+                arrays.clear()
+            arrays[arguments] = make(*arguments)
+        return arrays[arguments]
+
+    return kept
 
 
 _KERNELS: "weakref.WeakSet[Kernel]" = weakref.WeakSet()
@@ -85,8 +107,8 @@ class Kernel:
 
     def __init__(self, function, freedom=frozenset(), source=""):
         self.freedom = set(freedom)
-        # the word that stands for the function where it is a field of a named tuple, part of the name of a cached file:
-        # functions of the package are in its digest already, those from elsewhere bring the digest of their source
+        # Stands for the function in the name of a cached file where the function is a field of a named tuple. Functions
+        # of the package are part of its digest; those from elsewhere add the digest of their source.
         self.word = f"{function.__module__}.{function.__qualname__}{source}"
         self.function, self.__doc__, self.__name__ = function, function.__doc__, function.__name__
         self.__module__, self.__wrapped__ = function.__module__, function
@@ -103,24 +125,19 @@ class Kernel:
         usual = numba.config.CACHE_DIR
         numba.config.CACHE_DIR = folder or usual
         try:
-            return numba.njit(
-                cache=folder is not None, nogil=True, error_model="numpy", fastmath=self.freedom
-            )(self.function)
+            return self._jitted(cache=folder is not None)
         finally:
             numba.config.CACHE_DIR = usual
+
+    def _jitted(self, **options):
+        return _numba().njit(nogil=True, error_model="numpy", fastmath=self.freedom, **options)(self.function)
 
     @property
     def inner(self):
         """Numba's own, for calls from other kernels: without wrappers for Python; one for all threads."""
         known = vars(self).get("_inner")
         if known is None:
-            made = _numba().njit(
-                nogil=True,
-                error_model="numpy",
-                fastmath=self.freedom,
-                no_cpython_wrapper=True,
-                no_cfunc_wrapper=True,
-            )(self.function)
+            made = self._jitted(no_cpython_wrapper=True, no_cfunc_wrapper=True)
             _DISPATCHERS.append(made)
             known = vars(self).setdefault("_inner", made)  # of two threads at once, the first's
         return known
@@ -147,9 +164,9 @@ class Native(Kernel):
         parts = []
         for k, (kind, argument) in enumerate(zip(self.types, arguments, strict=True)):
             part = self._packed[k]
-            # a named tuple that was given the last time lies ready: its arrays are where they were
+            # the addresses of a named tuple that was also the last call's argument are known
             if argument is None or part[0] is not argument:
-                part = (argument, *_packed(self.__name__, kind, argument))
+                part = (argument, *_packed_argument(self.__name__, kind, argument))
                 if kind == "t":
                     self._packed[k] = part
             parts.append(part)
@@ -168,24 +185,26 @@ class Native(Kernel):
         return answer.value
 
     def _check(self, arguments, lengths):
-        """Refuse arrays whose shapes do not fit; keep shapes that do, so that they are looked at once."""
+        """Refuse arrays whose shapes do not fit; store shapes that do, so that they are checked once."""
         names = self.function.__code__.co_varnames[: len(arguments)]
         check_shapes(self.__name__, self.shapes, dict(zip(names, arguments, strict=True)))
         if len(self._fitting) < MAX_KEPT_SHAPES:
             self._fitting.add(lengths)
 
     def _load(self, words, arguments):
-        """Keep the function for arguments of these type words, from a file that is made if there is none.
+        """Load the function for arguments of these types from its file, which is written if there is none.
 
-        Whatever fails here - a file that the installed llvmlite does not load, a private part of numba that is gone -
-        leaves the kernel to numba's ordinary compiler; an error of the kernel itself is raised again by that.
+        If anything fails here, such as a file that the installed llvmlite does not load, numba's ordinary compiler
+        compiles the kernel. It raises an error of the kernel itself again.
         """
         name = f"{self.__module__}-{self.__name__}-{hashlib.sha256(words.encode()).hexdigest()[:8]}.o"
         with _LOCK:
             if words in self._loaded:  # by another thread
                 return
             try:
-                self._loaded[words] = _kept(name) or _made(name, self, words.split(), arguments)
+                self._loaded[words] = _from_file(name) or _compiled_to_file(
+                    name, self, words.split(), arguments
+                )
             except Exception as failed:
                 ORDINARY[self.__name__] = f"{type(failed).__name__}: {failed}"
                 self._loaded[words] = None
@@ -200,22 +219,22 @@ _DISPATCHERS: list = []
 ORDINARY: dict[str, str] = {}
 
 
-def _kept(name):
-    """Return the function of a file in any of the folders, None if there is none that is whole and can be loaded."""
+def _from_file(name):
+    """Return the function of a file in any of the folders, None without a complete file that can be loaded."""
     for folder in _folders():
         code = _read(Path(folder) / name)
         if code is not None:
             try:
                 return _entry(code)
-            except Exception:  # whatever the installed llvmlite makes of it, it is made anew
+            except Exception:  # the installed llvmlite does not load it: it is compiled again
                 continue
     return None
 
 
-def _made(name, kernel, words, arguments):
-    """Return the function compiled now, and keep its machine code where that is possible.
+def _compiled_to_file(name, kernel, words, arguments):
+    """Return the function, compiled now, and store its machine code if possible.
 
-    A process that finds another at work on the same file waits for it.
+    A process waits for another one that compiles the same kernel.
     """
     from contact.jit.compiler import machine_code
 
@@ -223,8 +242,8 @@ def _made(name, kernel, words, arguments):
     if folder is None:
         return _entry(machine_code(kernel, words, arguments, _numba()))
     path = Path(folder) / name
-    with _alone(path.with_suffix(".lock")):
-        entry = _kept(name)
+    with _file_lock(path.with_suffix(".lock")):
+        entry = _from_file(name)
         if entry is None:
             code = machine_code(kernel, words, arguments, _numba())
             entry = _entry(code)
@@ -233,8 +252,8 @@ def _made(name, kernel, words, arguments):
 
 
 @contextmanager
-def _alone(path):
-    """Hold a lock that ends with the process, or go on without one: after MAX_WAIT, or where there are no locks."""
+def _file_lock(path):
+    """Hold a file lock, or go on without one after MAX_WAIT or where there are no locks."""
     with ExitStack() as stack:
         try:
             import fcntl
@@ -252,7 +271,7 @@ def _alone(path):
         yield
 
 
-def _packed(name, kind, argument):
+def _packed_argument(name, kind, argument):
     """Return (type words, their values as 64-bit words, shapes of the arrays) of an argument of a kernel.
 
     A named tuple gives those of its fields, None nothing.
@@ -279,7 +298,7 @@ def _packed(name, kind, argument):
         elif isinstance(field, Kernel):
             words.append(field.word)
         elif field is None or isinstance(field, tuple):
-            word, packed, inner = _packed(name, "t", field)
+            word, packed, inner = _packed_argument(name, "t", field)
             words.append(word)
             values.append(packed)
             layout.append(f"{len(packed)}s")
@@ -302,7 +321,7 @@ def _read(path):
 
 
 def _write(path, code):
-    """Keep machine code in a file, in one piece; where nothing can be written it is compiled again next time."""
+    """Write machine code to a file, atomically; if this fails it is compiled again next time."""
     part = path.with_suffix(f".{os.getpid()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -350,7 +369,7 @@ def _folders():
     """Return the folders in which machine code is looked for, that of the user's choice first."""
     try:
         digest = _digest()
-    except Exception:  # whatever is strange about the compilers or the processor: nothing is kept
+    except Exception:  # compilers or processor cannot be identified: nothing is stored
         return ()
     chosen, user = os.environ.get("NUMBA_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME")
     home = Path(user) if user else _home() and _home() / ".cache"
@@ -382,7 +401,7 @@ def _home():
 
 
 def _is_writable(folder):
-    """Return whether a file can be made in a folder, which is made if need be."""
+    """Return True if a file can be made in a folder, which is made if need be."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
@@ -398,9 +417,9 @@ def _temporary():
 
 
 def _is_own(folder):
-    """Return whether a folder is there, the user's own and closed to all others.
+    """Return True if a folder exists, belongs to the user and cannot be written to by others.
 
-    Machine code is run as it is found, so nobody else may be able to put any there.
+    The machine code in it is run without further checks.
     """
     try:
         found = folder.lstat()

@@ -7,7 +7,7 @@ __all__ = ["how_often", "ready"]
 
 
 def ready() -> bool:
-    """Return whether kernels of these sources lie compiled; those of the hysteretic law may still be missing."""
+    """Return True if kernels of these sources lie compiled; those of the hysteretic law may still be missing."""
     from contact.jit import compiled
 
     if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):

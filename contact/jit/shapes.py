@@ -34,7 +34,7 @@ def check_shapes(kernel: str, declared: Mapping[str, str], arguments: Mapping[st
 
 
 def _fits(declared, shape, lengths):
-    """Return whether a shape is as declared; letters that are new take their lengths from it."""
+    """Return True if a shape is as declared; letters that are new take their lengths from it."""
     if len(declared) != len(shape):
         return False
     found = dict(lengths)

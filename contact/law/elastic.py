@@ -30,10 +30,10 @@ the guard, so that rounding does not repeat the event at once.
 import numpy as np
 
 from contact.body import slip_speed
-from contact.codes import Event, Regime
+from contact.codes import Event, Guard, Regime
 from contact.jit.compiled import formula
 from contact.law.normal import approach, energy, load, slope
-from contact.law.protocol import Law, limit_bend
+from contact.law.protocol import Law, limit_bend, slip_limit, slip_rate
 
 # Added to every guard, scaled: a guard counts as passed when it is below minus this, so that one which starts at zero
 # up to rounding (eps 2e-16) does not end its regime at once
@@ -84,21 +84,28 @@ def tangential_force(x, z, friction, c, shape):
 
 
 @formula
-def limit(problem, z):
-    """Return X = c z."""
-    return problem.limit_slope * z
+def coulomb_limit(c, z):
+    """Return X = c z, the slip limit with one coefficient of friction."""
+    return c * z
 
 
 @formula
-def limit_rate(problem, z):
-    """Return dX/dz."""
+def coefficient(problem, z):
+    """Return the coefficient of friction at rest."""
+    return problem.friction
+
+
+@formula
+def limit_ratio(problem, z):
+    """Return X/z = c."""
     return problem.limit_slope
 
 
 @formula
 def stuck(problem, z, x):
     """Return Q in stick."""
-    return spring_force(z, x, problem.friction, problem.limit_slope, problem.shape)
+    law = problem.law
+    return spring_force(z, x, law.coefficient(problem, z), law.limit_ratio(problem, z), problem.shape)
 
 
 @formula
@@ -109,37 +116,52 @@ def sliding(problem, z, w):
 
 @formula
 def deformation(problem, z, force):
-    """Return x of a spring that carries the friction limit."""
-    return problem.limit_slope * z
+    """Return x of a spring that carries a force, at most X."""
+    law = problem.law
+    return spring_deformation(
+        z, force, law.coefficient(problem, z), law.limit_ratio(problem, z), problem.shape
+    )
 
 
 @formula
-def spring_energy(problem, z, x):
+def energy_stored(problem, z, x):
     """Return the spring's energy."""
-    return spring_work(z, x, problem.friction, problem.limit_slope, problem.shape)
+    law = problem.law
+    return spring_work(z, x, law.coefficient(problem, z), law.limit_ratio(problem, z), problem.shape)
 
 
 @formula
-def spring_back(problem, z, x):
-    """Return the derivative of the spring's energy in z at constant x."""
+def reciprocal_force(problem, z, x):
+    """Return the derivative of the spring's energy in z at constant x, where mu and c do not depend on z."""
     c = problem.limit_slope
     return problem.friction * c * back_load(z, z - x / c, problem.shape)
 
 
 @formula
+def _deformation_at_limit(problem, z, force):
+    """Return X: a contact that slips carries the friction limit, whatever its speed."""
+    return slip_limit(problem, z)
+
+
+@formula
 def guard(problem, memory, i, regime, which, sign, point, front):
-    """Return guard number `which` (0, 1, 2) of a regime; 1.0 where the regime has no such guard."""
-    z, x, z_rate, x_rate = point
-    law, band = problem.law, problem.stick_band
-    if which == 0:
+    """Return guard number `which` (`codes.Guard`) of a regime; 1.0 where the regime has no such guard."""
+    z, x, _, _ = point
+    band = problem.stick_band
+    if which == Guard.GAP:
         return FAR_SIDE - z if regime == Regime.SEPARATED else FAR_SIDE + z
     if regime == Regime.STICK:
-        return FAR_SIDE + law.limit(problem, z) - sign * x if which == 1 else FAR_SIDE + sign * x
-    if regime == Regime.SLIP and which == 1:
-        return FAR_SIDE + slip_speed(sign, z_rate, x_rate, law.limit_rate(problem, z)) - band
+        deformation = sign * x
+        return (
+            FAR_SIDE + slip_limit(problem, z) - deformation
+            if which == Guard.STICK_LIMIT
+            else FAR_SIDE + deformation
+        )
+    if regime == Regime.SLIP and which == Guard.SLIP_SPEED:
+        return FAR_SIDE + slip_rate(problem, sign, point) - band
     if regime == Regime.CREEP:
-        speed = slip_speed(sign, z_rate, x_rate, law.limit_rate(problem, z))
-        return FAR_SIDE + (band - speed if which == 1 else sign * x - law.limit(problem, z))
+        speed = slip_rate(problem, sign, point)
+        return FAR_SIDE + (band - speed if which == Guard.CREEP_SPEED else sign * x - slip_limit(problem, z))
     return 1.0
 
 
@@ -147,14 +169,14 @@ def guard(problem, memory, i, regime, which, sign, point, front):
 def guard_rate(problem, memory, i, regime, which, sign, point, second):
     """Return the rate of a guard; `second` is (z'', x'') of the contact."""
     z, _, z_rate, x_rate = point
-    if which == 0:
+    if which == Guard.GAP:
         return -z_rate if regime == Regime.SEPARATED else z_rate
-    if regime == Regime.STICK and which == 2:
+    if regime == Regime.STICK and which == Guard.STICK_REVERSAL:
         return sign * x_rate
     slope = problem.law.limit_rate(problem, z)
     if regime == Regime.STICK:
         return slope * z_rate - sign * x_rate
-    if regime == Regime.CREEP and which == 2:
+    if regime == Regime.CREEP and which == Guard.CREEP_LIMIT:
         return sign * x_rate - slope * z_rate
     rate = slip_speed(sign, second[0], second[1], slope) - limit_bend(problem, z) * z_rate * z_rate
     return rate if regime == Regime.SLIP else -rate
@@ -163,29 +185,27 @@ def guard_rate(problem, memory, i, regime, which, sign, point, second):
 @formula
 def follow(problem, memory, i, regime, which, sign, point):
     """Return (regime, sign, x, kind of event) on the far side of guard `which`."""
-    z, _, z_rate, x_rate = point
-    band, most = problem.stick_band, problem.law.limit(problem, z)
-    slope = problem.law.limit_rate(problem, z)
-    speed = slip_speed(sign, z_rate, x_rate, slope)
-    if which == 0:
+    band, limit = problem.stick_band, slip_limit(problem, point.approach)
+    speed = slip_rate(problem, sign, point)
+    if which == Guard.GAP:
         if regime != Regime.SEPARATED:
             return Regime.SEPARATED, sign, 0.0, Event.RELEASE
-        sign = -1.0 if x_rate < 0.0 else 1.0
-        speed = slip_speed(sign, z_rate, x_rate, slope)
+        sign = -1.0 if point.deformation_rate < 0.0 else 1.0
+        speed = slip_rate(problem, sign, point)
         if speed > band:
             return Regime.SLIP, sign, 0.0, Event.CONTACT
         return (Regime.CREEP if speed > 0.0 else Regime.STICK), sign, 0.0, Event.CONTACT
     if regime == Regime.STICK:
-        if which == 2:
+        if which == Guard.STICK_REVERSAL:
             return Regime.STICK, -sign, 0.0, Event.REVERSAL
         if speed > band:
-            return Regime.SLIP, sign, sign * most, Event.STICK_TO_SLIP
-        return (Regime.CREEP if band > 0.0 else Regime.STICK), sign, sign * most, Event.STICK_TO_SLIP
+            return Regime.SLIP, sign, sign * limit, Event.STICK_TO_SLIP
+        return (Regime.CREEP if band > 0.0 else Regime.STICK), sign, sign * limit, Event.STICK_TO_SLIP
     if regime == Regime.SLIP:
-        return (Regime.CREEP if band > 0.0 else Regime.STICK), sign, sign * most, Event.SLIP_TO_STICK
-    if which == 1:
-        return Regime.SLIP, sign, sign * most, Event.STICK_TO_SLIP
-    return Regime.STICK, sign, sign * most, Event.SLIP_TO_STICK
+        return (Regime.CREEP if band > 0.0 else Regime.STICK), sign, sign * limit, Event.SLIP_TO_STICK
+    if which == Guard.CREEP_SPEED:
+        return Regime.SLIP, sign, sign * limit, Event.STICK_TO_SLIP
+    return Regime.STICK, sign, sign * limit, Event.SLIP_TO_STICK
 
 
 @formula
@@ -195,12 +215,12 @@ def regime_at(problem, point):
     band = problem.stick_band
     if z < 0.0 or (z == 0.0 and z_rate <= 0.0):
         return Regime.SEPARATED, 1.0, 0.0
-    sign, most = 1.0, problem.law.limit(problem, z)
+    sign, limit = 1.0, slip_limit(problem, z)
     if x < 0.0 or (x == 0.0 and x_rate < 0.0):
         sign = -1.0
-    if sign * x >= most * (1.0 - 1e-13):
-        x = sign * most
-        speed = slip_speed(sign, z_rate, x_rate, problem.law.limit_rate(problem, z))
+    if sign * x >= limit * (1.0 - 1e-13):
+        x = sign * limit
+        speed = slip_rate(problem, sign, point)
         if speed > band:
             return Regime.SLIP, sign, x
         if speed > 0.0 and band > 0.0:
@@ -215,17 +235,15 @@ def tangential(problem, regime, sign, point):
     In stick the smooth branch of sign s is continued past x = 0, and held at the limit past it. A contact that slips
     has the deformation of its force, or that of the slip limit where the force exceeds what the spring can carry.
     """
-    z, x, z_rate, x_rate = point
-    law = problem.law
-    most = law.limit(problem, z)
-    if regime == Regime.SEPARATED or z <= 0.0 or most <= 0.0:
+    z, x, _, _ = point
+    law, limit = problem.law, slip_limit(problem, z)
+    if regime == Regime.SEPARATED or z <= 0.0 or limit <= 0.0:
         return 0.0, 0.0
     if regime == Regime.STICK:
-        x = min(sign * x, most)
+        x = min(sign * x, limit)
         return sign * problem.stiffness * law.stuck(problem, z, x), x
-    speed = max(slip_speed(sign, z_rate, x_rate, law.limit_rate(problem, z)), 0.0)
-    pull = law.sliding(problem, z, speed)
-    return sign * problem.stiffness * pull, law.deformation(problem, z, pull)
+    force = law.sliding(problem, z, max(slip_rate(problem, sign, point), 0.0))
+    return sign * problem.stiffness * force, law.deformation(problem, z, force)
 
 
 @formula
@@ -238,20 +256,20 @@ def force(problem, memory, i, regime, sign, point, level, front):
 def spring(problem, regime, sign, point):
     """Return Q, the reciprocal force dW/dz at constant x, and the energy W of a contact's tangential spring."""
     z, law = point[0], problem.law
-    pull, x = tangential(problem, regime, sign, point)
+    force, x = tangential(problem, regime, sign, point)
     if x == 0.0:
-        return pull, 0.0, 0.0
-    return pull, problem.stiffness * law.back(problem, z, x), problem.stiffness * law.energy(problem, z, x)
-
-
-# guards and transitions of the stop operator, as fields of `Law`
-STOP = {"force": force, "guard": guard, "guard_rate": guard_rate, "follow": follow}
+        return force, 0.0, 0.0
+    return force, problem.stiffness * law.back(problem, z, x), problem.stiffness * law.energy(problem, z, x)
 
 
 def coulomb(kind: int) -> Law:
-    """Return the elastic law with one coefficient of friction, which the hysteretic law shares in gross slip."""
+    """Return the elastic law with one coefficient of friction.
+
+    The hysteretic law shares its gross slip. A law whose coefficient depends on approach or speed replaces some fields.
+    """
     rated = bent = 0
     return Law(
-        kind, rated, bent, np.zeros(0), limit, limit_rate, stuck, sliding, deformation, spring_energy, spring_back,
-        **STOP,
+        kind, rated, bent, np.zeros(0), coefficient, limit_ratio, limit_rate=limit_ratio, stuck=stuck, sliding=sliding,
+        deformation=_deformation_at_limit, energy=energy_stored, back=reciprocal_force, force=force, guard=guard,
+        guard_rate=guard_rate, follow=follow,
     )  # fmt: skip

@@ -24,14 +24,7 @@ from contact import bounds
 from contact.codes import Tangential
 from contact.input_error import InputError
 from contact.jit.compiled import formula
-from contact.law.elastic import (
-    STOP,
-    back_load,
-    friction_energy,
-    spring_deformation,
-    spring_force,
-    spring_work,
-)
+from contact.law.elastic import back_load, coulomb, deformation, friction_energy
 from contact.law.normal import load, mean_pressure, slope
 from contact.law.protocol import Law
 
@@ -78,9 +71,10 @@ class FallingFriction:
         if self.high_pressure is not None:
             pressed, strength = self.high_pressure / static, pressure / self.pressure
         numbers = np.array([static * ratio, fading, speed, pressed, strength])
-        return Law(
-            Tangential.ELASTIC.value, int(self.sliding is not None), int(self.high_pressure is not None), numbers,
-            limit, limit_rate, stuck, sliding, deformation, energy, back, **STOP,
+        return coulomb(Tangential.ELASTIC)._replace(
+            rated=int(self.sliding is not None), bent=int(self.high_pressure is not None), numbers=numbers,
+            coefficient=coefficient, limit_ratio=limit_ratio, limit_rate=limit_rate, sliding=sliding,
+            deformation=deformation, back=back,
         )  # fmt: skip
 
 
@@ -98,9 +92,15 @@ def share(problem, z):
 
 
 @formula
-def limit(problem, z):
-    """Return X."""
-    return problem.law.numbers[SLOPE] * share(problem, z)[0] * z
+def coefficient(problem, z):
+    """Return mu_p."""
+    return problem.friction * share(problem, z)[0]
+
+
+@formula
+def limit_ratio(problem, z):
+    """Return X/z."""
+    return problem.law.numbers[SLOPE] * share(problem, z)[0]
 
 
 @formula
@@ -111,34 +111,11 @@ def limit_rate(problem, z):
 
 
 @formula
-def stuck(problem, z, x):
-    """Return Q in stick: the elastic law with mu_p."""
-    part = share(problem, z)[0]
-    return spring_force(z, x, problem.friction * part, problem.law.numbers[SLOPE] * part, problem.shape)
-
-
-@formula
 def sliding(problem, z, w):
     """Return Q in slip."""
     n = problem.law.numbers
     fading = n[RATIO] + (1.0 - n[RATIO]) * np.exp(-w * problem.length * problem.omega / n[SPEED])
-    return problem.friction * share(problem, z)[0] * fading * load(z, problem.shape)
-
-
-@formula
-def deformation(problem, z, force):
-    """Return x at which the spring carries a force, at most X."""
-    part = share(problem, z)[0]
-    return spring_deformation(
-        z, force, problem.friction * part, problem.law.numbers[SLOPE] * part, problem.shape
-    )
-
-
-@formula
-def energy(problem, z, x):
-    """Return the spring's energy."""
-    part = share(problem, z)[0]
-    return spring_work(z, x, problem.friction * part, problem.law.numbers[SLOPE] * part, problem.shape)
+    return coefficient(problem, z) * fading * load(z, problem.shape)
 
 
 @formula

@@ -19,15 +19,17 @@ and the force is the moment of the chain,
 
     Q = mu K M,    M = (3/2c) int_0^z sqrt(eta) dy,    +-(eta_2^1.5 - eta_1^1.5) of a line from eta_1 to eta_2.  (5)
 
-The spring at eta = 0 follows the same stop operator as the elastic law; y(0) = 0, so x is its deflection. Regimes:
+The spring at eta = 0 follows the same stop operator as the elastic law. Its anchor is y(0) = 0, so that x is its
+deflection. A contact that touches is in one of three regimes:
 
-    annulus  the springs from the front eta_f to the edge slip towards s, on the *open line* (2) or (3) of the present
-             u or w; the front is where the open line meets the chain
-    grow     no slip, |x'| <= c z'; the edge writes a curve (4), dM = (3/2c) sqrt(z) dx                           (6)
-    slip     the open line covers all springs: gross slip, the chain is empty
+    annulus  The springs from the *front* eta_f to the edge z slip towards s. Their anchors form the *open line*, (2) or
+             (3) with the present u or w. The front is where the open line meets the chain: inside it the springs stick.
+    grow     No spring slips, |x'| <= c z'. The edge moves outwards and writes a curve (4), dM = (3/2c) sqrt(z) dx.  (6)
+    slip     Gross slip: the open line covers all springs, and the chain is empty.
 
-A front that comes back to the inner end of a piece removes the piece. When slip ends, the open line is *frozen*: it
-becomes the last piece of the chain. Only curves are discretised, at the nodes of the segment that they were written in.
+If the front comes back to the inner end of a piece, the piece is *wiped out*: it is removed from the chain. When slip
+ends, the open line is *frozen*: it becomes the last piece of the chain. Only curves are discretised, at the nodes of
+the segment during which they were written.
 
 Worked example, c = 0.1, lengths and forces scaled so that mu K = 1 (`tests/contact/test_memory_example.py`):
 
@@ -44,7 +46,8 @@ Worked example, c = 0.1, lengths and forces scaled so that mu K = 1 (`tests/cont
 4. Sheared on to x = -0.04. The front has come to eta_f = 0.6, the start of the frozen line, and wipes it out: chain
    (0: curve from 0) as in step 2, and M = -0.5352. Nothing is left of step 2.
 
-The code keeps u and w of a piece at its inner end (`U`, `W`); there y = (u + w)/2 and eta = (w - u)/2c.
+A piece is stored by u and w at its inner end (`U`, `W`), where y = (u + w)/2 and eta = (w - u)/2c. In the functions
+below s is the sign of slip, z the approach, x the deformation and i the contact.
 """
 
 from typing import NamedTuple
@@ -52,7 +55,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.body import slip_speed
-from contact.codes import Event, Regime, Shape, Tangential
+from contact.codes import Event, Guard, Regime, Shape, Tangential
 from contact.jit.compiled import compiled, formula
 from contact.law import elastic
 from contact.law.elastic import FAR_SIDE
@@ -64,7 +67,7 @@ from contact.roots import interpolate
 ETA, U, W, MOMENT = 0, 1, 2, 3
 # Rows of `Memory.curve`: u, w and M at the nodes of a curve, and the derivatives of u and w in sigma
 ON_U, ON_W, ON_MOMENT, RATE_U, RATE_W = range(5)
-PIECES = 2048
+PIECES = 2048  # of one contact; a run that needs more is refused
 
 
 class Memory(NamedTuple):
@@ -79,33 +82,28 @@ class Memory(NamedTuple):
 
 
 def blank(contacts: int, grid) -> Memory:
-    """Return the memory of contacts that are apart."""
-    return Memory(
-        np.zeros(contacts, np.int64),
-        np.zeros((contacts, PIECES), np.int64),
-        np.zeros((contacts, PIECES, 4)),
-        np.zeros((contacts, PIECES, 5, grid.sigma.size)),
-        np.zeros(contacts),
-        grid,
-    )
+    """Return the memory of open contacts."""
+    number, kind = np.zeros(contacts, np.int64), np.zeros((contacts, PIECES), np.int64)
+    corner, curve = np.zeros((contacts, PIECES, 4)), np.zeros((contacts, PIECES, 5, grid.sigma.size))
+    return Memory(number, kind, corner, curve, np.zeros(contacts), grid)
 
 
 def copy(memory: Memory) -> Memory:
     """Return an independent copy; only what is in use is copied."""
-    twin = blank(memory.number.size, memory.grid)
-    twin.number[:], twin.level[:] = memory.number, memory.level
+    other = blank(memory.number.size, memory.grid)
+    other.number[:], other.level[:] = memory.number, memory.level
     used = int(np.max(memory.number))
     for name in ("kind", "corner", "curve"):
-        getattr(twin, name)[:, :used] = getattr(memory, name)[:, :used]
-    return twin
+        getattr(other, name)[:, :used] = getattr(memory, name)[:, :used]
+    return other
 
 
 @compiled
 def front(memory, i, s, z, x, c):
     """Return (eta_f, M there): where the open line of slip towards s meets the last piece of the chain.
 
-    With `constant`, the u (s = +1) or w (s = -1) of the open line: it meets a frozen line of the other sign where
-    eta = (w - u)/2c, and a curve where the curve's own u (or w) has this value, for there u is that of the edge then.
+    The open line has one u (s = +1) or w (s = -1), `constant`. It meets a frozen line, which is of the other sign, at
+    eta = (w - u)/2c. It meets a curve where the curve's own u (or w) has this value.
     """
     last = memory.number[i] - 1
     if last < 0 or z <= 0.0:
@@ -167,9 +165,9 @@ def moment(memory, i, regime, s, z, x, c):
 
 @formula
 def annulus_slip(z, eta):
-    """Return the sum over mu K of the limits (1) of the springs from eta to z, (3/4) int (z - t)/sqrt(t) dt.
+    """Return the sum of the slip limits (1) of the springs from eta to z over mu K, (3/4) int (z - t)/sqrt(t) dt.
 
-    All of them slip at one speed, that of the open line, so that this times the slip speed is the friction power.
+    All of them slip at the speed of the open line: this sum times mu K and that speed is the friction power.
     """
     return load(z, Shape.SPHERE) - 1.5 * z * np.sqrt(eta) + 0.5 * load(eta, Shape.SPHERE)
 
@@ -189,7 +187,7 @@ def write_curve(memory, i, z, x, level, c):
             curve[RATE_U, j] += rates[j, m] * curve[ON_U, m]
             curve[RATE_W, j] += rates[j, m] * curve[ON_W, m]
     corner = memory.corner[i, k]
-    # a contact that has just closed may have an approach of minus a rounding error
+    # the approach of a contact that has just closed may be negative by a rounding error
     corner[ETA], corner[U], corner[W] = max(z[0], 0.0), curve[ON_U, 0], curve[ON_W, 0]
     corner[MOMENT] = level[0]
     memory.kind[i, k] = 0
@@ -219,8 +217,11 @@ def freeze(memory, i, regime, s, z, x, c):
 
 
 @compiled
-def _annulus(memory, i, s):
-    """Return the regime in which slip towards s begins; frozen lines of the same sign join the open line."""
+def _begin_slip(memory, i, s):
+    """Return the regime in which slip towards s begins, annulus or slip; removes frozen lines of the same sign.
+
+    They have the u or w of the open line and become a part of it.
+    """
     while memory.number[i] > 0 and memory.kind[i, memory.number[i] - 1] * s > 0.0:
         memory.number[i] -= 1
     return Regime.ANNULUS if memory.number[i] > 0 else Regime.SLIP
@@ -231,7 +232,7 @@ def follow(problem, memory, i, regime, which, s, point):
     """Return (regime, sign, x, kind of event) on the far side of guard `which`, the chain changed to match."""
     z, x, z_rate, x_rate = point
     c = problem.limit_slope
-    if which == 0:
+    if which == Guard.GAP:
         memory.number[i] = 0
         memory.level[i] = 0.0
         if regime != Regime.SEPARATED:
@@ -239,23 +240,23 @@ def follow(problem, memory, i, regime, which, s, point):
         s = -1.0 if x_rate < 0.0 else 1.0
         return (Regime.SLIP if s * x_rate > c * z_rate else Regime.GROW), s, 0.0, Event.CONTACT
     if regime == Regime.GROW:
-        s = 1.0 if which == 1 else -1.0
-        regime = _annulus(memory, i, s)
+        s = 1.0 if which == Guard.GROW_FORWARD else -1.0
+        regime = _begin_slip(memory, i, s)
         return regime, s, (s * c * z if regime == Regime.SLIP else x), Event.REVERSAL
-    if which == 1:  # slip of this sign ends: the contact grows, or slips back from the edge
+    if which == Guard.SLIP_SPEED:  # slip of this sign ends: the contact grows, or slips back from the edge
         kind = Event.SLIP_TO_STICK if regime == Regime.SLIP else Event.REVERSAL
         if regime == Regime.SLIP:
             x = s * c * z
         freeze(memory, i, regime, s, z, x, c)
         if z_rate > 0.0:
             return Regime.GROW, s, x, kind
-        return _annulus(memory, i, -s), -s, x, kind
-    if which == 2:  # a piece is wiped out
+        return _begin_slip(memory, i, -s), -s, x, kind
+    if which == Guard.ANNULUS_PIECE:  # a piece is wiped out
         memory.number[i] -= 1
-        if _annulus(memory, i, s) == Regime.SLIP:
+        if _begin_slip(memory, i, s) == Regime.SLIP:
             return Regime.SLIP, s, s * c * z, Event.STICK_TO_SLIP
         return Regime.ANNULUS, s, x, Event.WIPE_OUT
-    regime = _annulus(memory, i, -s)  # the shrinking edge has met the front
+    regime = _begin_slip(memory, i, -s)  # the shrinking edge has met the front
     return regime, -s, (-s * c * z if regime == Regime.SLIP else x), Event.WIPE_OUT
 
 
@@ -274,26 +275,27 @@ def force(problem, memory, i, regime, s, point, level, front_before):
 
 @compiled
 def guard(problem, memory, i, regime, which, s, point, eta):
-    """Return guard number `which` of a regime; 1.0 where the regime has no such guard.
+    """Return guard number `which` (`codes.Guard`) of a regime; 1.0 where the regime has no such guard.
 
-    Separated and gross slip have the guards of the elastic law. Those of the others, with eta the front:
-
-        annulus   0: z > 0    1: slip speed > 0    2: eta above the inner end of its piece    3: z - eta > 0
-        grow      0: z > 0    1: slip speed forward < 0    2: slip speed backward < 0
+    Separated and gross slip have the guards of the elastic law; `eta` is the front of an annulus.
     """
     if regime < Regime.ANNULUS:
         return elastic.guard(problem, memory, i, regime, which, s, point, eta)
     z, x, z_rate, x_rate = point
     c = problem.limit_slope
-    if which == 0:
+    if which == Guard.GAP:
         return FAR_SIDE + z
     if regime == Regime.GROW:
-        return 1.0 if which == 3 else FAR_SIDE - slip_speed(1.0 if which == 1 else -1.0, z_rate, x_rate, c)
-    if which == 1:
+        if which > Guard.GROW_BACKWARD:
+            return 1.0
+        return FAR_SIDE - slip_speed(1.0 if which == Guard.GROW_FORWARD else -1.0, z_rate, x_rate, c)
+    if which == Guard.SLIP_SPEED:
         return FAR_SIDE + slip_speed(s, z_rate, x_rate, c)
     k = memory.number[i] - 1
     own, other = (U, W) if s > 0.0 else (W, U)
-    if which == 2:  # u (or w) of the open line has not come to that of the piece's inner end
+    if (
+        which == Guard.ANNULUS_PIECE
+    ):  # u (or w) of the open line has not come to that of the piece's inner end
         return FAR_SIDE + s * (memory.corner[i, k, own] - x) + c * z
     if memory.kind[i, k] != 0:  # as in `front`, but smooth where the segment has run too far
         eta = 0.5 * (z + s * (memory.corner[i, k, other] - x) / c)
@@ -309,24 +311,26 @@ def guard_rate(problem, memory, i, regime, which, s, point, second):
         return elastic.guard_rate(problem, memory, i, regime, which, s, point, second)
     _, _, z_rate, x_rate = point
     c = problem.limit_slope
-    if which == 0:
+    if which == Guard.GAP:
         return z_rate
     if regime == Regime.GROW:
-        return 0.0 if which == 3 else -slip_speed(1.0 if which == 1 else -1.0, second[0], second[1], c)
-    if which == 1:
+        if which > Guard.GROW_BACKWARD:
+            return 0.0
+        return -slip_speed(1.0 if which == Guard.GROW_FORWARD else -1.0, second[0], second[1], c)
+    if which == Guard.SLIP_SPEED:
         return slip_speed(s, second[0], second[1], c)
-    return c * z_rate - s * x_rate if which == 2 else 0.5 * (s * x_rate + c * z_rate) / c
+    return c * z_rate - s * x_rate if which == Guard.ANNULUS_PIECE else 0.5 * (s * x_rate + c * z_rate) / c
 
 
 @compiled
 def on_curve(memory, i):
-    """Return whether a chain ends with a curve: the front moves smoothly along it up to the next event only."""
+    """Return True if a chain ends with a curve: the front moves smoothly along it up to the next event only."""
     return memory.kind[i, memory.number[i] - 1] == 0
 
 
 @compiled
 def is_full(memory):
-    """Return whether some contact has no room to remember more."""
+    """Return True if some contact has no room to remember more."""
     for i in range(memory.number.size):
         if memory.number[i] > memory.kind.shape[1] - 4:
             return True
@@ -341,9 +345,9 @@ def moment_rate(problem, z, x_rate):
 
 @compiled
 def jump(memory, i, regime, s, old, new, c):
-    """Take a contact along a straight line from one point (z, x) to another; return (regime, sign, x).
+    """Move a contact along a straight line from one point (z, x) to another; return (regime, sign, x).
 
-    The chain at the end is exact, however long the line. A contact that was apart is pressed on at x = 0 first.
+    The chain at the end is exact for a line of any length. An open contact is first pressed on at x = 0.
     """
     (old_z, old_x, _, _), (z, x, _, _), sigma = old, new, memory.grid.sigma
     if z <= 0.0:
@@ -374,7 +378,7 @@ def jump(memory, i, regime, s, old, new, c):
     own = U if s > 0.0 else W
     while memory.number[i] > 0 and s * (memory.corner[i, memory.number[i] - 1, own] - x) + c * z <= 0.0:
         memory.number[i] -= 1
-    regime = _annulus(memory, i, s)
+    regime = _begin_slip(memory, i, s)
     return regime, s, (s * c * z if regime == Regime.SLIP else x)
 
 

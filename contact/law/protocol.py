@@ -8,7 +8,8 @@ the force is that of a spring; x stays within the slip limit X(z). At the limit 
 and the force is the sliding force. All of it is in the units of `contact.problem`; forces and energies are over the
 stiffness kappa, as `normal.load` is:
 
-    limit(problem, z)               X, the deformation at which slip begins
+    coefficient(problem, z)         mu of a contact at rest
+    limit_ratio(problem, z)         X/z; `slip_limit` returns X
     limit_rate(problem, z)          dX/dz
     stuck(problem, z, x)            Q of a contact that sticks with 0 <= x <= X, and of its spring
     sliding(problem, z, w)          Q of a contact that slips at the speed w; w = 0 as at the limit, else Q jumps there
@@ -37,6 +38,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.body import slip_speed
 from contact.jit.compiled import formula
 
 
@@ -47,7 +49,8 @@ class Law(NamedTuple):
     rated: int  # 1: the sliding force depends on the speed of slip
     bent: int  # 1: the slip limit is not proportional to the approach
     numbers: np.ndarray  # Of the law's functions, SI units
-    limit: Callable
+    coefficient: Callable
+    limit_ratio: Callable
     limit_rate: Callable
     stuck: Callable
     sliding: Callable
@@ -64,9 +67,22 @@ class Law(NamedTuple):
 def with_numbers(law, numbers):
     """Return the law with other numbers."""
     return Law(
-        law.kind, law.rated, law.bent, numbers, law.limit, law.limit_rate, law.stuck, law.sliding, law.deformation,
-        law.energy, law.back, law.force, law.guard, law.guard_rate, law.follow,
+        law.kind, law.rated, law.bent, numbers, law.coefficient, law.limit_ratio, law.limit_rate, law.stuck,
+        law.sliding, law.deformation, law.energy, law.back, law.force, law.guard, law.guard_rate, law.follow,
     )  # fmt: skip
+
+
+@formula
+def slip_limit(problem, z):
+    """Return X, the deformation at which slip begins; `z` a number or, where X/z is one number, an array."""
+    return problem.law.limit_ratio(problem, z) * z
+
+
+@formula
+def slip_rate(problem, sign, point):
+    """Return the speed w of slip of a sign at a `body.Point`; negative where the contact sticks."""
+    rate = problem.law.limit_rate(problem, point.approach)
+    return slip_speed(sign, point.approach_rate, point.deformation_rate, rate)
 
 
 @formula

@@ -36,9 +36,8 @@ from contact.codes import Tangential
 from contact.input_error import InputError
 from contact.jit.compiled import formula
 from contact.law import elastic
-from contact.law.elastic import STOP, spring_deformation, spring_force, spring_work
 from contact.law.normal import load
-from contact.law.protocol import Law
+from contact.law.protocol import Law, slip_limit
 
 # the arguments of the functions of a file
 ARGUMENTS = {
@@ -183,25 +182,21 @@ def _value(user, name, *arguments):
 def user_law(user: UserLaw, contact: Contact, stiffness: float) -> Law:
     """Return the law of a text for a contact with P = K p(z), K = `stiffness`."""
     _, _, rated, bent = tried(user, contact, stiffness)
-    limit, limit_rate, stuck, sliding, deformation, energy, back = _compiled(user, bent)
-    return Law(
-        Tangential.ELASTIC.value, int(rated), int(bent), np.array([*contact, stiffness]), limit, limit_rate, stuck,
-        sliding, deformation, energy, back, **STOP,
-    )  # fmt: skip
+    return elastic.coulomb(Tangential.ELASTIC)._replace(
+        rated=int(rated), bent=int(bent), numbers=np.array([*contact, stiffness]), **_compiled(user, bent)
+    )
 
 
 @lru_cache(64)
 def _compiled(user, bent):
-    """Return the functions of `Law`; those of the elastic law where slip limit and spring are its own."""
+    """Return the functions by field of `Law` that are not those of the elastic law."""
+    functions = {"sliding": _sliding(user), "deformation": elastic.deformation}
+    if bent or not user.functions.keys().isdisjoint(("limit", "stuck")):
+        functions |= _limit(user)
+        functions |= {"back": _back(elastic.energy_stored, user)}
     if "stuck" in user.functions:
-        limit, limit_rate, *spring = _own_spring(user)
-    elif bent or "limit" in user.functions:
-        limit, limit_rate, *spring = _mindlin(user)
-    else:
-        limit, limit_rate = elastic.limit, elastic.limit_rate
-        spring = elastic.stuck, _left, elastic.spring_energy, elastic.spring_back
-    stuck, deformation, energy, back = spring
-    return limit, limit_rate, stuck, _bound(user), deformation, energy, back
+        functions |= _own_spring(user)
+    return functions
 
 
 def _digest(source):
@@ -229,82 +224,60 @@ def force_unit(problem):
     return problem.law.numbers[STIFFNESS] * load(problem.length, problem.shape)
 
 
-@formula
-def _left(problem, z, force):
-    """Return x at which the elastic spring carries a force."""
-    return spring_deformation(z, force, problem.friction, problem.limit_slope, problem.shape)
-
-
-def _bound(user):
+def _sliding(user):
     """Return the sliding force over kappa."""
     own = user.functions["sliding"]
 
     def sliding(problem, z, w):
         up = 0.5 * (z + abs(z))
         unit = force_unit(problem)
-        push = unit * load(up, problem.shape)
-        return own(up * problem.length, push, w * problem.length * problem.omega, contact_of(problem)) / unit
+        normal_force = unit * load(up, problem.shape)
+        return (
+            own(up * problem.length, normal_force, w * problem.length * problem.omega, contact_of(problem))
+            / unit
+        )
 
     return _named(sliding, user)
 
 
 def _limit(user):
-    """Return (coefficient at rest, X/z, X, dX/dz) of a law."""
+    """Return the functions by field of `Law` of a coefficient and a slip limit that depend on the approach."""
     own = user.functions["sliding"]
 
     def coefficient(problem, z):
         up = max(z, CLOSEST)
-        push = force_unit(problem) * load(up, problem.shape)
-        return own(up * problem.length, push, 0.0, contact_of(problem)) / push
+        normal_force = force_unit(problem) * load(up, problem.shape)
+        return own(up * problem.length, normal_force, 0.0, contact_of(problem)) / normal_force
 
     coefficient = _named(coefficient, user)
     if "limit" in user.functions:
         given = user.functions["limit"]
 
-        def slope(problem, z):
+        def limit_ratio(problem, z):
             up = max(z, CLOSEST)
-            push = force_unit(problem) * load(up, problem.shape)
-            return given(up * problem.length, push, contact_of(problem)) / (up * problem.length)
+            normal_force = force_unit(problem) * load(up, problem.shape)
+            return given(up * problem.length, normal_force, contact_of(problem)) / (up * problem.length)
 
     else:
 
-        def slope(problem, z):
-            n = problem.law.numbers
-            return coefficient(problem, z) * n[2] / (4.0 * n[3])
+        def limit_ratio(problem, z):
+            contact = contact_of(problem)
+            return coefficient(problem, z) * contact.effective_modulus / (4.0 * contact.tangential_modulus)
 
-    slope = _named(slope, user)
-
-    def limit(problem, z):
-        return slope(problem, z) * z
-
-    limit = _named(limit, user)
+    limit_ratio = _named(limit_ratio, user)
 
     def limit_rate(problem, z):
         up = max(z, 2.0 * CLOSEST)
         step = STEP * up
-        return (limit(problem, up + step) - limit(problem, up - step)) / (2.0 * step)
+        high, low = up + step, up - step
+        return (limit_ratio(problem, high) * high - limit_ratio(problem, low) * low) / (2.0 * step)
 
-    return coefficient, slope, limit, _named(limit_rate, user)
-
-
-def _mindlin(user):
-    """Return the functions of Mindlin's spring with a coefficient that depends on the approach."""
-    coefficient, slope, limit, limit_rate = _limit(user)
-
-    def stuck(problem, z, x):
-        return spring_force(z, x, coefficient(problem, z), slope(problem, z), problem.shape)
-
-    def deformation(problem, z, force):
-        return spring_deformation(z, force, coefficient(problem, z), slope(problem, z), problem.shape)
-
-    def energy(problem, z, x):
-        return spring_work(z, x, coefficient(problem, z), slope(problem, z), problem.shape)
-
-    energy = _named(energy, user)
-    return limit, limit_rate, _named(stuck, user), _named(deformation, user), energy, _back(energy, user)
+    return {"coefficient": coefficient, "limit_ratio": limit_ratio, "limit_rate": _named(limit_rate, user)}
 
 
 def _back(energy, user):
+    """Return the derivative of a spring's energy in the approach, by a difference."""
+
     def back(problem, z, x):
         step = STEP * z
         return (energy(problem, z + step, x) - energy(problem, z - step, x)) / (2.0 * step)
@@ -313,8 +286,7 @@ def _back(energy, user):
 
 
 def _own_spring(user):
-    """Return the functions of a spring of the user's own; its energy by quadrature, its inverse by bisection."""
-    _, _, limit, limit_rate = _limit(user)
+    """Return the functions by field of `Law` of a user's spring: energy by quadrature, inverse by bisection."""
     own = user.functions["stuck"]
 
     def stuck(problem, z, x):
@@ -326,7 +298,7 @@ def _own_spring(user):
     stuck = _named(stuck, user)
 
     def deformation(problem, z, force):
-        low, high = 0.0, limit(problem, z)
+        low, high = 0.0, slip_limit(problem, z)
         for _ in range(60):
             middle = 0.5 * (low + high)
             if stuck(problem, z, middle) < force:
@@ -337,7 +309,7 @@ def _own_spring(user):
 
     def energy(problem, z, x):
         # the force may have a root at the limit: nodes crowd there
-        most, total = max(limit(problem, z), x), 0.0
+        most, total = max(slip_limit(problem, z), x), 0.0
         start = math.sqrt(max(1.0 - x / most, 0.0)) if most > 0.0 else 1.0
         for k in range(len(POINT)):
             s = start + (1.0 - start) * 0.5 * (POINT[k] + 1.0)
@@ -345,4 +317,9 @@ def _own_spring(user):
         return 0.5 * (1.0 - start) * total
 
     energy = _named(energy, user)
-    return limit, limit_rate, stuck, _named(deformation, user), energy, _back(energy, user)
+    return {
+        "stuck": stuck,
+        "deformation": _named(deformation, user),
+        "energy": energy,
+        "back": _back(energy, user),
+    }

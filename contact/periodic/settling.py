@@ -28,10 +28,10 @@ from contact.convergence_error import ConvergenceError
 from contact.events.collocation import collocation
 from contact.events.energy import Sum
 from contact.events.motion import Motion
-from contact.events.segment import Column, Sample
+from contact.events.segment import At, Column, Sample
 from contact.orbit import Orbit
 from contact.periodic.shooting import MULTIPLIER_ERROR, Periodic
-from contact.problem import largest_resonance, scaled
+from contact.problem import full_friction, largest_resonance, scaled
 from contact.slider import Slider
 from contact.stepping.time_stepping import steps
 
@@ -144,7 +144,7 @@ def _same(speed, problem):
 
 
 def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, target: Periodic) -> Reached:
-    """Return whether a slider from rest reaches a stable periodic motion, or which motion it reaches instead."""
+    """Return True if a slider from rest reaches a stable periodic motion, or which motion it reaches instead."""
     motion = target.motion.copy()
     motion.move(0.0, 0.5 * math.pi, np.empty(0))  # from the trough of u_z to its upward zero
     problem, begin = _start(slider, orbits, balance.load_sign)
@@ -293,7 +293,7 @@ def _eventual(problem, motion, near):
 def _relaxation(problem):
     """Return the rate per radian at which v relaxes: damper, plus friction force over the range of surface speeds."""
     reach = float(np.max(tangential_amplitude(problem.paths, np.arange(problem.contacts)))) + 1e-300
-    return problem.tangential_damping + 0.3 * problem.friction * problem.preload / reach
+    return problem.tangential_damping + 0.3 * full_friction(problem) / reach
 
 
 def _refuse_unless_affordable(problem, rate):
@@ -326,7 +326,7 @@ def _rest(slider, orbits, problem):
 
 def _arrived(rows, near):
     """Return True if the last four cycles ended within `CLOSE` of the known motion."""
-    late = np.abs(rows[-4:, :2] - np.array([near.state[2], near.state[0]]))
+    late = np.abs(rows[-4:, :2] - near.state[[At.VELOCITY, At.POSITION]])  # Column.VELOCITY, Column.POSITION
     close = CLOSE * (1.0 + np.max(np.abs(near.state[:3])))
     return len(late) == 4 and bool(np.max(late[:, 0]) < min(close, near.same) and np.max(late[:, 1]) < close)
 
@@ -379,7 +379,7 @@ def _mean(motion, cycles, passed, rate):
     """Return the mean over `cycles` more cycles from batch means; the remaining drift counts as an error."""
     motion.begin()
     each = max(1, cycles // BATCHES)
-    means = motion.turn(each * BATCHES, stride=1)[:, 2].reshape(BATCHES, each).mean(axis=1)
+    means = motion.turn(each * BATCHES, stride=1)[:, Column.MEAN_VELOCITY].reshape(BATCHES, each).mean(axis=1)
     spread = STUDENT * float(np.std(means, ddof=1)) / math.sqrt(BATCHES)
     half = BATCHES // 2
     drift = abs(float(np.mean(means[half:]) - np.mean(means[:half])))

@@ -71,7 +71,7 @@ def periodic(
     """
     cycle = _CycleMap(balance.problem, nodes, truncation)
     if near is None:
-        y = np.concatenate(([-balance.height, 0.0, balance.speed], balance.motion.state[3:]))
+        y = np.concatenate(([-balance.height, 0.0, balance.speed], balance.motion.carried.deformation))
         y[3:] = cycle(y)[3:]  # the averaged deformations are not those of the full motion
         for _ in range(settle):
             y = cycle(y)

@@ -17,8 +17,8 @@ import numpy as np
 
 from contact.body import Coordinates, approach, approach_rate, at_phase, contact_force
 from contact.convergence_error import ConvergenceError
-from contact.law.elastic import tangential_force
 from contact.law.normal import load, slope
+from contact.law.protocol import slip_limit
 from contact.problem import Problem
 
 # maximum number of iterations, and relative change at which they stop
@@ -68,14 +68,16 @@ class Room(NamedTuple):
 
 def room_to_stick(problem: Problem, motion: NormalMotion, side: float) -> Room:
     """Return the room of contacts that always stick, each with the offset nearest to slip in the direction `side`."""
-    z, every, c = motion.approaches, np.arange(problem.contacts)[:, None], problem.limit_slope
+    z, every = motion.approaches, np.arange(problem.contacts)[:, None]
+    limit = slip_limit(problem, z)
     _, _, u_x, _ = at_phase(problem.paths, every, np.cos(motion.phases), np.sin(motion.phases))
-    fast, friction = np.zeros(z.shape[1]), problem.friction * problem.stiffness
+    fast = np.zeros(z.shape[1])
     for _ in range(MAX_ITERATIONS):
         relative = u_x - fast  # of the surface to the slider
-        forward, backward = least(c * z - relative), least(c * z + relative)
+        forward, backward = least(limit - relative), least(limit + relative)
         offset = forward if side > 0.0 else -backward
-        total = tangential_force(relative + offset[:, None], z, friction, c, problem.shape).sum(axis=0)
+        x = relative + offset[:, None]
+        total = (np.sign(x) * problem.stiffness * problem.law.stuck(problem, z, abs(x))).sum(axis=0)
         moved, _ = _driven(total, problem.tangential_damping)
         change, fast = float(np.max(np.abs(moved - fast))), moved
         if change < CLOSE * (1.0 + float(np.max(np.abs(u_x)))):

@@ -10,6 +10,7 @@ punch a = 1 and 2, and x = 0 is no edge.
 from contact.codes import Shape
 from contact.jit.compiled import compiled
 from contact.law.normal import load, slope
+from contact.law.protocol import slip_limit
 
 
 @compiled
@@ -66,7 +67,7 @@ def slip_edge(problem, z_old, z_new, below, above, v_old, v_new, h):
     v_edge = max(v_old + s * (v_new - v_old), 0.0)
     z = max((1.0 - s) * z_old + s * z_new, 1e-6 * max(z_old, z_new))
     # locally the limit is that of one coefficient
-    limit = problem.law.limit(problem, z)
+    limit = slip_limit(problem, z)
     c, friction = limit / z, problem.law.stuck(problem, z, limit) / load(z, shape)
     bend = 0.5 * slope(1.0, shape) * (v_old - v_new) / max(v_edge, 1e-300)
     first = friction * problem.stiffness * load(v_edge / c, shape)

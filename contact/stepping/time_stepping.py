@@ -19,21 +19,20 @@ import numpy as np
 from contact.body import (
     Coordinates,
     Paths,
+    Point,
     approach,
     approach_rate,
     at_phase,
     body_force,
     contact_force,
     of_run,
-    slip_speed,
     travel,
 )
 from contact.convergence_error import ConvergenceError
 from contact.events.segment import At, Column
 from contact.jit.compiled import compiled, native
 from contact.law.normal import force as elastic_force
-from contact.law.normal import load
-from contact.law.protocol import Law
+from contact.law.protocol import Law, slip_limit, slip_rate
 from contact.problem import from_row
 from contact.stepping import end_corrections as edges
 
@@ -129,20 +128,18 @@ def _tabulate(paths, per_cycle, before, after, table):
 @compiled
 def _slip_speeds(problem, passage, sign):
     """Return the speeds of slip of a sign at the ends of the step."""
-    law = problem.law
-    before = slip_speed(sign, passage.z_rate_old, passage.x_rate_old, law.limit_rate(problem, passage.z_old))
-    return before, slip_speed(
-        sign, passage.z_rate_new, passage.x_rate_new, law.limit_rate(problem, passage.z_new)
-    )
+    before = Point(passage.z_old, 0.0, passage.z_rate_old, passage.x_rate_old)
+    after = Point(passage.z_new, 0.0, passage.z_rate_new, passage.x_rate_new)
+    return slip_rate(problem, sign, before), slip_rate(problem, sign, after)
 
 
 @compiled
 def _leave_stick(problem, passage, x):
     """Return (sign, excess of Q) of a contact that leaves stick towards where its deformation goes."""
-    law, old, new = problem.law, passage.z_old, passage.z_new
+    old, new = passage.z_old, passage.z_new
     sign = 1.0 if x + passage.along > 0.0 else -1.0
     v_old, v_new = _slip_speeds(problem, passage, sign)
-    below, above = sign * x - law.limit(problem, old), sign * (x + passage.along) - law.limit(problem, new)
+    below, above = sign * x - slip_limit(problem, old), sign * (x + passage.along) - slip_limit(problem, new)
     return sign, -sign * edges.slip_edge(problem, old, new, below, above, v_old, v_new, passage.h)
 
 
@@ -166,7 +163,7 @@ def _release(problem, passage, x, slip):
 @compiled
 def _stick(problem, passage, x, sticks):
     """Return (x, slip, excess of Q) of a contact that sticks at the start of the step, or `sticks` all along."""
-    limit, deformation = problem.law.limit(problem, passage.z_new), x + passage.along
+    limit, deformation = slip_limit(problem, passage.z_new), x + passage.along
     if sticks:  # past x = 0
         x_rate = passage.x_rate_new
         friction = problem.stiffness * problem.law.stuck(problem, passage.z_new, limit)
@@ -181,11 +178,7 @@ def _stick(problem, passage, x, sticks):
 @compiled
 def _slip(problem, passage, sign):
     """Return (x, slip) of a contact that slips at the start of the step."""
-    h, old, new = (
-        passage.h,
-        problem.law.limit(problem, passage.z_old),
-        problem.law.limit(problem, passage.z_new),
-    )
+    h, old, new = passage.h, slip_limit(problem, passage.z_old), slip_limit(problem, passage.z_new)
     v_old, v_new = _slip_speeds(problem, passage, sign)
     if v_new >= 0.0:
         return sign * new, sign
@@ -214,7 +207,7 @@ def _close(problem, passage):
     tangential = sign * problem.friction * excess
     if law.rated:
         tangential = 0.0
-    x, limit = passage.along - edges.cubic(s, 0.0, passage.along, y0, y1), law.limit(problem, passage.z_new)
+    x, limit = passage.along - edges.cubic(s, 0.0, passage.along, y0, y1), slip_limit(problem, passage.z_new)
     if ratio == 1.0:
         v_old, v_new = sign * drift - c * rate, _slip_speeds(problem, passage, sign)[1]
         if v_new >= 0.0:
@@ -243,17 +236,27 @@ def _passed(problem, passage, x, slip, sticks):
 
 
 @compiled
+def _traction(problem, point, slip):
+    """Return Q of a contact that touches, of the sign of its slip or, where that is 0, of its deformation."""
+    law, z = problem.law, point.approach
+    if slip != 0.0:
+        return slip * problem.stiffness * law.sliding(problem, z, max(slip_rate(problem, slip, point), 0.0))
+    force = problem.stiffness * law.stuck(problem, z, min(abs(point.deformation), slip_limit(problem, z)))
+    return force if point.deformation > 0.0 else -force
+
+
+@compiled
 def _step(problem, k, table, own, slider, m):
     """Move one run from step k of the cycle to the next; column m of `slider` is its motion, `own` its contacts."""
-    h, kappa, paths, law = slider[Row.STEP, m], problem.stiffness, problem.paths, problem.law
+    h, paths = slider[Row.STEP, m], problem.paths
     rate = Coordinates(slider[Row.NORMAL_VELOCITY, m], slider[Row.VELOCITY, m])
     force = body_force(problem, rate)
-    climb_half = rate.normal + 0.5 * h * (slider[Row.NORMAL, m] + force.normal)
-    speed_half = rate.along + 0.5 * h * (slider[Row.TANGENTIAL, m] + force.along)
-    q = Coordinates(slider[Row.POSITION, m] + h * climb_half, h * speed_half)
+    normal_half = rate.normal + 0.5 * h * (slider[Row.NORMAL, m] + force.normal)
+    along_half = rate.along + 0.5 * h * (slider[Row.TANGENTIAL, m] + force.along)
+    q = Coordinates(slider[Row.POSITION, m] + h * normal_half, h * along_half)
     # enough for rates at the step's end
-    rate_next = Coordinates(2.0 * climb_half - rate.normal, 2.0 * speed_half - rate.along)
-    push, pull, push_excess, pull_excess = 0.0, 0.0, 0.0, 0.0
+    rate_next = Coordinates(2.0 * normal_half - rate.normal, 2.0 * along_half - rate.along)
+    normal_force, tangential_force, normal_excess, tangential_excess = 0.0, 0.0, 0.0, 0.0
     for i in range(own.shape[1]):
         z_old, x, slip = own[Own.Z, i], own[Own.X, i], own[Own.SLIP, i]
         z_new = approach(paths, i, table[Plane.U_Z, k + 1, i], q)
@@ -262,8 +265,8 @@ def _step(problem, k, table, own, slider, m):
             continue
         along = travel(table[Plane.U_X, k + 1, i] - table[Plane.U_X, k, i], q)
         z_rate = approach_rate(table[Plane.W_Z, k + 1, i], rate_next)
-        moved, limit = x + along, law.limit(problem, z_new)
-        sticks = z_old > 0.0 and slip == 0.0 and abs(moved) < limit
+        moved = x + along
+        sticks = z_old > 0.0 and slip == 0.0 and abs(moved) < slip_limit(problem, z_new)
         if sticks and x * moved >= 0.0:
             x = moved
         else:
@@ -274,23 +277,23 @@ def _step(problem, k, table, own, slider, m):
                 (table[Plane.W_X, k + 1, i] - table[Plane.W_X, k, i]) / h,
             )  # fmt: skip
             x, slip, normal, tangential = _passed(problem, passage, x, slip, sticks)
-            push_excess += normal
-            pull_excess += tangential
+            normal_excess += normal
+            tangential_excess += tangential
         own[Own.X, i], own[Own.SLIP, i] = x, slip
         if z_new > 0.0:
-            push += contact_force(problem, elastic_force(kappa, z_new, problem.shape), z_rate)
-            if slip != 0.0:
-                x_rate = travel(table[Plane.W_X, k + 1, i], rate_next)
-                w = slip_speed(slip, z_rate, x_rate, law.limit_rate(problem, z_new))
-                pull += slip * kappa * law.sliding(problem, z_new, max(w, 0.0))
-            else:
-                friction = kappa * law.stuck(problem, z_new, min(abs(x), limit))
-                pull += friction if x > 0.0 else -friction
-    climb = climb_half + 0.5 * h * (push - problem.preload) - push_excess
-    speed = speed_half + 0.5 * h * (pull - problem.load) - pull_excess
-    slider[Row.POSITION, m], slider[Row.NORMAL_VELOCITY, m] = q.normal, climb * slider[Row.DAMP_N, m]
+            point = Point(z_new, x, z_rate, travel(table[Plane.W_X, k + 1, i], rate_next))
+            normal_force += contact_force(
+                problem, elastic_force(problem.stiffness, z_new, problem.shape), z_rate
+            )
+            tangential_force += _traction(problem, point, slip)
+    normal_velocity = normal_half + 0.5 * h * (normal_force - problem.preload) - normal_excess
+    speed = along_half + 0.5 * h * (tangential_force - problem.load) - tangential_excess
+    slider[Row.POSITION, m], slider[Row.NORMAL_VELOCITY, m] = (
+        q.normal,
+        normal_velocity * slider[Row.DAMP_N, m],
+    )
     slider[Row.VELOCITY, m] = speed * slider[Row.DAMP_T, m]
-    slider[Row.NORMAL, m], slider[Row.TANGENTIAL, m] = push, pull
+    slider[Row.NORMAL, m], slider[Row.TANGENTIAL, m] = normal_force, tangential_force
     slider[Row.TRAVELLED, m] += q.along
 
 
@@ -302,8 +305,8 @@ def _step(problem, k, table, own, slider, m):
         "work.slider": "9 r",
     },
 )  # fmt: skip
-def _abreast(runs, states, task, work):
-    """Do the work of `abreast`; return whether all is finite."""
+def _run_side_by_side(runs, states, task, work):
+    """Do the work of `run_side_by_side`; return True if all is finite."""
     per_cycle, slider, envelope = runs.per_cycle, work.slider, task.envelope
     shaped = envelope.size > 0
     e = envelope[0] if shaped else 1.0 + 0.0j
@@ -356,27 +359,23 @@ def _begin(problem, state, per_cycle, work, m):
     slider[Row.VELOCITY, m] = state[At.VELOCITY]
     q = Coordinates(state[At.POSITION], 0.0)
     rate = Coordinates(state[At.NORMAL_VELOCITY], state[At.VELOCITY])
-    push, pull = 0.0, 0.0
+    normal_force, tangential_force = 0.0, 0.0
     for i in range(own.shape[1]):
         x, slip = state[At.DEFORMATIONS + i], 0.0
         z = approach(problem.paths, i, table[Plane.U_Z, 0, i], q)
         if z > 0.0:
-            z_rate = approach_rate(table[Plane.W_Z, 0, i], rate)
-            push += contact_force(problem, problem.stiffness * load(z, problem.shape), z_rate)
-            limit, friction = problem.law.limit(problem, z), 0.0
-            if limit > 0.0:
-                friction = problem.law.stuck(problem, z, min(abs(x), limit))
+            z_rate, limit = approach_rate(table[Plane.W_Z, 0, i], rate), slip_limit(problem, z)
+            normal_force += contact_force(problem, elastic_force(problem.stiffness, z, problem.shape), z_rate)
             if abs(x) > limit * (1.0 - 1e-13):
                 slip = np.sign(x)
-                x_rate = travel(table[Plane.W_X, 0, i], rate)
-                w = slip_speed(slip, z_rate, x_rate, problem.law.limit_rate(problem, z))
-                friction = problem.law.sliding(problem, z, max(w, 0.0))
-            pull += np.sign(x) * problem.stiffness * friction
+            if x != 0.0:
+                point = Point(z, x, z_rate, travel(table[Plane.W_X, 0, i], rate))
+                tangential_force += _traction(problem, point, slip)
         own[Own.Z, i], own[Own.X, i], own[Own.SLIP, i] = z, x, slip
-    slider[Row.NORMAL, m], slider[Row.TANGENTIAL, m] = push, pull
+    slider[Row.NORMAL, m], slider[Row.TANGENTIAL, m] = normal_force, tangential_force
 
 
-def abreast(problems, states, number, per_cycle, stride, envelope) -> np.ndarray:
+def run_side_by_side(problems, states, number, per_cycle, stride, envelope) -> np.ndarray:
     """Move several runs of n contacts through whole cycles, side by side; return rows (runs, number // stride, 3).
 
     `states` (k, 3 + n) hold z_s, z_s', v, x_1..x_n and are changed in place; `per_cycle` (k,) are the steps in each
@@ -392,12 +391,12 @@ def abreast(problems, states, number, per_cycle, stride, envelope) -> np.ndarray
     )
     task = Task(number, stride, np.empty((count, number // stride if stride else 0, len(Column))), envelope)
     runs = Runs(np.array([each.row for each in problems]), paths, per_cycle, problems[0].law)
-    if not _abreast(runs, states, task, work):
+    if not _run_side_by_side(runs, states, task, work):
         raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")
     return task.rows
 
 
 def steps(problem, state, number, per_cycle, *, stride=1, envelope=None) -> np.ndarray:
-    """Move one run through whole cycles of equal steps; return its rows, see `abreast`."""
+    """Move one run through whole cycles of equal steps; return its rows, see `run_side_by_side`."""
     envelope = np.empty(0, complex) if envelope is None else envelope
-    return abreast([problem], state[None], number, np.array([per_cycle]), stride, envelope)[0]
+    return run_side_by_side([problem], state[None], number, np.array([per_cycle]), stride, envelope)[0]

@@ -137,7 +137,7 @@ def simulated():
     """Print the rate of full simulations, two threads with twelve runs side by side in each."""
     from concurrent.futures import ThreadPoolExecutor
 
-    from contact.stepping.time_stepping import abreast
+    from contact.stepping.time_stepping import run_side_by_side
 
     print("\nfull simulation, 24 runs on two threads")
     number, compared, flat = 5000, 2000, np.empty(0, complex)
@@ -155,7 +155,9 @@ def simulated():
 
         def half(first, cycles, moved, n=per_cycle):
             own = np.ascontiguousarray(moved[first::2])
-            abreast([problem for problem, _ in begins[first::2]], own, cycles, np.full(len(own), n), 0, flat)
+            run_side_by_side(
+                [problem for problem, _ in begins[first::2]], own, cycles, np.full(len(own), n), 0, flat
+            )
             moved[first::2] = own
 
         moved = states.copy()

@@ -166,8 +166,10 @@ def test_a_kernel_refuses_what_its_machine_code_would_misread():
 
     problem = scaled(slider(), (orbit(1e-9),), direction=1.0, start=0.0)
     with pytest.raises(TypeError, match="f1 expected, got int64"):
-        averaged._tractions(problem, np.zeros(2), averaged.room(1), np.zeros(2, np.int64))
+        averaged._mean_forces(problem, np.zeros(2), averaged.work_arrays(1), np.zeros(2, np.int64))
     two = scaled(slider(), (orbit(1e-9), orbit(1e-9)), direction=1.0, start=0.0)
     for height in (np.zeros(4)[::2], np.zeros(2, np.float32)):
         with pytest.raises(TypeError, match="f1 expected, got float"):
-            averaged.tractions(two._replace(paths=two.paths._replace(height=height)), np.zeros(1))
+            averaged.mean_tangential_forces(
+                two._replace(paths=two.paths._replace(height=height)), np.zeros(1)
+            )

@@ -8,7 +8,7 @@ from scipy.integrate import quad
 
 from contact import Orbit, release_amplitude, release_factor, riding_height, steady, threshold_amplitude
 from contact import threshold_factor as threshold
-from contact.averaged.riding import mean_push, quadrature
+from contact.averaged.riding import mean_normal_force, quadrature
 from contact.codes import Shape
 from contact.law.normal import SHAPES, load
 from contact.problem import scaled
@@ -18,7 +18,7 @@ from tests.contact.motors import orbit, slider
 def mean_load(h, A, shape=Shape.SPHERE):
     """Return the cycle mean of p(h + A cos phi) from the kernel."""
     problem = scaled(slider(shape=SHAPES[shape]), (orbit(A),), direction=1.0, start=0.0)
-    force, _ = mean_push(problem, h / problem.length, quadrature(48))
+    force, _ = mean_normal_force(problem, h / problem.length, quadrature(48))
     return force / problem.stiffness * load(problem.length, shape)
 
 

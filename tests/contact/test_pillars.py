@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 
 from contact import Orbit, PassingWave, Pillars, Slider, mean_motion, pillar_load_line, pillar_motion
-from contact.averaged import flat_cycle as columns
-from contact.averaged.flat_cycle import COLUMNS, flat_cycles
+from contact.averaged.cycle_mean import Each, contact_cycles
+from contact.averaged.cycle_pieces import CLOSED, cycle_arrays
+from contact.body import Paths
+from contact.law.elastic import coulomb
+from contact.problem import Problem
 
 GAMMA, RATIO, LENGTH, FREQUENCY = 2.5078e-12, 0.88995, 414.05e-6, 9.61e6
 
@@ -38,12 +41,20 @@ def scatter(count, sigma, seed):
 
 
 def cycles(h, a, b, c, w):
-    """Return the columns of many contacts."""
-    out, size, along = np.empty((len(h), COLUMNS)), abs(a), b * a.conj() / abs(a)
+    """Return the columns of flat contacts, k_n = k_t = 1, by name; P_1 and Q_1 complex."""
+    out = np.empty((len(h), len(Each)))
     for i in range(len(h)):
-        one = [np.array([float(each[i])]) for each in (h, size, along.real, -along.imag, c)]
-        flat_cycles(*one, float(w[i]), 0.0, out[i : i + 1])
-    return out
+        parts = h, a.real, -a.imag, b.real, -b.imag
+        problem = Problem(
+            stiffness=1.0, contact_damping=0.0, normal_damping=0.0, preload=1.0, tangential_damping=0.0, load=0.0,
+            friction=1.0, limit_slope=1.0, stick_band=0.0, longest=1.0, shape=1, length=1.0, omega=1.0,
+            paths=Paths(*(np.array([float(each[i])]) for each in parts)), law=coulomb(0),
+        )  # fmt: skip
+        friction = np.full((1, 2), float(c[i]))
+        contact_cycles(problem, friction, 0.0, float(w[i]), CLOSED, cycle_arrays(1, 1), out[i : i + 1])
+    found = {each.name: out[:, each] for each in Each}
+    found["P1"] = found["NORMAL_COS"] - 1j * found["NORMAL_SIN"]
+    return found | {"Q1": found["TANGENTIAL_COS"] - 1j * found["TANGENTIAL_SIN"]}
 
 
 def random_cycles(count=60):
@@ -81,30 +92,28 @@ def test_the_closed_cycle_is_that_of_a_stop_operator_in_small_steps():
     # Oracle: the model as it is written down, of second order in the step
     h, a, b, c, w = random_cycles()
     w[:5] *= 3.0  # some slip all the time
-    found, crest = cycles(h, a, b, c, w), a / abs(a)
+    found = cycles(h, a, b, c, w)
     P0, P1, Q0, Q1, work = stop_operator(h, a, b, c, w)
-    assert found[:, columns.MEAN_APPROACH] == pytest.approx(P0, abs=1e-6)
-    assert found[:, columns.FIRST_APPROACH] * crest == pytest.approx(P1, abs=1e-6)
-    assert found[:, columns.MEAN_STRETCH] == pytest.approx(Q0, abs=2e-3)
-    first = (found[:, columns.COS_STRETCH] - 1j * found[:, columns.SIN_STRETCH]) * crest
-    assert first == pytest.approx(Q1, abs=2e-3)
-    assert found[:, columns.FRICTION] == pytest.approx(work, abs=2e-3)
-    assert 10 < np.sum(found[:, columns.SHARE] < 1.0) < 50
+    assert found["NORMAL"] == pytest.approx(P0, abs=1e-6)
+    assert found["P1"] == pytest.approx(P1, abs=1e-6)
+    assert found["TANGENTIAL"] == pytest.approx(Q0, abs=2e-3)
+    assert found["Q1"] == pytest.approx(Q1, abs=2e-3)
+    assert found["FRICTION"] == pytest.approx(work, abs=2e-3)
+    assert 10 < np.sum(found["SHARE"] < 1.0) < 50
 
 
 def test_the_closed_cycle_closes_the_energy_balance():
     # Conservation: -Im(P_1 a* + Q_1 b*)/2 = <Q> w + friction, for k_n = k_t = 1
     h, a, b, c, w = random_cycles(400)
-    found, crest = cycles(h, a, b, c, w), a / abs(a)
-    first = (found[:, columns.COS_STRETCH] - 1j * found[:, columns.SIN_STRETCH]) * crest
-    given = 0.5 * (first * b.conj()).imag
-    assert given == pytest.approx(found[:, columns.MEAN_STRETCH] * w + found[:, columns.FRICTION], abs=3e-15)
-    assert found[:, columns.FRICTION].min() >= 0.0
+    found = cycles(h, a, b, c, w)
+    given = 0.5 * (found["Q1"] * b.conj()).imag
+    assert given == pytest.approx(found["TANGENTIAL"] * w + found["FRICTION"], abs=3e-15)
+    assert found["FRICTION"].min() >= 0.0
 
 
 @pytest.mark.parametrize("preload", [3e-3, 60e-3])
 def test_one_pillar_is_the_punch_of_the_first_order(preload):
-    # Twin: the quadrature of solve.cycle_mean for any profile
+    # Twin: the quadrature for any profile
     k_n, k_t = 1.8e6, 1.52e6
     slider = Slider(
         radius=10e-6, mass=1e-2, preload=preload, load=0.0, friction_coefficient=0.18, effective_modulus=k_n / 20e-6,
