@@ -119,12 +119,12 @@ def announced(expected: float, more: str = "") -> tuple[str, ...]:
 
     Examples
     --------
-    >>> announced(59.0), announced(600.0)
-    ((), ('expected time: about 10 minutes, within a factor of 3',))
+    >>> announced(59.0), announced(6000.0)
+    ((), ('expected time: about 100 minutes, within a factor of 3',))
     """
     if expected < MINUTE:
         return ()
-    hours = f"{expected / 3600:.2g} hours" if expected > 2 * 3600 else f"{expected / MINUTE:.2g} minutes"
+    hours = f"{expected / 3600:.2g} hours" if expected > 2 * 3600 else f"{expected / MINUTE:.0f} minutes"
     return (f"expected time: about {hours}, within a factor of {TIME_WITHIN:g}{more}",)
 
 
