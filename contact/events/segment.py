@@ -103,7 +103,7 @@ class Nodes(NamedTuple):
 
 
 class Segment(NamedTuple):
-    """Where a segment lies and how it ends."""
+    """Position of a segment, and the event that ends it."""
 
     phase: float  # of its start
     length: float  # so far; 0 where an event falls on its start
@@ -115,7 +115,7 @@ class Segment(NamedTuple):
 
 
 class Attempt(NamedTuple):
-    """What became of an attempt at a segment."""
+    """Result of an attempt to compute a segment."""
 
     outcome: int  # one of `codes.Outcome`
     segment: Segment
