@@ -368,10 +368,8 @@ def _account_slider(problem, grid, state, work, outer):
     nodes, span, n = work.nodes, work.span, grid.sigma.size
     _move(grid, work, outer, outer, 0)
     account_slider(problem, grid, state, nodes, outer)
-    state.slider[At.POSITION], state.slider[At.NORMAL_VELOCITY] = (
-        nodes.slider[Row.POSITION, n - 1],
-        nodes.slider[Row.NORMAL_VELOCITY, n - 1],
-    )
+    state.slider[At.POSITION] = nodes.slider[Row.POSITION, n - 1]
+    state.slider[At.NORMAL_VELOCITY] = nodes.slider[Row.NORMAL_VELOCITY, n - 1]
     state.slider[At.VELOCITY] = nodes.slider[Row.VELOCITY, n - 1]
     _sort(span.phases, span.count[0])
     before = outer.phase

@@ -290,10 +290,8 @@ def _step(problem, k, table, own, slider, m):
             tangential_force += _traction(problem, point, slip)
     normal_velocity = normal_half + 0.5 * h * (normal_force - problem.preload) - normal_excess
     speed = along_half + 0.5 * h * (tangential_force - problem.load) - tangential_excess
-    slider[Row.POSITION, m], slider[Row.NORMAL_VELOCITY, m] = (
-        q.normal,
-        normal_velocity * slider[Row.DAMP_N, m],
-    )
+    slider[Row.POSITION, m] = q.normal
+    slider[Row.NORMAL_VELOCITY, m] = normal_velocity * slider[Row.DAMP_N, m]
     slider[Row.VELOCITY, m] = speed * slider[Row.DAMP_T, m]
     slider[Row.NORMAL, m], slider[Row.TANGENTIAL, m] = normal_force, tangential_force
     slider[Row.TRAVELLED, m] += q.along
@@ -339,10 +337,8 @@ def _run_side_by_side(runs, states, task, work):
                 row[Column.VELOCITY], row[Column.POSITION] = slider[Row.VELOCITY, m], slider[Row.POSITION, m]
                 row[Column.MEAN_VELOCITY] = slider[Row.TRAVELLED, m] / (2.0 * np.pi)
     for m in range(per_cycle.size):
-        states[m, At.POSITION], states[m, At.NORMAL_VELOCITY] = (
-            slider[Row.POSITION, m],
-            slider[Row.NORMAL_VELOCITY, m],
-        )
+        states[m, At.POSITION] = slider[Row.POSITION, m]
+        states[m, At.NORMAL_VELOCITY] = slider[Row.NORMAL_VELOCITY, m]
         states[m, At.VELOCITY] = slider[Row.VELOCITY, m]
         for i in range(work.contact.shape[2]):
             states[m, At.DEFORMATIONS + i] = work.contact[m, Own.X, i]
