@@ -416,10 +416,8 @@ def contact_cycles(problem, friction, h, v, rule, work, out):
     force, means, paths = work.force, work.means, problem.paths
     for i in range(paths.height.size):
         _clear(work)
-        path, own = (
-            _relative_path(paths, i, h, v, work),
-            with_friction(problem, friction[i, 0], friction[i, 1]),
-        )
+        path = _relative_path(paths, i, h, v, work)
+        own = with_friction(problem, friction[i, 0], friction[i, 1])
         _add_contact(own, path, rule, work)
         row, reach = out[i], normal_amplitude(paths, i)
         row[Each.NORMAL], row[Each.TANGENTIAL] = means[Mean.NORMAL] / TURN, means[Mean.TANGENTIAL] / TURN

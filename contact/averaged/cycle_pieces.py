@@ -63,12 +63,12 @@ class Nodes(NamedTuple):
 
 
 class Cycle(NamedTuple):
-    """What a cycle is taken on, and what it gives."""
+    """Arrays of a cycle: its input `fast`, its results `force`, `means` and `counts`, and work arrays."""
 
-    fast: Harmonics  # The slider's own fast motion: z_s, and its travel
-    path: Harmonics  # Room for that of a contact relative to the slider
-    force: Harmonics  # Of P (1 + chi z') and of Q; empty where only the means are wanted
-    nodes: Nodes  # As many as the quadrature has; empty likewise
+    fast: Harmonics  # of the slider's own fast motion: z_s, and its travel
+    path: Harmonics  # of a contact relative to the slider
+    force: Harmonics  # of P (1 + chi z') and of Q; empty if only the means are wanted
+    nodes: Nodes  # one per node of the quadrature; empty likewise
     means: np.ndarray  # (len(Mean),) array: See `Mean`
     counts: np.ndarray  # (len(Counted),) int array: See `Counted`
 
