@@ -298,8 +298,6 @@ def _add_contact(problem, path, rule, work):
     reach = np.hypot(path.wave.normal_cos[0], path.wave.normal_sin[0])
     if path.h <= -reach:
         return
-    if rule.weight.size == 0:
-        add_closed_normal(problem, path, work, reach)
     windows = _window(path, c, 1.0), _window(path, c, -1.0)
     passage = _first_passage(problem, path, windows, counts)
     if (
@@ -418,13 +416,15 @@ def contact_cycles(problem, friction, h, v, rule, work, out):
         _clear(work)
         path = _relative_path(paths, i, h, v, work)
         own = with_friction(problem, friction[i, 0], friction[i, 1])
-        _add_contact(own, path, rule, work)
-        row, reach = out[i], normal_amplitude(paths, i)
+        row, reach, half = out[i], normal_amplitude(paths, i), 0.0
+        if path.h > -reach:
+            half = arc(path.h, reach) if rule.weight.size > 0 else add_closed_normal(own, path, work, reach)
+            _add_contact(own, path, rule, work)
         row[Each.NORMAL], row[Each.TANGENTIAL] = means[Mean.NORMAL] / TURN, means[Mean.TANGENTIAL] / TURN
         row[Each.NORMAL_COS], row[Each.NORMAL_SIN] = force.normal_cos[0] / np.pi, force.normal_sin[0] / np.pi
         cos, sin = force.tangential_cos[0] / np.pi, force.tangential_sin[0] / np.pi
         row[Each.TANGENTIAL_COS], row[Each.TANGENTIAL_SIN] = cos, sin
-        row[Each.SHARE] = arc(path.h, reach) / np.pi if path.h > -reach else 0.0
+        row[Each.SHARE] = half / np.pi
         row[Each.FRICTION] = means[Mean.FRICTION] / TURN
         if rule.weight.size > 0:
             row[Each.FRICTION] = 0.5 * (cos * paths.tangential_sin[i] - sin * paths.tangential_cos[i])
