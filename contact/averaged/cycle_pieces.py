@@ -120,7 +120,7 @@ def first_harmonic(path):
 def motion_at(path, phi):
     """Return z, z', y, y' of a path at a phase, eq. (1)."""
     a, b, d, e = path.wave
-    co, si = circle(phi)
+    co, si = np.cos(phi), np.sin(phi)
     c, s = co, si
     z, z_rate, y, y_rate = path.h, 0.0, -path.v * phi, -path.v
     for k in range(a.size):
@@ -159,7 +159,7 @@ def _add_closed(problem, path, work, start, stop, slip, offset):
     a, b, d, e = first_harmonic(path)
     c = law.limit_ratio(problem, h)  # one number: X = c z makes all integrals closed
     stiffness = problem.stiffness * law.coefficient(problem, h) / c
-    (c1, s1), (c2, s2) = circle(start), circle(stop)
+    c1, s1, c2, s2 = np.cos(start), np.sin(start), np.cos(stop), np.sin(stop)
     width = stop - start
     cos, sin = s2 - s1, c1 - c2
     cos_cos = 0.5 * (width + s2 * c2 - s1 * c1)
@@ -184,7 +184,7 @@ def _add_closed(problem, path, work, start, stop, slip, offset):
 def add_closed_normal(problem, path, work, reach):
     """Add the closed integrals of P and of its first harmonic over a cycle; return half of the arc in contact.
 
-    `reach`: |u_z|, below which the mean approach is not: path.h > -reach.
+    `reach`: |u_z|, with path.h > -reach.
     """
     mean, first, half = punch_means(path.h, reach)
     work.means[Mean.NORMAL] += TURN * problem.stiffness * mean
