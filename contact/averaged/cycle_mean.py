@@ -283,8 +283,7 @@ def _first_passage(problem, path, windows, half, counts):
             if kind == Slips.ALWAYS:
                 return Passage(0.0, TURN, back, 0.0)
         return Passage(start, start + TURN, 0.0, back * slip_limit(problem, motion_at(path, start)[0]))
-    crest = np.arctan2(path.wave.normal_sin[0], path.wave.normal_cos[0])
-    start, stop = crest - half, crest + half
+    start, stop = path.crest - half, path.crest + half
     for _ in range(8 if path.wave.normal_cos.size > 1 else 0):
         z, rate, _, _ = motion_at(path, start)
         z_end, rate_end, _, _ = motion_at(path, stop)
@@ -302,10 +301,9 @@ def _first_passage(problem, path, windows, half, counts):
 def _add_contact(problem, path, rule, work):
     """Add the integrals of one contact over one cycle of the motion that repeats; return half of its arc in contact."""
     counts, c = work.counts, problem.law.limit_rate(problem, 0.0)
-    reach = np.hypot(path.wave.normal_cos[0], path.wave.normal_sin[0])
-    if path.h <= -reach:
+    if path.h <= -path.reach:
         return 0.0
-    half = add_closed_normal(problem, path, work, reach) if rule.weight.size == 0 else arc(path.h, reach)
+    half = add_closed_normal(problem, path, work) if rule.weight.size == 0 else arc(path.h, path.reach)
     rides = half == np.pi
     windows = _window(path, c, 1.0), _window(path, c, -1.0)
     passage = _first_passage(problem, path, windows, half, counts)
@@ -356,8 +354,10 @@ def _follow_contact(problem, path, rule, work, windows, passage, counted):
 def _clear(work):
     """Set the sums over the contacts to zero."""
     force = work.force
-    work.means[:] = 0.0
-    work.counts[:] = 0
+    for k in range(work.means.size):
+        work.means[k] = 0.0
+    for k in range(work.counts.size):
+        work.counts[k] = 0
     for k in range(force.normal_cos.size):
         force.normal_cos[k] = force.normal_sin[k] = force.tangential_cos[k] = force.tangential_sin[k] = 0.0
 
@@ -373,7 +373,8 @@ def _relative_path(paths, i, h, v, work):
     path.normal_sin[0] += paths.normal_sin[i]
     path.tangential_cos[0] += paths.tangential_cos[i]
     path.tangential_sin[0] += paths.tangential_sin[i]
-    return Path(approach(paths, i, 0.0, Coordinates(-h, 0.0)), v, path)
+    a, b = path.normal_cos[0], path.normal_sin[0]
+    return Path(approach(paths, i, 0.0, Coordinates(-h, 0.0)), v, path, np.hypot(a, b), np.arctan2(b, a))
 
 
 @native(
@@ -433,7 +434,7 @@ def contact_cycles(problem, h, v, rule, work, out):
             d,
             e,
         )
-        path = Path(approach(paths, i, 0.0, Coordinates(-h, 0.0)), v[i], wave)
+        path = Path(approach(paths, i, 0.0, Coordinates(-h, 0.0)), v[i], wave, reach, 0.0)
         row, half = out[i], _add_contact(problem, path, rule, work)
         row[Each.NORMAL], row[Each.TANGENTIAL] = means[Mean.NORMAL] / TURN, means[Mean.TANGENTIAL] / TURN
         cos, sin = force.normal_cos[0] / np.pi, force.normal_sin[0] / np.pi
