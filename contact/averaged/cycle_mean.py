@@ -50,7 +50,7 @@ ROOT, CLOSED_ROOT = 1e-5, 1e-9
 
 
 class Each(IntEnum):
-    """Columns of the forces of each contact, P and Q = mean + cos part times cos phi + sin part times sin phi."""
+    """Rows of the forces of each contact, P and Q = mean + cos part times cos phi + sin part times sin phi."""
 
     NORMAL = 0
     TANGENTIAL = 1
@@ -71,8 +71,8 @@ class MeanForces(NamedTuple):
         Means over the cycle, N.
     first_normal, first_tangential : (n,) array, complex
         First harmonics, N.
-    cycles : (n, len(Each)) array
-        The columns that they were made from, in the units of the computation.
+    cycles : (len(Each), n) array
+        The rows `Each` that they were made from, in the units of the computation.
     """
 
     normal: np.ndarray
@@ -83,13 +83,16 @@ class MeanForces(NamedTuple):
 
 
 def forces_of(cycles, normal_unit, tangential_unit) -> MeanForces:
-    """Return the forces of columns `Each` for units of force in N, one or of each contact."""
-    first_normal = cycles[:, Each.NORMAL_COS] - 1j * cycles[:, Each.NORMAL_SIN]
-    first_tangential = cycles[:, Each.TANGENTIAL_COS] - 1j * cycles[:, Each.TANGENTIAL_SIN]
-    return MeanForces(
-        normal_unit * cycles[:, Each.NORMAL], tangential_unit * cycles[:, Each.TANGENTIAL],
-        normal_unit * first_normal, tangential_unit * first_tangential, cycles,
-    )  # fmt: skip
+    """Return the forces of rows `Each` for units of force in N, one or of each contact."""
+    first = np.empty((2, cycles.shape[1]), complex)
+    first[0].real, first[0].imag = (
+        normal_unit * cycles[Each.NORMAL_COS],
+        -normal_unit * cycles[Each.NORMAL_SIN],
+    )
+    first[1].real = tangential_unit * cycles[Each.TANGENTIAL_COS]
+    first[1].imag = -tangential_unit * cycles[Each.TANGENTIAL_SIN]
+    normal, tangential = normal_unit * cycles[Each.NORMAL], tangential_unit * cycles[Each.TANGENTIAL]
+    return MeanForces(normal, tangential, *first, cycles)
 
 
 @compiled
@@ -410,11 +413,11 @@ def cycle(problem, h, v, rule, work):
     {
         "problem.paths.height": "n", "problem.paths.normal_cos": "n", "v": "n", "rule.node": "q", "rule.weight": "q",
         "work.path.normal_cos": "1", "work.force.normal_cos": "1", "work.means": "3", "work.counts": "3",
-        "work.nodes.cos": "1 q | 1 1", "out": "n 8",
+        "work.nodes.cos": "1 q | 1 1", "out": "8 n",
     },
 )  # fmt: skip
 def contact_cycles(problem, h, v, rule, work, out):
-    """Fill the columns `Each` of every contact by itself, in a cycle of a slider without fast motion; return 0.
+    """Fill the rows `Each` for every contact by itself, in a cycle of a slider without fast motion; return 0.
 
     `v`: mean velocity for each contact, so that contacts with another limit X = c z can be given in units of their own;
     `rule`: as in `cycle`, or `cycle_pieces.CLOSED` for flat contacts with Coulomb's friction; `work`: a `Cycle` of one
@@ -435,16 +438,19 @@ def contact_cycles(problem, h, v, rule, work, out):
             e,
         )
         path = Path(approach(paths, i, 0.0, Coordinates(-h, 0.0)), v[i], wave, reach, 0.0)
-        row, half = out[i], _add_contact(problem, path, rule, work)
-        row[Each.NORMAL], row[Each.TANGENTIAL] = means[Mean.NORMAL] / TURN, means[Mean.TANGENTIAL] / TURN
+        half = _add_contact(problem, path, rule, work)
+        out[Each.NORMAL, i], out[Each.TANGENTIAL, i] = (
+            means[Mean.NORMAL] / TURN,
+            means[Mean.TANGENTIAL] / TURN,
+        )
         cos, sin = force.normal_cos[0] / np.pi, force.normal_sin[0] / np.pi
-        row[Each.NORMAL_COS], row[Each.NORMAL_SIN] = cos * co - sin * si, cos * si + sin * co
+        out[Each.NORMAL_COS, i], out[Each.NORMAL_SIN, i] = cos * co - sin * si, cos * si + sin * co
         cos, sin = force.tangential_cos[0] / np.pi, force.tangential_sin[0] / np.pi
-        row[Each.TANGENTIAL_COS], row[Each.TANGENTIAL_SIN] = cos * co - sin * si, cos * si + sin * co
-        row[Each.SHARE] = half / np.pi
-        row[Each.FRICTION] = means[Mean.FRICTION] / TURN
+        out[Each.TANGENTIAL_COS, i], out[Each.TANGENTIAL_SIN, i] = cos * co - sin * si, cos * si + sin * co
+        out[Each.SHARE, i] = half / np.pi
+        out[Each.FRICTION, i] = means[Mean.FRICTION] / TURN
         if rule.weight.size > 0:
-            row[Each.FRICTION] = 0.5 * (cos * e - sin * d) - row[Each.TANGENTIAL] * v[i]
+            out[Each.FRICTION, i] = 0.5 * (cos * e - sin * d) - out[Each.TANGENTIAL, i] * v[i]
     return 0
 
 

@@ -107,15 +107,14 @@ class PillarCycle:
         problem, rule, work = self._cycles
         c, (u_z, u_x) = self.limit_slope, (each[self.row] for each in self.amplitudes())
         unit = max(float(np.max(np.abs(approach))), float(np.max(np.abs(u_z))), 1e-300)
-        along = u_x / c
-        for path, part in zip(
-            problem.paths, (approach, u_z.real, -u_z.imag, along.real, -along.imag), strict=True
-        ):
+        for path, part in zip(problem.paths[:3], (approach, u_z.real, -u_z.imag), strict=True):
             np.divide(part, unit, out=path)
+        for path, part in zip(problem.paths[3:], (u_x.real, -u_x.imag), strict=True):
+            np.divide(part, c * unit, out=path)
         velocities = np.full(self.x.size, -1e-300) if w == 0.0 and side < 0.0 else float(w) / (c * unit)
-        out, force = np.empty((self.x.size, len(Each))), float(load(unit, self.shape))
+        out, force = np.empty((len(Each), self.x.size)), float(load(unit, self.shape))
         contact_cycles(problem, 0.0, velocities, rule, work, out)
-        out[:, Each.FRICTION] *= force * unit * c**2
+        out[Each.FRICTION] *= force * unit * c**2
         return forces_of(out, self.k_n * force, self.k_t * force * c)
 
     def advance(self, forces: MeanForces, slope=None) -> float:

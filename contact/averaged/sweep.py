@@ -153,7 +153,7 @@ def mean_forces(slider: Slider, orbits: Orbit | tuple[Orbit, ...], motion: MeanM
     listed = as_orbits(orbits)
     problem = scaled(slider, listed, direction=1.0, start=0.0)
     each, velocities = (
-        np.empty((len(listed), len(Each))),
+        np.empty((len(Each), len(listed))),
         np.full(len(listed), motion.first_order / problem.speed),
     )
     work, rule = cycle_arrays(1, FINE_NODES), quadrature(FINE_NODES)
