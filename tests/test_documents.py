@@ -48,8 +48,10 @@ TOOLS = (
 )
 # tutorials whose steps tests/studies/test_lab.py, test_positioning.py and test_export_motor.py take on small motors
 SLOW_DOCUMENTS = ("studies/lab/README.md", "studies/motor/README.md")
-# commands whose study, field and measurement test_studies.py, test_view.py and test_measured.py have on small motors
+# commands whose study, field, measurement and bands test_studies.py, test_view.py, test_measured.py and
+# test_uncertain.py have on small motors
 LONG = (
+    "--set uncertain.slider.preload",
     "sawmotor study reflector",
     "sawmotor view results/my-motor",
     "sawmotor run reflector",

@@ -30,8 +30,11 @@ from contact.stepping.time_stepping import steps
 
 # Method "auto" uses the event-driven method up to this number of cycles, whatever the tolerance.
 EXACT_CYCLES = 3000
-# rounding error of the velocity per cycle of the event-driven method, relative to the reference speed
-ROUNDING = 1e-15
+# Rounding errors of the velocity in the event-driven method. DRIFT: per cycle, relative to the reference speed.
+# SCATTER: over the root of the number of segments, in units of `Problem.speed`; segments add and subtract lengths of
+# order one, so that a wave with little u_x leaves few digits. Against runs of 20 nodes the error was up to 4e-16 in 140
+# of 150 draws of `tests/contact/aimed.py` at 1e-10, and within twice the stated one in all.
+DRIFT, SCATTER = 1e-15, 4e-16
 # If another method misses the tolerance, the exact method takes over up to this number of cycles (about 10 s).
 MAX_EXACT_CYCLES = 100_000
 # The errors of the other methods are calibrated by the exact method in this many first cycles of a burst.
@@ -172,7 +175,10 @@ def _exact(burst):
 
     def error(level, run, difference, reference):
         # two runs may agree by chance: the error is never taken below that of the segments' truncation
-        return max(difference, 3e-6 * ORDERS[level][1] * reference) + ROUNDING * burst.cycles * reference
+        rounding = DRIFT * burst.cycles * reference + SCATTER * math.sqrt(
+            burst.cycles * burst.problem.segments
+        )
+        return max(difference, 3e-6 * ORDERS[level][1] * reference) + rounding
 
     for least in range(1, len(ORDERS)):
         try:

@@ -38,7 +38,10 @@ def surface_permittivity(solid: Solid, surface: str = "vacuum") -> float:
     ``solid``: piezoelectric, in the stator's frame, its losses ignored; ``surface``: "vacuum", with the vacuum above,
     or "open", the solid alone.
     """
-    body = medium(solid, fields(solid), lossy=False)
+    coupled = fields(solid)
+    if "phi" not in coupled:  # it couples to u_y, as along the fingers in ST-X quartz
+        coupled = ("uy", "phi")
+    body = medium(solid, coupled, lossy=False)
     impedance = SurfaceImpedance(body, "vacuum")
     full = impedance._full(0.0)
     moves = impedance.displaced

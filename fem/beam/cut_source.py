@@ -127,14 +127,17 @@ class CutSource:
         backward = np.array([np.mean(each.wavenumbers[each.surface & ~each.right]) for each in poles])
         return np.where(np.asarray(lateral) < 0, -backward[which], forward[which])
 
-    def branches(self, reach: float, distance: float, _resolved: float, mirror_width) -> Iterator[Branch]:
+    def branches(
+        self, reach: float, distance: float, _resolved: float, mirror_width, spacing: float = 1.0
+    ) -> Iterator[Branch]:
         """Waves to both sides, at the nodes of a rule for points with a lateral reach of at most ``reach`` (m)."""
         rounded = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # rounded up, so that few rules serve all points
         low, high = (each * self.wavenumber for each in FADE)
         floats = self.section.floating_potential
-        coarse_rule = {"cusp": True} if floats else {"coarser": COARSER, "max_tilt": TILTED}
+        own_rule = {"cusp": True} if floats else {"max_tilt": TILTED}
+        own_rule["coarser"] = spacing * (1.0 if floats else COARSER)
         narrow = NARROWER * low, NARROWER * high
-        rule = lateral_rule(self.wavenumber, rounded, (low, high), mirror_width, narrow=narrow, **coarse_rule)
+        rule = lateral_rule(self.wavenumber, rounded, (low, high), mirror_width, narrow=narrow, **own_rule)
         yield from self._lasting(rule, distance)
 
     def plane(self, _resolved: float) -> Iterator[Branch]:
@@ -191,7 +194,9 @@ class CutSource:
         kept = (~nearly_real | (right == (k.real > 0))) & (
             abs(k.imag) < LOCAL * self.wavenumber * unit / (2 * np.pi)
         )
-        kept &= np.where(right, k.imag, -k.imag) < allowed
+        # beyond the disc of the reduced basis there are no waves, but artefacts of the basis, which may grow
+        within = abs(k) < SIZES[1] * self.wavenumber * unit
+        kept &= np.where(right, k.imag, -k.imag) < np.where(within, allowed, 0.0)
         surface = np.zeros(len(k), dtype=bool)
         for side in (
             right,

@@ -108,14 +108,16 @@ class LineSource:
         return np.sqrt(np.mean(self.wavenumbers[self.surface]) ** 2 - np.square(lateral))
 
     def branches(
-        self, reach: float, distance: float, resolved: float, mirror_width: float | None
+        self, reach: float, distance: float, resolved: float, mirror_width: float | None, spacing: float = 1.0
     ) -> Iterator[Branch]:
         """Waves to both sides, for points at least ``distance`` from the charges and at most ``reach`` beside them (m).
 
-        Modes that decay by more than exp(-LOCAL) over the length ``resolved`` are omitted.
+        Modes that decay by more than exp(-LOCAL) over the length ``resolved`` are omitted.  ``spacing``: factor on the
+        distance of the nodes in k_y.
         """
         highest = float(np.sqrt((self.wavenumbers**2).real.max()))
-        rule = lateral_rule(highest, reach, evanescent(highest, max(distance, resolved)), mirror_width)
+        fade = evanescent(highest, max(distance, resolved))
+        rule = lateral_rule(highest, reach, fade, mirror_width, coarser=spacing)
         backward = self.wavenumbers.real < 0
         lasting = self._lasting(distance, resolved)
         for modes, contour in ((lasting & ~backward, rule), (lasting & backward, rule.conjugate)):

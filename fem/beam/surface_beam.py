@@ -48,6 +48,9 @@ COARSER_SHARE = 0.5
 CHUNK = 2000  # points for which distances or spectra are tabulated at a time, to limit memory
 # The field is computed on the whole grid of all x and y if that has at most this many points per requested point.
 FULL_GRID = 4
+# The spacing of the nodes in k_y is halved, at most MAX_HALVINGS times, while the rule with half of them differs by
+# more than UNCONVERGED of the motion: waves whose power leaves obliquely grow on the contour, the more the farther.
+UNCONVERGED, MAX_HALVINGS = 0.03, 4
 # Quadrature rules in k_y: all nodes, every second, every fourth, and one that ends at a smaller k_y.
 RULES = 4
 TINY = 1e-300  # avoids division by zero
@@ -196,8 +199,9 @@ class SurfaceBeam:
         """
         if self.coarser is None:
             return None
-        here = abs(self.motion(x, y)[2] if normal is None else normal)
-        return COARSER_SHARE * abs(abs(self.coarser.motion(x, y)[2]) - here) / here
+        here = self.motion(x, y)[2] if normal is None else normal
+        # the change of the complex amplitude: that of |u_z| vanishes at some points by accident
+        return COARSER_SHARE * abs((self.coarser.motion(x, y)[2] - here) / here)
 
     def unresolved(self, x: float, y: float) -> bool:
         """True if a point (m) lies beside fingers or within a wavelength of their ends and the source is a `CutSource`.
@@ -266,7 +270,7 @@ class SurfaceBeam:
         total = np.empty((RULES, 3, len(x)), dtype=complex)
         for number in set(group.tolist()):
             some = group == number
-            total[..., some] = self._modal(x[some], y[some], float(distance[some].min()))
+            total[..., some] = self._converged(x[some], y[some], float(distance[some].min()))
             if self.complete and number == 0:
                 total[..., some] += self._local(x[some], y[some])
         if self.mirror_width is None:
@@ -282,12 +286,25 @@ class SurfaceBeam:
         if not np.all(np.isfinite(y) & (abs(y) <= limit)):
             raise BeamError(f"y must be finite and lie between the side faces, +-{limit:g} m")
 
-    def _modal(self, x, y, distance: float) -> np.ndarray:
+    def _converged(self, x, y, distance: float) -> np.ndarray:
+        """`_modal` with as many nodes in k_y as the points need."""
+        for halvings in range(MAX_HALVINGS + 1):
+            rules = self._modal(x, y, distance, 0.5**halvings)
+            size = abs(rules[0]).max(axis=0)
+            if np.all(
+                abs(rules[0] - rules[1]).max(axis=0) <= UNCONVERGED * np.maximum(size, 0.1 * size.max())
+            ):
+                break
+        return rules
+
+    def _modal(self, x, y, distance: float, spacing: float) -> np.ndarray:
         """Sum of the modes at points no nearer than ``distance`` to any charge, shape (RULES, 3, points)."""
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
         total = np.zeros((RULES, 3, len(x)), dtype=complex)
-        for branch in self.source.branches(self._reach(y), distance, self._resolved, self.mirror_width):
+        for branch in self.source.branches(
+            self._reach(y), distance, self._resolved, self.mirror_width, spacing
+        ):
             total += self._inverse(
                 branch,
                 lambda spectra, branch=branch: _sent(self._nodes, branch, places, spectra),

@@ -353,6 +353,15 @@ def test_bad_input_is_refused(given, sentence):
         grid(2, 2, **given)
 
 
+def test_a_load_far_above_the_surface_that_lifts_a_side_is_refused():
+    low = grid(10, 5, tilt="pitch", load_height=1e-4)
+    assert not pillar_motion(low, wave(), load=5e-3, loading=False).held
+    with pytest.raises(
+        ValueError, match=r"load_height must keep .* load of 0.005 N within .* side at (larger|smaller) x"
+    ):
+        pillar_motion(replace(low, load_height=1e-2), wave(), load=5e-3, loading=False)
+
+
 def test_a_wave_that_is_loaded_needs_its_compliance_and_width():
     with pytest.raises(ValueError, match=r"wave.strip_width is required"):
         wave(strip_width=None)

@@ -54,8 +54,9 @@ def studied(tmp_path_factory):
     def run(name: str) -> Studied:
         folder = tmp_path_factory.mktemp("studies") / name
         takes_scene = "scene" in signature(module(name).run).parameters
-        # a stator for each of the numbers of a sensitivity is slow; a reflector needs a piece
-        others = {"sensitivity": "twente-contact", "reflector": "reflector"}
+        # a stator for each of the numbers of a sensitivity, and its band for a position loop, are slow
+        others = dict.fromkeys(("sensitivity", "positioning"), "twente-contact")
+        others |= {"reflector": "reflector"}  # needs a piece
         scene = others.get(name, str(SMALL))
         words = ["study", name, *([scene] if takes_scene else []), "--quick", "--out", str(folder)]
         out, err = io.StringIO(), io.StringIO()

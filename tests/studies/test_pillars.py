@@ -230,6 +230,7 @@ def test_a_bad_file_is_refused(tmp_path, text, sentence):
         ({"wave": {"wavelength": None}}, "wave.wavelength is required and missing"),
         ({"tilt": "free", "preload_at": [0.0, 1e-3]}, "preload_at must lie .* side at smaller y lifts"),
         ({"load": 0.5}, "slider.load must be at most .* its stall"),
+        ({"load": 0.01, "tilt": "pitch", "load_height": 0.01}, "slider.load_height must keep .* side at .* lifts"),
         ({"law": "hysteretic"}, 'slider.law must be "elastic"'),
         ({"method": "exact"}, 'slider.method must be "auto" or "averaged"'),
         ({"pillars": {"diameter": None}}, "slider.pillars.diameter is required and missing"),

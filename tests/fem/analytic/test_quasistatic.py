@@ -46,6 +46,14 @@ def test_permittivity_of_known_cuts(name, orientation, published):
     assert surface_permittivity(solid) / VACUUM_PERMITTIVITY == pytest.approx(published, rel=0.03)
 
 
+def test_permittivity_where_only_u_y_couples():
+    """Poled along y: without traction u_y = -e15 phi / c44, so eps11 + e15^2 / c44."""
+    ceramic = material("PZT-4")
+    turned = rotated(ceramic, (0.0, 90.0, 0.0))
+    expected = ceramic.permittivity[0, 0] + ceramic.coupling[0, 4] ** 2 / ceramic.stiffness[3, 3]
+    assert surface_permittivity(turned, "open") == pytest.approx(expected, rel=1e-10)
+
+
 def test_strips_as_wide_as_the_gaps_have_simple_charges():
     """4 / (pi (1 - 4 n^2))."""
     n = np.arange(12)

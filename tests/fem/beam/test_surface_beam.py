@@ -153,6 +153,16 @@ def test_error_estimate_covers_the_rule(lossy, monkeypatch):
     assert np.all(abs(after - before).max(axis=0) <= np.maximum(stated, 1e-12) * abs(after).max(axis=0))
 
 
+def test_nodes_in_k_y_are_added_until_the_motion_is_resolved(lossy, monkeypatch):
+    points = lossy.charges[0].x[-1] + np.array([2e-3, 12e-3]), np.array([0.0, 6e-3])
+    before = lossy.motion(*points)
+    monkeypatch.setattr("fem.beam.lateral.SPACING", 2.5)
+    after = lossy.motion(*points)
+    assert abs(after - before).max() < 1e-3 * abs(before).max()
+    monkeypatch.setattr("fem.beam.surface_beam.MAX_HALVINGS", 0)
+    assert abs(lossy.motion(*points) - before).max() > 1e-2 * abs(before).max()
+
+
 @pytest.mark.slow
 def test_between_and_under_the_fingers():
     """With a wide aperture the field of the charges is the section's there too."""
