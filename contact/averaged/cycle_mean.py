@@ -92,7 +92,7 @@ def forces_of(cycles, normal_unit, tangential_unit) -> MeanForces:
     first[1].real = tangential_unit * cycles[Each.TANGENTIAL_COS]
     first[1].imag = -tangential_unit * cycles[Each.TANGENTIAL_SIN]
     normal, tangential = normal_unit * cycles[Each.NORMAL], tangential_unit * cycles[Each.TANGENTIAL]
-    return MeanForces(normal, tangential, *first, cycles)
+    return MeanForces(normal, tangential, first[0], first[1], cycles)
 
 
 @compiled
