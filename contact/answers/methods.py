@@ -147,6 +147,7 @@ class Burst(NamedTuple):
     stride: int
     tolerance: float
     envelope: np.ndarray
+    bend: float = 0.0  # `Envelope.bend`
 
     @property
     def inner(self) -> int:
@@ -243,7 +244,11 @@ def _stepped(burst):
     def error(level, run, difference, reference):
         # a single difference may vanish by chance, since events fall anywhere in a step: compare the largest of many
         estimate = difference / gain(level) + FLOOR * STEPS[level][1] * reference
-        return window.error(estimate, run[0][-1], lambda: in_window(level)) if reference > 0.0 else 0.0
+        if reference == 0.0:
+            return 0.0
+        # friction changes the velocity by at most `a_cycle` in a cycle, and by about this times a change of the factor
+        a_cycle = 2.0 * math.pi * burst.problem.friction * burst.problem.preload
+        return window.error(estimate, run[0][-1], lambda: in_window(level)) + burst.bend * a_cycle
 
     level, (_, state, rows), result = _refined(burst, follow, error, STEPS, _serving_steps(burst)[1])
     start.state[:] = state

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fem.block_matrix import block_diagonal
 from fem.circuit import Drive
 from fem.condense.column import ELECTRODES
 from fem.condense.mesh import MeshedPiece
@@ -170,8 +171,7 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
 def _projected_halves(pairs: list[tuple], bases, width: float, both: bool) -> HalfCell:
     gap, finger = bases
     rising_frame, falling_frame = (
-        _block_diagonal(left, right, np.eye(len(ELECTRODES)))
-        for left, right in ((gap, finger), (finger, gap))
+        block_diagonal(left, right, np.eye(len(ELECTRODES))) for left, right in ((gap, finger), (finger, gap))
     )
     rising, falling = (
         np.stack([np.vstack([frame.T @ half[:-1], half[-1:]]) @ frame for half in halves])
@@ -179,12 +179,3 @@ def _projected_halves(pairs: list[tuple], bases, width: float, both: bool) -> Ha
     )
     falling = falling if both else None
     return HalfCell(rising=rising, falling=falling, width=width)
-
-
-def _block_diagonal(*blocks: np.ndarray) -> np.ndarray:
-    out = np.zeros(np.sum([each.shape for each in blocks], axis=0))
-    row = column = 0
-    for each in blocks:
-        out[row : row + len(each), column : column + each.shape[1]] = each
-        row, column = row + len(each), column + each.shape[1]
-    return out

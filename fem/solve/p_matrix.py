@@ -21,6 +21,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from fem.block_matrix import block_diagonal
 from fem.convergence_error import refuse_above
 from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
@@ -247,17 +248,12 @@ class ScaledWaves:
     @property
     def arriving(self) -> np.ndarray:
         """Amplitudes of the modes incident from the left, then from the right, for unit waves."""
-        return _block_diagonal(self.right, self.left)
+        return block_diagonal(self.right, self.left)
 
     def leaving(self, segments: tuple[tuple[SegmentWaves, ...], ...]) -> np.ndarray:
         """Waves that leave a row to the left, then to the right, by excitation."""
         amplitudes = [segments[0][-1].left[self.modes], segments[-1][0].right[self.modes]]
-        return np.linalg.solve(_block_diagonal(self.left, self.right), np.concatenate(amplitudes))
-
-
-def _block_diagonal(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    nothing = np.zeros((len(first), second.shape[1]))
-    return np.block([[first, nothing], [nothing.T, second]])
+        return np.linalg.solve(block_diagonal(self.left, self.right), np.concatenate(amplitudes))
 
 
 def waves_of(modes: GuidedModes, indices: np.ndarray, per_area: float) -> ScaledWaves:
