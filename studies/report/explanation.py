@@ -23,7 +23,7 @@ from studies.scene import Scene
 
 TIME_WITHIN, MEMORY_WITHIN = 3.0, 2.0  # observed factors between prediction and measurement
 SPEED = 2.5e10  # real operations per second of the stator's linear algebra on one x86_64 core of 2026
-START, COMPILE = 0.18, 15.0  # s: imports; compilation of the contact contact.kernels if they are not cached
+START, COMPILE = 0.18, 15.0  # s: imports; compilation of the contact kernels if they are not cached
 # Time of a point with one contact in s, and exponent of the number of contacts. Measured: 1, 4, 16 and 64 balls take
 # 0.05, 0.04, 0.4 and 6 s.
 POINT, CONTACTS = 0.02, 1.2
