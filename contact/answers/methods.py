@@ -155,7 +155,7 @@ class Burst(NamedTuple):
     @property
     def inner(self) -> int:
         """Number of cycles between two compared rows, a divisor of `stride`."""
-        return _divisor(self.stride, max(1, self.cycles // (2 * COMPARED)))
+        return largest_divisor(self.stride, max(1, self.cycles // (2 * COMPARED)))
 
     @property
     def every(self) -> int:
@@ -275,7 +275,7 @@ def _at_rest(burst):
     return rest(burst.slider, burst.orbits, burst.problem, nodes=16, truncation=1e-12, factor=factor)
 
 
-def _divisor(number, most):
+def largest_divisor(number, most):
     """Return the largest divisor of a number that is at most `most`."""
     return next(d for d in range(min(number, most), 0, -1) if number % d == 0)
 

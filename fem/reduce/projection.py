@@ -16,13 +16,22 @@ from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes
 from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
-from fem.reduce.basis import WALL_WIDTH, ReducedSection, bases_of, containing, parity_groups, snapshots
+from fem.reduce.basis import (
+    WALL_WIDTH,
+    ReducedSection,
+    bases_of,
+    containing,
+    even_rows,
+    parity_groups,
+    snapshots,
+)
 from fem.reduce.model import HalfCell, ReducedModel
 from fem.reduce.piece_band import piece_of_row
-from fem.results.solution import Solution
+from fem.results.solution import Solution, driven_solution
 from fem.threads import side_by_side
 from fem.waveguide.ends import end_pieces
 from fem.waveguide.modes import guided_modes
+from fem.waveguide.port_fields import joined_fields
 from fem.waveguide.row import PieceRow
 
 PIECE_SHARE = 0.3  # of the tolerance, for the interpolation of meshed pieces
@@ -103,10 +112,16 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
             walls = np.stack([ends.matrix(side) for side in (0, 1)])
         if index in solved:
             modes = guided_modes(section, frequency)
-            amplitude = AMPLITUDE_SHARE * problem.tolerance
-            *fields, solution = snapshots(
-                stator, transducers, modes, halves, row, condensed, problem.drive, amplitude
+            port_fields = joined_fields(
+                stator,
+                transducers,
+                even_rows(make, transducers, lambda shape: make.joined(*halves[shape], 0)),
+                modes=modes,
+                resolution=resolution,
+                pieces=row.arranged(condensed, modes),
             )
+            fields = snapshots(port_fields, halves, AMPLITUDE_SHARE * problem.tolerance)
+            solution = driven_solution(port_fields, problem.drive)
         matrices = {
             shape: tuple(
                 np.vstack([half.matrix, finger_moment(half, side)]) for side, half in enumerate(pair)

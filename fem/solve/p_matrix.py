@@ -128,9 +128,9 @@ def p_matrix(
     row = replace(transducer, center=length / 2, termination="open")
 
     def at_level(resolution: Resolution) -> PMatrix:
-        return _on_level(alone, row, frequency, resolution, every_mode)
+        return p_matrix_on_level(alone, row, frequency, resolution, every_mode)
 
-    refined = refine_stator(stator, at_level, differences=_difference, tolerance=tolerance)
+    refined = refine_stator(stator, at_level, differences=matrix_difference, tolerance=tolerance)
     result = replace(refined.answer, relative_error=refined.errors[0])
     refuse_above(result.relative_error, tolerance, "the P-matrix is", reached=result)
     return result
@@ -170,7 +170,7 @@ def cascade_admittance(parts: Sequence[PMatrix], distances: Sequence[float]) -> 
     return np.diag([part.admittance for part in parts]) + np.array(detected)
 
 
-def _on_level(
+def p_matrix_on_level(
     stator: Stator, transducer: Transducer, frequency: float, resolution: Resolution, every_mode: bool
 ) -> PMatrix:
     """P-matrix on one discretisation of a lone transducer between absorbing ends."""
@@ -292,7 +292,8 @@ def waves_of(modes: GuidedModes, indices: np.ndarray, per_area: float) -> Scaled
     return ScaledWaves(section_modes=modes, modes=indices, right=right * share, left=left / share)
 
 
-def _difference(fine: PMatrix, coarse: PMatrix) -> tuple[float]:
+def matrix_difference(fine: PMatrix, coarse: PMatrix) -> tuple[float]:
+    """Return the largest relative difference of two P-matrices in a tuple, 1 where they have other modes."""
     if len(fine.wavenumbers) != len(coarse.wavenumbers):
         return (1.0,)
     differences = [abs(fine.scattering - coarse.scattering).max()]

@@ -23,7 +23,7 @@ from studies.scene import Scene
 
 TIME_WITHIN, MEMORY_WITHIN = 3.0, 2.0  # observed factors between prediction and measurement
 SPEED = 2.5e10  # real operations per second of the stator's linear algebra on one x86_64 core of 2026
-START, COMPILE = 0.18, 15.0  # s: imports; compilation of the contact contact.kernels if they are not cached
+START, COMPILE = 0.18, 15.0  # s: imports; compilation of the contact kernels if they are not cached
 # Time of a point with one contact in s, and exponent of the number of contacts. Measured: 1, 4, 16 and 64 balls take
 # 0.05, 0.04, 0.4 and 6 s.
 POINT, CONTACTS = 0.02, 1.2
@@ -119,12 +119,12 @@ def announced(expected: float, more: str = "") -> tuple[str, ...]:
 
     Examples
     --------
-    >>> announced(59.0), announced(600.0)
-    ((), ('expected time: about 10 minutes, within a factor of 3',))
+    >>> announced(59.0), announced(6000.0)
+    ((), ('expected time: about 100 minutes, within a factor of 3',))
     """
     if expected < MINUTE:
         return ()
-    hours = f"{expected / 3600:.2g} hours" if expected > 2 * 3600 else f"{expected / MINUTE:.2g} minutes"
+    hours = f"{expected / 3600:.2g} hours" if expected > 2 * 3600 else f"{expected / MINUTE:.0f} minutes"
     return (f"expected time: about {hours}, within a factor of {TIME_WITHIN:g}{more}",)
 
 

@@ -10,11 +10,22 @@ from pathlib import Path
 
 import pytest
 
+import fem
 from studies.__main__ import main
 from studies.scene import Scene
 from studies.study import module
+from tests.studies.solved_once import solved_once
 
 SMALL = Path(__file__).parent / "scenes" / "small.toml"  # a whole motor whose stator costs a second
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _fields_are_solved_once():
+    """Let tests that ask for the same field share its solution."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("driven_wave", "frequency_band"):
+            patch.setattr(fem, name, solved_once(getattr(fem, name)), raising=False)
+        yield
 
 
 @dataclass(frozen=True)

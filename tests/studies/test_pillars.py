@@ -407,6 +407,14 @@ def test_sweeps_are_runs_at_other_values(tmp_path):
     assert found["velocity_m_per_s"][0] > found["velocity_m_per_s"][1]
 
 
+def test_a_page_states_the_limits_of_pillars():
+    from studies.report.page import report
+
+    page = report(run(scene()))
+    assert "averaged over a cycle of the wave: no bounce" in page
+    assert "The balls are rigid" not in page
+
+
 def test_a_datasheet_and_a_load_line_are_those_of_the_pillars():
     from studies.motor import load_line
     from studies.report.datasheet import datasheet
