@@ -114,12 +114,12 @@ def lateral_rule(
     )
 
 
-def wavenumber_along(wavenumbers: np.ndarray, lateral: np.ndarray) -> np.ndarray:
+def wavenumber_along(wavenumbers: complex | np.ndarray, lateral: np.ndarray) -> np.ndarray:
     """Wavenumbers along x, kappa = (k^2 - k_y^2)^(1/2), of modes that run to the right.
 
     Parameters
     ----------
-    wavenumbers : ndarray
+    wavenumbers : complex or ndarray
         k at k_y = 0; Re k < 0 for backward modes, whose phase runs to the left.
     lateral : ndarray
         k_y in the same unit, broadcast against k.
