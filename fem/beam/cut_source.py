@@ -186,6 +186,10 @@ class CutSource:
     def _poles(self, k, shapes, left, carried, expected: complex, allowed: float) -> _Poles:
         """Select the forward modes that are not local, and identify the surface wave among them.
 
+        A mode is right-going if its power flows to the right or, if it hardly propagates, if it decays to the right.
+        The field of a unit charge is sum_p v_p (l_p . e) / (k - k_p) (module docstring): ``column`` of the result has
+        u of v_p times phi of l_p.  ``row`` has phi of v_p times u of l_p, the transposed response.
+
         The modes have wavenumbers ``k``, ``shapes``, left shapes ``left`` at the surface (4, m) and powers ``carried``.
         ``expected``: wavenumber of the surface wave at the k_y before; ``allowed``: largest growth in the direction of
         the power, radians per length unit.
