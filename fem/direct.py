@@ -12,7 +12,6 @@ from functools import partial
 
 import numpy as np
 
-from fem.condense.sparse import sparse_solution
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.element_matrices import scikit_fem_derivatives
 from fem.discretize.grading import Resolution, edge_layers, graded
@@ -23,6 +22,10 @@ from fem.materials import fields
 from fem.materials.medium import Medium, medium, units
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.port_fields import charge_admittances, electrode_potentials, transducer_ports
+
+MATRIX_TYPE = 6  # of Pardiso: complex symmetric
+# Raised without pypardiso, without MKL, or by another version of pypardiso's private interface
+MISSING = (ImportError, AttributeError, TypeError, OSError)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -269,3 +272,33 @@ def _reduced_solution(system, basis, names, electrodes, held, wavelength, unit_p
         return np.stack([probes @ nodal[names.index(name) :: len(names)] for name in ("ux", "uz")])
 
     return _Strips(charges=charges, unknowns=len(free), surface=surface)
+
+
+def sparse_solution(matrix, load: np.ndarray) -> np.ndarray:
+    """Solve a sparse complex symmetric system (n, n) for loads (n, m), shape (n, m)."""
+    try:
+        return _pardiso_solution(matrix, load)
+    except MISSING:
+        from scipy.sparse.linalg import splu
+
+        symmetric = {"permc_spec": "MMD_AT_PLUS_A", "options": {"SymmetricMode": True}}
+        factor = splu(matrix.tocsc().astype(complex), diag_pivot_thresh=0.01, **symmetric)
+        return factor.solve(np.asarray(load, dtype=complex))
+
+
+def _upper(matrix):
+    from scipy.sparse import triu
+
+    upper = triu(matrix, format="csr").astype(complex)
+    upper.sort_indices()
+    return upper
+
+
+def _pardiso_solution(matrix, load: np.ndarray) -> np.ndarray:
+    """Solve with MKL Pardiso; the public ``solve`` of pypardiso takes float64 only."""
+    from pypardiso import PyPardisoSolver
+
+    solver = PyPardisoSolver(mtype=MATRIX_TYPE, phase=13)
+    answer = solver._call_pardiso(_upper(matrix), np.asfortranarray(load, dtype=complex))
+    solver.free_memory(everything=True)
+    return answer

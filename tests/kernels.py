@@ -1,5 +1,6 @@
 """Compile the contact's kernels ahead of the tests that need them: ``python -m tests.kernels PART``."""
 
+import gc
 import sys
 
 from contact import burst, mean_motion
@@ -28,4 +29,5 @@ def compile_part(part: str) -> None:
 
 
 if __name__ == "__main__":
+    gc.disable()  # a tenth of the time
     compile_part(sys.argv[1])

@@ -8,7 +8,6 @@ block that is no whole scene.
 """
 
 import json
-import pickle
 import re
 import shlex
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ import fem
 from studies.__main__ import main
 from studies.command.parser import parser
 from studies.scene import Scene, shipped_scenes
+from tests.studies.solved_once import solved_once
 
 ROOT = Path(__file__).parents[1]
 DOCUMENTS = sorted(
@@ -48,8 +48,10 @@ TOOLS = (
 )
 # tutorials whose steps tests/studies/test_lab.py, test_positioning.py and test_export_motor.py take on small motors
 SLOW_DOCUMENTS = ("studies/lab/README.md", "studies/motor/README.md")
-# commands whose study, field and measurement test_studies.py, test_view.py and test_measured.py have on small motors
+# commands whose study, field, measurement and bands test_studies.py, test_view.py, test_measured.py and
+# test_uncertain.py have on small motors
 LONG = (
+    "--set uncertain.slider.preload",
     "sawmotor study reflector",
     "sawmotor view results/my-motor",
     "sawmotor run reflector",
@@ -147,17 +149,9 @@ def unprinted(block: Fenced, printed: str) -> list[str]:
 
 
 @pytest.fixture
-def solved_once(monkeypatch):
+def solved_fields(monkeypatch):
     """Let the commands of a document that ask for the same field get the same answer, solved once."""
-    solve, known = fem.driven_wave, {}
-
-    def answer(*given, progress=None, **options):
-        question = pickle.dumps((given, sorted(options.items())))
-        if question not in known:
-            known[question] = solve(*given, progress=progress, **options)
-        return known[question]
-
-    monkeypatch.setattr(fem, "driven_wave", answer, raising=False)
+    monkeypatch.setattr(fem, "driven_wave", solved_once(fem.driven_wave), raising=False)
 
 
 def has_long_commands(document: Path) -> bool:
@@ -177,7 +171,7 @@ CASES = [
 
 
 @pytest.mark.parametrize(("document", "whole"), CASES)
-def test_the_blocks_of_a_document_run(document, whole, tmp_path, monkeypatch, solved_once, capsys):
+def test_the_blocks_of_a_document_run(document, whole, tmp_path, monkeypatch, solved_fields, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "Agg")
     space: dict = {"__name__": "document"}

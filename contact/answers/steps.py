@@ -133,7 +133,15 @@ def step(
     )
     estimate = factor * abs(fine.displacement - coarse.displacement)
     shift = MEMORY_SHIFT * fine.ring if slider.law == "hysteretic" else 0.0
-    return replace(fine, error=estimate + LEAST_ERROR * scale + shift)
+    # what the cycles' linear factor leaves of the envelopes: friction changes v by at most `a_cycle` in a cycle
+    bend = 0.0
+    if envelope is not None:
+        bend += envelope.bend(cycles, listed[0].frequency)
+    if after is not None:
+        bend += after.bend(math.ceil(after.time[-1] * listed[0].frequency), listed[0].frequency)
+    a_cycle = slider.static_friction(len(listed)) / slider.mass / listed[0].frequency
+    lasting = cycles / listed[0].frequency + fine.stopping_time
+    return replace(fine, error=estimate + LEAST_ERROR * scale + shift + bend * a_cycle * lasting)
 
 
 class _Level(NamedTuple):
@@ -284,7 +292,9 @@ def _stopped(slider, motion):
     phase, last, quiet = 0.0, 0.0, 0
     now = settled = float(still.state[3:] @ share - spring)
     ring, lowest, farthest = 0.0, np.full(contacts, math.inf), np.zeros(contacts)
-    while quiet < (QUIET_SPANS if _surely_sticks(problem, share, lowest, farthest) else UNSURE_SPANS):
+    while quiet < QUIET_SPANS or (
+        quiet < UNSURE_SPANS and not _surely_sticks(problem, share, lowest, farthest)
+    ):
         span = 0.5 * period if phase >= brake else max(0.5 * period, 0.25 * brake)
         at = phase + span * np.arange(1, 33) / 32
         still.tally[:] = 0

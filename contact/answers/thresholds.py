@@ -34,6 +34,7 @@ or slips. All other factors keep the error of averaging (`AVERAGING_ERROR`).
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -144,6 +145,7 @@ def _by_full_motion(slider, orbits, first, margins=None):
         return averaged
 
     def root(samples, which):
+        @cache
         def margin(factor):
             problem = scaled(slider, tuple(o.scaled(factor) for o in orbits), direction=1.0, start=0.0)
             motion = normal_motion(problem, riding_approach(problem), samples)

@@ -141,8 +141,10 @@ def burst(
     stride = max(1, round(cycles / max(1.0, samples * share)))
     side, driven = towards_plus(listed)
     problem = rest_problem(slider, driven)
-    shape = envelope.at(np.arange(cycles + 1) / frequency) if envelope is not None else np.empty(0, complex)
-    asked = Burst(slider, driven, problem, cycles, stride, tolerance, shape)
+    shape, bend = np.empty(0, complex), 0.0
+    if envelope is not None:
+        shape, bend = envelope.at(np.arange(cycles + 1) / frequency), envelope.bend(cycles, frequency)
+    asked = Burst(slider, driven, problem, cycles, stride, tolerance, shape, bend)
     result, method, reasons = run(method, asked)
     (motion, rows), statistics = result.run, result.statistics
     end = side * float(motion.state[At.VELOCITY]) * problem.speed

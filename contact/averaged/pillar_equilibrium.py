@@ -62,7 +62,8 @@ class Equilibrium:
     def __init__(self, cycle: PillarCycle):
         pillars, wave = cycle.pillars, cycle.wave
         self.cycle = cycle
-        self.load = 0.0  # load on the slider, N
+        # load on the slider, N, and place (x, y) at which it and the preload act together, m
+        self.load, self.preload_at = 0.0, pillars.preload_at
         self.preload, self.friction = pillars.preload, pillars.friction_coefficient * pillars.preload
         stiffness = float(np.sum(cycle.weight * cycle.k_n))
         rest = float(approach(self.preload / stiffness, cycle.shape))
@@ -124,11 +125,10 @@ class Equilibrium:
         forces = cycle.forces(self.place, w, side)
         self.forces, P = forces, cycle.weight * forces.normal
         self.traction = float(np.sum(cycle.weight * forces.tangential))
-        at_x = pillars.preload_at[0] - pillars.load_height * self.load / self.preload
-        moments = (
-            np.sum(P * cycle.x) - self.preload * at_x,
-            np.sum(P * cycle.y) - self.preload * pillars.preload_at[1],
-        )
+        moments = [
+            np.sum(P * place) - self.preload * at
+            for place, at in zip((cycle.x, cycle.y), self.preload_at, strict=True)
+        ]
         excess = self.traction - self.load - pillars.tangential_damping * w * cycle.wave.omega
         return np.array(
             [
@@ -176,7 +176,7 @@ class Equilibrium:
 
     def solve(self, load: float, w: float | None = None, side: float = 0.0) -> Balance:
         """Return the equilibrium under a load, or at a fixed velocity over omega if `w` is given."""
-        self.load = load
+        self.load, self.preload_at = load, self.cycle.pillars.preload_place(load)
         active = self.plane if w is not None else (*self.plane, SPEED)
         y = self.unknowns.copy()
         if w is not None:

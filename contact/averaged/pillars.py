@@ -121,13 +121,22 @@ class Pillars:
         for name, places in (("x", self.x), ("y", self.y))[: 1 if self.tilt == "pitch" else 2]:
             if np.ptp(places) == 0.0:
                 raise InputError("pillars.tilt", f'must be "held" where all pillars have the same {name}')
-        lifts = self.lifts(*self.preload_at)
-        if lifts:
-            where = f"({self.preload_at[0]:g}, {self.preload_at[1]:g}) m"
-            raise InputError(
-                "pillars.preload_at",
-                f"must lie within the pillars unless the tilt is held, got {where}: no equilibrium, the {lifts} lifts",
-            )
+        self.preload_place(0.0)
+
+    def preload_place(self, load: float) -> tuple[float, float]:
+        """Return where the preload acts together with a load in N along -x, m; raise if it lifts a side that may tilt.
+
+        A load at a height b above the surface shifts the place by -b load/preload.
+        """
+        x, y = self.preload_at
+        x -= self.load_height * load / self.preload
+        lifts = "" if self.tilt == "held" else self.lifts(x, y)
+        if not lifts:
+            return x, y
+        rest = f"within the pillars unless the tilt is held, got ({x:g}, {y:g}) m: no equilibrium, the {lifts} lifts"
+        if self.lifts(*self.preload_at):
+            raise InputError("pillars.preload_at", f"must lie {rest}")
+        raise InputError("pillars.load_height", f"must keep preload and load of {abs(load):.4g} N {rest}")
 
     def lifts(self, x: float, y: float) -> str:
         """Return which side lifts off under a force at (x, y), or an empty string where the pillars carry it."""

@@ -23,7 +23,7 @@ from fem.analytic.half_space import rayleigh
 from fem.geometry import Transducer
 from fem.materials import Solid
 
-__all__ = ["relative_amplitude", "stop_band_edges"]
+__all__ = ["leaving", "relative_amplitude", "stop_band_edges"]
 
 
 def stop_band_edges(metallisation: float) -> tuple[float, float]:
@@ -70,10 +70,10 @@ def relative_amplitude(
     length = transducer.finger_pairs * transducer.period
     detuning = 2 * np.pi * (np.asarray(frequency, dtype=float) / velocity - 1 / transducer.period) * length
     coupling = -np.pi * (odd - even) / velocity * length / transducer.period
-    return _leaving(detuning, coupling)
+    return leaving(detuning, coupling)
 
 
-def _leaving(detuning: np.ndarray, coupling: float) -> np.ndarray:
+def leaving(detuning: np.ndarray, coupling: float) -> np.ndarray:
     """Return |S(0)| for unit a V L; detuning and coupling times the length."""
     g = np.sqrt((detuning**2 - coupling**2).astype(complex))
     small = abs(g) < 1e-4

@@ -199,8 +199,9 @@ class SurfaceBeam:
         """
         if self.coarser is None:
             return None
-        here = abs(self.motion(x, y)[2] if normal is None else normal)
-        return COARSER_SHARE * abs(abs(self.coarser.motion(x, y)[2]) - here) / here
+        here = self.motion(x, y)[2] if normal is None else normal
+        # the change of the complex amplitude: that of |u_z| vanishes at some points by accident
+        return COARSER_SHARE * abs((self.coarser.motion(x, y)[2] - here) / here)
 
     def unresolved(self, x: float, y: float) -> bool:
         """True if a point (m) lies beside fingers or within a wavelength of their ends and the source is a `CutSource`.

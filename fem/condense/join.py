@@ -75,7 +75,6 @@ def joined(
         width=left.width + right.width,
         ports=left.ports,
         inside=Pair(left=left, right=right, middle=back),
-        floating_potential=left.floating_potential and right.floating_potential,
     )
 
 
@@ -93,11 +92,8 @@ def repeated(
         power = join(power, power)
 
 
-def with_ports(piece: FingerColumns, ports: list[int], *, floating: bool = False) -> FingerColumns:
-    """Return the piece with the potentials of the numbers ``ports`` alone; the other potentials are zero.
-
-    ``floating``: True if the potential inside is undetermined in a piece without any port.
-    """
+def with_ports(piece: FingerColumns, ports: list[int]) -> FingerColumns:
+    """Return the piece with the potentials of the numbers ``ports`` alone; the other potentials are zero."""
     numbers = np.array(ports, dtype=int)
     kept = np.append(np.arange(piece.at.ports.start), piece.at.ports.start + numbers)
 
@@ -112,7 +108,6 @@ def with_ports(piece: FingerColumns, ports: list[int], *, floating: bool = False
         width=piece.width,
         ports=tuple(piece.ports[number] for number in ports),
         inside=Restated(piece=piece, sides=own),
-        floating_potential=floating and not ports,
     )
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fem.block_matrix import block_diagonal
 from fem.condense.interface import line_projection
 from fem.condense.piece import Port
 from fem.discretize.quads import QuadSpace
@@ -85,6 +86,4 @@ class MeshUnknowns:
             numbers[interface], total = total + np.arange(len(interface)), total + len(interface)
         for electrode in self.wired:
             numbers[tied == electrode], total = total, total + 1
-        from scipy.linalg import block_diag  # a run without meshed pieces spares this import, 0.15 s
-
-        return numbers, block_diag(*projections, np.eye(len(self.ports)))
+        return numbers, block_diagonal(*projections, np.eye(len(self.ports)))

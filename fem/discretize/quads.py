@@ -82,10 +82,7 @@ class QuadSpace:
 
     def edge_values(self, along: np.ndarray) -> np.ndarray:
         """Values of an edge's functions, ordered as in `edge_numbers`, at positions in [0, 1]: (m, order + 1)."""
-        from skfem.element.element_line.element_line_pp import ElementLinePp
-
-        element, places = ElementLinePp(self.order), np.asarray(along, dtype=float)[None]
-        return np.stack([element.lbasis(places, index)[0] for index in range(self.order + 1)], axis=1)
+        return self._line_values(np.asarray(along, dtype=float))[0]
 
     def locate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Element that contains each point (m, 2), or -1, and the position of the point in its reference square."""

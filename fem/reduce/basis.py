@@ -15,10 +15,9 @@ from fem.condense.transducer import Condensation, FingerShape, fingers_in_row
 from fem.discretize.section import Section
 from fem.geometry import Transducer
 from fem.materials.medium import Medium
-from fem.results.solution import driven_solution
 from fem.waveguide.ends import Wall, end_reflection
 from fem.waveguide.modes import GuidedModes
-from fem.waveguide.port_fields import joined_fields
+from fem.waveguide.port_fields import PortFields
 
 # Width of the condensed layer at a free or clamped end, in wavelengths: too narrow for a resonance in the band
 WALL_WIDTH = 0.2
@@ -186,43 +185,47 @@ def _end_fields(modes: GuidedModes, ends: tuple, amplitude: float) -> list[np.nd
     return fields
 
 
-def snapshots(stator, transducers, modes, halves, row, condensed, drive, amplitude):
-    """Fields on the lines at mid-gap and at mid-finger, for every port and every incident mode; the driven solution.
+def snapshots(
+    fields: PortFields, halves: dict[FingerShape, tuple[FingerColumns, FingerColumns]], amplitude: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Fields on the lines at mid-gap and at mid-finger, for a voltage at every port and for every incident mode.
 
-    ``amplitude``: smallest relative amplitude that the basis must represent.
+    Parameters
+    ----------
+    fields : PortFields
+        Full solution of the stator at one frequency.
+    halves : dict
+        Half cells by the shape of their finger.
+    amplitude : float
+        Smallest relative amplitude that the basis must represent.
+
+    Returns
+    -------
+    gap_lines, finger_lines : ndarray, shape (n, fields)
+        Gap lines include those at the ends of the stator and on both sides of meshed pieces.
     """
-    section = modes.section
-    make = Condensation(section, modes.frequency)
-    pieces = even_rows(make, transducers, lambda shape: make.joined(*halves[shape], 0))
-    fields_of_ports = joined_fields(
-        stator,
-        transducers,
-        pieces,
-        modes=modes,
-        resolution=row.resolution,
-        pieces=row.arranged(condensed, modes),
-    )
-    network, volt = fields_of_ports.network, section.solid.potential_unit
-    gaps, fingers = _end_fields(modes, network.ends, amplitude), []
+    modes, network, section = fields.modes, fields.network, fields.section
+    gap_lines: list[np.ndarray] = _end_fields(modes, network.ends, amplitude)
+    finger_lines: list[np.ndarray] = []
     shortest = np.diff(network.segments, axis=1).min()
     incident = np.flatnonzero(abs(np.exp(-1j * modes.wavenumbers * shortest)) > INCIDENT_SHARE * amplitude)
-    gaps += [modes.right[:, incident], modes.left[:, incident]]
-    for index, scatterer in enumerate(network.scatterers):
+    gap_lines += [modes.right[:, incident], modes.left[:, incident]]
+    for scatterer, own_sides, owner in zip(network.scatterers, fields.sides, fields.owners, strict=True):
         at = scatterer.at
         incoming = np.zeros((at.ports.start, 2 * len(incident)), dtype=complex)
         incoming[at.left, : len(incident)] = modes.right[:, incident]
         incoming[at.right, len(incident) :] = modes.left[:, incident]
         no_voltage = np.zeros((len(scatterer.potentials), incoming.shape[1]))
         scattered = np.concatenate([scatterer.sides(incoming, no_voltage), no_voltage])
-        together = np.hstack([scattered, volt * fields_of_ports.sides[index]])
-        owner = fields_of_ports.owners[index]
-        if owner is None:
-            gaps += [together[at.left], together[at.right]]
+        sides = np.hstack([scattered, section.solid.potential_unit * own_sides])
+        gap_lines.append(sides[at.right])
+        if owner is None or not isinstance(scatterer.piece, FingerColumns):  # a meshed piece
+            gap_lines.append(sides[at.left])
             continue
-        quarter = halves[FingerShape.of(transducers[owner], section.length_unit)][0].width
-        for count, (_, _, sides) in enumerate(lines(scatterer.piece, together, finest=1.001 * quarter)):
-            (fingers if count % 2 else gaps).append(sides[at.left])
-        gaps.append(together[at.right])
-    finger_lines = np.hstack(fingers)
-    finger_lines[section.surface_dofs["phi"]] = 0.0
-    return np.hstack(gaps), finger_lines, driven_solution(fields_of_ports, drive)
+        half_cell = halves[FingerShape.of(fields.transducers[owner], section.length_unit)][0].width
+        # left lines of all half cells: a cell begins in mid-gap, its second half in mid-finger
+        for number, (_, _, part) in enumerate(lines(scatterer.piece, sides, finest=1.001 * half_cell)):
+            (finger_lines if number % 2 else gap_lines).append(part[at.left])
+    on_fingers = np.hstack(finger_lines)
+    on_fingers[section.surface_dofs["phi"]] = 0.0  # the electrode's
+    return np.hstack(gap_lines), on_fingers

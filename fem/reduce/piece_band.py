@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fem.block_matrix import block_diagonal
 from fem.condense.mesh import MeshedPiece
 from fem.condense.mesh_field import MeshField
 from fem.condense.piece import Blocks
@@ -96,11 +97,8 @@ def piece_of_row(
     all propagating modes for an end.
     """
     assembly, basis = pieces[0].assembly, section.basis
-    n, r, lines, ports = len(basis), basis.shape[1], len(assembly.lines), len(assembly.ports)
-    frame = np.zeros((lines * n + ports, lines * r + ports))
-    for line in range(lines):
-        frame[line * n : (line + 1) * n, line * r : (line + 1) * r] = basis
-    frame[lines * n :, lines * r :] = np.eye(ports)
+    lines, ports = len(assembly.lines), len(assembly.ports)
+    frame = block_diagonal(*[basis] * lines, np.eye(ports))
     modes = guided_modes(section, sum(limits) / 2)
     incoming = [_incident(each, pieces[0], basis) for each in solutions if lines == 2]
 
@@ -115,7 +113,7 @@ def piece_of_row(
     return interpolated(
         pieces,
         frame,
-        r,
+        section.size,
         answers=fields_on_lines,
         frequencies=np.linspace(*limits, ROW_CHECKS),
         tolerance=tolerance,

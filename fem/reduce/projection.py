@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fem.block_matrix import block_diagonal
 from fem.circuit import Drive
 from fem.condense.column import ELECTRODES
 from fem.condense.mesh import MeshedPiece
@@ -15,13 +16,22 @@ from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes
 from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
-from fem.reduce.basis import WALL_WIDTH, ReducedSection, bases_of, containing, parity_groups, snapshots
+from fem.reduce.basis import (
+    WALL_WIDTH,
+    ReducedSection,
+    bases_of,
+    containing,
+    even_rows,
+    parity_groups,
+    snapshots,
+)
 from fem.reduce.model import HalfCell, ReducedModel
 from fem.reduce.piece_band import piece_of_row
-from fem.results.solution import Solution
+from fem.results.solution import Solution, driven_solution
 from fem.threads import side_by_side
 from fem.waveguide.ends import end_pieces
 from fem.waveguide.modes import guided_modes
+from fem.waveguide.port_fields import joined_fields
 from fem.waveguide.row import PieceRow
 
 PIECE_SHARE = 0.3  # of the tolerance, for the interpolation of meshed pieces
@@ -102,10 +112,16 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
             walls = np.stack([ends.matrix(side) for side in (0, 1)])
         if index in solved:
             modes = guided_modes(section, frequency)
-            amplitude = AMPLITUDE_SHARE * problem.tolerance
-            *fields, solution = snapshots(
-                stator, transducers, modes, halves, row, condensed, problem.drive, amplitude
+            port_fields = joined_fields(
+                stator,
+                transducers,
+                even_rows(make, transducers, lambda shape: make.joined(*halves[shape], 0)),
+                modes=modes,
+                resolution=resolution,
+                pieces=row.arranged(condensed, modes),
             )
+            fields = snapshots(port_fields, halves, AMPLITUDE_SHARE * problem.tolerance)
+            solution = driven_solution(port_fields, problem.drive)
         matrices = {
             shape: tuple(
                 np.vstack([half.matrix, finger_moment(half, side)]) for side, half in enumerate(pair)
@@ -170,8 +186,7 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
 def _projected_halves(pairs: list[tuple], bases, width: float, both: bool) -> HalfCell:
     gap, finger = bases
     rising_frame, falling_frame = (
-        _block_diagonal(left, right, np.eye(len(ELECTRODES)))
-        for left, right in ((gap, finger), (finger, gap))
+        block_diagonal(left, right, np.eye(len(ELECTRODES))) for left, right in ((gap, finger), (finger, gap))
     )
     rising, falling = (
         np.stack([np.vstack([frame.T @ half[:-1], half[-1:]]) @ frame for half in halves])
@@ -179,12 +194,3 @@ def _projected_halves(pairs: list[tuple], bases, width: float, both: bool) -> Ha
     )
     falling = falling if both else None
     return HalfCell(rising=rising, falling=falling, width=width)
-
-
-def _block_diagonal(*blocks: np.ndarray) -> np.ndarray:
-    out = np.zeros(np.sum([each.shape for each in blocks], axis=0))
-    row = column = 0
-    for each in blocks:
-        out[row : row + len(each), column : column + each.shape[1]] = each
-        row, column = row + len(each), column + each.shape[1]
-    return out

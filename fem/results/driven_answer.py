@@ -57,25 +57,10 @@ class SurfaceWave(Surface):
         """Voltage between the electrodes of the (first) driven transducer."""
         return self.circuit.voltage
 
-    @property
-    def power_input(self) -> float:
-        """Power from all sources in W per V^2, over the aperture of the (first) driven transducer."""
-        return self.circuit.power
-
     @cached_property
     def power(self) -> PowerBalance:
         """Where the power goes."""
         return self.balance()
-
-    @property
-    def power_dissipated(self) -> float:
-        """Power lost in the solid, an absorbing bottom and the other transducers' loads, W per V^2."""
-        return self.power.dissipated
-
-    @property
-    def power_radiated(self) -> float:
-        """Power radiated through the ends, W per V^2."""
-        return self.power.radiated
 
     @property
     def power_residual(self) -> float:

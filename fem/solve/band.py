@@ -163,12 +163,11 @@ def frequency_band(
     )
     placed = stator.placement
     steps = any(end is not None and is_step(end, stator.thickness) for end in placed.ends)
-    if steps or placed.whole is not None:
-        return _unreduced_band(problem)
+    attempt = _unreduced_attempt if steps or placed.whole is not None else _attempt
     level_share = (1 - REDUCTION_SHARE) * tolerance
     level_tolerance = tolerance
     for _ in range(MAX_ROUNDS):
-        band, level_error = _attempt(problem, level_tolerance)
+        band, level_error = attempt(problem, level_tolerance)
         if band.relative_error <= tolerance:
             return band
         if level_error <= level_share:
@@ -181,23 +180,11 @@ def frequency_band(
     )
 
 
-def _unreduced_band(problem: BandProblem) -> Band:
-    """Band without reduction, for a stator with a step of thickness or of a single mesh, which the model excludes."""
-    level_tolerance = problem.tolerance
-    for _ in range(MAX_ROUNDS):
-        band = _unreduced_attempt(problem, level_tolerance)
-        if band.relative_error <= problem.tolerance:
-            return band
-        level_tolerance *= 0.5 * problem.tolerance / band.relative_error
-    raise ConvergenceError(
-        f"the stator's surface motion in the band is known to {band.relative_error:.1e} only, "
-        f"{problem.tolerance:.1e} was asked for: ask for less, or solve one frequency at a time",
-        reached=band,
-    )
+def _unreduced_attempt(problem: BandProblem, level_tolerance: float) -> tuple[Band, float]:
+    """Band without reduced lines, for a step of thickness or a stator of one mesh, and its discretisation's error.
 
-
-def _unreduced_attempt(problem: BandProblem, level_tolerance: float) -> Band:
-    """Band on the finest of the discretisations that meet a tolerance at three of its frequencies."""
+    The discretisation is the finest of those that meet the tolerance at three frequencies.
+    """
     (low, high), drive, stator = problem.limits, problem.drive, problem.stator
     given = {"drive": drive, "tolerance": level_tolerance, "places": tuple(problem.places)}
     waves = [
@@ -217,13 +204,16 @@ def _unreduced_attempt(problem: BandProblem, level_tolerance: float) -> Band:
             [each if each.resolution == finest else model.port_fields(each.frequency) for each in fields]
         )
     growth = [max(1.0, worst / each / ESTIMATE_EXCESS) for each in here]
-    error = max(more * wave.relative_error for more, wave in zip(growth, waves, strict=True))
-    admittance_error = max(more * wave.admittance_error for more, wave in zip(growth, waves, strict=True))
-    if stator.placement.whole is not None and error <= problem.tolerance:
+    level_error, admittance_error = (
+        max(more * getattr(wave, name) for more, wave in zip(growth, waves, strict=True))
+        for name in ("relative_error", "admittance_error")
+    )
+    own = 0.0
+    if stator.placement.whole is not None and level_error <= problem.tolerance:
         potentials = waves[0].solution.fields.network.scatterers[0].potentials
         model, own = model.interpolated(potentials, problem.places, WHOLE_SHARE * problem.tolerance)
-        error, admittance_error = error + own, admittance_error + own
-    return Band(model=model, relative_error=error, admittance_error=admittance_error)
+    band = Band(model=model, relative_error=level_error + own, admittance_error=admittance_error + own)
+    return band, level_error
 
 
 def _closed_amplification(nodes: list[PortFields]) -> tuple[list[float], float]:

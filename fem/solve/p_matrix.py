@@ -21,6 +21,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from fem.block_matrix import block_diagonal
 from fem.convergence_error import refuse_above
 from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
@@ -127,9 +128,9 @@ def p_matrix(
     row = replace(transducer, center=length / 2, termination="open")
 
     def at_level(resolution: Resolution) -> PMatrix:
-        return _on_level(alone, row, frequency, resolution, every_mode)
+        return p_matrix_on_level(alone, row, frequency, resolution, every_mode)
 
-    refined = refine_stator(stator, at_level, differences=_difference, tolerance=tolerance)
+    refined = refine_stator(stator, at_level, differences=matrix_difference, tolerance=tolerance)
     result = replace(refined.answer, relative_error=refined.errors[0])
     refuse_above(result.relative_error, tolerance, "the P-matrix is", reached=result)
     return result
@@ -169,7 +170,7 @@ def cascade_admittance(parts: Sequence[PMatrix], distances: Sequence[float]) -> 
     return np.diag([part.admittance for part in parts]) + np.array(detected)
 
 
-def _on_level(
+def p_matrix_on_level(
     stator: Stator, transducer: Transducer, frequency: float, resolution: Resolution, every_mode: bool
 ) -> PMatrix:
     """P-matrix on one discretisation of a lone transducer between absorbing ends."""
@@ -247,17 +248,12 @@ class ScaledWaves:
     @property
     def arriving(self) -> np.ndarray:
         """Amplitudes of the modes incident from the left, then from the right, for unit waves."""
-        return _block_diagonal(self.right, self.left)
+        return block_diagonal(self.right, self.left)
 
     def leaving(self, segments: tuple[tuple[SegmentWaves, ...], ...]) -> np.ndarray:
         """Waves that leave a row to the left, then to the right, by excitation."""
         amplitudes = [segments[0][-1].left[self.modes], segments[-1][0].right[self.modes]]
-        return np.linalg.solve(_block_diagonal(self.left, self.right), np.concatenate(amplitudes))
-
-
-def _block_diagonal(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    nothing = np.zeros((len(first), second.shape[1]))
-    return np.block([[first, nothing], [nothing.T, second]])
+        return np.linalg.solve(block_diagonal(self.left, self.right), np.concatenate(amplitudes))
 
 
 def waves_of(modes: GuidedModes, indices: np.ndarray, per_area: float) -> ScaledWaves:
@@ -296,7 +292,8 @@ def waves_of(modes: GuidedModes, indices: np.ndarray, per_area: float) -> Scaled
     return ScaledWaves(section_modes=modes, modes=indices, right=right * share, left=left / share)
 
 
-def _difference(fine: PMatrix, coarse: PMatrix) -> tuple[float]:
+def matrix_difference(fine: PMatrix, coarse: PMatrix) -> tuple[float]:
+    """Return the largest relative difference of two P-matrices in a tuple, 1 where they have other modes."""
     if len(fine.wavenumbers) != len(coarse.wavenumbers):
         return (1.0,)
     differences = [abs(fine.scattering - coarse.scattering).max()]

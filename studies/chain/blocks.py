@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+import fem
 from studies.chain.surface_motion import SurfaceMotion
 from studies.scene import Scene
 
@@ -57,10 +58,8 @@ def node(motion: SurfaceMotion, places) -> str:
 
 def unresolved(motion: SurfaceMotion, places) -> str:
     """Return a refusal if the beam model does not resolve the field at a contact, otherwise an empty string."""
-    from fem import SurfaceBeam
-
     beam = motion.beam
-    if isinstance(beam, SurfaceBeam) and (
+    if isinstance(beam, fem.SurfaceBeam) and (
         unresolved_places := [place for place in places if beam.unresolved(*place)]
     ):
         (x, y), *_ = unresolved_places

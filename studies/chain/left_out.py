@@ -87,7 +87,7 @@ def _diffraction(scene: Scene, beam: bool, reason: str) -> Iterator[tuple[bool, 
             "is false" if scene.stator.diffraction is False else "is absent, and the scene has no slider"
         )
         why = reason or f"stator.diffraction {setting}"
-        yield True, f"diffraction: the wave is that of the plane section, {why}"
+        yield True, f"diffraction: the wave is that of the plane section ({why})"
         return
     where = "the interior field" if scene.driven_obliquely else "surface.csv and the interior field"
     burst, reflects = scene.burst is not None and scene.slider is not None, scene.stator.ends != "absorbing"

@@ -11,6 +11,7 @@ of R. D. Mindlin, J. Appl. Mech. 16 (1949) 259.
 
 import numpy as np
 
+import fem
 from studies.refusal import SceneError
 
 ISOTROPY = 1e-6  # relative; a catalogue's digits keep the symmetry far better
@@ -25,24 +26,20 @@ def pair_moduli(ball: str, solid) -> tuple[float, float]:
     >>> [round(modulus / 1e9, 1) for modulus in pair_moduli("steel", fem.material("PZT-8"))]
     [65.8, 13.7]
     """
-    from fem import InputError, material, point_load
-
     try:
-        sphere = material(ball)
-    except InputError as error:
+        sphere = fem.material(ball)
+    except fem.InputError as error:
         raise SceneError("slider.ball", error.rule) from None
     if not _is_isotropic(sphere.stiffness):
         raise SceneError("slider.ball", f'must be an isotropic solid such as "steel", got {ball!r}')
-    below, above = point_load(solid.stiffness), point_load(sphere.stiffness)
+    below, above = fem.point_load(solid.stiffness), fem.point_load(sphere.stiffness)
     normal = 1 / below.indentation_modulus + 1 / above.indentation_modulus
     return 1 / normal, 1 / (below.tangential_compliance + above.tangential_compliance)
 
 
 def direction_dependence(solid) -> str:
     """Return how the contact's stiffness depends on the direction in a stator's surface; empty where it does not."""
-    from fem import point_load
-
-    below = point_load(solid.stiffness)
+    below = fem.point_load(solid.stiffness)
     if max(below.spread, abs(below.coupling)) < ISOTROPY:
         return ""
     sideways = f", a normal load moves it along x by {below.coupling:+.3f} of its indentation"

@@ -1,15 +1,12 @@
 """Quantities of a sweep point other than the velocity: amplitudes, power, thresholds, thrust, efficiency."""
 
 from contextlib import suppress
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+import contact
 from studies.chain.bridge import DrivenContact
 from studies.chain.points import contact_load, half_thrust
-
-if TYPE_CHECKING:
-    import contact
 
 RISE = 1.0 - 0.36787944117144233  # fraction 1 - 1/e of the final velocity, which defines the start-up time
 
@@ -48,8 +45,6 @@ def also_asked(
     """
     if not also or "velocity_m_per_s" not in answer:
         return answer
-    import contact
-
     slider, orbits = driven.slider, driven.at(driven.level)
     if "limits" in also:
         factors = contact.threshold_factor(slider, orbits), contact.release_factor(slider, orbits)
@@ -93,8 +88,6 @@ def start_up_time(
     long to compute.
     """
     from scipy.interpolate import CubicSpline
-
-    import contact
 
     if not final * thrust > 0.0:
         return None

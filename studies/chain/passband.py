@@ -54,9 +54,6 @@ def group_delay(at, transfer, way: float):
 
     Examples
     --------
-    >>> from pathlib import Path
-
-    import numpy as np
     >>> at = np.linspace(1.9e6, 2.5e6, 11)
     >>> np.round(group_delay(at, np.exp(-2j * np.pi * at * 59e-6), 55e-6)[0] * 1e6, 6)
     np.float64(59.0)

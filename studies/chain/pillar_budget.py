@@ -17,6 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 import contact
+import fem
 from studies.chain import pillars
 from studies.chain.bridge import DrivenContact
 from studies.chain.pillar_points import PillarContact, bounce_ratio
@@ -130,7 +131,6 @@ def leak(record: Record, motion) -> Rows:
     length = float(np.ptp(motion.row_x))
     if record.scene.stator is None or not motion.loading or length == 0.0:
         return
-    import fem
     from studies.chain import resolve
 
     stator = resolve.stator(record.scene.stator)

@@ -1,6 +1,7 @@
 """The points of a run with a slider on pillars: velocity, wave, powers and contact ratios at each level of drive."""
 
 import math
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -50,18 +51,15 @@ class PillarContact:
         ``load`` in N replaces the load of the scene; ``near`` is a similar motion, used as a warm start.
         """
         load = self.driven.scene.slider.load if load is None else load
-        try:
+        with _keys_of_the_scene():
             return contact.pillar_motion(
                 self.pillars, self.at(level), load=load, loading=self.loading, near=near
             )
-        except contact.InputError as error:
-            if error.key == "load":
-                raise SceneError("slider.load", error.rule) from None
-            raise SceneError("wave.compliance", error.rule) from None
 
     def load_line(self, level: float, points: int):
         """Return the `contact.PillarLoadLine` at a level."""
-        return contact.pillar_load_line(self.pillars, self.at(level), points=points, loading=self.loading)
+        with _keys_of_the_scene():
+            return contact.pillar_load_line(self.pillars, self.at(level), points=points, loading=self.loading)
 
     def sensitivity(self, level: float, motion) -> float:
         """Return the relative change of the velocity divided by the relative change of the wave amplitude."""
@@ -70,6 +68,16 @@ class PillarContact:
             return 0.0
         other = self.motion(level * (1.0 + SENSITIVITY_STEP), near=motion).velocity
         return abs(other - velocity) / (SENSITIVITY_STEP * abs(velocity))
+
+
+@contextmanager
+def _keys_of_the_scene():
+    """Turn the contact's bad input into that of the scene's own keys."""
+    try:
+        yield
+    except contact.InputError as error:
+        key = error.key.replace("pillars.", "slider.", 1)
+        raise SceneError(key if "." in key else f"slider.{key}", error.rule) from None
 
 
 def pillar_velocity(driven: DrivenContact, level: float) -> float:

@@ -13,6 +13,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+import fem
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.scene.block import keys_of
@@ -71,8 +72,6 @@ def resolved_slider(slider: Slider, stator: Stator | Any) -> Slider:
 
 def solid(block: Stator):
     """Return the stator's ``fem.Solid``, rotated to its orientation."""
-    import fem
-
     with _refused("stator.material"):
         crystal = _crystal(block.material)
         own = _given(block, "mechanical_quality", "dielectric_loss")
@@ -81,8 +80,6 @@ def solid(block: Stator):
 
 def _crystal(material: str | PiezoelectricSolid | IsotropicSolid):
     """Return the ``fem.Solid`` of a name of the catalogue or of a table, in the crystal's frame."""
-    import fem
-
     if isinstance(material, PiezoelectricSolid):
         return fem.anisotropic(**_given(material, *keys_of(PiezoelectricSolid)))
     if isinstance(material, IsotropicSolid):
@@ -92,8 +89,6 @@ def _crystal(material: str | PiezoelectricSolid | IsotropicSolid):
 
 def stator(block: Stator):
     """Return the ``fem.Stator`` of a stator block."""
-    import fem
-
     rotated, own = solid(block), _given(block, "length", "bottom", "ends", "above")
     thickness = math.inf if block.thickness == "half-space" else block.thickness
     with _refused("stator"):
@@ -107,8 +102,6 @@ def whole_stator(scene: Scene):
 
 def pieces(scene: Scene) -> tuple:
     """Return the ``fem.MeshPiece`` objects of a scene, one for each place."""
-    import fem
-
     meshed = []
     for index, block in enumerate(scene.piece):
         path = f"piece.{index}"
@@ -138,15 +131,11 @@ def _mesh(file: str, unit: float):
 
 @lru_cache(32)
 def _read_mesh(file: str, unit: float, stamp: int):
-    import fem
-
     return fem.read_mesh(file, unit)
 
 
 def _piece_solid(material, block: Stator, path: str):
     """Return the ``fem.Solid`` of a surface group of a mesh, in the orientation of the stator."""
-    import fem
-
     with _refused(path):
         return fem.rotated(_crystal(material), block.orientation)
 
@@ -167,8 +156,6 @@ def section_row(scene: Scene) -> tuple:
 
 def rows(scene: Scene) -> tuple:
     """Return the `fem.rows_of` a scene with turned transducers."""
-    import fem
-
     return fem.rows_of(stator(scene.stator), scene.stator.width, transducers(scene), drive(scene))
 
 
@@ -202,8 +189,6 @@ def driven(scene: Scene):
 
 
 def _transducer(block: Transducer, period: float):
-    import fem
-
     (x, y), alike = block.place, "name finger_pairs metallisation aperture termination pattern split".split()
     own = {name: getattr(block, name) for name in alike}
     return fem.Transducer(center=x, center_y=y, angle=math.radians(block.angle % 360), period=period, **own)
@@ -216,17 +201,13 @@ def _alone(block: Transducer, period: float):
 
 def drive(scene: Scene):
     """Return the ``fem.Drive`` of a scene with transducers."""
-    from fem import Drive
-
-    return Drive(
+    return fem.Drive(
         sources=scene.drive.driven, impedance=scene.drive.source_impedance, match=_ladder(scene.drive.match)
     )
 
 
 def _ladder(match: str | tuple) -> tuple:
     """Return the ``fem.Element`` objects of a ladder as read."""
-    import fem
-
     elements = []
     for each in () if isinstance(match, str) else match:
         place, kind = each.name.split("_")
@@ -256,8 +237,6 @@ def default_refusal(stator, places) -> str:
     section does not describe.  Between reflecting ends the beam takes several times as long as the section, and it is
     computed only for such contacts.
     """
-    import fem
-
     if fem.beam_refusal(stator):
         return fem.beam_refusal(stator)
     if stator.ends == "absorbing" or any(y for _, y in places):
@@ -270,8 +249,6 @@ def default_refusal(stator, places) -> str:
 
 def port_admittance(scene: Scene, frequency, tolerance: float, *, spread: bool | None = None):
     """Return the `fem.PortAdmittance` of a scene at one or several frequencies in Hz, one for all its answers."""
-    import fem
-
     return fem.port_admittance(
         whole_stator(scene),
         section_row(scene),
@@ -284,8 +261,6 @@ def port_admittance(scene: Scene, frequency, tolerance: float, *, spread: bool |
 
 def _with_circuit(scene: Scene, spread: bool | None) -> Scene:
     """Return the scene with voltages for its powers, the load of a receiver, and the elements of an automatic match."""
-    import fem
-
     old_drive = scene.drive
     if old_drive.power is not None:
         scene = replace(scene, drive=replace(old_drive, voltage=old_drive.levels, power=None))
@@ -334,8 +309,6 @@ def _with_load(scene: Scene, load: complex | None = None) -> Scene:
 
 def _with_source_numbers(scene: Scene) -> Scene:
     """Return the scene with the periods, or the frequency, that give the strongest wave (fem/solve/passband.py)."""
-    import fem
-
     block = stator(scene.stator)
     if "phi" not in fem.fields(block.solid):
         rule = f"must be absent on {block.solid.name}: it is not piezoelectric in this orientation"
@@ -362,14 +335,10 @@ def _with_source_numbers(scene: Scene) -> Scene:
 
 @lru_cache(256)  # points of a sweep or a search share most of them
 def _half_space_period(block: Stator, frequency: float, metallisation: float) -> float:
-    import fem
-
     return fem.automatic_period(solid(block), frequency, metallisation)
 
 
 def _check_layout(scene: Scene) -> None:
-    import fem
-
     block, row = whole_stator(scene), transducers(scene)
     with _refused("transducer", [each.name for each in row], [each.label for each in scene.piece]):
         if not scene.crossed:
@@ -403,8 +372,6 @@ def refuse_gaps(scene: Scene) -> None:
 
 def refuse_covered(scene: Scene) -> None:
     """Raise a SceneError if a contact lies on a rotated transducer."""
-    import fem
-
     row = transducers(scene)
     for place in () if scene.slider is None else scene.slider.places:
         for each, block in zip(row, scene.transducer, strict=True):
@@ -444,17 +411,15 @@ def _given(block, *names: str) -> dict:
 
 @contextmanager
 def _refused(path: str, names=(), pieces=()):
-    """Convert an InputError of fem to a SceneError with the scene's key, and a ConvergenceError to a RunError.
+    """Convert an `fem.InputError` to a SceneError with the scene's key, and an `fem.ConvergenceError` to a RunError.
 
     ``names`` are those of the transducers, ``pieces`` those of the meshed pieces.
     """
-    from fem import ConvergenceError, InputError
-
     try:
         yield
-    except ConvergenceError as error:
+    except fem.ConvergenceError as error:
         raise RunError(str(error)) from None
-    except InputError as error:
+    except fem.InputError as error:
         key, rule = error.key, error.rule
         if error.owner in names:
             key = key.replace("transducer", f"transducer.{names.index(error.owner)}", 1)

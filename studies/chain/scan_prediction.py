@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+import fem
 from studies.chain import passband, resolve
 from studies.chain.scattering import scattering_matrix
 from studies.chain.solved_stator import stator_alone
@@ -100,8 +101,6 @@ def at_other_velocity(scene: Scene, scan: Scan, motion: np.ndarray, factor: floa
     The phase on the way from the middle of the driven transducer turns by omega/v (1/factor - 1) more; amplitudes and
     what returns from ends and other transducers keep their sizes: for absorbing ends, and factors near 1.
     """
-    import fem
-
     if factor == 1.0:
         return motion
     velocity = fem.rayleigh(resolve.solid(scene.stator), "open").velocity

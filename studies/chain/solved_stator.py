@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
+import contact
 from studies.chain.surface_motion import SurfaceMotion
 from studies.scene import Scene
 from studies.scene.blocks import Drive
@@ -44,10 +45,8 @@ class SolvedStator:
 
     def orbits(self, places) -> tuple:
         """Return the contact.Orbit of 1 V at some of the places."""
-        from contact import Orbit
-
         return tuple(
-            Orbit(frequency=self.frequency, tangential=tangential, normal=normal)
+            contact.Orbit(frequency=self.frequency, tangential=tangential, normal=normal)
             for tangential, normal, _, _ in (self.at[place] for place in places)
         )
 

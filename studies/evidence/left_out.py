@@ -53,19 +53,6 @@ print(json.dumps([time.process_time(), peak_memory(), wave, modules]))
 """
 QUICK = {"parts": ("electric potential",), "blocks": ("no stator",)}
 SAME = 1e-11  # relative difference up to which two answers are equal but for rounding
-COLUMNS = (
-    "part",
-    "question",
-    "seconds_without",
-    "seconds_with",
-    "bytes_without",
-    "bytes_with",
-    "unknowns_without",
-    "unknowns_with",
-    "relative_difference",
-    "allowed",
-    "why",
-)
 
 
 @study()
@@ -91,7 +78,7 @@ def run(
     for name in blocks:
         progress(f"left out: {name}")
         commands.append(_command(name, COMMANDS[name]))
-    columns = {column: [row[column] for row in rows] for column in COLUMNS}
+    columns = {column: [row[column] for row in rows] for column in rows[0]}
     saved = {key: [each[key] for each in commands] for key in commands[0]}
     panels = (
         Panel(name="parts", title="What the parts that are left out would cost", data=columns),
@@ -106,22 +93,11 @@ def tables(record: StudyRecord) -> dict[str, str]:
     sizes = (name for unit in ("ms", "MB", "unknowns") for name in (f"{unit} without", "with"))
     head = ("left out", "question", *sizes, "difference", "allowed")
     rows = []
-    for values in zip(*(parts[column] for column in COLUMNS), strict=True):
-        part, question, *seconds_and_bytes, without, put_back, difference, allowed, why = values
-        scaled = [
-            f"{factor * x:.3g}" for factor, x in zip((1e3, 1e3, 1e-6, 1e-6), seconds_and_bytes, strict=True)
-        ]
-        rows.append(
-            [
-                part,
-                question,
-                *scaled,
-                str(without),
-                str(put_back),
-                f"{difference:.1e}",
-                f"{allowed:.0e}, {why}",
-            ]
-        )
+    for values in zip(*parts.values(), strict=True):
+        part, question, *costs, difference, allowed, why = values
+        scaled = [f"{factor * x:.3g}" for factor, x in zip((1e3, 1e3, 1e-6, 1e-6), costs, strict=False)]
+        unknowns = map(str, costs[4:])
+        rows.append([part, question, *scaled, *unknowns, f"{difference:.1e}", f"{allowed:.0e}, {why}"])
     columns = (blocks[key] for key in ("scene", "seconds", "bytes", "modules", "watched"))
     commands = [
         [name, f"{seconds:.2f}", f"{peak / 1e6:.0f}", str(modules), watched]
@@ -215,8 +191,8 @@ def _command(name: str, words: tuple[str, ...]) -> dict:
 
 def _statement(row: dict) -> str:
     if row["allowed"] <= SAME:
-        return f"The answer is the same with this put back in: {row['part']}."
-    return f"Put back in, this changes the answer by no more than its own size: {row['part']}."
+        return f"The answer does not change if this is included: {row['part']}."
+    return f"Included, this changes the answer by no more than its own size: {row['part']}."
 
 
 def _findings(rows: list[dict], commands: list[dict]) -> tuple[Finding, ...]:

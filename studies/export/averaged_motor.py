@@ -207,7 +207,9 @@ def averaged_motor(
     if slider.friction is not None:
         rule = "must be a number without a law of one's own: the tables of the averaged motor take one coefficient"
         scene.refuse("slider.friction_coefficient", rule)
-    left_out = ["the wave is that at the slider's place: its change along the way is not followed"]
+    left_out = [
+        "the wave is that at the initial position of the slider: its variation along the way is not included"
+    ]
     drives = [_drive(driven, progress, left_out)]
     for other in _other_scenes(scene):
         drives.append(
@@ -217,11 +219,12 @@ def averaged_motor(
         opposite = tuple(orbit.mirrored() for orbit in driven.orbits)
         drives.append(replace(drives[0], name="wave from the other side", orbits=opposite, mirrored=True))
     if len(drives) == 2:
-        left_out.append("where the waves of both drives overlap the larger one alone counts")
+        left_out.append("where the waves of both drives overlap, only the larger one counts")
     left_out += [
-        "below the threshold, with a wave, sticking contacts have the spring of a surface at rest",
+        "below the threshold, sticking contacts have the stiffness of a surface at rest, also with a wave",
         f"a slider that has stopped rings in its contacts at up to {ring_speed(slider, len(driven.orbits)):.2g} m/s; "
-        "the phase of the ring is lost within some 10 ms, so that a burst may begin with up to twice that wrong",
+        "the phase of the ring is lost within about 10 ms, so that the velocity at the start of a later burst may be "
+        "wrong by up to twice that",
     ]
     progress("tables of mean forces")
     try:
@@ -243,7 +246,8 @@ def averaged_motor(
     if drives[0].response is None:
         kick = _kick(motor, [level for level, *_ in known])
         left_out.append(
-            f"a wave that starts at once kicks the slider by up to {kick:.1e} m/s, by its phase: not followed"
+            f"the sudden start of a wave changes the velocity by up to {kick:.1e} m/s, depending on its phase: "
+            "not included"
         )
     return replace(
         motor,

@@ -14,6 +14,7 @@ from studies.chain import passband, resolve
 from studies.chain.scan_prediction import placed, predicted_scan
 from studies.chain.scattering import band_frequencies, reference_impedance, scattering_matrix
 from studies.export.exported import Exported
+from studies.lab.csv_columns import csv_text
 from studies.lab.encoder import averaged, low_pass, travelled_distance
 from studies.lab.scan import Scan, scan_csv, scan_uff
 from studies.refusal import SceneError
@@ -264,22 +265,21 @@ def _trace(scene: Scene, recording: Recording, encoder: dict[str, float], tolera
     levels = {"normal_amplitude": (level,)} if key == "wave" else {"voltage": (level,)}
     alone = replace(scene, **{key: replace(block, **levels)}, uncertain=None)
     _, path = run(alone, tolerance=tolerance, progress=progress).trajectories[0]
-    columns = [np.full(len(path.time), level), path.time]
-    for number, curve in enumerate((travelled_distance(path.time, path.velocity), path.velocity)):
+    unit = "normal_amplitude_m" if key == "wave" else "voltage_V"
+    columns = {unit: np.full(len(path.time), level), "time_s": path.time}
+    for more, head, curve in (
+        (1, "position_m", travelled_distance(path.time, path.velocity)), (0, "velocity_m_per_s", path.velocity),
+    ):  # fmt: skip
         if "bandwidth" in encoder:
             curve = low_pass(path.time, curve, encoder["bandwidth"])
         if "sampling" in encoder:
             curve = averaged(path.time, curve, encoder["sampling"], path.time)
-        columns.append(recording.noisy(curve, more=1 - number))
-    head = f"{'normal_amplitude_m' if key == 'wave' else 'voltage_V'},time_s,position_m,velocity_m_per_s"
-    rows = [",".join(repr(float(value)) for value in row) for row in np.column_stack(columns)]
+        columns[head] = recording.noisy(curve, more)
     filters = tuple(
         f"{name} {value:g} {'Hz' if name == 'bandwidth' else 's'}" for name, value in encoder.items()
     )
-    return (
-        "\n".join([*(f"# {each}" for each in (scene.title, *filters, *recording.remark)), head, *rows[1:]])
-        + "\n"
-    )
+    rows = {head: values[1:] for head, values in columns.items()}
+    return csv_text(rows, (scene.title, *filters, *recording.remark))
 
 
 def _said(taken: Scan, remarks) -> tuple:

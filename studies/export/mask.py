@@ -217,8 +217,9 @@ def _refuse_outside(polygons, length: float, width: float, sizes: Sizes) -> None
         (left, low), (right, high) = each.corners.min(axis=0), each.corners.max(axis=0)
         if left < 0.0 or right > length or low < -width / 2 or high > width / 2:
             rule = (
-                f"must leave its parts on the chip, 0 to {length:g} m by +-{width / 2:g} m: the {each.layer} of "
-                f"{each.transducer!r} reach from x = {left:g} to {right:g} m and y = {low:g} to {high:g} m; smaller "
+                f"must leave its parts on the chip, 0 to {length * 1e3:g} mm by +-{width * 500:g} mm: the {each.layer} "
+                f"of {each.transducer!r} reach from x = {left * 1e3:.6g} to {right * 1e3:.6g} mm and y = "
+                f"{low * 1e3:.6g} to {high * 1e3:.6g} mm; smaller "
                 "size.busbar, size.pad or size.end_gap help"
             )
             raise SceneError("transducer", rule)

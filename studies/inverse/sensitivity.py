@@ -1,14 +1,15 @@
-"""Which numbers of the motor matter: elasticities of velocity, limits, thrust, efficiency and start-up time.
+"""Sensitivity of the motor to its parameters: elasticities of velocity, limits, thrust, efficiency and start-up time.
 
-Method: d ln(answer) / d ln(number) for every positive number of the scene as resolved (a preload of "weight" is a
-force here, held while the mass changes), at the largest voltage or amplitude: extrapolated differences whose step
-follows the accuracy of the answer (its fifth root), each with its error; of the velocity also by the implicit function
-theorem in the averaged equilibrium. Start-up times are those of the averaged motion: a difference of two exact starts
-would take 100 times as long.  Beside each stands what 1 % more and 1 % less of the number really make of the answer:
-near a resonance, or where a wave's phase turns, these differ from the elasticity and from each other, and the study
-says so. Numbers of the stator take six solutions each, good to 1e-2. Expected: both ways agree to a few (f_n/f)^2, the
-elasticities keep the contact's scaling law, preload + E* - friction coefficient = 0, and a change of everything that
-has no effect changes nothing. Run time: 10 s; of twente with its stator 90 s of one processor.
+Method: d ln(answer) / d ln(parameter) for every positive parameter of the resolved scene (a preload of "weight" becomes
+a force, which stays constant when the mass changes), at the largest voltage or amplitude. The derivatives are
+extrapolated differences, each with its error; the step is the fifth root of the accuracy of the answer. The
+elasticities of the velocity are also computed by the implicit function theorem in the averaged equilibrium. Start-up
+times are those of the averaged motion, because a difference of two exact starts would take 100 times as long. The study
+also states the change of the answer for 1 % more and 1 % less of the parameter. Near a resonance, or where the phase of
+a wave changes, these differ from the elasticity and from each other, and the study says so. Parameters of the stator
+take six solutions each, with an accuracy of 1e-2. Expected: both methods agree to a few (f_n/f)^2; the elasticities
+satisfy the scaling law of the contact, preload + E* - friction coefficient = 0; a common change of all parameters
+without effect changes nothing. Run time: 10 s; for twente with its stator 90 s of one processor.
 """
 
 import math

@@ -25,6 +25,21 @@ def file_error(path: Path, option: str, rule: str) -> SceneError:
     return SceneError(option, f"{str(path)!r} {rule}")
 
 
+def csv_text(columns: dict[str, np.ndarray], remarks: tuple[str, ...] = ()) -> str:
+    """Return columns by head as CSV, from which the same numbers are read, below lines of remarks.
+
+    Examples
+    --------
+    >>> print(csv_text({"x_m": np.array([0.1, 0.25])}, ("made up",)), end="")
+    # made up
+    x_m
+    0.1
+    0.25
+    """
+    rows = [",".join(repr(float(value)) for value in row) for row in zip(*columns.values(), strict=True)]
+    return "\n".join([*(f"# {each}" for each in remarks), ",".join(columns), *rows]) + "\n"
+
+
 @dataclass(frozen=True, kw_only=True)
 class CsvColumns:
     """The columns of a CSV file as text, with the option of the command that named it.

@@ -31,6 +31,7 @@ from studies.lab.csv_columns import (
     VELOCITIES,
     VOLTAGES,
     CsvColumns,
+    csv_text,
     file_error,
 )
 from studies.refusal import SceneError, needed
@@ -217,8 +218,7 @@ def scan_csv(scan: Scan, remarks: tuple[str, ...] = ()) -> str:
         columns[f"{noun}_standard_deviation_{unit}"] = scan.deviation
     if scan.voltage is not None:
         columns["voltage_V"] = np.full(len(scan.x), scan.voltage)
-    rows = [",".join(repr(float(value)) for value in row) for row in np.column_stack(list(columns.values()))]
-    return "\n".join([*(f"# {each}" for each in remarks), ",".join(columns), *rows]) + "\n"
+    return csv_text(columns, remarks)
 
 
 def scan_uff(scan: Scan, path: Path, remarks: tuple[str, ...] = ()) -> None:

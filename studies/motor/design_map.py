@@ -1,11 +1,11 @@
-"""What velocity, thrust and efficiency a motor has over any two of its quantities.
+"""Velocity, thrust and efficiency of a motor over any two of its parameters.
 
-Method: a sweep of the scene (``twente-contact`` when none is named) over two axes, ``--over KEY=START:STOP:N`` twice,
-or amplitude and preload; at each point the steady velocity, the blocked thrust, and the efficiency at half of it.
-Threshold and release come from the closed forms, as the factor on the drive that would just reach them: their lines are
-where it is 1.  The scene's own point is a star.  Expected: the slider moves exactly where the threshold is passed, and
-leaves the surface in every cycle exactly where the release is; thrust within friction's mu times preload.  Run time:
-about 5 s.
+Method: a sweep of the scene (``twente-contact`` by default) over two axes: amplitude and preload, or those given by
+``--over KEY=START:STOP:N`` twice. Each point gives the steady velocity, the blocked thrust, and the efficiency at half
+of this thrust. The closed forms of threshold and release give the factor by which the drive must change to reach them;
+their lines are drawn where this factor is 1. A star marks the operating point of the scene. Expected: the slider moves
+exactly where the drive exceeds the threshold, and leaves the surface in every cycle exactly where it exceeds the
+release; the thrust is at most mu times the preload. Run time: about 5 s.
 """
 
 import math
@@ -111,12 +111,12 @@ def run(
         )
     )
     findings = (
-        *(judged(f"The closed form of the {name} parts the map.", "share of points on their side",
+        *(judged(f"The closed form of the {name} separates the regimes.", "fraction of points on the expected side",
                  np.mean(right[known]), holds=np.all(right[known]), expected="1", remark=failed)
           for name, right in (("threshold", moving == above_threshold), ("release", leaves_surface == above_release))),
-        judged("The load gets less than the wave gives.", "largest efficiency of the contact",
+        judged("The load receives less power than the wave delivers.", "largest efficiency of the contact",
                np.nanmax(grid["contact_efficiency"][known]), low=0, high=1),
-        judged("Thrust is friction's.", "largest blocked thrust over mu times preload",
+        judged("The blocked thrust is at most mu times the preload.", "largest blocked thrust over mu times preload",
                np.nanmax((grid["thrust_N"] / (mu * preload))[known]), low=0, high=1 + 1e-9,
                expected="above 0, up to 1"),
     )  # fmt: skip

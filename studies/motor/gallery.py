@@ -1,9 +1,9 @@
-"""What a surface-acoustic-wave motor looks like: its field, its orbits, its contact, its maps.
+"""Pictures of a surface-acoustic-wave motor: field, orbits, contact and maps.
 
-Method: a scene with transducers and a slider (``twente`` when none is named) is run and drawn: the wave field (still,
-moving, as a solid of the whole width), orbits at 12 places, amplitude with its ripple, profile through the depth
-against the half-space's, slow motion of one contact, start and stop, regimes, velocity, and where power and energy go.
-Expected: pictures; what they show is judged by the studies of each.
+Method: a scene with transducers and a slider (``twente`` by default) is run and drawn: the wave field (still, moving,
+and as a solid of the whole width), orbits at 12 places, the amplitude with its ripple, the profile through the depth
+compared with the half-space, one contact in slow motion, start and stop, regimes, velocity, and the balances of power
+and energy. Expected: pictures only; other studies judge what they show.
 Run time: about a minute.
 """
 

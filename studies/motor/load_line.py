@@ -1,10 +1,10 @@
-"""What thrust the motor gives at what speed, where it stalls and how efficient it is.
+"""Velocity and efficiency of the motor against the load, and the load at which it stalls.
 
-Method: the slider of a scene (``twente-contact`` when none is named) at up to four of its amplitudes or voltages above
-threshold: steady velocity against a constant load up to the blocked thrust, efficiency from the energy ledger of the
-periodic motion.  Expected: velocity falls to zero at the blocked thrust, which stays within friction's mu times
-preload; efficiency between 0 and 1, largest inside the line; the ledger closes to 1e-7.  Run time: about 2 s,
-and the stator's.
+Method: the slider of a scene (``twente-contact`` by default) at up to four of its amplitudes or voltages above the
+threshold: the steady velocity against a constant load up to the blocked thrust, and the efficiency from the energy
+ledger of the periodic motion. Expected: the velocity falls to zero at the blocked thrust, which is at most mu times the
+preload; the efficiency lies between 0 and 1 and is largest at an intermediate load; the ledger closes to 1e-7.
+Run time: about 2 s, plus the time of the stator.
 """
 
 from dataclasses import replace
@@ -53,11 +53,11 @@ def run(scene: Scene, *, points: int = 17, progress=None) -> Answered:
                holds=all(np.all(np.diff(np.abs(line.velocity)) < 0.0) for line in lines.values()),
                expected="above 0, up to 1",
                remark="; ".join(f"{key}: {line.message}" for key, line in lines.items() if line.status != "ok")),
-        judged("The motor gives out less than the wave puts in, most of it at some load in between.",
+        judged("The mechanical power is less than that of the wave, and largest at an intermediate load.",
                "largest mechanical efficiency of the contact",
                max(float(np.max(line.efficiency)) for line in lines.values()), low=0, high=1,
                holds=all(0 < int(np.argmax(line.efficiency)) < points - 1 for line in lines.values()),
-               remark="of the power that the wave gives the contacts, not of the electrical power"),
+               remark="relative to the power of the wave at the contacts, not to the electrical power"),
     )  # fmt: skip
     stalls = {key: balls * line.blocked_thrust for key, line in lines.items()}
     best, line = max(lines.items(), key=lambda each: np.max(each[1].efficiency))

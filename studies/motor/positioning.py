@@ -1,19 +1,21 @@
-"""How a motor in a position loop goes to a target and back: time, overshoot, error at rest, bursts, energy.
+"""How a motor in a position loop moves to a target and back: time, overshoot, error at rest, bursts, energy.
 
-Method: the motor of a scene (``twente-contact`` when none is named) followed through every cycle of the wave
-(`studies.motor.followed_motor`), a sensor with resolution, noise and delay, a controller with a period (`--controller
-two_phase`, dead_zone_pi, burst_length or FILE.py:FUNCTION), two drives that push either way where the scene has them;
-from rest to `--target "10 um"` and back.  The same drive is then given to the motor followed in steps twice as long,
-which is the error of the positions, and to the averaged motor, which `sawmotor export` writes for simulators.  A slider
-that has stopped rings in its contacts, and the next burst begins with the velocity of the ring at that instant.  The
-averaged motor follows the ring, but its error of some 0.1 um/s at a stop changes amplitude and frequency of the ring
-enough to lose the phase within some 10 ms.  From then on its velocity is wrong by up to twice that of the ring (22 um/s
-for ``twente``), and so its position by up to 44 nm in each millisecond in which the slider slides.
-`--loop KEY=VALUE` sets what surrounds the motor and the controller's numbers: resolution, noise, delay, period, force,
-force_at, preload, limit, hold, seed.  A second panel shows what bursts of a few cycles leave: within one elastic
-deformation of the contacts the slider comes back when the wave has gone.  Step-to-step scatter follows from the
-tolerances of [uncertain].  Expected: it comes to rest within 2 nm, and steps are those of `contact.step`.  Run time:
-about 20 s, and twice the stator's.
+Method: the motor of a scene (``twente-contact`` by default) is computed through every cycle of the wave
+(`studies.motor.followed_motor`). A sensor with resolution, noise and delay and a controller with a period
+(`--controller two_phase`, dead_zone_pi, burst_length or FILE.py:FUNCTION) move it from rest to `--target "10 um"` and
+back, with two drives if the scene has two. The error of the positions follows from the same drive with half as many
+steps per cycle. The same drive is also given to the averaged motor, which `sawmotor export` writes for simulators.
+
+After a stop, the slider rings in its contacts, and the next burst begins with the velocity of the ring at that instant.
+The averaged motor includes the ring, but its error of about 0.1 um/s at a stop changes the amplitude and the frequency
+of the ring, so that its phase is lost within about 10 ms. From then on its velocity can be wrong by up to twice the
+velocity of the ring (22 um/s for ``twente``), and its position by up to 44 nm per millisecond of sliding.
+
+`--loop KEY=VALUE` sets the loop (resolution, noise, delay, period, force, force_at, preload, limit, hold, seed) and the
+parameters of the controller. A second panel shows the steps of bursts of a few cycles: within one elastic deformation
+of the contacts, the slider moves back when the wave has decayed. The scatter between steps follows from the tolerances
+in [uncertain]. Expected: rest within 2 nm of the target, and the steps of `contact.step`. Run time: about 20 s, plus
+twice the time of the stator.
 """
 
 import math
@@ -101,14 +103,14 @@ def run(
     steps = short_bursts(scene, motor, cycles, progress)
     scatter = step_scatter(scene, motor, progress)
     findings = [
-        *(judged("The slider comes to rest at the target, " + name + ".", "mean error at rest, m",
+        *(judged(f"The slider comes to rest at the target ({name}).", "mean error at rest, m",
                  abs(move.error_at_rest), high=MAX_REST_ERROR,
                  holds=None if not move.settled and abs(move.error_at_rest) < MAX_REST_ERROR else True,
-                 remark="" if move.settled else "the controller was not satisfied within the limit")
+                 remark="" if move.settled else "the controller did not settle within the time limit")
           for name, move in moves.items()),
-        judged("The positions are those of the motor followed in steps twice as long.",
-               "largest difference on the way, m", error, high=MAX_POSITION_ERROR),
-        judged("The averaged motor makes the steps of the contact followed through every cycle.",
+        judged("The positions agree with a computation with half as many steps per cycle.",
+               "largest difference, m", error, high=MAX_POSITION_ERROR),
+        judged("The averaged motor makes the same steps as the exact contact.",
                "largest difference of a step, m", steps.pop("difference"), holds=None,
                expected="0.3 nm for a wave that fades, up to two elastic deformations for one that stops at once"),
     ]  # fmt: skip
@@ -170,8 +172,10 @@ def refuse_beyond(scene: Scene, distance: float) -> None:
         elif each.place[0] > max(places):
             high = min(high, each.place[0] - half - max(places))
     if not low < distance < high:
-        rule = f"must keep the slider on the free surface, {low:.4g} to {high:.4g} m from its place"
-        raise SceneError("--target", f"{rule}, got {distance:.4g} m")
+        rule = (
+            f"must keep the slider on the free surface, {low * 1e3:.4g} to {high * 1e3:.4g} mm from its place"
+        )
+        raise SceneError("--target", f"{rule}, got {distance * 1e3:.4g} mm")
 
 
 def motor_numbers(motor: AveragedMotor) -> tuple[MotorNumbers, float]:
@@ -230,15 +234,12 @@ def _errors_in_words(
     largest, last = averaging
     speed = ring_speed(motor.slider, len(motor.drives[0].orbits))
     return [
-        ("error", f"of the positions: at most {error * 1e9:.2g} nm, from steps twice as long"),
         (
-            "averaging",
-            f"the averaged motor under the same drive is at most {largest * 1e9:.2g} nm beside these,",
+            "error",
+            f"of the positions: at most {error * 1e9:.2g} nm (difference from half as many steps per cycle)",
         ),
-        (
-            "",
-            f"{last * 1e9:.2g} nm in the end: it loses the phase of a ring of at most {speed * 1e6:.2g} um/s",
-        ),
+        ("averaging", f"the averaged motor under the same drive differs by at most {largest * 1e9:.2g} nm,"),
+        ("", f"{last * 1e9:.2g} nm at the end: it loses the phase of a ring of up to {speed * 1e6:.2g} um/s"),
     ]
 
 

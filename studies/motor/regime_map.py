@@ -1,12 +1,12 @@
-"""Where the slider sticks, slips, is thrown off and hops, against amplitude and preload.
+"""Regimes of the slider (stick, slip, intermittent contact, hopping) against amplitude and preload.
 
-Method: the slider of a scene (``twente-contact`` when none is named) on the orbits of its given wave, or of its
-stator's wave, on a grid of amplitudes and preloads: steady states by averaging with its second-order correction.
-Beside them the closed forms: the threshold A sqrt(r^2 + c^2) = c |h|, the release A = h, and hopping, where the slider
-rides above the surface at rest (h < 0, contact for less than half of each cycle).  The scene's own levels are marked.
-States that averaging cannot tell (so near the threshold that the slider's own motion decides) are marked and not
-judged.  Expected: every other simulated point on the side of the lines that its regime says; a dozen of them the same
-by the event-driven method to 1e-6.  Run time: about 1 s, and the stator's.
+Method: the slider of a scene (``twente-contact`` by default) on the orbits of its given wave or of its stator's wave,
+on a grid of amplitudes and preloads. Steady states come from averaging with its second-order correction. They are
+compared with the closed forms of the threshold, A sqrt(r^2 + c^2) = c |h|, of the release, A = h, and of hopping, in
+which the slider rides above the surface at rest (h < 0, contact for less than half of each cycle). The levels of the
+scene are marked. Points to which averaging does not apply (close to the threshold) are marked and not judged. Expected:
+every other point lies on the side of the lines that corresponds to its regime; the event-driven method gives the same
+velocity to 1e-6 at a dozen points. Run time: about 1 s, plus the time of the stator.
 """
 
 import math
@@ -77,11 +77,11 @@ def run(
     agree = float(np.mean(expected[known] == kind[known]))
     progress("regime map: checks by the event-driven method")
     findings = (
-        judged("Threshold, release and hopping lines in closed form part the simulated regimes.",
-               "share of simulated points on the expected side", agree, holds=agree == 1.0, expected="1",
-               remark=f"left out: {np.sum(kind == 'unknown')} points where averaging does not apply, and those "
+        judged("The closed forms of threshold, release and hopping separate the simulated regimes.",
+               "fraction of simulated points on the expected side", agree, holds=agree == 1.0, expected="1",
+               remark=f"without {np.sum(kind == 'unknown')} points to which averaging does not apply, and those "
                       "within the error of a line"),
-        judged("The averaged steady states are those of the full motion.",
+        judged("Averaging gives the steady velocity of the full motion.",
                f"largest difference over max(|v|, omega |u_x|/10) at {checked} points",
                _worst(loaded, per_metre, at, states, checked), high=1e-6),
     )  # fmt: skip

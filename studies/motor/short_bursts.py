@@ -78,16 +78,19 @@ def steps_in_words(
     steps: dict, difference: float, scatter: tuple[float, float] | None
 ) -> list[tuple[str, str]]:
     """Return the results on short bursts as pairs of a label and a line of text."""
-    rows = [("elastic", f"the contacts give way by {steps['elastic_m'] * 1e9:.3g} nm before they slip")]
+    rows = [("elastic", f"the contacts deform by {steps['elastic_m'] * 1e9:.3g} nm before they slip")]
     elastic = np.flatnonzero(np.abs(steps["exact_m"]) < steps["elastic_m"])
     if elastic.size:
         k = int(elastic[-1])
-        rows.append(("", f"{steps['cycles'][k]} cycles move the slider by {steps['farthest_m'][k] * 1e9:+.3g} nm at "
-                         f"most, and leave it at {steps['exact_m'][k] * 1e9:+.3g} nm: it comes back"))  # fmt: skip
+        farthest, remaining = (f"{steps[key][k] * 1e9:+.3g} nm" for key in ("farthest_m", "exact_m"))
+        text = (
+            f"{steps['cycles'][k]} cycles move the slider by up to {farthest}; it moves back to {remaining}"
+        )
+        rows.append(("", text))
     rows.append(
-        ("", f"its steps differ by at most {difference * 1e9:.2g} nm from those of the exact contact")
+        ("", f"the averaged motor's steps differ by at most {difference * 1e9:.2g} nm from the exact ones")
     )
     if scatter is not None:
         mean, deviation = (f"{value * 1e9:.{digits}g}" for value, digits in zip(scatter, (4, 3), strict=True))
-        rows.append(("scatter", f"{SCATTER_CYCLES} cycles: {mean} +- {deviation} nm by [uncertain]"))
+        rows.append(("scatter", f"{SCATTER_CYCLES} cycles: {mean} +- {deviation} nm due to [uncertain]"))
     return rows

@@ -79,7 +79,8 @@ def run(
         f"{level_name}{name}: {', '.join(map(_plan, wanted, numbers))}" for name, numbers in counts.items()
     ]
     findings = [
-        judged("The cycles found for a step reach it, and a cycle less does not.", "smallest step that was planned, m",
+        judged("The planned number of cycles reaches the step, and one cycle less does not.",
+               "smallest step that was planned, m",
                min(abs(enough.displacement) for _, _, enough in pairs),
                holds=all(abs(less.displacement) < size <= abs(enough.displacement) for size, less, enough in pairs),
                expected=f"{wanted[0]:g} m and up to a cycle's worth more",
@@ -122,7 +123,7 @@ def _growth(clear, steady: float, bursts: Steps, level: float) -> Iterator[Findi
     if len(uniform) == 2:
         short, long = uniform
         exponent = math.log(long.displacement / short.displacement) / math.log(long.cycles / short.cycles)
-        yield judged("Far from its steady speed the slider gains speed evenly: steps grow as cycles squared.",
+        yield judged("Far below its steady speed the slider accelerates uniformly: steps grow as cycles squared.",
                      f"exponent between {short.cycles} and {long.cycles} cycles at the smallest amplitude", exponent,
                      low=1.9, high=2.1, expected="2")  # fmt: skip
     if clear:

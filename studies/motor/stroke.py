@@ -79,9 +79,9 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, progress=None)
     steady, expected = velocities[name], contact.steady(slider, driven.at(level), tolerance=1e-4).velocity
     fastest = abs(steady[np.isfinite(steady)]).max()
     findings = (
-        judged("At the scene's place the slider runs as the run says.",
-               "steady velocity there over that of the run, less 1", abs(velocity_at_center / expected - 1), high=2e-3),
-        judged("A slider that travels is nowhere faster than the fastest place lets it be.",
+        judged("At the position in the scene, the velocity is that of the run.",
+               "relative difference of the steady velocities", abs(velocity_at_center / expected - 1), high=2e-3),
+        judged("A travelling slider is nowhere faster than the largest steady velocity.",
                "its largest speed over the largest steady speed", abs(speeds[name]).max() / fastest, high=1.001,
                expected="up to 1"),
     )  # fmt: skip

@@ -1,8 +1,8 @@
-"""How fast the slider runs for each drive voltage.
+"""Velocity of the slider for each drive voltage.
 
-Method: the chain of the scene (``twente`` when none is named): stator at the drive's frequency, times the
-voltage, steady motion of the slider.  Expected: rest below a threshold voltage, then a speed that rises
-through slip to intermittent contact, towards the driven transducer.  Run time: about 3 s.
+Method: the chain of the scene (``twente`` by default): the stator at the drive frequency, multiplied by the voltage,
+and the steady motion of the slider. Expected: rest below a threshold voltage; above it a velocity towards the driven
+transducer that increases through slip to intermittent contact. Run time: about 3 s.
 """
 
 from collections.abc import Callable

@@ -1,12 +1,13 @@
-"""Whether the motors that are published run as their papers progress.
+"""Predictions for published motors, compared with the values in their papers.
 
-Method: Kurosawa, Takahashi and Higuchi's ball on 128YX lithium niobate (1998), the contact alone at the amplitude that
-they give, and the whole chain from 180 V; the seed's motor; what Tjeung and others (2011) tell; Raj and Behera's
-silicon slider (2025); four devices whose silicon sliders load the wave (`published_sliders`).  A published value is a
-number, or the range in which a paper places it; what no paper states is not listed.  What a paper needs and does not
-state, or states as "about", is swept, every combination, and makes the band beside the measurement; the value inside
-the band is ours, and an agreement only says that nothing contradicts.  Expected: the speed at the published amplitude
-within its band; from the voltage a band as wide as the unknown fingers make it.  Run time: about 40 s.
+Method: the ball of Kurosawa, Takahashi and Higuchi on 128YX lithium niobate (1998), both the contact alone at the
+stated amplitude and the whole chain from 180 V; the motor of the seed paper; Tjeung and others (2011); the silicon
+slider of Raj and Behera (2025); four motors whose silicon sliders load the wave (`published_sliders`). A published
+value is a number, or a range if the paper only bounds it. Quantities that a paper needs but does not state, or states
+as "about", are swept in every combination and make the band beside the measurement. The value inside the band is our
+assumption, and agreement means only that nothing contradicts it. Expected: the speed at the published amplitude lies
+within its band; the band of predictions from the voltage is as wide as the unknown number of fingers makes it.
+Run time: about 40 s.
 """
 
 import csv
@@ -336,7 +337,7 @@ def _finding(row: dict) -> Finding:
     return Finding(
         statement=f"{row['motor']}: {row['quantity']}, published {_stated(row)} {row['unit']}",
         quantity=f"predicted ({row['unit']})" if row["unit"] else "predicted",
-        expected=f"a band, {band}, that holds or meets what is published",
+        expected=f"a band that includes or overlaps the published value: {band}",
         found=row["predicted"] * row["scale"],
         confirmed=not row["verdict"].startswith("outside"),
         remark=f"{row['verdict']}; swept: {row['swept']}; moved most by {row['most']}",

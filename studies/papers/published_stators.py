@@ -1,16 +1,16 @@
-"""Whether the stators that are published convert, match and return power as their papers say.
+"""Predictions for published stators: conversion, matching and recovery of power.
 
-Method: P-matrices (`fem.p_matrix`, nothing fitted) of a row of 21 finger pairs of 400 um and of 32 pairs of reflecting
-strips beside it, on 128YX lithium niobate at 9.61 MHz with 9 mm of aperture (Tokyo Institute of Technology, KAKEN
-reports 22360101, 2010, and 15H03943).  Only the surface wave travels between them; the plate of 1.5 mm is thick enough
-for its upper face to have that wave to itself (1e-3 of the amplitude on the lower one).  A second transducer of the
-same kind with its conjugate as the load returns by reciprocity the share of what arrives that it sends; with
-circulation (Asai, Kurosawa and Higuchi, "Novel power circulation methods for a surface acoustic wave motor", IEEE
-Ultrasonics Symp. 2000) the source gives the rest.  What is not stated is swept, every combination: strips open or
-connected, their period, their distance (of the largest share of the power to one side, or of the largest power per
-volt), what the wave loses on its way (diffraction, slider, mount), whether the load's resistance is across its
-reactance or in series, and whether 20.5 V is the peak value or from peak to peak.  Expected: each published number in
-its band, and one layout that meets all of KAKEN 22360101 to 15 %.  Run time: about 5 s.
+Method: P-matrices (`fem.p_matrix`, without fitted parameters) of 21 finger pairs with a period of 400 um and of 32
+pairs of reflecting strips beside them, on 128YX lithium niobate at 9.61 MHz with an aperture of 9 mm (Tokyo Institute
+of Technology, KAKEN reports 22360101, 2010, and 15H03943). Only the surface wave travels between them. The plate of
+1.5 mm is thick enough that its upper face has a surface wave of its own (1e-3 of the amplitude on the lower face). By
+reciprocity, a second transducer of the same kind with the conjugate load recovers the same share of the arriving power
+as it would send. With circulation (Asai, Kurosawa and Higuchi, "Novel power circulation methods for a surface acoustic
+wave motor", IEEE Ultrasonics Symp. 2000) the source supplies the rest. Quantities that are not stated are swept in
+every combination: open or connected strips, their period, their distance (for the largest share of the power to one
+side, or for the largest power per volt), the loss on the way (diffraction, slider, mount), a load resistance parallel
+to the reactance or in series with it, and 20.5 V as peak or as peak-to-peak value. Expected: each published number lies
+in its band, and one layout meets all numbers of KAKEN 22360101 to 15 %. Run time: about 5 s.
 """
 
 from itertools import product

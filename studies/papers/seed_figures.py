@@ -1,11 +1,11 @@
-"""Whether our model draws the figures of the seed paper and bears out what it says about them.
+"""Figures of the seed paper, computed with our model, and the statements of the paper about them.
 
-P. J. Feenstra and P. C. Breedveld, *Analysis of a Surface Acoustic Wave Motor*: Figs 2, 5(a), 5(b), 6(a),
-6(b), 7(a) and 7(b), each with sentences of the paper and the numbers that confirm or contradict them.
-Method: the slider of ``twente-contact`` on its given wave.  The paper states neither its dampers nor its
-ratio of amplitudes; those are the scene's.  Expected: all confirmed but the damping of Fig. 7(b): with the
-elastic law nothing but R_t damps the ring, and an R_t that did so visibly would stop the motor; the losses
-of a hysteretic law are of the right size. Run time: about 15 s.
+P. J. Feenstra and P. C. Breedveld, *Analysis of a Surface Acoustic Wave Motor*: Figs 2, 5(a), 5(b), 6(a), 6(b), 7(a)
+and 7(b), each with sentences of the paper and the numbers that confirm or contradict them.
+Method: the slider of ``twente-contact`` on its given wave. The paper states neither its dampers nor its ratio of
+amplitudes; those of the scene are used. Expected: all statements are confirmed except the damping in Fig. 7(b). With
+the elastic law, only R_t damps the ring, and an R_t that is large enough to be visible would stop the motor; the losses
+of a hysteretic law have the right size. Run time: about 15 s.
 """
 
 from studies.papers.seed import Seed

@@ -6,6 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+import fem
 from studies.record.surface_map import surface_map
 from studies.refusal import RunError
 from studies.results.content import write_json
@@ -13,8 +16,6 @@ from studies.scene import Scene
 from studies.scene.toml import document
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from studies.record import Record
 
 
@@ -54,8 +55,6 @@ def write_run(record: "Record", folder: Path, *, field: bool) -> None:
         keys = [record.level, "time_s", "velocity_m_per_s", "normal_position_m"]
         write_table(folder / "trajectory.csv", keys, rows)
     if field and record.surface_wave is not None:
-        import fem
-
         fem.write_vtu(fem.wave_field(record.surface_wave), folder / "field.vtu")
         if record.surface_motion.beam is not None:
             x, y, motion = surface_map(record.surface_motion.beam, record.scene.stator)
@@ -113,9 +112,9 @@ class Motion:
         Normal position of the slider, m.
     """
 
-    time: "np.ndarray"
-    velocity: "np.ndarray"
-    position: "np.ndarray"
+    time: np.ndarray
+    velocity: np.ndarray
+    position: np.ndarray
 
 
 def read_run(folder: Path) -> dict:
@@ -162,8 +161,6 @@ def _complex(value):
 
 def _table(path: Path) -> dict:
     """Return the columns of a table of numbers as arrays."""
-    import numpy as np
-
     with path.open(newline="", encoding="utf-8") as file:
         head, *rows = csv.reader(file)
     return dict(zip(head, np.array(rows, dtype=float).reshape(len(rows), len(head)).T, strict=True))

@@ -8,6 +8,8 @@ import io
 import textwrap
 from collections.abc import Callable
 
+import numpy as np
+
 from studies.record.quantities import quantity
 from studies.refusal import RunError
 
@@ -142,8 +144,6 @@ def lines(ax, panel, across: str, rows, up: str, *, columns: int = 4):
 
     ``rows`` hold key, style, colour and label of each; ``across`` and ``up`` are keys of the table of quantities.
     """
-    import numpy as np
-
     along, height = quantity(across), quantity(up)
     for key, style, colour, name in rows:
         y = np.asarray(panel.data[key]) * height.scale

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+import numpy as np
+
 from studies.record.quantities import described
 from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, SceneError, nearest, needed
 from studies.results import Origin, result_directory
@@ -15,7 +17,6 @@ from studies.results.content import plain, provenance
 from studies.scene import Scene
 
 if TYPE_CHECKING:
-    import numpy as np
     import pandas as pd
     import xarray as xr
     from matplotlib.axes import Axes
@@ -150,41 +151,41 @@ class Record:
         return {key: plain(key, value) for key, value in whole.items() if key == "title" or value}
 
     @property
-    def voltage(self) -> "np.ndarray":
+    def voltage(self) -> np.ndarray:
         """Peak voltage of the source at each point, V; NaN where the wave is given."""
         return self.column("voltage_V")
 
     @property
-    def normal_amplitude(self) -> "np.ndarray":
+    def normal_amplitude(self) -> np.ndarray:
         """Normal amplitude of the surface under the slider (without one: at mid-stator) at each point, m."""
         return self.column("normal_amplitude_m")
 
     @property
-    def tangential_amplitude(self) -> "np.ndarray":
+    def tangential_amplitude(self) -> np.ndarray:
         """Tangential amplitude of the surface at the same place, m."""
         return self.column("tangential_amplitude_m")
 
     @property
-    def velocity(self) -> "np.ndarray":
+    def velocity(self) -> np.ndarray:
         """Steady velocity of the slider at each point, m/s; NaN where a point has no answer."""
         return self.column("velocity_m_per_s")
 
     @property
-    def relative_error(self) -> "np.ndarray":
+    def relative_error(self) -> np.ndarray:
         """Estimated error of each point in the sense of the tolerance; NaN where a point has no answer."""
         return self.column("relative_error")
 
     @property
-    def regime(self) -> "np.ndarray":
+    def regime(self) -> np.ndarray:
         """``stick``, ``slip`` or ``intermittent`` at each point; empty where a point has no answer."""
         return self._texts("regime")
 
     @property
-    def status(self) -> "np.ndarray":
+    def status(self) -> np.ndarray:
         """``ok`` at each point, or why it has no answer within the tolerance."""
         return self._texts("status")
 
-    def column(self, key: str) -> "np.ndarray":
+    def column(self, key: str) -> np.ndarray:
         """Return a number of every point, NaN where a point has none.
 
         Parameters
@@ -197,17 +198,13 @@ class Record:
         SceneError
             If no point of any run has that key as a number.
         """
-        import numpy as np
-
         known = {name for point in self.points for name, value in point.items() if not isinstance(value, str)}
         known |= {*USUAL}
         if key not in known:
             raise SceneError(key, f"is no number of the points{nearest(key, sorted(known))}")
         return np.array([point.get(key, math.nan) for point in self.points], dtype=float)
 
-    def _texts(self, key: str) -> "np.ndarray":
-        import numpy as np
-
+    def _texts(self, key: str) -> np.ndarray:
         return np.array([point.get(key, "") for point in self.points], dtype=str)
 
     def to_dataframe(self) -> "pd.DataFrame":
@@ -235,8 +232,6 @@ class Record:
         >>> data["velocity_m_per_s"].attrs["units"], data["normal_amplitude_m"].attrs["units"]
         ('m/s', 'm')
         """
-        import numpy as np
-
         data = {}
         for key in dict.fromkeys(key for point in self.points for key in point):
             values = [point.get(key) for point in self.points]

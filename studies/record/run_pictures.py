@@ -47,7 +47,10 @@ def measured_picture(record: "Record", ax):
     block = record.measured
     if "scan" in block:
         return draw_scan(block, ax)
-    trace, unit, up = block["trace"], "m_per_s", quantity("velocity_m_per_s")
+    trace = {
+        key: np.asarray(values) for key, values in block["trace"].items()
+    }  # lists in a record that was read
+    unit, up = "m_per_s", quantity("velocity_m_per_s")
     if "measured_m" in trace:
         unit, up = "m", quantity("travelled_m")
     time = trace["time_s"] * quantity("time_s").scale

@@ -2,6 +2,8 @@
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from studies.lab.measurement import Measurement
 from studies.refusal import SceneError
 
@@ -54,8 +56,6 @@ def compared(measured: Measurement, predicted: list[float | None]) -> dict:
     SceneError
         If there is no level with both a measured and a predicted velocity.
     """
-    import numpy as np
-
     answered = np.array([each is not None for each in predicted])
     if not answered.any():
         raise SceneError(OPTION, "has nothing to be compared with: the motor has no velocity at its levels")

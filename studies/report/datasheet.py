@@ -208,24 +208,12 @@ def _of_pillars(driven: DrivenContact, rated: float, levels: list[float], say: A
     free, holding_force = line.motions[0], slider.static_coefficient * slider.preload_force
     start_stop = pillar_burst(body, rated, free, LONG * abs(free.velocity) / (holding_force / slider.mass))
     relative_error = 2.0 * driven.stator_error + CONTACT_TOLERANCE
-    rows = (
-        Row("force", "blocked thrust", line.stall, "N", relative_error, "load at which the motor stalls"),
-        Row(
-            "force",
-            "load held on the wave",
-            line.held_up_to,
-            "N",
-            relative_error,
-            "against the drive, at rest",
-        ),
-        *_friction_forces(holding_force, slider.mass),
-        *_start_and_stop(start_stop, ""),
-    )
-    friction_row = Row(
-        "power", "friction power", free.friction_power, "W", relative_error, "no load, all pillars"
-    )
+    stall, held = (line.stall, relative_error), (line.held_up_to, relative_error)
+    rows = (*_force_rows(stall, held, holding_force, slider.mass), *_start_and_stop(start_stop, ""))
+    friction = "friction power", free.friction_power, "W", relative_error, "no load, all pillars"
     return {
-        "lines": lines, "start_stop": start_stop, "steps": (), "balls": 1.0, "rows": rows, "powers": (friction_row,),
+        "lines": lines, "start_stop": start_stop, "steps": (), "balls": 1.0, "rows": rows,
+        "powers": (Row("power", *friction),),
     }  # fmt: skip
 
 
@@ -243,14 +231,8 @@ def _start_stop(driven: DrivenContact, rated: float) -> Any:
     acceleration = slider.least_friction(len(orbits)) / slider.mass
     steady = contact.steady(slider, orbits, tolerance=CONTACT_TOLERANCE).velocity
     acceleration_time = abs(steady) / acceleration
-    return contact.burst(
-        slider,
-        orbits,
-        duration=LONG * acceleration_time,
-        after=2.0 * acceleration_time,
-        tolerance=1e-3,
-        samples=4000,
-    )
+    times = {"duration": LONG * acceleration_time, "after": 2.0 * acceleration_time}
+    return contact.burst(slider, orbits, **times, tolerance=1e-3, samples=4000)
 
 
 def _speeds(record: Record, driven: DrivenContact, rated: float) -> Any:
@@ -279,21 +261,23 @@ def _forces(driven: DrivenContact, rated: float, line: Any, balls: float) -> Any
     averaged, held = contact.blocked_thrust(slider, driven.at(rated))
     increased, _ = contact.blocked_thrust(slider, driven.at(rated * (1.0 + driven.stator_error)))
     friction = slider.static_friction(len(driven.orbits))
-    error = abs(increased / averaged - 1.0) + stall.error / stall.value
-    yield Row("force", "blocked thrust", balls * stall.value, "N", error, "load at which the motor stalls")
+    error = held_error = abs(increased / averaged - 1.0) + stall.error / stall.value
     # a contact sticks at rest: `held` comes from averaging, whose error is estimated from that of the stall force
     if held > averaged * (1.0 + 1e-9):
-        error += abs(stall.value / averaged - 1.0)
-    held = max(held, stall.value)
-    yield Row("force", "load held on the wave", balls * held, "N", error, "against the drive, at rest")
-    yield from _friction_forces(balls * friction, balls * slider.mass)
+        held_error += abs(stall.value / averaged - 1.0)
+    held = balls * max(held, stall.value), held_error
+    yield from _force_rows((balls * stall.value, error), held, balls * friction, balls * slider.mass)
 
 
-def _friction_forces(holding: float, mass: float) -> Any:
-    condition = "drive off: friction coefficient times preload"
-    yield Row("force", "holding force", holding, "N", condition=condition)
-    condition = "that friction can give: holding force over mass"
-    yield Row("force", "largest acceleration", holding / mass, "m/s\u00b2", condition=condition)
+def _force_rows(stall: tuple, held: tuple, holding: float, mass: float) -> Any:
+    """Yield the rows on forces; ``stall`` and ``held`` are a force in N and its relative error."""
+    for name, (value, error), unit, condition in (
+        ("blocked thrust", stall, "N", "load at which the motor stalls"),
+        ("load held on the wave", held, "N", "against the drive, at rest"),
+        ("holding force", (holding, None), "N", "drive off: friction coefficient times preload"),
+        ("largest acceleration", (holding / mass, None), "m/s\u00b2", "by friction: holding force over mass"),
+    ):
+        yield Row("force", name, value, unit, error, condition)
 
 
 def _positioning(bursts: Steps, rated: float, steps: Any, start_stop: Any) -> Any:
@@ -314,11 +298,8 @@ def _positioning(bursts: Steps, rated: float, steps: Any, start_stop: Any) -> An
 
 
 def _start_and_stop(start_stop: Any, settles: str) -> Any:
-    time, speed, final_speed = (
-        start_stop.time,
-        abs(start_stop.velocity),
-        abs(start_stop.velocity_at_burst_end),
-    )
+    time, speed = start_stop.time, abs(start_stop.velocity)
+    final_speed = abs(start_stop.velocity_at_burst_end)
     grid, start_time = float(np.max(np.diff(time))), float(time[np.argmax(speed >= SETTLED * final_speed)])
     condition = f"from rest to {SETTLED:.0%} of the speed, wave at full size from the first cycle{settles}"
     yield Row("positioning", "start time", start_time, "s", grid / start_time, condition)
@@ -335,13 +316,9 @@ def _powers(record: Record, driven: DrivenContact, rated: float, line: Any, ball
     power, electrical_power = balls * float(line.power[best]), 0.0
     electrical = record.electrical
     if electrical:
-        electrical_error, electrical_power = (
-            electrical["admittance_relative_error"],
-            electrical["power_W_per_V2"] * rated**2,
-        )
-        current = (
-            abs(complex(electrical["admittance_S"]) * complex(electrical["comb_voltage_per_volt"])) * rated
-        )
+        electrical_error = electrical["admittance_relative_error"]
+        electrical_power = electrical["power_W_per_V2"] * rated**2
+        current = rated * abs(electrical["admittance_S"] * electrical["comb_voltage_per_volt"])
         yield Row("power", "electrical power", electrical_power, "W", electrical_error, "mean, while driven")
         yield Row("power", "current", current, "A", electrical_error, "peak, into the driven transducer")
     best_load = f"{balls * line.load[best] * 1e6:.4g} \u00b5N at {line.velocity[best] * 1e3:.4g} mm/s"
@@ -349,15 +326,9 @@ def _powers(record: Record, driven: DrivenContact, rated: float, line: Any, ball
     condition = "mechanical power over the power that the wave gives the balls, best load"
     yield Row("power", "efficiency of the contact", float(np.max(line.efficiency)), "1", error, condition)
     if electrical:
+        efficiency, error = power / electrical_power, electrical_error + error
         condition = "largest mechanical power over electrical power"
-        yield Row(
-            "power",
-            "efficiency of the motor",
-            power / electrical_power,
-            "1",
-            electrical_error + error,
-            condition,
-        )
+        yield Row("power", "efficiency of the motor", efficiency, "1", error, condition)
 
 
 def _resonances(record: Record, driven: DrivenContact, say: Any) -> Any:

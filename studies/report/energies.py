@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import contact
 from studies.chain.bridge import DrivenContact
 from studies.chain.points import SHARE, STEADY_METHODS
 from studies.record import Record
@@ -34,8 +35,6 @@ class Balance:
 
 def balances(record: Record) -> tuple[Balance, ...]:
     """Return the energy balances of the steady state at a few moving points of a record with a slider."""
-    import contact
-
     scene = record.scene
     # the points of a slider on pillars already contain these powers
     if scene.slider is None or scene.slider.pillars is not None:

@@ -9,6 +9,8 @@ contacts at different places. An event-driven burst takes about 5e-5 s per cycle
 import textwrap
 from typing import Any
 
+import contact
+import fem
 from studies.chain import resolve
 from studies.chain.left_out import left_out
 from studies.chain.points import SHARE
@@ -60,11 +62,9 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
     left_out_options: dict[str, Any] = {}
     operations, block_bytes, seconds = 0.0, 0.0, START
     if scene.transducer:
-        from fem import ConvergenceError
-
         try:
             parts, left_out_options, operations, block_bytes = _driven(scene, tolerance)
-        except ConvergenceError as error:
+        except fem.ConvergenceError as error:
             raise RunError(str(error)) from None
     elif scene.wave is None:
         facts = [
@@ -73,8 +73,6 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
         ]
         parts = [{"name": "free wave", "facts": facts}]
     if scene.slider is not None:
-        from contact import kernels
-
         slider, levels = scene.slider, "voltages" if scene.wave is None else "amplitudes"
         number = len(slider.offsets)
         if slider.pillars is not None:
@@ -86,8 +84,10 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
         seconds += POINT * len(scene.levels) * contacts**CONTACTS
         if scene.burst is not None:
             facts.append(f"burst: {scene.burst * scene.frequency:.4g} cycles of the wave at each of them")
-        if not kernels.ready():
-            facts.append(f"its kernels are compiled first, {kernels.how_often()}: about {COMPILE:g} s")
+        if not contact.kernels.ready():
+            facts.append(
+                f"its kernels are compiled first, {contact.kernels.how_often()}: about {COMPILE:g} s"
+            )
             seconds += COMPILE
         parts.append({"name": "contact", "facts": facts})
     expected = {
@@ -119,12 +119,12 @@ def announced(expected: float, more: str = "") -> tuple[str, ...]:
 
     Examples
     --------
-    >>> announced(59.0), announced(600.0)
-    ((), ('expected time: about 10 minutes, within a factor of 3',))
+    >>> announced(59.0), announced(6000.0)
+    ((), ('expected time: about 100 minutes, within a factor of 3',))
     """
     if expected < MINUTE:
         return ()
-    hours = f"{expected / 3600:.2g} hours" if expected > 2 * 3600 else f"{expected / MINUTE:.2g} minutes"
+    hours = f"{expected / 3600:.2g} hours" if expected > 2 * 3600 else f"{expected / MINUTE:.0f} minutes"
     return (f"expected time: about {hours}, within a factor of {TIME_WITHIN:g}{more}",)
 
 
@@ -150,16 +150,14 @@ def explanation(plan: dict) -> str:
 
 def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, float]:
     """Return the parts of a driven stator, the keywords for `left_out`, the operations and the bytes of the blocks."""
-    from fem import LEVELS, isotropic_about_normal, planned_levels, stator_size
-
     slider, (along, _) = scene.slider, resolve.first_row(scene, (0.0, 0.0))
     stator, row = resolve.whole_stator(along), resolve.transducers(along)
     sections = len(resolve.rows(scene)) if scene.crossed else 1
-    resolutions = [*planned_levels(stator, tolerance if slider is None else tolerance * SHARE)]
-    if scene.stator.ends != "absorbing" and resolutions[-1] + 1 < len(LEVELS):
+    resolutions = [*fem.planned_levels(stator, tolerance if slider is None else tolerance * SHARE)]
+    if scene.stator.ends != "absorbing" and resolutions[-1] + 1 < len(fem.LEVELS):
         resolutions.append(resolutions[-1] + 1)  # resonances between reflecting ends amplify the error
     sizes = {
-        k: stator_size(stator, row, frequency=scene.frequency, resolution=LEVELS[k])
+        k: fem.stator_size(stator, row, frequency=scene.frequency, resolution=fem.LEVELS[k])
         for k in {*resolutions, 1}
     }
     finest, fingers = sizes[resolutions[-1]], sum(len(each.signs) for each in row)
@@ -186,7 +184,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
     if has_beam:
         how = "guided modes at every wavenumber across the aperture, under the slider"
         parts.append({"name": "beam", "facts": [how]})
-        operations += BEAM if isotropic_about_normal(stator.solid) else CUT_BEAM
+        operations += BEAM if fem.isotropic_about_normal(stator.solid) else CUT_BEAM
     left_out_options = {"beam": has_beam, "reason": refusal}
     if slider is not None and scene.burst is not None:
         covered = any(abs(slider.center[0] - each.place[0]) <= each.half_length for each in scene.transducer)

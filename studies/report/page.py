@@ -21,6 +21,10 @@ CAPTIONS = {
     "velocity": "Slider velocity; marks are computed, lines are closed forms.",
     "trajectory": "Velocity during the bursts and after them.",
     "surface": "Motion of the surface per volt; grey: transducers.",
+    "measured": "Measured values over computed ones.",
+    "slider_wave": "Amplitude and phase of the waves under the slider.",
+    "pressure": "Mean normal force on each pillar.",
+    "power": "Power of the waves under the slider: friction, work against the load, and what remains.",
     "errors": "Estimated error of each point, and the tolerance.",
 }  # of `run_pictures.pictures`
 
@@ -71,7 +75,9 @@ def _pictures(record: Record) -> list[dict]:
     drawn = run_pictures.pictures(record)
     if len([point for point in record.points if point.get("relative_error")]) > 1:
         drawn["errors"] = partial(run_pictures.errors, record)
-    captions = CAPTIONS if record.scene.transducer else CAPTIONS | {"surface": "The wave against depth."}
+    captions = (
+        CAPTIONS if record.scene.transducer else CAPTIONS | {"surface": "Motion of the wave over depth."}
+    )
     return [{"data": plots.as_uri(draw), "caption": captions[name]} for name, draw in drawn.items()]
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Annotated, Any, ClassVar
 
+import fem
 from studies.refusal import shown
 from studies.scene.block import Block, Blocks, Within, keys_of
 from studies.scene.numbers import AMPLITUDE, NUMBER, Listed, Quantity, Row, as_pair, impedance, matrix, place
@@ -342,9 +343,7 @@ class Recovery(Block):
     @property
     def rectifier_load(self) -> float | None:
         """Resistance in ohm that stands for the rectifier, if there is one."""
-        from fem import rectifier_resistance
-
-        return None if self.rectifier is None else rectifier_resistance(self.rectifier)
+        return None if self.rectifier is None else fem.rectifier_resistance(self.rectifier)
 
 
 @dataclass(frozen=True, kw_only=True)

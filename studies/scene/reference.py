@@ -6,6 +6,7 @@
 import json
 from collections.abc import Sequence
 
+import fem
 from studies.scene import blocks, pillars, slider
 from studies.scene.block import Block, keys_of
 from studies.scene.file import SCHEMA, SHIPPED, shipped_scenes
@@ -60,10 +61,8 @@ def _written(rule, default) -> str:
 
 
 def _materials() -> str:
-    from fem import catalogue
-
     rows = [("name", "kind", "density (kg/m^3)", "Q", "tan delta", "source")]
-    for name, solid in catalogue().items():
+    for name, solid in fem.catalogue().items():
         lossless = solid.mechanical_quality == float("inf")
         rows.append(
             (

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self
 
+import fem
 from studies.refusal import SceneError
 from studies.scene import consistency
 from studies.scene.block import Block, Blocks, Within
@@ -135,12 +136,10 @@ class Scene(Block):
 
 def _unknown_solids(table: dict) -> Iterator[SceneError]:
     """Yield refusals of solids that the catalogue lacks, so that they appear together with the faults of the text."""
-    from fem import InputError, material
-
     for block, key in (("stator", "material"), ("slider", "ball")):
         name = table[block].get(key) if isinstance(table.get(block), dict) else None
         if isinstance(name, str):
             try:
-                material(name)
-            except InputError as error:
+                fem.material(name)
+            except fem.InputError as error:
                 yield SceneError(f"{block}.{key}", error.rule)

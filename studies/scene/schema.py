@@ -6,15 +6,14 @@ checks. Quantities may have the usual units; the program reads every unit of the
 
 import json
 
+import fem
 from studies.scene.block import block_schema
 from studies.scene.scene import Scene
 
 
 def schema() -> dict:
     """Return the JSON Schema of a scene."""
-    from fem import catalogue
-
-    solids = catalogue()
+    solids = fem.catalogue()
     whole = block_schema(Scene)
     stator, slider = (whole["properties"][name]["properties"] for name in ("stator", "slider"))
     stator["material"]["anyOf"][0] = {"enum": list(solids)}

@@ -1,10 +1,10 @@
-"""What a driven transducer asks of its source: conductance and susceptance against frequency.
+"""Conductance and susceptance of a driven transducer against frequency.
 
-Method: admittance of the scene's driven transducer (``twente`` when none is named), the others terminated as they are,
-at 81 frequencies of a band, or as many as resolve the ripple of waves that return; beside it the quasi-static estimate
-of a transducer without reflections.  Expected: a conductance that is never negative, its largest value within a factor
-of 2 of the estimate's, a susceptance that is the capacitance's within a quarter at the band's edges, where hardly a
-wave is sent.  Run time: about 15 s between two transducers.
+Method: the admittance of the driven transducer of the scene (``twente`` by default), with the terminations of the other
+transducers as in the scene, at 81 frequencies of a band, or at as many as resolve the ripple of returning waves. It is
+compared with the quasi-static estimate of a transducer without reflections. Expected: the conductance is never
+negative, and its maximum is within a factor of 2 of the estimate; at the edges of the band, where hardly any wave is
+sent, the susceptance is that of the static capacitance within 25 %. Run time: about 15 s for two transducers.
 """
 
 import numpy as np
@@ -37,14 +37,15 @@ def run(scene: Scene, *, count: int | None = None, tolerance: float = 1e-2, prog
     theory = passband.expected(resolved)
     susceptance, conductance = 2 * np.pi * at * theory.capacitance, theory.conductance(at)
     findings = (
-        judged("A transducer takes power and gives none.", "smallest conductance (S)", admittance.real.min(), low=0),
-        judged("The largest conductance is that of charges which send one Rayleigh wave.",
+        judged("A transducer takes up power: its conductance is not negative.",
+               "smallest conductance (S)", admittance.real.min(), low=0),
+        judged("The largest conductance is that of charges that send a Rayleigh wave.",
                "largest conductance over the estimate's", admittance.real.max() / conductance.max(), low=0.5, high=2,
-               expected="between 0.5 and 2: the estimate knows no reflections and no bulk waves"),
-        judged("Off the passband it is a capacitor.",
+               expected="between 0.5 and 2: the estimate includes no reflections and no bulk waves"),
+        judged("Outside the passband, the transducer is a capacitor.",
                "susceptance at the band's edges over that of the static capacitance, mean",
                np.mean((admittance.imag / susceptance)[[0, -1]]), low=0.75, high=1.25),
-        judged("The frequencies are known as well as was asked for.",
+        judged("The admittances meet the tolerance.",
                "estimated error of the admittances over the largest", ports.relative_error, high=1.000001 * tolerance,
                expected=f"at most {tolerance:g}"),
     )  # fmt: skip

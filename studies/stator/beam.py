@@ -1,12 +1,12 @@
-"""How the finite aperture spreads the beam: amplitude along its axis and across it, against the plane section.
+"""Spreading of the beam by the finite aperture: amplitude along its axis and across it, against the plane section.
 
-Method: u_z of the scene (``twente`` when none is named) in three dimensions, from the section's charges within the
-aperture and the guided modes at every lateral wavenumber; on the axis from the driven transducer to its neighbour or
-the stator's end, and across the beam at the slider.  Beside it, as lines: the section; the angular spectrum of the
-aperture on the surface wave's own slowness curve, of the section's surface mode, attenuated but without the ripple of
-what comes back.  Expected: Fresnel's fringes, with the plate's ripple on them; a mean over the aperture of 0.8 to 1 of
-the section.  Absorbing ends.  Of turned transducers the row whose waves run nearest to x is looked at,
-in its own axes.  Run time: about 10 s, in cuts that are not isotropic about z 30 s.
+Method: u_z of the scene (``twente`` by default) in three dimensions, from the charges of the section within the
+aperture and the guided modes at every lateral wavenumber. It is computed on the axis from the driven transducer to its
+neighbour or to the end of the stator, and across the beam at the slider, with absorbing ends. Lines show the section,
+and the angular spectrum of the aperture on the slowness curve of the section's surface mode, with attenuation but
+without the ripple of returning waves. If transducers are turned, the row whose waves run closest to x is shown in its
+own axes. Expected: Fresnel fringes with the ripple of the plate; a mean over the aperture of 0.8 to 1 of the section.
+Run time: about 10 s, and 30 s in cuts that are not isotropic about z.
 """
 
 import math

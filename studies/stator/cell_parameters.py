@@ -1,10 +1,11 @@
-"""What one period of fingers does to the wave: velocity, stop bands, reflectivity, K2 and capacitance.
+"""Effect of one period of fingers on the wave: velocity, stop bands, reflectivity, K2 and capacitance.
 
-Method: the free and the metallised half-space and an endless grating of fingers (`fem.cell_parameters`) for the solid,
-period and metallisation of the scene's driven transducer (``twente-left`` when none is named), and the gratings' Bloch
-waves about their stop bands.  Expected: the shorted grating slower than the open one, both between the metallised and
-the free wave; one edge common to both where x -> -x is a symmetry; reflectivities within 20 % of those of strips of
-charge at weak coupling; the capacitance of conformal mapping to 1 %.  Run time: about 10 s.
+Method: the free and the metallised half-space and an infinite grating of fingers (`fem.cell_parameters`) for the solid,
+period and metallisation of the driven transducer of the scene (``twente-left`` by default), and the Bloch waves of the
+gratings around their stop bands. Expected: the shorted grating is slower than the open one, and both lie between the
+metallised and the free wave; both stop bands share one edge if x -> -x is a symmetry; the reflectivities are within
+20 % of those of strips of charge at weak coupling; the capacitance is that of conformal mapping to 1 %. Run time: about
+10 s.
 """
 
 import numpy as np
@@ -75,7 +76,7 @@ def run(scene: Scene, *, count: int = 61, tolerance: float = 1e-2, progress=None
                (speeds[3] - speeds[1]) / change / speeds[3], holds=speeds[0] < speeds[1] < speeds[2] < speeds[3],
                expected="between 0 and 1, and above that of separate fingers",
                remark=f"v = {', '.join(f'{each:.6g}' for each in speeds)} m/s; K2 = {100 * cell.coupling:.4g} %"),
-        judged("A standing wave that leaves the fingers without charge does not see their connection.",
+        judged("A standing wave without charge on the fingers does not depend on their connection.",
                "distance of the common edge in both gratings, over the bands' width",
                abs(cell.shorted.upper - cell.open.lower) / width, high=1e-6,
                expected="below 1e-6 where x -> -x is a symmetry"),

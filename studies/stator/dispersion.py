@@ -1,10 +1,10 @@
-"""Which waves a section guides: wavenumber against frequency, of the plate's modes and of the Rayleigh wave.
+"""Guided modes of a section: wavenumber against frequency, for the modes of the plate and for the Rayleigh wave.
 
-Method: guided modes of the bare section of the scene (``rayleigh`` when none is named), from a twelfth of its drive
-frequency to a fifth above it, those that hardly decay; beside them the half-space's Rayleigh wave.  (That the modes of
-a plate of steel are the roots of the Rayleigh-Lamb equation is a test of ``fem``.)  Expected: at the drive frequency
-the section's surface wave has the half-space's velocity to 1e-4 if the plate is 4 wavelengths thick or more (a thin
-plate: no such thing).  Run time: about 5 s.
+Method: the guided modes of the bare section of the scene (``rayleigh`` by default) that hardly decay, from a twelfth of
+the drive frequency to a fifth above it, compared with the Rayleigh wave of the half-space. (A test of ``fem`` compares
+the modes of a steel plate with the roots of the Rayleigh-Lamb equation.) Expected: at the drive frequency the surface
+wave of the section has the velocity of the half-space to 1e-4 if the plate is at least 4 wavelengths thick; a thin
+plate has no such wave. Run time: about 5 s.
 """
 
 import numpy as np

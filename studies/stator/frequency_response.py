@@ -1,12 +1,12 @@
-"""How large the wave at the slider is for each frequency, how wide its band, and how late it comes.
+"""Amplitude of the wave at the slider against frequency, its bandwidth, and its group delay.
 
-Method: u_z per volt under the slider of the scene (``twente-left`` when none is named; mid-stator without a slider)
-at 161 frequencies of a band, or as many as resolve the ripple of waves that return: the whole motion and the surface
-mode's part of it; group delay -d(phase)/d(omega) of that part; beside them the quasi-static estimate, with the loss
-on the way.  Expected: where no waves return (elsewhere it is not judged) a maximum within a factor of 2 of the
-estimate's, half of the power within 0.6 to 1.1 of f/N (0.886 f/N of sin x / x without the way's and the circuit's
-influence), and a delay in that band, its median, of the way from the fingers' middle at the Rayleigh wave's velocity.
-Run time: about 8 s.
+Method: u_z per volt under the slider of the scene (``twente-left`` by default; in the middle of a stator without a
+slider) at 161 frequencies of a band, or at as many as resolve the ripple of returning waves: the whole motion and the
+part of the surface mode, and the group delay -d(phase)/d(omega) of that part. They are compared with the quasi-static
+estimate, including the loss on the way. Expected: if no waves return (otherwise nothing is judged), a maximum within a
+factor of 2 of the estimate; a half-power bandwidth of 0.6 to 1.1 of f/N (0.886 f/N for sin x / x without the influence
+of the path and the circuit); and in that band a median delay equal to the distance from the centre of the fingers over
+the velocity of the Rayleigh wave. Run time: about 8 s.
 """
 
 import numpy as np
@@ -70,12 +70,12 @@ def run(
             "remark": "other transducers or the ends send waves back, and the estimate has none",
         }
     findings = (
-        judged("The amplitude is that of charges which send one Rayleigh wave.",
+        judged("The amplitude is that of charges that send a Rayleigh wave.",
                "largest surface-mode amplitude over the estimate's", abs(surface).max() / theory.max(), low=0.5, high=2,
-               expected="between 0.5 and 2: the estimate knows no reflections and no bulk waves", **judgement),
+               expected="between 0.5 and 2: the estimate includes no reflections and no bulk waves", **judgement),
         judged("N finger pairs pass a band of 0.886 f/N.", "width of half power, in f/N",
                np.ptp(band) / np.mean(band) * driven.finger_pairs, low=0.6, high=1.1, **judgement),
-        judged("The wave comes from the fingers' middle at the Rayleigh wave's velocity.",
+        judged("The group delay is that of a Rayleigh wave from the centre of the fingers.",
                f"median group delay in that band over {late * 1e6:.4g} us",
                np.median(delay[inside]) * free.velocity / way, low=0.9, high=1.1, expected="1, within 10 %",
                **judgement),

@@ -1,11 +1,12 @@
 """What a network analyser on the transducers would show: S-parameters, and circuits for simulators.
 
-Method: admittance matrix of all transducers with two combs over a band (`--band 1.9:2.5:401`, MHz; the passband of the
-driven transducer if not given), as S-parameters of a real reference impedance (`--z0 50`), ports in the scene's order,
-whatever drives or terminates them there; written as ``network.sNp`` (Touchstone 1.1).  A file of a measurement
-(`--measured FILE.s2p`) is drawn over it; nothing is fitted.  Each transducer, the others terminated as in the scene, is
-also a SPICE subcircuit of a static capacitance with one motional branch (Butterworth and Van Dyke) and with several.
-Expected: passive and reciprocal; several branches within a tenth of the largest admittance.  Run time: about 15 s.
+Method: the admittance matrix of all transducers with two combs over a band (`--band 1.9:2.5:401` in MHz; by default the
+passband of the driven transducer), converted to S-parameters with a real reference impedance (`--z0 50`). The ports are
+in the order of the scene, independent of how the scene drives or terminates them. The result is written as
+``network.sNp`` (Touchstone 1.1). A measured file (`--measured FILE.s2p`) is drawn over it; nothing is fitted. Each
+transducer, with the others terminated as in the scene, is also written as a SPICE subcircuit of a static capacitance
+with one motional branch (Butterworth and Van Dyke) and with several branches. Expected: passive and reciprocal; the
+circuit with several branches is within a tenth of the largest admittance. Run time: about 15 s.
 """
 
 from pathlib import Path
@@ -102,11 +103,11 @@ def run(
         judged("Transducers give no more power than they take.", "largest singular value of S, less 1", gain - 1,
                high=PASSIVE),
         judged("The network is reciprocal.", "largest |S_ij - S_ji|", apart, high=RECIPROCAL),
-        judged("The admittances are known as well as was asked for.", "estimated error, over the largest admittance",
+        judged("The admittances meet the tolerance.", "estimated error, over the largest admittance",
                ports.relative_error, high=1.000001 * tolerance, expected=f"at most {tolerance:g}"),
         *(judged(f"{name}: a circuit of {BRANCHES} motional branches has the transducer's admittance.",
                  "largest error over the largest admittance", several.error, high=CLOSE, holds=None,
-                 remark=f"one branch leaves {one.error:.2g}; take the Touchstone file where that is too much")
+                 remark=f"one branch leaves {one.error:.2g}; use the Touchstone file if that is too much")
           for name, (one, several) in models.items()),
     )  # fmt: skip
     return panels, findings, [*_in_words(names, at, scattering, models), *answer]

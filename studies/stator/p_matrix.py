@@ -1,11 +1,11 @@
-"""What coupled modes leave out: P-matrices of transducers and pieces, their cascade, and the whole stator beside it.
+"""What coupled modes leave out: P-matrices of transducers and pieces, and their cascade compared with the whole stator.
 
-Method: P-matrix of each transducer alone from its field (`fem.p_matrix`, nothing fitted), and of each meshed piece
-(`fem.reflector`), for the surface wave only, at frequencies of the passband; their cascade along the stator against the
-admittances of the whole stator, which has bulk waves, decaying fields and ends too (both of the plane section;
-terminations are left out on both sides: short-circuit admittances).  Expected: reciprocity to rounding; the surface
-wave's part of the conductance at most all of it where the solid is lossless; the cascade within 30 % of the stator in
-the transfer admittance's maximum.  Run time: about 15 s.
+Method: the P-matrix of each transducer alone, computed from its field (`fem.p_matrix`, nothing is fitted), and of each
+meshed piece (`fem.reflector`), for the surface wave only, at frequencies of the passband. Their cascade along the
+stator is compared with the admittances of the whole stator, which also include bulk waves, decaying fields and ends.
+Both describe the plane section with short-circuited terminations. Expected: reciprocity to rounding; the surface wave
+takes at most the whole conductance if the solid is lossless; the cascade agrees with the stator within 30 % in the
+maximum of the transfer admittance. Run time: about 15 s.
 """
 
 from dataclasses import replace
@@ -84,10 +84,10 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None
         judged("The surface wave takes no more than the source gives.",
                "largest share of the conductance that goes into the surface wave", np.max(sent / admittance.real),
                high=1 + tolerance, expected="at most 1"),
-        judged("A cascade of P-matrices is the stator, but for bulk waves, decaying fields and ends.",
+        judged("A cascade of P-matrices equals the stator except for bulk waves, decaying fields and ends.",
                f"largest difference of the {name}, over its largest size", apart,
                high=0.3, holds=None if reflects else True, expected="below 0.3 between absorbing ends",
-               remark="the ends reflect, and the cascade has none" if reflects else ""),
+               remark="the ends reflect, and the cascade has no ends" if reflects else ""),
     )  # fmt: skip
     panels = (
         Panel(name="p_matrix", title=f"{resolved.title}: transducer {row[ports[0]].name!r} alone", data={

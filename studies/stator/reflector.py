@@ -1,8 +1,8 @@
-"""How much of the surface wave the meshed pieces of a scene send back, let pass and scatter, over frequency.
+"""Reflection, transmission and scattering of the surface wave at the meshed pieces of a scene, over frequency.
 
-Method: the pieces between uniform segments without end, joined to the section's guided modes (`fem.reflector`); the
-transducers are not looked at.  Expected: reciprocity to rounding; no more power in the surface waves than arrived.
-Run time: about 1 s for each frequency and file.
+Method: the pieces between semi-infinite uniform segments, joined to the guided modes of the section
+(`fem.reflector`), without the transducers. Expected: reciprocity to rounding; the surface waves carry away no more
+power than arrives. Run time: about 1 s for each frequency and file.
 """
 
 import numpy as np

@@ -109,7 +109,7 @@ class Sweep:
                 continue
             text = any(isinstance(value, str) for value in column)
             values = np.array([value or "" for value in column] if text else np.array(column, float))
-            data[name] = (dims, values.reshape(shape), ({} if text else {"units": "1"}) | described(name))
+            data[name] = (dims, values.reshape(shape), described(name))
         return needed("xarray", "to_xarray").Dataset(data, dict(pairs))
 
 

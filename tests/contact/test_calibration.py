@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from contact import ConvergenceError, burst
-from contact.answers.methods import STEPS, _divisor, rest_problem, stepped_refusals
+from contact.answers.methods import STEPS, largest_divisor, rest_problem, stepped_refusals
 from contact.drive import reference_speed
 from tests.contact.calibration import TOLERANCES, ContactChecked, checked, drawn, kept, pessimism
 from tests.contact.motors import orbit, slider
@@ -81,7 +81,7 @@ def test_stepped_wants_two_step_sizes_that_serve(mass):
 
 @pytest.mark.parametrize(("number", "most", "divisor"), [(12, 5, 4), (12, 12, 12), (13, 5, 1), (1, 7, 1)])
 def test_largest_divisor_below_a_bound(number, most, divisor):
-    assert _divisor(number, most) == divisor
+    assert largest_divisor(number, most) == divisor
 
 
 def test_rows_are_the_same_whatever_is_compared_on_the_way():

@@ -42,17 +42,16 @@ def scatter(count, sigma, seed):
 
 def cycles(h, a, b, c, w):
     """Return the columns of flat contacts, k_n = k_t = 1, by name; P_1 and Q_1 complex."""
-    out = np.empty((len(h), len(Each)))
+    out = np.empty((len(h), len(Each), 1))
     for i in range(len(h)):
         parts = h, a.real, -a.imag, b.real, -b.imag
         problem = Problem(
             stiffness=1.0, contact_damping=0.0, normal_damping=0.0, preload=1.0, tangential_damping=0.0, load=0.0,
-            friction=1.0, limit_slope=1.0, stick_band=0.0, longest=1.0, shape=1, length=1.0, omega=1.0,
+            friction=float(c[i]), limit_slope=float(c[i]), stick_band=0.0, longest=1.0, shape=1, length=1.0, omega=1.0,
             paths=Paths(*(np.array([float(each[i])]) for each in parts)), law=coulomb(0),
         )  # fmt: skip
-        friction = np.full((1, 2), float(c[i]))
-        contact_cycles(problem, friction, 0.0, float(w[i]), CLOSED, cycle_arrays(1, 1), out[i : i + 1])
-    found = {each.name: out[:, each] for each in Each}
+        contact_cycles(problem, 0.0, np.full(1, w[i]), CLOSED, cycle_arrays(1, 1), out[i])
+    found = {each.name: out[:, each, 0] for each in Each}
     found["P1"] = found["NORMAL_COS"] - 1j * found["NORMAL_SIN"]
     return found | {"Q1": found["TANGENTIAL_COS"] - 1j * found["TANGENTIAL_SIN"]}
 
@@ -352,6 +351,15 @@ def test_a_load_line_ends_at_the_stall_and_both_ends_of_the_band():
 def test_bad_input_is_refused(given, sentence):
     with pytest.raises(ValueError, match=sentence):
         grid(2, 2, **given)
+
+
+def test_a_load_far_above_the_surface_that_lifts_a_side_is_refused():
+    low = grid(10, 5, tilt="pitch", load_height=1e-4)
+    assert not pillar_motion(low, wave(), load=5e-3, loading=False).held
+    with pytest.raises(
+        ValueError, match=r"load_height must keep .* load of 0.005 N within .* side at (larger|smaller) x"
+    ):
+        pillar_motion(replace(low, load_height=1e-2), wave(), load=5e-3, loading=False)
 
 
 def test_a_wave_that_is_loaded_needs_its_compliance_and_width():

@@ -57,6 +57,19 @@ def test_tabulated_velocities_are_those_of_the_tabulated_displacements():
         assert velocity[2:-2] == pytest.approx(fourth, abs=1e-8)  # h^4/30
 
 
+def test_what_happens_within_a_cycle_is_in_the_error():
+    # fixed steps take a factor that is linear in each cycle: they do not see this peak, whose area is half a cycle
+    at = np.array([0.0, 100.0, 100.5, 101.0]) / 2.2e6
+    peak = Envelope(time=at, amplitude=[1.0, 1.0, 2.0, 1.0], phase=np.zeros(4))
+    assert peak.bend(660, 2.2e6) == pytest.approx(0.5, rel=1e-9)
+    unseen, plain = run(orbit(6e-9), envelope=peak), run(orbit(6e-9), envelope=flat(1.0, 0.0))
+    assert unseen.velocity_at_burst_end == plain.velocity_at_burst_end
+    a_cycle = 0.08 * slider().preload / slider().mass / 2.2e6
+    assert unseen.answer.error - plain.answer.error == pytest.approx(0.5 * a_cycle, rel=1e-9)
+    steps = [step(slider(), orbit(6e-9), cycles=300, envelope=each).error for each in (peak, flat(1.0, 0.0))]
+    assert steps[0] - steps[1] > 0.5 * a_cycle * 300 / 2.2e6
+
+
 def test_ring_up_starts_slower():
     t = np.linspace(0.0, 1e-3, 400)
     e = Envelope(time=t, amplitude=-np.expm1(-t / 5e-5), phase=np.zeros(400))

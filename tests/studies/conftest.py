@@ -10,11 +10,22 @@ from pathlib import Path
 
 import pytest
 
+import fem
 from studies.__main__ import main
 from studies.scene import Scene
 from studies.study import module
+from tests.studies.solved_once import solved_once
 
 SMALL = Path(__file__).parent / "scenes" / "small.toml"  # a whole motor whose stator costs a second
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _fields_are_solved_once():
+    """Let tests that ask for the same field share its solution."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("driven_wave", "frequency_band"):
+            patch.setattr(fem, name, solved_once(getattr(fem, name)), raising=False)
+        yield
 
 
 @dataclass(frozen=True)
@@ -54,8 +65,9 @@ def studied(tmp_path_factory):
     def run(name: str) -> Studied:
         folder = tmp_path_factory.mktemp("studies") / name
         takes_scene = "scene" in signature(module(name).run).parameters
-        # a stator for each of the numbers of a sensitivity is slow; a reflector needs a piece
-        others = {"sensitivity": "twente-contact", "reflector": "reflector"}
+        # a stator for each of the numbers of a sensitivity, and its band for a position loop, are slow
+        others = dict.fromkeys(("sensitivity", "positioning"), "twente-contact")
+        others |= {"reflector": "reflector"}  # needs a piece
         scene = others.get(name, str(SMALL))
         words = ["study", name, *([scene] if takes_scene else []), "--quick", "--out", str(folder)]
         out, err = io.StringIO(), io.StringIO()

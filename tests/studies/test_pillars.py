@@ -230,6 +230,7 @@ def test_a_bad_file_is_refused(tmp_path, text, sentence):
         ({"wave": {"wavelength": None}}, "wave.wavelength is required and missing"),
         ({"tilt": "free", "preload_at": [0.0, 1e-3]}, "preload_at must lie .* side at smaller y lifts"),
         ({"load": 0.5}, "slider.load must be at most .* its stall"),
+        ({"load": 0.01, "tilt": "pitch", "load_height": 0.01}, "slider.load_height must keep .* side at .* lifts"),
         ({"law": "hysteretic"}, 'slider.law must be "elastic"'),
         ({"method": "exact"}, 'slider.method must be "auto" or "averaged"'),
         ({"pillars": {"diameter": None}}, "slider.pillars.diameter is required and missing"),
@@ -404,6 +405,14 @@ def test_sweeps_are_runs_at_other_values(tmp_path):
     alone = run(table.replace(slider={"preload": 0.1}))
     assert found["velocity_m_per_s"][0] == pytest.approx(alone.velocity[0], rel=1e-9)
     assert found["velocity_m_per_s"][0] > found["velocity_m_per_s"][1]
+
+
+def test_a_page_states_the_limits_of_pillars():
+    from studies.report.page import report
+
+    page = report(run(scene()))
+    assert "averaged over a cycle of the wave: no bounce" in page
+    assert "The balls are rigid" not in page
 
 
 def test_a_datasheet_and_a_load_line_are_those_of_the_pillars():

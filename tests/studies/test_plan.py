@@ -126,7 +126,7 @@ def test_kernels_that_are_not_there_are_counted(monkeypatch, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("levels", "said"), [(1000, None), (30_000, "about 10 minutes"), (2_000_000, "about 11 hours")]
+    ("levels", "said"), [(1000, None), (30_000, "about 10 minutes"), (400_000, "about 2.2 hours")]
 )
 def test_a_run_of_more_than_a_minute_is_said_before_it_begins(levels, said):
     from studies.report.explanation import long_wait

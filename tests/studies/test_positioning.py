@@ -288,7 +288,7 @@ def test_a_target_beyond_the_stator_is_refused(tmp_path, monkeypatch, capsys):
     assert main(["study", "positioning", "twente", "--target", "100 mm"]) == 2
     said = capsys.readouterr().err
     assert "--target must keep the slider on the free surface" in said
-    assert "got 0.1 m" in said
+    assert "got 100 mm" in said
     assert list(tmp_path.iterdir()) == []
     with pytest.raises(SceneError, match="must keep the slider"):
         positioning.refuse_beyond(Scene.load("twente"), -61e-3)

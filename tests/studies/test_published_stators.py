@@ -25,7 +25,7 @@ def test_fingers_and_strips_are_those_of_the_whole_stator():
     wave = fem.driven_wave(
         stator, both, frequency=study.FREQUENCY, drive="row", tolerance=2e-2, places=(place,)
     )
-    assert wave.power.right / wave.power_input == pytest.approx(case["share"], rel=3e-2)
+    assert wave.power.right / wave.circuit.power == pytest.approx(case["share"], rel=3e-2)
     assert wave.admittance.real == pytest.approx(1 / case["load_ohm"], rel=3e-2)
     assert abs(wave.rayleigh_motion(place)[1]) == pytest.approx(case["motion_m_per_V"], rel=3e-2)
     assert case["share"] > 1.1 * case["alone"]

@@ -1,6 +1,7 @@
 """The page of a run: complete, self-contained, safe with any title, its numbers those of the run and of theory."""
 
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
@@ -72,7 +73,7 @@ def test_a_page_says_everything(contact, driven, pages):
         page = Page(pages[name]).text
         for word in [
             "Points",
-            "The chain, number by number",
+            "Intermediate results",
             "Left out",
             "Limits of the model",
             "Provenance",
@@ -80,12 +81,20 @@ def test_a_page_says_everything(contact, driven, pages):
         ]:
             assert word in page
         assert all(reason in page for reason in record.left_out)
-        assert "One friction coefficient; dry, clean, smooth" in page
+        assert "Dry, clean, smooth and wear-free contact" in page
+        assert ("The balls are rigid" in page) == (record.scene.slider.pillars is None)
         assert ("Linear piezoelectricity: no heating" in page) == (record.scene.stator is not None)
         assert ("The surface motion is given" in page) == (record.scene.wave is not None)
         for point in record.points:
             assert f"{point['velocity_m_per_s'] * 1e3:.5g}" in page
         assert f"sawmotor run scene.toml --tolerance {record.tolerance}" in page
+
+
+def test_the_picture_of_a_measurement_has_a_caption(contact):
+    trace = {"time_s": [0.0, 1e-3], "predicted_m_per_s": [0.0, 0.1], "measured_m_per_s": [0.0, 0.09]}
+    block = {"trace": trace, "file": "burst.csv", "quantity": "burst"}
+    page = report(replace(contact, measured=block))
+    assert 'alt="Measured values over computed ones."' in page
 
 
 def test_the_scene_on_the_page_runs_again(contact, pages, tmp_path, capsys):
@@ -102,7 +111,7 @@ def test_a_run_without_an_answer_says_so():
     record = run(changed("twente-contact", 'wave.normal_amplitude=["3 nm"]', "slider.load=1",
                          "slider.damping.tangential=0"), tolerance=1e-3)  # fmt: skip
     page = Page(report(record)).text
-    assert "Not an answer within its tolerance" in page
+    assert "No answer within the tolerance" in page
     assert "No point has an answer" in page
     assert "runaway" in page
 

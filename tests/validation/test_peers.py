@@ -50,7 +50,7 @@ def test_the_direct_contender_agrees():
     assert max(found) < 2e-2
 
 
-@pytest.mark.parametrize("condense", [False, True])
+@pytest.mark.parametrize("condense", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_the_peer_agrees(condense):
     pytest.importorskip("ngsolve", reason="NGSolve is the optional extra `peers`")
     posed = small_problem(thickness=THIN)

@@ -58,3 +58,12 @@ class Outcome:
     relative_error: float
     relative_estimate: float
     seconds: float
+
+
+def cases_of(part: str, varied: dict[str, tuple]) -> list[Case]:
+    """Return the cases of quantities by name, each a tuple that begins with its unit and its values."""
+    return [
+        Case(part=part, varied=name, value=float(value), unit=unit)
+        for name, (unit, values, *_) in varied.items()
+        for value in values
+    ]

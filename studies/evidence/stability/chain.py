@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Any
 
 from studies.chain import run
-from studies.evidence.stability.case import Case, Outcome
+from studies.evidence.stability.case import Case, Outcome, cases_of
 from studies.evidence.stability.verdict import NoWitness, judged
 from studies.refusal import RunError
 from studies.scene import Scene
@@ -136,13 +136,9 @@ VARIED: dict[str, tuple[str, tuple, Callable[[float], dict], str]] = {
 }
 
 
-def chain_cases() -> tuple[Case, ...]:
+def chain_cases() -> list[Case]:
     """Return the cases of the chain."""
-    return tuple(
-        Case(part=PART, varied=name, value=float(value), unit=unit)
-        for name, (unit, values, _, _) in VARIED.items()
-        for value in values
-    )
+    return cases_of(PART, VARIED)
 
 
 def judge(case: Case) -> Outcome:

@@ -13,7 +13,7 @@ import numpy as np
 
 import contact
 from contact.drive import relative_to_reference
-from studies.evidence.stability.case import Case, Outcome
+from studies.evidence.stability.case import Case, Outcome, cases_of
 from studies.evidence.stability.second_opinion import second_opinion
 from studies.evidence.stability.verdict import NoWitness, judged
 
@@ -55,14 +55,7 @@ MAY_BE_ZERO = (
 
 def contact_cases() -> list[Case]:
     """Return the cases: one quantity at a time, then the corners."""
-    cases = [
-        Case(part="contact", varied=varied, value=value, unit=unit)
-        for varied, (unit, values) in SWEPT.items()
-        for value in values
-    ]
-    return cases + [
-        Case(part="contact", varied="corner", value=float(number), unit="") for number in range(CORNERS)
-    ]
+    return cases_of("contact", SWEPT | {"corner": ("", range(CORNERS))})
 
 
 def motor(case: Case):

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 import fem
-from studies.evidence.stability.case import Case, Outcome
+from studies.evidence.stability.case import Case, Outcome, cases_of
 from studies.evidence.stability.verdict import judged
 
 PART = "free wave"
@@ -42,13 +42,9 @@ TOLERANCE = 1e-4
 YOUNG, DENSITY = 70e9, 2700.0
 
 
-def free_cases() -> tuple[Case, ...]:
+def free_cases() -> list[Case]:
     """Return the cases of the free wave."""
-    return tuple(
-        Case(part=PART, varied=name, value=float(value), unit=unit)
-        for name, (unit, values) in VARIED.items()
-        for value in values
-    )
+    return cases_of(PART, VARIED)
 
 
 def judge(case: Case) -> Outcome:

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import fem
-from studies.evidence.stability.case import Case, Outcome
+from studies.evidence.stability.case import Case, Outcome, cases_of
 from studies.evidence.stability.resonance import cut_off, piece_resonance
 from studies.evidence.stability.verdict import judged
 from studies.evidence.stability.witness import compared
@@ -225,13 +225,9 @@ VARIED: dict[str, tuple[str, tuple, Callable[[float], Motor], str]] = {
 }
 
 
-def stator_cases() -> tuple[Case, ...]:
+def stator_cases() -> list[Case]:
     """Return the cases of the driven stator."""
-    return tuple(
-        Case(part=PART, varied=name, value=float(value), unit=unit)
-        for name, (unit, values, _, _) in VARIED.items()
-        for value in values
-    )
+    return cases_of(PART, VARIED)
 
 
 def judge(case: Case) -> Outcome:

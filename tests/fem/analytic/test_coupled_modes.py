@@ -6,7 +6,7 @@ from scipy.linalg import expm
 from scipy.special import eval_legendre
 
 import fem
-from fem.analytic.coupled_modes import _leaving, relative_amplitude, stop_band_edges
+from fem.analytic.coupled_modes import leaving, relative_amplitude, stop_band_edges
 from fem.discretize.error_estimate import LEVELS
 from fem.waveguide.grating import grating
 
@@ -19,7 +19,7 @@ def test_the_equations_of_coupled_modes(detuning, coupling):
     system[:2] = 1j * np.array([[-detuning, coupling, 1.0], [-coupling, detuning, -1.0]])
     across = expm(system)
     left = -across[1, 2] / across[1, 1]  # S(0), from R(0) = S(L) = 0
-    assert _leaving(np.array([float(detuning)]), coupling)[0] == pytest.approx(abs(left), rel=1e-9)
+    assert leaving(np.array([float(detuning)]), coupling)[0] == pytest.approx(abs(left), rel=1e-9)
 
 
 @pytest.mark.parametrize("metallisation", [0.001, 0.1, 0.35, 0.5, 0.77, 0.999])

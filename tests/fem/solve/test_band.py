@@ -223,7 +223,7 @@ def test_a_band_gives_the_interior_and_the_power(central):
         )
         wanted = getattr(exact, of)[:, 0].reshape(len(exact.x), -1)[:, -1]
         assert abs(at_bottom - wanted).max() < 2e-2 * abs(wanted).max()
-    assert wave.power_dissipated == pytest.approx(full.power_dissipated, rel=1e-3)
+    assert wave.power.dissipated == pytest.approx(full.power.dissipated, rel=1e-3)
     assert wave.power_residual < 1e-3
 
 

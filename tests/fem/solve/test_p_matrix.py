@@ -7,7 +7,7 @@ import pytest
 
 from fem import Stator, Transducer, cascade_admittance, cell_parameters, material, p_matrix, rotated
 from fem.discretize.error_estimate import LEVELS
-from fem.solve.p_matrix import _on_level
+from fem.solve.p_matrix import p_matrix_on_level
 from fem.waveguide.port_fields import solve_ports
 
 ROW = Transducer(name="t", center=0.05, finger_pairs=3, period=1e-3, metallisation=0.5, aperture=20e-3)
@@ -17,7 +17,7 @@ def lone(stator, row, frequency, level=0, every_mode=False):
     """P-matrix on one discretisation."""
     length = (len(row.signs) + 4) * row.pitch
     alone, own = replace(stator, length=length, ends="absorbing"), replace(row, center=length / 2)
-    return _on_level(alone, own, frequency, LEVELS[level], every_mode)
+    return p_matrix_on_level(alone, own, frequency, LEVELS[level], every_mode)
 
 
 def plate(name, cut, *, quality=np.inf, loss=0.0, bottom="free", thickness=0.6e-3):

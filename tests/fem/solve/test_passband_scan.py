@@ -9,7 +9,7 @@ from fem import Stator, Transducer, best_period, driven_wave, material, p_matrix
 from fem.convergence_error import ConvergenceError
 from fem.discretize.error_estimate import LEVELS
 from fem.reduce.basis import bases_of
-from fem.solve.p_matrix import _difference
+from fem.solve.p_matrix import matrix_difference
 from fem.solve.passband import surface_power
 from fem.waveguide.port_fields import solve_ports
 
@@ -74,7 +74,7 @@ def test_a_short_circuit_is_the_scattering_itself(found):
 def test_any_part_of_a_p_matrix_decides_its_error(found, part):
     changed = replace(found, **{part: getattr(found, part) * 1.02})
     scale = abs(found.scattering).max() if part == "scattering" else 1.0
-    assert _difference(found, changed)[0] == pytest.approx(0.02 * scale, rel=1e-6)
+    assert matrix_difference(found, changed)[0] == pytest.approx(0.02 * scale, rel=1e-6)
 
 
 def test_a_wave_that_is_longer_than_the_stator():

@@ -1,5 +1,7 @@
 """A row whose pieces have no fingers: plain columns between transducers are not seen, in any of the results."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -30,7 +32,7 @@ def solutions(stator, row, place, columns):
     modes = guided_modes(section, FREQUENCY)
     transducers = transducer_superelements(Condensation(section, FREQUENCY), stator, row, LEVEL)
     bare = repeated(condensed(section, FREQUENCY, width=0.1, electrode=None), columns)
-    piece = with_ports(bare, [], floating=section.floating_potential)
+    piece = replace(with_ports(bare, []), floating_potential=section.floating_potential)
     for between in ((), ((place, piece),)):
         pieces = CondensedPieces(
             between=between, ends=(stator.ends,) * 2, start=0.0, stop=stator.length / unit
