@@ -73,7 +73,7 @@ class Count(IntEnum):
 
 
 class Outcome(IntEnum):
-    """What became of an attempt at a segment."""
+    """Outcome of an attempt to compute a segment."""
 
     ACCEPTED = 0
     TOO_ROUGH = 1

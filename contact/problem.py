@@ -86,16 +86,6 @@ def changed(problem, load, paths):
     )  # fmt: skip
 
 
-@compiled
-def with_friction(problem, friction, limit_slope):
-    """Return the problem with another mu and c."""
-    return Problem(
-        problem.stiffness, problem.contact_damping, problem.normal_damping, problem.preload,
-        problem.tangential_damping, problem.load, friction, limit_slope, problem.stick_band, problem.longest,
-        problem.shape, problem.paths, problem.length, problem.omega, problem.law,
-    )  # fmt: skip
-
-
 @formula
 def full_friction(problem):
     """Return mu times the preload, the friction of contacts that carry it and all slip."""

@@ -59,6 +59,9 @@ FLOOR = 0.01
 # the error: the truncation has no effect if events limit the segments, and the number of nodes has none if the forces
 # are polynomials (a punch).
 ORDERS = ((8, 1e-5, 0.8, math.inf), (10, 1e-7, 1.0, 1e-8), (12, 1e-9, 0.8, 1e-10), (16, 1e-12, 1.0, 0.0))
+# Largest relative change of the velocity that a cycle adds, over that of the wave's amplitude. Against the oracle
+# `contact_motion`, an envelope of five random slopes had 0.1 and a phase of +-3 rad in 50 cycles 0.5 of this error.
+BENT = 3.0
 # SPENT: a ring-down ends when the amplitude is below this fraction of the envelope's maximum.
 # RINGING_STEPS: minimum number of steps per cycle during the ring-down.
 SPENT, RINGING_STEPS = 1e-3, 80
@@ -244,11 +247,7 @@ def _stepped(burst):
     def error(level, run, difference, reference):
         # a single difference may vanish by chance, since events fall anywhere in a step: compare the largest of many
         estimate = difference / gain(level) + FLOOR * STEPS[level][1] * reference
-        if reference == 0.0:
-            return 0.0
-        # friction changes the velocity by at most `a_cycle` in a cycle, and by about this times a change of the factor
-        a_cycle = 2.0 * math.pi * burst.problem.friction * burst.problem.preload
-        return window.error(estimate, run[0][-1], lambda: in_window(level)) + burst.bend * a_cycle
+        return window.error(estimate, run[0][-1], lambda: in_window(level)) if reference > 0.0 else 0.0
 
     level, (_, state, rows), result = _refined(burst, follow, error, STEPS, _serving_steps(burst)[1])
     start.state[:] = state
@@ -256,7 +255,11 @@ def _stepped(burst):
         "steps_per_cycle": STEPS[level][0], "cycles": burst.cycles,
         "omega_n_dt": largest_resonance(burst.problem) * 2.0 * math.pi / STEPS[level][0],
     }  # fmt: skip
-    return result._replace(run=(start, rows[burst.every - 1 :: burst.every]), statistics=statistics)
+    gains = np.diff(rows[:, Column.VELOCITY], prepend=0.0) / burst.inner
+    return result._replace(
+        run=(start, rows[burst.every - 1 :: burst.every]), statistics=statistics,
+        error=result.error + BENT * burst.bend * float(np.max(np.abs(gains))),
+    )  # fmt: skip
 
 
 def _serving_steps(burst):

@@ -169,7 +169,9 @@ def burst(
     time, velocity, position = (np.concatenate(series) for series in zip(*parts, strict=True))
     answer = Answer(
         value=end, error=result.error * problem.speed, reasons=(f"{cycles} cycles from rest", *reasons)
-    ).judged(tolerance, reference_speed(end, listed), "" if method == "exact" else "ask for method exact")
+    ).judged(
+        tolerance, reference_speed(end, listed), "" if method == "exact" or bend else "ask for method exact"
+    )
     return Trajectory(
         slider=slider, orbits=listed, time=time, velocity=side * velocity * problem.speed,
         position=position * problem.length,

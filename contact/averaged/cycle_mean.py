@@ -37,11 +37,10 @@ from contact.averaged.cycle_pieces import (
     motion_at,
 )
 from contact.averaged.riding import arc
-from contact.body import Coordinates, approach, normal_amplitude, slip_speed, slip_window
+from contact.body import Coordinates, approach, at_phase, normal_amplitude, slip_speed, slip_window
 from contact.codes import Slips
 from contact.jit.compiled import compiled, native
 from contact.law.protocol import slip_limit
-from contact.problem import with_friction
 
 # events of a contact in a cycle; phases of a cycle at which (3) and (4) of a bent limit are evaluated
 MAX_EVENTS, SCANNED = 60, 128
@@ -51,7 +50,7 @@ ROOT, CLOSED_ROOT = 1e-5, 1e-9
 
 
 class Each(IntEnum):
-    """Columns of the forces of each contact, P and Q = mean + cos part times cos phi + sin part times sin phi."""
+    """Rows of the forces of each contact, P and Q = mean + cos part times cos phi + sin part times sin phi."""
 
     NORMAL = 0
     TANGENTIAL = 1
@@ -72,8 +71,8 @@ class MeanForces(NamedTuple):
         Means over the cycle, N.
     first_normal, first_tangential : (n,) array, complex
         First harmonics, N.
-    cycles : (n, len(Each)) array
-        The columns that they were made from, in the units of the computation.
+    cycles : (len(Each), n) array
+        The rows `Each` that they were made from, in the units of the computation.
     """
 
     normal: np.ndarray
@@ -84,13 +83,16 @@ class MeanForces(NamedTuple):
 
 
 def forces_of(cycles, normal_unit, tangential_unit) -> MeanForces:
-    """Return the forces of columns `Each` for units of force in N, one or of each contact."""
-    first_normal = cycles[:, Each.NORMAL_COS] - 1j * cycles[:, Each.NORMAL_SIN]
-    first_tangential = cycles[:, Each.TANGENTIAL_COS] - 1j * cycles[:, Each.TANGENTIAL_SIN]
-    return MeanForces(
-        normal_unit * cycles[:, Each.NORMAL], tangential_unit * cycles[:, Each.TANGENTIAL],
-        normal_unit * first_normal, tangential_unit * first_tangential, cycles,
-    )  # fmt: skip
+    """Return the forces of rows `Each` for units of force in N, one or of each contact."""
+    first = np.empty((2, cycles.shape[1]), complex)
+    first[0].real, first[0].imag = (
+        normal_unit * cycles[Each.NORMAL_COS],
+        -normal_unit * cycles[Each.NORMAL_SIN],
+    )
+    first[1].real = tangential_unit * cycles[Each.TANGENTIAL_COS]
+    first[1].imag = -tangential_unit * cycles[Each.TANGENTIAL_SIN]
+    normal, tangential = normal_unit * cycles[Each.NORMAL], tangential_unit * cycles[Each.TANGENTIAL]
+    return MeanForces(normal, tangential, first[0], first[1], cycles)
 
 
 @compiled
@@ -99,10 +101,16 @@ def _crossing(path, alpha, beta, anchor, low, high, rises, close):
 
     `rises`: whether it is negative at `low` and positive at `high`; else the other way round. `close`: see `ROOT`.
     """
-    phi = 0.5 * (low + high)
+    a, b, d, e = first_harmonic(path)
+    co, si, drift = alpha * a + beta * d, alpha * b + beta * e, -beta * path.v
+    base, phi = alpha * path.h + beta * (anchor.x - anchor.y), 0.5 * (low + high)
     for _ in range(60):
-        z, zr, y, yr = motion_at(path, phi)
-        f, rate = alpha * z + beta * (anchor.x + y - anchor.y), alpha * zr + beta * yr
+        if path.wave.normal_cos.size == 1:
+            c, s = np.cos(phi), np.sin(phi)
+            f, rate = base + co * c + si * s + drift * phi, si * c - co * s + drift
+        else:
+            z, zr, y, yr = motion_at(path, phi)
+            f, rate = alpha * z + beta * (anchor.x + y - anchor.y), alpha * zr + beta * yr
         if (f > 0.0) == rises:
             high = phi
         else:
@@ -174,11 +182,12 @@ def _next_slip(problem, path, s, window, anchor, start, stop, close):
 @compiled
 def _add_stick(problem, path, rule, work, start, stop, anchor):
     """Add the integrals of a time of stick, cut where x = 0 (5), at which the force of a ball is not smooth."""
-    _, _, d, e = first_harmonic(path)
-    size, offset = np.hypot(d, e), anchor.x - anchor.y
+    offset = anchor.x - anchor.y
     if rule.weight.size == 0:
         add_integrals(problem, path, rule, work, start, stop, 0.0, offset)
         return
+    _, _, d, e = first_harmonic(path)
+    size = np.hypot(d, e)
     # y of the first harmonic turns at centre - half, centre + half, and so on in every cycle
     centre, half = np.arctan2(-d, e), 0.0
     if abs(path.v) < size:
@@ -258,12 +267,13 @@ def _next_slip_scanned(problem, path, s, anchor, start, stop):
 
 
 @compiled
-def _first_passage(problem, path, windows, counts):
-    """Return where the cycle of a contact begins: where it closes, or where slip ends if it never opens."""
+def _first_passage(problem, path, windows, half, counts):
+    """Return where the cycle of a contact begins: where it closes, or where slip ends if it never opens.
+
+    `half`: of the arc in contact, by the first harmonic.
+    """
     law = problem.law
-    crest = np.arctan2(path.wave.normal_sin[0], path.wave.normal_cos[0])
-    reach = np.hypot(path.wave.normal_cos[0], path.wave.normal_sin[0])
-    if path.h >= reach:
+    if half == np.pi:
         # a cycle with v > 0 stretches every contact backwards, so it must slip that way, up to the window's end
         back = 1.0 if path.v < 0.0 else -1.0
         if law.bent:
@@ -276,8 +286,7 @@ def _first_passage(problem, path, windows, counts):
             if kind == Slips.ALWAYS:
                 return Passage(0.0, TURN, back, 0.0)
         return Passage(start, start + TURN, 0.0, back * slip_limit(problem, motion_at(path, start)[0]))
-    half = np.arccos(-path.h / reach)
-    start, stop = crest - half, crest + half
+    start, stop = path.crest - half, path.crest + half
     for _ in range(8 if path.wave.normal_cos.size > 1 else 0):
         z, rate, _, _ = motion_at(path, start)
         z_end, rate_end, _, _ = motion_at(path, stop)
@@ -293,26 +302,24 @@ def _first_passage(problem, path, windows, counts):
 
 @compiled
 def _add_contact(problem, path, rule, work):
-    """Add the integrals of one contact over one cycle of the motion that repeats."""
+    """Add the integrals of one contact over one cycle of the motion that repeats; return half of its arc in contact."""
     counts, c = work.counts, problem.law.limit_rate(problem, 0.0)
-    reach = np.hypot(path.wave.normal_cos[0], path.wave.normal_sin[0])
-    if path.h <= -reach:
-        return
-    if rule.weight.size == 0:
-        add_closed_normal(problem, path, work, reach)
+    if path.h <= -path.reach:
+        return 0.0
+    half = add_closed_normal(problem, path, work) if rule.weight.size == 0 else arc(path.h, path.reach)
+    rides = half == np.pi
     windows = _window(path, c, 1.0), _window(path, c, -1.0)
-    passage = _first_passage(problem, path, windows, counts)
-    if (
-        problem.law.bent and path.h >= reach
-    ):  # of several windows it is not known which one is the last to slip
+    passage = _first_passage(problem, path, windows, half, counts)
+    if problem.law.bent and rides:  # of several windows it is not known which one is the last to slip
         slip, x, _ = _follow_contact(problem, path, rule, work, windows, passage, False)
         passage = Passage(passage.start, passage.stop, slip, x)
     _, _, slips = _follow_contact(problem, path, rule, work, windows, passage, True)
     counts[Counted.SLIPS] += slips
     # slip one way only, by less than a fraction of the spring's range: it takes many cycles to forget
     forgets = TURN * abs(path.v) >= 0.4 * slip_limit(problem, path.h)
-    if path.h >= reach and (slips == 0 or (slips == 1 and not forgets)):
+    if rides and (slips == 0 or (slips == 1 and not forgets)):
         counts[Counted.STUCK] += 1
+    return half
 
 
 @compiled
@@ -350,8 +357,10 @@ def _follow_contact(problem, path, rule, work, windows, passage, counted):
 def _clear(work):
     """Set the sums over the contacts to zero."""
     force = work.force
-    work.means[:] = 0.0
-    work.counts[:] = 0
+    for k in range(work.means.size):
+        work.means[k] = 0.0
+    for k in range(work.counts.size):
+        work.counts[k] = 0
     for k in range(force.normal_cos.size):
         force.normal_cos[k] = force.normal_sin[k] = force.tangential_cos[k] = force.tangential_sin[k] = 0.0
 
@@ -367,7 +376,8 @@ def _relative_path(paths, i, h, v, work):
     path.normal_sin[0] += paths.normal_sin[i]
     path.tangential_cos[0] += paths.tangential_cos[i]
     path.tangential_sin[0] += paths.tangential_sin[i]
-    return Path(approach(paths, i, 0.0, Coordinates(-h, 0.0)), v, path)
+    a, b = path.normal_cos[0], path.normal_sin[0]
+    return Path(approach(paths, i, 0.0, Coordinates(-h, 0.0)), v, path, np.hypot(a, b), np.arctan2(b, a))
 
 
 @native(
@@ -399,38 +409,48 @@ def cycle(problem, h, v, rule, work):
 
 
 @native(
-    "t f2 f f t t f2",
+    "t f f1 t t f2",
     {
-        "problem.paths.height": "n", "problem.paths.normal_cos": "n", "friction": "n 2", "rule.node": "q",
-        "rule.weight": "q", "work.path.normal_cos": "1", "work.force.normal_cos": "1", "work.means": "3",
-        "work.counts": "3", "work.nodes.cos": "1 q | 1 1", "out": "n 8",
+        "problem.paths.height": "n", "problem.paths.normal_cos": "n", "v": "n", "rule.node": "q", "rule.weight": "q",
+        "work.path.normal_cos": "1", "work.force.normal_cos": "1", "work.means": "3", "work.counts": "3",
+        "work.nodes.cos": "1 q | 1 1", "out": "8 n",
     },
 )  # fmt: skip
-def contact_cycles(problem, friction, h, v, rule, work, out):
-    """Fill the columns `Each` of every contact by itself, in a cycle of a slider without fast motion; return 0.
+def contact_cycles(problem, h, v, rule, work, out):
+    """Fill the rows `Each` for every contact by itself, in a cycle of a slider without fast motion; return 0.
 
-    `friction`: mu and c of each contact; `rule`: as in `cycle`, or `cycle_pieces.CLOSED` for flat contacts with
-    Coulomb's friction; `work`: a `Cycle` of one harmonic. At v = 0 the motion before it is towards +x, with v = -1e-300
-    towards -x. With quadrature the friction is what a contact takes from the wave and does not give to the slider.
+    `v`: mean velocity for each contact, so that contacts with another limit X = c z can be given in units of their own;
+    `rule`: as in `cycle`, or `cycle_pieces.CLOSED` for flat contacts with Coulomb's friction; `work`: a `Cycle` of one
+    harmonic. At v = 0 the motion before it is towards +x, with v = -1e-300 towards -x. With quadrature the friction is
+    what a contact takes from the wave and does not give to the slider.
     """
-    force, means, paths = work.force, work.means, problem.paths
+    force, means, paths, wave = work.force, work.means, problem.paths, work.path
     for i in range(paths.height.size):
         _clear(work)
-        path, own = (
-            _relative_path(paths, i, h, v, work),
-            with_friction(problem, friction[i, 0], friction[i, 1]),
+        # phase 0 on the crest of u_z: sines and cosines of small phases are cheaper
+        reach = normal_amplitude(paths, i)
+        co, si = (paths.normal_cos[i] / reach, paths.normal_sin[i] / reach) if reach > 0.0 else (1.0, 0.0)
+        _, _, d, e = at_phase(paths, i, co, si)
+        wave.normal_cos[0], wave.normal_sin[0], wave.tangential_cos[0], wave.tangential_sin[0] = (
+            reach,
+            0.0,
+            d,
+            e,
         )
-        _add_contact(own, path, rule, work)
-        row, reach = out[i], normal_amplitude(paths, i)
-        row[Each.NORMAL], row[Each.TANGENTIAL] = means[Mean.NORMAL] / TURN, means[Mean.TANGENTIAL] / TURN
-        row[Each.NORMAL_COS], row[Each.NORMAL_SIN] = force.normal_cos[0] / np.pi, force.normal_sin[0] / np.pi
+        path = Path(approach(paths, i, 0.0, Coordinates(-h, 0.0)), v[i], wave, reach, 0.0)
+        half = _add_contact(problem, path, rule, work)
+        out[Each.NORMAL, i], out[Each.TANGENTIAL, i] = (
+            means[Mean.NORMAL] / TURN,
+            means[Mean.TANGENTIAL] / TURN,
+        )
+        cos, sin = force.normal_cos[0] / np.pi, force.normal_sin[0] / np.pi
+        out[Each.NORMAL_COS, i], out[Each.NORMAL_SIN, i] = cos * co - sin * si, cos * si + sin * co
         cos, sin = force.tangential_cos[0] / np.pi, force.tangential_sin[0] / np.pi
-        row[Each.TANGENTIAL_COS], row[Each.TANGENTIAL_SIN] = cos, sin
-        row[Each.SHARE] = arc(path.h, reach) / np.pi if path.h > -reach else 0.0
-        row[Each.FRICTION] = means[Mean.FRICTION] / TURN
+        out[Each.TANGENTIAL_COS, i], out[Each.TANGENTIAL_SIN, i] = cos * co - sin * si, cos * si + sin * co
+        out[Each.SHARE, i] = half / np.pi
+        out[Each.FRICTION, i] = means[Mean.FRICTION] / TURN
         if rule.weight.size > 0:
-            row[Each.FRICTION] = 0.5 * (cos * paths.tangential_sin[i] - sin * paths.tangential_cos[i])
-            row[Each.FRICTION] -= row[Each.TANGENTIAL] * v
+            out[Each.FRICTION, i] = 0.5 * (cos * e - sin * d) - out[Each.TANGENTIAL, i] * v[i]
     return 0
 
 

@@ -63,12 +63,12 @@ class Nodes(NamedTuple):
 
 
 class Cycle(NamedTuple):
-    """What a cycle is taken on, and what it gives."""
+    """Arrays of a cycle: its input `fast`, its results `force`, `means` and `counts`, and work arrays."""
 
-    fast: Harmonics  # The slider's own fast motion: z_s, and its travel
-    path: Harmonics  # Room for that of a contact relative to the slider
-    force: Harmonics  # Of P (1 + chi z') and of Q; empty where only the means are wanted
-    nodes: Nodes  # As many as the quadrature has; empty likewise
+    fast: Harmonics  # of the slider's own fast motion: z_s, and its travel
+    path: Harmonics  # of a contact relative to the slider
+    force: Harmonics  # of P (1 + chi z') and of Q; empty if only the means are wanted
+    nodes: Nodes  # one per node of the quadrature; empty likewise
     means: np.ndarray  # (len(Mean),) array: See `Mean`
     counts: np.ndarray  # (len(Counted),) int array: See `Counted`
 
@@ -79,6 +79,9 @@ class Path(NamedTuple):
     h: float
     v: float
     wave: Harmonics
+    # amplitude of z in the first harmonic, and the phase of its crest
+    reach: float
+    crest: float
 
 
 class Anchor(NamedTuple):
@@ -118,7 +121,18 @@ def first_harmonic(path):
 
 @compiled
 def motion_at(path, phi):
-    """Return z, z', y, y' of a path at a phase, eq. (1)."""
+    """Return z, z', y, y' of a path at a phase, eq. (1) of `cycle_mean`."""
+    if path.wave.normal_cos.size > 1:
+        return _motion_of_harmonics(path, phi)
+    a, b, d, e = first_harmonic(path)
+    co, si = np.cos(phi), np.sin(phi)
+    z, y = path.h + (a * co + b * si), -path.v * phi + (d * co + e * si)
+    return z, b * co - a * si, y, -path.v + (e * co - d * si)
+
+
+@compiled
+def _motion_of_harmonics(path, phi):
+    """Do the work of `motion_at` for several harmonics."""
     a, b, d, e = path.wave
     co, si = np.cos(phi), np.sin(phi)
     c, s = co, si
@@ -142,9 +156,8 @@ def add_integrals(problem, path, rule, work, start, stop, slip, offset):
     if rule.weight.size == 0:
         _add_closed(problem, path, work, start, stop, slip, offset)
         return
-    a, b, _, _ = first_harmonic(path)
-    if path.h >= np.hypot(a, b):
-        trough = np.arctan2(b, a) + np.pi
+    if path.h >= path.reach:
+        trough = path.crest + np.pi
         trough += TURN * np.ceil((start - trough) / TURN)
         while trough < stop:
             _add_piece(problem, path, rule, work, start, trough - start, slip, offset)
@@ -181,15 +194,16 @@ def _add_closed(problem, path, work, start, stop, slip, offset):
 
 
 @compiled
-def add_closed_normal(problem, path, work, reach):
-    """Add the closed integrals of P and of its first harmonic over a cycle; `reach` = |u_z|."""
-    mean, first, _ = punch_means(path.h, reach)
+def add_closed_normal(problem, path, work):
+    """Add the closed integrals of P and of its first harmonic over a cycle; return half of the arc in contact."""
+    mean, first, half = punch_means(path.h, path.reach)
     work.means[Mean.NORMAL] += TURN * problem.stiffness * mean
-    if reach > 0.0:
+    if path.reach > 0.0:
         a, b, _, _ = first_harmonic(path)
-        first *= np.pi * problem.stiffness / reach
+        first *= np.pi * problem.stiffness / path.reach
         work.force.normal_cos[0] += first * a
         work.force.normal_sin[0] += first * b
+    return half
 
 
 @compiled

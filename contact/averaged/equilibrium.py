@@ -177,7 +177,7 @@ def way_out(problem, least, largest):
 
 
 class Speed(NamedTuple):
-    """Where `balanced_speed` has come to."""
+    """Result of `balanced_speed`."""
 
     status: int
     velocity: float
@@ -272,7 +272,7 @@ def _first_order(problem, h, way, close, work, out):
     )
     if status != Status.DONE:
         return status, 0.0, 0.0
-    # where the search stops early, Newton's step from there errs by the square of the last one
+    # the search may stop early: Newton's step from there has an error of the square of the last step
     out[Entry.COARSE], out[Entry.RESIDUAL] = (v - left / slope if slope < 0.0 else v), abs(left / slope)
     f = excess(problem, work.fine, h, v, work)
     out[Entry.QUADRATURE] = RULE_ERROR * abs((f - left) / slope)
@@ -306,9 +306,9 @@ def _second_order(problem, slope, top, work, out):
     counts = second.counts
     out[Entry.VELOCITY], out[Entry.HEIGHT], out[Entry.RESIDUAL] = v, h, change
     out[Entry.MADE_PER_CYCLE], out[Entry.SLIPS_PER_CYCLE] = counts[Counted.MADE], counts[Counted.SLIPS]
-    # The forces' harmonics fall as n^-5/2 (spheres) or n^-2 (punches, a contact's damper), the fast motion as
-    # n^-2 times that, and the sum over what is left out enters the mean once more by such a harmonic. One harmonic may
-    # vanish by chance: the largest of the last three counts.
+    # The forces' harmonics fall as n^-5/2 (spheres) or n^-2 (punches, a contact's damper) and the fast motion as n^-2
+    # times that. The harmonics left out act on the mean through one more such factor. One harmonic may vanish by
+    # chance, hence the largest of the last three.
     force, last, tail = second.force, second.force.tangential_cos.size - 1, 0.0
     for k in range(max(last - 2, 0), last + 1):
         along = np.hypot(force.tangential_cos[k], force.tangential_sin[k])

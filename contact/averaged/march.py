@@ -50,14 +50,14 @@ def march(turn, force, slope, amplitude, g, incident):
     """
     m, kind, n = turn.size, slope.dtype, slope.shape[1]  # n equations for each row
     # the jumps of U+ and -U- at a row are i g times `to_wave` times F
-    to_wave = np.zeros((m, 2, 2), complex)
-    to_wave[:, 0, 0], to_wave[:, 1, 1] = turn.conj(), turn
+    to_wave = np.stack([turn.conj(), turn], axis=1)
     to_row, half = to_wave.conj(), 0.5j * g * to_wave
-    if n == 4:
-        to_row, half = real_form(to_row), real_form(half)
-    response = half @ slope @ to_row
-    fixed = force.view(kind)[..., None] - slope @ amplitude.view(kind)[..., None]
-    source = 2.0 * (half @ fixed)[..., 0]
+    fixed = force.view(kind) - (slope @ amplitude.view(kind)[..., None])[..., 0]
+    if n == 2:  # `to_wave` is diagonal
+        response, source = half[:, :, None] * slope * to_row[:, None], 2.0 * half * fixed
+    else:
+        to_row, half = (real_form(each[:, :, None] * np.eye(2)) for each in (to_row, half))
+        response, source = half @ slope @ to_row, 2.0 * (half @ fixed[..., None])[..., 0]
     # Unknowns of row j are U+ on its right (j + 1) and U- on its left (j):
     # (U+_j+1 - U+_j, U-_j - U-_j+1) - response (U+_j + U+_j+1, U-_j + U-_j+1) = source
     own, neighbours = np.eye(n) - response, -np.eye(n) - response

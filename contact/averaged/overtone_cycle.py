@@ -13,10 +13,8 @@ from contact.averaged.pillar_cycle import PillarCycle
 from contact.convergence_error import ConvergenceError
 
 SAMPLES, FEWEST = 4, 32  # of a cycle: for each harmonic, and at least
-MEMORY, MAX_STEP = (
-    16,
-    0.3,
-)  # sweeps that Anderson's method combines, and the largest step of one over the incident amplitude
+MEMORY = 16  # sweeps that Anderson's method combines
+MAX_STEP = 0.3  # largest step of a sweep over the incident amplitude
 
 
 class OvertoneCycle(PillarCycle):
@@ -74,7 +72,7 @@ class OvertoneCycle(PillarCycle):
         )
         spectrum.along[:], spectrum.against[:] = driving[self.downstream], other[self.downstream]
         incident[0] = self.incident[0 if self.forward_drives else 1]
-        out = np.zeros((self.x.size, len(Each)))
+        out = np.zeros((len(Each), self.x.size))
         waves = Waves(self.downstream_turn, self.downstream_orbit, self.g, incident)
         failed = overtone_march(
             self.contacts, waves, np.ascontiguousarray(approach), float(w), float(side), spectrum, self.samples, out
@@ -95,13 +93,11 @@ class OvertoneCycle(PillarCycle):
         other = (self.forward, self.backward)[side][:, 0]
         orbit = self.wave.orbit if self.forward_drives else self.wave.orbit.conjugate()
         normal, tangential = self.row_forces(forces)[..., 0].T
-        force, amplitude, slope = (
-            np.zeros((m, 2), complex),
-            np.zeros((m, 2), complex),
-            np.zeros((m, 2, 2), complex),
-        )
+        force = np.zeros((m, 2), complex)
+        amplitude = np.zeros((m, 2), complex)
+        slope = np.zeros((m, 2, 2), complex)
         force[:, side], amplitude[:, side] = normal + orbit * tangential, other
-        slope[:, side, side] = self.sums(forces.cycles[:, Each.SHARE] * self.k_n)
+        slope[:, side, side] = self.sums(forces.cycles[Each.SHARE] * self.k_n)
         step = march(self.turn, force, slope, amplitude, self.g, self.incident)[:, side] - other
         change = float(np.abs(step).max()) / max(self.wave.amplitude, 1e-300)
         # D. G. Anderson, J. ACM 12 (1965) 547: of the last sweeps the combination with the smallest step

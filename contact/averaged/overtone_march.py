@@ -164,25 +164,25 @@ def _row(classes, j, approach, w, back, spectrum, cycle, out):
     for i in range(count):
         mean[Over.NORMAL, i] = mean[Over.TANGENTIAL, i] = 0.0
     for k in range(classes.first[j], classes.behind[j]):
-        out[k, :] = 0.0
+        out[:, k] = 0.0
         if approach[k] + highest <= 0.0:
             continue
         for i in range(count + 1):
             surface[At.Z, i] = approach[k] + surface[At.U_Z, i]
             surface[At.Y, i] = surface[At.U_X, i] - w * (2.0 * np.pi * i / count)
-        _cycle(surface, mean, classes.limit_slope[k], back, out[k])
+        _cycle(surface, mean, classes.limit_slope[k], back, out[:, k])
         normal, tangential = (
             classes.weight[k] * classes.normal_stiffness[k], classes.weight[k] * classes.tangential_stiffness[k]
         )  # fmt: skip
         for i in range(count):
-            out[k, Each.NORMAL] += mean[Over.Z, i] / count
-            out[k, Each.TANGENTIAL] += mean[Over.X, i] / count
+            out[Each.NORMAL, k] += mean[Over.Z, i] / count
+            out[Each.TANGENTIAL, k] += mean[Over.X, i] / count
             mean[Over.NORMAL, i] += normal * mean[Over.Z, i]
             mean[Over.TANGENTIAL, i] += tangential * mean[Over.X, i]
         first = _coefficient(mean[Over.Z], table, scale, 0)
-        out[k, Each.NORMAL_COS], out[k, Each.NORMAL_SIN] = first.real, -first.imag
+        out[Each.NORMAL_COS, k], out[Each.NORMAL_SIN, k] = first.real, -first.imag
         first = _coefficient(mean[Over.X], table, scale, 0)
-        out[k, Each.TANGENTIAL_COS], out[k, Each.TANGENTIAL_SIN] = first.real, -first.imag
+        out[Each.TANGENTIAL_COS, k], out[Each.TANGENTIAL_SIN, k] = first.real, -first.imag
     for n in range(number):
         for side in range(2):
             spectrum.force[j, side, n] = _coefficient(mean[Over.NORMAL + side], table, scale, n)
@@ -194,10 +194,10 @@ def _row(classes, j, approach, w, back, spectrum, cycle, out):
      "classes.tangential_stiffness": "n", "classes.limit_slope": "n", "waves.turn": "m", "waves.orbit": "1",
      "waves.incident": "h", "approach": "n", "spectrum.along": "m h", "spectrum.against": "m 1",
      "spectrum.force": "m 2 h", "cycle.table": "h 1+s", "cycle.scale": "h", "cycle.before": "h",
-     "cycle.surface": "4 1+s", "cycle.mean": "4 s", "out": "n 8"},
+     "cycle.surface": "4 1+s", "cycle.mean": "4 s", "out": "8 n"},
 )  # fmt: skip
 def overtone_march(classes, waves, approach, w, side, spectrum, cycle, out):
-    """Follow the wave through all rows; fill its amplitudes, the forces and the columns of `cycle_mean.Each`.
+    """Follow the wave through all rows; fill its amplitudes, the forces and the rows of `cycle_mean.Each`.
 
     g = 0 keeps `spectrum.along` as it is. `w`: velocity over omega, m; `side`: sign of the motion before w = 0. The
     search for each row's midpoint begins with the forces that are there. Returns how many midpoints did not settle.
@@ -235,7 +235,7 @@ def overtone_march(classes, waves, approach, w, side, spectrum, cycle, out):
             # contacts in touch are springs to a change of the amplitudes, each for its share of the cycle
             spring, change = 0.0j, 0.0
             for k in range(classes.first[j], classes.behind[j]):
-                spring += half * classes.weight[k] * classes.normal_stiffness[k] * out[k, Each.SHARE]
+                spring += half * classes.weight[k] * classes.normal_stiffness[k] * out[Each.SHARE, k]
             for n in range(number):
                 fed = before[n] + half * (force[j, 0, n] + orbit.conjugate() * force[j, 1, n])
                 new = (fed - spring * along[j, n]) / (1.0 - spring)

@@ -61,14 +61,14 @@ class PillarCycle:
         self.incident = np.array([wave.forward, wave.backward])
         self.evaluations = 0
         rule = CLOSED if self.shape == Shape.PUNCH else quadrature(NODES)
-        # P/k_n and Q/k_t are those of a contact with stiffness 1 and mu = c
-        friction, paths = np.stack([self.limit_slope] * 2, axis=1), Paths(*np.empty((5, self.x.size)))
+        # with tangential lengths over c, P/k_n and Q/(c k_t) are those of a contact with stiffness, mu and c of 1
+        paths = Paths(*np.empty((5, self.x.size)))
         problem = Problem(
             stiffness=1.0, contact_damping=0.0, normal_damping=0.0, preload=1.0, tangential_damping=0.0, load=0.0,
             friction=1.0, limit_slope=1.0, stick_band=0.0, longest=1.0, shape=self.shape, paths=paths, length=1.0,
             omega=1.0, law=coulomb(Tangential.ELASTIC),
         )  # fmt: skip
-        self._cycles = problem, friction, rule, cycle_arrays(1, max(len(rule.node), 1))
+        self._cycles = problem, rule, cycle_arrays(1, max(len(rule.node), 1))
         self.reset()
 
     def reset(self):
@@ -104,19 +104,18 @@ class PillarCycle:
     def forces(self, approach, w: float, side: float) -> MeanForces:
         """Return the forces per class, without weights, at mean approaches in m and a velocity over omega in m."""
         self.evaluations += 1
-        problem, friction, rule, work = self._cycles
-        u_z, u_x = (each[self.row] for each in self.amplitudes())
+        problem, rule, work = self._cycles
+        c, (u_z, u_x) = self.limit_slope, (each[self.row] for each in self.amplitudes())
         unit = max(float(np.max(np.abs(approach))), float(np.max(np.abs(u_z))), 1e-300)
-        for path, part in zip(
-            problem.paths, (approach, u_z.real, -u_z.imag, u_x.real, -u_x.imag), strict=True
-        ):
+        for path, part in zip(problem.paths[:3], (approach, u_z.real, -u_z.imag), strict=True):
             np.divide(part, unit, out=path)
-        v, out = float(w) / unit, np.empty((self.x.size, len(Each)))
-        contact_cycles(problem, friction, 0.0, -1e-300 if v == 0.0 and side < 0.0 else v, rule, work, out)
-        force = float(load(unit, self.shape))
-        out[:, : Each.FRICTION] *= force
-        out[:, Each.FRICTION] *= force * unit
-        return forces_of(out, self.k_n, self.k_t)
+        for path, part in zip(problem.paths[3:], (u_x.real, -u_x.imag), strict=True):
+            np.divide(part, c * unit, out=path)
+        velocities = np.full(self.x.size, -1e-300) if w == 0.0 and side < 0.0 else float(w) / (c * unit)
+        out, force = np.empty((len(Each), self.x.size)), float(load(unit, self.shape))
+        contact_cycles(problem, 0.0, velocities, rule, work, out)
+        out[Each.FRICTION] *= force * unit * c**2
+        return forces_of(out, self.k_n * force, self.k_t * force * c)
 
     def advance(self, forces: MeanForces, slope=None) -> float:
         """Update the wave amplitudes for the forces; return the change over the incident amplitude.

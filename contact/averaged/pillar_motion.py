@@ -358,8 +358,8 @@ class _Slider:
         entry, other = (wave.forward, wave.backward) if forward_drives else (wave.backward, wave.forward)
         gone, back = (passed[0, -1], passed[1, 0]) if forward_drives else (passed[1, 0], passed[0, -1])
         entry = entry if entry != 0 else 1.0
-        friction = cycle.k_t * wave.omega * forces.cycles[:, Each.FRICTION]
-        share = forces.cycles[:, Each.SHARE]
+        friction = cycle.k_t * wave.omega * forces.cycles[Each.FRICTION]
+        share = forces.cycles[Each.SHARE]
         touching = float(np.sum(weight[share > 0.0]))
         work, held = cycle.work(forces), equilibrium.w == 0.0
         motion = PillarMotion(

@@ -152,10 +152,12 @@ def mean_forces(slider: Slider, orbits: Orbit | tuple[Orbit, ...], motion: MeanM
     """
     listed = as_orbits(orbits)
     problem = scaled(slider, listed, direction=1.0, start=0.0)
-    each, friction = np.empty((len(listed), len(Each))), np.full((len(listed), 2), problem.friction)
-    friction[:, 1] = problem.limit_slope
-    h, v = riding_approach(problem), float(motion.first_order) / problem.speed
-    contact_cycles(problem, friction, h, v, quadrature(FINE_NODES), cycle_arrays(1, FINE_NODES), each)
+    each, velocities = (
+        np.empty((len(Each), len(listed))),
+        np.full(len(listed), motion.first_order / problem.speed),
+    )
+    work, rule = cycle_arrays(1, FINE_NODES), quadrature(FINE_NODES)
+    contact_cycles(problem, riding_approach(problem), velocities, rule, work, each)
     unit = slider.mass * problem.omega**2 * problem.length
     return forces_of(each, unit, unit)
 

@@ -112,10 +112,8 @@ def bounce(problem, state, span, work):
                 cycle(problem, middle, v_middle, rule, work.second)
                 force, _ = mean_normal_force(problem, middle, rule)
                 gain = work.second.means[Mean.NORMAL] - force
-                tangential_force, stuck = (
-                    work.second.means[Mean.TANGENTIAL],
-                    work.second.counts[Counted.STUCK],
-                )
+                tangential_force = work.second.means[Mean.TANGENTIAL]
+                stuck = work.second.counts[Counted.STUCK]
             else:
                 cycle(problem, middle, v_middle, rule, work.first)
                 tangential_force, stuck = work.first.means[Mean.TANGENTIAL], work.first.counts[Counted.STUCK]
@@ -232,11 +230,9 @@ def _response(problem, state, span, work, k):
         cycle(problem, state[At.POSITION], state[At.VELOCITY], rule, second)
         respond(problem, second)
     fast_height, fast_rate, fast_speed = fast_state(second.fast)
-    state[At.POSITION], state[At.NORMAL_VELOCITY], state[At.VELOCITY] = (
-        fast_height - state[At.POSITION],
-        fast_rate - state[At.NORMAL_VELOCITY],
-        state[At.VELOCITY] + fast_speed,
-    )
+    state[At.POSITION] = fast_height - state[At.POSITION]
+    state[At.NORMAL_VELOCITY] = fast_rate - state[At.NORMAL_VELOCITY]
+    state[At.VELOCITY] = state[At.VELOCITY] + fast_speed
     for m in range(span.at.size):
         span.rows[m, Column.VELOCITY] += fast_speed
     return why

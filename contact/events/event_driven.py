@@ -1,12 +1,15 @@
 r"""The event-driven motion: segment after segment, each ended by the first root of any guard.
 
-A segment is first laid out to its longest length; if a guard turns negative on it, the root is found on the
-interpolant, the segment is laid out anew to end there, and its length is corrected by Newton's method with the
-guard's true rate until the guard vanishes to rounding. Where the last cycle had the same segment, the length and the
-accelerations of that one are the first guess, and Newton's and Picard's iterations go on together. Extrema of every
-guard between the nodes are searched in either case, so no contact is skipped. A segment whose highest Chebyshev
-coefficients exceed the tolerance, or on which Picard's iteration does not gain, is halved. The segments of many
-contacts span their events (`many_contacts`).
+*Cold start.* A segment is first computed to its longest length. If a guard turns negative on it, the root is found on
+the interpolant and the segment is computed again to end there. Newton's method with the guard's true rate then corrects
+the length until the guard vanishes to rounding.
+
+*Warm start* (`warm_start`). If the last cycle had the same segment, its length and accelerations are the first guess.
+Newton's iteration for the length and Picard's for the motion then go on together.
+
+In both cases the extrema of every guard between the nodes are searched, so that no contact is missed. A segment is
+shortened if its highest Chebyshev coefficients exceed the tolerance or Picard's iteration does not converge. With many
+contacts, a segment spans their events (`many_contacts`).
 """
 
 from typing import NamedTuple
@@ -28,18 +31,18 @@ TALLY = len(Event) + len(Count)
 
 
 class Task(NamedTuple):
-    """What a run is to do and to record."""
+    """What a run does and records."""
 
-    start: float  # phases; with a wave, within one cycle (rounding)
-    stop: float
-    number: int  # how many times; more than once over a whole cycle only
-    mobile: int  # 0: the slider's velocity stays as it is whatever the forces (a body of infinite mass)
+    start: float  # phase at which it starts
+    stop: float  # and ends
+    number: int  # repetitions; more than one only over a whole cycle
+    mobile: int  # 0: the slider keeps its velocity whatever the forces, as a body of infinite mass
     tolerance: float  # truncation allowed per segment, over the friction and preload impulse of a radian
-    limit: int  # largest number of segments each time
-    at: np.ndarray  # (k,): where to record; rising, in (start, stop]. Recording alters nothing else
-    samples: np.ndarray  # (k, contacts, len(Sample)): z, x, P, Q, regime and v there
-    stride: int  # a row every so many cycles; 0 records nothing
-    rows: np.ndarray  # (number // stride, len(Column)): v, z_s, mean v of the last cycle
+    limit: int  # largest number of segments of one repetition
+    at: np.ndarray  # (k,): phases of the samples, rising, in (start, stop]; they do not change the motion
+    samples: np.ndarray  # (k, contacts, len(Sample))
+    stride: int  # cycles per recorded row; 0: no rows
+    rows: np.ndarray  # (number // stride, len(Column))
 
 
 class Work(NamedTuple):
@@ -58,21 +61,21 @@ def work_arrays(contacts: int, nodes: int) -> Work:
 
 
 class Progress(NamedTuple):
-    """Where a run stands."""
+    """Start of the next segment."""
 
     phase: float
     length: float  # to try
-    entered: bool  # whether a contact has just closed
-    match: int  # of the next segment in the cycle number `old`, -1 without one
-    old: int
-    taken: int  # samples
+    entered: bool  # True if a contact has just closed
+    match: int  # number of the matching segment of the last cycle, -1 without one
+    old: int  # index of the last cycle in `Pattern`
+    taken: int  # number of samples taken
 
 
 @compiled
 def _warm_started(problem, grid, state, nodes, task, segment, memory):
-    """Lay a segment out from recalled accelerations to the event at its end, if any; return its length, 0 if it fails.
+    """Compute a segment from recalled accelerations up to its event, if it has one; return its length, 0 if this fails.
 
-    Newton's iteration for the length and Picard's for the motion in one.
+    Each iteration is a step of Picard's for the motion and of Newton's for the length.
     """
     room = min(problem.longest, task.stop - segment.phase)
     seg.surface(problem, grid, nodes, segment)
@@ -103,7 +106,7 @@ def _warm_started(problem, grid, state, nodes, task, segment, memory):
                 seg.surface(problem, grid, nodes, segment)
         if arrived:
             place, other, _ = earliest(problem, grid, state, nodes, memory)
-            # an event that this segment did not have: a cold start will find it
+            # an earlier event, which the last cycle did not have, needs a cold start
             known = other < 0 or (segment.contact >= 0 and place > 1.0 - 1e-6)
             return segment.length if known else 0.0
     return 0.0
@@ -111,7 +114,7 @@ def _warm_started(problem, grid, state, nodes, task, segment, memory):
 
 @compiled
 def _cold_started(problem, grid, state, nodes, task, segment, memory):
-    """Lay a segment out, and end it at the first root of a guard on it; return (converged, segment)."""
+    """Compute a segment and end it at the first root of a guard on it; return (converged, segment)."""
     entered = segment.map == ROOT_AT_START
     converged, sweeps = seg.iterate_motion(problem, grid, state, nodes, segment, task.mobile, memory)
     state.tally[Count.SWEEPS] += sweeps
@@ -135,7 +138,7 @@ def _cold_started(problem, grid, state, nodes, task, segment, memory):
 
 @compiled
 def _ended_at_event(problem, grid, state, nodes, task, segment, memory):
-    """Return the segment laid out to where its guard vanishes."""
+    """Return the segment computed to where its guard vanishes."""
     for trial in range(12):
         if segment.length < 1e-14:
             segment = seg.resized(segment, 0.0)
@@ -165,7 +168,7 @@ def _roughness(problem, grid, nodes, segment):
 
 @compiled
 def _sampled(grid, state, nodes, task, segment, taken):
-    """Take the samples that fall on the segment; return how many are taken by now."""
+    """Take the samples on the segment; return the number taken so far."""
     while taken < task.at.size and task.at[taken] <= segment.phase + segment.length:
         for i in range(state.regime.size):
             seg.sample(grid, state, nodes, segment, i, task.at[taken], task.samples[taken, i])
@@ -199,7 +202,7 @@ def _begin_with(nodes, normal, tangential):
 
 @compiled
 def _from_last_cycle(problem, grid, state, work, task, memory, progress):
-    """Return the segment that the last cycle had here, laid out to the same end or event; length 0 without it."""
+    """Return the last cycle's segment computed to the same end or event; its length is 0 if that fails."""
     pattern, old, m = work.pattern, progress.old, progress.match
     nothing = seg.segment_at(progress.phase, 0.0, SMOOTH, 0)
     if m < 0:
@@ -218,7 +221,7 @@ def _from_last_cycle(problem, grid, state, work, task, memory, progress):
 
 @compiled
 def _attempt(problem, grid, state, work, task, memory, progress):
-    """Lay out the next segment; return what became of it."""
+    """Compute the next segment; return an `Attempt`."""
     nodes, longest = work.nodes, problem.longest
     normal = nodes.slider[Row.NORMAL_ACCELERATION, 0]
     tangential = nodes.slider[Row.TANGENTIAL_ACCELERATION, 0]
@@ -246,7 +249,7 @@ def _attempt(problem, grid, state, work, task, memory, progress):
 
 @compiled
 def _next(problem, grid, state, work, task, memory, progress):
-    """Lay out the next segment, of many contacts one that spans their events; return what became of it."""
+    """Compute the next segment, with many contacts one that spans their events; return an `Attempt`."""
     if memory is None and state.regime.size >= many_contacts.MANY:
         return many_contacts.attempt(problem, grid, state, work, task, memory, progress)
     return _attempt(problem, grid, state, work, task, memory, progress)
@@ -254,7 +257,7 @@ def _next(problem, grid, state, work, task, memory, progress):
 
 @compiled
 def _accept(problem, grid, state, work, task, memory, progress, segment):
-    """Account for a segment and move the state to its end; return (phase there, samples taken)."""
+    """Add a segment's integrals and move the state to its end; return (phase there, number of samples taken)."""
     phase = task.stop if segment.last else progress.phase + segment.length
     if memory is None and state.regime.size >= many_contacts.MANY:
         return phase, many_contacts.accept(problem, grid, state, work, task, segment, progress.taken)

@@ -1,16 +1,17 @@
 r"""The event-driven motion of many contacts: a segment spans the events of all, each contact has its own within it.
 
-A segment that ends at every event of any contact costs O(n^2) in the number n of contacts: n times as many segments,
-each with n contacts to lay out. Here a segment is as long as the wave and the contact's resonance allow, and the
-slider's accelerations on it are polynomials. Given these, each contact is followed by itself from event to event
-(`_followed`, with the guards, transitions, maps and accounts of the other solver), and its forces are projected,
+If a segment ended at every event of any contact, n contacts would cost O(n^2): n times as many segments, each with n
+contacts. Here a segment is as long as the wave and the contact's resonance allow, and the slider's accelerations on it
+are polynomials. With these given, each contact is followed by itself from event to event (`_followed`, with the guards,
+transitions, maps and integrals of the other solver). Its forces are projected piece by piece,
 
     alpha_k = (2k + 1)/2 sum_i int F_i L_k d sigma,   k < nodes,   L_k Legendre's polynomials on the segment,
 
-piece by piece with the pieces' own quadrature: the projection sees no kink. Picard's iteration repeats this with the
-new motion. Position and velocity at the segment's end are exact, for they know alpha_0 and alpha_1 alone; between its
-ends the position lacks what is orthogonal to all L_k, about (L/2)^2/k^2 of the last alpha_k, bounded by the tolerance.
-Work: O(n) for each segment, O(n log n) with the order of the events, which only their smallest gap wants.
+with the quadrature of the pieces, none of which contains a kink. Picard's iteration repeats this with the new motion.
+Position and velocity at the segment's end are exact, because they depend on alpha_0 and alpha_1 alone. Between its ends
+the position lacks the part of the forces that is orthogonal to all L_k. This part is about (L/2)^2/k^2 of the last
+alpha_k, and the tolerance bounds it. The cost is O(n) for each segment, and O(n log n) for the order of the events,
+which is needed for their smallest gap.
 """
 
 from typing import NamedTuple
@@ -69,14 +70,14 @@ def span(contacts: int, nodes: int, tally: int) -> Span:
 class Following(NamedTuple):
     """How the contacts are followed over a segment."""
 
-    recorded: bool  # whether energies, events and samples are kept
+    recorded: bool  # True if energies, events and samples are recorded
     taken: int  # samples that lie before the segment
     memory: Memory | None
 
 
 @compiled
 def attempt(problem, grid, state, work, task, memory, progress):
-    """Lay out the next segment; return what became of it. Where it is accepted the contacts are at its end.
+    """Compute the next segment; return an `Attempt`. If it is accepted, the contacts are at its end.
 
     `work`, `task`, `progress`: a `Work`, `Task` and `Progress` of `event_driven`.
     """
@@ -89,7 +90,7 @@ def attempt(problem, grid, state, work, task, memory, progress):
     if why != Status.DONE or too_rough:
         outcome = Outcome.NOT_CONVERGED if why != Status.DONE else Outcome.TOO_ROUGH
         return Attempt(outcome, outer, 0.5 * outer.length, why)
-    # once more, on the motion that was found, with everything that is to be recorded
+    # once more on the final motion, to record events, energies and samples
     why = _all_followed(problem, grid, state, work, task, outer, Following(True, progress.taken, memory))
     if why != Status.DONE:
         return Attempt(Outcome.NOT_CONVERGED, outer, 0.0, why)
@@ -99,7 +100,7 @@ def attempt(problem, grid, state, work, task, memory, progress):
 
 @compiled
 def accept(problem, grid, state, work, task, outer, taken):
-    """Move the slider to the end of a segment and account for it; return how many samples are taken by now."""
+    """Move the slider to the end of a segment and add its integrals; return the number of samples taken so far."""
     _account_slider(problem, grid, state, work, outer)
     while taken < task.at.size and task.at[taken] <= outer.phase + outer.length:
         taken += 1
@@ -108,7 +109,7 @@ def accept(problem, grid, state, work, task, outer, taken):
 
 @compiled
 def _remember(state, span):
-    """Keep what a trial of the segment changes."""
+    """Store what a trial of the segment changes."""
     for i in range(state.regime.size):
         span.regime[i], span.sign[i] = state.regime[i], state.sign[i]
         span.deformation[i] = state.deformation[i]
@@ -120,7 +121,7 @@ def _remember(state, span):
 
 @compiled
 def _recall(state, span):
-    """Set the contacts back to the start of the segment; what was counted stays."""
+    """Set the contacts back to the start of the segment; tally and sums stay."""
     for i in range(state.regime.size):
         state.regime[i], state.sign[i] = span.regime[i], span.sign[i]
         state.deformation[i] = span.deformation[i]
@@ -367,10 +368,8 @@ def _account_slider(problem, grid, state, work, outer):
     nodes, span, n = work.nodes, work.span, grid.sigma.size
     _move(grid, work, outer, outer, 0)
     account_slider(problem, grid, state, nodes, outer)
-    state.slider[At.POSITION], state.slider[At.NORMAL_VELOCITY] = (
-        nodes.slider[Row.POSITION, n - 1],
-        nodes.slider[Row.NORMAL_VELOCITY, n - 1],
-    )
+    state.slider[At.POSITION] = nodes.slider[Row.POSITION, n - 1]
+    state.slider[At.NORMAL_VELOCITY] = nodes.slider[Row.NORMAL_VELOCITY, n - 1]
     state.slider[At.VELOCITY] = nodes.slider[Row.VELOCITY, n - 1]
     _sort(span.phases, span.count[0])
     before = outer.phase

@@ -129,10 +129,8 @@ class Motion:
         for i, (z, x) in enumerate(zip(approaches, state.deformation, strict=True)):
             regime, sign = self.regime[i], self.sign[i]
             if self.memory is None:
-                z_rate, x_rate = (
-                    approach_rate(paths.normal_sin[i], rate),
-                    travel(paths.tangential_sin[i], rate),
-                )
+                z_rate = approach_rate(paths.normal_sin[i], rate)
+                x_rate = travel(paths.tangential_sin[i], rate)
                 stored += elastic.spring(problem, regime, sign, Point(z, x, z_rate, x_rate))[2]
             else:
                 stored += hysteretic.chain_energy(problem, self.memory, i, regime, sign, z, x)

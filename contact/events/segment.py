@@ -103,7 +103,7 @@ class Nodes(NamedTuple):
 
 
 class Segment(NamedTuple):
-    """Where a segment lies and how it ends."""
+    """Position of a segment, and the event that ends it."""
 
     phase: float  # of its start
     length: float  # so far; 0 where an event falls on its start
@@ -115,7 +115,7 @@ class Segment(NamedTuple):
 
 
 class Attempt(NamedTuple):
-    """What became of an attempt at a segment."""
+    """Result of an attempt to compute a segment."""
 
     outcome: int  # one of `codes.Outcome`
     segment: Segment
@@ -277,10 +277,8 @@ def integrate(grid, state, nodes, segment):
     z_s, z_rate, v = state.slider[At.POSITION], state.slider[At.NORMAL_VELOCITY], state.slider[At.VELOCITY]
     for j in range(n):
         tau = grid.tau[segment.map, j]
-        normal_velocity, speed = (
-            z_rate + length * slider[Row.NORMAL_ONCE, j],
-            v + length * slider[Row.TANGENTIAL_ONCE, j],
-        )
+        normal_velocity = z_rate + length * slider[Row.NORMAL_ONCE, j]
+        speed = v + length * slider[Row.TANGENTIAL_ONCE, j]
         height = z_s + length * (z_rate * tau + length * slider[Row.NORMAL_TWICE, j])
         way = length * (v * tau + length * slider[Row.TANGENTIAL_TWICE, j])
         moved = max(abs(height - slider[Row.POSITION, j]), abs(way - slider[Row.TRAVEL, j]))
@@ -365,11 +363,9 @@ def _guess(grid, state, nodes, segment):
     """Fill the first guess: constant accelerations from the end of the last segment."""
     slider = nodes.slider
     normal, tangential = slider[Row.NORMAL_ACCELERATION, 0], slider[Row.TANGENTIAL_ACCELERATION, 0]
-    z_s, normal_velocity, v = (
-        state.slider[At.POSITION],
-        state.slider[At.NORMAL_VELOCITY],
-        state.slider[At.VELOCITY],
-    )
+    z_s = state.slider[At.POSITION]
+    normal_velocity = state.slider[At.NORMAL_VELOCITY]
+    v = state.slider[At.VELOCITY]
     for j in range(grid.sigma.size):
         t = segment.length * grid.tau[segment.map, j]
         slider[Row.POSITION, j] = z_s + t * (normal_velocity + 0.5 * t * normal)

@@ -1,14 +1,14 @@
-r"""Many cycles in fixed steps: the stop operator inside a Verlet step.
+r"""Many cycles in fixed steps: the Verlet method with the stop operator as a projection.
 
-Positions by Verlet, forces at the step's ends, and the stop operator as a projection: the deformation follows the
-surface and is cut to [-c z, c z]. The slider is heavy, so its own step errs little; what plain projection loses, it
-loses at the events. These are located on cubics through values and rates, the deformation is laid out from there, and
-the trapezoidal sums of the forces get the terms that belong to a fractional power at an edge (`end_corrections`):
-contact, release, end of stick, x = 0. The surface motion of one cycle is tabulated.
+The deformation follows the surface and is cut to the slip limit, [-X(z), X(z)]. The slider is heavy on the wave's time
+scale, so that its own step has a small error. Most of the error of a plain projection arises at the events: contact,
+release, end of stick, and x = 0. They are therefore located within the step, on cubics through values and rates, and
+the deformation is computed from there. The trapezoidal sums of the forces get the terms of a fractional power at an
+edge (`end_corrections`). The surface motion of one cycle is tabulated.
 
 An envelope scales the wave: e(t), complex, linear within each cycle, u = Re(e U exp(i phi)).
 
-Not for a stick band (creep), nor where the contact resonance is not well resolved by the step.
+The method does not apply with a stick band (creep) or if the step does not resolve the contact resonance.
 """
 
 from enum import IntEnum
@@ -38,16 +38,16 @@ from contact.stepping import end_corrections as edges
 
 
 class Row(IntEnum):
-    """Rows of `Work.slider`, one column per run: motion, contact forces, way within the cycle, what a step needs."""
+    """Rows of `Work.slider`, with one column per run."""
 
     POSITION = 0
     NORMAL_VELOCITY = 1
     VELOCITY = 2
-    NORMAL = 3
+    NORMAL = 3  # sum of the contacts' normal forces
     TANGENTIAL = 4
-    TRAVELLED = 5
-    STEP = 6
-    DAMP_N = 7
+    TRAVELLED = 5  # since the start of the cycle
+    STEP = 6  # phase of a time step
+    DAMP_N = 7  # factors of the dampers on the velocities in a step
     DAMP_T = 8
 
 
@@ -78,34 +78,36 @@ class Runs(NamedTuple):
 
 
 class Task(NamedTuple):
-    """What is done and recorded: cycles, rows (v, z_s, mean v) every `stride` of them, factor on the waves."""
+    """What the runs do and record."""
 
-    number: int
-    stride: int
-    rows: np.ndarray
-    envelope: np.ndarray
+    number: int  # of cycles
+    stride: int  # cycles per recorded row; 0: no rows
+    rows: np.ndarray  # (runs, number // stride, len(Column))
+    envelope: (
+        np.ndarray
+    )  # (number + 1,), complex: factor on the waves at the ends of the cycles; empty for none
 
 
 class Work(NamedTuple):
-    """Work: (runs, len(Plane), steps + 1, n), (runs, len(Own), n) and (len(Row), runs)."""
+    """Work arrays."""
 
-    table: np.ndarray
-    contact: np.ndarray
-    slider: np.ndarray
+    table: np.ndarray  # (runs, len(Plane), steps + 1, n): surface motion
+    contact: np.ndarray  # (runs, len(Own), n)
+    slider: np.ndarray  # (len(Row), runs)
 
 
 class Passage(NamedTuple):
-    """What one contact does in a step: approach and rates at its ends, surface minus slider travel, accelerations."""
+    """Motion of one contact in a step."""
 
-    h: float
-    z_old: float
-    z_new: float
+    h: float  # phase of the step
+    z_old: float  # approach at its start
+    z_new: float  # and at its end
     z_rate_old: float
     z_rate_new: float
-    x_rate_old: float
+    x_rate_old: float  # of the deformation while it sticks
     x_rate_new: float
-    along: float
-    z_bend: float
+    along: float  # travel of the surface less that of the slider
+    z_bend: float  # z''
     x_bend: float
 
 
@@ -288,10 +290,8 @@ def _step(problem, k, table, own, slider, m):
             tangential_force += _traction(problem, point, slip)
     normal_velocity = normal_half + 0.5 * h * (normal_force - problem.preload) - normal_excess
     speed = along_half + 0.5 * h * (tangential_force - problem.load) - tangential_excess
-    slider[Row.POSITION, m], slider[Row.NORMAL_VELOCITY, m] = (
-        q.normal,
-        normal_velocity * slider[Row.DAMP_N, m],
-    )
+    slider[Row.POSITION, m] = q.normal
+    slider[Row.NORMAL_VELOCITY, m] = normal_velocity * slider[Row.DAMP_N, m]
     slider[Row.VELOCITY, m] = speed * slider[Row.DAMP_T, m]
     slider[Row.NORMAL, m], slider[Row.TANGENTIAL, m] = normal_force, tangential_force
     slider[Row.TRAVELLED, m] += q.along
@@ -321,7 +321,7 @@ def _run_side_by_side(runs, states, task, work):
             if shaped:
                 before, after = envelope[cycle], envelope[cycle + 1]
                 _tabulate(of_run(runs.paths, m), per_cycle[m], before, after, work.table[m])
-        # runs do not wait for each other: the processor works at several at once
+        # the runs alternate, so that the processor computes several of them at the same time
         for k in range(most):
             for m in range(per_cycle.size):
                 if k < per_cycle[m]:
@@ -337,10 +337,8 @@ def _run_side_by_side(runs, states, task, work):
                 row[Column.VELOCITY], row[Column.POSITION] = slider[Row.VELOCITY, m], slider[Row.POSITION, m]
                 row[Column.MEAN_VELOCITY] = slider[Row.TRAVELLED, m] / (2.0 * np.pi)
     for m in range(per_cycle.size):
-        states[m, At.POSITION], states[m, At.NORMAL_VELOCITY] = (
-            slider[Row.POSITION, m],
-            slider[Row.NORMAL_VELOCITY, m],
-        )
+        states[m, At.POSITION] = slider[Row.POSITION, m]
+        states[m, At.NORMAL_VELOCITY] = slider[Row.NORMAL_VELOCITY, m]
         states[m, At.VELOCITY] = slider[Row.VELOCITY, m]
         for i in range(work.contact.shape[2]):
             states[m, At.DEFORMATIONS + i] = work.contact[m, Own.X, i]

@@ -28,7 +28,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.beam.lateral import LateralRule, evanescent, lateral_rule
+from fem.beam.lateral import LateralRule, evanescent, lateral_rule, wavenumber_along
 from fem.beam.line_source import KEPT, SIGNS, LineSource, charge_scale, static_mode
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.section import Section
@@ -39,7 +39,6 @@ from fem.waveguide.port_fields import PortFields
 # k_y over the largest wavenumber that replaces k_y = 0, where the constant potential is a double root.
 NEARLY_ZERO = 1e-8
 SAME_STEP = 1e-15  # m: steps from charge to charge that differ by less share their phase factors
-ROUNDING = 1e-9  # |Im k| / |k| of a mode without loss, by rounding
 
 
 class Sent(NamedTuple):
@@ -220,8 +219,7 @@ class _TurnedModes:
             lateral * section.length_unit,
             np.arange(section.size) < self.count,
         )
-        kappa = np.where(k.real < 0, -1, 1) * np.sqrt(k**2 - k_y**2)
-        kappa[kappa.imag > ROUNDING * abs(kappa)] *= -1
+        kappa = wavenumber_along(k, k_y)
         turned = [np.where(sagittal, kappa, -k_y), -1j * np.where(sagittal, k_y, kappa), np.ones_like(kappa)]
         right = np.array(turned)[self.kinds] * self.shapes
         of_flux = [
@@ -247,7 +245,13 @@ class _TurnedModes:
 
 
 def _turned_modes(fields: PortFields, source: LineSource) -> _TurnedModes:
-    """Modes of a section with all displacements, from the sagittal modes of its solution at k_y = 0."""
+    """Modes of a section with all displacements, from the sagittal modes of its solution at k_y = 0.
+
+    Sagittal modes are those of the solution.  The SH modes w solve (k^2 K2 + K0 - omega^2 M) w = 0 on the unknowns of
+    u_y alone.  The nodal flux at k_y is K1(k_y) v - i kappa K2 v with K1(k_y) = K1 + k_y K1', ``first`` and ``by_k_y``.
+    Inserting v of the module docstring and kappa^2 = k^2 - k_y^2 leaves, for each kind of unknown and of mode, a factor
+    1, kappa, k_y or kappa k_y times a fixed vector, ``flux``, and a part in k_y^2, ``by_square``.
+    """
     plane, section = fields.modes, _with_all_displacements(fields)
     second, first, _, zeroth = section.lateral_matrices(fields.frequency, 0.0)
     by_k_y = section.lateral_matrices(fields.frequency, 1.0)[1] - first

@@ -23,6 +23,7 @@ GROWTH = 4.0  # D r; half or twice this value needs 1.5 times as many nodes
 MAX_TILT = 0.04  # largest D over the largest wavenumber; it matters if the aperture is a few wavelengths only
 # h / D: the error is 1e-8 on Feenstra and Breedveld's stator, and 1e-4 with half as many nodes.
 SPACING = 0.36
+ROUNDING = 1e-9  # |Im kappa| / |kappa| of a mode without loss, by rounding
 EVANESCENT = (13.0, 20.0)  # exponents of the decay along x between which evanescent k_y are faded out
 
 
@@ -111,6 +112,25 @@ def lateral_rule(
         weights=weights * (1.0 + 1j * (offset / scale) * (1.0 - tilt**2)),
         share=1.0 if narrow is None else _faded(t, *(each + scale for each in narrow)),
     )
+
+
+def wavenumber_along(wavenumbers: complex | np.ndarray, lateral: np.ndarray) -> np.ndarray:
+    """Wavenumbers along x, kappa = (k^2 - k_y^2)^(1/2), of modes that run to the right.
+
+    Parameters
+    ----------
+    wavenumbers : complex or ndarray
+        k at k_y = 0; Re k < 0 for backward modes, whose phase runs to the left.
+    lateral : ndarray
+        k_y in the same unit, broadcast against k.
+
+    Returns
+    -------
+    ndarray
+        The root whose phase runs in the direction of that at k_y = 0, or the one that decays if that grows.
+    """
+    kappa = np.where(np.real(wavenumbers) < 0, -1, 1) * np.sqrt(wavenumbers**2 - lateral**2 + 0j)
+    return np.where(kappa.imag > ROUNDING * abs(kappa), -kappa, kappa)
 
 
 def evanescent(highest: float, distance: float) -> tuple[float, float]:

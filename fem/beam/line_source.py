@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.beam.lateral import LateralRule, evanescent, lateral_rule
+from fem.beam.lateral import LateralRule, evanescent, lateral_rule, wavenumber_along
 from fem.materials.medium import Medium
 from fem.waveguide.modes import GuidedModes
 
@@ -144,8 +144,7 @@ class LineSource:
     def _turned(self, modes: np.ndarray, lateral: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Modes at lateral wavenumbers (n,): kappa_p, shape (modes, n), and u of waves to the right, (3, modes, n)."""
         k = self.wavenumbers[modes, None]
-        along = np.where(k.real < 0, -1, 1) * np.sqrt(k**2 - lateral**2)
-        along[along.imag > 0] *= -1
+        along = wavenumber_along(k, lateral)
         tangential = np.broadcast_to(self.tangential[modes, None], along.shape)
         return along, np.stack(
             [tangential, tangential * (lateral / along), self.normal[modes, None] * (k / along)]

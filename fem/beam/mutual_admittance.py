@@ -13,7 +13,7 @@ potential of mode p per line charge.  The solid is isotropic about z.
 import numpy as np
 
 from fem.beam.electrode_charges import ElectrodeCharges
-from fem.beam.lateral import evanescent, lateral_rule
+from fem.beam.lateral import evanescent, lateral_rule, wavenumber_along
 from fem.beam.line_source import KEPT, LOCAL, line_source
 from fem.geometry import Transducer, separation, turn
 from fem.waveguide.modes import GuidedModes
@@ -68,10 +68,8 @@ def mutual_admittance(
     rule = lateral_rule(highest, reach, evanescent(highest, max(gap, wavelength)))
     total = 0.0
     for number in np.flatnonzero(kept):
-        backward = k[number].real < 0
-        contour = rule.conjugate if backward else rule
-        kappa = (-1 if backward else 1) * np.sqrt(k[number] ** 2 - contour.nodes**2)
-        kappa[kappa.imag > 0] *= -1
+        contour = rule.conjugate if k[number].real < 0 else rule
+        kappa = wavenumber_along(k[number], contour.nodes)
         for side in (1, -1):
             lateral = side * contour.nodes
             vector = np.outer(forward, kappa) + np.outer(across, lateral)

@@ -23,6 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.beam.lateral import wavenumber_along
 from fem.beam.line_source import LineSource
 from fem.beam.point_potential import PointPotential
 from fem.geometry import Transducer
@@ -85,8 +86,7 @@ def section_potential(source: LineSource, distances: np.ndarray) -> np.ndarray:
 def _between_mirrors(k: complex, aperture: float, x: np.ndarray, width: float, highest: float) -> np.ndarray:
     """Mean of a mode over the aperture between mirrors, a sum over k_y = 2 pi n / width, minus the section's value."""
     lateral = np.arange(1, int(highest * width / (2 * np.pi))) * (2 * np.pi / width)
-    along = np.sqrt(k**2 - lateral**2) * (-1 if k.real < 0 else 1)
-    along[along.imag > 0] *= -1
+    along = wavenumber_along(k, lateral)
     shares = 2 * aperture / width * np.sinc(lateral * aperture / (2 * np.pi)) ** 2 * (k / along)
     return shares @ np.exp(-1j * np.outer(along, x)) + (aperture / width - 1) * np.exp(-1j * k * x)
 
@@ -115,7 +115,11 @@ def polarisability(source: LineSource, finger_width: float) -> complex:
 def finger_coupling(
     source: LineSource, transducer: Transducer, lengths: np.ndarray, mirror_width: float | None = None
 ) -> Coupling:
-    """Change of a transducer's potentials by its own charges, for sheets of the given lengths (m)."""
+    """Change of a transducer's potentials by its own charges, for sheets of the given lengths (m).
+
+    D_ab(x) of the module docstring is tabulated at all distances between points on two fingers and averaged over them
+    with the weights of a charge, 1 / ACROSS each, and of a unit dipole, x / sum x^2.
+    """
     half, count = transducer.finger_width / 2, len(transducer.signs)
     across = half * np.cos(np.pi * (np.arange(ACROSS) + 0.5) / ACROSS)
     apart = np.arange(1 - count, count) * transducer.pitch

@@ -32,7 +32,7 @@ from threading import Lock
 
 import numpy as np
 
-from fem.beam.lateral import evanescent, lateral_rule
+from fem.beam.lateral import evanescent, lateral_rule, wavenumber_along
 from fem.beam.line_source import line_source
 from fem.beam.own_aperture import MAX_UNKNOWNS, Coupling, finger_coupling, sheet_lengths
 from fem.condense.transducer import finger_ports
@@ -96,9 +96,9 @@ def aperture_coupling(
     reach = (np.max(sender) + np.max(receiver)) / 2 + abs(offset)
     rule = lateral_rule(highest, reach, evanescent(highest, distance), mirror_width)
     out = np.empty((*np.shape(receiver), *np.shape(sender), len(wavenumbers)), dtype=complex)
-    for some, one, sign in ((wavenumbers.real >= 0, rule, 1), (wavenumbers.real < 0, rule.conjugate, -1)):
+    for some, one in ((wavenumbers.real >= 0, rule), (wavenumbers.real < 0, rule.conjugate)):
         k = wavenumbers[some, None]
-        along = sign * np.sqrt(k**2 - one.nodes**2)
+        along = wavenumber_along(k, one.nodes)
         waves = k / along * np.exp(-1j * (along - k) * distance) * (one.weights * np.cos(one.nodes * offset))
         sent, received = (
             np.sinc(np.multiply.outer(each, one.nodes / (2 * np.pi))) for each in (sender, receiver)
@@ -363,7 +363,17 @@ def _travel(
 def _response(
     plain: Scatterer, signs: str, kept: np.ndarray, lengths: np.ndarray, change: Coupling
 ) -> _Response:
-    """Response of a transducer with fingers of finite length, from that of the section."""
+    """Response of a transducer with fingers of finite length, from that of the section.
+
+    The equations are those of the module docstring, with the reactions on the fingers as charges:
+
+        q_b = Q_a a_b + Q_U U_b                           ``by_waves``, ``by_fingers``
+        U - O^-1 D q = O^-1 L V,  D = own                 ``system`` is 1 - O^-1 D Q_U for the U of all sheets
+        sent = S_a a + S_U U                              ``leaving``, without the waves that pass the bare surface
+
+    D contains the dipoles: those that the section's charges have, ``dipole``, and those that the gradient of the
+    changed potential adds, ``added`` (own_aperture.py).
+    """
     scatterer, moments = _by_fingers(plain, signs)
     modes, width = scatterer.modes, scatterer.piece.width
     at, m, sheets = scatterer.at, len(kept), len(lengths)

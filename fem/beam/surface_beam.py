@@ -199,9 +199,8 @@ class SurfaceBeam:
         """
         if self.coarser is None:
             return None
-        here = self.motion(x, y)[2] if normal is None else normal
-        # the change of the complex amplitude: that of |u_z| vanishes at some points by accident
-        return COARSER_SHARE * abs((self.coarser.motion(x, y)[2] - here) / here)
+        here = abs(self.motion(x, y)[2] if normal is None else normal)
+        return COARSER_SHARE * abs(abs(self.coarser.motion(x, y)[2]) - here) / here
 
     def unresolved(self, x: float, y: float) -> bool:
         """True if a point (m) lies beside fingers or within a wavelength of their ends and the source is a `CutSource`.
@@ -335,8 +334,13 @@ class SurfaceBeam:
     def _inverse(self, waves, sent_by, lines, column, row) -> np.ndarray:
         """Inverse Fourier transform from k_y to y, shape (RULES, 3, points).
 
-        ``sent_by`` maps the spectra of the charge sheets, (sheets, n), to the spectra of u at the different x,
-        (places, 3, n).  Point number i has the x of index ``column[i]`` and the y ``lines[row[i]]``.
+        A sheet of length W about y_0 has the spectrum s(k_y) = W sinc(k_y W / 2) exp(i k_y y_0), and
+
+            u(x, y) = sum over both signs of k_y and the nodes n of  w_n / 2  u^(x, k_y) exp(-i k_y y),
+
+        where ``sent_by`` maps the spectra s of the sheets, (sheets, n), to the spectra u^ at the different x,
+        (places, 3, n).  Point number i has the x of index ``column[i]`` and the y ``lines[row[i]]``.  The sum is taken
+        by all nodes, every second, every fourth, and with the weights of the narrower integral.
         """
         count, sent = len(column), None
         lateral, weights = waves.rule.nodes, waves.rule.weights / 2
@@ -461,7 +465,12 @@ def _nodes_of(charges: Sequence[ElectrodeCharges | ChargeSheet]) -> _Nodes:
 
 
 def _sent(nodes: _Nodes, branch: Branch, places, spectra) -> np.ndarray:
-    """Spectra of u at the positions ``places`` by all charges upstream of them in one branch, shape (places, 3, n)."""
+    """Spectra of u at the positions ``places`` by all charges upstream of them in one branch, shape (places, 3, n).
+
+    u^(x) = sum_m M_m sum_j q_j s_j exp(-i kappa_m |x - x_j|) with the modes m of the branch, their motion M_m, and the
+    charges q_j at x_j upstream of x on sheets of spectrum s_j.  The inner sum is carried from charge to charge: it is
+    multiplied by exp(-i kappa_m d) over each distance d, and q_j s_j is added at each charge.
+    """
     side, along = branch.side, branch.along
     out = np.zeros((len(places), 3, len(spectra[0])), dtype=complex)
     if not along.size:

@@ -28,38 +28,72 @@ def line_projection(
 ) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """For each field, the free functions of the mesh on an interface, and P from the section's line to them.
 
-    ``edges``: directed edges of the interface, (m, 2); ``held``: for each field, True for functions of the mesh that
-    are fixed at zero or tied to an electrode, (skeleton,).  P has the shape (functions, n).
+    Parameters
+    ----------
+    space : QuadSpace
+    edges : ndarray, shape (m, 2)
+        Directed edges of the interface.
+    section : Section
+        Of the uniform segment beside it.
+    held : dict
+        For each field, True for functions of the mesh that are fixed at zero or tied to an electrode, (skeleton,).
+
+    Returns
+    -------
+    dict
+        By field: numbers of the free functions, and P of shape (free functions, n).
     """
-    numbers, place = np.unique(space.edge_numbers(edges), return_inverse=True)
+    # ``functions``: numbers in the mesh of all functions on the interface; ``position``: of each edge's own among them
+    functions, position = np.unique(space.edge_numbers(edges), return_inverse=True)
+    position = position.reshape(len(edges), -1)
     heights = (space.mesh.points[:, 1] - space.mesh.points[np.unique(edges), 1].max()) / space.unit
-    ends = heights[edges]
-    first = section.bottom // section.order
-    body = section.breakpoints[first : section.surface // section.order + 1]
-    cuts = np.sort(np.concatenate([body, ends.ravel()]).clip(body[0], body[-1]))
-    cuts = cuts[np.append(True, np.diff(cuts) > SAME_CUT)]
-    points, weights = legendre.leggauss(max(space.order, section.order) + 1)
-    z = (cuts[:-1, None] + np.diff(cuts)[:, None] * (points + 1) / 2).ravel()
-    measure = (np.diff(cuts)[:, None] * weights / 2).ravel()
-    middle = np.repeat((cuts[:-1] + cuts[1:]) / 2, len(points))
-    edge = np.argmax((ends.min(axis=1) < middle[:, None]) & (middle[:, None] < ends.max(axis=1)), axis=1)
-    element = np.searchsorted(body, middle) - 1
-    of_mesh = np.zeros((len(z), len(numbers)))
-    values = space.edge_values((z - ends[edge, 0]) / (ends[edge, 1] - ends[edge, 0]))
-    np.put_along_axis(of_mesh, place.reshape(len(edges), -1)[edge], values, axis=1)
-    local = (z - body[element]) / (body[element + 1] - body[element])
-    nodes = (first + element)[:, None] * section.order + np.arange(section.order + 1)
-    of_line, _ = lagrange(section.order, local)
+    edge_ends = heights[edges]
+    first_element = section.bottom // section.order
+    element_ends = section.breakpoints[first_element : section.surface // section.order + 1]
+    z, weights, middle = _quadrature(element_ends, edge_ends, max(space.order, section.order) + 1)
+
+    low, high = edge_ends.min(axis=1), edge_ends.max(axis=1)
+    edge = np.argmax((low < middle[:, None]) & (middle[:, None] < high), axis=1)
+    along = (z - edge_ends[edge, 0]) / (edge_ends[edge, 1] - edge_ends[edge, 0])
+    of_mesh = np.zeros((len(z), len(functions)))
+    np.put_along_axis(of_mesh, position[edge], space.edge_values(along), axis=1)
+
+    element = np.searchsorted(element_ends, middle) - 1
+    local = (z - element_ends[element]) / (element_ends[element + 1] - element_ends[element])
+    of_element, _ = lagrange(section.order, local)
+    nodes = (first_element + element)[:, None] * section.order + np.arange(section.order + 1)
+
     result = {}
-    for field, gone in held.items():
-        free, tested = ~gone[numbers], ~gone[numbers]
-        for own in place.reshape(len(edges), -1):
-            hats = own[:2][~free[own[:2]]]
-            tested[hats] = True
-            tested[own[len(own) - len(hats) :]] = False
-        dofs = section.dofs[nodes, FIELD_COLUMN[field]]
-        line = np.zeros((len(z), section.size + 1))
-        np.put_along_axis(line, np.where(dofs >= 0, dofs, section.size), of_line, axis=1)
-        mesh = of_mesh[:, tested].T * measure
-        result[field] = numbers[free], np.linalg.solve(mesh @ of_mesh[:, free], mesh @ line[:, :-1])
+    for name, gone in held.items():
+        free = ~gone[functions]
+        multipliers = _multipliers(free, position)
+        unknowns = section.dofs[nodes, FIELD_COLUMN[name]]
+        of_line = np.zeros((len(z), section.size + 1))  # the last column: nodes without an unknown
+        np.put_along_axis(of_line, np.where(unknowns >= 0, unknowns, section.size), of_element, axis=1)
+        tested = of_mesh[:, multipliers].T * weights
+        result[name] = functions[free], np.linalg.solve(tested @ of_mesh[:, free], tested @ of_line[:, :-1])
     return result
+
+
+def _quadrature(
+    element_ends: np.ndarray, edge_ends: np.ndarray, count: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Gauss points of the parts between all breakpoints, their weights, and the middle of the part of each point."""
+    cuts = np.sort(np.concatenate([element_ends, edge_ends.ravel()]).clip(element_ends[0], element_ends[-1]))
+    cuts = cuts[np.append(True, np.diff(cuts) > SAME_CUT)]
+    points, weights = legendre.leggauss(count)
+    z = (cuts[:-1, None] + np.diff(cuts)[:, None] * (points + 1) / 2).ravel()
+    return z, (np.diff(cuts)[:, None] * weights / 2).ravel(), np.repeat((cuts[:-1] + cuts[1:]) / 2, count)
+
+
+def _multipliers(free: np.ndarray, position: np.ndarray) -> np.ndarray:
+    """True for the functions of the interface that serve as multipliers mu_i, as many as are ``free``.
+
+    ``position``: of each edge's functions among those of the interface: both vertices, then rising order.
+    """
+    chosen = free.copy()
+    for own in position:
+        fixed_vertices = own[:2][~free[own[:2]]]
+        chosen[fixed_vertices] = True
+        chosen[own[len(own) - len(fixed_vertices) :]] = False
+    return chosen

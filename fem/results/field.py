@@ -128,9 +128,10 @@ def wave_field(
     depth = section.nodes[section.body]
     parts: list[_Part] = []
     meshed: list[PieceField] = []
-    offset: complex = 0.0
-    step_in_mean: complex = 0.0
-    passed = False  # whether a condensed piece of the row lies behind
+    # Where the section's potential floats, the modes give it in every segment relative to the transducer on the left.
+    offset: complex = 0.0  # mean potential of that transducer, relative to the first one, scaled
+    step_in_mean: complex = 0.0  # its change at the next transducer
+    passed = False  # True behind the first piece of the row
     for piece in wave.pieces:
         if isinstance(piece, UniformSegment) and piece.beyond:
             continue  # another section: not on this grid
@@ -339,7 +340,7 @@ def _constant_shape(solution: Solution) -> tuple[int, complex, complex] | None:
 
 
 def _gauge_step(solution: Solution, piece) -> complex:
-    """Mean potential of the transducer after a segment against that of the one before, scaled."""
+    """Mean potential of the transducer behind a segment relative to that of the one before it, scaled."""
     constant = _constant_shape(solution)
     if constant is None or not np.isfinite(piece.stop):
         return 0.0

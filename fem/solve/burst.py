@@ -105,14 +105,14 @@ class BurstEnvelope:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Line:
+class _Spectrum:
     """Responses (u_z, u_x) at evenly spaced frequencies, the drive's among them."""
 
-    offsets: np.ndarray
-    motion: np.ndarray
-    step: float
-    reach: tuple[float, float]
-    frequency: float
+    offsets: np.ndarray  # f_k - f0, Hz
+    motion: np.ndarray  # H_k, m per V, shape (2, frequencies)
+    step: float  # df, Hz
+    reach: tuple[float, float]  # from the drive's frequency down and up to the ends of the band, Hz
+    frequency: float  # f0 of the drive, Hz
 
     def taper(self, share: float) -> np.ndarray:
         """Window G of a band narrowed to a share of its reach on either side."""
@@ -215,36 +215,36 @@ def burst_response(
 
     reach = frequency - low, high - frequency
 
-    def at_divisions(divisions: int) -> tuple[_Line, float]:
+    def at_divisions(divisions: int) -> tuple[_Spectrum, float]:
         step = (high - low) / divisions
         numbers = np.arange(-int(reach[0] / step), int(reach[1] / step) + 1)
         rows = motions(frequency + numbers * step)
-        line = _Line(
+        spectrum = _Spectrum(
             offsets=numbers * step, motion=rows[:, :2].T, step=step, reach=reach, frequency=frequency
         )
-        return line, float(rows[:, 2].real.max())
+        return spectrum, float(rows[:, 2].real.max())
 
-    def aliased(fine: tuple[_Line, float], coarse: tuple[_Line, float]) -> tuple[float]:
+    def aliased(fine: tuple[_Spectrum, float], coarse: tuple[_Spectrum, float]) -> tuple[float]:
         """Aliased part of the steady motion, estimated with steps twice as wide and at frequencies between them."""
-        line = fine[0]
-        count = math.ceil((1 - LEAD) / (2 * line.step * line.tick))
-        change = abs(line.switched(0.0, count, phase) - coarse[0].switched(0.0, count, phase)).max()
-        exact = motions(frequency + line.probes())[:, :2].T
-        steady = abs(line.motion[0, line.offsets == 0])[0]
-        return (float(max(change, abs(line.between(line.probes()) - exact).max()) / steady),)
+        spectrum = fine[0]
+        count = math.ceil((1 - LEAD) / (2 * spectrum.step * spectrum.tick))
+        change = abs(spectrum.switched(0.0, count, phase) - coarse[0].switched(0.0, count, phase)).max()
+        exact = motions(frequency + spectrum.probes())[:, :2].T
+        steady = abs(spectrum.motion[0, spectrum.offsets == 0])[0]
+        return (float(max(change, abs(spectrum.between(spectrum.probes()) - exact).max()) / steady),)
 
     # Gain 2: the coarse level uses every second frequency of the fine one, so the whole difference is the error.
     divisions = [FIRST_FREQUENCIES // 2, FIRST_FREQUENCIES]
     while 2 * divisions[-1] <= max_frequencies:
         divisions.append(2 * divisions[-1])
     refined = refine(at_divisions, divisions, differences=aliased, gain=2.0, tolerance=tolerance)
-    (line, response), error = refined.answer, refined.errors[0]
+    (spectrum, response), error = refined.answer, refined.errors[0]
     if error > tolerance:
         raise ConvergenceError(
-            f"the surface still rings {1 / line.step:.1e} s after the switch, by {error:.1e} of its amplitude: "
+            f"the surface still rings {1 / spectrum.step:.1e} s after the switch, by {error:.1e} of its amplitude: "
             "give the solid a mechanical_quality, or ask for less"
         )
-    return _envelope(duration, line, place, phase, (error, response), len(known))
+    return _envelope(duration, spectrum, place, phase, (error, response), len(known))
 
 
 def _refuse_endless(duration: float) -> None:
@@ -254,7 +254,7 @@ def _refuse_endless(duration: float) -> None:
 
 def _envelope(
     duration: float,
-    line: _Line,
+    spectrum: _Spectrum,
     place: float,
     phase: float,
     errors: tuple[float, float],
@@ -263,28 +263,28 @@ def _envelope(
 ) -> BurstEnvelope:
     """Envelopes of a burst; ``errors``: by the frequency step, of the response; ``frequencies``: number solved."""
     _refuse_endless(duration)
-    span = np.arange(0.0, 1 / line.step, line.tick)
+    span = np.arange(0.0, 1 / spectrum.step, spectrum.tick)
     during = int(np.count_nonzero(span < duration))
     time = np.append(span[:during], duration + span)
-    off = phase + 2 * np.pi * line.frequency * duration
+    off = phase + 2 * np.pi * spectrum.frequency * duration
 
     def burst(share: float) -> np.ndarray:
         def switched(first: float, count: int, at: float):
-            return line.switched(first, count, at, share)
+            return spectrum.switched(first, count, at, share)
 
         rise = switched(0.0, during, phase) - switched(-duration, during, off)
         fall = switched(duration, len(span), phase) - switched(0.0, len(span), off)
         return np.concatenate((rise, fall), axis=1)
 
     whole, narrower = burst(share), burst(NARROWER * share)
-    steady = line.motion[:, line.offsets == 0][:, 0]
-    lead = LEAD / line.step
-    before = line.switched(-lead, math.ceil(lead / line.tick), phase)[0]
-    start = line.switched(0.0, len(span), phase)[0]
+    steady = spectrum.motion[:, spectrum.offsets == 0][:, 0]
+    lead = LEAD / spectrum.step
+    before = spectrum.switched(-lead, math.ceil(lead / spectrum.tick), phase)[0]
+    start = spectrum.switched(0.0, len(span), phase)[0]
     unsettled = np.flatnonzero(abs(start / steady[0] - 1) > 0.01)
     return BurstEnvelope(
         place=place,
-        frequency=line.frequency,
+        frequency=spectrum.frequency,
         duration=duration,
         time=time,
         normal=whole[0],
@@ -298,6 +298,6 @@ def _envelope(
         response_error=errors[1],
         frequencies=frequencies,
         lasting=partial(
-            _envelope, line=line, place=place, phase=phase, errors=errors, frequencies=frequencies
+            _envelope, spectrum=spectrum, place=place, phase=phase, errors=errors, frequencies=frequencies
         ),
     )

@@ -48,17 +48,20 @@ class PieceRow:
         self.assemblies: dict[tuple, Assembly] = {}
         if not stator.pieces:
             return
-        both, placed = (("left", section), ("right", section)), stator.placement
-        ends = [(piece, (both[1 - side],)) for side, piece in enumerate(placed.ends)]
-        for piece, sections in [*((piece, both) for piece in placed.between), *ends, (placed.whole, ())]:
-            if (
-                piece is not None
-                and not is_step(piece, stator.thickness)
-                and piece.contents not in self.assemblies
-            ):
-                self.assemblies[piece.contents] = _assembly(
-                    piece, _frame(stator), sections, frequency, resolution
-                )
+        placed, line = stator.placement, {"left": section, "right": section}
+        on_lines: list[tuple[MeshPiece | None, dict[str, Section]]] = [
+            *((piece, line) for piece in placed.between),
+            (placed.ends[0], {"right": section}),
+            (placed.ends[1], {"left": section}),
+            (placed.whole, {}),
+        ]
+        frame = _frame(stator)
+        for piece, sections in on_lines:
+            if piece is None or is_step(piece, stator.thickness) or piece.contents in self.assemblies:
+                continue
+            self.assemblies[piece.contents] = assembled(
+                piece, frame, sections, frequency=frequency, resolution=resolution
+            )
 
     def condensed(self, frequency: float) -> dict[tuple, MeshedPiece]:
         """All distinct pieces at a frequency in Hz, except those at a step of thickness."""
@@ -99,13 +102,14 @@ def condensed_pieces(stator: Stator, modes: GuidedModes, resolution: Resolution)
 def _step(piece: MeshPiece, side: int, stator: Stator, modes: GuidedModes, resolution: Resolution) -> Wall:
     """Step of thickness: the radiation impedance of the section behind it terminates the far line of the piece."""
     near, far = ("right", "left") if side == 0 else ("left", "right")
-    section, frequency = modes.section, modes.frequency
+    section, frequency = modes.section.full, modes.frequency
     behind = replace(stator, thickness=piece.interface(far)[1], pieces=())
     other = discretise(behind, resolution, wavelength=section.length_unit, surface_scale=np.inf)
     outside = guided_modes(other, frequency)
-    lines = {near: section, far: other}
-    sections = tuple((name, lines[name]) for name in ("left", "right"))
-    whole = _assembly(piece, _frame(stator), sections, frequency, resolution).condensed(frequency)
+    assembly = assembled(
+        piece, _frame(stator), {near: section, far: other}, frequency=frequency, resolution=resolution
+    )
+    whole = assembly.condensed(frequency)
     own = {near: slice(0, section.size), far: slice(section.size, None)}
     if side == 0:
         own = {far: slice(0, other.size), near: slice(other.size, None)}
@@ -130,7 +134,3 @@ def _step(piece: MeshPiece, side: int, stator: Stator, modes: GuidedModes, resol
 def _frame(stator: Stator) -> Stator:
     """Part of a stator on which the elements of a piece depend."""
     return replace(stator, length=1.0, ends="absorbing", pieces=())
-
-
-def _assembly(piece, stator, sections, frequency, resolution) -> Assembly:
-    return assembled(piece, stator, dict(sections), frequency=frequency, resolution=resolution)

@@ -100,7 +100,7 @@ def with_model_error(record: Record) -> Record:
     if decisive and not record.refused:  # an earlier reason, such as a node of the wave, is kept
         worst = max(decisive, key=lambda row: abs(row["size"]))
         shortfall = (
-            f"no answer: the model leaves out what changes {worst['quantity']} by about {percent(worst['size'])} "
+            f"no answer: a neglected effect changes {worst['quantity']} by about {percent(worst['size'])} "
             f"({worst['effect']}); {100 * NO_ANSWER:g} % or more is refused"
         )
     refused = record.refused or bool(decisive)

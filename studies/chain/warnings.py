@@ -177,8 +177,8 @@ def _left_out(record: Record) -> Iterator[str]:
         # `_section` warns about the finite aperture
         if quantity in SHARED and abs(size) >= DECIDES and row["effect"] != "finite aperture":
             yield (
-                f"model error: {row['effect']} changes {quantity} by about {percent(size)}, which the model leaves "
-                f"out ({row['source']}); the numerical error does not include it"
+                f"model error: a neglected effect ({row['effect']}) changes {quantity} by about {percent(size)} "
+                f"({row['source']}); the numerical error does not include it"
             )
 
 

@@ -58,7 +58,7 @@ def design_answer(design: "Design") -> str:
         best = si(design.optimum[key], unit_of(rule_at(key)) or "").rstrip()
         rows.append([key, best, f"{100 * robust['least_share_of_goal']:.4g} %", kept])
     notes: list[tuple[str, str | list[str]]] = [("at the best", [
-        f"{name} {value:.5g}" for name, value in design.optimum.items()
+        f"{quantity(name).heading} {quantity(name).text(value)}" for name, value in design.optimum.items()
         if isinstance(value, float) and "." not in name and name != "relative_error"
     ])]  # fmt: skip
     if len(design.front) > 1:

@@ -74,7 +74,7 @@ def test_balls_of_a_law_that_the_equilibrium_does_not_know_are_refused():
         balls_of(slider(law="hysteretic"), [0.0])
     with pytest.raises(InputError, match="radius"):
         balls_of(slider(), [0.0], radius=-1.0)
-    with pytest.raises(InputError, match="must be one of 'punch', 'sphere'"):
+    with pytest.raises(InputError, match="must be one of 'sphere', 'punch'"):
         replace(balls_of(slider(), [0.0]), shape="cone")
     with pytest.raises(InputError, match="harmonics"):
         pillar_motion(balls_of(slider(), [0.0]), WAVE, loading="harmonics")

@@ -42,17 +42,16 @@ def scatter(count, sigma, seed):
 
 def cycles(h, a, b, c, w):
     """Return the columns of flat contacts, k_n = k_t = 1, by name; P_1 and Q_1 complex."""
-    out = np.empty((len(h), len(Each)))
+    out = np.empty((len(h), len(Each), 1))
     for i in range(len(h)):
         parts = h, a.real, -a.imag, b.real, -b.imag
         problem = Problem(
             stiffness=1.0, contact_damping=0.0, normal_damping=0.0, preload=1.0, tangential_damping=0.0, load=0.0,
-            friction=1.0, limit_slope=1.0, stick_band=0.0, longest=1.0, shape=1, length=1.0, omega=1.0,
+            friction=float(c[i]), limit_slope=float(c[i]), stick_band=0.0, longest=1.0, shape=1, length=1.0, omega=1.0,
             paths=Paths(*(np.array([float(each[i])]) for each in parts)), law=coulomb(0),
         )  # fmt: skip
-        friction = np.full((1, 2), float(c[i]))
-        contact_cycles(problem, friction, 0.0, float(w[i]), CLOSED, cycle_arrays(1, 1), out[i : i + 1])
-    found = {each.name: out[:, each] for each in Each}
+        contact_cycles(problem, 0.0, np.full(1, w[i]), CLOSED, cycle_arrays(1, 1), out[i])
+    found = {each.name: out[:, each, 0] for each in Each}
     found["P1"] = found["NORMAL_COS"] - 1j * found["NORMAL_SIN"]
     return found | {"Q1": found["TANGENTIAL_COS"] - 1j * found["TANGENTIAL_SIN"]}
 

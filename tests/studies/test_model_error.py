@@ -168,7 +168,7 @@ def test_a_model_error_of_a_tenth_is_a_warning_and_one_of_the_whole_no_answer(mo
         assert bool(said) == warned, size
         assert bool(judged.shortfall) == refused, size
         if warned:
-            assert f"u_z by about {round(100 * size):+d} %, which" in said[0]
+            assert f"changes u_z by about {round(100 * size):+d} % (" in said[0]
     assert "u_z by about +120 % (load of the slider on the wave)" in judged.shortfall
     assert judged.refused
     missed = with_model_error(replace(motor, shortfall="the tolerance is missed"))

@@ -148,7 +148,7 @@ def test_a_load_on_the_wave_that_is_not_computed_and_decides_leaves_no_answer():
     heavy = {"preload": 18.0, "pillars": {"height_scatter": 5e-9, "seed": 3}}
     left_out = run(scene(loading=False, **heavy))
     assert left_out.exit_code == 1
-    assert "no answer: the model leaves out what changes velocity" in left_out.shortfall
+    assert "no answer: a neglected effect changes velocity" in left_out.shortfall
     loaded = run(scene(**heavy))
     assert loaded.exit_code == 0
     assert loaded.points[-1]["wave_power_out_W"] > 0.0

@@ -88,8 +88,9 @@ CUTS = {
 }
 
 
-def test_a_mode_missed_at_one_node_is_in_the_stated_error():
-    """Where half and a quarter of the nodes do not show an exponential convergence."""
+def test_a_mode_missed_at_one_node_is_in_the_stated_error(monkeypatch):
+    """Where half and a quarter of the nodes do not show an exponential convergence; halving the spacing mends it."""
+    monkeypatch.setattr("fem.beam.surface_beam.MAX_HALVINGS", 0)
     beam = beam_in(lossless(*CUTS["YZ"]), thickness=0.8, length=14.0, pairs=1, order=5)
     beam = replace(beam, wave=replace(beam.wave, relative_error=0.0))
     place = beam.charges[0].x[-1] + 4e-3, 0.4e-3
