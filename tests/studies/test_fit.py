@@ -115,6 +115,21 @@ def test_a_product_leaves_its_factors_undetermined_however_narrow_their_ranges(m
     assert way.sentence == "a and b trade off: only their product is determined"
 
 
+def test_factors_of_a_product_stay_nearest_to_the_scene_s_own_whatever_the_misfit(monkeypatch):
+    """Points some deviations off the line: the fitted product is shared out in the ratio of the scene's values."""
+    monkeypatch.setattr(import_module("studies.inverse.fitting"), "ranked", lambda *given: [])
+    scatter = 0.02 * np.array([1.0, -2.0, 0.5, 1.5, -1.0, 0.7, -0.4])
+    data = Measurement(name="m", quantity="velocity", level_key="voltage_V", levels=LEVELS,
+                       values=tuple(2.0 * np.array(LEVELS) + scatter), deviations=(0.01,) * 7)  # fmt: skip
+    free = tuple(Parameter(key=key, low=0.01, high=100.0) for key in "ab")
+    problem = Problem(
+        predictor=Model(lambda x, a, b: a * b * x, a=1.0, b=2.2), parameters=free, measurements=(data,)
+    )
+    found = _explored(problem, problem.minima(), problem.points - 2, False)
+    assert found.chi2 > 10.0
+    assert found.values["b"] / found.values["a"] == pytest.approx(2.2, rel=1e-6)
+
+
 def test_an_end_that_another_number_s_range_makes_is_open(monkeypatch):
     """Told apart by a curvature; downwards the profile of a meets the end of the range of b, upwards it does not."""
     model = Model(lambda x, a, b: a * b * x + 0.05 * b * x**2, a=1.0, b=2.04)

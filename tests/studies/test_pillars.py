@@ -135,6 +135,15 @@ def test_overtones_are_computed_and_leave_the_model_error():
         scene(loading="harmonics", backing="soft")
 
 
+def test_the_bodies_compliance_counts_in_proportion_to_the_load_up_to_half_the_stall():
+    stall = 0.18 * 0.18
+    sizes = []
+    for load in (0.0, 0.1 * stall, 0.2 * stall):
+        rows = {row["effect"]: row["size"] for row in run(scene(load=load)).model_error}
+        sizes.append(rows["compliance of stator and slider at the wavelength"])
+    assert (sizes[1] - sizes[0]) / (sizes[2] - sizes[0]) == pytest.approx(0.5, rel=0.02)
+
+
 def test_a_load_on_the_wave_that_is_not_computed_and_decides_leaves_no_answer():
     heavy = {"preload": 18.0, "pillars": {"height_scatter": 5e-9, "seed": 3}}
     left_out = run(scene(loading=False, **heavy))
