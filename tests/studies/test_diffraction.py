@@ -154,7 +154,7 @@ def test_places_are_read_and_written(small):
     assert scene.slider.offsets == ((1e-3, 2e-3), (-1e-3, 0.0), (0.0, 0.0))
     assert Scene.from_table("", scene.to_table()) == scene
     for wrong, what in (
-        ({"position": ["9 mm", "13 mm"]}, "y from -0.0125 to 0.0125 m"),
+        ({"position": ["9 mm", "13 mm"]}, "y from -12.5 to 12.5 mm"),
         ({"position": ["9 mm"]}, "or \\[x, y\\]"),
         ({"contacts": [["1 mm", "2 mm"], ["1 mm", "2 mm"]]}, "must differ"),
         ({"position": ["-9 mm", 0]}, "positive"),

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fem.convergence_error import ConvergenceError
+from fem.discretize.depth_mesh import discretise
 from fem.discretize.error_estimate import EXPECTED, LEVELS
 from fem.geometry import Stator, Transducer
 from fem.materials import material
@@ -136,7 +137,7 @@ def test_half_space_does_not_know_where_its_absorber_begins(name, orientation, m
     stator = plate(lossless(name, orientation), length=6.0, thickness=np.inf)
     transducer, at = comb(stator, "a", 2.0), np.array([0.75 * stator.length])
     near = drive(stator, (transducer,), places=tuple(at))
-    monkeypatch.setattr("fem.discretize.section.HALF_SPACE_DEPTH", 3.0)
+    monkeypatch.setitem(discretise.__kwdefaults__, "least_depth", 3.0)
     far = drive(stator, (transducer,), places=tuple(at))
     assert motion_difference(near.motion(at), far.motion(at)) < near.relative_error + far.relative_error
     assert near.power_residual < 1e-6
