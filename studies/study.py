@@ -177,7 +177,8 @@ def driven_contact(
         resolved_scene.refuse("slider", "is missing: this study needs a slider")
     if resolved_scene.slider.pillars is not None and not pillars:
         resolved_scene.refuse(
-            "slider.pillars", "are not known to this study: run, sweep, datasheet and load_line take them"
+            "slider.pillars",
+            "are not known to this study: run, sweep, fit, design, datasheet and load_line take them",
         )
     if resolved_scene.wave is not None:
         return DrivenContact.given(resolved_scene)

@@ -12,7 +12,7 @@ from studies.command.output import committed_pictures, say
 from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.export.exported import Exported
 from studies.progress import Progress
-from studies.refusal import SceneError, nearest
+from studies.refusal import SceneError, resembling
 from studies.results import Origin, read_manifest, result_directory
 from studies.scene import Scene
 
@@ -159,7 +159,9 @@ def checked(arguments: argparse.Namespace) -> tuple[str, ...]:
     if wanted is None:
         raise SceneError("--format", f"is missing; known: {', '.join(FORMATS)}")
     if wanted not in FORMATS:
-        raise SceneError("--format", f"{wanted!r} is not known{nearest(wanted, FORMATS)}")
+        raise SceneError(
+            "--format", f"{wanted!r} is not one of {', '.join(FORMATS)}{resembling(wanted, FORMATS)}"
+        )
     _, taken = FORMATS[wanted]
     every = {option for _, options in FORMATS.values() for option in options}
     for option in sorted(every - set(taken)):

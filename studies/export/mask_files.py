@@ -30,11 +30,12 @@ def _exported(drawn: Mask, files, scene: Scene, tolerance: float, progress) -> E
     counts = {
         layer: sum(each.layer == layer for each in drawn.polygons) for layer in ("fingers", "busbars", "pads")
     }
+    shift, widening = (round(each * 1e9, 3) for each in (drawn.shift, drawn.width_error))  # nm
     answer = (
         ("mask", f"{drawn.title}: chip {drawn.length * 1e3:g} mm x {drawn.width * 1e3:g} mm, unit 1 um"),
         ("", ", ".join(f"{number} {layer}" for layer, number in counts.items())),
-        ("grid", f"{drawn.grid * 1e9:g} nm: corners moved by at most {drawn.shift * 1e9:.3g} nm, widths of fingers by "
-                 f"{drawn.width_error * 1e9:.3g} nm; narrowest gap {drawn.gap * 1e6:.4g} um"),
+        ("grid", f"{drawn.grid * 1e9:g} nm: corners moved by at most {shift:g} nm, widths of fingers by "
+                 f"{widening:g} nm; narrowest gap {drawn.gap * 1e6:.4g} um"),
     )  # fmt: skip
     return Exported(
         files=files,

@@ -129,8 +129,8 @@ class CsvColumns:
             return value
         hint = ": write a decimal point" if "," in text else ""
         try:
-            complex(text.replace("i", "j"))
-            hint = ": a complex number goes into two columns, _real_ and _imag_" if text else ""
+            complex(unit := text.replace("i", "j"))
+            hint = ": a complex number goes into two columns, _real_ and _imag_" if "j" in unit else hint
         except ValueError:
             pass
         raise SceneError(self.option, f"{where} must be a finite number, got {shown(text)}{hint}")

@@ -15,6 +15,8 @@ from studies.results.content import write_json
 from studies.scene import Scene
 from studies.scene.toml import document
 
+PAIRS = ("tilt_rad",)  # of a point: lists of two numbers in run.json that are not complex numbers
+
 if TYPE_CHECKING:
     from studies.record import Record
 
@@ -35,7 +37,7 @@ def write_run(record: "Record", folder: Path, *, field: bool) -> None:
     scene = document(record.scene.to_table(), remarks=(remark,))
     (folder / "scene.toml").write_text(scene, encoding="utf-8")
     if record.scene.slider is not None:
-        points = [_flat(point) for point in record.points]
+        points = [flat(point) for point in record.points]
         keys = list(dict.fromkeys(key for point in points for key in point))
         write_table(folder / "velocity.csv", keys, [[point.get(key, "") for key in keys] for point in points])
     for name in ("pillars", "slider_wave"):
@@ -64,17 +66,17 @@ def write_run(record: "Record", folder: Path, *, field: bool) -> None:
             write_columns(folder / "surface_map.csv", columns)
 
 
-def _flat(point: dict) -> dict:
+def flat(point: dict) -> dict:
     """Return a point with complex numbers in two columns, ``..._re`` and ``..._im``, and lists in ``_0``, ``_1``."""
-    flat: dict = {}
+    columns: dict = {}
     for key, value in point.items():
         if isinstance(value, complex):
-            flat |= {f"{key}_re": value.real, f"{key}_im": value.imag}
+            columns |= {f"{key}_re": value.real, f"{key}_im": value.imag}
         elif isinstance(value, (list, tuple)):
-            flat |= {f"{key}_{index}": each for index, each in enumerate(value)}
+            columns |= {f"{key}_{index}": each for index, each in enumerate(value)}
         else:
-            flat[key] = value
-    return flat
+            columns[key] = value
+    return columns
 
 
 def write_columns(path: Path, columns: dict) -> None:
@@ -138,7 +140,11 @@ def read_run(folder: Path) -> dict:
         if key in whole
     }
     fields |= {block: _complex(whole.get(block, {})) for block in ("wave", "electrical")}
-    for key in ("points", "left_out", "model_error", "warnings"):
+    fields["points"] = tuple(
+        {key: value if key in PAIRS else _complex(value) for key, value in point.items()}
+        for point in whole.get("points", ())
+    )
+    for key in ("left_out", "model_error", "warnings"):
         fields[key] = tuple(whole.get(key, ()))
     fields |= {"scene": scene, "versions": whole.get("provenance", {})}
     for name in ("surface.csv", "profile.csv"):

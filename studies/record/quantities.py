@@ -19,7 +19,7 @@ from studies.refusal import SceneError, nearest
 ENDINGS = {
     "_rad_per_m": "rad/m",
     "_W_per_V2": "W/V^2", "_A_per_V": "A/V", "_m_per_V": "m/V", "_m_per_s": "m/s", "_per_m": "1/m", "_per_s": "1/s",
-    "_Hz": "Hz", "_Pa": "Pa", "_W": "W", "_S": "S", "_N": "N", "_V": "V", "_kg": "kg", "_m": "m", "_s": "s",
+    "_Hz": "Hz", "_Pa": "Pa", "_W": "W", "_S": "S", "_N": "N", "_V": "V", "_kg": "kg", "_m": "m", "_s": "s", "_rad": "rad",
 }  # fmt: skip
 ROW = re.compile(
     r"^\| `([a-z_]+(?:\.[\w-]+)*)` \| [^|]+ \|[^|]*\|$", re.MULTILINE
@@ -126,6 +126,7 @@ def unit_of(key: str) -> str | None:
     >>> unit_of("velocity_m_per_s"), unit_of("my_own_depth_m"), unit_of("relative_error"), unit_of("regime")
     ('m/s', 'm', '1', None)
     """
+    key = re.sub("_(re|im|0|1)$", "", key)
     if key in _by_column():
         unit = _by_column()[key].unit
         return None if unit == "-" else unit

@@ -198,11 +198,17 @@ class Record:
         SceneError
             If no point of any run has that key as a number.
         """
-        known = {name for point in self.points for name, value in point.items() if not isinstance(value, str)}
+        words = (str, list, tuple)
+        known = {
+            name for point in self.points for name, value in point.items() if not isinstance(value, words)
+        }
         known |= {*USUAL}
         if key not in known:
             raise SceneError(key, f"is no number of the points{nearest(key, sorted(known))}")
-        return np.array([point.get(key, math.nan) for point in self.points], dtype=float)
+        values = [point.get(key, math.nan) for point in self.points]
+        return np.array(
+            values, dtype=complex if any(isinstance(value, complex) for value in values) else float
+        )
 
     def _texts(self, key: str) -> np.ndarray:
         return np.array([point.get(key, "") for point in self.points], dtype=str)
@@ -220,6 +226,9 @@ class Record:
     def to_xarray(self) -> "xr.Dataset":
         """Return the points as an xarray Dataset over the drive's level, each variable and coordinate with its units.
 
+        Complex numbers are two variables, ``..._re`` and ``..._im``, the tilts ``..._0`` and ``..._1``, as in
+        velocity.csv.
+
         Raises
         ------
         RunError
@@ -232,9 +241,11 @@ class Record:
         >>> data["velocity_m_per_s"].attrs["units"], data["normal_amplitude_m"].attrs["units"]
         ('m/s', 'm')
         """
-        data = {}
-        for key in dict.fromkeys(key for point in self.points for key in point):
-            values = [point.get(key) for point in self.points]
+        from studies.record.files import flat
+
+        data, points = {}, [flat(point) for point in self.points]
+        for key in dict.fromkeys(key for point in points for key in point):
+            values = [point.get(key) for point in points]
             words = any(isinstance(value, str) for value in values)
             column = np.array(
                 [value or "" for value in values] if words else values, dtype=str if words else float

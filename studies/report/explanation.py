@@ -119,12 +119,17 @@ def announced(expected: float, more: str = "") -> tuple[str, ...]:
 
     Examples
     --------
-    >>> announced(59.0), announced(6000.0)
-    ((), ('expected time: about 100 minutes, within a factor of 3',))
+    >>> announced(59.0), announced(61.0)
+    ((), ('expected time: about 1 minute, within a factor of 3',))
+    >>> announced(6000.0)
+    ('expected time: about 100 minutes, within a factor of 3',)
     """
     if expected < MINUTE:
         return ()
-    hours = f"{expected / 3600:.2g} hours" if expected > 2 * 3600 else f"{expected / MINUTE:.0f} minutes"
+    minutes = round(expected / MINUTE)
+    hours = (
+        f"{expected / 3600:.2g} hours" if expected > 2 * 3600 else f"{minutes} minute{'s' * (minutes > 1)}"
+    )
     return (f"expected time: about {hours}, within a factor of {TIME_WITHIN:g}{more}",)
 
 

@@ -149,6 +149,11 @@ def read_pillars(file: str) -> dict[str, list[float]]:
     columns: dict[str, list[float]] = {name: [] for name in (*COLUMNS, "diameter_m") if name in head}
     places = {name: head.index(name) for name in columns}
     for number, row in enumerate(rows, start=2):
+        if len(row) > len(head):
+            raise SceneError(
+                at,
+                f"must hold a value for each of {len(head)} heads, got {len(row)} in row {number} of {file!r}",
+            )
         for name, place in places.items():
             try:
                 value = float(row[place])

@@ -406,7 +406,7 @@ def test_scenes_without_an_averaged_motor_are_refused(name, change, words):
     ("words", "said"),
     [
         (["twente-contact"], "--format is missing"),
-        (["twente-contact", "--format", "fmx"], "--format 'fmx' is not known; did you mean fmu?"),
+        (["twente-contact", "--format", "fmx"], "--format 'fmx' is not one of fmu, c, gds, dxf, uff, csv, "),
         (["twente-contact", "--format", "c", "--fmi", "2"], "--fmi is not taken by the format c"),
         (["twente-contact", "--format", "fmu", "--fmi", "4"], "--fmi must be one of 3, 2, got '4'"),
         (["rayleigh", "--format", "fmu"], "slider is missing"),

@@ -433,6 +433,7 @@ X_HEAD, ROW = "x_mm,u_z_real_nm_per_V,u_z_imag_nm_per_V", "40,0.1,0.2"
         ),
         ("a.csv", "u_z_magnitude_nm_per_V\n0.1\n", "must have a column x_UNIT, y_UNIT or frequency_UNIT"),
         ("a.csv", "x_mm,u_z_magnitude_nm_per_V\n40,0.1+0.2j\n", "a complex number goes into two columns"),
+        ("a.csv", "x_mm,u_z_magnitude_nm_per_V\n40,nan\n", "must be a finite number, got 'nan'\n"),
         (
             "a.csv",
             "x_mm,u_z_magnitude_nm_per_V\n40,-0.1\n",
@@ -466,7 +467,7 @@ def test_files_that_do_not_fit_are_one_sentence_and_nothing_is_written(
     assert main(["fit" if name == "b" else "run", str(scene), "--measured", name]) == 2
     error = [line for line in capsys.readouterr().err.splitlines() if line.startswith("sawmotor:")]
     assert len(error) == 1
-    assert said in error[0]
+    assert said in error[0] + "\n"
     assert set(tmp_path.iterdir()) == before
 
 

@@ -173,6 +173,13 @@ def test_a_run_leaves_tables_and_is_read_back(tmp_path):
     assert back.pillars["normal_force_N"].sum() == pytest.approx(0.18, rel=1e-9)
     assert set(back.pillars) == {"x_m", "y_m", "height_m", "normal_force_N", "friction_power_W"}
     assert back.slider_wave["forward_m"].dtype.kind == "c"
+    assert back.points[0]["exit_over_entry"] == record.points[0]["exit_over_entry"]
+    assert list(back.points[0]["tilt_rad"]) == list(record.points[0]["tilt_rad"])
+    assert back.column("exit_over_entry")[0] == record.points[0]["exit_over_entry"]
+    for each in (record, back):
+        data = each.to_xarray()
+        assert data["exit_over_entry_im"].item() == record.points[0]["exit_over_entry"].imag
+        assert data["tilt_rad_1"].attrs["units"] == "rad"
     whole = json.loads((tmp_path / "out" / "run.json").read_text(encoding="utf-8"))
     assert len(whole["points"][0]["exit_over_entry"]) == 2
     head = (tmp_path / "out" / "velocity.csv").read_text(encoding="utf-8").splitlines()[0]
@@ -220,6 +227,7 @@ def test_a_file_lies_in_the_folder_of_its_scene(tmp_path, monkeypatch):
         ("x_m,y_m\n0,0\n", "must have the columns x_m, y_m, height_m"),
         ("x_m,y_m,height_m\n0,0,nan\n", "got 'nan' as height_m in row 2"),
         ("x_m,y_m,height_m\n0,0,\n", "got '' as height_m in row 2"),
+        ("x_m,y_m,height_m\n0,0,0,4\n", "a value for each of 3 heads, got 4 in row 2"),
         ("x_m,y_m,height_m\n0,0,0\n1e-5,0,0\n", "that do not overlap, got 1e-05 m between rows 2 and 3"),
         ("x_m,y_m,height_m\n0,0,3e-6\n1e-4,0,0\n", "height must be larger than every deviation .* 3e-06 m"),
         ("", "must have the columns"),
