@@ -492,7 +492,7 @@ def test_the_shipped_meshes(tmp_path):
         given = scene(
             meshes / f"{name}.msh",
             {"thickness": "2 mm", "ends": "free" if end else "absorbing"},
-            position="9 mm" if not end else "10 mm",
+            position="9 mm" if not end else "10.5 mm",
             **rest,
         )
         stator = whole_stator(resolved(given))
