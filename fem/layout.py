@@ -180,7 +180,7 @@ def _check_whole(piece: MeshPiece, stator: Stator, transducers: tuple[Transducer
             "has no line group left or right and is the whole stator: it must be the only piece, got "
             f"{len(stator.pieces)}"
         )
-    bottom, top = (each * 1e3 for each in piece.mesh.depth)
+    bottom, top = (each * 1e3 for each in piece.mesh.depth_range)
     if max(abs(bottom + thickness * 1e3), abs(top)) > SAME * thickness * 1e3:
         refuse(
             f"is the whole stator: its surface group stator must reach from z = -{thickness * 1e3:.6g} mm (minus "

@@ -47,7 +47,8 @@ NODES = 17  # per wavelength of a selective layer; with 12 modes grow (128YX, by
 # concave sheet.  If the polarisation of a sheet changes with the direction (X quartz), a loss of one polarisation is
 # not sufficient.
 STRENGTHS = ((1.0, 0.0), (2.0, 0.0), (2.0, 0.25), (4.0, 0.0), (4.0, 0.25), (8.0, 0.25))
-MAX_GROWTH = 1e-4  # rad per wavelength in `layer_growth`; 1e-3 causes errors of the motion of 1e-3 and more
+# Nepers per slowest bulk wavelength, as `layer_growth` returns them; 1e-3 causes errors of the motion of 1e-3 and more.
+MAX_GROWTH = 1e-4
 TYPICAL_ORDER, TYPICAL_LEVEL = 7, 2  # order and level at which the kind of layer is selected
 
 # Loss factor of the lowest element of a viscous layer, and the power of the depth with which it increases.  With 8

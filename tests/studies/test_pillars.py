@@ -197,6 +197,11 @@ def test_pillars_of_a_file_are_those_of_the_grid(tmp_path):
     assert found.velocity[-1] == pytest.approx(run(scene()).velocity[-1], rel=1e-12)
 
 
+def test_a_seed_without_scatter_is_said():
+    (said,) = [each for each in run(scene(pillars={"seed": 3})).warnings if "seed" in each]
+    assert said == "slider.pillars.seed = 3 has no effect: slider.pillars.height_scatter is 0 m"
+
+
 def test_a_file_lies_in_the_folder_of_its_scene(tmp_path, monkeypatch):
     from studies.scene.toml import document
 
@@ -244,7 +249,7 @@ def test_a_bad_file_is_refused(tmp_path, text, sentence):
         ({"law": "hysteretic"}, 'slider.law must be "elastic"'),
         ({"method": "exact"}, 'slider.method must be "auto" or "averaged"'),
         ({"pillars": {"diameter": None}}, "slider.pillars.diameter is required and missing"),
-        ({"pillars": {"height_scatter": -1e-9}}, "slider.pillars.height_scatter"),
+        ({"pillars": {"height_scatter": -1e-9}}, "pillars.height_scatter must be zero or positive, got -1e-09 m"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_is_refused(changes, sentence):
