@@ -179,9 +179,9 @@ def _exact(burst):
 
     def error(level, run, difference, reference):
         # two runs may agree by chance: the error is never taken below that of the segments' truncation
-        rounding = DRIFT * burst.cycles * reference + SCATTER * math.sqrt(
-            burst.cycles * burst.problem.segments
-        )
+        # a slider that never moved has added nothing up
+        scatter = SCATTER * math.sqrt(burst.cycles * burst.problem.segments) if np.any(run[0]) else 0.0
+        rounding = DRIFT * burst.cycles * reference + scatter
         return max(difference, 3e-6 * ORDERS[level][1] * reference) + rounding
 
     for least in range(1, len(ORDERS)):
