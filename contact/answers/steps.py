@@ -38,7 +38,7 @@ from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
 from contact.stepping.time_stepping import steps
 
-MAX_CYCLES = 3_000_000
+MAX_CYCLES = 2**21  # the last number that `cycles_for` tries when it doubles from 256
 # The slider counts as held after this many half periods of the ring without slip: QUIET_SPANS if no slip can follow,
 # UNSURE_SPANS if one might. A beat of bounce and ring takes 2/(f_n/f_t - 1) half periods, 4 to 30 for usual moduli.
 QUIET_SPANS, UNSURE_SPANS = 12, 200
@@ -126,13 +126,16 @@ def step(
         raise ConvergenceError(
             "runaway", "friction cannot hold the load, so the slider never stops; lower slider.load"
         )
-    (fine, factor), (coarse, _) = (
+    (fine, fine_steps), (coarse, coarse_steps) = (
         _step_at(slider, listed, cycles, envelope, after, level) for level in (FINE, COARSE)
     )
     scale = max(
         abs(fine.displacement), abs(fine.during), slider.limit_slope * slider.rest_approach(len(listed))
     )
-    estimate = factor * abs(fine.displacement - coarse.displacement)
+    # Fixed time steps are assumed to converge with first order. The event-driven solver has spectral accuracy, so that
+    # a difference to it is the error of the other level.
+    factors = [1.0 / (f / c - 1.0) for f, c in zip(fine_steps, coarse_steps, strict=True) if f and c]
+    estimate = max(factors, default=1.0) * abs(fine.displacement - coarse.displacement)
     shift = MEMORY_SHIFT * fine.ring if slider.law == "hysteretic" else 0.0
     frequency, bend = listed[0].frequency, 0.0
     if envelope is not None:
@@ -151,30 +154,39 @@ class _Level(NamedTuple):
     nodes: int  # per segment of the event-driven motion
     truncation: float  # allowed truncation error per segment
     longest: float  # maximum segment length over that of the problem
-    steps: int  # fixed steps per cycle, under an envelope
-    ringing_steps: int  # fixed steps per cycle while the surface rings down
+    steps: int  # fixed steps per cycle, under an envelope; more if the contact is stiff (`_shaped_steps`)
+    ringing_steps: int  # the same while the surface rings down
 
 
 FINE = _Level(12, 1e-10, 1.0, 96, 80)
 COARSE = _Level(10, 1e-8, 0.8, 64, 56)
 
 
-def _step_at(slider, orbits, cycles, envelope, after, level):
-    """Return (step at one level without its error, ratio of the finer level's error to the difference of two levels).
+def _shaped_steps(slider, problem, least, coarsest):
+    """Return the steps per cycle of a level that has at least `least`, where the coarse level has `coarsest`.
 
-    The event-driven solver has spectral accuracy, so that the difference is the error of the coarser level; the ratio
-    is then taken as one. Fixed time steps are assumed to converge with first order.
+    A stiff contact raises the number of the coarse level. That of the fine level rises with it, since two levels with
+    equal numbers would differ by nothing.
+    """
+    return shaped_steps(slider, problem, coarsest) * least // coarsest
+
+
+def _step_at(slider, orbits, cycles, envelope, after, level):
+    """Return (step at one level without its error, fixed steps per cycle in the burst and in the ring-down).
+
+    The number of steps is 0 where no fixed steps were used.
     """
     side, driven = towards_plus(orbits)
     problem = rest_problem(slider, driven)
     problem = problem._replace(longest=level.longest * problem.longest)
     factor = complex(envelope.at(np.zeros(1))[0]) if envelope is not None else 1.0
     motion = rest(slider, driven, problem, nodes=level.nodes, truncation=level.truncation, factor=factor)
-    burst_travel, stepped = _drive(slider, motion, cycles, envelope, level.steps)
-    velocity, ringing_time, ringing_travel = float(motion.state[2]), 0.0, 0.0
+    burst_travel, burst_steps = _drive(slider, motion, cycles, envelope, level.steps)
+    velocity, ringing_time, ringing_travel, ringing_steps = float(motion.state[2]), 0.0, 0.0, 0
     if after is not None:
-        times, rows = ring_down(slider, motion, after, least=level.ringing_steps)
-        ringing_time, stepped = float(times[-1]) if times.size else 0.0, True
+        ringing_steps = _shaped_steps(slider, problem, level.ringing_steps, COARSE.ringing_steps)
+        times, rows = ring_down(slider, motion, after, least=ringing_steps)
+        ringing_time = float(times[-1]) if times.size else 0.0
         ringing_travel = _distance(rows)
     still_travel, last_slip, ring = _stopped(slider, motion)
     during, stopping = (
@@ -186,7 +198,7 @@ def _step_at(slider, orbits, cycles, envelope, after, level):
         velocity=side * velocity * problem.speed, stopping_time=ringing_time + last_slip / problem.omega,
         ring=ring * problem.length, error=0.0,
     )  # fmt: skip
-    return result, 1.0 / (FINE.steps / COARSE.steps - 1.0) if stepped else 1.0
+    return result, (burst_steps, ringing_steps)
 
 
 def cycles_for(
@@ -212,7 +224,7 @@ def cycles_for(
     Raises
     ------
     ConvergenceError
-        Status "out of reach" if 3 million cycles do not reach the displacement.
+        Status "out of reach" if 2^21 cycles, about 2 million, do not reach the displacement.
     """
     listed = as_orbits(orbits)
     wanted = bounds.positive("displacement", displacement, "m")
@@ -252,16 +264,16 @@ def cycles_for(
 
 
 def _drive(slider, motion, cycles, envelope, per_cycle):
-    """Advance the motion through the burst; return (scaled travel, True if fixed time steps were used)."""
+    """Advance the motion through the burst; return (scaled travel, fixed steps per cycle or 0)."""
     problem = motion.problem
     if envelope is None:
         if cycles <= EXACT_CYCLES or stepped_refusals(slider, problem, per_cycle):
             motion.turn(cycles)
-            return float(motion.sums[Sum.DISPLACEMENT]), False
-        return _distance(steps(problem, motion.state, cycles, per_cycle)), True
-    number = shaped_steps(slider, problem, per_cycle)
+            return float(motion.sums[Sum.DISPLACEMENT]), 0
+        return _distance(steps(problem, motion.state, cycles, per_cycle)), per_cycle
+    number = _shaped_steps(slider, problem, per_cycle, COARSE.steps)
     shape = envelope.at(np.arange(cycles + 1) * (2.0 * math.pi / problem.omega))
-    return _distance(steps(problem, motion.state, cycles, number, envelope=shape)), True
+    return _distance(steps(problem, motion.state, cycles, number, envelope=shape)), number
 
 
 def _distance(rows) -> float:

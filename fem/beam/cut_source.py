@@ -135,19 +135,20 @@ class CutSource:
         rounded = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # rounded up, so that few rules serve all points
         low, high = (each * self.wavenumber for each in FADE)
         floats = self.section.floating_potential
-        own_rule = {"cusp": True} if floats else {"max_tilt": TILTED}
-        own_rule["coarser"] = spacing * (1.0 if floats else COARSER)
+        options = {"cusp": True} if floats else {"max_tilt": TILTED}
+        options["coarser"] = spacing * (1.0 if floats else COARSER)
         narrow = NARROWER * low, NARROWER * high
-        rule = lateral_rule(self.wavenumber, rounded, (low, high), mirror_width, narrow=narrow, **own_rule)
-        yield from self._lasting(rule, distance)
+        rule = lateral_rule(self.wavenumber, rounded, (low, high), mirror_width, narrow=narrow, **options)
+        yield from self._branches_at(rule, distance)
 
     def plane(self, _resolved: float) -> Iterator[Branch]:
         """Waves at k_y = 0, for fields that do not depend on y."""
-        for branch in self._lasting(LateralRule(nodes=np.zeros(1), weights=np.ones(1)), 0.0):
+        for branch in self._branches_at(LateralRule(nodes=np.zeros(1), weights=np.ones(1)), 0.0):
             if branch.signs[0][0] > 0:
                 yield branch
 
-    def _lasting(self, rule: LateralRule, distance: float) -> Iterator[Branch]:
+    def _branches_at(self, rule: LateralRule, distance: float) -> Iterator[Branch]:
+        """Waves to both sides at the nodes of a rule, without those that decay within ``distance`` (m)."""
         key = (len(rule.nodes), complex(rule.nodes[-1]))
         if key not in self._spectra:
             self._spectra[key] = self._spectrum(rule.nodes)
@@ -157,10 +158,10 @@ class CutSource:
                 along, motion = [], []
                 for each in poles:
                     # By reciprocity the poles at -k_y are those of the other direction, with transposed residues.
-                    here = (each.right == (side * sign > 0)) & (each.surface | (not self.surface_only))
-                    here &= -side * sign * each.wavenumbers.imag * distance < -np.log(KEPT)
-                    along.append(side * sign * each.wavenumbers[here])
-                    motion.append(-1j * side * sign * (each.column if sign > 0 else each.row)[here])
+                    kept = (each.right == (side * sign > 0)) & (each.surface | (not self.surface_only))
+                    kept &= -side * sign * each.wavenumbers.imag * distance < -np.log(KEPT)
+                    along.append(side * sign * each.wavenumbers[kept])
+                    motion.append(-1j * side * sign * (each.column if sign > 0 else each.row)[kept])
                 count = max(len(each) for each in along)
                 k, u = (
                     np.full((count, len(poles)), -1j * self.wavenumber),

@@ -82,7 +82,8 @@ class SurfaceBeam:
     mirror_width : float or None
         Distance in m of two side faces that reflect like mirrors; None if the sides do not reflect.
     complete : bool
-        True if all modes of the section take part.
+        True: within a wavelength of the charges the part of the section's motion that no mode represents is added
+        (`_local`).  False: only the modes of ``source`` are summed.
     faces : Faces or None
         Free or clamped ends; None if the ends absorb.
 
@@ -218,7 +219,7 @@ class SurfaceBeam:
         On YZ lithium niobate they are 0.06 to 6 times the motion, and 0.01 of it a wavelength or more before the
         fingers.
         """
-        near = abs(self._resolved)
+        near = abs(self._near_distance)
         return isinstance(self.source, CutSource) and any(
             each.extent[0] - near < x < each.extent[1] + near
             and abs(y - each.center_y) > each.aperture / 2 - near
@@ -226,7 +227,10 @@ class SurfaceBeam:
         )
 
     def with_side_faces(self, width: float | None) -> "SurfaceBeam":
-        """The beam of the same charges between mirrors a width (m) apart, or None; for estimates, accurate to 1e-3."""
+        """Beam of the same charges between mirrors ``width`` (m) apart, or without mirrors if None.
+
+        It is for estimates, accurate to 1e-3, because the source is a rough one (`CutSource.rough`).
+        """
         if width == self.mirror_width and self.source.rough is self.source:
             return self
         return replace(self, mirror_width=width, source=self.source.rough)
@@ -274,7 +278,7 @@ class SurfaceBeam:
         shape, x, y = x.shape, x.ravel(), y.ravel()
         self._refuse(x, y)
         distance = self._distances(x)
-        group = np.searchsorted(np.divide(GROUPS, GROUPS[0]) * self._resolved, distance)
+        group = np.searchsorted(np.divide(GROUPS, GROUPS[0]) * self._near_distance, distance)
         total = np.empty((RULES, 3, len(x)), dtype=complex)
         for number in set(group.tolist()):
             some = group == number
@@ -311,7 +315,7 @@ class SurfaceBeam:
         lines, row = np.unique(y, return_inverse=True)
         total = np.zeros((RULES, 3, len(x)), dtype=complex)
         for branch in self.source.branches(
-            self._reach(y), distance, self._resolved, self.mirror_width, spacing
+            self._reach(y), distance, self._near_distance, self.mirror_width, spacing
         ):
             total += self._inverse(
                 branch,
@@ -398,7 +402,7 @@ class SurfaceBeam:
     def _beyond_the_modes(self, places) -> np.ndarray:
         """Motion of the section minus that of the modes at k_y = 0 by the same charges, shape (2, places)."""
         nodes, source, ones = self._section_nodes, self.source, np.ones((len(self.apertures), 1))
-        sent = sum(_sent(nodes, branch, places, ones) for branch in source.plane(self._resolved))[..., 0]
+        sent = sum(_sent(nodes, branch, places, ones) for branch in source.plane(self._near_distance))[..., 0]
         if self.faces is not None:
             plane = self.faces.plane(_sources(self._section_charges))
             sent = sent + plane.spectra(places, self.wave.length, ones, self.faces.wanted)[..., 0]
@@ -408,7 +412,8 @@ class SurfaceBeam:
         return rest
 
     @property
-    def _resolved(self) -> float:
+    def _near_distance(self) -> float:
+        """One wavelength in m, the limit of the group of points nearest to the charges."""
         return GROUPS[0] * self.wave.phase_velocity / self.wave.frequency
 
     def _static(self, x, y) -> np.ndarray:
@@ -547,7 +552,9 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     Raises
     ------
     BeamError
-        If the ends are free or clamped and the solid is not isotropic about z, or an aperture exceeds the width.
+        If the stator has meshed pieces, if its ends are free or clamped and the solid is not isotropic about z, if an
+        aperture exceeds ``mirror_width``, or if a transducer lies beside the line y = 0 although there are mirrors or
+        the solid is not isotropic about z.
     InputError
         If an aperture is less than half a wavelength.
     """

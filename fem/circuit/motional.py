@@ -4,15 +4,17 @@
 
 With one branch it is the Butterworth-Van Dyke circuit (Van Dyke, Proc. IRE 16, 1928, 742), which has the main resonance
 but not the sidelobes of a row of fingers; a few branches represent the whole passband (Foster's sum of resonances, with
-losses).  Least squares of |Y - Y_fitted| in the logarithms of the elements keep them positive and the circuit passive.
+losses).  The fit minimises the sum of |Y - Y_fitted|^2 over the frequencies.  Its unknowns are the logarithms of C0,
+1/R0, 1/R_k and R_k/L_k, and the resonance frequencies themselves.  The elements therefore stay positive and the circuit
+passive.
 """
 
 from dataclasses import dataclass, field
 
 import numpy as np
 
-# Initial resonances of several branches cover this many half widths about the middle.  Each start may lead to another
-# local minimum; the best one is kept.
+# Initial resonances of several branches cover this many widths at half maximum to both sides of the peak.  Each start
+# may lead to another local minimum; the best one is kept.
 SPREADS = (1.0, 1.5)
 
 
@@ -79,7 +81,7 @@ def motional_model(frequency: np.ndarray, admittance: np.ndarray, branches: int 
 
     f, y = np.asarray(frequency, dtype=float), np.asarray(admittance, dtype=complex)
     omega, scale, middle = 2 * np.pi * f, abs(y).max(), float(f[np.argmax(y.real)])
-    width = _half_width(f, y.real)
+    width = _width_at_half_maximum(f, y.real)
 
     def parts(parameters: np.ndarray):
         """|i omega C0| at the middle and 1/R0; peak conductance 1/R, resonance and R/L of each branch (rad/s)."""
@@ -90,7 +92,8 @@ def motional_model(frequency: np.ndarray, admittance: np.ndarray, branches: int 
     def columns(parameters: np.ndarray) -> np.ndarray:
         """Terms of Y and their derivatives by the parameters, shape (2 + 3 branches, frequencies).
 
-        A branch is Y_k = peak / (1 + i q); the first two terms are their own derivatives, as is Y_k that by log(peak).
+        A branch is Y_k = peak / (1 + i q).  C0, 1/R0 and the peak enter by their logarithms, so that the derivative of
+        each of these terms by its own logarithm is the term itself.
         """
         static, leak, peak, resonance, rate = (np.reshape(each, (-1, 1)) for each in parts(parameters))
         q = (omega - resonance**2 / omega) / rate
@@ -127,7 +130,7 @@ def motional_model(frequency: np.ndarray, admittance: np.ndarray, branches: int 
     )
 
 
-def _half_width(frequency: np.ndarray, conductance: np.ndarray) -> float:
+def _width_at_half_maximum(frequency: np.ndarray, conductance: np.ndarray) -> float:
     """Return the width in Hz over which the conductance exceeds half of its largest value."""
     above = np.flatnonzero(conductance > conductance.max() / 2)
     step = float(np.mean(np.diff(frequency)))

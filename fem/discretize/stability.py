@@ -25,9 +25,10 @@ Layer = Sequence[
 
 
 def largest_growth(wavenumbers: np.ndarray, shapes: np.ndarray, flux: np.ndarray) -> float:
-    """Largest growth Im k > 0 of a mode along its power flux, radians per length unit; 0 if none grows.
+    """Largest growth Im k > 0 of a mode along its power flux, nepers per slowest bulk wavelength; 0 if none grows.
 
-    ``wavenumbers``: per length unit, of modes of either direction; ``shapes``, ``flux``: in columns.
+    ``wavenumbers``: of modes of either direction, rad per slowest bulk wavelength; ``shapes``: in columns;
+    ``flux``: the traction of each mode on a line x = const, in columns.
     """
     size = abs(wavenumbers.real)
     counted = (abs(wavenumbers.imag) < PROPAGATING * size) & (size < MAX_WAVENUMBER)
@@ -36,9 +37,10 @@ def largest_growth(wavenumbers: np.ndarray, shapes: np.ndarray, flux: np.ndarray
 
 
 def layer_growth(solid: Solid, body: Medium, layer: Layer, order: int) -> float:
-    """Largest growth of a guided mode over an absorbing layer, radians per slowest bulk wavelength.
+    """Largest growth of a guided mode over an absorbing layer, nepers per slowest bulk wavelength.
 
-    ``solid``: in the stator's frame; ``body``: its medium without loss, in the fields of the layer.
+    ``solid``: in the stator's frame; ``body``: its medium without loss, with the same unknowns (among u_x, u_y,
+    u_z and phi) as the layer.
     """
     section = _trial_section(solid, body, layer, order)
     second, first, zeroth = section.matrices(TRIAL_FREQUENCY)
@@ -50,6 +52,11 @@ def layer_growth(solid: Solid, body: Medium, layer: Layer, order: int) -> float:
 
 
 def _trial_section(solid: Solid, body: Medium, layer: Layer, order: int) -> Section:
+    """Section of the layer below a little of the solid; its length unit is the slowest bulk wavelength.
+
+    Row 0 of ``exists``, the lower face of the layer, has no unknowns: it is clamped and grounded.  The heights are
+    complex because the layer is stretched.
+    """
     heights = np.array([height * stretch for height, stretch, _ in layer] + list(TRIAL_SOLID), dtype=complex)
     media = tuple(each for _, _, each in layer) + (body,) * len(TRIAL_SOLID)
     exists = np.zeros((len(heights) * order + 1, 4), dtype=bool)

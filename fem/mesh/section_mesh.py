@@ -21,7 +21,8 @@ LINE_GROUPS = ("left", "right", "bottom", "grounded", "clamped", "surface")
 ELECTRODE = "electrode:"
 LINES = {"line": 2, "line3": 3}
 SOLIDS = ("tetra", "hexahedron", "wedge", "pyramid")
-FLAT = 1e-9  # of the longest edge squared: an element of a smaller area has none
+MIN_AREA = 1e-9  # over the square of the element's longest edge; smaller ones are refused
+MAX_OFF_PLANE = 1e-9  # variation of the third coordinate over the extent of the mesh
 FARTHEST = 1e3  # m: no stator is that long, and squares of lengths stay finite
 SAME = 1e-6  # of the height: places nearer than this are one
 
@@ -92,22 +93,23 @@ class SectionMesh:
     @cached_property
     def gaps(self) -> tuple[tuple[float, float], ...]:
         """Spans of x in m without plain surface: the upper side is not at z = 0 there, or of another solid."""
-        level, spans = SAME * float(np.ptp(self.points[:, 1])), []
+        same_place, spans = SAME * float(np.ptp(self.points[:, 1])), []
         for one, other in self.boundary:
             ((block, _),) = self.edges[one, other]
             (x, z), (end, foot) = self.points[one], self.points[other]
-            if self.cells[block].solid == "stator" and end < x and max(abs(z), abs(foot)) <= level:
+            # The body lies on the left of an edge, so that an edge of the upper side runs towards -x.
+            if self.cells[block].solid == "stator" and end < x and max(abs(z), abs(foot)) <= same_place:
                 spans.append((float(end), float(x)))
         at, last = self.extent
         found = []
         for low, high in [*sorted(spans), (last, last)]:
-            if low > at + level:
+            if low > at + same_place:
                 found.append((at, low))
             at = max(at, high)
         return tuple(found)
 
     @property
-    def depth(self) -> tuple[float, float]:
+    def depth_range(self) -> tuple[float, float]:
         """Smallest and largest z of the stator's own material in m."""
         z = self.points[
             np.concatenate([each.nodes.ravel() for each in self.cells if each.solid == "stator"]), 1
@@ -120,6 +122,18 @@ class SectionMesh:
             return None
         ends = self.points[np.unique(self.lines[side])]
         return float(ends[:, 0].mean()), float(np.ptp(ends[:, 1])), float(ends[:, 1].max())
+
+    def border(self, side: str) -> float:
+        """Length in m of the vertical outer edges of the stator's own material at the mesh's smallest or largest x."""
+        x = self.extent[side == "right"]
+        total = 0.0
+        for one, other in self.boundary:
+            ((block, _),) = self.edges[one, other]
+            ends = self.points[[one, other]]
+            height = abs(float(np.diff(ends[:, 1])[0]))
+            if self.cells[block].solid == "stator" and np.max(abs(ends[:, 0] - x)) <= SAME * height:
+                total += height
+        return total
 
     @cached_property
     def edges(self) -> dict[tuple[int, int], list[tuple[int, int]]]:
@@ -166,7 +180,9 @@ def _read(path: Path, unit: float) -> SectionMesh:
         raise MeshError(
             f"the file has a coordinate of {farthest:.3g} m, at most {FARTHEST:g} m: is its length unit right?"
         )
-    if points.shape[1] > 2 and np.ptp(points[:, 2]) > FLAT * max(np.ptp(points, axis=0).max(), 1e-300):
+    if points.shape[1] > 2 and np.ptp(points[:, 2]) > MAX_OFF_PLANE * max(
+        np.ptp(points, axis=0).max(), 1e-300
+    ):
         raise MeshError("the file's third coordinate is not constant: a section has two, x and z")
     surfaces, lines = _grouped(file)
     used = np.unique(np.concatenate([cells.nodes.ravel() for cells in surfaces]))
@@ -179,7 +195,7 @@ def _read(path: Path, unit: float) -> SectionMesh:
     number = np.full(len(points), -1)
     number[used] = np.arange(len(used))
     points = points[used, :2] * unit
-    cells = tuple(_anticlockwise(each, number, points, unit) for each in surfaces)
+    cells = tuple(_anticlockwise(each, number, points) for each in surfaces)
     mesh = SectionMesh(
         name=path.stem,
         digest=hashlib.sha256(content + repr(unit).encode()).hexdigest(),
@@ -188,10 +204,10 @@ def _read(path: Path, unit: float) -> SectionMesh:
         cells=cells,
         lines={name: number[nodes] for name, nodes in lines.items()},
     )
-    _check_topology(mesh, unit)
+    _check_topology(mesh)
     for side in ("left", "right"):
         if side in mesh.lines:
-            _check_interface(mesh, side, unit)
+            _check_interface(mesh, side)
     return mesh
 
 
@@ -232,7 +248,7 @@ def _grouped(file) -> tuple[list[Cells], dict[str, np.ndarray]]:
             what = f"elements of order {order}" if order else f"elements of kind {kind}"
             raise MeshError(f"{what} are not read: gmsh -order 2")
         dim = 1 if kind in LINES else 2
-        for name, chosen in _members(file, index, block, tags[index], names, dim):
+        for name, chosen in _members(file, index, tags[index], names, dim):
             nodes = np.asarray(block.data)[chosen].astype(int)
             if dim == 1:
                 lines.setdefault(name, []).append(nodes[:, :2])
@@ -249,61 +265,64 @@ def _grouped(file) -> tuple[list[Cells], dict[str, np.ndarray]]:
     return surfaces, {name: np.concatenate(parts) for name, parts in lines.items()}
 
 
-def _members(file, index: int, block, tags, names: dict, dim: int):
+def _members(file, index: int, tags, names: dict, dim: int):
     """Yield the groups of a block's elements and which they are; an element in two groups is refused."""
-    if file.cell_sets and any(name in file.cell_sets for name in file.field_data):  # format 4.1
-        owners = [
-            name
-            for name, (_, own_dim) in file.field_data.items()
-            if int(own_dim) == dim and name in file.cell_sets and len(_set(file.cell_sets[name][index]))
-        ]
-        if len(owners) > 1:
-            raise MeshError(
-                f"{'a line' if dim == 1 else 'a surface'} is in two groups, {' and '.join(owners)}"
-            )
-        if owners:
-            yield owners[0], slice(None)
-        elif tags is not None and len(tags):
-            raise MeshError(
-                f"a physical group of {'lines' if dim == 1 else 'surfaces'} has no name, number {tags[0]}"
-            )
-        return
-    if tags is None:
-        return
-    tags = np.asarray(tags)
-    for tag in np.unique(tags):
-        if tag == 0:
-            continue
+    if file.cell_sets and any(name in file.cell_sets for name in file.field_data):
+        return _members_41(file, index, tags, dim)
+    return _members_22(tags, names, dim)
+
+
+def _members_41(file, index: int, tags, dim: int):
+    """`_members` of a file in format 4.1, where the groups are sets of elements and a block lies in one group."""
+    owners = [
+        name
+        for name, (_, own_dim) in file.field_data.items()
+        if int(own_dim) == dim and name in file.cell_sets and len(_set(file.cell_sets[name][index]))
+    ]
+    if len(owners) > 1:
+        raise MeshError(f"{'a line' if dim == 1 else 'a surface'} is in two groups, {' and '.join(owners)}")
+    if owners:
+        yield owners[0], slice(None)
+    elif tags is not None and len(tags):
+        raise _nameless(dim, tags[0])
+
+
+def _members_22(tags, names: dict, dim: int):
+    """`_members` of a file in format 2.2, where every element has the number of its group; 0 is none."""
+    tags = np.asarray([] if tags is None else tags)
+    for tag in np.unique(tags[tags != 0]):
         if (dim, int(tag)) not in names:
-            raise MeshError(
-                f"a physical group of {'lines' if dim == 1 else 'surfaces'} has no name, number {tag}"
-            )
+            raise _nameless(dim, tag)
         yield names[dim, int(tag)], tags == tag
+
+
+def _nameless(dim: int, number) -> MeshError:
+    return MeshError(
+        f"a physical group of {'lines' if dim == 1 else 'surfaces'} has no name, number {number}"
+    )
 
 
 def _set(members) -> np.ndarray:
     return np.empty(0) if members is None else np.asarray(members)
 
 
-def _anticlockwise(cells: Cells, number: np.ndarray, points: np.ndarray, unit: float) -> Cells:
+def _anticlockwise(cells: Cells, number: np.ndarray, points: np.ndarray) -> Cells:
     """Elements in the mesh's own numbers with their corners anticlockwise; those without an area are refused."""
     nodes = number[cells.nodes]
     count = CORNERS[cells.kind]
     x, z = np.moveaxis(points[nodes[:, :count]], -1, 0)
     area = 0.5 * np.sum(x * np.roll(z, -1, axis=1) - np.roll(x, -1, axis=1) * z, axis=1)
-    size = np.hypot(np.diff(x, axis=1), np.diff(z, axis=1)).max(axis=1)
-    flat = np.flatnonzero(abs(area) <= FLAT * size**2)
+    size = np.hypot(x - np.roll(x, 1, axis=1), z - np.roll(z, 1, axis=1)).max(axis=1)
+    flat = np.flatnonzero(abs(area) <= MIN_AREA * size**2)
     if len(flat):
-        raise MeshError(
-            f"{_many(len(flat), cells)} no area, the first at {_at(points, nodes[flat[0]], unit)}"
-        )
+        raise MeshError(f"{_many(len(flat), cells)} no area, the first at {_at(points, nodes[flat[0]])}")
     nodes = np.where((area < 0)[:, None], nodes[:, _mirror(cells.kind)], nodes)
     turns = _corner_turns(points[nodes[:, :count]])
     bent = np.flatnonzero((turns <= 0).any(axis=1))
     if len(bent):
         raise MeshError(
             f"{len(bent)} quadrilaterals are inverted (a corner points inwards), the first at "
-            f"{_at(points, nodes[bent[0]], unit)}"
+            f"{_at(points, nodes[bent[0]])}"
         )
     return Cells(kind=cells.kind, solid=cells.solid, nodes=nodes)
 
@@ -313,8 +332,8 @@ def _many(count: int, cells: Cells) -> str:
     return f"1 {what} has" if count == 1 else f"{count} {what}s have"
 
 
-def _at(points: np.ndarray, nodes, unit: float) -> str:
-    """Middle of some nodes, in mm."""
+def _at(points: np.ndarray, nodes) -> str:
+    """Mean position of some nodes (points in m), as text in mm."""
     x, z = points[np.atleast_1d(nodes)].mean(axis=0) * 1e3
     return f"({x:.2f}, {z:.2f}) mm"
 
@@ -336,11 +355,11 @@ def _mirror(kind: str) -> list[int]:
     }[kind]
 
 
-def _check_topology(mesh: SectionMesh, unit: float) -> None:
+def _check_topology(mesh: SectionMesh) -> None:
     """Refuse folded meshes, parts that do not touch, holes, and lines that are no edges or stand twice."""
     for edge, owners in mesh.edges.items():
         if len(owners) > 1:
-            where = _at(mesh.points, list(edge), unit)
+            where = _at(mesh.points, list(edge))
             raise MeshError(
                 f"elements overlap or are inverted: two lie on the same side of the edge at {where}"
             )
@@ -348,11 +367,11 @@ def _check_topology(mesh: SectionMesh, unit: float) -> None:
     for name, nodes in mesh.lines.items():
         for one, other in nodes.tolist():
             if (one, other) not in mesh.edges and (other, one) not in mesh.edges:
-                where = _at(mesh.points, [one, other], unit)
+                where = _at(mesh.points, [one, other])
                 raise MeshError(f"the line group {name} has a line at {where} that is no edge of an element")
             key = min(one, other), max(one, other)
             if key in seen and seen[key] != name:
-                where = _at(mesh.points, [one, other], unit)
+                where = _at(mesh.points, [one, other])
                 raise MeshError(f"the line at {where} is in two groups, {seen[key]} and {name}")
             seen[key] = name
     corners = np.unique(list(mesh.edges))
@@ -361,7 +380,7 @@ def _check_topology(mesh: SectionMesh, unit: float) -> None:
     if len(others):
         count = len(np.unique(parts[corners]))
         raise MeshError(
-            f"the mesh has {count} parts that share no nodes, the second at {_at(mesh.points, others[0], unit)}: "
+            f"the mesh has {count} parts that share no nodes, the second at {_at(mesh.points, others[0])}: "
             "gmsh joins touching surfaces by BooleanFragments or Coherence"
         )
     on_boundary = np.unique(mesh.boundary)
@@ -372,7 +391,7 @@ def _check_topology(mesh: SectionMesh, unit: float) -> None:
         inside = on_boundary[loops[on_boundary] == loop]
         if loop != outer and not named.intersection(inside.tolist()):
             raise MeshError(
-                f"the mesh has a hole at {_at(mesh.points, inside, unit)}: gmsh writes only surfaces that are in a "
+                f"the mesh has a hole at {_at(mesh.points, inside)}: gmsh writes only surfaces that are in a "
                 "physical group; put the lines of a hole that is meant into the group surface"
             )
 
@@ -387,7 +406,7 @@ def _components(edges: list, count: int) -> np.ndarray:
     return connected_components(graph, directed=False)[1]
 
 
-def _check_interface(mesh: SectionMesh, side: str, unit: float) -> None:
+def _check_interface(mesh: SectionMesh, side: str) -> None:
     """Refuse a line of an interface that is not one vertical outer line of the stator's own material."""
     lines = mesh.lines[side]
     ends = mesh.points[lines]

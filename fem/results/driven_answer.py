@@ -64,7 +64,7 @@ class SurfaceWave(Surface):
 
     @property
     def power_residual(self) -> float:
-        """Worst imbalance of a transducer's power balance over the sources' apparent power."""
+        """Largest imbalance of power at a piece or a force, relative to the apparent power of sources and forces."""
         return self.power.residual
 
 

@@ -1,7 +1,8 @@
 """The driven stator at one frequency: from the scene's geometry to the surface motion per volt, with its error.
 
-The problem is solved on two discretisations, one a level finer than the other.  Their difference divided by g - 1 is
-the error reported, where a level divides the error by at least g (`fem.discretize.error_estimate`).
+The problem is solved on two neighbouring levels of discretisation, and on finer ones until the tolerance is met.  The
+difference of the last two answers divided by g - 1 is the error reported, where a level divides the error by at least g
+(`fem.discretize.error_estimate`).  With an infinite tolerance only the coarsest level is solved.
 """
 
 from collections.abc import Callable

@@ -68,7 +68,7 @@ def solve_row(
     Parameters
     ----------
     elements : sequence of Element
-        Each wave leaves one of them, or comes from outside alone.
+        Each wave leaves exactly one of them.
     travel : ndarray, shape (waves, waves), optional
         P; without it a wave arrives with the number and the amplitude with which it leaves.
     outside : ndarray, shape (waves, excitations), optional

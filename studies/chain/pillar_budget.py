@@ -195,5 +195,7 @@ def pillar_warnings(record: Record) -> Iterator[str]:
     default_seed = block.height_scatter > 0.0 and block.seed == pillars.SEED
     if default_seed:
         yield f"the heights scatter with the seed {block.seed}, the default of slider.pillars.seed"
+    if block.seed is not None and not block.height_scatter:
+        yield f"slider.pillars.seed = {block.seed} has no effect: slider.pillars.height_scatter is 0 m"
     if slider.damping.normal or slider.damping.contact:
         yield "slider.damping.normal and contact have no effect: the averaged slider on pillars does not bounce"

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from contact import ConvergenceError, Envelope, burst, cycles_for, step
+from contact.answers.methods import rest_problem
+from contact.problem import largest_resonance
 from tests.contact.motors import orbit, slider
 
 
@@ -64,11 +66,26 @@ def test_what_happens_within_a_cycle_is_in_the_error():
     assert peak.bend(660, 2.2e6) == pytest.approx(0.5, rel=1e-9)
     unseen, plain = run(orbit(6e-9), envelope=peak), run(orbit(6e-9), envelope=flat(1.0, 0.0))
     assert unseen.velocity_at_burst_end == plain.velocity_at_burst_end
+    strict = run(orbit(6e-9), envelope=peak, tolerance=1e-7)
+    assert strict.status == "above tolerance"
+    assert "what the envelope does within a cycle" in strict.message
     gains = np.diff(run(orbit(6e-9), envelope=flat(1.0, 0.0), samples=1000).velocity).max()
     # the largest gain of a cycle, here a mean of some cycles
     assert 0.7 < (unseen.answer.error - plain.answer.error) / (1.5 * gains) < 1.1
     moved, still = (step(slider(), orbit(6e-9), cycles=300, envelope=e) for e in (peak, flat(1.0, 0.0)))
     assert moved.error - still.error == pytest.approx(6.0 * 0.5 * still.displacement / 300, rel=1e-6)
+
+
+@pytest.mark.parametrize(("mass", "resonance"), [(0.9e-6, 2.54), (0.6e-6, 3.11), (0.4e-6, 3.81)])
+def test_the_error_of_fixed_steps_holds_for_stiff_contacts(mass, resonance):
+    # Oracle: without an envelope the event-driven solver follows the same motion; a stiff contact needs more steps at
+    # both levels, and equal numbers would state no error
+    stiff, wave = slider(mass=mass, normal_damping=0.03, tangential_damping=0.0), orbit(1e-8, frequency=50e3)
+    problem = rest_problem(stiff, (wave,))
+    assert largest_resonance(problem) == pytest.approx(resonance, abs=0.01)
+    exact = step(stiff, wave, cycles=12).displacement
+    found = step(stiff, wave, cycles=12, envelope=flat(1.0, 0.0))
+    assert abs(found.displacement - exact) < 2.0 * found.error < 0.05 * abs(exact)
 
 
 def test_ring_up_starts_slower():

@@ -8,6 +8,7 @@ import pytest
 from contact import (
     ConvergenceError,
     Envelope,
+    FallingFriction,
     Orbit,
     blocked_thrust,
     cycles_for,
@@ -144,6 +145,21 @@ def test_a_hysteretic_step_ends_near_where_its_ring_dies_out(cycles):
     assert abs(float(still.state[2])) < 1e-5  # it is at rest
     assert abs(found.displacement - travel) < 2.0 * found.error
     assert 1e-12 < found.error < 0.7 * found.displacement
+
+
+def test_a_step_with_friction_that_depends_on_pressure():
+    # exact limit: no dependence; a warning about numbers that are not finite fails every test
+    mu = slider().friction_coefficient
+    plain, same, less = (
+        step(slider(friction=friction), orbit(10e-9), cycles=20)
+        for friction in (
+            None,
+            FallingFriction(high_pressure=mu, pressure=5e7),
+            FallingFriction(high_pressure=0.9 * mu, pressure=5e7),
+        )
+    )
+    assert abs(same.displacement - plain.displacement) < 1e-10 * plain.ring + plain.error + same.error
+    assert abs(less.displacement - plain.displacement) > 1e-2 * abs(plain.displacement)
 
 
 def test_steps_that_are_planned_have_errors_too():

@@ -159,6 +159,7 @@ def test_neighbours_stiffen_pillars():
     assert 1 / pillars.neighbours(0.05) == pytest.approx(1.13, rel=0.011)
     assert 1 / pillars.neighbours(0.1) == pytest.approx(1.32, rel=0.011)
     assert 1 / pillars.neighbours(0.3) == pytest.approx(3.21, rel=0.011)
+    assert pillars.neighbours(0.1 + 1e-9) == pytest.approx(pillars.neighbours(0.1), rel=1e-8)
     slider = scene(pillars={"height": None}).slider
     alone, near = (pillars.stiffnesses(slider, interaction=each)[0][0] for each in (False, True))
     assert alone == pytest.approx(2 * 10e-6 * 96.8e9, rel=1e-12)
@@ -194,6 +195,11 @@ def test_pillars_of_a_file_are_those_of_the_grid(tmp_path):
     none = dict.fromkeys(("pitch", "rows", "columns"))
     found = run(scene(pillars={**none, "file": file}))
     assert found.velocity[-1] == pytest.approx(run(scene()).velocity[-1], rel=1e-12)
+
+
+def test_a_seed_without_scatter_is_said():
+    (said,) = [each for each in run(scene(pillars={"seed": 3})).warnings if "seed" in each]
+    assert said == "slider.pillars.seed = 3 has no effect: slider.pillars.height_scatter is 0 m"
 
 
 def test_a_file_lies_in_the_folder_of_its_scene(tmp_path, monkeypatch):
@@ -243,7 +249,7 @@ def test_a_bad_file_is_refused(tmp_path, text, sentence):
         ({"law": "hysteretic"}, 'slider.law must be "elastic"'),
         ({"method": "exact"}, 'slider.method must be "auto" or "averaged"'),
         ({"pillars": {"diameter": None}}, "slider.pillars.diameter is required and missing"),
-        ({"pillars": {"height_scatter": -1e-9}}, "slider.pillars.height_scatter"),
+        ({"pillars": {"height_scatter": -1e-9}}, "pillars.height_scatter must be zero or positive, got -1e-09 m"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_is_refused(changes, sentence):
