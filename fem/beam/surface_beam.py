@@ -203,7 +203,7 @@ class SurfaceBeam:
         if self.coarser is None:
             return None
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        reach = np.sqrt(self._resolved * self._distances(x.ravel())).reshape(x.shape) / 2
+        reach = np.sqrt(self._near_distance * self._distances(x.ravel())).reshape(x.shape) / 2
         beside = y + np.multiply.outer(NEIGHBOURS, reach)
         if self.mirror_width is not None:
             beside = np.clip(beside, -self.mirror_width / 2, self.mirror_width / 2)
