@@ -38,10 +38,8 @@ from fem.results.driven_answer import SurfaceWave
 from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.solution import Solution, driven_solution
 
-GROUPS = (
-    1.0,
-    8.0,
-)  # wavelengths from the charges: limits of the groups of points that share a quadrature rule in k_y
+# Wavelengths from the charges: limits of the groups of points that share a quadrature rule in k_y.
+GROUPS = (1.0, 8.0)
 # Error by the steps of the charge along the fingers, over the change by taking fewer steps.  Measured ratios are 0.2 to
 # 0.4 (test_finger_ends.py).
 COARSER_SHARE = 0.5
