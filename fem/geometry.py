@@ -81,13 +81,17 @@ class Stator:
 
     def piece_warnings(self, frequency: float, transducers: tuple["Transducer", ...] = ()) -> tuple[str, ...]:
         """Warnings about the meshed pieces at a frequency in Hz, one sentence each."""
-        warnings, placed = [], self.placement
+        warnings = []
         wavelength = slowest_wavelength(self.solid, frequency)
         for piece in self.pieces:
             warnings += corner_warnings(piece, self.bottom, wavelength) + arc_warnings(piece, wavelength)
-        if placed.whole is not None:
-            warnings += [each for one in transducers for each in _other_fingers(placed.whole, one)]
+        warnings += [f"{each}: the mesh counts" for each in self.other_fingers(transducers)]
         return tuple(dict.fromkeys(warnings))
+
+    def other_fingers(self, transducers: tuple["Transducer", ...]) -> list[str]:
+        """One sentence for each transducer whose fingers are not those drawn in a mesh of the whole stator."""
+        whole = self.placement.whole
+        return [] if whole is None else [each for one in transducers for each in _other_fingers(whole, one)]
 
     @property
     def bare_surface(self) -> str:
@@ -212,7 +216,7 @@ class Transducer:
 
 
 def _other_fingers(piece: MeshPiece, transducer: Transducer) -> list[str]:
-    """Return a warning if the fingers in a mesh differ from those of a transducer."""
+    """Return a sentence if the fingers in a mesh differ from those of a transducer."""
     drawn = [piece.strips(transducer.name + sign) for sign in "+-"]
     meant = [transducer.strips(sign) for sign in "+-"]
     if all(
@@ -229,10 +233,7 @@ def _other_fingers(piece: MeshPiece, transducer: Transducer) -> list[str]:
         )
 
     here = listed(drawn, (' fingers "+"', ' "-"'))
-    return [
-        f'transducer "{transducer.name}": the mesh draws {here}, the block has {listed(meant, ("", ""))}: the mesh '
-        "counts, but for masks"
-    ]
+    return [f'transducer "{transducer.name}": the mesh draws {here}, the block has {listed(meant, ("", ""))}']
 
 
 def separation(one: Transducer, other: Transducer) -> tuple[float, float]:

@@ -39,8 +39,8 @@ REGIMES = np.array([regime.name.lower() for regime in Steady])
 REFUSALS = {
     Status.RUNAWAY: ("runaway", RUNAWAY),
     Status.NEAR_THRESHOLD: (
-        "not applicable",
-        "the slider is held, but so near the threshold that averaging cannot tell; use method exact",
+        "near the threshold",
+        "the slider is held, or nearly so, and averaging cannot tell which; use method exact",
     ),
 }
 
@@ -130,7 +130,7 @@ def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion
     Raises
     ------
     ConvergenceError
-        Status "not applicable", "runaway" or "not converged".
+        Status "not applicable", "near the threshold", "runaway" or "not converged".
     """
     listed = as_orbits(orbits)
     row = _rows([slider], [listed], [(0, 0)], [1.0], [0.0], 1)[0]

@@ -129,7 +129,7 @@ class Predictor:
         -------
         list of dict
             Columns by name; ``status`` is "ok", "above tolerance: ...", "refused: ..." or "no answer: ...", and
-            ``relative_error`` is absent where there is no answer.
+            ``relative_error`` is absent where there is no answer, and ``refused`` true where the scene was refused.
         """
         answers: list[dict] = [{} for _ in many]
         todo = list(range(len(many)))
@@ -278,7 +278,7 @@ class Predictor:
                     raise SceneError(driven.level_key, f"must be one value at a point, got {count}")
                 ready[at] = driven
             except Exception as error:
-                answers[at] = {"status": reason(error)}
+                answers[at] = _without_answer(error)
         steady = [
             at for at, each in ready.items() if each.scene.slider is not None and each.scene.burst is None
         ]
@@ -298,7 +298,7 @@ class Predictor:
                     also, tolerance, driven, answer, averaged=averaged
                 )
             except Exception as error:
-                answers[at] = {"status": reason(error)}
+                answers[at] = _without_answer(error)
         return answers
 
     def _alone(self, driven: DrivenContact, step: int, tolerance: float) -> dict:
@@ -391,6 +391,11 @@ class Predictor:
 def _resolved_stator(stator: Stator, transducer: tuple, piece: tuple, drive: Drive, spread: bool) -> Scene:
     alone = Scene(stator=stator, transducer=transducer, piece=piece, drive=drive)
     return resolve.resolved(alone, spread=spread)
+
+
+def _without_answer(error: Exception) -> dict:
+    """Return the columns of a point that has no answer."""
+    return {"status": reason(error), "refused": isinstance(error, SceneError)}
 
 
 def reason(error: Exception) -> str:

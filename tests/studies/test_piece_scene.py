@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import fem
 import studies
@@ -15,6 +16,7 @@ from studies import Scene, SceneError, run
 from studies.chain import resolve
 from studies.chain.predictor import Predictor
 from studies.chain.resolve import resolved, whole_stator
+from studies.export.mask_files import gds_files
 from studies.study import module
 from studies.sweeps.plan import designed
 from studies.view import wave_page
@@ -172,8 +174,21 @@ def test_a_stator_that_is_one_mesh(tmp_path):
     ]
     assert said == (
         'transducer "t": the mesh draws 2 fingers "+" from 1.625 to 2.875 mm and 2 "-" from 2.125 to 3.375 mm, the '
-        "block has 2 from 1.6 to 2.9 mm and 2 from 2.1 to 3.4 mm: the mesh counts, but for masks"
+        "block has 2 from 1.6 to 2.9 mm and 2 from 2.1 to 3.4 mm: the mesh counts"
     )
+
+
+def test_a_mask_of_a_mesh(tmp_path):
+    """Its picture asks for no beam; a block with other fingers than the mesh is refused."""
+    drawn = gds_files(whole(tmp_path), "chip", tolerance=1e-2, progress=lambda text: None)
+    ax = Figure().subplots()
+    drawn.pictures["mask.png"](ax)
+    assert ax.patches or ax.collections
+    with pytest.raises(
+        SceneError,
+        match='must have the fingers of the mesh, as a mask follows the block: transducer "t": the mesh',
+    ):
+        gds_files(whole(tmp_path, row=ROW | {"metallisation": 0.6}), "chip", tolerance=1e-2, progress=print)
 
 
 def test_pillars_on_a_mesh_are_refused(tmp_path):
