@@ -20,7 +20,7 @@ from fem.materials import Solid
 from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.piece import MeshPiece
 from fem.mesh.piece_warnings import arc_warnings, corner_warnings
-from fem.mesh.placement import Placement, is_step, placement
+from fem.mesh.placement import Placement, placement
 
 Bottom = Literal["free", "grounded", "clamped", "absorbing"]
 Ends = Literal["absorbing", "free", "clamped"]
@@ -28,8 +28,6 @@ Above = Literal["none", "vacuum"]
 SIGNS = "+-0o"
 # Finger edges of a mesh and of a transducer are equal if they differ by less than this fraction of the pitch.
 SAME_FINGER = 1e-3
-# A mesh ends at the stator's end if the two differ by less than this fraction of the stator's length.
-SAME_END = 1e-4
 # Largest outer gap of a transducer, as a fraction of the bare surface up to its neighbour: both gaps together fit.
 CLEARANCE = 0.45
 
@@ -83,22 +81,17 @@ class Stator:
 
     def piece_warnings(self, frequency: float, transducers: tuple["Transducer", ...] = ()) -> tuple[str, ...]:
         """Warnings about the meshed pieces at a frequency in Hz, one sentence each."""
-        warnings, placed = [], self.placement
+        warnings = []
         wavelength = slowest_wavelength(self.solid, frequency)
         for piece in self.pieces:
             warnings += corner_warnings(piece, self.bottom, wavelength) + arc_warnings(piece, wavelength)
-        for side, piece in enumerate(placed.ends):
-            if piece is None or is_step(piece, self.thickness):
-                continue
-            end, meant = piece.extent[side], (0.0, self.length)[side]
-            if abs(end - meant) > SAME_END * self.length:
-                warnings.append(
-                    f'the end piece "{piece.name}" ends at x = {end * 1e3:.6g} mm, the stator at {meant * 1e3:.6g} '
-                    "mm: the piece counts"
-                )
-        if placed.whole is not None:
-            warnings += [each for one in transducers for each in _other_fingers(placed.whole, one)]
+        warnings += [f"{each}: the mesh counts" for each in self.other_fingers(transducers)]
         return tuple(dict.fromkeys(warnings))
+
+    def other_fingers(self, transducers: tuple["Transducer", ...]) -> list[str]:
+        """One sentence for each transducer whose fingers are not those drawn in a mesh of the whole stator."""
+        whole = self.placement.whole
+        return [] if whole is None else [each for one in transducers for each in _other_fingers(whole, one)]
 
     @property
     def bare_surface(self) -> str:
@@ -223,7 +216,7 @@ class Transducer:
 
 
 def _other_fingers(piece: MeshPiece, transducer: Transducer) -> list[str]:
-    """Return a warning if the fingers in a mesh differ from those of a transducer."""
+    """Return a sentence if the fingers in a mesh differ from those of a transducer."""
     drawn = [piece.strips(transducer.name + sign) for sign in "+-"]
     meant = [transducer.strips(sign) for sign in "+-"]
     if all(
@@ -240,10 +233,7 @@ def _other_fingers(piece: MeshPiece, transducer: Transducer) -> list[str]:
         )
 
     here = listed(drawn, (' fingers "+"', ' "-"'))
-    return [
-        f'transducer "{transducer.name}": the mesh draws {here}, the block has {listed(meant, ("", ""))}: the mesh '
-        "counts, but for masks"
-    ]
+    return [f'transducer "{transducer.name}": the mesh draws {here}, the block has {listed(meant, ("", ""))}']
 
 
 def separation(one: Transducer, other: Transducer) -> tuple[float, float]:

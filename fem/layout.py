@@ -96,18 +96,19 @@ def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
     """Raise an InputError if the pieces do not fit the stator, the transducers or each other."""
     if not stator.pieces:
         return
-    above = stator.above
-    if stator.absorbs_below or above != "none":
-        key, value = ("stator.above", above) if above != "none" else ("stator.bottom", "absorbing")
-        raise InputError(
-            key,
-            f"must be {'none' if above != 'none' else 'free, grounded or clamped'} with a meshed piece, got {value!r}",
-        )
+    for key, allowed, value, fits in (
+        ("above", "none", stator.above, stator.above == "none"),
+        ("thickness", "finite", "half-space", np.isfinite(stator.thickness)),
+        ("bottom", "free, grounded or clamped", stator.bottom, stator.bottom != "absorbing"),
+    ):
+        if not fits:
+            raise InputError(f"stator.{key}", f"must be {allowed} with a meshed piece", value)
+    for piece in stator.pieces:
+        _check_heights(piece, stator.thickness)
     placed = stator.placement
     if placed.whole is not None:
         _check_whole(placed.whole, stator, transducers)
     for piece in stator.pieces:
-        _check_heights(piece, stator.thickness)
         _check_size(piece)
         _check_materials(piece)
         _check_electrodes(piece, transducers, at_end=piece in placed.ends)
@@ -116,10 +117,12 @@ def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
             raise InputError(
                 "piece", f"has no line group bottom, and stator.bottom is {stator.bottom}", owner=piece.name
             )
-    for end, inner in zip(placed.ends, (placed.start, placed.stop), strict=True):
+    for index, (end, inner) in enumerate(zip(placed.ends, (placed.start, placed.stop), strict=True)):
         if end is None:
             continue
-        if is_step(end, stator.thickness) and stator.ends != "absorbing":
+        if not is_step(end, stator.thickness):
+            _check_outer_end(end, index, stator.length)
+        elif stator.ends != "absorbing":
             raise InputError(
                 "stator.ends",
                 f"must be absorbing behind the step of thickness of piece {end.name!r}, got {stator.ends!r}",
@@ -134,9 +137,31 @@ def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
         _check_overlaps(placed, stator.length, transducers)
 
 
+def _check_outer_end(piece: MeshPiece, index: int, length: float) -> None:
+    """Raise an InputError for an end piece whose far side is not the stator's end; ``index``: 0 left, 1 right."""
+    side, at, meant = ("left", "right")[index], piece.extent[index], (0.0, length)[index]
+    if abs(at - meant) > SAME * length:
+        raise InputError(
+            "piece",
+            f'has no line group {side} in its file "{piece.mesh.name}", which makes it the {side} end of the stator: '
+            f"it must end at x = {meant * 1e3:.6g} mm{' (stator.length)' if index else ''}, it ends at "
+            f"{at * 1e3:.6g} mm",
+            owner=piece.name,
+        )
+
+
 def _check_heights(piece: MeshPiece, thickness: float) -> None:
-    """Raise an InputError for a piece of which no interface is as high as the stator."""
+    """Raise an InputError for a piece of which no interface is as high as the stator, or one is part of a border."""
     lines = {side: line for side in ("left", "right") if (line := piece.interface(side)) is not None}
+    for side, (_, height, _) in lines.items():
+        border = piece.mesh.border(side)
+        if height < (1 - SAME) * border and not piece.fits(side, thickness):
+            raise InputError(
+                "piece",
+                f'must have all lines of its {side} border in the line group {side}: in the file "{piece.mesh.name}" '
+                f"the group covers {height * 1e3:.6g} of {border * 1e3:.6g} mm",
+                owner=piece.name,
+            )
     if not lines or any(piece.fits(side, thickness) for side in lines):
         return
     side, (_, height, top) = next(iter(lines.items()))

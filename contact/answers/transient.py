@@ -169,9 +169,7 @@ def burst(
     time, velocity, position = (np.concatenate(series) for series in zip(*parts, strict=True))
     answer = Answer(
         value=end, error=result.error * problem.speed, reasons=(f"{cycles} cycles from rest", *reasons)
-    ).judged(
-        tolerance, reference_speed(end, listed), "" if method == "exact" or bend else "ask for method exact"
-    )
+    ).judged(tolerance, reference_speed(end, listed), _advice(method, envelope))
     return Trajectory(
         slider=slider, orbits=listed, time=time, velocity=side * velocity * problem.speed,
         position=position * problem.length,
@@ -179,6 +177,13 @@ def burst(
         ledger=together(*ledgers) if ledgers and not rang else None, after_ledger=after_ledger, statistics=statistics,
         seconds=clock.perf_counter() - begun,
     )  # fmt: skip
+
+
+def _advice(method, envelope):
+    """Return what to do about a burst's error that exceeds the tolerance."""
+    if envelope is not None:
+        return "fixed steps do not follow what the envelope does within a cycle: smooth it"
+    return "" if method == "exact" else "ask for method exact"
 
 
 def _follow_on(slider, motion, after, envelope, samples):

@@ -19,13 +19,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact import bounds
+from contact.averaged.burst import HARMONICS, STIFFEST_STEADY, refusals, refuse_unless_applicable
 from contact.averaged.closed_forms import closed_form
 from contact.averaged.cycle_mean import Each, MeanForces, contact_cycles, forces_of
 from contact.averaged.cycle_pieces import cycle_arrays
 from contact.averaged.equilibrium import FINE_NODES, Entry
 from contact.averaged.event_cycle import RUNAWAY
 from contact.averaged.riding import quadrature, riding_approach
-from contact.averaged.run import HARMONICS, STIFFEST_STEADY, refusals, refuse_unless_applicable
 from contact.averaged.sweep_rows import Sweep, solve_rows
 from contact.body import Paths
 from contact.codes import Status, Steady
@@ -39,8 +39,8 @@ REGIMES = np.array([regime.name.lower() for regime in Steady])
 REFUSALS = {
     Status.RUNAWAY: ("runaway", RUNAWAY),
     Status.NEAR_THRESHOLD: (
-        "not applicable",
-        "the slider is held, but so near the threshold that averaging cannot tell; use method exact",
+        "near the threshold",
+        "the slider is held, or nearly so, and averaging cannot tell which; use method exact",
     ),
 }
 
@@ -130,7 +130,7 @@ def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion
     Raises
     ------
     ConvergenceError
-        Status "not applicable", "runaway" or "not converged".
+        Status "not applicable", "near the threshold", "runaway" or "not converged".
     """
     listed = as_orbits(orbits)
     row = _rows([slider], [listed], [(0, 0)], [1.0], [0.0], 1)[0]

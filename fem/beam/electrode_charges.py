@@ -1,4 +1,4 @@
-"""Charges on the electrodes of a solved section: the sources of the beam in surface_beam.py.
+"""Charges on the electrodes of a solved section; surface_beam.py computes the beam that these charges send.
 
 Fingers that are massless and thin drive the stator through their charges alone.  The charge of a node on the surface is
 the sum of the reactions of the potential in the columns that meet there.  The field at any point is then the sum over
@@ -136,48 +136,55 @@ class ElectrodeCharges:
         ]
 
 
-def electrode_charges(solution: Solution, index: int) -> ElectrodeCharges:
+def electrode_charges(solution: Solution, transducer: int) -> ElectrodeCharges:
     """Charges on a transducer's fingers.
 
     Parameters
     ----------
     solution : Solution
-    index : int
+    transducer : int
         Number of the transducer, from left to right.
 
     Returns
     -------
     ElectrodeCharges
     """
-    piece = solution.fields.owners.index(index)
+    piece = solution.fields.owners.index(transducer)
     if not solution.fields.sheets:
         x, (charge,), finger = _node_charges(solution, piece, solution.sides(piece)[:, None])
         return ElectrodeCharges(x=x, charge=charge, finger=finger)
-    sheets, volts = solution.fields.sheets[index], solution.circuit.voltages
-    signs = solution.fields.transducers[index].signs.replace("0", "")
-    # Only the recovery at the nodes gives the charge of open strips, so that it is needed for every sheet then.
+    sheets, volts = solution.fields.sheets[transducer], solution.circuit.voltages
+    signs = solution.fields.transducers[transducer].signs.replace("0", "")
+    # The first ``resolved`` sheets have nodal charges; a later one has only each finger's total and first moment.  Open
+    # strips ("o") have no such totals, so that with them all sheets are resolved.
     resolved = len(sheets) if "o" in signs else 1
     x, charges, finger = _node_charges(
-        solution, piece, np.stack([each.sides @ volts for each in sheets[:resolved]], axis=-1)
+        solution, piece, np.stack([sheet.sides @ volts for sheet in sheets[:resolved]], axis=-1)
     )
     section = solution.fields.section
-    unit = -section.solid.stress_unit / section.solid.potential_unit
+    charge_unit = -section.solid.stress_unit / section.solid.potential_unit
+    moment_unit = charge_unit * section.length_unit
     number = _finger_numbers(finger, signs)
-    places = np.flatnonzero(number >= 0)
-    number = number[places]
-    shares, dipoles = _profiles(x[places], charges[0, places], number)
+    nodes = np.flatnonzero(number >= 0)  # on fingers with a voltage
+    number = number[nodes]
+    profiles = _profiles(x[nodes], charges[0, nodes], number)
     sheet_charges = []
-    for at, each in enumerate(sheets):
-        charge = charges[at].copy() if at < resolved else np.zeros(len(x), dtype=complex)
-        moments = unit * section.length_unit * ((each.dipoles if at < resolved else each.moments) @ volts)
-        if at >= resolved:
-            totals = unit * (each.reactions @ volts)
-            charge[places] = shares * totals[number]
-            moments = moments - np.bincount(number, (charge[places] * dipoles[1]).real, len(totals))
-            moments = moments - 1j * np.bincount(number, (charge[places] * dipoles[1]).imag, len(totals))
-        charge[places] += dipoles[0] * moments[number]
+    for index, sheet in enumerate(sheets):
+        # Each sheet gets its charges but for a part of the first moments, which a dipole on each finger then adds.
+        if index < resolved:
+            charge = charges[index].copy()
+            # The nodal charges have the moments caused by the fields on the lines; ``dipoles`` are the other moments.
+            missing_moments = moment_unit * (sheet.dipoles @ volts)
+        else:
+            charge = np.zeros(len(x), dtype=complex)
+            totals = charge_unit * (sheet.reactions @ volts)
+            charge[nodes] = profiles.shares * totals[number]
+            # ``moments`` are the whole first moments, of which the profile of the first sheet has a part already.
+            missing_moments = moment_unit * (sheet.moments @ volts)
+            missing_moments = missing_moments - _sum_per_finger(number, charge[nodes] * profiles.lever_arms)
+        charge[nodes] += profiles.unit_dipole * missing_moments[number]
         sheet_charges.append(charge)
-    steps = tuple((each.length, charge) for each, charge in zip(sheets[1:], sheet_charges[1:], strict=True))
+    steps = tuple((sheet.length, charge) for sheet, charge in zip(sheets[1:], sheet_charges[1:], strict=True))
     return ElectrodeCharges(x=x, charge=sheet_charges[0], finger=finger, steps=steps)
 
 
@@ -187,37 +194,52 @@ def _finger_numbers(finger: np.ndarray, signs: str) -> np.ndarray:
     return np.where(charged, np.cumsum(charged) - 1, -1)[finger - finger[0]]
 
 
-def _profiles(x: np.ndarray, charge: np.ndarray, number: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Fraction of a finger's charge on each node, (nodes,); nodal charges of a unit dipole (1/m) and lever arms (m).
+def _sum_per_finger(number: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Sum of complex values at nodes over each finger, for the number of each node's finger."""
+    return np.bincount(number, values.real) + 1j * np.bincount(number, values.imag)
 
-    The fractions are those of ``charge``.  On a finger whose total charge is small they are those of an isolated strip,
+
+class _Profiles(NamedTuple):
+    """Distributions over the nodes of each finger, shape (nodes,)."""
+
+    shares: np.ndarray  # part of the finger's charge on each node
+    unit_dipole: np.ndarray  # charges of a dipole moment of 1 without net charge, 1/m
+    lever_arms: np.ndarray  # distance from the finger's centre, m, positive to the right
+
+
+def _profiles(x: np.ndarray, charge: np.ndarray, number: np.ndarray) -> _Profiles:
+    """Distributions of a charge and of a dipole over the nodes of each finger.
+
+    The shares are those of ``charge``.  On a finger whose total charge is small they are those of an isolated strip,
     1 / (pi (a^2 - x^2)^(1/2)), integrated between the midpoints to the neighbouring nodes.  The dipole has the nodal
     charges of the strip times x.
     """
     fingers = range(number.max(initial=-1) + 1)
     totals = np.array([charge[number == each].sum() for each in fingers])
-    shares, dipoles = [np.empty(0)], [np.empty((2, 0))]
+    shares, dipoles, arms = [np.empty(0)], [np.empty(0)], [np.empty(0)]
     for each in fingers:
         own = x[number == each]
         half = (own[-1] - own[0]) / 2
         s = (own - own[0]) / half - 1
         strip = np.diff(np.arcsin(np.concatenate([[-1.0], (s[1:] + s[:-1]) / 2, [1.0]]))) / np.pi
-        even = not abs(totals[each]) > UNCHARGED * abs(totals).max()
-        shares.append(strip if even else charge[number == each] / totals[each])
-        dipoles.append(np.array([strip * s / (np.sum(strip * s**2) * half), s * half]))
-    return np.concatenate(shares), np.concatenate(dipoles, axis=1)
+        use_strip = not abs(totals[each]) > UNCHARGED * abs(totals).max()
+        shares.append(strip if use_strip else charge[number == each] / totals[each])
+        dipoles.append(strip * s / (np.sum(strip * s**2) * half))
+        arms.append(s * half)
+    return _Profiles(*map(np.concatenate, (shares, dipoles, arms)))
 
 
 def _node_charges(
-    solution: Solution, index: int, sides: np.ndarray
+    solution: Solution, piece: int, sides: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Positions in m of a piece's nodes on metal, their charges in C/m, (sheets, nodes), and their finger numbers.
 
-    ``sides``: unknowns of the transducer's two lines and its potentials, (2 n + potentials, sheets).
+    ``piece``: number of the piece in the row; ``sides``: unknowns of the transducer's two lines and its potentials,
+    (2 n + potentials, sheets).
     """
-    section, begin = solution.fields.section, left_edge(solution, index)
+    section, begin = solution.fields.section, left_edge(solution, piece)
     places, reactions, metal = [], [], []
-    for recovery, starts, own in solution.fields.network.scatterers[index].recover(sides).kinds:
+    for recovery, starts, own in solution.fields.network.scatterers[piece].recover(sides).kinds:
         column = recovery.column
         reaction = np.tensordot(column.surface_reactions, own, axes=1)  # (nodes, sheets, places)
         at = np.add.outer(gll_nodes(section.order) * column.width, starts) * section.length_unit

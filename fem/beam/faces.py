@@ -138,7 +138,11 @@ class Faces:
         return self._known[key]
 
     def _at_node(self, lateral: complex, sources: list, gap: float) -> tuple[np.ndarray, np.ndarray]:
-        """Wavenumbers (2, modes) and motion (2, 3, sources, modes) of the reflected waves."""
+        """Wavenumbers (2, modes) and motion (2, 3, sources, modes) of the reflected waves.
+
+        The equations of the module docstring are solved for c = (1 - R_0 E R_L E)^-1 R_0 (b + E R_L a) on the modes
+        that do not decay before they reach a face (``kept``); each face then reflects these into all modes.
+        """
         if abs(lateral) < NEARLY_ZERO * self.highest:
             lateral = NEARLY_ZERO * self.highest
         modes, to_right, to_left = self.at(lateral)
@@ -146,9 +150,10 @@ class Faces:
             each / modes.section.length_unit for each in (modes.wavenumbers, -modes.backwards)
         )
         kept = np.flatnonzero(np.minimum(-forward.imag, -backward.imag) * gap < -np.log(KEPT))
+        # a and b; ``from_face``: distances of the charges from the face, rising, and the charges
         at_right, at_left = (
-            sent[kept, None] * np.stack([_arriving(k[kept], *each) for each in seen], axis=1)
-            for sent, k, seen in (
+            sent[kept, None] * np.stack([_arriving(k[kept], *each) for each in from_face], axis=1)
+            for sent, k, from_face in (
                 (to_right, forward, [(self.length - x[::-1], charge[::-1]) for x, charge in sources]),
                 (to_left, backward, sources),
             )
@@ -158,16 +163,15 @@ class Faces:
         right = left if alike else end_reflection(modes, self.ends, 1, kept)
         across, back = (np.exp(-1j * each[kept] * self.length)[:, None] for each in (forward, backward))
         round_trip = left[kept] @ (back * right[kept]) * across[:, 0]
-        once = left[kept] @ (at_left + back * (right[kept] @ at_right))
-        from_left = np.linalg.solve(np.eye(len(kept)) - round_trip, once)
+        first_pass = left[kept] @ (at_left + back * (right[kept] @ at_right))
+        from_left = np.linalg.solve(np.eye(len(kept)) - round_trip, first_pass)
         from_right = right @ (at_right + across * from_left)
         from_left = left @ (at_left + back * from_right[kept])
         rows = [modes.section.surface_dofs[name] for name in ("ux", "uy", "uz")]
-        turn = np.array([1.0, 1.0 if modes.section.solid.mirror_y is None else 1j, 1.0])[
-            :, None
-        ]  # of u_y / i
+        # Where y -> -y is a symmetry the unknown of u_y is u_y / i.
+        factors = np.array([1.0, 1.0 if modes.section.solid.mirror_y is None else 1j, 1.0])[:, None]
         motion = [
-            (turn * shapes[rows])[:, None] * amplitudes.T
+            (factors * shapes[rows])[:, None] * amplitudes.T
             for shapes, amplitudes in ((modes.right, from_left), (modes.left, from_right))
         ]
         return np.stack([forward, backward]), np.stack(motion)

@@ -267,29 +267,29 @@ def _solved(
         limit = {} if len(transducers) == 1 else {"most": min(MAX_UNKNOWNS, most * fingers)}
         lengths.append(sheet_lengths(each, fineness, **limit))
     travel = _travel(network, transducers, kept, lengths, own_apertures.mirror_width)
-    responses, done = [], {}
-    for plain, transducer, own in zip(network.scatterers, transducers, lengths, strict=True):
-        key = id(plain), transducer.aperture
-        if key not in done:
-            change = own_apertures.coupling(network, replace(transducer, name="", center=0.0), own)
-            done[key] = _response(plain, transducer.signs, kept, own, change)
-        responses.append(done[key])
+    responses, by_kind = [], {}
+    for plain, transducer, own_lengths in zip(network.scatterers, transducers, lengths, strict=True):
+        key = id(plain), transducer.aperture  # equal transducers share a scatterer and a response
+        if key not in by_kind:
+            change = own_apertures.coupling(network, replace(transducer, name="", center=0.0), own_lengths)
+            by_kind[key] = _response(plain, transducer.signs, kept, own_lengths, change)
+        responses.append(by_kind[key])
     network = replace(network, scatterers=tuple(each.scatterer for each in responses))
     ports, first = len(network.ports), np.cumsum([0, *(len(each.sent) for each in responses)])
     volts = [np.eye(ports)[numbers] for numbers in network.numbers]
     elements = [
         Element(
             scattering=each.sent[:, : stop - start],
-            excitation=each.sent[:, stop - start :] @ own,
+            excitation=each.sent[:, stop - start :] @ own_volts,
             leaves=np.arange(start, stop),
             arrives=np.arange(start, stop),
         )
-        for each, own, start, stop in zip(responses, volts, first, first[1:], strict=False)
+        for each, own_volts, start, stop in zip(responses, volts, first, first[1:], strict=False)
     ]
     solved = solve_row(elements, travel)
     sides, incoming, charges, sheets = [], [], [], []
-    for each, own, element in zip(responses, volts, elements, strict=True):
-        weights = np.concatenate([solved.arriving[element.arrives], own])
+    for each, own_volts, element in zip(responses, volts, elements, strict=True):
+        weights = np.concatenate([solved.arriving[element.arrives], own_volts])
         sheets.append(each.sheets(weights))
         shares = each.lengths / each.lengths[0]
         sides.append(sum(share * sheet.sides for share, sheet in zip(shares, sheets[-1], strict=True)))
@@ -325,18 +325,21 @@ def _travel(
 ) -> np.ndarray:
     """Matrix from the amplitudes that are sent to those that arrive.
 
-    Its rows and columns are ordered by transducer and sheet, then waves to the right, waves to the left.
+    Its rows and columns are ordered by transducer and sheet, then waves to the right, waves to the left.  With B of
+    `aperture_coupling`, the amplitudes c_b on the sheets b of one transducer arrive on the sheets of another, at the
+    distance l of their facing lines, as a = (O / L)^-1 B c exp(-i k l), (O / L)_cb = O_cb / L_c, because B is a mean
+    over the receiving sheet.
     """
     modes, unit, m = network.modes, network.modes.section.length_unit, len(kept)
-    edges = [
+    edges = [  # left and right line of each transducer
         (place, place + each.piece.width)
         for place, each in zip(network.places, network.scatterers, strict=True)
     ]
     first = np.cumsum([0, *(2 * m * len(each) for each in lengths)])
     out = np.zeros((first[-1], first[-1]), dtype=complex)
-    overlaps = [np.minimum.outer(each, each) / each[:, None] for each in lengths]
+    overlaps = [np.minimum.outer(each, each) / each[:, None] for each in lengths]  # O / L
     for one, other in combinations(range(len(edges)), 2):
-        (left, last), pair = (edges[other][0], edges[one][1]), (transducers[one], transducers[other])
+        gap, pair = edges[other][0] - edges[one][1], (transducers[one], transducers[other])
         to_other = aperture_coupling(
             modes.wavenumbers[kept] / unit,
             lengths[one],
@@ -346,17 +349,17 @@ def _travel(
             pair[1].center_y - pair[0].center_y,
         )
         to_one = np.swapaxes(to_other * (lengths[other][:, None] / lengths[one])[..., None], 0, 1)
-        for sender, receiver, shares, phase in (
-            (one, other, to_other, modes.wavenumbers[kept] * (left - last)),
-            (other, one, to_one, modes.backwards[kept] * (last - left)),
+        for sender, receiver, mean_beams, phase in (
+            (one, other, to_other, modes.wavenumbers[kept] * gap),
+            (other, one, to_one, -modes.backwards[kept] * gap),
         ):
-            shares = np.tensordot(
-                np.linalg.inv(overlaps[receiver]), shares, axes=1
-            )  # amplitudes of the sheets
+            amplitudes = np.tensordot(np.linalg.inv(overlaps[receiver]), mean_beams, axes=1)
             block = out[first[receiver] : first[receiver + 1], first[sender] : first[sender + 1]]
             block = block.reshape(len(lengths[receiver]), 2, m, len(lengths[sender]), 2, m)
-            way, each = int(sender > receiver), np.arange(m)
-            block[:, way, each, :, way, each] = np.moveaxis(shares * np.exp(-1j * phase), 2, 0)
+            direction, each = int(sender > receiver), np.arange(m)  # direction: 0 to the right, 1 to the left
+            block[:, direction, each, :, direction, each] = np.moveaxis(
+                amplitudes * np.exp(-1j * phase), 2, 0
+            )
     return out
 
 
@@ -368,11 +371,12 @@ def _response(
     The equations are those of the module docstring, with the reactions on the fingers as charges:
 
         q_b = Q_a a_b + Q_U U_b                           ``by_waves``, ``by_fingers``
-        U - O^-1 D q = O^-1 L V,  D = own                 ``system`` is 1 - O^-1 D Q_U for the U of all sheets
+        U - O^-1 D q = O^-1 L V,  O^-1 D = ``change_by_charge``
+        (1 - O^-1 D Q_U) U = O^-1 L V + O^-1 D Q_a a      ``system``, ``load``, for the U of all sheets
         sent = S_a a + S_U U                              ``leaving``, without the waves that pass the bare surface
 
     D contains the dipoles: those that the section's charges have, ``dipole``, and those that the gradient of the
-    changed potential adds, ``added`` (own_aperture.py).
+    changed potential adds, ``added`` (own_aperture.py).  ``kept``: modes by which the transducers are coupled.
     """
     scatterer, moments = _by_fingers(plain, signs)
     modes, width = scatterer.modes, scatterer.piece.width
@@ -403,24 +407,26 @@ def _response(
     size = sheets * fingers
 
     def stacked(each: np.ndarray) -> np.ndarray:
+        """One matrix over the fingers of all sheets, from (sheets, sheets, fingers, fingers)."""
         return each.transpose(0, 2, 1, 3).reshape(size, size)
 
     def projected(each: np.ndarray) -> np.ndarray:
+        """O^-1 times a matrix over the fingers of all sheets; O mixes the sheets of each finger alone."""
         return np.tensordot(inverse, each.reshape(sheets, fingers, size), axes=1).reshape(size, size)
 
     gradient = np.swapaxes(mixed, 2, 3) + between @ dipole  # by the charges
-    own = stacked(charges + mixed @ dipole + dipole.T @ gradient)
+    change_by_charge = stacked(charges + mixed @ dipole + dipole.T @ gradient)
     gradient = stacked(gradient)
     added = polarisability * projected(gradient)
-    own = projected(own + gradient.T @ added)
+    change_by_charge = projected(change_by_charge + gradient.T @ added)
     columns = sheets * 2 * m + ports
     by_arriving = np.zeros((sheets, fingers, columns), dtype=complex)
     load = np.zeros((sheets, fingers, columns), dtype=complex)
     for sheet in range(sheets):
         by_arriving[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] = by_waves
     load[0, :, sheets * 2 * m :] = scatterer.potentials
-    load += (own @ by_arriving.reshape(size, columns)).reshape(load.shape)
-    system = np.eye(size) - (own.reshape(size, sheets, fingers) @ by_fingers).reshape(size, size)
+    load += (change_by_charge @ by_arriving.reshape(size, columns)).reshape(load.shape)
+    system = np.eye(size) - (change_by_charge.reshape(size, sheets, fingers) @ by_fingers).reshape(size, size)
     finger_potentials = np.linalg.solve(system, load.reshape(size, columns)).reshape(load.shape)
     on_fingers = by_arriving + by_fingers @ finger_potentials
 
@@ -436,10 +442,10 @@ def _response(
     for sheet in range(sheets):
         sent[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] += leaving[:, : 2 * m]
     dipoles = (added @ on_fingers.reshape(size, columns)).reshape(finger_potentials.shape)
-    by_waves = moments @ sides[:, : 2 * m]
+    moments_by_waves = moments @ sides[:, : 2 * m]
     first_moments = (moments @ sides[:, 2 * m :]) @ finger_potentials + dipoles
     for sheet in range(sheets):
-        first_moments[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] += by_waves
+        first_moments[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] += moments_by_waves
     return _Response(
         scatterer=scatterer,
         lengths=lengths,

@@ -38,13 +38,13 @@ from fem.results.driven_answer import SurfaceWave
 from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.solution import Solution, driven_solution
 
-GROUPS = (
-    1.0,
-    8.0,
-)  # wavelengths from the charges: limits of the groups of points that share a quadrature rule in k_y
+# Wavelengths from the charges: limits of the groups of points that share a quadrature rule in k_y.
+GROUPS = (1.0, 8.0)
 # Error by the steps of the charge along the fingers, over the change by taking fewer steps.  Measured ratios are 0.2 to
 # 0.4 (test_finger_ends.py).
 COARSER_SHARE = 0.5
+# Offsets along y, in half Fresnel lengths, at which the change is taken; the first is the point itself.
+NEIGHBOURS = (0.0, -1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0)
 CHUNK = 2000  # points for which distances or spectra are tabulated at a time, to limit memory
 # The field is computed on the whole grid of all x and y if that has at most this many points per requested point.
 FULL_GRID = 4
@@ -80,7 +80,8 @@ class SurfaceBeam:
     mirror_width : float or None
         Distance in m of two side faces that reflect like mirrors; None if the sides do not reflect.
     complete : bool
-        True if all modes of the section take part.
+        True: within a wavelength of the charges the part of the section's motion that no mode represents is added
+        (`_local`).  False: only the modes of ``source`` are summed.
     faces : Faces or None
         Free or clamped ends; None if the ends absorb.
 
@@ -188,19 +189,26 @@ class SurfaceBeam:
                 return beam
         return None
 
-    def charge_error(
-        self, x: float | np.ndarray, y: float | np.ndarray = 0.0, normal: np.ndarray | None = None
-    ) -> np.ndarray | None:
+    def charge_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray | None:
         """Relative error of |u_z| by the finite number of steps of the charge along the fingers.
 
-        ``normal`` is u_z at the points, if it is known already.  The error is estimated from the change by taking
-        fewer steps.  It bounds the difference from 100 steps in transducers on PZT
-        (tests/fem/beam/test_finger_ends.py).  None if the charge is uniform along the fingers.
+        The error is estimated from the change by taking fewer steps.  The change oscillates along y, and can vanish at
+        a point by chance: the estimate takes the larger of the change at the point and its root mean square over
+        NEIGHBOURS, places beside it within half the Fresnel length (wavelength times distance)^(1/2).  It bounds the
+        difference from 100 steps in transducers on PZT (tests/fem/beam/test_finger_ends.py).  None if the charge is
+        uniform along the fingers.
         """
         if self.coarser is None:
             return None
-        here = abs(self.motion(x, y)[2] if normal is None else normal)
-        return COARSER_SHARE * abs(abs(self.coarser.motion(x, y)[2]) - here) / here
+        x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
+        reach = np.sqrt(self._near_distance * self._distances(x.ravel())).reshape(x.shape) / 2
+        beside = y + np.multiply.outer(NEIGHBOURS, reach)
+        if self.mirror_width is not None:
+            beside = np.clip(beside, -self.mirror_width / 2, self.mirror_width / 2)
+        along = np.broadcast_to(x, beside.shape)
+        fewer, all_steps = (abs(beam.motion(along, beside)[2]) for beam in (self.coarser, self))
+        change = abs(fewer - all_steps)
+        return COARSER_SHARE * np.maximum(change[0], np.sqrt(np.mean(change**2, axis=0))) / all_steps[0]
 
     def unresolved(self, x: float, y: float) -> bool:
         """True if a point (m) lies beside fingers or within a wavelength of their ends and the source is a `CutSource`.
@@ -209,7 +217,7 @@ class SurfaceBeam:
         On YZ lithium niobate they are 0.06 to 6 times the motion, and 0.01 of it a wavelength or more before the
         fingers.
         """
-        near = abs(self._resolved)
+        near = abs(self._near_distance)
         return isinstance(self.source, CutSource) and any(
             each.extent[0] - near < x < each.extent[1] + near
             and abs(y - each.center_y) > each.aperture / 2 - near
@@ -217,7 +225,10 @@ class SurfaceBeam:
         )
 
     def with_side_faces(self, width: float | None) -> "SurfaceBeam":
-        """The beam of the same charges between mirrors a width (m) apart, or None; for estimates, accurate to 1e-3."""
+        """Beam of the same charges between mirrors ``width`` (m) apart, or without mirrors if None.
+
+        It is for estimates, accurate to 1e-3, because the source is a rough one (`CutSource.rough`).
+        """
         if width == self.mirror_width and self.source.rough is self.source:
             return self
         return replace(self, mirror_width=width, source=self.source.rough)
@@ -265,7 +276,7 @@ class SurfaceBeam:
         shape, x, y = x.shape, x.ravel(), y.ravel()
         self._refuse(x, y)
         distance = self._distances(x)
-        group = np.searchsorted(np.divide(GROUPS, GROUPS[0]) * self._resolved, distance)
+        group = np.searchsorted(np.divide(GROUPS, GROUPS[0]) * self._near_distance, distance)
         total = np.empty((RULES, 3, len(x)), dtype=complex)
         for number in set(group.tolist()):
             some = group == number
@@ -302,7 +313,7 @@ class SurfaceBeam:
         lines, row = np.unique(y, return_inverse=True)
         total = np.zeros((RULES, 3, len(x)), dtype=complex)
         for branch in self.source.branches(
-            self._reach(y), distance, self._resolved, self.mirror_width, spacing
+            self._reach(y), distance, self._near_distance, self.mirror_width, spacing
         ):
             total += self._inverse(
                 branch,
@@ -389,7 +400,7 @@ class SurfaceBeam:
     def _beyond_the_modes(self, places) -> np.ndarray:
         """Motion of the section minus that of the modes at k_y = 0 by the same charges, shape (2, places)."""
         nodes, source, ones = self._section_nodes, self.source, np.ones((len(self.apertures), 1))
-        sent = sum(_sent(nodes, branch, places, ones) for branch in source.plane(self._resolved))[..., 0]
+        sent = sum(_sent(nodes, branch, places, ones) for branch in source.plane(self._near_distance))[..., 0]
         if self.faces is not None:
             plane = self.faces.plane(_sources(self._section_charges))
             sent = sent + plane.spectra(places, self.wave.length, ones, self.faces.wanted)[..., 0]
@@ -399,7 +410,8 @@ class SurfaceBeam:
         return rest
 
     @property
-    def _resolved(self) -> float:
+    def _near_distance(self) -> float:
+        """One wavelength in m, the limit of the group of points nearest to the charges."""
         return GROUPS[0] * self.wave.phase_velocity / self.wave.frequency
 
     def _static(self, x, y) -> np.ndarray:
@@ -538,7 +550,9 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     Raises
     ------
     BeamError
-        If the ends are free or clamped and the solid is not isotropic about z, or an aperture exceeds the width.
+        If the stator has meshed pieces, if its ends are free or clamped and the solid is not isotropic about z, if an
+        aperture exceeds ``mirror_width``, or if a transducer lies beside the line y = 0 although there are mirrors or
+        the solid is not isotropic about z.
     InputError
         If an aperture is less than half a wavelength.
     """

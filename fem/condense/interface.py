@@ -43,7 +43,8 @@ def line_projection(
     dict
         By field: numbers of the free functions, and P of shape (free functions, n).
     """
-    # ``functions``: numbers in the mesh of all functions on the interface; ``position``: of each edge's own among them
+    # ``functions``: numbers in the mesh of all functions on the interface.  ``position``: for each edge, the places of
+    # its functions in that list, shape (edges, order + 1).
     functions, position = np.unique(space.edge_numbers(edges), return_inverse=True)
     position = position.reshape(len(edges), -1)
     heights = (space.mesh.points[:, 1] - space.mesh.points[np.unique(edges), 1].max()) / space.unit
@@ -64,8 +65,8 @@ def line_projection(
     nodes = (first_element + element)[:, None] * section.order + np.arange(section.order + 1)
 
     result = {}
-    for name, gone in held.items():
-        free = ~gone[functions]
+    for name, fixed in held.items():
+        free = ~fixed[functions]
         multipliers = _multipliers(free, position)
         unknowns = section.dofs[nodes, FIELD_COLUMN[name]]
         of_line = np.zeros((len(z), section.size + 1))  # the last column: nodes without an unknown
@@ -91,9 +92,9 @@ def _multipliers(free: np.ndarray, position: np.ndarray) -> np.ndarray:
 
     ``position``: of each edge's functions among those of the interface: both vertices, then rising order.
     """
-    chosen = free.copy()
+    serves = free.copy()
     for own in position:
         fixed_vertices = own[:2][~free[own[:2]]]
-        chosen[fixed_vertices] = True
-        chosen[own[len(own) - len(fixed_vertices) :]] = False
-    return chosen
+        serves[fixed_vertices] = True
+        serves[own[len(own) - len(fixed_vertices) :]] = False
+    return serves

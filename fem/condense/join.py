@@ -60,21 +60,21 @@ def joined(
     coupling = np.hstack([first[at.right, at.left], second[at.left, at.right], shared])
     if electrode is not None:
         middle[phi, phi] = 1.0
-    back = eliminated(middle, coupling)
-    matrix = coupling.T @ back
+    transfer = eliminated(middle, coupling)  # T of equation (2)
+    matrix = coupling.T @ transfer  # and equation (3)
     for own, line in ((first, at.left), (second, at.right)):
         matrix[line, line] += own[line, line]
         matrix[line, at.ports] += own[line, at.ports]
         matrix[at.ports, line] += own[at.ports, line]
     matrix[at.ports, at.ports] += first[at.ports, at.ports] + second[at.ports, at.ports]
     if electrode is not None:
-        back[phi, at.ports.start + electrode] = 1.0
+        transfer[phi, at.ports.start + electrode] = 1.0
     return FingerColumns(
         size=at.size,
         matrix=0.5 * (matrix + matrix.T),
         width=left.width + right.width,
         ports=left.ports,
-        inside=Pair(left=left, right=right, middle=back),
+        inside=Pair(left=left, right=right, middle=transfer),
     )
 
 
@@ -123,16 +123,16 @@ def with_fingers(whole: FingerColumns, left: FingerColumns, right: FingerColumns
     on_left, on_middle, on_right = np.zeros((3, at.size, total), dtype=np.result_type(first, second))
     on_left[:, own], on_right[:, others] = first[at.left, at.ports], second[at.right, at.ports]
     on_middle[:, own], on_middle[:, others] = first[at.right, at.ports], second[at.left, at.ports]
-    by_lines = whole.pair.middle[:, at.lines]
+    by_lines = whole.pair.middle[:, at.lines]  # columns of T: of the lines, and of [v_A, v_B]
     by_ports = eliminated(first[at.right, at.right] + second[at.left, at.left], on_middle)
     matrix = np.zeros((at.ports.start + total,) * 2, dtype=by_ports.dtype)
     matrix[at.lines, at.lines] = whole.matrix[at.lines, at.lines]
     matrix[at.lines, at.ports] = np.concatenate([on_left, on_right]) + by_lines.T @ on_middle
     matrix[at.ports, at.lines] = matrix[at.lines, at.ports].T
-    among = on_middle.T @ by_ports
-    among[own, own] += first[at.ports, at.ports]
-    among[others, others] += second[at.ports, at.ports]
-    matrix[at.ports, at.ports] = 0.5 * (among + among.T)
+    between_ports = on_middle.T @ by_ports
+    between_ports[own, own] += first[at.ports, at.ports]
+    between_ports[others, others] += second[at.ports, at.ports]
+    matrix[at.ports, at.ports] = 0.5 * (between_ports + between_ports.T)
     middle = np.concatenate([by_lines, by_ports], axis=1)
     return FingerColumns(
         size=at.size,
@@ -182,7 +182,14 @@ def mirrored(piece: FingerColumns, odd: np.ndarray, phi_odd: bool) -> FingerColu
 
 
 def open_circuited(piece: FingerColumns) -> FingerColumns:
-    """Return the piece with its finger disconnected from electrode 0: open-circuited, without net charge."""
+    """Return the piece with its finger disconnected from electrode 0: open-circuited, without net charge.
+
+    The finger's charge is minus the reaction A_f u of its row f.  It vanishes if the potential of the finger is
+
+        v_f = -(sum over j != f of A_fj u_j) / A_ff,
+
+    which is eliminated.  The row and column of electrode 0 remain, with zeros.
+    """
     finger = piece.at.ports.start
     row = -piece.matrix[finger] / piece.matrix[finger, finger]
     row[finger] = 0.0

@@ -102,6 +102,11 @@ def _local_fields(space: QuadSpace, elements, places: np.ndarray, nodal: np.ndar
     return np.concatenate([(value @ nodal)[None], along])
 
 
+ROUNDED = (
+    1e-3  # of a piece's width, which is 1e-3 of the stator or more: fem.layout allows 1e-6 of the stator
+)
+
+
 class TopEdges:
     """Upper boundary of a mesh: the highest boundary edge at each x, and the basis functions there."""
 
@@ -125,9 +130,16 @@ class TopEdges:
         self.low, self.high = np.where(flat, low, np.inf), np.where(flat, high, -np.inf)
 
     def at(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers (points, order + 1) and values of the functions at the highest boundary point above each x."""
+        """Numbers (points, order + 1) and values of the functions at the highest boundary point above each x.
+
+        A mesh may end beside the stator's end by a rounding of its file: a place there is moved to the mesh.
+        """
         numbers, along = np.empty((len(x), self.numbers.shape[1]), dtype=int), np.empty(len(x))
-        room = 1e-9 * (self.high[np.isfinite(self.high)].max() - self.low[np.isfinite(self.low)].min())
+        lowest, highest = self.low.min(), self.high.max()
+        room = 1e-9 * (highest - lowest)
+        if np.any(abs(x - np.clip(x, lowest, highest)) > ROUNDED * (highest - lowest)):
+            raise ValueError("x must lie on the piece")
+        x = np.clip(x, lowest, highest)
         for index, place in enumerate(x):
             here = np.flatnonzero((self.low <= place + room) & (self.high >= place - room))
             if not len(here):

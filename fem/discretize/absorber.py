@@ -34,11 +34,13 @@ Kind = Literal["matched", "selective", "viscous"]
 MATCHED_LAYER = ((0.5, 1 - 1j), (0.5, 1.5 - 2j), (0.5, 4 - 4j), (0.5, 12 - 8j), (0.5, 60 - 20j))
 STATIC_ELEMENT = (0.5, 300 + 0j)
 
-# Selective layer, t = 0 at its top and 1 at its bottom: stretch 1 + a t^b + f t^g - i c t, damping d t^e times the
-# sheet's backwardness.  On 128YX LiNbO3 a layer of 2 wavelengths has errors of 1.4e-6 in u_z and 5.6e-6 in u_x,
-# measured by tests/fem/discretize/test_half_space.py; with a = 9 or 12, b = 2 or e = 4 they are 4e-5 and more.  The
-# term in f serves the static field of a transducer, which the grounded bottom disturbs with f = 0 (2e-4 of the
-# motion).  With g = 16 modes grow in layers of 2.5 wavelengths and more.
+# Selective layer, with t = 0 at its top and t = 1 at its bottom.  The complex stretching factor of the depth is
+#     1 + STRETCH t^STRETCH_POWER + STATIC_STRETCH t^STATIC_POWER - i DECAY t,
+# and the loss of the motion of a slowness sheet is its backwardness times DAMPING t^DAMPING_POWER.  On 128YX LiNbO3 a
+# layer of 2 wavelengths has errors of 1.4e-6 in u_z and 5.6e-6 in u_x, measured by
+# tests/fem/discretize/test_half_space.py; with STRETCH 9 or 12, STRETCH_POWER 2 or DAMPING_POWER 4 they are 4e-5 and
+# more.  STATIC_STRETCH serves the static field of a transducer, which the grounded bottom disturbs without it (2e-4 of
+# the motion).  With STATIC_POWER 16 modes grow in layers of 2.5 wavelengths and more.
 STRETCH, STRETCH_POWER, DECAY = 21.0, 1.6, 6.0
 STATIC_STRETCH, STATIC_POWER = 1000.0, 24
 DAMPING, DAMPING_POWER = 13.0, 8
@@ -82,8 +84,8 @@ def absorber(solid: Solid, body: Medium, order: int, level: int, *, lateral: boo
 
     ``body``: medium of the solid in the fields that take part; ``level``: level of refinement, an index of `DEPTHS`;
     ``lateral``: True if the waves will have a lateral wavenumber.  Oblique waves may then grow in a matched layer that
-    absorbs all waves of the sagittal plane (ST-X quartz: 6e-3 rad per wavelength; LiNbO3 rotated by 41 degrees: 3e-4).
-    A selective layer is used instead, in which none grows (tests/fem/discretize/test_absorber.py).
+    absorbs all waves of the sagittal plane (ST-X quartz: 6e-3 nepers per wavelength; LiNbO3 rotated by 41 degrees:
+    3e-4). A selective layer is used instead, in which none grows (tests/fem/discretize/test_absorber.py).
     """
     kind = absorber_kind(solid)
     if kind == "matched" and lateral and not isotropic_about_normal(solid):
@@ -117,7 +119,7 @@ def backwardness(solid: Solid) -> float:
 
 @lru_cache(maxsize=64)
 def _strength(solid: Solid, order: int, level: int) -> tuple[tuple[float, float], float]:
-    """First pair of `STRENGTHS` for which no guided mode grows, or else the one with the least growth; its growth."""
+    """First pair of `STRENGTHS` for which no guided mode grows, or else the pair with the least growth; that growth."""
     body, tried = _lossless(solid), []
     for strength in STRENGTHS:
         layer = _selective(solid, body, order, DEPTHS[level].selective, *strength)
@@ -138,11 +140,17 @@ def _matched(body: Medium, static: bool) -> Layer:
 
 
 def _viscous(body: Medium, count: int) -> Layer:
+    """Elements of one wavelength whose loss factor rises with the depth to nearly MAX_LOSS."""
     losses = MAX_LOSS * ((np.arange(count) + 0.5) / count) ** LOSS_POWER
     return [(1.0, 1.0, damped(body, 1 - 1j * loss)) for loss in losses[::-1]]
 
 
 def _selective(solid: Solid, body: Medium, order: int, depth: float, strength: float, least: float) -> Layer:
+    """Selective layer of a depth in wavelengths, for one pair (strength, least) of `STRENGTHS`.
+
+    ``loss`` is the matrix of the damping over the displacements: for each slowness sheet its modulus times its
+    backwardness, or times ``least`` of the largest backwardness if that is more, projected on its polarisation.
+    """
     names, sheets = fields(solid), slowness_sheets(solid)
     worst = max(sheet.backwardness for sheet in sheets)
     displaced = [body.fields.index(name) for name in names if name != "phi"]

@@ -16,7 +16,7 @@ import numpy as np
 from fem.input_error import InputError
 from fem.materials.solids import Solid
 
-# [phi, theta, psi] in degrees.  X and YZ send crystal axis 3 along x; the normal is -1 for X and +2 for YZ.
+# [phi, theta, psi] in degrees.  In X and YZ crystal axis 3 lies along x; the normal is crystal axis -1 in X, +2 in YZ.
 ORIENTATIONS: dict[str, tuple[float, float, float]] = {
     "Z": (0, 0, 0),
     "X": (-90, 90, 90),
@@ -89,16 +89,16 @@ def bond_matrix(a: np.ndarray) -> np.ndarray:
 
 
 def fields(solid: Solid) -> tuple[str, ...]:
-    """Return the fields, of "ux", "uy", "uz", "phi", that the sagittal motion of a rotated solid drags along.
+    """Return the fields, out of "ux", "uy", "uz", "phi", that are coupled to the sagittal motion of a rotated solid.
 
-    Nothing depends on y.
+    Nothing depends on y, so that u_y or phi may be uncoupled; they are then left out.
     """
     c, e, eps = solid.stiffness, solid.coupling[[0, 2]], solid.permittivity
     stiff = np.diag(c).max()
     polar = np.sqrt(stiff * np.diag(eps).max())
     transverse = np.abs(c[np.ix_(_SAGITTAL, _TRANSVERSE)]).max() > _NOISE * stiff
     electric = np.abs(e[:, _SAGITTAL]).max() > _NOISE * polar
-    between = np.abs(e[:, _TRANSVERSE]).max() > _NOISE * polar  # phi and u_y: one brings the other
+    between = np.abs(e[:, _TRANSVERSE]).max() > _NOISE * polar  # phi and u_y are coupled to each other
     transverse, electric = transverse or (electric and between), electric or (transverse and between)
     present = {"ux": True, "uy": transverse, "uz": True, "phi": electric}
     return tuple(field for field, kept in present.items() if kept)

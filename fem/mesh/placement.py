@@ -51,7 +51,8 @@ def placement(pieces: tuple[MeshPiece, ...], *, length: float, thickness: float)
             raise InputError(
                 "piece",
                 f'"{other.name}" ({other.where}) and "{piece.name}" ({piece.where}) are both the '
-                f"{('left', 'right')[side]} end",
+                f"{('left', 'right')[side]} end, as the line group {('left', 'right')[side]} is absent or not as high "
+                "as the stator",
             )
         ends[side] = piece
     return Placement(between=tuple(between), ends=(ends[0], ends[1]), whole=whole, start=start, stop=stop)

@@ -123,6 +123,18 @@ class SectionMesh:
         ends = self.points[np.unique(self.lines[side])]
         return float(ends[:, 0].mean()), float(np.ptp(ends[:, 1])), float(ends[:, 1].max())
 
+    def border(self, side: str) -> float:
+        """Length in m of the vertical outer edges of the stator's own material at the mesh's smallest or largest x."""
+        x = self.extent[side == "right"]
+        total = 0.0
+        for one, other in self.boundary:
+            ((block, _),) = self.edges[one, other]
+            ends = self.points[[one, other]]
+            height = abs(float(np.diff(ends[:, 1])[0]))
+            if self.cells[block].solid == "stator" and np.max(abs(ends[:, 0] - x)) <= SAME * height:
+                total += height
+        return total
+
     @cached_property
     def edges(self) -> dict[tuple[int, int], list[tuple[int, int]]]:
         """Directed edges (corner, corner) of all elements, by their corners in order: [(block, element), ...]."""

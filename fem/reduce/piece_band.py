@@ -1,7 +1,8 @@
-"""A meshed piece over a band of frequencies: where its interpolation has nodes, and how much it errs.
+"""A meshed piece over a band of frequencies: the nodes of its interpolation, and the error of the interpolation.
 
 A piece may resonate in the band, so that the number of nodes is not known beforehand.  The interpolation through all
-nodes (`fem.condense.reduced`) is compared with those through one node fewer; a node is added where they differ most.
+nodes (`fem.condense.reduced`) is compared with two others, each of which omits one node, and the smaller of the two
+changes counts.  A node is added at the frequency where it is largest.
 """
 
 from collections.abc import Callable
@@ -62,24 +63,24 @@ def interpolated(
         order = np.argsort([each.frequency for each in pieces])
         pieces[:] = [pieces[k] for k in order]
         samples = [samples[k] for k in order]
-        whole = rational_piece(pieces[0], frame, size, samples)
-        # without the first node, and without the last but one
+        all_nodes = rational_piece(pieces[0], frame, size, samples)
+        # two comparisons: without the first node, and without the last but one
         fewer = [
             rational_piece(pieces[0], frame, size, [*samples[:omitted], *samples[omitted + 1 :]])
             for omitted in {0, len(samples) - 2}
         ]
-        changes = []  # at each frequency, of the interpolation that changes less
+        changes = []  # at each frequency, the smaller of the two changes
         for frequency in frequencies:
-            if frequency in whole.nodes:
+            if frequency in all_nodes.nodes:
                 changes.append(0.0)
                 continue
-            reference = answers(whole, frequency)
+            reference = answers(all_nodes, frequency)
             norm = np.linalg.norm(reference, axis=0)
             relative = [np.linalg.norm(answers(each, frequency) - reference, axis=0) / norm for each in fewer]
             changes.append(np.min(np.max(relative, axis=1)))
         error = float(max(changes))
         if error <= tolerance or len(samples) >= max_nodes:
-            return whole, error
+            return all_nodes, error
         pieces.append(pieces[0].assembly.condensed(float(frequencies[int(np.argmax(changes))])))
         samples.append(PieceSample.of(pieces[-1], frame))
 
@@ -121,12 +122,15 @@ def piece_of_row(
     )
 
 
-def _incident(solution: Solution, like: MeshedPiece, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Incident fields at all positions of a piece, on reduced lines, and potentials of its ports, by excitation."""
+def _incident(solution: Solution, sample: MeshedPiece, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Incident fields on reduced lines and potentials of the ports, by excitation, wherever a piece stands in the row.
+
+    ``sample``: the piece, condensed at any frequency.
+    """
     fields, lines, ports = solution.fields, [], []
     for index, scatterer in enumerate(fields.network.scatterers):
         piece = scatterer.piece
-        if isinstance(piece, MeshedPiece) and piece.assembly is like.assembly:
+        if isinstance(piece, MeshedPiece) and piece.assembly is sample.assembly:
             at, volt = Blocks(len(basis)), fields.section.solid.potential_unit
             incident = volt * fields.incoming[index]
             lines.append(np.concatenate([basis.T @ incident[at.left], basis.T @ incident[at.right]]))

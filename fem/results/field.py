@@ -22,6 +22,8 @@ from fem.results.solution import Solution
 from fem.results.surface import CondensedPiece, UniformSegment
 
 SAME_LINE = 1e-6  # of the lines' distance: places nearer than this are one
+REPLACED = 1e-3  # of the lines' distance: even lines nearer than this to a requested place are left out
+MIN_INTERVALS = 3  # between the lines of a segment, however short it is
 MAX_CUTS = 8  # quadrilaterals along an element's edge: an element is half a wavelength long at most
 
 
@@ -128,10 +130,11 @@ def wave_field(
     depth = section.nodes[section.body]
     parts: list[_Part] = []
     meshed: list[PieceField] = []
-    # Where the section's potential floats, the modes give it in every segment relative to the transducer on the left.
-    offset: complex = 0.0  # mean potential of that transducer, relative to the first one, scaled
-    step_in_mean: complex = 0.0  # its change at the next transducer
-    passed = False  # True behind the first piece of the row
+    # Where the section's potential floats, phi is known up to a constant in each segment: the modes give it relative to
+    # the transducer on the left.  All potentials are referred to the first transducer by adding ``offset``.
+    offset: complex = 0.0  # mean potential of the transducer passed last, relative to the first one, scaled
+    step_in_mean: complex = 0.0  # jump from that potential to the mean potential of the next transducer
+    passed = False  # True to the right of the first piece of the row
     for piece in wave.pieces:
         if isinstance(piece, UniformSegment) and piece.beyond:
             continue  # another section: not on this grid
@@ -316,13 +319,13 @@ def free_field(
 
 def _lines(start: float, stop: float, step: float, places) -> np.ndarray:
     """Evenly spaced lines of a segment, with those that stand at given places."""
-    even = np.linspace(start, stop, max(3, int(np.ceil((stop - start) / step))) + 1)
+    even = np.linspace(start, stop, max(MIN_INTERVALS, int(np.ceil((stop - start) / step))) + 1)
     wanted = np.array(
         [place for place in places if start + SAME_LINE * step < place < stop - SAME_LINE * step]
     )
     if not len(wanted):
         return even
-    near = abs(even[:, None] - wanted).min(axis=1) < 1e-3 * step
+    near = abs(even[:, None] - wanted).min(axis=1) < REPLACED * step
     near[[0, -1]] = False
     return np.union1d(even[~near], wanted)
 
@@ -340,7 +343,7 @@ def _constant_shape(solution: Solution) -> tuple[int, complex, complex] | None:
 
 
 def _gauge_step(solution: Solution, piece) -> complex:
-    """Mean potential of the transducer behind a segment relative to that of the one before it, scaled."""
+    """Mean potential of the transducer to the right of a segment minus that of the one to its left, scaled."""
     constant = _constant_shape(solution)
     if constant is None or not np.isfinite(piece.stop):
         return 0.0

@@ -81,7 +81,7 @@ def power_balance(solution: Solution) -> PowerBalance:
         if index < len(fields.network.scatterers):
             crossings.append(_at_piece(solution, index))
             load_power += _load_power(solution, index, crossings[-1].taken)
-    section_width = fields.section.solid.stress_unit * circuit.aperture
+    to_watts = fields.section.solid.stress_unit * circuit.aperture  # scaled power per aperture to W
     radiated = [
         -(crossings[0].left - crossings[0].excess / 2),
         crossings[-1].right + crossings[-1].excess / 2,
@@ -96,7 +96,7 @@ def power_balance(solution: Solution) -> PowerBalance:
         # thickness, which counts as radiated.
         passed = 0.0
         if isinstance(end, Wall) and end.beyond is not None:
-            passed = section_width * _power_behind_step(solution, side)
+            passed = to_watts * _power_behind_step(solution, side)
         lost_between, radiated[side] = lost_between + radiated[side] - passed, passed
     apparent_power = circuit.apparent_power
     if solution.forces is not None:
@@ -124,7 +124,9 @@ def _transducer_of(fields: PortFields, index: int) -> str:
 def _load_power(solution: Solution, index: int, taken: float) -> float:
     """Power from a piece of the row into terminations, W; ``taken``: power that enters the piece at its ports."""
     fields, circuit = solution.fields, solution.circuit
-    if fields.network.scatterers[index].piece.size:
+    if fields.network.scatterers[
+        index
+    ].piece.size:  # a piece without lines is the whole stator, with all transducers
         name = _transducer_of(fields, index)
         return 0.0 if not name or name in circuit.driven else -taken
     powers = 0.5 * np.real(circuit.voltages * np.conj(circuit.currents))
@@ -138,7 +140,7 @@ def _at_piece(solution: Solution, index: int) -> _Crossing:
     modes, at, frequency = fields.modes, scatterer.at, fields.frequency
     owner = fields.owners[index]
     aperture = fields.transducers[owner].aperture if fields.own_apertures else circuit.aperture
-    width = fields.section.solid.stress_unit * aperture
+    to_watts = fields.section.solid.stress_unit * aperture
     sides, incident = solution.sides(index), solution.incoming(index)
     crossing = [0.0, 0.0]
     if at.size:
@@ -149,7 +151,7 @@ def _at_piece(solution: Solution, index: int) -> _Crossing:
             float(power(sides[line], flux, frequency)) for line, flux in ((at.left, left), (at.right, right))
         ]
     reaction = scatterer.piece.matrix[at.ports] @ sides
-    taken = width * np.pi * frequency * float(np.imag(np.sum(reaction * np.conj(sides[at.ports]))))
+    taken = to_watts * np.pi * frequency * float(np.imag(np.sum(reaction * np.conj(sides[at.ports]))))
     excess = 0.0
     if fields.own_apertures:
         name, port_power = _transducer_of(fields, index), 0.0
@@ -158,10 +160,10 @@ def _at_piece(solution: Solution, index: int) -> _Crossing:
             port_power = 0.5 * float(np.real(circuit.voltages[port] * np.conj(circuit.currents[port])))
         excess, taken = port_power - taken, port_power
     return _Crossing(
-        left=width * crossing[0],
-        right=width * crossing[1],
+        left=to_watts * crossing[0],
+        right=to_watts * crossing[1],
         taken=taken,
-        lost=width * recovered(solution, index).loss(),
+        lost=to_watts * recovered(solution, index).loss(),
         excess=excess,
     )
 
@@ -181,10 +183,10 @@ def _at_force(solution: Solution, number: int, before: SegmentWaves, after: Segm
     index = number - (len(fields.network.ports) - len(fields.displacements))  # force ports come last
     displacement = fields.displacements[index] @ solution.weights
     force = 0.0 if solution.forces is None else solution.forces[index]
-    width = fields.section.solid.stress_unit * aperture
+    to_watts = fields.section.solid.stress_unit * aperture
     return _Crossing(
-        left=width * fluxes[0],
-        right=width * fluxes[1],
+        left=to_watts * fluxes[0],
+        right=to_watts * fluxes[1],
         taken=float(aperture * np.pi * fields.frequency * np.imag(force * np.conj(displacement))),
     )
 

@@ -208,7 +208,7 @@ class Network:
         mine = [number for number in self.forces if start <= self.ports[number].place <= stop]
         return tuple(sorted(mine, key=lambda number: self.ports[number].place))
 
-    def _followed(self, waves: np.ndarray) -> list[_Segment]:
+    def _coupled_segments(self, waves: np.ndarray) -> list[_Segment]:
         """Segments with their coupling modes; ``waves``: modes that arrive from outside at absorbing ends."""
         places = {number: self.ports[number].place for number in self.forces}
         free = [any(start <= place <= stop for start, stop in self.segments) for place in places.values()]
@@ -225,14 +225,18 @@ class Network:
         absorbs = [isinstance(end, str) and end == "absorbing" for end in self.ends]
         segments: list[_Segment] = []
         for index, (start, stop) in enumerate(self.segments):
-            mine = self.forces_on(index)
+            forces = self.forces_on(index)
             length = min(
-                [stop - start, *(abs(places[each] - edge) for each in mine for edge in (start, stop))]
+                [stop - start, *(abs(places[each] - edge) for each in forces for edge in (start, stop))]
             )
             kept, way = self.survivors(length), stop - start
-            endless = [absorbs[0] and index == 0, absorbs[1] and index == len(self.segments) - 1]
-            if any(endless):
-                kept = np.append(waves, np.setdiff1d(kept, waves)) if mine and not all(endless) else waves
+            semi_infinite = [absorbs[0] and index == 0, absorbs[1] and index == len(self.segments) - 1]
+            if any(semi_infinite):
+                kept = (
+                    np.append(waves, np.setdiff1d(kept, waves))
+                    if forces and not all(semi_infinite)
+                    else waves
+                )
                 way = 0.0
             before = segments[-1] if segments else None
             segments.append(
@@ -243,7 +247,7 @@ class Network:
                     way=way,
                     kept=kept,
                     first=before.first + 2 * len(before.kept) if before else 0,
-                    forces=mine,
+                    forces=forces,
                 )
             )
         return segments
@@ -259,8 +263,9 @@ class Network:
         if any(scatterer.piece.size == 0 for scatterer in self.scatterers):
             return self._solve_whole(waves)
         modes, ports, at = self.modes, len(self.ports), Blocks(self.modes.section.size)
-        segments, excitations = self._followed(waves), len(self.ports) + 2 * len(waves)
+        segments, excitations = self._coupled_segments(waves), len(self.ports) + 2 * len(waves)
         sent_back = [self._sent_back(side, segments[-side].kept) for side in (0, 1)]
+        # segments[-side] is the first segment at the left end, side 0, and the last one at the right end, side 1
         elements = [self._end(side, segments[-side], sent_back[side], excitations) for side in (0, 1)]
         answers = []
         for scatterer, mine, before, after in zip(
@@ -289,10 +294,11 @@ class Network:
             answers.append((np.concatenate([lines, potentials]), incoming))
         solved = solve_row(elements, outside=self._outside(segments, waves, excitations))
 
+        of_scatterers = elements[2:]  # the first two are the ends
         sides, arrived = [], []
         reactions = np.zeros((ports, excitations), dtype=complex)
         for scatterer, mine, element, (answer, incoming) in zip(
-            self.scatterers, self.numbers, elements[2:], answers, strict=True
+            self.scatterers, self.numbers, of_scatterers, answers, strict=True
         ):
             weights = np.concatenate([solved.arriving[element.arrives], np.eye(ports, excitations)[mine]])
             sides.append(answer @ weights)
@@ -390,7 +396,7 @@ class Network:
             Amplitudes of all modes that leave both ends; zero if they absorb.
         """
         modes, at = self.modes, Blocks(self.modes.section.size)
-        segments = segments or self._followed(NO_WAVES)
+        segments = segments or self._coupled_segments(NO_WAVES)
         excitations = sides[0].shape[1] if sides else len(self.ports)
         out = [own[at.lines] - arrived for own, arrived in zip(sides, incoming, strict=True)]
         leaving = np.array(out, dtype=complex).reshape(len(out), 2 * at.size, excitations)

@@ -9,8 +9,8 @@ A transducer carries no net charge, because its electrodes are a pair of termina
 floats, the mean of the two potentials is arbitrary.  If the section is grounded (or absorbs below), the mean has the
 value for which the net charge is zero, and it is eliminated here.  A transducer with a single electrode has no port.
 
-With Q the charge of the positive electrode per metre of aperture, I = i omega Q aperture; two transducers of different
-aperture share the narrower beam.
+With Q the charge of the positive electrode per metre of aperture, I = i omega Q aperture.  For the current that one
+transducer causes in another, the aperture is the narrower of the two.
 """
 
 from collections.abc import Callable
@@ -32,7 +32,8 @@ from fem.waveguide.modes import GuidedModes, guided_modes
 from fem.waveguide.network import Network, PortSolution, Scatterer, SegmentWaves, Sheet
 from fem.waveguide.row import CondensedPieces, condensed_pieces, no_pieces
 
-CUT_OFF = 1e-3  # rad per slowest wavelength: a mode's wavenumber below which its square, all that is known, is rounding
+# rad per slowest wavelength: the eigenproblem gives k^2, and below this |k| only its rounding error
+CUT_OFF = 1e-3
 # From a network and its transducers to the network whose ports were solved (perhaps with other ports), and its fields
 Solve = Callable[[Network, tuple[Transducer, ...]], tuple[Network, PortSolution]]
 PASSIVE = 1e-3  # negative conductance over the largest admittance that counts as the discretisation's error
@@ -99,8 +100,9 @@ class PortFields:
         eigenvalue of M nearest to 1.  With frequency the phases of the mu change, in the range of interest by at most
         ``swing`` (rad); their magnitudes hardly change.
         """
-        mine = np.isin(self.waves, self.modes.propagating)  # evanescent ones do not turn
-        factors = np.linalg.eigvals(self.coupling[np.ix_(mine, mine)])
+        # the phase of an evanescent mode does not change
+        propagating = np.isin(self.waves, self.modes.propagating)
+        factors = np.linalg.eigvals(self.coupling[np.ix_(propagating, propagating)])
         if not len(factors):
             return 1.0, 1.0
         angles = abs(np.angle(factors))
@@ -124,7 +126,8 @@ def _means(transducers: tuple[Transducer, ...], pieces: CondensedPieces, floatin
     names = {each.name for each in transducers}
     if not (floating or pieces.whole):
         return names
-    group = {name: name for name in names}  # by one of the transducers that it is connected to
+    # for each transducer: the first name among those that meshed pieces connect to it
+    group = {name: name for name in names}
     grounded: set[str] = set()
     for _, piece in pieces.between:
         own = {group[port.name[:-1]] for port in piece.ports}
@@ -233,7 +236,7 @@ def joined_fields(
             zip(transducers, gaps, superelements, strict=not pieces.whole)
         )
     ]
-    by_electrode = {
+    by_electrode = {  # potential of each electrode for a unit at each port
         f"{each.name}{sign}": np.eye(len(ports))[first[index] : first[index + 1]].T @ potentials[index][k]
         for index, each in enumerate(transducers)
         for k, sign in enumerate("+-")

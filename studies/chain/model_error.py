@@ -43,14 +43,14 @@ ALUMINIUM, FILM = 2700.0, 100e-9  # density in kg/m3 and thickness in m of the e
 # Friction coefficient of a frictionless contact: the averaged equilibrium requires a positive one
 NO_FRICTION = 1e-9
 
-Rows = Iterator[tuple[str, str, float, str]]
+Rows = Iterator[tuple]  # of values of `KEYS`
 SHARED = ("u_z", "velocity")  # quantities at the slider whose relative changes add up to the model error
 NO_ANSWER = 1.0  # smallest relative change for which the answer is refused
-# A first-order upper bound, which causes only a warning
 NODE = 1e-6  # |u_z|/|u_x| below which u_z is a node: waves from both sides cancel
+# A first-order upper bound, which causes only a warning
 NEVER_DECISIVE = ("overtones of the wave under the pillars",)
-# Keys of an effect in run.json: name, changed quantity, relative change (or change in the stated unit), source
-KEYS = ("effect", "quantity", "size", "source")
+# Keys of an effect in run.json: name, changed quantity, relative change (with a unit: change in that), source, unit
+KEYS = ("effect", "quantity", "size", "source", "unit")
 
 
 def model_error(record: Record) -> tuple[dict, ...]:
@@ -67,7 +67,7 @@ def model_error(record: Record) -> tuple[dict, ...]:
     )
     for each in parts:
         rows += each(record)
-    return tuple(dict(zip(KEYS, row, strict=True)) for row in rows if math.isfinite(row[2]))
+    return tuple(dict(zip(KEYS, row, strict=False)) for row in rows if math.isfinite(row[2]))
 
 
 def with_model_error(record: Record) -> Record:
@@ -188,7 +188,7 @@ def _finger_ends(record: Record) -> Rows:
         yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
         return
     at = tuple(zip(*places, strict=True))
-    charge_error = beam.charge_error(*at, motion.at(places)[2])
+    charge_error = beam.charge_error(*at)
     if charge_error is not None:
         yield (
             effect,
@@ -335,5 +335,4 @@ def _travel(record: Record) -> Rows:
 def _power(record: Record) -> Rows:
     highest = max(record.scene.levels, default=0.0)
     power = record.electrical["power_W_per_V2"] * highest**2
-    quantity = f"the whole power taken in at {highest:g} V, in W"
-    yield "heating of the stator", quantity, power, "admittance"
+    yield "heating of the stator", f"the whole power taken in at {highest:g} V", power, "admittance", "W"

@@ -6,10 +6,11 @@ A pillar of radius a, height h, cross-section A = pi a^2 and second moment I = p
 
 (Johnson, *Contact Mechanics*, eq. 3.36 and section 7.2; Timoshenko's beam between two faces that stay parallel). The
 neighbours' dents lower the mean plane of a square grid, so that a punch is stiffer relative to it: f = 1 - 2.4830 a/p
-for point loads (lattice sum), below for near neighbours (boundary elements, +-1 %). The tangential compliance averaged
-over directions falls off as the normal one, with the same factor in the point loads' limit.
+for point loads (lattice sum), which holds up to a/p = 0.1; beyond, f comes from the table `NEIGHBOURS` (boundary
+elements, +-1 %). The tangential compliance averaged over directions falls off as the normal one, with the same factor
+in the point loads' limit.
 
-A given [wave], whose crests move towards +x, runs towards -x.
+A given [wave], whose surface points move towards +x at its crests, runs towards -x (retrograde motion).
 """
 
 import math
@@ -26,9 +27,9 @@ from studies.scene import Scene
 from studies.scene.pillars import SEED, read_pillars
 from studies.scene.slider import Slider
 
-# a/p and the stiffness of a punch relative to the mean plane over that of one alone
-NEIGHBOURS = (0.0, 0.05, 0.1, 0.2, 0.3, 0.4), (1.0, 1.13, 1.32, 1.92, 3.21, 6.96)
 LATTICE, LATTICE_REACH = 2.4830, 0.1  # sum over a square lattice, and the a/p up to which it holds
+# a/p beyond that, and the stiffness of a punch relative to the mean plane over that of one alone
+NEIGHBOURS = (0.2, 0.3, 0.4), (1.92, 3.21, 6.96)
 SILICON = "silicon"  # whose moduli pillars have where nothing says what they are of
 
 
@@ -54,7 +55,7 @@ def resolved_pillars(slider: Slider) -> Slider:
 
 @lru_cache(16)
 def layout(slider: Slider) -> dict:
-    """Return x, y, heights and diameters of the pillars in m as arrays, and the mean pitch across and along."""
+    """Return x, y, heights and diameters of the pillars as arrays, the mean pitch, and the pitch along y, all in m."""
     block = slider.pillars
     if block.file is not None:
         columns = {name: np.array(values) for name, values in read_pillars(block.file).items()}
@@ -117,12 +118,14 @@ def neighbours(radius_over_pitch):
     share = float(radius_over_pitch)
     if share <= LATTICE_REACH:
         return 1.0 - LATTICE * share
-    ratios, stiffer = (np.array(each) for each in NEIGHBOURS)
+    ratios, stiffer = NEIGHBOURS
     if share > ratios[-1]:
         raise SceneError(
             "slider.pillars.interaction", f"knows a radius of at most {ratios[-1]:g} pitches, got {share:.3g}"
         )
-    return float(PchipInterpolator(ratios, 1.0 / stiffer)(share))
+    joint = np.array([LATTICE_REACH / 2, LATTICE_REACH])  # two points of the line keep the slope there too
+    compliances = [*(1.0 - LATTICE * joint), *(1.0 / np.array(stiffer))]
+    return float(PchipInterpolator([*joint, *ratios], compliances)(share))
 
 
 def stiffnesses(slider: Slider, interaction: bool | None = None):
@@ -180,7 +183,7 @@ def strip_width(slider: Slider) -> float:
 
 
 def given_wave(scene: Scene):
-    """Return the `contact.PassingWave` of a [wave] of amplitude 1 m: towards -x, its crests move towards +x."""
+    """Return the `contact.PassingWave` of a [wave] of amplitude 1 m, which runs towards -x."""
     wave = scene.wave
     return contact.PassingWave(
         frequency=wave.frequency, wavelength=wave.wavelength or 1.0, ratio=wave.tangential_ratio, backward=1.0,

@@ -3,8 +3,9 @@
 A change of the stator, its transducers or the frequency requires a new solution of the section and its circuit; a
 change of the slider requires a new contact alone; voltage, power and burst require neither.  Runs, sweeps, fits,
 tolerances, measured curves, sensitivities and design searches take their answers from here.  Near the threshold the
-contact multiplies the stator's error: such a point is solved again on a stator ten times as accurate, at most ``STEPS``
-times.  The step that a point ends at depends on that point alone, so that its answer does not depend on its neighbours.
+contact multiplies the stator's error: such a point is solved again on a stator ten times as accurate, with ``STEPS``
+accuracies at most.  The step that a point ends at depends on that point alone, so that its answer does not depend on
+its neighbours.
 """
 
 import logging
@@ -41,7 +42,7 @@ GAIN = 0.1  # tolerance of the stator at a step, over that of the step before
 # Of the velocity's tolerance, for a stator solved in a band: a band that is one level finer costs half as much again,
 # a second band costs twice as much
 BAND_SHARE = 0.1
-STEPS = 3
+STEPS = 3  # accuracies of the stator, the first included
 
 
 class Predictor:
@@ -62,7 +63,7 @@ class Predictor:
     slider : bool
         Whether the scenes have a slider.
     steps : int
-        How often the stator may be solved more accurately.
+        Number of accuracies that the stator may be solved with, each ten times the one before; 1: no finer stator.
     as_run : bool
         True accepts a stator that misses its tolerance, with its error, and reports progress in detail.
     progress : callable, optional
@@ -95,7 +96,7 @@ class Predictor:
 
     @classmethod
     def of_record(cls, record: Record, *, progress: Callable[[str], None] | None = None) -> "Predictor":
-        """Return the predictor of a run's scene, its stator known; of steady states, without bands of tolerances."""
+        """Return the predictor of a run's scene, its stator known, without the scene's burst and [uncertain] block."""
         scene = replace(record.scene, uncertain=None)
         name = "wave" if scene.wave is not None else "drive"
         if scene.burst is not None:
@@ -128,7 +129,7 @@ class Predictor:
         -------
         list of dict
             Columns by name; ``status`` is "ok", "above tolerance: ...", "refused: ..." or "no answer: ...", and
-            ``relative_error`` is absent where there is no answer.
+            ``relative_error`` is absent where there is no answer, and ``refused`` true where the scene was refused.
         """
         answers: list[dict] = [{} for _ in many]
         todo = list(range(len(many)))
@@ -205,10 +206,12 @@ class Predictor:
             self._latest = question, motion
         return motion
 
-    def slider_answer(self, driven: DrivenContact, motion: SurfaceMotion | None = None) -> SliderAnswer:
+    def slider_answer(
+        self, driven: DrivenContact, motion: SurfaceMotion | None = None, tolerance: float | None = None
+    ) -> SliderAnswer:
         """Return what the slider does at every level of a contact's scene, each solved by itself.
 
-        ``motion``: of the surface, for bursts in which the slider travels.
+        ``motion``: of the surface, for bursts in which the slider travels.  ``tolerance``: by default the predictor's.
         """
         travels = (
             driven.scene.burst is not None and motion is not None and driven.scene.slider.travel is not False
@@ -216,7 +219,7 @@ class Predictor:
         along = wave_along(motion, driven.scene.slider) if travels else None
         driven = replace(driven, ringing=self.ring_up(driven), along=along)
         progress = self.progress if self.as_run else _silent
-        return slider_answer(driven, tolerance=self.tolerance, progress=progress)
+        return slider_answer(driven, tolerance=tolerance or self.tolerance, progress=progress)
 
     def take(self, record: Record) -> None:
         """Keep the stator's solution of a run of the scene."""
@@ -275,7 +278,7 @@ class Predictor:
                     raise SceneError(driven.level_key, f"must be one value at a point, got {count}")
                 ready[at] = driven
             except Exception as error:
-                answers[at] = {"status": reason(error)}
+                answers[at] = _without_answer(error)
         steady = [
             at for at, each in ready.items() if each.scene.slider is not None and each.scene.burst is None
         ]
@@ -288,29 +291,29 @@ class Predictor:
         for at, driven in ready.items():
             try:
                 if at in side_by_side:
-                    answer = side_by_side[at] or steady_answer(driven, driven.level, self.tolerance)
+                    answer = side_by_side[at] or steady_answer(driven, driven.level, tolerance)
                 else:
-                    answer = self._alone(driven, step)
+                    answer = self._alone(driven, step, tolerance)
                 answers[at] = amplitudes(driven) | also_asked(
                     also, tolerance, driven, answer, averaged=averaged
                 )
             except Exception as error:
-                answers[at] = {"status": reason(error)}
+                answers[at] = _without_answer(error)
         return answers
 
-    def _alone(self, driven: DrivenContact, step: int) -> dict:
+    def _alone(self, driven: DrivenContact, step: int, tolerance: float) -> dict:
         """Return the answer of a burst, or of a stator without a slider, as in a run."""
         scene, error = driven.scene, driven.stator_error
         if scene.slider is None:
-            missed = error > self.tolerance
+            missed = error > tolerance
             status = f"above tolerance: the stator's error is {error:.1e}" if missed else "ok"
             return {"relative_error": error if driven.level else 0.0, "status": status}
         motion = None
         if driven.solved is not None and scene.slider.travel is not False:
             stator, places = stator_alone(scene), tuple(driven.solved.at)
             motion = self.motion(stator, places, self._goal(stator, places, step))
-        answer = self.slider_answer(driven, motion)
-        return rated(answer.points[0], answer.parts[0], self.tolerance)
+        answer = self.slider_answer(driven, motion, tolerance)
+        return rated(answer.points[0], answer.parts[0], tolerance)
 
     def _read(self, name: str, changes: tuple) -> Any:
         """Return a block with some keys changed, or why it is refused."""
@@ -370,7 +373,7 @@ class Predictor:
         return answer
 
     def _in_band(self, stator: Scene, places: Any) -> bool:
-        """Return whether a stator is solved as one of a band: there are enough, and no finite aperture."""
+        """Return whether a stator is solved as one of a band: a range was given, and no finite aperture."""
         return (
             bool(self.limits)
             and not (stator.crossed or stator.piece)
@@ -388,6 +391,11 @@ class Predictor:
 def _resolved_stator(stator: Stator, transducer: tuple, piece: tuple, drive: Drive, spread: bool) -> Scene:
     alone = Scene(stator=stator, transducer=transducer, piece=piece, drive=drive)
     return resolve.resolved(alone, spread=spread)
+
+
+def _without_answer(error: Exception) -> dict:
+    """Return the columns of a point that has no answer."""
+    return {"status": reason(error), "refused": isinstance(error, SceneError)}
 
 
 def reason(error: Exception) -> str:

@@ -24,6 +24,7 @@ from studies.scene.slider import Slider
 MAX_BURST_SECONDS = 3600.0  # largest time to compute one burst, on one processor
 # Time in s to compute one cycle of the wave, by method, measured on a 2-core x86_64 machine.
 CYCLE_SECONDS = {"hysteretic": 6e-4, "exact": 1.4e-4, "stepped": 4.5e-6, "averaged": 5e-7}
+ROUNDED = 1e-6  # relative change of a length by the roundings of a mesh file
 MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 of the power
 
 
@@ -113,6 +114,11 @@ def pieces(scene: Scene) -> tuple:
             mesh = _mesh(block.file, LENGTHS[block.length_unit])
         except fem.MeshError as error:
             raise SceneError(f"{path}.file", f"names {error}") from None
+        low, high = mesh.extent
+        count, length = len(block.position), scene.stator.length
+        if count > 1 and count * (high - low) > (1 + ROUNDED) * length:
+            rule = f"must leave room for every place: {count} of a mesh {(high - low) * 1e3:.6g} mm wide, on a stator"
+            raise SceneError(f"{path}.position", f"{rule} {length * 1e3:g} mm long")
         meshed += [
             fem.MeshPiece(
                 name=block.label, mesh=mesh, position=place, solids=solids, electrodes=block.electrodes or ()

@@ -102,12 +102,17 @@ def mask(scene: Scene, sizes: Sizes | None = None) -> Mask:
     Raises
     ------
     SceneError
-        If there is no transducer, a part lies outside the chip, or combs touch, also because of a coarse grid.
+        If there is no transducer, a part lies outside the chip, or combs touch, also because of a coarse grid; if a
+        mesh of the whole stator draws other fingers than the transducers' blocks, which the mask follows.
     """
     sizes = Sizes() if sizes is None else sizes
     if not scene.transducer:
         scene.refuse("transducer", "is missing: a mask draws transducers")
     resolved = resolve.resolved(scene)
+    for said in resolve.whole_stator(resolved).other_fingers(resolve.transducers(resolved)):
+        raise SceneError(
+            "transducer", f"must have the fingers of the mesh, as a mask follows the block: {said}"
+        )
     length, width = resolved.stator.length, resolved.stator.width
     exact = [each for block in resolved.transducer for each in _transducer(block, sizes, length, width)]
     polygons = [replace(each, corners=_snapped(each.corners, sizes.grid)) for each in exact]

@@ -50,7 +50,7 @@ def _picture(drawn: Mask, scene: Scene, ax, tolerance: float, progress) -> None:
     from studies.record.surface_map import surface_map
 
     beam = None
-    if scene.drive is not None:
+    if scene.drive is not None and not scene.piece:  # with a mesh no finite aperture is computed
         progress("the beam, for the picture")
         alone = replace(scene, slider=None, uncertain=None, stator=replace(scene.stator, diffraction=True))
         drive = replace(alone.drive, burst=None, voltage=(max(scene.levels),))

@@ -62,7 +62,7 @@ class Search:
 
     def broken(self, row: dict) -> float:
         """Return the sum of the relative excesses over the constraints, and `UNKNOWN` where a point has no answer."""
-        if row["status"] != "ok" and not row["status"].startswith("above tolerance"):
+        if row["relative_error"] is None:
             return UNKNOWN
         return sum(max(0.0, each.excess(row)) for each in self.constraints)
 

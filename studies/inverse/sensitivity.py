@@ -162,7 +162,7 @@ def _answers(
     ]
     rows = predictor.answers(changes, also, tolerance=ACCURACY[outcome], averaged=True)
     for row in rows:
-        if row["status"].startswith("no answer"):
+        if "relative_error" not in row and not row.get("refused"):
             raise RunError(row["status"])
     return np.abs([row.get(column, math.nan) for row in rows])
 

@@ -140,6 +140,11 @@ def read_run(folder: Path) -> dict:
         if key in whole
     }
     fields |= {block: _complex(whole.get(block, {})) for block in ("wave", "electrical")}
+    if "measured" in fields:
+        curves = {
+            key: _arrays(fields["measured"][key]) for key in ("scan", "trace") if key in fields["measured"]
+        }
+        fields["measured"] |= curves
     fields["points"] = tuple(
         {key: value if key in PAIRS else _complex(value) for key, value in point.items()}
         for point in whole.get("points", ())
@@ -163,6 +168,15 @@ def _complex(value):
     if isinstance(value, dict):
         return {key: _complex(each) for key, each in value.items()}
     return complex(*value) if isinstance(value, list) and len(value) == 2 else value
+
+
+def _arrays(columns: dict) -> dict:
+    """Return columns of numbers of run.json as arrays, their pairs of numbers as complex ones."""
+    arrays = {name: np.array(values, dtype=float) for name, values in columns.items()}
+    return {
+        name: values if values.ndim == 1 else values[:, 0] + 1j * values[:, 1]
+        for name, values in arrays.items()
+    }
 
 
 def _table(path: Path) -> dict:

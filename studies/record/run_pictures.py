@@ -47,9 +47,7 @@ def measured_picture(record: "Record", ax):
     block = record.measured
     if "scan" in block:
         return draw_scan(block, ax)
-    trace = {
-        key: np.asarray(values) for key, values in block["trace"].items()
-    }  # lists in a record that was read
+    trace = block["trace"]
     unit, up = "m_per_s", quantity("velocity_m_per_s")
     if "measured_m" in trace:
         unit, up = "m", quantity("travelled_m")
@@ -66,7 +64,7 @@ def draw_scan(block: dict, ax):
     by_frequency = "frequency_Hz" in points and np.ptp(points["frequency_Hz"]) > 0.0
     key = "frequency_Hz" if by_frequency else "y_m" if np.ptp(points["x_m"]) == 0.0 else "x_m"
     along, up = quantity(key), quantity("amplitude_m_per_V")
-    at = np.asarray(points[key]) * along.scale
+    at = points[key] * along.scale
     order = np.argsort(at, kind="stable")
     computed, measured = (
         np.abs(points[f"{name}_m_per_V"])[order] * up.scale for name in ("predicted", "measured")

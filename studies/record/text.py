@@ -206,9 +206,8 @@ def sentences(record: "Record") -> tuple[str, ...]:
     """Return a line for every effect above the tolerance, and one that names those below it."""
     lines, small = [], []
     for each in record.model_error:
-        power, in_watts, _ = each["quantity"].partition(", in W")
-        if in_watts:
-            lines.append(f"{each['effect']}: up to {each['size']:.2g} W, {power}")
+        if "unit" in each:
+            lines.append(f"{each['effect']}: up to {each['size']:.2g} {each['unit']}, {each['quantity']}")
         elif abs(each["size"]) < record.tolerance:
             small.append(each["effect"])
         else:

@@ -16,6 +16,12 @@ from contextlib import contextmanager
 
 from studies.refusal import RunError, SceneError, shown
 
+ONE_THREAD = (
+    "OMP_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "MKL_NUM_THREADS",
+)  # a BLAS has one where these are 1
+
 
 class Workers:
     """The calling process: a batch is done when it is submitted, on all processors where kernels share their work."""
@@ -66,7 +72,7 @@ class Processes(Workers):
     def submit(self, work, *arguments) -> Future:
         """Give a batch to the next process that is free."""
         try:
-            with _interrupts_held():
+            with _starting():
                 return self._pool.submit(work, *arguments)  # may start a process
         except BrokenExecutor as error:
             future: Future = Future()
@@ -148,21 +154,30 @@ def workers(number: int | str) -> Workers:
 
 
 @contextmanager
-def _interrupts_held():
-    """Hold back interrupts while processes start, which inherit that: none reaches a worker before it is settled."""
-    if not hasattr(signal, "pthread_sigmask"):  # Windows
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+def _starting():
+    """Hold back Ctrl-C and allow one thread while processes start, which inherit both.
+
+    So none is interrupted before `_settle` makes it ignore the signal.  A BLAS reads its number of threads when it is
+    loaded, and numpy is loaded before `_settle` runs.
+    """
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    os.environ |= dict.fromkeys(ONE_THREAD, "1")
+    held = hasattr(signal, "pthread_sigmask")  # not on Windows
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if held else set()
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+        if held:
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 def _settle() -> None:
-    """Make a process a worker: one thread, deaf to the terminal's interrupt, gone when its driver is gone."""
-    os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
+    """Make a process a worker: it ignores the terminal's interrupt, and ends when its driver is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     driver = multiprocessing.parent_process()
 

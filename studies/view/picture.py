@@ -22,7 +22,7 @@ from PIL import Image
 
 from studies.chain import resolve
 from studies.refusal import needed
-from studies.view import description
+from studies.view import overlays
 from studies.view.quantities import shade
 from studies.view.run_field import RunField
 from studies.view.section import Piece, Sheet, beam_sheet, magnification, mesh_sheets, piece, sheets, strips
@@ -133,7 +133,7 @@ class Picture:
         low, high = (0.5 * height, 0.85 * height) if self.solid else (0.7 * height, 0.9 * height)
         if self.framed and not self.solid:
             _, low, _, high = max((frame.box for frame in self.frames), key=lambda box: box[3] - box[1])
-            entries = len(description.electrodes(self.run))
+            entries = len(overlays.electrodes(self.run))
             high = min(
                 high, height - LEGEND_MARGIN - LEGEND_LINE * entries - LETTERS
             )  # its title is below the legend
@@ -170,7 +170,7 @@ class Picture:
     def _add_electrodes(self, motion: Callable) -> None:
         """Add the strips of the electrodes; ``motion`` returns their displacement at points (x, y) in m."""
         lift = 0.02 * self.run.wavelength if self.solid else 0.0
-        for electrode in description.electrodes(self.run):
+        for electrode in overlays.electrodes(self.run):
             corners = strips(self.run, electrode, spreads=self.spreads)
             rest = np.insert(corners, 2, lift, axis=-1)
             mesh = self.pyvista.PolyData.from_regular_faces(MM * rest, np.arange(len(corners)).reshape(-1, 4))
@@ -270,11 +270,9 @@ class Picture:
 
     def _add_crystal_axes(self, frame: Frame) -> None:
         """Draw the crystal axes in the lower left corner of a view."""
-        start, pixel, colour = frame.view.start, frame.pixel, description.AXIS_COLOUR
+        start, pixel, colour = frame.view.start, frame.pixel, overlays.AXIS_COLOUR
         corner = MM * np.array([start + 40 * pixel, -self.run.aperture, frame.bottom + 30 * pixel])
-        named = [
-            (name, MM * pixel * np.array([x, 0, z])) for name, x, z in description.crystal_axes(self.run)
-        ]
+        named = [(name, MM * pixel * np.array([x, 0, z])) for name, x, z in overlays.crystal_axes(self.run)]
         for _, along in named:
             arrow = self.pyvista.Arrow(
                 start=corner, direction=along, scale=24 * np.hypot(*along[::2]), shaft_radius=0.03
@@ -326,7 +324,7 @@ class Picture:
             plotter.add_text("\n".join(lines), position="upper_left", font_size=letters, color="black")
         else:
             for frame in self.frames:
-                fingers = description.shown_fingers(run, frame.view.start, frame.view.stop)
+                fingers = overlays.shown_fingers(run, frame.view.start, frame.view.stop)
                 name = f"{frame.view.name}, {fingers}" if fingers else frame.view.name
                 if frame is self.frames[0]:
                     name = f"{run.scene.title}: {name} ({run.field.frequency / 1e6:g} MHz, {drive})"
@@ -337,7 +335,7 @@ class Picture:
             plotter.enable_parallel_projection()
             camera.focal_point, camera.position = (width / 2, height / 2, 0), (width / 2, height / 2, 1)
             camera.up, camera.parallel_scale = (0, 1, 0), height / 2
-        entries = [(each.label, each.colour) for each in description.electrodes(run)]
+        entries = [(each.label, each.colour) for each in overlays.electrodes(run)]
         if entries:
             legend, up = (
                 plotter.add_legend(entries, bcolor=None, face="rectangle"),
@@ -348,13 +346,13 @@ class Picture:
 
     def _stand(self) -> None:
         """Draw the balls of the slider on the crests of the enlarged wave."""
-        for ball in description.balls(self.run, spreads=self.spreads):
+        for ball in overlays.balls(self.run, spreads=self.spreads):
             centre = ball.place * MM, ball.lateral * MM, (ball.radius + self.factor * ball.crest) * MM
             sphere = self.pyvista.Sphere(
                 radius=ball.radius * MM, center=centre, theta_resolution=90, phi_resolution=90
             )
             options = {"smooth_shading": True, "ambient": 0.5} if self.solid else {"lighting": False}
-            self.plotter.add_mesh(sphere, color=description.BALL_COLOUR, **options)
+            self.plotter.add_mesh(sphere, color=overlays.BALL_COLOUR, **options)
 
 
 def said(run: RunField) -> str:

@@ -17,7 +17,7 @@ from PIL import Image
 from studies.refusal import SceneError, nearest
 
 NM = 1e9
-# Colours of the marks in description.py that are not black, grey or white.
+# Colours of the marks in overlays.py that are not black, grey or white.
 MARK_COLOURS = ("#CC79A7", "#E69F00", "#009E73")
 SCALE = 192  # number of a palette's 256 colours that the colour map takes
 DIVERGING, SEQUENTIAL = "RdBu_r", "Blues"

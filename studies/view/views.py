@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from studies.refusal import SceneError
-from studies.view import description
+from studies.view import overlays
 from studies.view.run_field import RunField
 
 MM = 1e3
@@ -124,7 +124,7 @@ def frames(run: RunField, views, *, size: tuple[int, int], framed: bool) -> tupl
     for view in views:
         pixel, available = (view.stop - view.start) / (right - LEFT), upper * view.weight / weights
         visible = pixel * max(available - above - below, 0.3 * available)
-        has_ball = any(view.start <= ball.place <= view.stop for ball in description.balls(run))
+        has_ball = any(view.start <= ball.place <= view.stop for ball in overlays.balls(run))
         headroom = 0.15 * min(visible, 2 * run.wavelength)
         top = max(min(2.1 * run.radius, BALL_SHARE * visible) if has_ball else headroom, 1.3 * highest)
         high = upper - above

@@ -15,7 +15,7 @@ import numpy as np
 
 from studies.record.plots import DPI, as_uri
 from studies.report.surface_map import draw_surface_map, pixels
-from studies.view import description
+from studies.view import overlays
 from studies.view.quantities import Shade, present, shade
 from studies.view.run_field import RunField
 from studies.view.section import magnification, thinned
@@ -66,14 +66,14 @@ def page(
         "quantity": quantity,
         "places": places,
         "place": len(places) - (2 if span is None else 1),
-        "balls": [ball.place for ball in description.balls(run)],
-        "crests": [ball.crest for ball in description.balls(run)],
-        "ball_colour": description.BALL_COLOUR,
-        "legend": [[each.label, each.colour] for each in description.electrodes(run)],
+        "balls": [ball.place for ball in overlays.balls(run)],
+        "crests": [ball.crest for ball in overlays.balls(run)],
+        "ball_colour": overlays.BALL_COLOUR,
+        "legend": [[each.label, each.colour] for each in overlays.electrodes(run)],
         "radius": run.radius,
         "fingers": _fingers(run),
-        "axes": [list(axis) for axis in description.crystal_axes(run)],
-        "axis_colour": description.AXIS_COLOUR,
+        "axes": [list(axis) for axis in overlays.crystal_axes(run)],
+        "axis_colour": overlays.AXIS_COLOUR,
     }
     text = json.dumps(meta, allow_nan=False).replace("</", "<\\/")
     template = (files("studies.view") / "wave_page.html").read_text(encoding="utf-8")
@@ -137,7 +137,7 @@ def _places(run: RunField, span) -> list[dict]:
 
 def _fingers(run: RunField) -> list[dict]:
     fingers = []
-    for electrode in description.electrodes(run):
+    for electrode in overlays.electrodes(run):
         for left, right in electrode.strips:
             points = [
                 [x, *(part for value in run.surface(x) for part in (value.real, value.imag))]

@@ -66,6 +66,9 @@ def test_what_happens_within_a_cycle_is_in_the_error():
     assert peak.bend(660, 2.2e6) == pytest.approx(0.5, rel=1e-9)
     unseen, plain = run(orbit(6e-9), envelope=peak), run(orbit(6e-9), envelope=flat(1.0, 0.0))
     assert unseen.velocity_at_burst_end == plain.velocity_at_burst_end
+    strict = run(orbit(6e-9), envelope=peak, tolerance=1e-7)
+    assert strict.status == "above tolerance"
+    assert "what the envelope does within a cycle" in strict.message
     gains = np.diff(run(orbit(6e-9), envelope=flat(1.0, 0.0), samples=1000).velocity).max()
     # the largest gain of a cycle, here a mean of some cycles
     assert 0.7 < (unseen.answer.error - plain.answer.error) / (1.5 * gains) < 1.1

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import contact
 import fem
@@ -20,6 +21,8 @@ from studies.lab.encoder import aligned, averaged, low_pass, travelled_distance
 from studies.lab.measurement_csv import measured_scan, read_measured
 from studies.lab.network import NetworkData, read_network
 from studies.lab.scan import Scan, scan_csv, scan_of_uff, scan_uff
+from studies.record import Record
+from studies.record.run_pictures import pictures
 from studies.record.scan_comparison import compared_scan
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -170,6 +173,24 @@ def both_fitted(seed):
         tolerance=1e-2,
     )  # fmt: skip
     return found, [low <= 1.0 <= high for low, high in found.intervals.values()]
+
+
+@pytest.mark.parametrize("kind", ["xy", "frequency"])
+@pytest.mark.parametrize("is_complex", [True, False])
+def test_a_scan_read_back_is_drawn_as_it_was(kind, is_complex, tmp_path):
+    scan = some_scan(kind)
+    block = compared_scan(
+        scan if is_complex else replace(scan, values=np.abs(scan.values)), 1.2 * scan.values,
+        wavelength=1.8e-3, source=8e-3,
+    )  # fmt: skip
+    record = Record(scene=Scene.load("twente-contact"), tolerance=1e-2, measured=block)
+    record.save(tmp_path / "run")
+    found = Record.load(tmp_path / "run")
+    for name, values in block["scan"].items():
+        np.testing.assert_array_equal(found.measured["scan"][name], values)
+    drawn = [pictures(each)["measured"](Figure().add_subplot()).get_lines() for each in (record, found)]
+    for before, after in zip(*drawn, strict=True):
+        np.testing.assert_array_equal(before.get_xydata(), after.get_xydata())
 
 
 def test_a_virtual_scan_gives_back_the_truth():

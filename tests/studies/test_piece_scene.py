@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import fem
 import studies
@@ -15,6 +16,7 @@ from studies import Scene, SceneError, run
 from studies.chain import resolve
 from studies.chain.predictor import Predictor
 from studies.chain.resolve import resolved, whole_stator
+from studies.export.mask_files import gds_files
 from studies.study import module
 from studies.sweeps.plan import designed
 from studies.view import wave_page
@@ -172,8 +174,21 @@ def test_a_stator_that_is_one_mesh(tmp_path):
     ]
     assert said == (
         'transducer "t": the mesh draws 2 fingers "+" from 1.625 to 2.875 mm and 2 "-" from 2.125 to 3.375 mm, the '
-        "block has 2 from 1.6 to 2.9 mm and 2 from 2.1 to 3.4 mm: the mesh counts, but for masks"
+        "block has 2 from 1.6 to 2.9 mm and 2 from 2.1 to 3.4 mm: the mesh counts"
     )
+
+
+def test_a_mask_of_a_mesh(tmp_path):
+    """Its picture asks for no beam; a block with other fingers than the mesh is refused."""
+    drawn = gds_files(whole(tmp_path), "chip", tolerance=1e-2, progress=lambda text: None)
+    ax = Figure().subplots()
+    drawn.pictures["mask.png"](ax)
+    assert ax.patches or ax.collections
+    with pytest.raises(
+        SceneError,
+        match='must have the fingers of the mesh, as a mask follows the block: transducer "t": the mesh',
+    ):
+        gds_files(whole(tmp_path, row=ROW | {"metallisation": 0.6}), "chip", tolerance=1e-2, progress=print)
 
 
 def test_pillars_on_a_mesh_are_refused(tmp_path):
@@ -306,6 +321,36 @@ def test_places_and_overlaps(plain):
         plain, position="11.5 mm"
     )
     assert "must name different places" in refused(plain, position=["6 mm", "6 mm"])
+    assert (
+        "piece.0.position must leave room for every place: 1000000 of a mesh 1 mm wide, on a stator 12 mm long"
+        in refused(plain, position="4 mm:11 mm:1000000")
+    )
+
+
+def test_an_end_piece_ends_where_the_stator_does(tmp_path):
+    end = rectangle(tmp_path / "end.msh", 1.0, 1.1, size=0.5, groups=("left", "bottom"))
+    assert (
+        'piece.0 ("end") has no line group right in its file "end", which makes it the right end of the stator: it '
+        "must end at x = 12 mm (stator.length), it ends at 6 mm" in refused(end, position="5 mm")
+    )
+    lost = rectangle(tmp_path / "lost.msh", 1.0, 1.1, size=0.5, groups=("right", "bottom"))
+    assert "it must end at x = 0 mm, it ends at 6 mm" in refused(lost, position="6 mm")
+    assert (
+        '"end" (5 to 6 mm) and "end" (7 to 8 mm) are both the right end, as the line group right is absent'
+        in (refused(end, position=["5 mm", "7 mm"]))
+    )
+    rounded = run(scene(end, {"ends": "free"}, position="10.99999 mm"), tolerance=0.5)
+    assert rounded.surface["x_m"][-1] == 12e-3
+
+
+def test_a_group_that_covers_part_of_a_border(tmp_path):
+    points = [(0, -1.1), (1, -1.1), (1, 0), (0, 0), (0, -0.6)]
+    triangles, lines = [(0, 1, 4), (1, 2, 4), (2, 3, 4)], {"left": [(4, 0)], "right": [(1, 2)]}
+    half = square(tmp_path / "half.msh", points, triangles, lines)
+    assert (
+        'piece.0 ("a") must have all lines of its left border in the line group left: in the file "half" the group '
+        "covers 0.5 of 1.1 mm" in refused(half, name="a")
+    )
 
 
 def test_a_ball_over_a_groove_is_refused_wherever_it_is_asked_for(tmp_path):
@@ -411,24 +456,24 @@ def test_what_a_piece_does_not_go_with(plain):
     assert "stator.diffraction must be false or absent with a [[piece]]" in refused(
         plain, {"diffraction": True}
     )
-    assert "needs a stator of finite thickness" in refused(plain, {"thickness": "half-space"})
-    assert "whose bottom is free, grounded or clamped" in refused(plain, {"bottom": "absorbing"})
+    assert "stator.thickness must be a length with a [[piece]], got 'half-space'" in refused(
+        plain, {"thickness": "half-space"}
+    )
+    assert "stator.bottom must be free, grounded or clamped with a [[piece]], got 'absorbing'" in refused(
+        plain, {"bottom": "absorbing"}
+    )
     assert "stator.above must be none with a meshed piece" in refused(plain, {"above": "vacuum"})
     end = {"ends": "absorbing", "bottom": "grounded"}
     resolved(scene(plain, end))
 
 
 def test_what_a_run_warns_of(tmp_path):
-    """A corner near the interface; an end piece that ends elsewhere than the stator."""
+    """A corner near the interface."""
     near = rectangle(tmp_path / "near.msh", 1.0, 1.1, size=0.5, groove=(0.05, 0.2, 0.15))
     (said,) = whole_stator(scene(near)).piece_warnings(2.17e6)
     assert said.startswith(
         'piece "near": a corner stands 0.05 mm from the interface left, nearer than an eighth'
     )
-    end = rectangle(tmp_path / "end.msh", 1.0, 1.1, size=0.5, groups=("left", "bottom"))
-    assert whole_stator(scene(end, position="11 mm")).piece_warnings(2.17e6) == ()
-    (said,) = whole_stator(scene(end, position="10 mm")).piece_warnings(2.17e6)
-    assert said == 'the end piece "end" ends at x = 11 mm, the stator at 12 mm: the piece counts'
 
 
 def test_a_free_wave_says_that_it_meets_no_piece(plain):
@@ -462,7 +507,7 @@ def test_the_shipped_meshes(tmp_path):
         given = scene(
             meshes / f"{name}.msh",
             {"thickness": "2 mm", "ends": "free" if end else "absorbing"},
-            position="9 mm" if not end else "10 mm",
+            position="9 mm" if not end else "10.5 mm",
             **rest,
         )
         stator = whole_stator(resolved(given))

@@ -159,6 +159,7 @@ def test_neighbours_stiffen_pillars():
     assert 1 / pillars.neighbours(0.05) == pytest.approx(1.13, rel=0.011)
     assert 1 / pillars.neighbours(0.1) == pytest.approx(1.32, rel=0.011)
     assert 1 / pillars.neighbours(0.3) == pytest.approx(3.21, rel=0.011)
+    assert pillars.neighbours(0.1 + 1e-9) == pytest.approx(pillars.neighbours(0.1), rel=1e-8)
     slider = scene(pillars={"height": None}).slider
     alone, near = (pillars.stiffnesses(slider, interaction=each)[0][0] for each in (False, True))
     assert alone == pytest.approx(2 * 10e-6 * 96.8e9, rel=1e-12)

@@ -71,7 +71,7 @@ def test_richardson_s_error_is_that_of_the_last_extrapolation(monkeypatch):
         def answers(self, many, also, *, tolerance, averaged):
             s = np.log([changes["wave.normal_amplitude"] / 6.3e-9 for changes in many])
             speeds = np.exp(s + s**3 + s**5 + size * s**7)
-            return [{"status": "ok", "velocity_m_per_s": speed} for speed in speeds]
+            return [{"status": "ok", "relative_error": 1e-11, "velocity_m_per_s": speed} for speed in speeds]
 
     monkeypatch.setattr(sensitivity, "numbers", lambda predictor: [])
     ((value, error),) = elasticities(Known(), "velocity", 6.3e-9, lambda text: None).values()
@@ -166,3 +166,14 @@ def test_both_sides_are_those_of_whole_runs_and_a_bend_is_said(predictor):
     assert said == [
         f"bends with wave.tangential_ratio: {100 * more:+.3g} % for 1 % more, -100 % for 1 % less"
     ]
+
+
+def test_a_state_that_averaging_does_not_give_is_judged_by_the_tolerance_of_the_question():
+    scene = Scene.load("twente-contact").replace(
+        wave={"normal_amplitude": ["3 nm"]}, slider={"method": "exact"}
+    )
+    predictor = MeasurementPredictor(scene, tolerance=1e-2)
+    loose, tight = (predictor.answers([{}], tolerance=each)[0] for each in (None, 1e-11))
+    assert loose["status"] == "ok"
+    assert tight["status"].startswith("above tolerance")
+    assert tight["velocity_m_per_s"] == loose["velocity_m_per_s"]

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import threadpoolctl
 
 from studies.chain import predictor, run
 from studies.chain.predictor import Predictor
@@ -25,7 +26,7 @@ from studies.sweeps import driver, sweep
 from studies.sweeps.axes import axis
 from studies.sweeps.plan import designed
 from studies.sweeps.store import FILE, Store
-from studies.sweeps.workers import Processes, Workers
+from studies.sweeps.workers import ONE_THREAD, Processes, Workers
 
 OVER = {"slider.preload": "0.1 mN:10 mN:8:log", "wave.normal_amplitude": "0.5 nm:20 nm:6"}
 SMALL = {
@@ -503,6 +504,17 @@ def test_a_worker_starts_deaf_to_interrupts():
     )  # held back by who started it, from its first instruction
     assert int(masks["SigIgn"], 16) & 1 << signal.SIGINT - 1
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+
+
+def test_a_worker_has_one_blas_thread_and_the_environment_stays(monkeypatch):
+    for name in ONE_THREAD:
+        monkeypatch.delenv(name, raising=False)
+    with closing(Processes(1)) as staff:
+        libraries = staff.submit(threadpoolctl.threadpool_info).result()
+    threads = [each["num_threads"] for each in libraries if each["user_api"] == "blas"]
+    assert threads
+    assert set(threads) == {1}
+    assert not set(ONE_THREAD) & set(os.environ)
 
 
 @pytest.mark.slow

@@ -135,7 +135,7 @@ def test_response_of_the_reduced_basis(name):
 def test_response_of_the_half_space():
     """By Stroh's problem at wave vectors within the disc.
 
-    At small wave vectors it is 9e-5 and more off with LAYER = 2, at the others 7e-7 with PARITY_SHARE = 1.
+    At small wave vectors it is 9e-5 and more off with LAYER = 2, at the others 7e-7 with SINGULAR[0] = 1e-4.
     """
     solid = lossless(*CUTS["128YX"])
     source = beam_in(solid, thickness=np.inf, length=14.0, pairs=1, order=5).source
@@ -177,7 +177,7 @@ def test_modes_of_the_reduced_basis_do_not_grow():
 def test_places_beside_the_fingers_are_not_resolved():
     """In cuts whose waves at more than 45 degrees are left out; in a ceramic poled along z they are known."""
     beam = beam_in(lossless(*CUTS["YZ"]), thickness=0.8, length=14.0, pairs=1, order=5)
-    (one,), near, side = beam.solution.fields.transducers, abs(beam._resolved), 2.5e-3
+    (one,), near, side = beam.solution.fields.transducers, abs(beam._near_distance), 2.5e-3
     assert beam.unresolved(one.center, side + 3 * near)
     assert beam.unresolved(one.extent[1] + 0.9 * near, -side + 0.9 * near)
     assert not beam.unresolved(one.extent[1] + 1.1 * near, side)
