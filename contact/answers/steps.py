@@ -16,7 +16,7 @@ import numpy as np
 
 from contact import bounds
 from contact.answers.methods import (
-    BENT,
+    ENVELOPE_CHANGE,
     EXACT_CYCLES,
     rest,
     rest_problem,
@@ -147,7 +147,7 @@ def step(
         bend += after.bend(math.ceil(after.time[-1] * frequency), frequency)
     # a change of the wave in one cycle changes the slider's speed for at most the rest of the burst: with a constant
     # acceleration that is twice the cycle's share of the travel
-    unseen = 2.0 * BENT * bend * scale / cycles
+    unseen = 2.0 * ENVELOPE_CHANGE * bend * scale / cycles
     return replace(fine, error=estimate + LEAST_ERROR * scale + shift + unseen)
 
 
