@@ -131,7 +131,10 @@ class CutSource:
     def branches(
         self, reach: float, distance: float, _resolved: float, mirror_width, spacing: float = 1.0
     ) -> Iterator[Branch]:
-        """Waves to both sides, at the nodes of a rule for points with a lateral reach of at most ``reach`` (m)."""
+        """Waves to both sides, at the nodes of a rule for points with a lateral reach of at most ``reach`` (m).
+
+        The parameters are those of `LineSource.branches`; ``_resolved`` has no effect here.
+        """
         rounded = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # rounded up, so that few rules serve all points
         low, high = (each * self.wavenumber for each in FADE)
         floats = self.section.floating_potential
@@ -173,14 +176,19 @@ class CutSource:
 
     def _spectrum(self, nodes) -> list[_Poles]:
         """Modes at every node; the surface wave is followed from k_y = 0 on, so that nodes must be close together."""
-        out, surface = [], self.wavenumber
+        out, surface_wavenumber = [], self.wavenumber
         for node in nodes:
             lateral = max(abs(node), NEARLY_ZERO * self.wavenumber) * (node / abs(node) if node else 1.0)
             # On the contour a wave grows along x in proportion to the tangent of the angle of its power, if that leaves
             # to the opposite side of its lateral phase: by Im k_y at 45 degrees, the limit of this module.
             allowed = abs(np.imag(lateral)) + GROWTH * self.wavenumber
-            out.append(self._poles(*self.reduced.modes(lateral), surface, allowed * self.section.length_unit))
-            surface = next(iter(out[-1].wavenumbers[out[-1].surface & out[-1].right]), surface)
+            out.append(
+                self._poles(
+                    *self.reduced.modes(lateral), surface_wavenumber, allowed * self.section.length_unit
+                )
+            )
+            surface_waves = out[-1].wavenumbers[out[-1].surface & out[-1].right]
+            surface_wavenumber = next(iter(surface_waves), surface_wavenumber)
         return out
 
     def _poles(self, k, shapes, left, carried, expected: complex, allowed: float) -> _Poles:
@@ -204,10 +212,8 @@ class CutSource:
         within = abs(k) < SIZES[1] * self.wavenumber * unit
         kept &= np.where(right, k.imag, -k.imag) < np.where(within, allowed, 0.0)
         surface = np.zeros(len(k), dtype=bool)
-        for side in (
-            right,
-            ~right,
-        ):  # the most localised mode near that of the k_y before, and its twin in a plate
+        # the most localised mode near that of the k_y before, and its twin in a plate
+        for side in (right, ~right):
             apart = abs(k) / abs(expected * unit) - 1
             share = (
                 section.surface_share(shapes)
@@ -216,10 +222,10 @@ class CutSource:
             )
             best = np.argmax(share)
             surface |= (share > TWIN_SHARE * share[best]) & (abs(k / k[best] - 1) < TWIN_MODES)
-        turn = np.ones((4, 1), dtype=complex)
+        factors = np.ones((4, 1), dtype=complex)
         if section.solid.mirror_y is not None:  # fields that change sign under y -> -y are scaled by i
-            turn[section.solid.mirror_y] = 1j
-        shapes, left = turn * shapes[_surface(section)], turn.conj() * left
+            factors[section.solid.mirror_y] = 1j
+        shapes, left = factors * shapes[_surface(section)], factors.conj() * left
         scale = charge_scale(section.solid)
         column, row = scale * shapes[:3] * left[3], scale * shapes[3] * left[:3]
         return _Poles(k[kept] / unit, right[kept], surface[kept], column.T[kept], row.T[kept])
@@ -305,14 +311,16 @@ class _Reduced(NamedTuple):
         flux = first @ shapes - 1j * (second @ shapes) * k
         return k, self.basis @ shapes, left, -np.imag(np.sum(flux * shapes.conj(), axis=0))
 
-    def growing(self, lateral: float, surface: float) -> np.ndarray:
+    def growing(self, lateral: float, surface_wavenumber: float) -> np.ndarray:
         """Real parts of the wavenumbers of modes that grow in the direction of their power.
 
-        ``lateral``: k_y in rad/m; ``surface``: wavenumber of the surface wave in radians per length unit.
+        ``lateral``: k_y in rad/m; ``surface_wavenumber``: in radians per length unit.
         """
         k, _, _, carried = self.modes(lateral)
-        grows = np.sign(carried) * k.imag > GROWTH * surface
-        return k.real[grows & (abs(k.imag) < NEARLY_REAL * abs(k.real)) & (abs(k) < SIZES[1] * surface)]
+        grows = np.sign(carried) * k.imag > GROWTH * surface_wavenumber
+        return k.real[
+            grows & (abs(k.imag) < NEARLY_REAL * abs(k.real)) & (abs(k) < SIZES[1] * surface_wavenumber)
+        ]
 
 
 def _reduced(section: Section, frequency: float, wavenumber: float, singular: float) -> _Reduced:
@@ -345,8 +353,8 @@ def _reduced(section: Section, frequency: float, wavenumber: float, singular: fl
         largest_error = 0.0
         for trial in trials:
             true = np.linalg.solve(whole.operator(*vector(*trial)), loads)[surface]
-            off = abs(reduced.response(*vector(*trial)) - true).max(axis=0) / abs(true).max(axis=0)
-            largest_error = max(largest_error, float(off.max()))
+            error = abs(reduced.response(*vector(*trial)) - true).max(axis=0) / abs(true).max(axis=0)
+            largest_error = max(largest_error, float(error.max()))
         reduced = reduced._replace(error=largest_error)
         if basis.shape[1] > MAX_BASIS_SHARE * section.size:
             return reduced
