@@ -128,9 +128,7 @@ class CrossedBeam:
                 total = total + abs(beam.motion(np.clip(s, 0.0, row.stator.length), t)[2])
         return total
 
-    def charge_error(
-        self, x: float | np.ndarray, y: float | np.ndarray = 0.0, normal: np.ndarray | None = None
-    ) -> np.ndarray | None:
+    def charge_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray | None:
         """`SurfaceBeam.charge_error` for the sum of all beams."""
         total, x, y = 0.0, np.asarray(x, dtype=float), np.asarray(y, dtype=float)
         for row, beam in self._moving:
@@ -139,7 +137,7 @@ class CrossedBeam:
             if own is None:
                 return None
             total = total + own * abs(beam.motion(s, t)[2])
-        return total / abs(self.motion(x, y)[2] if normal is None else normal)
+        return total / abs(self.motion(x, y)[2])
 
     def shadowed(self, slowing: float) -> float:
         """Estimated change of u_z, in m per V, by the metal of other rows, which this model neglects.

@@ -41,21 +41,20 @@ NEARLY_ZERO = 1e-5
 NEARLY_REAL = 0.3  # |Im k| / |Re k| below which the power flux of a mode determines its direction
 # Modes of absorbing layers may grow by this share of the surface wave's wavenumber.
 GROWTH = 1e-3
-# Factor on SINGULAR if x -> -x is a symmetry, where the modes cost a quarter.
-PARITY_SHARE = 0.3
 # Spacing of the nodes and distance of the contour from the real axis; the error is 2e-5 on YZ and 128YX lithium
 # niobate.  They are not used if the potential floats, because u_x then depends on |k_y|.
 COARSER, TILTED = 1.6, 0.06
 # Wave vectors of the reduced basis: number of directions on a half circle, range of sizes over the surface wave's, and
-# their angle in the complex plane in rad, which avoids the real wavenumbers of lossless modes.  With 120 fingers on a
-# half-space of YZ lithium niobate u_y is up to 3e-4 of the motion off; with 7 directions at 0.05 rad, which give as
-# many vectors, 1e-3 (against Stroh's problem as in test_oblique_bulk.py).
-DIRECTIONS, SIZES, TILT = 10, (0.02, 1.2), 0.02
+# their angle in the complex plane in rad, which avoids the real wavenumbers of lossless modes.  The skimming waves need
+# many directions: with 111 fingers at the free wavelength on a half-space of YZ lithium niobate, where u_z is weak, u_y
+# is up to 9e-4 of the motion off, with 10 directions 3e-3, with 7 at 0.05 rad 3e-2 (against Stroh's problem as in
+# test_oblique_bulk.py).
+DIRECTIONS, SIZES, TILT = 14, (0.02, 1.2), 0.02
 ORDER, LAYER = 7, 3  # least resolution of the section
 DEPTH = 0.5  # wavelengths of the half-space above its absorbing layer; 2 change the motion by less than 1e-4
 # Least singular value over the largest of the vectors in the basis, for each level of the section.  At TRIALS wave
 # vectors between those of the basis the error of the response must be less than ten times this value.
-SINGULAR, TRIALS = (1e-4, 1e-4, 1e-4, 2e-5, 4e-6, 8e-7), 5
+SINGULAR, TRIALS = (3e-5, 3e-5, 3e-5, 7e-6, 1.4e-6, 3e-7), 5
 # Where modes of the reduced section grow although those of the section do not, the responses at their wavenumbers are
 # added to the basis, at most so many times; one time suffices on 128YX lithium niobate, where the modes of the backward
 # bulk waves grow by 5e-3 without it and the beam lacks 7e-4 of the motion (test_cut_source.py).
@@ -132,7 +131,10 @@ class CutSource:
     def branches(
         self, reach: float, distance: float, _resolved: float, mirror_width, spacing: float = 1.0
     ) -> Iterator[Branch]:
-        """Waves to both sides, at the nodes of a rule for points with a lateral reach of at most ``reach`` (m)."""
+        """Waves to both sides, at the nodes of a rule for points with a lateral reach of at most ``reach`` (m).
+
+        The parameters are those of `LineSource.branches`; ``_resolved`` has no effect here.
+        """
         rounded = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # rounded up, so that few rules serve all points
         low, high = (each * self.wavenumber for each in FADE)
         floats = self.section.floating_potential
@@ -174,14 +176,19 @@ class CutSource:
 
     def _spectrum(self, nodes) -> list[_Poles]:
         """Modes at every node; the surface wave is followed from k_y = 0 on, so that nodes must be close together."""
-        out, surface = [], self.wavenumber
+        out, surface_wavenumber = [], self.wavenumber
         for node in nodes:
             lateral = max(abs(node), NEARLY_ZERO * self.wavenumber) * (node / abs(node) if node else 1.0)
             # On the contour a wave grows along x in proportion to the tangent of the angle of its power, if that leaves
             # to the opposite side of its lateral phase: by Im k_y at 45 degrees, the limit of this module.
             allowed = abs(np.imag(lateral)) + GROWTH * self.wavenumber
-            out.append(self._poles(*self.reduced.modes(lateral), surface, allowed * self.section.length_unit))
-            surface = next(iter(out[-1].wavenumbers[out[-1].surface & out[-1].right]), surface)
+            out.append(
+                self._poles(
+                    *self.reduced.modes(lateral), surface_wavenumber, allowed * self.section.length_unit
+                )
+            )
+            surface_waves = out[-1].wavenumbers[out[-1].surface & out[-1].right]
+            surface_wavenumber = next(iter(surface_waves), surface_wavenumber)
         return out
 
     def _poles(self, k, shapes, left, carried, expected: complex, allowed: float) -> _Poles:
@@ -205,10 +212,8 @@ class CutSource:
         within = abs(k) < SIZES[1] * self.wavenumber * unit
         kept &= np.where(right, k.imag, -k.imag) < np.where(within, allowed, 0.0)
         surface = np.zeros(len(k), dtype=bool)
-        for side in (
-            right,
-            ~right,
-        ):  # the most localised mode near that of the k_y before, and its twin in a plate
+        # the most localised mode near that of the k_y before, and its twin in a plate
+        for side in (right, ~right):
             apart = abs(k) / abs(expected * unit) - 1
             share = (
                 section.surface_share(shapes)
@@ -217,10 +222,10 @@ class CutSource:
             )
             best = np.argmax(share)
             surface |= (share > TWIN_SHARE * share[best]) & (abs(k / k[best] - 1) < TWIN_MODES)
-        turn = np.ones((4, 1), dtype=complex)
+        factors = np.ones((4, 1), dtype=complex)
         if section.solid.mirror_y is not None:  # fields that change sign under y -> -y are scaled by i
-            turn[section.solid.mirror_y] = 1j
-        shapes, left = turn * shapes[_surface(section)], turn.conj() * left
+            factors[section.solid.mirror_y] = 1j
+        shapes, left = factors * shapes[_surface(section)], factors.conj() * left
         scale = charge_scale(section.solid)
         column, row = scale * shapes[:3] * left[3], scale * shapes[3] * left[:3]
         return _Poles(k[kept] / unit, right[kept], surface[kept], column.T[kept], row.T[kept])
@@ -306,14 +311,16 @@ class _Reduced(NamedTuple):
         flux = first @ shapes - 1j * (second @ shapes) * k
         return k, self.basis @ shapes, left, -np.imag(np.sum(flux * shapes.conj(), axis=0))
 
-    def growing(self, lateral: float, surface: float) -> np.ndarray:
+    def growing(self, lateral: float, surface_wavenumber: float) -> np.ndarray:
         """Real parts of the wavenumbers of modes that grow in the direction of their power.
 
-        ``lateral``: k_y in rad/m; ``surface``: wavenumber of the surface wave in radians per length unit.
+        ``lateral``: k_y in rad/m; ``surface_wavenumber``: in radians per length unit.
         """
         k, _, _, carried = self.modes(lateral)
-        grows = np.sign(carried) * k.imag > GROWTH * surface
-        return k.real[grows & (abs(k.imag) < NEARLY_REAL * abs(k.real)) & (abs(k) < SIZES[1] * surface)]
+        grows = np.sign(carried) * k.imag > GROWTH * surface_wavenumber
+        return k.real[
+            grows & (abs(k.imag) < NEARLY_REAL * abs(k.real)) & (abs(k) < SIZES[1] * surface_wavenumber)
+        ]
 
 
 def _reduced(section: Section, frequency: float, wavenumber: float, singular: float) -> _Reduced:
@@ -326,8 +333,6 @@ def _reduced(section: Section, frequency: float, wavenumber: float, singular: fl
     loads, odd = np.eye(section.size)[:, surface], section.lateral_odd
     groups = [np.ones(section.size, dtype=bool)] if odd is None else [odd, ~odd]
     scale = wavenumber * np.exp(1j * TILT)
-    if odd is not None:
-        singular *= PARITY_SHARE
 
     def vector(size: float, angle: float) -> tuple[complex, complex]:
         return size * scale * np.cos(angle) * section.length_unit, size * scale * np.sin(angle)
@@ -348,8 +353,8 @@ def _reduced(section: Section, frequency: float, wavenumber: float, singular: fl
         largest_error = 0.0
         for trial in trials:
             true = np.linalg.solve(whole.operator(*vector(*trial)), loads)[surface]
-            off = abs(reduced.response(*vector(*trial)) - true).max(axis=0) / abs(true).max(axis=0)
-            largest_error = max(largest_error, float(off.max()))
+            error = abs(reduced.response(*vector(*trial)) - true).max(axis=0) / abs(true).max(axis=0)
+            largest_error = max(largest_error, float(error.max()))
         reduced = reduced._replace(error=largest_error)
         if basis.shape[1] > MAX_BASIS_SHARE * section.size:
             return reduced

@@ -168,11 +168,10 @@ class Faces:
         from_right = right @ (at_right + across * from_left)
         from_left = left @ (at_left + back * from_right[kept])
         rows = [modes.section.surface_dofs[name] for name in ("ux", "uy", "uz")]
-        turn = np.array([1.0, 1.0 if modes.section.solid.mirror_y is None else 1j, 1.0])[
-            :, None
-        ]  # of u_y / i
+        # Where y -> -y is a symmetry the unknown of u_y is u_y / i.
+        factors = np.array([1.0, 1.0 if modes.section.solid.mirror_y is None else 1j, 1.0])[:, None]
         motion = [
-            (turn * shapes[rows])[:, None] * amplitudes.T
+            (factors * shapes[rows])[:, None] * amplitudes.T
             for shapes, amplitudes in ((modes.right, from_left), (modes.left, from_right))
         ]
         return np.stack([forward, backward]), np.stack(motion)

@@ -4,7 +4,8 @@ With I = Y V (currents into the positive electrodes), a source of voltage S behi
 loaded transducer V + Z I = 0, a short-circuited one V = 0, an open one I = 0.  A ladder between source and transducer
 transforms voltage and current to V' = A V + B I and I' = C V + D I at the source's end, where V' + Z I' = S; its
 impedance at the electrodes is then (B + Z D) / (A + Z C).  Only this module knows which transducers are driven:
-everything below it solves for unit voltage at every port.
+everything below it solves for unit voltage at every port.  The open strips of a transducer ("o" in its pattern) are not
+ports: they are eliminated with the condition of zero charge (`fem.condense.join.open_circuited`).
 """
 
 from collections.abc import Mapping

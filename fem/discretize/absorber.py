@@ -119,7 +119,7 @@ def backwardness(solid: Solid) -> float:
 
 @lru_cache(maxsize=64)
 def _strength(solid: Solid, order: int, level: int) -> tuple[tuple[float, float], float]:
-    """First pair of `STRENGTHS` for which no guided mode grows, or else the one with the least growth; its growth."""
+    """First pair of `STRENGTHS` for which no guided mode grows, or else the pair with the least growth; that growth."""
     body, tried = _lossless(solid), []
     for strength in STRENGTHS:
         layer = _selective(solid, body, order, DEPTHS[level].selective, *strength)

@@ -188,7 +188,7 @@ def _finger_ends(record: Record) -> Rows:
         yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
         return
     at = tuple(zip(*places, strict=True))
-    charge_error = beam.charge_error(*at, motion.at(places)[2])
+    charge_error = beam.charge_error(*at)
     if charge_error is not None:
         yield (
             effect,

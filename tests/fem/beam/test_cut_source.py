@@ -135,7 +135,7 @@ def test_response_of_the_reduced_basis(name):
 def test_response_of_the_half_space():
     """By Stroh's problem at wave vectors within the disc.
 
-    At small wave vectors it is 9e-5 and more off with LAYER = 2, at the others 7e-7 with PARITY_SHARE = 1.
+    At small wave vectors it is 9e-5 and more off with LAYER = 2, at the others 7e-7 with SINGULAR[0] = 1e-4.
     """
     solid = lossless(*CUTS["128YX"])
     source = beam_in(solid, thickness=np.inf, length=14.0, pairs=1, order=5).source
