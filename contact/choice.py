@@ -1,12 +1,18 @@
 r"""Choice of the method for a problem of the contact, by its applicability and its estimated error.
 
-Each kind of problem (a burst, a step, a steady state, ...) has a table of methods. `choose` returns the result of the
-first method, the cheapest, that applies and whose estimated error is within the tolerance. If a method that the user
-named misses the tolerance, the exact method replaces it, provided that it is cheap enough. For steady states
-`first_to_converge` returns the result of the first method that applies and converges; whether a method applies may
-depend on why the one before it failed. Every answer is a number with an error, a status and reasons.
+The methods of each question, and the errors that they state, are in `contact/answers`:
 
-The status is "ok" or "above tolerance" (the stated error is larger than the tolerance).
+- a burst: table `methods.BURST_METHODS`, rule of "auto" `methods.run`, errors `methods._exact`, `methods.Window.error`
+  and `averaged/burst.averaged_run`;
+- a steady state: table `steady.STEADY_METHODS`, rule of "auto" above it, errors in the functions of the table;
+- a step: no table, its error `steps.step`; averaged sweeps and pillars: one method each, with its error, in
+  `averaged/sweep_rows` and `averaged/pillar_motion`.
+
+`choose` returns the result of the first method, the cheapest, that applies and whose estimated error is within the
+tolerance. If a method that the user named misses the tolerance, the exact method replaces it, provided that it is cheap
+enough. For steady states `first_to_converge` returns the result of the first method that applies and converges; whether
+a method applies may depend on why the one before it failed. Every answer is a number with an error, a status and
+reasons. The status is "ok" or "above tolerance" (the stated error is larger than the tolerance).
 """
 
 import math
@@ -117,7 +123,16 @@ class Choice(NamedTuple):
     reasons: tuple[str, ...]
 
 
-def choose(methods: dict[str, Method], question, asked: str, *, what: str, exact: bool, way: str) -> Choice:
+def choose(
+    methods: dict[str, Method],
+    question,
+    asked: str,
+    *,
+    what: str,
+    exact: bool,
+    way: str,
+    exact_first: bool = False,
+) -> Choice:
     """Return the first result within its tolerance, or else the one with the smallest error.
 
     Parameters
@@ -134,11 +149,14 @@ def choose(methods: dict[str, Method], question, asked: str, *, what: str, exact
         True if the exact method is cheap enough to be used although the user did not name it.
     way : str
         Advice in the error message if no method applies.
+    exact_first : bool
+        True if "auto" tries the exact method first and takes its result whatever the error.
 
     Raises
     ------
     ConvergenceError
-        Status "not applicable" with the reasons of all requested methods, or the error of the last method.
+        Status "not applicable" with the reasons of all requested methods, or the error of the exact method,
+        or of the first if the exact one was not tried.
     """
     why = {name: each.refusals(question) for name, each in methods.items()}
     names = [name for name in methods if not why[name]]
@@ -149,6 +167,8 @@ def choose(methods: dict[str, Method], question, asked: str, *, what: str, exact
         names = [asked] + ["exact"] * (exact and asked != "exact" and "exact" in names)
     elif not exact and len(names) > 1:
         names = [name for name in names if name != "exact"]
+    if asked == "auto" and exact_first:
+        names.sort(key=lambda name: name != "exact")
     if not names:
         raise refused(what, why, way)
     best, failure = None, None
@@ -159,11 +179,13 @@ def choose(methods: dict[str, Method], question, asked: str, *, what: str, exact
         except ConvergenceError as failed:
             if name == asked:
                 raise
-            failure = failed
+            failure = failed if failure is None or name == "exact" else failure
+            if name == "exact":
+                reasons = (f"the exact method failed: {failed}",)
             continue
         if best is None or result.error <= best.result.error:
             best = Choice(result, name, reasons)
-        if result.error <= result.allowed:
+        if result.error <= result.allowed or name == "exact":
             break
         if name == asked:
             reasons = (f"followed exactly, because the {name} method misses the tolerance",)

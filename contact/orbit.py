@@ -1,8 +1,8 @@
 """Prescribed harmonic motion of the surface point under one contact.
 
 The displacement is u = Re(amplitude exp(i omega t)) with peak amplitudes; x points along the surface and z out of it,
-towards the slider. ``normal=A, tangential=-1j*r*A`` describes an elliptic motion with u_x and u_z in quadrature whose
-crests move towards +x.
+towards the slider. ``normal=A, tangential=-1j*r*A`` describes an elliptic motion with u_x and u_z in quadrature
+whose surface points move towards +x at its crests. A Rayleigh wave of this orbit (retrograde) runs towards -x.
 """
 
 import math

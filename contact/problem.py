@@ -3,9 +3,9 @@ r"""The slider's equations in the wave's own units: one named tuple that every k
 Unit of time 1/omega (so time is phase), of length ell = max(rest approach, largest |u_z| or |u_x|), of force
 m omega^2 ell. With approach zeta_i:
 
-    z_s'' = sum kappa p(zeta_i) (1 + chi zeta_i') - d_n z_s' - p,    v' = sum Q_i - d_t v - q,
+    z_s'' = sum kappa p(zeta_i) (1 + chi zeta_i') - d_n z_s' - p_0,    v' = sum Q_i - d_t v - q,
 
-with p(zeta) the load of `law.normal` and zeta_i of `body`.
+with p(zeta) the load of `law.normal`, p_0 the preload and zeta_i of `body`.
 """
 
 import math
@@ -29,7 +29,7 @@ class Problem(NamedTuple):
     contact_damping: float  # chi
     # d_n and d_t
     normal_damping: float
-    preload: float  # p
+    preload: float  # p_0
     tangential_damping: float
     load: float  # q, with the sign of the load
     # mu and c, the slip limit over the approach; of a law without one such number a typical mu, and the largest c
@@ -92,8 +92,8 @@ def full_friction(problem):
     return problem.friction * problem.preload
 
 
-class Own(IntEnum):
-    """Places of a slider's numbers, SI units."""
+class SliderNumber(IntEnum):
+    """Places of the numbers of a slider (`numbers`), SI units."""
 
     MASS = 0
     STIFFNESS = 1  # K
@@ -109,7 +109,7 @@ class Own(IntEnum):
 
 
 def numbers(s: Slider, contacts: int) -> list[float]:
-    """Return what `in_units` takes of a slider, in the order of `Own`."""
+    """Return what `in_units` takes of a slider, in the order of `SliderNumber`."""
     return [
         s.mass, s.normal_stiffness, s.limit_slope, s.preload, s.load, s.static_coefficient, s.contact_damping,
         s.normal_damping, s.tangential_damping, s.contact_shape, float(s.rest_approaches(contacts).max()),
@@ -126,15 +126,15 @@ def paths_of(orbits: tuple[Orbit, ...], heights: np.ndarray, factor: complex = 1
 
 
 @formula
-def in_units(slider, length, omega, paths, law):
-    """Return the problem of a slider (`numbers`) and its law on scaled paths, its longest segment left open."""
-    mass, shape = slider[Own.MASS], int(slider[Own.SHAPE])
+def in_units(numbers, length, omega, paths, law):
+    """Return the problem of a slider with these `numbers` and its law on scaled paths, without a longest segment."""
+    mass, shape = numbers[SliderNumber.MASS], int(numbers[SliderNumber.SHAPE])
     unit = mass * omega**2 * length
     return Problem(
-        slider[Own.STIFFNESS] * normal.load(length, shape) / unit, slider[Own.CHI] * omega * length,
-        slider[Own.NORMAL_DAMPING] / (mass * omega), slider[Own.PRELOAD] / unit,
-        slider[Own.TANGENTIAL_DAMPING] / (mass * omega), slider[Own.LOAD] / unit,
-        slider[Own.FRICTION], slider[Own.SLOPE], 0.0, np.inf, shape, paths, length, omega, law,
+        numbers[SliderNumber.STIFFNESS] * normal.load(length, shape) / unit, numbers[SliderNumber.CHI] * omega * length,
+        numbers[SliderNumber.NORMAL_DAMPING] / (mass * omega), numbers[SliderNumber.PRELOAD] / unit,
+        numbers[SliderNumber.TANGENTIAL_DAMPING] / (mass * omega), numbers[SliderNumber.LOAD] / unit,
+        numbers[SliderNumber.FRICTION], numbers[SliderNumber.SLOPE], 0.0, np.inf, shape, paths, length, omega, law,
     )  # fmt: skip
 
 
@@ -145,7 +145,7 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
     u = Re(amplitude exp(i (phase + start))).
     """
     own, reach = numbers(slider, len(orbits)), max(max(abs(o.normal), abs(o.tangential)) for o in orbits)
-    length, omega = max(own[Own.REST], reach, 1e-300), orbits[0].omega
+    length, omega = max(own[SliderNumber.REST], reach, 1e-300), orbits[0].omega
     paths = paths_of(orbits, slider.offsets(len(orbits)) / length, np.exp(1j * start) / length)
     problem = in_units(own, length, omega, paths, slider.tangential_law)
     return _with_longest(
@@ -160,7 +160,10 @@ def largest_resonance(problem: Problem) -> float:
 
 
 def _with_longest(problem, longest, **changed):
-    """Return the problem with the longest segment that wave, contact and dampers allow: Picard gains nothing beyond."""
+    """Return the problem with the longest segment that wave, contact and dampers allow.
+
+    Beyond these lengths the Picard iteration of a segment converges too slowly.
+    """
     damping = max(
         problem.normal_damping, problem.tangential_damping, problem.contact_damping * problem.stiffness
     )

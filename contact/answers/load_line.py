@@ -14,8 +14,8 @@ import numpy as np
 
 from contact import bounds
 from contact.answers.steady import SteadyState, steady
+from contact.averaged.burst import STIFFEST_STEADY, refuse_unless_applicable
 from contact.averaged.equilibrium import mean_tangential_forces, rest_forces
-from contact.averaged.run import STIFFEST_STEADY, refuse_unless_applicable
 from contact.averaged.sweep import mean_motion
 from contact.averaged.sweep_rows import STALL_ERROR
 from contact.choice import Answer

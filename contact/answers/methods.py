@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.averaged.burst import COMPARED, averaged_run, refusals
 from contact.averaged.event_cycle import opposed
-from contact.averaged.run import averaged_run, refusals
 from contact.body import Paths
 from contact.choice import Choice, Method, Result, choose, refused
 from contact.convergence_error import ConvergenceError
@@ -28,48 +28,52 @@ from contact.problem import Problem, largest_resonance, scaled, without_wave
 from contact.slider import Slider
 from contact.stepping.time_stepping import steps
 
-# Method "auto" uses the event-driven method up to this number of cycles, whatever the tolerance.
+# Choice of the method. EXACT_CYCLES: method "auto" uses the event-driven method up to this number of cycles, whatever
+# the tolerance. MAX_EXACT_CYCLES: if another method misses the tolerance, the exact method takes over up to this number
+# (about 10 s).
 EXACT_CYCLES = 3000
-# Rounding errors of the velocity in the event-driven method. DRIFT: per cycle, relative to the reference speed.
-# SCATTER: over the root of the number of segments, in units of `Problem.speed`; segments add and subtract lengths of
-# order one, so that a wave with little u_x leaves few digits. Against runs of 20 nodes the errors of 150 draws of
-# `tests/contact/aimed.py`, each of at most 1500 cycles at the tolerances 1e-3, 1e-8, 1e-10 and 1e-13, were at most 1.4
-# times the stated ones; without SCATTER draws 9 and 136 exceed three times the stated ones.
-DRIFT, SCATTER = 1e-15, 4e-16
-# If another method misses the tolerance, the exact method takes over up to this number of cycles (about 10 s).
 MAX_EXACT_CYCLES = 100_000
-# The errors of the other methods are calibrated by the exact method in this many first cycles of a burst.
-WINDOW = 1000
-# Safety factors: on the calibration ratio, on an estimate after the calibration window, and on the estimate of a run
-# that cannot be calibrated.
-CALIBRATION, BEYOND, UNCHECKED = 2.0, 1.5, 5.0
-# The exact method refuses bursts of more segments than this (some minutes).
+
+# Exact method. It refuses bursts of more segments than this (some minutes).
 MAX_SEGMENTS = 1e8
-# Numbers of steps per cycle, and the smallest tolerance for which each was observed to be fine enough.
-STEPS = ((24, 2e-3), (32, 4e-4), (56, 4e-5), (80, 1e-5), (128, 1.5e-6), (192, 2e-7), (256, 0.0))
-# Order of convergence in the step size that the error estimate assumes. Spheres converge with order 1.5 to 2, punches
-# and contact dampers with order 1. Both may converge more slowly between two neighbouring step sizes.
-ORDER = 1.0
-# number of times in the second half of a burst at which two runs are compared
-COMPARED = 24
-# Every error estimate of the fixed time steps is increased by this fraction of the tolerance in `STEPS`, because two
-# runs may agree by chance.
-FLOOR = 0.01
 # Nodes per segment, truncation error of a segment, maximum segment length over that of the problem, and the smallest
 # tolerance for which this level is fine enough. Neighbouring levels differ in all three, so that their difference shows
 # the error: the truncation has no effect if events limit the segments, and the number of nodes has none if the forces
 # are polynomials (a punch).
 ORDERS = ((8, 1e-5, 0.8, math.inf), (10, 1e-7, 1.0, 1e-8), (12, 1e-9, 0.8, 1e-10), (16, 1e-12, 1.0, 0.0))
-# Largest relative change of the velocity that a cycle adds, over that of the wave's amplitude. Against the oracle
-# `contact_motion`, an envelope of five random slopes had 0.1 and a phase of +-3 rad in 50 cycles 0.5 of this error.
-BENT = 3.0
-# SPENT: a ring-down ends when the amplitude is below this fraction of the envelope's maximum.
-# RINGING_STEPS: minimum number of steps per cycle during the ring-down.
-SPENT, RINGING_STEPS = 1e-3, 80
-# largest omega_n dt (contact resonance times step) for which fixed time steps are allowed
+# Rounding errors of the velocity. DRIFT: per cycle, relative to the reference speed. SCATTER: over the root of the
+# number of segments, in units of `Problem.speed`; segments add and subtract lengths of order one, so that a wave with
+# little u_x leaves few digits. Against runs of 20 nodes the error was up to 4e-16 in 140 of 150 draws of
+# `tests/contact/aimed.py` at 1e-10, and within twice the stated one in all.
+DRIFT, SCATTER = 1e-15, 4e-16
+
+# Fixed time steps. Numbers of steps per cycle, and the smallest tolerance for which each was seen to be fine enough.
+STEPS = ((24, 2e-3), (32, 4e-4), (56, 4e-5), (80, 1e-5), (128, 1.5e-6), (192, 2e-7), (256, 0.0))
+# Order of convergence in the step size that the error estimate assumes. Spheres converge with order 1.5 to 2, punches
+# and contact dampers with order 1. Both may converge more slowly between two neighbouring step sizes.
+ORDER = 1.0
+# Every error estimate is increased by this fraction of the tolerance in `STEPS`, because two runs may agree by chance.
+FLOOR = 0.01
+# largest omega_n dt (contact resonance times step)
 MAX_STEP = 0.2
 # largest relative change of velocity in one step by the contact damper
 MAX_DAMPING = 5e-3
+# Under an envelope: largest relative change of the velocity that a cycle adds, over that of the wave's amplitude.
+# Against the oracle `contact_motion`, an envelope of five random slopes had 0.1 and a phase of +-3 rad in 50 cycles 0.5
+# of this error.
+ENVELOPE_CHANGE = 3.0
+ENVELOPE_OUT = (
+    "leave the envelope out, or give the elastic law without reciprocal force and stick band, and more mass"
+)
+# SPENT: a ring-down ends when the amplitude is below this fraction of the envelope's maximum.
+# RINGING_STEPS: minimum number of steps per cycle during the ring-down.
+SPENT, RINGING_STEPS = 1e-3, 80
+
+# Errors of the averaged method and of the fixed time steps: calibrated by the exact method in this many first cycles.
+WINDOW = 1000
+# Safety factors: on the calibration ratio, on an estimate after the calibration window, and on the estimate of a run
+# that cannot be calibrated.
+CALIBRATION, BEYOND, UNCHECKED = 2.0, 1.5, 5.0
 
 
 def rest_problem(slider, orbits):
@@ -136,11 +140,6 @@ def ring_down(slider, motion, envelope, *, longest=math.inf, samples=0, least=RI
     return stride * np.arange(1, len(rows) + 1) / frequency, rows
 
 
-ENVELOPE_OUT = (
-    "leave the envelope out, or give the elastic law without reciprocal force and stick band, and more mass"
-)
-
-
 class Burst(NamedTuple):
     """A burst from rest that returns a row every `stride` cycles; `envelope` as in `time_stepping.steps`."""
 
@@ -154,14 +153,14 @@ class Burst(NamedTuple):
     bend: float = 0.0  # `Envelope.bend`
 
     @property
-    def inner(self) -> int:
+    def cycles_per_compared_row(self) -> int:
         """Number of cycles between two compared rows, a divisor of `stride`."""
         return largest_divisor(self.stride, max(1, self.cycles // (2 * COMPARED)))
 
     @property
-    def every(self) -> int:
+    def compared_per_returned_row(self) -> int:
         """Number of compared rows for each returned row."""
-        return self.stride // self.inner
+        return self.stride // self.cycles_per_compared_row
 
     def allowed(self, velocity: float) -> float:
         """Return the allowed error of a velocity, both scaled."""
@@ -194,7 +193,8 @@ def _exact(burst):
         ):  # with few nodes the solver may report events without end: try the next level
             if least == len(ORDERS) - 1:
                 raise
-    return result._replace(run=(motion, rows[burst.every - 1 :: burst.every]), statistics=motion.events())
+    every = burst.compared_per_returned_row
+    return result._replace(run=(motion, rows[every - 1 :: every]), statistics=motion.events())
 
 
 def _every_event(burst, nodes, truncation, longest):
@@ -202,7 +202,7 @@ def _every_event(burst, nodes, truncation, longest):
     problem = burst.problem._replace(longest=longest * burst.problem.longest)
     motion = rest(burst.slider, burst.orbits, problem, nodes=nodes, truncation=truncation)
     motion.begin()
-    rows = motion.turn(burst.cycles, stride=burst.inner)
+    rows = motion.turn(burst.cycles, stride=burst.cycles_per_compared_row)
     motion.problem = burst.problem
     return _compared(rows, motion.state), motion, rows
 
@@ -233,14 +233,19 @@ def _stepped(burst):
     def follow(level):
         state = start.state.copy()
         rows = steps(
-            burst.problem, state, burst.cycles, STEPS[level][0], stride=burst.inner, envelope=burst.envelope
+            burst.problem,
+            state,
+            burst.cycles,
+            STEPS[level][0],
+            stride=burst.cycles_per_compared_row,
+            envelope=burst.envelope,
         )
         return _compared(rows, state), state, rows
 
     def in_window(level):
         coarse, fine = (
             steps(window.burst.problem, _at_rest(window.burst).state.copy(), window.burst.cycles, STEPS[k][0],
-                  stride=window.burst.inner)[:, Column.VELOCITY]
+                  stride=window.burst.cycles_per_compared_row)[:, Column.VELOCITY]
             for k in (level - 1, level)
         )  # fmt: skip
         return fine, float(np.max(np.abs(fine - coarse))) / gain(level)
@@ -250,16 +255,18 @@ def _stepped(burst):
         estimate = difference / gain(level) + FLOOR * STEPS[level][1] * reference
         return window.error(estimate, run[0][-1], lambda: in_window(level)) if reference > 0.0 else 0.0
 
-    level, (_, state, rows), result = _refined(burst, follow, error, STEPS, _serving_steps(burst)[1])
+    least = _serving_steps(burst)[1]  # [1], because the level below is run for comparison
+    level, (_, state, rows), result = _refined(burst, follow, error, STEPS, least)
     start.state[:] = state
     statistics = {
         "steps_per_cycle": STEPS[level][0], "cycles": burst.cycles,
         "omega_n_dt": largest_resonance(burst.problem) * 2.0 * math.pi / STEPS[level][0],
     }  # fmt: skip
-    gains = np.diff(rows[:, Column.VELOCITY], prepend=0.0) / burst.inner
+    gains = np.diff(rows[:, Column.VELOCITY], prepend=0.0) / burst.cycles_per_compared_row
+    every = burst.compared_per_returned_row
     return result._replace(
-        run=(start, rows[burst.every - 1 :: burst.every]), statistics=statistics,
-        error=result.error + BENT * burst.bend * float(np.max(np.abs(gains))),
+        run=(start, rows[every - 1 :: every]), statistics=statistics,
+        error=result.error + ENVELOPE_CHANGE * burst.bend * float(np.max(np.abs(gains))),
     )  # fmt: skip
 
 
@@ -291,7 +298,7 @@ def _averaged(burst):
         )
 
     def in_window():
-        _, rows, error, _ = follow(window.burst._replace(stride=window.burst.inner))
+        _, rows, error, _ = follow(window.burst._replace(stride=window.burst.cycles_per_compared_row))
         return rows[:, Column.VELOCITY], error
 
     motion, rows, error, statistics = follow(burst)
@@ -410,15 +417,14 @@ METHODS = ("auto", *BURST_METHODS)
 def run(method: str, burst: Burst) -> Choice:
     """Return the run (motion at the end, rows) of a burst, its error and the method used.
 
-    Method "auto" uses the exact method up to `EXACT_CYCLES` cycles. Only the exact method accumulates the energies in
-    the motion's sums.
+    Method "auto" uses the exact method up to `EXACT_CYCLES` cycles; if it fails, and for longer bursts, the cheapest
+    one within the tolerance. Only the exact method accumulates the energies in the motion's sums.
     """
-    if method == "auto" and burst.cycles <= EXACT_CYCLES and not _exact_refusals(burst):
-        method = "exact"
     way = "leave the envelope out and use method exact" if burst.envelope.size else "shorten the burst"
     return choose(
-        BURST_METHODS, burst, method, what="a burst", exact=burst.cycles <= MAX_EXACT_CYCLES, way=way
-    )
+        BURST_METHODS, burst, method, what="a burst", exact=burst.cycles <= MAX_EXACT_CYCLES,
+        exact_first=burst.cycles <= EXACT_CYCLES, way=way,
+    )  # fmt: skip
 
 
 def stepped_refusals(slider, problem, per_cycle) -> tuple[str, ...]:

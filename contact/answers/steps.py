@@ -16,7 +16,7 @@ import numpy as np
 
 from contact import bounds
 from contact.answers.methods import (
-    BENT,
+    ENVELOPE_CHANGE,
     EXACT_CYCLES,
     rest,
     rest_problem,
@@ -42,6 +42,9 @@ MAX_CYCLES = 2**21  # the last number that `cycles_for` tries when it doubles fr
 # The slider counts as held after this many half periods of the ring without slip: QUIET_SPANS if no slip can follow,
 # UNSURE_SPANS if one might. A beat of bounce and ring takes 2/(f_n/f_t - 1) half periods, 4 to 30 for usual moduli.
 QUIET_SPANS, UNSURE_SPANS = 12, 200
+# A load moves a slider further at every bounce, and without a damper the bounce never ends: such a slider still slips
+# after this many half periods of the ring.
+ENDLESS_SPANS = 10_000
 # Distances over the slip limit at rest. SETTLED: smaller displacements by slip are ignored. VISIBLE: the stopping time
 # ends with the last slip above this one.
 SETTLED, VISIBLE = 1e-12, 1e-3
@@ -144,7 +147,7 @@ def step(
         bend += after.bend(math.ceil(after.time[-1] * frequency), frequency)
     # a change of the wave in one cycle changes the slider's speed for at most the rest of the burst: with a constant
     # acceleration that is twice the cycle's share of the travel
-    unseen = 2.0 * BENT * bend * scale / cycles
+    unseen = 2.0 * ENVELOPE_CHANGE * bend * scale / cycles
     return replace(fine, error=estimate + LEAST_ERROR * scale + shift + unseen)
 
 
@@ -302,6 +305,8 @@ def _stopped(slider, motion):
         friction = slider.static_friction(contacts) - slider.load
     brake = speed * problem.speed * slider.mass / friction * problem.omega
     unit = problem.limit_slope * slider.rest_approach(contacts) / problem.length
+    bounces = problem.load != 0.0 and problem.normal_damping == problem.contact_damping == 0.0
+    longest = brake + ENDLESS_SPANS * 0.5 * period if bounces else 1e9
     phase, last, quiet = 0.0, 0.0, 0
     now = settled = float(still.state[3:] @ share - spring)
     ring, lowest, farthest = 0.0, np.full(contacts, math.inf), np.zeros(contacts)
@@ -330,10 +335,9 @@ def _stopped(slider, motion):
             ring = max(ring, float(np.max(np.abs(deformation @ share - spring))))
             lowest = np.minimum(lowest, np.min(approach, axis=0))
             farthest = np.maximum(farthest, np.max(np.abs(deformation), axis=0))
-        if phase > 1e9:
-            raise ConvergenceError(
-                "not converged", "the slider goes on slipping; give it normal or tangential damping"
-            )
+        if phase > longest:
+            dampers = "normal" if bounces else "normal or tangential"
+            raise ConvergenceError("not converged", f"the slider goes on slipping; give it {dampers} damping")
     return now, last, ring
 
 

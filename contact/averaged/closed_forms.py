@@ -2,7 +2,7 @@ r"""Steady states in closed form: no wave, no friction, a slider that follows a 
 
 *Carried.* If both contact resonances are far above the wave frequency, the slider follows the surface. The tangential
 force, from m omega^2 |u_x|, R_t omega |u_x| and the load, must stay well below the friction limit. This limit is mu
-times the preload less the normal force from m omega^2 |u_z| and R_n2 omega |u_z|.
+times the preload less the normal force from m omega^2 |u_z| and R_n omega |u_z|.
 
 *Dragged.* If the load exceeds the friction limit and pulls the slider faster than any surface motion, every contact
 slips in the same direction all the time. <sum Q> then equals mu times the mean normal force of the springs, whatever
@@ -24,6 +24,9 @@ from contact.slider import Slider
 # A slider is carried if both resonances exceed FASTER times the wave frequency and the forces stay below INSIDE times
 # their limits.
 FASTER, INSIDE = 20.0, 0.5
+# A slider is dragged if its speed exceeds the fastest surface motion this many times. The mean speed alone would need
+# more than 1; the rest is a margin for the bounce, which varies the speed. It was not tuned.
+DRAGGED_RATIO = 4.0
 
 
 def closed_form(slider: Slider, orbits: tuple[Orbit, ...]) -> dict | None:
@@ -36,22 +39,30 @@ def closed_form(slider: Slider, orbits: tuple[Orbit, ...]) -> dict | None:
     height = slider.rest_approach(len(orbits)) if still else riding_height(slider, orbits)
     mean = height + slider.offsets(len(orbits))
     parted = any(-abs(o.normal) < z < abs(o.normal) for o, z in zip(orbits, mean, strict=True))
-    held = still and slider.load <= friction
-    velocity = 0.0
-    if slider.load > friction:
-        if slider.tangential_damping == 0.0:
-            raise ConvergenceError(
-                "runaway",
-                f"a load of {slider.load:.6g} N exceeds the friction limit {friction:.6g} N and no tangential damping "
-                "bounds the speed; lower slider.load or give slider.damping.tangential",
-            )
-        velocity = -drive_direction(orbits) * (slider.load - _sliding(slider)) / slider.tangential_damping
-        if slider.friction is not None and friction > 0.0:
-            velocity = -drive_direction(orbits) * _dragged_speed(slider, len(orbits))
-    why = "no friction force" if slider.static_coefficient == 0.0 else "no preload"
-    why = "no wave" if still else "dragged by the load" if dragged else why
-    regime = "stick" if held else "intermittent" if parted else "slip"
+    regime = "intermittent" if parted else "slip"
+    if still:
+        why, regime = "no wave", "stick" if slider.load <= friction else regime
+    elif dragged:
+        why = "dragged by the load"
+    else:
+        why = "no friction force" if slider.static_coefficient == 0.0 else "no preload"
+    # the load drags the slider against the direction in which the wave drives
+    velocity = -drive_direction(orbits) * _pulled(slider, len(orbits)) if slider.load > friction else 0.0
     return {"velocity": velocity, "regime": regime, "height": height, "why": why}
+
+
+def _pulled(slider, contacts):
+    """Return the speed in m/s of a slider whose load exceeds the friction limit."""
+    friction = slider.static_friction(contacts)
+    if slider.tangential_damping == 0.0:
+        raise ConvergenceError(
+            "runaway",
+            f"a load of {slider.load:.6g} N exceeds the friction limit {friction:.6g} N and no tangential damping "
+            "bounds the speed; lower slider.load or give slider.damping.tangential",
+        )
+    if slider.friction is not None and friction > 0.0:
+        return _dragged_speed(slider, contacts)
+    return (slider.load - _sliding(slider)) / slider.tangential_damping
 
 
 def _sliding(slider):
@@ -82,7 +93,7 @@ def _dragged(slider, orbits):
         return False
     surplus = slider.load - slider.friction_coefficient * slider.preload
     fastest = max(o.omega * (abs(o.tangential) + slider.limit_slope * abs(o.normal)) for o in orbits)
-    return surplus > 0.0 and surplus > 4.0 * slider.tangential_damping * fastest and fastest > 0.0
+    return surplus > 0.0 and surplus > DRAGGED_RATIO * slider.tangential_damping * fastest and fastest > 0.0
 
 
 def _carried(slider, orbits):

@@ -19,13 +19,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact import bounds
+from contact.averaged.burst import HARMONICS, STIFFEST_STEADY, refusals, refuse_unless_applicable
 from contact.averaged.closed_forms import closed_form
 from contact.averaged.cycle_mean import Each, MeanForces, contact_cycles, forces_of
 from contact.averaged.cycle_pieces import cycle_arrays
 from contact.averaged.equilibrium import FINE_NODES, Entry
 from contact.averaged.event_cycle import RUNAWAY
 from contact.averaged.riding import quadrature, riding_approach
-from contact.averaged.run import HARMONICS, STIFFEST_STEADY, refusals, refuse_unless_applicable
 from contact.averaged.sweep_rows import Sweep, solve_rows
 from contact.body import Paths
 from contact.codes import Status, Steady

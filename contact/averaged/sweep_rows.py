@@ -22,7 +22,7 @@ from contact.body import Paths, at_phase, normal_amplitude, of_run, tangential_a
 from contact.codes import Status, Steady
 from contact.jit.compiled import compiled, native, per_thread
 from contact.law.protocol import Law, with_numbers
-from contact.problem import Own, changed, in_units
+from contact.problem import SliderNumber, changed, in_units
 
 # Relative error of the threshold amplitude over (f_n/f)^2: at 0.75 nm, just above the threshold of Feenstra and
 # Breedveld's slider, first order errs by 12 (f_n/f)^2 in velocity (`tests/benchmarks/contact_ways.py`).
@@ -46,7 +46,7 @@ LEAST_ERROR = 1e-9
 class Sweep(NamedTuple):
     """The n problems of a sweep: s sliders and w waves, and which of them each problem combines."""
 
-    sliders: np.ndarray  # (s, len(Own)): `problem.numbers`, SI units
+    sliders: np.ndarray  # (s, len(SliderNumber)): `problem.numbers`, SI units
     laws: np.ndarray  # (s, k): numbers of the sliders' laws
     law: Law  # of all sliders, but for its numbers
     heights: np.ndarray  # (s, contacts), m
@@ -107,8 +107,8 @@ def _solve_rows(sweep, out, todo, harmonics, first, stride, arrays):
         row[Entry.VELOCITY] *= speed
         row[Entry.FIRST_ORDER] *= speed
         row[Entry.HEIGHT] *= problem.length
-        row[Entry.THRUST] *= slider[Own.MASS] * omega * speed
-        row[Entry.THRUST_ERROR] *= slider[Own.MASS] * omega * speed
+        row[Entry.THRUST] *= slider[SliderNumber.MASS] * omega * speed
+        row[Entry.THRUST_ERROR] *= slider[SliderNumber.MASS] * omega * speed
     return 0
 
 
@@ -162,7 +162,7 @@ def _scaled(slider, law, heights, motion, factor, omega, paths):
     reach = 0.0
     for i in range(paths.height.size):
         reach = max(reach, factor * tangential_amplitude(motion, i), factor * normal_amplitude(motion, i))
-    length = max(slider[Own.REST], reach)
+    length = max(slider[SliderNumber.REST], reach)
     for i in range(paths.height.size):
         paths.height[i] = heights[i] / length
         paths.normal_cos[i] = motion.normal_cos[i] * factor / length

@@ -20,6 +20,9 @@ from contact.events.segment import At, Column
 from contact.jit.compiled import compiled, native
 from contact.stepping.end_corrections import cubic
 
+# A step whose error stays above the tolerance is shortened this many times, each time to between 0.2 and 0.9 of it. The
+# error falls with the step at least in proportion, so that more rejections mean rates without bound.
+MAX_REJECTED = 60
 _TABLE = np.array(
     [
         [0.0] * 6,
@@ -79,15 +82,15 @@ class Span(NamedTuple):
     tolerance: float  # In V; also the largest squared bounce that counts as dead
     per_period: int  # Steps per period of the bounce
     rule: Rule  # Quadrature of a smooth piece, of at most `equilibrium.FINE_NODES` nodes
-    corrected: int  # 1: with the correction of second order
+    second_order: int  # 1: with the correction of second order, 0: without
     # (k,), (k, 2) arrays: Phases to report, rising; v and z_s there
     at: np.ndarray
     rows: np.ndarray
 
 
 @compiled
-def bounce(problem, state, span, work):
-    """Follow bounce and velocity until the bounce has died or the end; return (phase, samples taken, reason).
+def follow_bounce(problem, state, span, work):
+    """Follow bounce and velocity until the bounce has died or the end; return (phase, samples taken, `Status`).
 
     state, here (h, h', V), is changed in place.
     """
@@ -106,7 +109,7 @@ def bounce(problem, state, span, work):
         h, w = _bounce_step(problem, middle, w, gain, rule, 0.5 * d)
         v_middle = v + 0.5 * d * force_left(problem, tangential_force, v)
         for _ in range(2 if steps == 0 else 1):
-            if span.corrected:
+            if span.second_order:
                 cycle(problem, middle, v_middle, rule, work.second)
                 respond(problem, work.second)
                 cycle(problem, middle, v_middle, rule, work.second)
@@ -152,15 +155,15 @@ def _rate(problem, h, v, rule, work, max_rounds):
 
 @compiled
 def accelerate(problem, state, phase, taken, span, work, k):
-    """Follow the velocity with the bounce dead; return the reason for ending. `k`: (7,) work array."""
+    """Follow the velocity with the bounce dead; return the `Status`. `k`: (7,) work array."""
     stop, at, rows, tolerance = span.stop, span.at, span.rows, 0.1 * span.tolerance
-    h, v, rule, means = state[At.POSITION], state[At.VELOCITY], span.rule, work.second
-    max_rounds = 3 if span.corrected else 0
-    if span.corrected:
-        _rate(problem, h, v, rule, means, 8)
+    h, v, rule, second = state[At.POSITION], state[At.VELOCITY], span.rule, work.second
+    max_rounds = 3 if span.second_order else 0
+    if span.second_order:
+        _rate(problem, h, v, rule, second, 8)
     else:  # the fast motion stays that of the start
         h = riding(problem, rule)
-    k[0], h = _rate(problem, h, v, rule, means, max_rounds)
+    k[0], h = _rate(problem, h, v, rule, second, max_rounds)
     top = 0.0
     for i in range(problem.paths.height.size):
         top = max(top, tangential_amplitude(problem.paths, i))
@@ -171,22 +174,26 @@ def accelerate(problem, state, phase, taken, span, work, k):
         if stop - phase - d < 1e-9 * stop:
             d = stop - phase
         for i in range(1, 7):
-            y = v
+            new_v = v  # of the last stage: the velocity after the step
             for j in range(i):
-                y += d * _TABLE[i, j] * k[j]
-            k[i], h = _rate(problem, h, y, rule, means, max_rounds)
+                new_v += d * _TABLE[i, j] * k[j]
+            k[i], h = _rate(problem, h, new_v, rule, second, max_rounds)
         error = 0.0
         for i in range(7):
             error += d * _ERROR[i] * k[i]
         error = abs(error) / tolerance
-        if means.counts[Counted.STUCK] > 0:
+        if second.counts[Counted.STUCK] > 0:
             return Status.STICKS
-        if error > 1.0 and rejected < 60:
+        if not np.isfinite(error) or (error > 1.0 and rejected == MAX_REJECTED):
+            return Status.UNSETTLED
+        if error > 1.0:
             d *= max(0.2, 0.9 * error**-0.2)
             rejected += 1
             continue
         rejected = 0
-        rise = y - v
+        # rise, bend, fourth and last are the coefficients 2 to 5 of the continuous extension as in CONTD5 of Hairer and
+        # Wanner's program DOPRI5
+        rise = new_v - v
         bend = d * k[0] - rise
         fourth = rise - d * k[6] - bend
         last = 0.0
@@ -200,7 +207,7 @@ def accelerate(problem, state, phase, taken, span, work, k):
             rows[taken, Column.POSITION] = -h
             taken += 1
         phase += d
-        v = y
+        v = new_v
         k[0] = k[6]
         d *= min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
     state[At.POSITION], state[At.NORMAL_VELOCITY], state[At.VELOCITY] = h, 0.0, v
@@ -209,7 +216,7 @@ def accelerate(problem, state, phase, taken, span, work, k):
 
 @native("t f1 t t f1")
 def _response(problem, state, span, work, k):
-    """Fill the answer of `response`; return the reason for ending."""
+    """Fill the answer of `response`; return the `Status`."""
     rule, second, speed = span.rule, work.second, state[At.VELOCITY]
     clear_fast_motion(second.fast)
     h, w, v = -state[At.POSITION], -state[At.NORMAL_VELOCITY], speed
@@ -222,10 +229,10 @@ def _response(problem, state, span, work, k):
         fast_height, fast_rate, fast_speed = fast_state(second.fast)
         h, w, v = fast_height - state[At.POSITION], fast_rate - state[At.NORMAL_VELOCITY], speed - fast_speed
     state[At.POSITION], state[At.NORMAL_VELOCITY], state[At.VELOCITY] = h, w, v
-    phase, taken, why = bounce(problem, state, span, work)
+    phase, taken, why = follow_bounce(problem, state, span, work)
     if why == Status.DONE and phase < span.stop:
         why = accelerate(problem, state, phase, taken, span, work, k)
-    if not span.corrected:
+    if not span.second_order:
         clear_fast_motion(second.fast)
         cycle(problem, state[At.POSITION], state[At.VELOCITY], rule, second)
         respond(problem, second)
@@ -239,5 +246,8 @@ def _response(problem, state, span, work, k):
 
 
 def response(problem, state, span: Span, harmonics: int) -> int:
-    """Follow a slider whose state is z_s, z_s' and v at phase 0, then at the end; return the reason for ending."""
+    """Follow the mean motion over a span; return the `Status`.
+
+    `state` holds (z_s, z_s', v) at phase 0 on entry and at the end on return.
+    """
     return _response(problem, state, span, work_arrays(harmonics), np.zeros(7))

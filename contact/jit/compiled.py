@@ -2,6 +2,7 @@
 
 - `formula` marks a few lines of arithmetic, inlined in kernels and plain Python for Python.
 - `compiled` marks a function that numba compiles when Python first calls it, or as a part of a kernel that calls it.
+- `summed` marks the same, with sums in the order that suits the processor.
 - `native` marks the few kernels that Python calls. They allocate nothing and raise nothing, so that their machine code
   needs no runtime: it is optimised once as a whole and stored in a file that llvmlite loads. Numba is not imported
   then, whose import costs more time than a sweep.
@@ -39,6 +40,7 @@ from contact.jit.shapes import check_shapes
 HERE = Path(__file__).parents[1]  # the package, with all its kernels
 PACKAGE_CACHE = HERE / "__pycache__"
 _MARKS = (b"@compiled", b"@formula", b"@native", b"@summed")
+# modules whose constants are compiled into kernels, and the compilers themselves
 _FROZEN = ("codes.py", "collocation.py", "problem.py", "compiled.py", "compiler.py")
 _PLAIN = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 _LOCK = threading.RLock()
@@ -80,7 +82,9 @@ def native(types: str, shapes: Mapping[str, str] | None = None):
 
 
 def per_thread(make, most: int = 16):
-    """Return a function that keeps what `make` returns, for each thread and its last `most` arguments; a decorator.
+    """Return a function that keeps what `make` returns for each thread and arguments; a decorator.
+
+    A thread keeps at most `most` of them and drops all before it keeps one more.
 
     For work arrays: a kernel finds the same named tuples again, and need not pack them (`Native`). They end with their
     thread.

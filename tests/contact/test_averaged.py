@@ -1,10 +1,14 @@
 """The averaged way: steady states and v(t) against the full motion, its order, where it refuses."""
 
+from itertools import chain, repeat
+
 import numpy as np
 import pytest
 
 from contact import ConvergenceError, Orbit, burst, mean_motion, steady
 from contact.answers.methods import BURST_METHODS, Burst, rest_problem
+from contact.averaged import transient
+from contact.codes import Status
 from tests.contact.motors import orbit, slider, steady_map
 
 
@@ -203,3 +207,17 @@ def test_general_phase():
     shape = Orbit(frequency=2.2e6, normal=6e-9, tangential=5e-9 * np.exp(-0.9j))
     full = steady(slider(), shape, tolerance=1e-8)
     assert mean_motion(slider(), shape).velocity == pytest.approx(full.velocity, rel=1e-7)
+
+
+@pytest.mark.parametrize("rate", [1e300, np.inf, np.nan])
+def test_rates_that_no_step_can_follow_end_the_averaged_motion(rate, monkeypatch):
+    rates = chain([1.0, 1.0], repeat(rate))
+    monkeypatch.setattr(transient, "_rate", lambda _p, h, *_: (next(rates), h))
+    problem, state = rest_problem(slider(), (orbit(5e-9),)), np.array([0.1, 0.0, 0.0])
+    span = transient.Span(
+        600.0, 1e-4, 8, transient.Rule(np.empty(0), np.empty(0)), 1, np.empty(0), np.empty((0, 2))
+    )
+    with np.errstate(all="ignore"):  # as in the compiled kernel
+        ended = transient.accelerate(problem, state, 0.0, 0, span, transient.work_arrays(1), np.zeros(7))
+    assert ended == Status.UNSETTLED
+    assert state[2] == 0.0

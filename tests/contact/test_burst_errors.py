@@ -82,6 +82,19 @@ def test_a_fast_method_that_misses_its_tolerance_gives_way_to_the_exact_one():
     assert "averaged method misses the tolerance" in fine.message
 
 
+def test_another_method_answers_where_the_exact_one_fails_unless_it_was_asked_for(monkeypatch):
+    def fails(_burst):
+        raise ConvergenceError("not converged", "no digits")
+
+    monkeypatch.setitem(methods.BURST_METHODS, "exact", methods.Method(fails, lambda _: ()))
+    asked = {"duration": 40 / 2.2e6, "after": 0.0, "samples": 2, "tolerance": 1e-2}
+    found = burst(slider(), orbit(10e-9), **asked)
+    assert found.method == "averaged"
+    assert "the exact method failed: not converged: no digits" in found.message
+    with pytest.raises(ConvergenceError, match="no digits"):
+        burst(slider(), orbit(10e-9), method="exact", **asked)
+
+
 @pytest.mark.parametrize(
     "changed",
     [{"law": "hysteretic"}, {"reciprocal": True}, {"stick_band": 1e-4}, {"friction_coefficient": 0.0}],

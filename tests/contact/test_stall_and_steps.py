@@ -1,6 +1,7 @@
 """The load at which the full motion stalls, load lines with errors, steps with errors."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -160,6 +161,16 @@ def test_a_step_with_friction_that_depends_on_pressure():
     )
     assert abs(same.displacement - plain.displacement) < 1e-10 * plain.ring + plain.error + same.error
     assert abs(less.displacement - plain.displacement) > 1e-2 * abs(plain.displacement)
+
+
+def test_a_load_moves_a_slider_that_bounces_for_ever():
+    # measured: the travel of each half period stays within 2 % for 10 000 of them; with a damper the slider stops
+    body, orbits, *_ = drawn(0)
+    bouncing = replace(body, normal_damping=0.0, contact_damping=0.0)
+    with pytest.raises(ConvergenceError, match="goes on slipping; give it normal damping"):
+        step(bouncing, orbits, cycles=60)
+    damper = 0.2 * body.mass * 2.0 * math.pi * body.normal_resonance(len(orbits))
+    assert step(replace(bouncing, normal_damping=damper), orbits, cycles=60).displacement != 0.0
 
 
 def test_steps_that_are_planned_have_errors_too():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fem.beam.crossed_beam import _interpolated
-from fem.beam.electrode_charges import ElectrodeCharges
+from fem.beam.electrode_charges import ElectrodeCharges, electrode_charges
 from fem.beam.reception import aperture_solver
 from fem.beam.surface_beam import aperture_beam, surface_beam
 from fem.convergence_error import ConvergenceError
@@ -189,3 +189,34 @@ def test_the_stated_error_in_an_interference_minimum(monkeypatch):
     assert size[least] < 0.1 * size.max()
     assert true[least] < 2 * stated[least] * size[least]
     assert stated[least] > 3 * stated[int(np.argmax(size))]
+
+
+@pytest.mark.parametrize("pattern", ["+-+-+-", "oo+-oo"])
+def test_nodal_charges_have_the_totals_and_moments_of_each_finger(pattern):
+    """On every sheet, those that the coupled system gave to the finger as a whole."""
+    row = (
+        comb(STATOR, "a", 6.0, finger_pairs=2, aperture=6e-3),
+        comb(STATOR, "b", 14.0, finger_pairs=3, pattern=pattern, aperture=5e-3),
+    )
+    wave = wave_of(solution(STATOR, row, order=6))
+    found = surface_beam(wave).solution
+    section = found.fields.section
+    unit = -section.solid.stress_unit / section.solid.potential_unit
+    for number, (transducer, sheets) in enumerate(zip(row, found.fields.sheets, strict=True)):
+        charges = electrode_charges(found, number)
+        assert len(sheets) > 1
+        for sheet, charge in zip(sheets, (charges.charge, *(q for _, q in charges.steps)), strict=True):
+            charged = np.flatnonzero([sign in "+-" for sign in transducer.signs])
+            for finger, total, moment in zip(
+                np.unique(charges.finger)[charged],
+                unit * sheet.reactions @ found.circuit.voltages,
+                unit * section.length_unit * sheet.moments @ found.circuit.voltages,
+                strict=True,
+            ):
+                own = charges.finger == finger
+                arms = charges.x[own] - (charges.x[own][0] + charges.x[own][-1]) / 2
+                scale = abs(charge).max()
+                np.testing.assert_allclose(charge[own].sum(), total, rtol=1e-9, atol=1e-9 * scale)
+                np.testing.assert_allclose(
+                    charge[own] @ arms, moment, rtol=1e-7, atol=1e-9 * scale * arms[-1]
+                )

@@ -40,7 +40,7 @@ STICKS = (
     "not applicable",
     "the averaged method does not apply: a contact sticks through whole cycles; use method stepped or exact",
 )
-NOT_FINITE = "not converged", "the averaged motion was not finite; use method exact"
+UNSETTLED = "not converged", "the averaged motion was not finite or changed too abruptly; use method exact"
 
 
 def refusals(slider: Slider, orbits: tuple[Orbit, ...], stiffest: float = STIFFEST) -> tuple[str, ...]:
@@ -74,10 +74,10 @@ def refuse_unless_applicable(slider: Slider, orbits: tuple[Orbit, ...], stiffest
         )
 
 
-def averaged_run(burst, begin):
+def averaged_run(burst, motion):
     """Return (motion, rows, error, statistics) of a `methods.Burst` of at least 3 cycles.
 
-    `begin` is the motion at phase 0; it is advanced to the end of the burst. The rows are (v, z_s), where z_s excludes
+    `motion` is the motion at phase 0; it is advanced to the end of the burst. The rows are (v, z_s), where z_s excludes
     the motion within a cycle. `error` is that of v, scaled. It is the sum of three parts:
 
     - step size and quadrature, from a second run with half the steps and fewer nodes;
@@ -85,7 +85,7 @@ def averaged_run(burst, begin):
     - the error of second-order averaging (`LEFT_OF_FIRST`, `LEFT_OF_RATIO`).
     """
     cycles, tolerance, unit, turn = burst.cycles, burst.tolerance, burst.reference(), 2.0 * math.pi
-    begin.turn(1)
+    motion.turn(1)
     ends = burst.stride * np.arange(1, cycles // burst.stride + 1)
     inner = (ends > 1) & (ends < cycles)
     at = turn * (ends[inner] - 1.0)
@@ -93,14 +93,14 @@ def averaged_run(burst, begin):
     phases = np.union1d(at, compared)
     late, stop = np.isin(phases, compared), turn * (cycles - 2)
 
-    def follow(harmonics, allowed, per_period, nodes):
-        """Return (final state, rows) of a run with `per_period` steps per bounce and tolerance `allowed` on v."""
-        state, rows = begin.carried.slider.copy(), np.zeros((phases.size, 2))
-        rule, corrected = quadrature(nodes), int(harmonics > 0)
-        span = Span(stop, allowed * unit, per_period, rule, corrected, phases, rows)
+    def follow(second_order, v_tolerance, per_period, nodes):
+        """Return (final state, rows) of a run with `per_period` steps per bounce and this relative tolerance on v."""
+        state, rows = motion.carried.slider.copy(), np.zeros((phases.size, 2))
+        rule = quadrature(nodes)
+        span = Span(stop, v_tolerance * unit, per_period, rule, int(second_order), phases, rows)
         why = response(burst.problem, state, span, HARMONICS)
         if why != Status.DONE:
-            raise ConvergenceError(*(STICKS if why == Status.STICKS else NOT_FINITE))
+            raise ConvergenceError(*(STICKS if why == Status.STICKS else UNSETTLED))
         return state, rows
 
     def difference(one, other):
@@ -109,26 +109,26 @@ def averaged_run(burst, begin):
         apart = np.abs(rows - other_rows)[late, Column.VELOCITY]
         return max(float(np.max(apart)), abs(float(state[At.VELOCITY] - other_state[At.VELOCITY])))
 
-    allowed = max(min(tolerance, 1e-3), 1e-9)
-    per_period = int(min(8.0 * max(1.0, 1e-4 / allowed) ** 0.4, 96.0))
-    few, nodes = (8, 10) if allowed >= 1e-5 else (12, 16)
-    coarse = [follow(harmonics, 2.0 * allowed, per_period // 2, few) for harmonics in (0, HARMONICS)]
-    averaging = difference(*coarse)
+    v_tolerance = max(min(tolerance, 1e-3), 1e-9)
+    per_period = int(min(8.0 * max(1.0, 1e-4 / v_tolerance) ** 0.4, 96.0))
+    few, nodes = (8, 10) if v_tolerance >= 1e-5 else (12, 16)
+    first, second = (follow(order, 2.0 * v_tolerance, per_period // 2, few) for order in (False, True))
+    averaging = difference(first, second)
     ratio = burst.slider.normal_resonance(len(burst.orbits)) / burst.orbits[0].frequency
     left = LEFT_OF_FIRST * averaging + LEFT_OF_RATIO * ratio**2 * unit
-    corrected = averaging + left > 0.7 * tolerance * unit
-    state, averaged_rows = fine = follow(HARMONICS if corrected else 0, allowed, per_period, nodes)
-    steps = difference(fine, coarse[corrected]) / STEP_GAIN
-    error = steps + left + (0.0 if corrected else averaging)
+    second_order_needed = averaging + left > 0.7 * tolerance * unit
+    state, averaged_rows = fine = follow(second_order_needed, v_tolerance, per_period, nodes)
+    steps = difference(fine, second if second_order_needed else first) / STEP_GAIN
+    error = steps + left + (0.0 if second_order_needed else averaging)
     rows = np.zeros((ends.size, 2))
-    rows[ends <= 1] = begin.state[At.VELOCITY], begin.state[At.POSITION]
+    rows[ends <= 1] = motion.state[At.VELOCITY], motion.state[At.POSITION]
     rows[inner] = averaged_rows[np.searchsorted(phases, at)]
     # The contacts slip within a cycle, so that the deformations at its start do not matter. The first cycle, started
     # with zero deformations, gives those at phase 0. The second cycle starts from the averaged state with these
     # deformations and is the last cycle of the burst.
-    begin.place(*state, 0.0)
-    begin.turn(1)
-    begin.place(*state, begin.carried.deformation)
-    begin.turn(1)
-    rows[ends >= cycles] = begin.state[At.VELOCITY], begin.state[At.POSITION]
-    return begin, rows, error, {"cycles": cycles, "order": 2 if corrected else 1}
+    motion.place(*state, 0.0)
+    motion.turn(1)
+    motion.place(*state, motion.carried.deformation)
+    motion.turn(1)
+    rows[ends >= cycles] = motion.state[At.VELOCITY], motion.state[At.POSITION]
+    return motion, rows, error, {"cycles": cycles, "order": 2 if second_order_needed else 1}
