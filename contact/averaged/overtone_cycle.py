@@ -1,7 +1,10 @@
 """All pillars of a slider through one cycle on a wave whose overtones they radiate.
 
-The wave that drives is followed from row to row with its overtones (`overtone_march`). Of the wave against it the
-fundamental alone is kept, that of the last forces, until neither changes: contacts do not see overtones that run back.
+Two waves meet the rows. The *driving* wave, the larger one, carries overtones and is followed from row to row
+(`overtone_march`). The *opposing* wave runs the other way. It keeps its fundamental only: overtones that run back are
+left out. It is found by iteration: follow the driving wave, update the opposing one from the forces, repeat until
+neither changes. Arrays per row are ordered from left to right; `self.downstream` takes them to the order in which the
+driving wave meets the rows, or back, and `self.downstream_...` are in that order.
 """
 
 import numpy as np
@@ -13,16 +16,16 @@ from contact.averaged.pillar_cycle import PillarCycle
 from contact.convergence_error import ConvergenceError
 
 SAMPLES, FEWEST = 4, 32  # of a cycle: for each harmonic, and at least
-MEMORY = 16  # sweeps that Anderson's method combines
-MAX_STEP = 0.3  # largest step of a sweep over the incident amplitude
+MEMORY = 16  # iterations that Anderson's method combines
+MAX_STEP = 0.3  # largest step of an iteration over the incident amplitude
 
 
 class OvertoneCycle(PillarCycle):
-    """Pillars and the wave's amplitudes: U_1 ... U_N of the driving one, shape (m, N), of the other U_1, (m, 1)."""
+    """Pillars and the amplitudes U_1 ... U_N of the driving wave, shape (m, N), and U_1 of the opposing one, (m, 1)."""
 
     def __init__(self, pillars, wave, loading: bool, harmonics: int):
         self.forward_drives = abs(wave.forward) >= abs(wave.backward)
-        # from the rows from left to right to those in the order in which the driving wave meets them, and back
+        # `super().__init__` calls `reset`, which needs the attributes up to there
         self.downstream = slice(None) if self.forward_drives else slice(None, None, -1)
         self.numbers, self.harmonics = np.arange(harmonics) + 1, harmonics
         self.samples = samples(harmonics, max(SAMPLES * harmonics, FEWEST))
@@ -35,7 +38,7 @@ class OvertoneCycle(PillarCycle):
         self.downstream_turn = np.ascontiguousarray(
             (self.turn if self.forward_drives else self.turn.conj())[self.downstream]
         )
-        self.downstream_orbit = np.array([wave.orbit if self.forward_drives else wave.orbit.conjugate()])
+        self.downstream_orbit = np.array([self.driving_orbit])
 
     def begin(self, forward, backward):
         """Take the amplitudes at the rows from a search with any number of harmonics."""
@@ -49,12 +52,22 @@ class OvertoneCycle(PillarCycle):
         """Let the wave pass as if nothing touched it."""
         super().reset()
         m, n = self.turn.size, self.harmonics
-        driving, against = np.zeros((m, n), complex), np.zeros((m, 1), complex)
-        self.spectrum = Spectrum(driving.copy(), against.copy(), np.zeros((m, 2, n), complex))
-        self.approach, self.sweeps = None, []  # of the last forces; amplitudes and steps of the last sweeps
+        driving, opposing = np.zeros((m, n), complex), np.zeros((m, 1), complex)
+        self.spectrum = Spectrum(driving.copy(), opposing.copy(), np.zeros((m, 2, n), complex))
+        self.approach = None  # of the last forces
+        self.history = []  # (opposing amplitudes, their steps) of the last iterations at this approach
         fundamental = self.forward, self.backward
-        self.forward, self.backward = (driving, against) if self.forward_drives else (against, driving)
+        self.forward, self.backward = (driving, opposing) if self.forward_drives else (opposing, driving)
         self.forward[:, 0], self.backward[:, 0] = fundamental
+
+    def _driving_and_opposing(self):
+        """Return the amplitudes of the driving and of the opposing wave."""
+        return (self.forward, self.backward) if self.forward_drives else (self.backward, self.forward)
+
+    @property
+    def driving_orbit(self):
+        """u_x/u_z of the driving wave; that of the opposing one is its conjugate."""
+        return self.wave.orbit if self.forward_drives else self.wave.orbit.conjugate()
 
     def amplitudes(self):
         """Return the fundamental's u_z and u_x at each row."""
@@ -62,15 +75,13 @@ class OvertoneCycle(PillarCycle):
         return forward + backward, orbit * forward + orbit.conjugate() * backward
 
     def forces(self, approach, w: float, side: float) -> MeanForces:
-        """Return the forces at mean approaches in m and a velocity over omega, the wave that drives followed."""
+        """Follow the driving wave; return the forces at mean approaches in m and a velocity over omega in m."""
         self.evaluations += 1
         if not np.array_equal(approach, self.approach):
-            self.approach, self.sweeps = approach, []
+            self.approach, self.history = approach, []
         spectrum, incident = self.spectrum, np.zeros(self.harmonics, complex)
-        driving, other = (
-            (self.forward, self.backward) if self.forward_drives else (self.backward, self.forward)
-        )
-        spectrum.along[:], spectrum.against[:] = driving[self.downstream], other[self.downstream]
+        driving, opposing = self._driving_and_opposing()
+        spectrum.along[:], spectrum.against[:] = driving[self.downstream], opposing[self.downstream]
         incident[0] = self.incident[0 if self.forward_drives else 1]
         out = np.zeros((len(Each), self.x.size))
         waves = Waves(self.downstream_turn, self.downstream_orbit, self.g, incident)
@@ -84,62 +95,58 @@ class OvertoneCycle(PillarCycle):
         return forces_of(out, self.k_n, self.k_t)
 
     def advance(self, forces: MeanForces, _slope=None) -> float:
-        """Move the wave against the driving one to what the forces leave; return its change over the incident one.
+        """Update the opposing wave from the forces; return its change over the incident one.
 
-        Contacts in touch are springs to it: the forces F of a row follow F_0 + S (U - U_0), S the sum of their normal
-        stiffnesses, each for its share of the cycle. What this leaves out shrinks by about ten times in each sweep.
+        Contacts in touch are springs to it: the forces F of a row follow F_0 + S (U - U_0), where S is the sum of their
+        normal stiffnesses, each times its share of the cycle. The rest shrinks by about ten times in each iteration.
         """
-        side, m = (1 if self.forward_drives else 0), self.turn.size  # of the wave against, in (U+, U-)
-        other = (self.forward, self.backward)[side][:, 0]
-        orbit = self.wave.orbit if self.forward_drives else self.wave.orbit.conjugate()
+        column, m = (1 if self.forward_drives else 0), self.turn.size  # of the opposing wave in (U+, U-)
+        opposing, orbit = self._driving_and_opposing()[1][:, 0], self.driving_orbit
         normal, tangential = self.row_forces(forces)[..., 0].T
         force = np.zeros((m, 2), complex)
         amplitude = np.zeros((m, 2), complex)
         slope = np.zeros((m, 2, 2), complex)
-        force[:, side], amplitude[:, side] = normal + orbit * tangential, other
-        slope[:, side, side] = self.sums(forces.cycles[Each.SHARE] * self.k_n)
-        step = march(self.turn, force, slope, amplitude, self.g, self.incident)[:, side] - other
+        force[:, column], amplitude[:, column] = normal + orbit * tangential, opposing
+        slope[:, column, column] = self.sums(forces.cycles[Each.SHARE] * self.k_n)
+        step = march(self.turn, force, slope, amplitude, self.g, self.incident)[:, column] - opposing
         change = float(np.abs(step).max()) / max(self.wave.amplitude, 1e-300)
-        # D. G. Anderson, J. ACM 12 (1965) 547: of the last sweeps the combination with the smallest step
-        self.sweeps = [*self.sweeps[1 - MEMORY :], (other.copy(), step)]
-        places, steps = (np.array(each).view(float) for each in zip(*self.sweeps, strict=True))
+        # D. G. Anderson, J. ACM 12 (1965) 547: combine the last iterations so that the step is smallest
+        self.history = [*self.history[1 - MEMORY :], (opposing.copy(), step)]
+        places, steps = (np.array(each).view(float) for each in zip(*self.history, strict=True))
         moved, left = np.diff(places, axis=0), np.diff(steps, axis=0)
         if len(left):
             share = np.linalg.lstsq(left.T, steps[-1], rcond=1e-10)[0]
             step = step - (share @ (moved + left)).view(complex)
-        other += step * min(1.0, MAX_STEP * self.wave.amplitude / max(float(np.abs(step).max()), 1e-300))
+        opposing += step * min(1.0, MAX_STEP * self.wave.amplitude / max(float(np.abs(step).max()), 1e-300))
         return change
 
     def tangent(self, *_):
-        """Return None: there is no step of Newton's, the sweeps go on."""
+        """Return None: the search uses the iteration of `advance` and no Newton step."""
 
     def row_forces(self, _forces: MeanForces):
         """Return sum P_n and sum Q_n of the rows from left to right, shape (m, 2, N)."""
         return self.spectrum.force[self.downstream]
 
     def passed(self, forces: MeanForces):
-        """Return U+ behind each row and U- before it, shape (2, m, N); the wave against has no overtones."""
-        found = super().passed(forces)
-        found[1 if self.forward_drives else 0, :, 1:] = 0.0
-        return found
+        """Return U+ behind each row and U- before it, shape (2, m, N); the opposing wave has no overtones."""
+        amplitudes = super().passed(forces)
+        amplitudes[1 if self.forward_drives else 0, :, 1:] = 0.0
+        return amplitudes
 
     def radiated(self, g: float, approach, w: float, side: float) -> complex:
-        """Return the last overtone at the exit that contacts on the amplitudes as they stand send along with them."""
+        """Return the complex amplitude in m of the highest overtone that leaves the last row.
+
+        The contacts are moved by the unloaded wave and radiate into it with the compliance `g`.
+        """
         forces = self.forces(approach, w, side)
-        self.g = g
-        found = self.passed(forces)
-        return complex(found[0, -1, -1] if self.forward_drives else found[1, 0, -1])
+        self.g = g  # switched on only now: the forces above must not load the wave
+        amplitudes = self.passed(forces)
+        return complex(amplitudes[0, -1, -1] if self.forward_drives else amplitudes[1, 0, -1])
 
     def work(self, forces: MeanForces):
         """Return the complex power over omega of the surface on each row and in each harmonic."""
         force, (u_z, u_x) = self.row_forces(forces), self.amplitudes()
-        driving, orbit = (
-            (self.forward, self.wave.orbit)
-            if self.forward_drives
-            else (self.backward, self.wave.orbit.conjugate())
-        )
-        u_z, u_x = (
-            np.concatenate([one[:, None], c * driving[:, 1:]], axis=1)
-            for one, c in ((u_z, 1.0), (u_x, orbit))
-        )
+        overtones = self._driving_and_opposing()[0][:, 1:]
+        u_z = np.concatenate([u_z[:, None], overtones], axis=1)
+        u_x = np.concatenate([u_x[:, None], self.driving_orbit * overtones], axis=1)
         return 0.5 * self.numbers * (force[:, 0] * u_z.conj() + force[:, 1] * u_x.conj())

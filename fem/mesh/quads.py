@@ -21,6 +21,7 @@ from fem.mesh.shapes import CORNERS, reference_corners, shape_functions
 
 LAYER_RATIO = 0.15  # as in fem.discretize.grading
 STRAIGHT = np.deg2rad(0.5)  # a boundary that turns by less is straight
+WEAK = np.deg2rad(30)  # the vertices of an arc that is drawn by edges are re-entrant by less, corners by more
 SQUARE_NODES = np.array(  # of the quadratic map: corners, middles of the edges, centre
     [[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0], [1, 0.5], [0.5, 1], [0, 0.5], [0.5, 0.5]], dtype=float
 )
@@ -41,8 +42,6 @@ class QuadMesh:
         Group to directed edges (vertex, vertex), shape (m, 2).
     boundary : ndarray, shape (m, 2)
         Directed outer edges.
-    singular : ndarray
-        Vertices towards which the mesh is refined.
     """
 
     points: np.ndarray = field(repr=False)
@@ -50,7 +49,6 @@ class QuadMesh:
     solids: np.ndarray = field(repr=False)
     lines: dict[str, np.ndarray] = field(repr=False)
     boundary: np.ndarray = field(repr=False)
-    singular: np.ndarray = field(repr=False)
 
 
 class _Quad(NamedTuple):
@@ -182,8 +180,10 @@ def quad_mesh(
     ``largest``: of an edge in m by solid; ``conditions``: by line group a word for what holds there; where it changes
     along the boundary, the field is singular.
     """
-    singular = singular_vertices(mesh, conditions)
-    mesh = with_even_corners(mesh, singular)
+    counts = {
+        vertex: corner_layers(turn, layers) for vertex, turn in singular_vertices(mesh, conditions).items()
+    }
+    mesh = with_even_corners(mesh, {vertex for vertex, count in counts.items() if count})
     splitting = _Splitting(mesh)
     quads = list(splitting.initial())
     groups = {name: nodes.tolist() for name, nodes in mesh.lines.items()} | {"": mesh.boundary}
@@ -194,10 +194,10 @@ def quad_mesh(
     for _ in range(_halvings(splitting, quads, largest)):
         quads = splitting.halved(quads)
         lines = {name: splitting.halved_edges(edges) for name, edges in lines.items()}
-    for _ in range(layers):
-        quads = splitting.layered(quads, singular)
+    for layer in range(layers):
+        quads = splitting.layered(quads, {vertex for vertex, count in counts.items() if count > layer})
         lines = {name: splitting.layered_edges(edges) for name, edges in lines.items()}
-    return _finished(splitting, quads, lines, singular)
+    return _finished(splitting, quads, lines)
 
 
 def _halvings(splitting: _Splitting, quads: list[_Quad], largest: dict[str, float]) -> int:
@@ -209,9 +209,7 @@ def _halvings(splitting: _Splitting, quads: list[_Quad], largest: dict[str, floa
     return max(0, int(np.ceil(np.log2(np.max(sizes / allowed)) - 1e-9)))
 
 
-def _finished(
-    splitting: _Splitting, quads: list[_Quad], lines: dict[str, Edges], singular: set[int]
-) -> QuadMesh:
+def _finished(splitting: _Splitting, quads: list[_Quad], lines: dict[str, Edges]) -> QuadMesh:
     """The mesh with its vertices numbered anew, those of no quadrilateral left out."""
     mesh = splitting.mesh
     made = splitting.positions(
@@ -234,15 +232,33 @@ def _finished(
         solids=np.array([mesh.cells[quad.owner[0]].solid for quad in quads]),
         lines={name: number[np.array(edges).reshape(-1, 2)] for name, edges in lines.items() if name},
         boundary=number[np.array(lines[""]).reshape(-1, 2)],
-        singular=number[np.array(sorted(singular), dtype=int)],
     )
 
 
-def singular_vertices(mesh: SectionMesh, conditions: dict[str, str]) -> set[int]:
-    """Vertices of the file at which stress or charge is singular.
+def corner_layers(turn: float, layers: int) -> int:
+    """Layers towards a corner at which the body's angle is larger than pi by ``turn`` (rad), of those at a sharp one.
 
-    Re-entrant corners of the boundary, ends and corners of electrodes, ends of a condition, and where solids meet at
-    a corner or beside the outside.
+    The displacement varies as r^e there, e = 1 - 2 turn / pi for a small turn (Williams, J. Appl. Mech. 19 (1952)
+    526), which pi / (pi + 2 turn) continues, and its singular part grows as the turn.  An error is of second order in
+    that part, summed over an arc whose vertices are the more the less they turn: it grows as the turn, and a layer
+    divides it by `LAYER_RATIO`^(-2 e).  So many layers leave what `layers` of them leave at a turn of pi / 2.
+
+    The reflection of a groove 0.8 mm wide and 0.2 mm deep whose bottom is drawn by 4, 8 or 16 edges (turns of 27, 13
+    and 7 degrees) then errs by 3.4e-6, 3.1e-6 and 1.7e-6 at level 2; with all layers by 2.8e-6, 3.0e-6 and 1.1e-6;
+    with none by 2.4e-4, 7e-5 and 2.6e-5.
+    """
+    if turn >= WEAK:
+        return layers
+    exponent = np.pi / (np.pi + 2 * turn)
+    weaker = 0.5 * np.log(np.pi / 2 / turn) / np.log(1 / LAYER_RATIO)
+    return max(0, int(np.ceil((0.5 * layers - weaker) / exponent)))
+
+
+def singular_vertices(mesh: SectionMesh, conditions: dict[str, str]) -> dict[int, float]:
+    """Vertices of the file at which stress or charge is singular, and how far the body's angle there exceeds pi, rad.
+
+    Re-entrant corners of the boundary, and with an infinite angle ends and corners of electrodes, ends of a condition,
+    and where solids meet at a corner or beside the outside.
     """
     angle = np.zeros(len(mesh.points))
     touching: list[dict[str, float]] = [{} for _ in mesh.points]
@@ -253,17 +269,19 @@ def singular_vertices(mesh: SectionMesh, conditions: dict[str, str]) -> set[int]
                 angle[node] += value
                 touching[node][cells.solid] = touching[node].get(cells.solid, 0.0) + value
     found: set[int] = set()
+    turns: dict[int, float] = {}
     outer = {node for edge in mesh.boundary for node in edge}
     faces = {node for name in ("left", "right") if name in mesh.lines for node in mesh.lines[name].ravel()}
     for node, solids in enumerate(touching):
-        reentrant = node in outer and angle[node] > np.pi + STRAIGHT
+        if node in outer and angle[node] > np.pi + STRAIGHT:
+            turns[node] = float(angle[node] - np.pi)
         if node in outer:
             meets = len(solids) > 1
         else:
             meets = len(solids) > 2 or (
                 len(solids) == 2 and abs(next(iter(solids.values())) - np.pi) > STRAIGHT
             )
-        if reentrant or meets:
+        if meets:
             found.add(node)
     group_at: dict[tuple[int, int], str] = {}
     for name, nodes in mesh.lines.items():
@@ -277,7 +295,7 @@ def singular_vertices(mesh: SectionMesh, conditions: dict[str, str]) -> set[int]
         for node in (one, other):
             words.setdefault(node, set()).add(word)
     found |= {node for node, seen in words.items() if len(seen) > 1 and node not in faces}
-    return {int(node) for node in found}
+    return turns | {int(node): np.inf for node in found}
 
 
 def _ends_and_corners(mesh: SectionMesh, lines: np.ndarray) -> set[int]:

@@ -105,5 +105,6 @@ def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str
             max_frequencies=MAX_FREQUENCIES,
         )
     except fem.ConvergenceError:
+        # n frequencies over a band b resolve a time of n/b, which the ring-up exceeds
         return RingUp(error=min(1.0, MAX_FREQUENCIES / (2 * half_band) / scene.burst))
     return RingUp.of(response_envelope)

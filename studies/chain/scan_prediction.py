@@ -16,13 +16,13 @@ from studies.lab.scan import COMPONENTS, Scan
 from studies.refusal import SceneError
 from studies.scene import Scene
 
-MAX_APART = 1e-6  # relative: a scan at another frequency than the drive's is another wave
+MAX_APART = 1e-6  # relative difference of the frequencies of scan and drive; beyond it the scan is refused
 
 
 def placed(scene: Scene, scan: Scan, option: str = "--measured") -> Scan:
     """Return a scan whose places are all known, on the stator of a resolved scene, and at the drive's frequency.
 
-    A place that the file does not say is the slider's, without one the stator's middle.
+    A coordinate that the file leaves out is the slider's or, without a slider, that of the stator's middle.
 
     Raises
     ------
@@ -77,7 +77,8 @@ def over_frequency(
     prepared = response(alone, at[0], at[-1], places=(place,), tolerance=tolerance, progress=progress)
     progress(f"stator: {len(at)} frequencies")
     waves = prepared.waves(at, resolve.drive(alone))
-    motion = np.array([wave.motion(place)[COMPONENTS.index(scan.component) // 2] for wave in waves])
+    component = ("u_x", "u_z").index(scan.component)
+    motion = np.array([wave.motion(place)[component] for wave in waves])
     return motion[number]
 
 
@@ -89,6 +90,7 @@ def predicted_scan(
         return over_frequency(scene, scan, tolerance=tolerance, progress=progress)
     alone = stator_alone(scene)
     places = tuple(zip(scan.x.tolist(), scan.y.tolist(), strict=True))
+    # one place: every other one, also off the axis, is evaluated from the same solution
     motion = solved_motion(
         alone, places[:1], tolerance=tolerance, progress=progress, slider=True, missed=True
     )
@@ -98,15 +100,15 @@ def predicted_scan(
 def at_other_velocity(scene: Scene, scan: Scan, motion: np.ndarray, factor: float) -> np.ndarray:
     """Return a motion along x with the velocity of the surface wave multiplied by a factor.
 
-    The phase on the way from the middle of the driven transducer turns by omega/v (1/factor - 1) more; amplitudes and
-    what returns from ends and other transducers keep their sizes: for absorbing ends, and factors near 1.
+    Per distance from the middle of the driven transducer the phase lags by omega/v (1/factor - 1) more. All amplitudes
+    stay, and so do the phases of what ends and other transducers return: for absorbing ends, and factors near 1.
     """
     if factor == 1.0:
         return motion
     velocity = fem.rayleigh(resolve.solid(scene.stator), "open").velocity
     frequency = scene.frequency if scan.frequency is None else scan.frequency
-    way = abs(scan.x - scene.driven_transducer.place[0])
-    return motion * np.exp(-2j * np.pi * frequency / velocity * (1.0 / factor - 1.0) * way)
+    distance = abs(scan.x - scene.driven_transducer.place[0])
+    return motion * np.exp(-2j * np.pi * frequency / velocity * (1.0 / factor - 1.0) * distance)
 
 
 def network_prediction(

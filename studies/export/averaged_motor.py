@@ -112,10 +112,13 @@ class AveragedMotor:
     @property
     def load(self) -> float:
         """Load of the scene as a force along +x on the real slider, N: against the first drive's motion."""
-        way = contact.mean_traction(replace(self.slider, load=0.0), self._at(self.levels[-1]), np.zeros(1))[0]
+        way = contact.mean_traction(
+            replace(self.slider, load=0.0), self.orbits_at(self.levels[-1]), np.zeros(1)
+        )[0]
         return -float(np.copysign(self.slider.load, way)) * self.share + 0.0
 
-    def _at(self, level: float) -> tuple:
+    def orbits_at(self, level: float) -> tuple:
+        """Return the contacts' orbits at a level of the first drive."""
         return tuple(orbit.scaled(level) for orbit in self.drives[0].orbits)
 
     def start(self, *, force: float = 0.0, preload: float | None = None) -> "MotorState":
@@ -311,11 +314,11 @@ def _tables(slider, drive: Drive) -> tuple[np.ndarray, np.ndarray]:
     """Return R over tau, shape (ROWS,), and g over side, tau and sqrt|nu|, shape (2, ROWS, COLUMNS)."""
     taus = np.linspace(0.0, 1.0, ROWS)
     loads, forces = np.zeros(ROWS), np.zeros((2, ROWS, COLUMNS))
-    loads[0], forces[0, 0], forces[1, 0] = 1.0, 1.0, -1.0
+    loads[0], forces[0, 0], forces[1, 0] = 1.0, 1.0, -1.0  # tau = 0: no wave, friction has one direction
     sizes = np.linspace(0.0, 1.0, COLUMNS)
     for k in range(1, ROWS):
         loads[k], forces[:, k] = mean_forces(slider, drive, min(taus[k], LARGEST), sizes)
-    loads[-1] = 0.0
+    loads[-1] = 0.0  # tau = 1: the wave no longer reaches the slider
     return loads, forces
 
 
@@ -326,7 +329,7 @@ def mean_forces(slider, drive: Drive, tau: float, sizes: np.ndarray) -> tuple[fl
     does not enter the means, and averaging asks for a slow bounce.
     """
     size = drive.amplitude
-    height = ((1.0 / tau - 1.0) ** 2 - 1.0) * size
+    height = ((1.0 / tau - 1.0) ** 2 - 1.0) * size  # tau = sqrt(s)/(sqrt(s) + sqrt(h + s)) solved for h
     loads = [contact.mean_load(height, abs(orbit.normal), slider.contact_shape) for orbit in drive.orbits]
     preload = slider.normal_stiffness * sum(loads)
     exponent = 1.5 if slider.shape == "sphere" else 1.0
@@ -348,7 +351,7 @@ def _packed(slider, drives, tables) -> tuple[np.ndarray, np.ndarray]:
     p[index.FRICTION], p[index.LIMIT_SLOPE] = slider.friction_coefficient, slider.limit_slope
     p[index.STIFFNESS] = slider.normal_stiffness * contacts
     p[index.EXPONENT] = 1.5 if slider.shape == "sphere" else 1.0
-    p[index.SPAN_TAU], p[index.SPAN_NU], p[index.DRIVES] = ROWS, COLUMNS, len(drives)
+    p[index.TAU_NODES], p[index.NU_NODES], p[index.DRIVES] = ROWS, COLUMNS, len(drives)
     fastest = max(slider.normal_resonance(contacts), slider.tangential_resonance(contacts))
     p[index.MAX_STEP], p[index.FAST_STEP] = MAX_STEP, min(FAST_STEP, 1.0 / (100.0 * fastest))
     p[index.RING_STEP] = min(MAX_STEP, 1.0 / (RING_STEPS * fastest))
@@ -411,7 +414,7 @@ def _kick(motor: AveragedMotor, levels) -> float:
     """Return how far the motor is from the exact contact after the first cycles of a sudden wave, m/s."""
     worst = 0.0
     for level in {*levels[:1], *levels[-1:]}:
-        orbits = motor._at(level)
+        orbits = motor.orbits_at(level)
         duration = KICK_CYCLES / orbits[0].frequency
         truth = contact.burst(
             motor.slider, orbits, duration=duration, after=0.0, tolerance=1e-6, samples=2, method="exact"

@@ -18,7 +18,7 @@ from studies.refusal import RunError
 
 STEP = 1e-4  # of the logarithm, or of the range: the difference errs by its square, a prediction by 1e-9
 STATOR_STEP = 1e-3  # a stator's answer is known to the predictor's tolerance only
-SAMPLES, MAX_STARTS = 64, 8  # starts; of which the best are looked at
+SAMPLES, MAX_STARTS = 64, 8  # number of random starts; the best of them, which are followed to a minimum
 SLOW_SAMPLES, MAX_SLOW_STARTS = 8, 3  # likewise, of velocities that are solved one by one
 BETWEEN = 9  # points on the line between two minima, to see whether the sum of squares rises there
 MAX_EVALUATIONS = 60
@@ -40,12 +40,12 @@ class Problem:
 
     @property
     def low(self) -> np.ndarray:
-        """Lower ends of x."""
+        """Lower ends of x; those of b, -0.9 to 9, allow a factor 1 + b of 0.1 to 10."""
         return np.array([p.inner(p.low) for p in self.parameters] + [-0.9] * len(self.systematic))
 
     @property
     def high(self) -> np.ndarray:
-        """Upper ends of x."""
+        """Upper ends of x; see `low`."""
         return np.array([p.inner(p.high) for p in self.parameters] + [9.0] * len(self.systematic))
 
     @property

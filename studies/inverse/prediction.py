@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-import contact as library
+import contact
 from studies.chain.bridge import DrivenContact
 from studies.chain.points import followed_burst
 from studies.chain.predictor import Predictor
@@ -106,19 +106,21 @@ class MeasurementPredictor(Predictor):
             if data is not None:
                 answers.append(self._field(measurement, data, numbers))
                 continue
-            contact = self.contact(numbers)
-            factors = self._factors(measurement, numbers, contact)
+            driven = self.contact(numbers)
+            factors = self._factors(measurement, numbers, driven)
             if measurement.quantity == "velocity" and self.one_by_one:
-                answers.append(self.velocities([(contact, float(factor)) for factor in factors]))
+                answers.append(self.velocities([(driven, float(factor)) for factor in factors]))
             elif measurement.quantity == "velocity":
                 answers.append(slice(len(states), len(states) + len(factors)))
-                states += [(contact, float(factor)) for factor in factors]
+                states += [(driven, float(factor)) for factor in factors]
             elif measurement.quantity == "amplitude":
-                answers.append(factors * contact.amplitude)
+                answers.append(factors * driven.amplitude)
             elif measurement.quantity in ("burst", "position"):
-                answers.append(self._burst(measurement, contact, float(factors[0]), numbers))
+                answers.append(self._burst(measurement, driven, float(factors[0]), numbers))
+            elif measurement.quantity == "ring-down frequency":
+                answers.append(np.array([driven.slider.tangential_resonance(len(driven.orbits))]))
             else:
-                answers.append(np.array([contact.slider.tangential_resonance(len(contact.orbits))]))
+                raise ValueError(f"no prediction of the quantity {measurement.quantity!r}")
         speeds = self.velocities(states) if states else np.empty(0)
         return [speeds[each] if isinstance(each, slice) else each for each in answers]
 
@@ -157,13 +159,13 @@ class MeasurementPredictor(Predictor):
             self._fields.clear()
         self._fields[key] = data, values
 
-    def _factors(self, measurement: Measurement, numbers: dict, contact: DrivenContact) -> np.ndarray:
+    def _factors(self, measurement: Measurement, numbers: dict, driven: DrivenContact) -> np.ndarray:
         """Return the factors on the contact's orbits at the levels of a measurement."""
         if not measurement.levels:
-            return np.array([max(contact.scene.levels)])
+            return np.array([max(driven.scene.levels)])
         levels = np.array(measurement.levels)
         if measurement.level_key == "normal_amplitude_m":
-            return levels / contact.amplitude
+            return levels / driven.amplitude
         if not self.given_wave:
             return levels
         if AMPLITUDE_PER_VOLT not in numbers:
@@ -183,25 +185,25 @@ class MeasurementPredictor(Predictor):
         return np.array([answer.get("velocity_m_per_s", math.nan) for answer in answers])
 
     def _burst(
-        self, measurement: Measurement, contact: DrivenContact, level: float, numbers: dict
+        self, measurement: Measurement, driven: DrivenContact, level: float, numbers: dict
     ) -> np.ndarray:
         """Return v, or the position, at the instants of a burst, whose surface rings up and fades as in a run.
 
         What the instrument does to it - its bandwidth, its own origin of time - is done to the prediction.
         """
-        duration = contact.scene.burst
+        duration = driven.scene.burst
         if duration is None:
             key = "wave.burst" if self.given_wave else "drive.burst"
             raise SceneError(
                 f"measurements {measurement.name}", f'holds a burst: give {key}="0.1 s" with the file'
             )
-        contact = replace(contact, ringing=self.ring_up(contact))
-        (speed,) = self.velocities([(contact, level)])
+        driven = replace(driven, ringing=self.ring_up(driven))
+        (speed,) = self.velocities([(driven, level)])
         offset = float(numbers.get(TIME_OFFSET, 0.0))
         after = max(0.0, 1.01 * (measurement.time[-1] - offset) - duration)
         try:
-            prediction = followed_burst(contact, contact.at(level), speed, self.tolerance, after=after)
-        except library.ConvergenceError:
+            prediction = followed_burst(driven, driven.at(level), speed, self.tolerance, after=after)
+        except contact.ConvergenceError:
             return np.full(len(measurement.time), math.nan)
         curve = prediction.velocity
         if measurement.quantity == "position":

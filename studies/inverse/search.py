@@ -10,13 +10,21 @@ from scipy.optimize import differential_evolution, minimize
 from studies.inverse.evaluations import Evaluations
 from studies.inverse.goals import GOALS
 
-GLOBAL_SHARE, CROWD = 0.7, 8  # of the evaluations; members per variable of a generation
-REPEATED, RADIUS = 8, 1e-4  # best points of the coarse search; of COBYQA's last trust region
-INFEASIBLE, UNKNOWN = 1.0, 1e6  # worst value of a feasible point is 0
+GLOBAL_SHARE, CROWD = 0.7, 8  # evaluations by differential evolution; members of a generation per variable
+REPEATED = 8  # best points of the coarse search that are evaluated at the tolerance
+RADIUS = 1e-4  # of COBYQA's last trust region, in the unit box
+# Added to the value of a point that breaks a constraint, and the sum of excesses of one without an answer; the value of
+# a feasible point is at most 0
+INFEASIBLE, UNKNOWN = 1.0, 1e6
 
 
 class Search:
-    """The searches of one design: from the unit box to the value to be minimised."""
+    """The searches of one design.
+
+    ``ask`` evaluates points at the tolerance, ``coarse`` on the stator's coarsest discretisation (None where no
+    evaluation solves a stator). ``best_of_each`` is the best value of each goal, once known: from then on a search
+    weighs both goals.
+    """
 
     def __init__(
         self, ask: Evaluations, coarse: Evaluations | None, variables, constraints, goals, seed: int
@@ -26,20 +34,20 @@ class Search:
         self.best_of_each: list[float] | None = None
 
     def run(self, weights: list[float], budget: int) -> float:
-        """Search with weights of the goals; return the largest value of the first that has weight."""
+        """Search with weights of the goals; return the value reached of the goal of largest weight."""
         count = len(self.variables)
-        each = max(1, min(CROWD, int(GLOBAL_SHARE * budget) // (4 * count)))
-        size = max(5, each * count)  # of a generation
-        turns = max(1, int(GLOBAL_SHARE * budget) // size - 1)
+        members = max(1, min(CROWD, int(GLOBAL_SHARE * budget) // (4 * count)))  # per variable
+        generation = max(5, members * count)
+        generations = max(1, int(GLOBAL_SHARE * budget) // generation - 1)  # after the first
 
         def values(xs):
             return np.array([self.value(row, weights) for row in self.rows(xs.T, self.coarse)])
 
         result = differential_evolution(
-            values, [(0.0, 1.0)] * count, popsize=each, maxiter=turns, rng=np.random.default_rng(self.seed),
+            values, [(0.0, 1.0)] * count, popsize=members, maxiter=generations, rng=np.random.default_rng(self.seed),
             vectorized=True, updating="deferred", polish=False, tol=0.0,
         )  # fmt: skip
-        start, left = result.x, budget - size * (turns + 1)
+        start, left = result.x, budget - generation * (generations + 1)
         if self.coarse is not None:
             start, left = self._repeated(weights), left - REPEATED
         free = [k for k, each in enumerate(self.variables) if not each.counted]
@@ -67,7 +75,7 @@ class Search:
         return sum(max(0.0, each.excess(row)) for each in self.constraints)
 
     def merit(self, row: dict, weights) -> float:
-        """Return the objective: the goal of largest weight, or 1 less the weighted distance from the best of both."""
+        """Return the objective: the goal of largest weight, or 1 less the largest weighted shortfall from the best."""
         goals = [self.goal(row, goal) for goal in self.goals]
         if self.best_of_each is None:
             return goals[int(np.argmax(weights))]
@@ -99,6 +107,7 @@ class Search:
             point[free] = np.clip(part, 0.0, 1.0)
             return self.rows([point])[0]
 
+        # merit of the best feasible point, so that the objective is of the order of 1
         scale = max((self.merit(row, weights) for row in self.feasible(self.ask.rows)), default=1.0) or 1.0
 
         def size(part):

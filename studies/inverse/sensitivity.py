@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+import contact
 from studies.inverse.prediction import MeasurementPredictor
 from studies.record.plots import COLOURS, finished
 from studies.refusal import RunError, SceneError
@@ -26,7 +27,7 @@ from studies.scene import Scene
 from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"outcomes": ("velocity", "threshold")}
-# accuracy of each answer: rounding and, where it is solved to a tolerance, that
+# accuracy of each answer: that of rounding, or the tolerance that it is solved to
 ACCURACY = {"velocity": 1e-11, "threshold": 1e-13, "release": 1e-13, "thrust": 1e-11, "efficiency": 1e-8,
             "start-up time": 1e-6}  # fmt: skip
 # column of each answer, and the word that asks for it
@@ -121,7 +122,7 @@ def elasticities(
         widths = step / np.array([1.0, 2.0] if moved else [1.0, 2.0, 4.0])
         factors = np.exp(np.concatenate([widths, -widths])).tolist()
         values = _answers(predictor, outcome, level, [{key: factor} for factor in factors]) / centre
-        if not np.all(values > 0.0):  # at the edge of what a scene may say too
+        if not np.all(values > 0.0):  # no answer, such as for a value that the scene refuses
             continue
         up, down = np.split(np.log(values), 2)
         table = ((up - down) / (2.0 * widths)).tolist()
@@ -184,18 +185,16 @@ def _without_effect(predictor: MeasurementPredictor, outcome: str, rows: dict, l
 
 def _checks(predictor: MeasurementPredictor, rows: dict, level: float) -> list[Finding]:
     """Return what must hold: both ways agree, and the contact's scaling law."""
-    import contact as library
-
     worst = 0.0
     for key in (key for key in rows if key.startswith("slider.") and not predictor.needs_stator(key)):
         own = predictor.value(key)
 
         def family(s, key=key, own=own):
-            contact = predictor.contact({key: own * float(np.exp(s))})
-            return contact.slider, contact.at(level)
+            driven = predictor.contact({key: own * float(np.exp(s))})
+            return driven.slider, driven.at(level)
 
         slider, orbits = family(0.0)
-        implicit = library.velocity_derivative(family) / library.mean_motion(slider, orbits).velocity
+        implicit = contact.velocity_derivative(family) / contact.mean_motion(slider, orbits).velocity
         worst = max(worst, abs(implicit - rows[key][0]))
     size = max(abs(value) for value, _ in rows.values())
     findings = [

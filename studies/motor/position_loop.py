@@ -136,7 +136,22 @@ def moved(
     motor: Moving, target: float, control: Callable[[Reading], Command], numbers: MotorNumbers, loop: Loop,
     drives: Drives,
 ) -> Move:  # fmt: skip
-    """Simulate and return a move of a motor to a target; the state of the motor changes."""
+    """Simulate and return a move of a motor to a target; the state of the motor changes.
+
+    Parameters
+    ----------
+    motor : Moving
+        Where the motor is; advanced in place.
+    target : float
+        Position, m.
+    control : callable
+        The controller: asked at the end of each burst, and otherwise each period, for the next `Command`. It keeps what
+        it needs in ``reading.memory``, where ``settled`` says that it is content.
+    numbers : MotorNumbers
+        What the controller knows of the motor.
+    loop : Loop
+    drives : Drives
+    """
     random = np.random.default_rng(loop.seed)
     direction, frequency = drives.direction, drives.frequency
     delay_periods = round(loop.delay / loop.period)

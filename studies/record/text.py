@@ -23,7 +23,7 @@ SHARES = {
     "loads": "loads_W_per_V2",
     "to the left": "radiated_left_W_per_V2",
     "to the right": "radiated_right_W_per_V2",
-}  # of the available power: its key in run.json
+}  # share of the available power as printed: its key in run.json after "power_"
 ROWS_SHOWN = 30  # of the table in a notebook
 
 
@@ -161,7 +161,7 @@ def _source(electrical: dict, drive):
         yield "recovered", f"{kept}, in {load.real:.4g} {load.imag:+.4g}i ohm"
     if "power_net_W_per_V2" in electrical:
         less = electrical["power_W_per_V2"] / electrical["power_net_W_per_V2"]
-        gives = f"the source gives 1/{less:.4g} of it"
+        gives = f"the source gives 1/{less:.4g} of the power into the transducers"
         yield "circulation", f"{gives}; gain of the loop {ratio:.4g}, stable below 1"
 
 
@@ -239,8 +239,8 @@ def comparison(block: dict):
     yield "", f"deviation {rms:.3g} mm/s rms{share}, mean {mean:+.3g} mm/s"
     if "measured_over_predicted" in block:
         ratio = abs(block["measured_over_predicted"])
-        unit = "" if not any(0.3 < ratio / power < 3 for power in (1e-3, 1e3)) else "; is the file in m/s?"
-        yield "", f"measured / predicted {block['measured_over_predicted']:.3g} (least squares){unit}"
+        doubt = "; is the file in m/s?" if any(0.3 < ratio / power < 3 for power in (1e-3, 1e3)) else ""
+        yield "", f"measured / predicted {block['measured_over_predicted']:.3g} (least squares){doubt}"
     if "within_one_error" in block:
         within = f"{block['within_one_error']} of {block['compared']} within their error"
         yield "", f"{within}, chi^2 per point {block['chi_square_per_point']:.3g}"

@@ -97,9 +97,9 @@ class ResultDirectory:
                 foreign.append(name)
         return replaced, foreign
 
-    def _note(self, manifest: dict, about: dict, replaced: list[str], renamed: dict[str, str]) -> None:
+    def _note(self, former: dict, about: dict, replaced: list[str], renamed: dict[str, str]) -> None:
         if replaced and not self._written:
-            then, now = origin_of(manifest), origin_of(about)
+            then, now = origin_of(former), origin_of(about)
             of = "" if then == now else f" of {named(then)}"
             self.notes.append(f"replaced the former result in {self.target}: {_listed(replaced)}{of}")
         if renamed:
@@ -214,6 +214,7 @@ def move(source: Path, place: Path) -> None:
 
 
 def _marks_first(name: str) -> tuple[bool, str]:
+    """Return a key to sort names by: marks move away first and, in reverse, into place last."""
     return name not in MARKS, name
 
 

@@ -6,8 +6,8 @@ numbers, and Python, R, Julia and every shell read it, such as ``pandas.read_sql
 Only the driver writes; workers never see the file, so that it may lie on any local disk.
 
 Tables: ``points`` (a row each: values of the keys, outcomes), ``sweep`` (what was asked, with which versions),
-``batches`` (what the work cost).  A second driver is refused by a lock that the
-operating system takes back when a process dies, however it dies.
+``batches`` (what the work cost).  A second driver is refused by a lock that
+the operating system takes back when a process dies, however it dies.
 """
 
 import json
@@ -27,7 +27,7 @@ from studies.results.content import provenance
 from studies.sweeps.plan import Design
 
 FILE, LOCK = "points.sqlite", "driver.lock"
-LOST = "lost: "  # how the reason of a point begins that is tried again by the next driver
+LOST = "lost: "  # start of the status of a point that the next driver tries again
 TABLES = """
 create table if not exists sweep (name text primary key, value text not null);
 create table if not exists batches (finished text default current_timestamp, points integer, seconds real);
@@ -55,7 +55,7 @@ class Store:
         self._insert = f"insert or replace into points values ({marks})"
 
     def columns(self) -> dict[str, list]:
-        """Return the rows in the order of their points, as columns, also after `close`; what a row has not is None."""
+        """Return the rows in the order of their points, as columns, also after `close`; None for no value."""
         with sqlite3.connect(self.path) if self.path else nullcontext(self.connection) as connection:
             cursor = connection.execute("select * from points order by point")
             names = [entry[0] for entry in cursor.description]
@@ -71,7 +71,7 @@ class Store:
             self._lock.release()
 
     def done(self, count: int):
-        """Return which of the first `count` points have a row that stands, an array of bool."""
+        """Return which of the first `count` points have a row that is not to be tried again, an array of bool."""
         stands = np.zeros(count, bool)
         rows = self.connection.execute(
             "select point from points where status not like ? and point < ?", (f"{LOST}%", count)
@@ -101,24 +101,20 @@ class Store:
     def _begin(self, design: Design, identity: dict[str, str]) -> None:
         """Compare the sweep with the one that the file holds, or write it down."""
         versions = {f"version of {name}": version for name, version in provenance().items()}
-        identity_of_sweep: dict[str, Any] = {"identity": identity | versions}
+        identity = identity | versions
         for (text,) in self.connection.execute("select value from sweep where name = 'identity'"):
             held = json.loads(text)
-            names = [
-                name
-                for name in held | identity_of_sweep["identity"]
-                if held.get(name) != identity_of_sweep["identity"].get(name)
-            ]
+            names = [name for name in held | identity if held.get(name) != identity.get(name)]
             if names:
                 what = f"its {', '.join(names)} {'differs' if len(names) == 1 else 'differ'}"
                 rule = f"{str(self.folder)!r} holds another sweep: {what}; name another directory"
                 raise SceneError("out", rule)
         question = design.question
-        identity_of_sweep |= {"scene": question.table, "keys": question.keys, "tolerance": question.tolerance}
-        identity_of_sweep |= {
+        about: dict[str, Any] = {
+            "identity": identity, "scene": question.table, "keys": question.keys, "tolerance": question.tolerance,
             "points": len(design),
             "driver": f"process {os.getpid()} on {socket.gethostname()}",
-        }
+        }  # fmt: skip
         with self._explained(), self.connection:
             columns = ", ".join(f'"{name}"' for name in self._names)
             self.connection.execute(
@@ -126,7 +122,7 @@ class Store:
             )
             self.connection.executemany(
                 "insert or replace into sweep values (?, ?)",
-                ((name, json.dumps(value)) for name, value in identity_of_sweep.items()),
+                ((name, json.dumps(value)) for name, value in about.items()),
             )
 
     @contextmanager

@@ -94,7 +94,7 @@ def main(names: list[str]) -> None:
         slider = motor.slider
         for share in SHARES:
             level = share * motor.levels[-1]
-            steady = float(contact.mean_motion(slider, motor._at(level)).velocity)
+            steady = float(contact.mean_motion(slider, motor.orbits_at(level)).velocity)
             force = -0.3 * slider.friction_coefficient * motor.preload * float(np.sign(steady))
             velocity, seconds = exported(motor, level, force)
             truth, coarse = (followed(motor, level, force, steps) for steps in (400, 200))

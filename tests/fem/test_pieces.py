@@ -17,6 +17,7 @@ from fem.input_error import InputError
 from fem.layout import check_layout
 from fem.materials import material
 from fem.materials.christoffel import slowest_wavelength
+from fem.mesh import quads
 from fem.mesh.even_corners import with_even_corners
 from fem.mesh.piece import MeshPiece
 from fem.mesh.section_mesh import Cells, SectionMesh, read_mesh
@@ -600,6 +601,30 @@ def test_the_sagitta_of_a_coarsely_drawn_arc_is_stated(tmp_path):
     assert stated[1] == pytest.approx(stated[0] / 9, rel=0.1)
     true = motion_difference(*moved)
     assert true < stated[0] - stated[1] < 10 * true
+
+
+def test_the_vertices_of_an_arc_need_fewer_layers(tmp_path, monkeypatch):
+    """Two layers of three at vertices that turn by 13 degrees: the motion of all layers; with none it is not."""
+    row = (
+        Transducer(name="a", center=2.5e-3, finger_pairs=2, period=1e-3, metallisation=0.5, aperture=1e-2),
+    )
+    angle = np.arcsin(0.4 / 0.5) * np.linspace(-1, 1, 9)
+    arc = np.stack([1 + 0.5 * np.sin(angle), 0.5 * (np.cos(angle[0]) - np.cos(angle))], axis=1)
+    stator = _with_profile(tmp_path / "arc.msh", arc)
+
+    def motion():
+        solved = solve_driven(stator, row, frequency=2.17e6, drive="a", resolution=LEVELS[2])
+        return surface_of(solved).motion(np.array([4.1e-3, 7.6e-3]))
+
+    fewer = motion()
+    assert quads.corner_layers(np.deg2rad(13.3), 3) == 2
+    assert quads.corner_layers(np.deg2rad(30), 3) == 3
+    monkeypatch.setattr(quads, "corner_layers", lambda turn, layers: layers)
+    every = motion()
+    monkeypatch.setattr(quads, "corner_layers", lambda turn, layers: 0)
+    none = motion()
+    assert 1e-9 < motion_difference(fewer, every) < 2e-6
+    assert motion_difference(none, every) > 2e-5
 
 
 @pytest.mark.parametrize("bottom", [[[0.6, -0.2], [1.2, -0.2]], [[0.7, -0.01], [1.3, -0.01]]])

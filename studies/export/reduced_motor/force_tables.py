@@ -50,7 +50,7 @@ def mean_load(p: Array, tables: Array, drive: int, h: float, s: float) -> float:
     """Return <P> in N, the sum over the contacts."""
     if h + s <= 0.0:
         return 0.0
-    nodes: int = int(p[index.SPAN_TAU])
+    nodes: int = int(p[index.TAU_NODES])
     start: int = int(p[index.FIRST_DRIVE + drive * index.DRIVE_SIZE + index.LOADS])
     at = ratio(h, s) * (nodes - 1)
     k: int = node(at, nodes)
@@ -64,8 +64,8 @@ def traction_share(p: Array, tables: Array, drive: int, tau: float, side: int, s
     """Return g in -1..1 for V > 0 (side 1) or V < 0 (side 0); `size` is sqrt(|nu|)."""
     if size >= 1.0:
         return -1.0 if side == 1 else 1.0
-    rows: int = int(p[index.SPAN_TAU])
-    columns: int = int(p[index.SPAN_NU])
+    rows: int = int(p[index.TAU_NODES])
+    columns: int = int(p[index.NU_NODES])
     facing = p[index.FIRST_DRIVE + drive * index.DRIVE_SIZE + index.FACING]
     start: int = int(p[index.FIRST_DRIVE + drive * index.DRIVE_SIZE + index.FORCES])
     if (side == 1) == (facing > 0.0):  # the second half of the table is that of V > 0
@@ -118,8 +118,8 @@ def kept_share(p: Array, tables: Array, state: Array, drive: int, sign: float, n
     """Return g at |nu| = `nu` on a wave at rest; the cubic over the cell is kept in the state."""
     if nu >= 1.0:
         return -sign
-    rows: int = int(p[index.SPAN_TAU])
-    columns: int = int(p[index.SPAN_NU])
+    rows: int = int(p[index.TAU_NODES])
+    columns: int = int(p[index.NU_NODES])
     along = sqrt(nu) * (columns - 1)
     k: int = node(along, columns)
     t = along - k

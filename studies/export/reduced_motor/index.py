@@ -1,4 +1,9 @@
-"""Indices of the averaged motor's numbers in the flat arrays of parameters and state, which the C code has too."""
+"""Indices of the averaged motor's numbers in the flat arrays of parameters and state, which the C code has too.
+
+tau = sqrt(s)/(sqrt(s) + sqrt(h + s)) and nu = V/(v_1 s) are the axes of the force tables, with the mean approach h, the
+normal amplitude s and the slider velocity V; R(tau) is the table of the mean normal force, g(tau, nu) that of the mean
+tangential force (`studies.export.reduced_motor`; read in force_tables.py).
+"""
 
 import numpy as np
 
@@ -13,8 +18,8 @@ FRICTION = 4
 LIMIT_SLOPE = 5
 STIFFNESS = 6  # n K of all contacts, N/m^e
 EXPONENT = 7  # 1.5 or 1
-SPAN_TAU = 8  # number of tau nodes
-SPAN_NU = 9  # number of nodes of each side of nu
+TAU_NODES = 8  # number of tau nodes
+NU_NODES = 9  # number of nodes of each side of nu
 DRIVES = 10  # 1 or 2
 MAX_STEP = 11
 FAST_STEP = 12
@@ -22,8 +27,8 @@ RING_STEP = 13
 DEAD_BOUNCE = 14  # relative to the approach at rest: below it the approach follows the wave at once
 FIRST_DRIVE = 15
 # of the parameters of each drive, from its first on
-AMPLITUDE = 0  # largest |u_z| of the contacts per unit of the drive, m
-SATURATION = 1  # v_1, (m/s)/m
+AMPLITUDE = 0  # largest |u_z| of the contacts per unit of the drive, m: s of a steady wave
+SATURATION = 1  # v_1, (m/s)/m: from V = v_1 s on friction has one direction throughout the cycle
 RESPONSE_NODES = 2  # 0: the wave follows at once
 RESPONSE_STEP = 3  # s
 POWER = 4  # W per squared unit of the drive
@@ -52,8 +57,8 @@ PINNED = 14  # at the upper (1) or lower (-1) limit of a spring that slips; 0 wh
 DEPTH = 15  # approach that carries <P> without a wave, m; 0 where the three numbers are to be computed anew
 LOWEST = 16  # deformations at which slip begins, m
 HIGHEST = 17
-CELL = 18  # cell of the table g that was read last, from 1 and with the sign of V, and its cubic; 0: none
-CUBIC = 19
+CELL = 18  # cell of the table g that was read last, from 1 and with the sign of V; 0: none
+CUBIC = 19  # 4 coefficients of the cubic over that cell, 19 to 22
 HISTORY = 23
 # of the history of each drive, from its first on
 LEVEL = 0  # present value of the drive, zero or positive
