@@ -41,13 +41,7 @@ def finite_complex(name: str, value: complex, unit: str) -> complex:
 
 def count(name: str, value: int, least: int) -> int:
     """Return `value` as an int if it is a whole number of at least `least`, else raise."""
-    if (
-        isinstance(value, bool | str)
-        or np.ndim(value) != 0
-        or value != value
-        or int(value) != value
-        or value < least
-    ):
+    if isinstance(value, bool | str) or np.ndim(value) != 0 or value != value or int(value) != value or value < least:
         raise InputError(name, f"must be a whole number of at least {least}", value)
     return int(value)
 

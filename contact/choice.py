@@ -124,14 +124,7 @@ class Choice(NamedTuple):
 
 
 def choose(
-    methods: dict[str, Method],
-    question,
-    asked: str,
-    *,
-    what: str,
-    exact: bool,
-    way: str,
-    exact_first: bool = False,
+    methods: dict[str, Method], question, asked: str, *, what: str, exact: bool, way: str, exact_first: bool = False
 ) -> Choice:
     """Return the first result within its tolerance, or else the one with the smallest error.
 

@@ -34,9 +34,7 @@ class Orbit:
     def __post_init__(self):
         object.__setattr__(self, "frequency", bounds.positive("orbit.frequency", self.frequency, "Hz"))
         object.__setattr__(self, "normal", bounds.finite_complex("orbit.normal", self.normal, "m"))
-        object.__setattr__(
-            self, "tangential", bounds.finite_complex("orbit.tangential", self.tangential, "m")
-        )
+        object.__setattr__(self, "tangential", bounds.finite_complex("orbit.tangential", self.tangential, "m"))
 
     @property
     def omega(self) -> float:
@@ -68,7 +66,5 @@ def as_orbits(orbits: "Orbit | Sequence[Orbit]") -> tuple[Orbit, ...]:
         if not isinstance(orbit, Orbit):
             raise InputError("orbits", "must hold objects of type Orbit", orbit)
         if orbit.frequency != listed[0].frequency:
-            raise InputError(
-                "orbits", f"must share one frequency, got {listed[0].frequency} and {orbit.frequency} Hz"
-            )
+            raise InputError("orbits", f"must share one frequency, got {listed[0].frequency} and {orbit.frequency} Hz")
     return listed

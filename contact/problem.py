@@ -118,10 +118,7 @@ def numbers(s: Slider, contacts: int) -> list[float]:
 
 def paths_of(orbits: tuple[Orbit, ...], heights: np.ndarray, factor: complex = 1.0) -> Paths:
     """Return the paths of contacts of these heights, the orbits' amplitudes times a factor."""
-    u_z, u_x = (
-        np.array([o.normal * factor for o in orbits]),
-        np.array([o.tangential * factor for o in orbits]),
-    )
+    u_z, u_x = (np.array([o.normal * factor for o in orbits]), np.array([o.tangential * factor for o in orbits]))
     return Paths(heights, u_z.real.copy(), -u_z.imag, u_x.real.copy(), -u_x.imag)
 
 
@@ -164,9 +161,7 @@ def _with_longest(problem, longest, **changed):
 
     Beyond these lengths the Picard iteration of a segment converges too slowly.
     """
-    damping = max(
-        problem.normal_damping, problem.tangential_damping, problem.contact_damping * problem.stiffness
-    )
+    damping = max(problem.normal_damping, problem.tangential_damping, problem.contact_damping * problem.stiffness)
     longest = min(0.8 / (largest_resonance(problem) + 1e-150), 2.0 / (damping + 1e-300), longest)
     return problem._replace(longest=longest, **changed)
 

@@ -165,9 +165,7 @@ def _searched(start, stop, sigma, bary, values):
                 p, q = a + 0.381966011250105 * (b - a), b - 0.381966011250105 * (b - a)
                 f, g = interpolate(p, sigma, bary, values), interpolate(q, sigma, bary, values)
                 if min(f, g) < rounding:
-                    return root(
-                        max(start + (m - 1) * step, start), p if f < rounding else q, sigma, bary, values
-                    )
+                    return root(max(start + (m - 1) * step, start), p if f < rounding else q, sigma, bary, values)
                 if f < g:
                     b = q
                 else:

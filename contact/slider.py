@@ -94,13 +94,9 @@ class Slider:
         heights = tuple(bounds.finite("slider.heights", height, "m") for height in self.heights)
         object.__setattr__(self, "heights", heights if any(heights) else ())
         if self.shape == "punch" and self.law == "hysteretic":
-            raise InputError(
-                "slider.law", 'must be "elastic" for a punch, which slips as a whole, got "hysteretic"'
-            )
+            raise InputError("slider.law", 'must be "elastic" for a punch, which slips as a whole, got "hysteretic"')
         if self.stick_band > 0.0 and self.law == "hysteretic":
-            raise InputError(
-                "slider.stick_band", "must be 0 m/s with the hysteretic law", self.stick_band, "m/s"
-            )
+            raise InputError("slider.stick_band", "must be 0 m/s with the hysteretic law", self.stick_band, "m/s")
         if not isinstance(self.reciprocal, bool):
             raise InputError("slider.reciprocal", "must be true or false", self.reciprocal)
         if self.friction is not None:
@@ -151,10 +147,7 @@ class Slider:
             return user_law(self.friction, self._contact, self.normal_stiffness)
         if self.friction is not None:
             area = math.pi * self.radius * (1.0 if self.contact_shape == Shape.SPHERE else self.radius)
-            ratio, pressure = (
-                self.effective_modulus / (4.0 * self.tangential_modulus),
-                self.normal_stiffness / area,
-            )
+            ratio, pressure = (self.effective_modulus / (4.0 * self.tangential_modulus), self.normal_stiffness / area)
             return self.friction.law(self.friction_coefficient, ratio, pressure)
         if self.law == "hysteretic" and self.limit_slope > 0.0:
             return hysteretic.mindlin_deresiewicz()
@@ -209,9 +202,7 @@ class Slider:
     def offsets(self, contacts: int) -> np.ndarray:
         """Return the heights of the contacts as an array of that length, m."""
         if self.heights and len(self.heights) != contacts:
-            raise InputError(
-                "slider.heights", f"must hold one height per contact, {contacts}", len(self.heights)
-            )
+            raise InputError("slider.heights", f"must hold one height per contact, {contacts}", len(self.heights))
         return np.array(self.heights) if self.heights else np.zeros(contacts)
 
     def approach_under(self, force: float, contacts: int) -> float:
@@ -274,15 +265,11 @@ class Slider:
             return limits if self.load > 0.0 else 0.0 * z
         from scipy.optimize import brentq
 
-        return np.minimum(
-            brentq(lambda x: carried(x) - self.load, 0.0, max_limit, xtol=1e-15 * max_limit), limits
-        )
+        return np.minimum(brentq(lambda x: carried(x) - self.load, 0.0, max_limit, xtol=1e-15 * max_limit), limits)
 
     def normal_resonance(self, contacts: int) -> float:
         """Return the frequency in Hz of the bounce at rest, sqrt(sum dP/dz / m)/2 pi."""
-        slope = float(
-            np.sum(normal.slope(self.rest_approach(contacts) + self.offsets(contacts), self.contact_shape))
-        )
+        slope = float(np.sum(normal.slope(self.rest_approach(contacts) + self.offsets(contacts), self.contact_shape)))
         return math.sqrt(self.normal_stiffness * slope / self.mass) / (2.0 * math.pi)
 
     def tangential_resonance(self, contacts: int) -> float:

@@ -76,9 +76,7 @@ def direct_solution(
 
     check_layout(stator, transducers)
     if stator.absorbs_below or stator.above != "none" or stator.pieces:
-        raise ValueError(
-            "the direct solver takes a stator with a real bottom, nothing above and no meshed pieces"
-        )
+        raise ValueError("the direct solver takes a stator with a real bottom, nothing above and no meshed pieces")
     transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
     names = fields(stator.solid)
     section = discretise(
@@ -129,9 +127,7 @@ def _by_port(by_strip: _Strips, transducers: tuple[Transducer, ...], frequency: 
     charges = ports.T @ by_strip.charges @ ports
     return DirectSolution(
         names=tuple(each.name for each in two),
-        admittances=charge_admittances(
-            charges, np.minimum.outer(*2 * [[each.aperture for each in two]]), frequency
-        ),
+        admittances=charge_admittances(charges, np.minimum.outer(*2 * [[each.aperture for each in two]]), frequency),
         unknowns=by_strip.unknowns,
         surface=lambda places: by_strip.surface(places) @ ports,
     )
@@ -146,9 +142,7 @@ def _x_lines(stator, transducers, resolution, wavelength, segment) -> np.ndarray
         fingers = transducer.fingers / wavelength
         halves = [gap / wavelength for gap in gaps]
         halves += [transducer.half_gap / wavelength, transducer.finger_width / 2 / wavelength]
-        *outer_layers, gap_layers, finger_layers = (
-            edge_layers(resolution, half, min(halves)) for half in halves
-        )
+        *outer_layers, gap_layers, finger_layers = (edge_layers(resolution, half, min(halves)) for half in halves)
         before, after = (
             graded(half, layers, largest=largest, smallest_first=later)
             for half, layers, later in zip(halves[:2], outer_layers, (False, True), strict=True)
@@ -175,9 +169,7 @@ def _assembled(basis, body: Medium, angular: float):
 
     xx, xz, zz, mass = (form.assemble(basis) for form in scikit_fem_derivatives())
     tables = (body.xx, body.xz, body.zz, -(angular**2) * np.diag(body.inertia))
-    parts = [
-        kron(matrix, csr_matrix(table)) for matrix, table in zip((xx, xz, zz, mass), tables, strict=True)
-    ]
+    parts = [kron(matrix, csr_matrix(table)) for matrix, table in zip((xx, xz, zz, mass), tables, strict=True)]
     return (sum(parts) + kron(xz.T, csr_matrix(body.xz.T))).tocsr()
 
 
@@ -204,11 +196,7 @@ def _electrode_dofs(basis, transducers, wavelength, count, phi) -> list[tuple[np
     mesh = basis.mesh
     electrodes = []
     for transducer in transducers:
-        groups = [
-            transducer.strips("+"),
-            transducer.strips("-"),
-            *(strip[None] for strip in transducer.strips("o")),
-        ]
+        groups = [transducer.strips("+"), transducer.strips("-"), *(strip[None] for strip in transducer.strips("o"))]
         for group in groups:
             edges = group / wavelength
             chosen = mesh.facets_satisfying(

@@ -56,9 +56,7 @@ def opposite_modes(second, skew, zeroth):
         return np.block([[-product, -inverse], [second - half @ product, -half @ inverse]])
 
     operator = resolvent(inverse, shift) @ resolvent(inverse.T, -shift)
-    vectors = np.empty(
-        (2 * size, 2 * size), dtype=complex
-    )  # of the space and J times their conjugates in turn
+    vectors = np.empty((2 * size, 2 * size), dtype=complex)  # of the space and J times their conjugates in turn
     adjoint, reduced = np.empty_like(vectors), np.zeros((size, size), dtype=complex)
     new = np.random.default_rng(0).normal(size=2 * size) + 0j
     for number in range(size):

@@ -129,9 +129,7 @@ def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
             )
         if not 0 < inner < stator.length:
             raise InputError(
-                "piece",
-                f"begins beside the stator, 0 to {stator.length * 1e3:g} mm: {end.where}",
-                owner=end.name,
+                "piece", f"begins beside the stator, 0 to {stator.length * 1e3:g} mm: {end.where}", owner=end.name
             )
     if placed.whole is None:
         _check_overlaps(placed, stator.length, transducers)
@@ -236,9 +234,7 @@ def _check_size(piece: MeshPiece) -> None:
     if least <= MAX_UNKNOWNS:
         return
     count = sum(len(cells.nodes) for cells in piece.mesh.cells)
-    size = np.median(
-        [np.median(np.ptp(piece.mesh.points[cells.nodes, 0], axis=1)) for cells in piece.mesh.cells]
-    )
+    size = np.median([np.median(np.ptp(piece.mesh.points[cells.nodes, 0], axis=1)) for cells in piece.mesh.cells])
     raise InputError(
         "piece.file",
         f"has {count} elements, about {size * 1e3:.2g} mm wide, and at least {least:.2g} unknowns, at most "
@@ -259,19 +255,14 @@ def _check_materials(piece: MeshPiece) -> None:
         if name not in known:
             raise InputError(
                 "piece.materials",
-                f'must name every solid: the surface group "{name}" is no solid of the scene: '
-                f"{', '.join(known)}",
+                f'must name every solid: the surface group "{name}" is no solid of the scene: {", ".join(known)}',
                 owner=piece.name,
             )
     for name in known[1:]:
         if name not in piece.mesh.solids:
-            groups = (
-                ", ".join(each for each in piece.mesh.solids if each != "stator") or "none besides stator"
-            )
+            groups = ", ".join(each for each in piece.mesh.solids if each != "stator") or "none besides stator"
             raise InputError(
-                "piece.materials",
-                f'names "{name}", which is no surface group of the file: {groups}',
-                owner=piece.name,
+                "piece.materials", f'names "{name}", which is no surface group of the file: {groups}', owner=piece.name
             )
 
 
@@ -314,9 +305,7 @@ def _check_electrode_lines(piece: MeshPiece, solid: Solid) -> None:
     """Raise an InputError for electrodes that touch each other or an interface, or touch no piezoelectric solid."""
     mesh, owner = piece.mesh, dict[int, str]()
     solids = {"stator": solid} | dict(piece.solids)
-    coupled = {
-        int(n) for each in mesh.cells if solids[each.solid].is_piezoelectric for n in np.unique(each.nodes)
-    }
+    coupled = {int(n) for each in mesh.cells if solids[each.solid].is_piezoelectric for n in np.unique(each.nodes)}
 
     def refuse(rule: str, at: set[int] | None = None) -> None:
         where = " at ({:.4g}, {:.4g}) mm".format(*mesh.points[min(at)] * 1e3) if at else ""
@@ -327,10 +316,7 @@ def _check_electrode_lines(piece: MeshPiece, solid: Solid) -> None:
         if len(nodes & coupled) < 2:  # a corner alone is no contact
             refuse(f'must draw the line group "electrode:{name}" on a piezoelectric solid')
         if shared := nodes & owner.keys():
-            refuse(
-                f'"electrode:{owner[min(shared)]}" and "electrode:{name}" touch{{}}: give them one name',
-                shared,
-            )
+            refuse(f'"electrode:{owner[min(shared)]}" and "electrode:{name}" touch{{}}: give them one name', shared)
         for side in ("left", "right"):
             if shared := nodes.intersection(mesh.lines.get(side, np.empty(0)).ravel().tolist()):
                 refuse(f'"electrode:{name}" reaches the interface {side}{{}}: it must end before it', shared)
@@ -343,9 +329,7 @@ def _check_overlaps(placed: Placement, length: float, transducers: tuple[Transdu
     for side, piece in enumerate(placed.ends):
         if piece is not None:
             low, high = piece.extent
-            spans.append(
-                ((-float("inf"), high) if side == 0 else (low, float("inf")), f'piece "{piece.name}"')
-            )
+            spans.append(((-float("inf"), high) if side == 0 else (low, float("inf")), f'piece "{piece.name}"'))
     spans += [(each.extent, f'transducer "{each.name}"') for each in transducers]
     room = SAME * length
     for piece in placed.between:
@@ -366,8 +350,7 @@ def _check_overlaps(placed: Placement, length: float, transducers: tuple[Transdu
         if one[1] > other[0] + (-room if fingers else room * 1e-3):
             what = "overlaps" if one[1] > other[0] + room * 1e-3 else "touches"
             raise InputError(
-                "piece",
-                f"{here[0].removeprefix('piece ')} {_span(here[1])} {what} the {there[0]} {_span(there[1])}",
+                "piece", f"{here[0].removeprefix('piece ')} {_span(here[1])} {what} the {there[0]} {_span(there[1])}"
             )
 
 

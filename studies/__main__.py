@@ -103,8 +103,7 @@ def _defect(error: Exception) -> int:
     with tempfile.NamedTemporaryFile("w", prefix="sawmotor-defect-", suffix=".txt", delete=False) as file:
         file.write(f"sawmotor {' '.join(sys.argv[1:])}\n\n{''.join(traceback.format_exception(error))}")
     return _said(
-        f"a defect of sawmotor, not of your scene: {name}: {text}; its traceback is in {file.name}",
-        EXIT_DEFECT,
+        f"a defect of sawmotor, not of your scene: {name}: {text}; its traceback is in {file.name}", EXIT_DEFECT
     )
 
 

@@ -119,15 +119,8 @@ def shown(value: Any) -> str:
     """Return a value as an error quotes it: on one line and short."""
     try:
         # the only values without a literal of Python's are TOML's dates and times
-        text = (
-            repr(value)
-            if type(value).__module__ != "datetime"
-            else f"the date or time {value} (quotes are missing)"
-        )
-    except (
-        ValueError,
-        RecursionError,
-    ):  # an integer of more digits than Python prints, or nesting without end
+        text = repr(value) if type(value).__module__ != "datetime" else f"the date or time {value} (quotes are missing)"
+    except (ValueError, RecursionError):  # an integer of more digits than Python prints, or nesting without end
         text = f"a {type(value).__name__} too large to print"
     text = " ".join(text.split())
     return text if len(text) <= 60 else text[:57] + "..."

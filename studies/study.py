@@ -78,9 +78,7 @@ class Finding:
         return f"{self.statement}\n    {numbers}{remark}"
 
 
-def judged(
-    statement, quantity, value, *, low=-math.inf, high=math.inf, holds=True, expected="", remark=""
-) -> Finding:
+def judged(statement, quantity, value, *, low=-math.inf, high=math.inf, holds=True, expected="", remark="") -> Finding:
     """Return the finding that a number lies between two others, both excluded, and something else holds too.
 
     With None for ``holds`` the number is told but not judged.
@@ -153,8 +151,7 @@ class StudyRecord:
 
 # what a study's ``run`` returns: panels, findings and, if there is one, the answer in words as label and text
 Answered = (
-    tuple[Iterable[Panel], Iterable[Finding]]
-    | tuple[Iterable[Panel], Iterable[Finding], Iterable[tuple[str, str]]]
+    tuple[Iterable[Panel], Iterable[Finding]] | tuple[Iterable[Panel], Iterable[Finding], Iterable[tuple[str, str]]]
 )
 
 
@@ -177,21 +174,17 @@ def driven_contact(
         resolved_scene.refuse("slider", "is missing: this study needs a slider")
     if resolved_scene.slider.pillars is not None and not pillars:
         resolved_scene.refuse(
-            "slider.pillars",
-            "are not known to this study: run, sweep, fit, design, datasheet and load_line take them",
+            "slider.pillars", "are not known to this study: run, sweep, fit, design, datasheet and load_line take them"
         )
     if resolved_scene.wave is not None:
         return DrivenContact.given(resolved_scene)
     if not resolved_scene.transducer:
         resolved_scene.refuse("transducer", "is missing: this study needs a driven stator or a given [wave]")
     drive = replace(resolved_scene.drive, voltage=(max(resolved_scene.levels),), burst=None)
-    record = run_chain(
-        replace(resolved_scene, drive=drive, uncertain=None), tolerance=tolerance, progress=progress
-    )
+    record = run_chain(replace(resolved_scene, drive=drive, uncertain=None), tolerance=tolerance, progress=progress)
     driven = DrivenContact.of_run(record)
     return replace(
-        driven,
-        scene=replace(resolved_scene, drive=replace(resolved_scene.drive, frequency=driven.scene.frequency)),
+        driven, scene=replace(resolved_scene, drive=replace(resolved_scene.drive, frequency=driven.scene.frequency))
     )
 
 
@@ -218,9 +211,7 @@ def expected_seconds(name: str, scene: str | None) -> float:
         return seconds
     from studies.report.explanation import plan
 
-    own, usual = (
-        plan(Scene.load(each), tolerance=1e-3)["expected"]["seconds"] for each in (scene, default.default)
-    )
+    own, usual = (plan(Scene.load(each), tolerance=1e-3)["expected"]["seconds"] for each in (scene, default.default))
     return seconds * own / usual
 
 
@@ -259,9 +250,7 @@ def study(default: str | None = None) -> Callable[[Callable[..., Answered]], Cal
 
     def decorated(run: Callable[..., Answered]) -> Callable[..., StudyRecord]:
         @wraps(run)
-        def timed(
-            *scene: str | Scene, progress: Callable[[str], None] | None = None, **options: Any
-        ) -> StudyRecord:
+        def timed(*scene: str | Scene, progress: Callable[[str], None] | None = None, **options: Any) -> StudyRecord:
             start_time = time.perf_counter()
             if default is not None:
                 scene = (Scene.load(scene[0] if scene else options.pop("scene", default)),)
@@ -323,9 +312,7 @@ def run_study(
     return record
 
 
-def draw_study(
-    name: str, record: StudyRecord | Record, folder: Path, *, progress: Callable[[str], None]
-) -> None:
+def draw_study(name: str, record: StudyRecord | Record, folder: Path, *, progress: Callable[[str], None]) -> None:
     """Draw the pictures of a study into a directory."""
     progress("drawing")
     study_module = module(name)

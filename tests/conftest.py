@@ -71,9 +71,7 @@ def pytest_unconfigure(config):
 def pytest_collection_finish():
     """Collect garbage again, but seldom, and not among the modules and tests that have come together."""
     gc.freeze()
-    gc.set_threshold(
-        100_000, 20, 20
-    )  # a compiler makes so many objects that the usual 700 cost it a tenth of its time
+    gc.set_threshold(100_000, 20, 20)  # a compiler makes so many objects that the usual 700 cost it a tenth of its time
     gc.enable()
 
 

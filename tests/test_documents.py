@@ -32,20 +32,7 @@ NAMES = [str(path.relative_to(ROOT)) for path in DOCUMENTS]
 BLOCK = re.compile(
     r"^(?P<remark><!--[^\n]*-->)?\n*^```(?P<language>[^\n`]*)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL
 )
-TOOLS = (
-    "python3",
-    "python",
-    "pip",
-    ".",
-    "ruff",
-    "lint-imports",
-    "mypy",
-    "pytest",
-    "dask",
-    "git",
-    "cd",
-    "export",
-)
+TOOLS = ("python3", "python", "pip", ".", "ruff", "lint-imports", "mypy", "pytest", "dask", "git", "cd", "export")
 # tutorials whose steps tests/studies/test_lab.py, test_positioning.py and test_export_motor.py take on small motors
 SLOW_DOCUMENTS = ("studies/lab/README.md", "studies/motor/README.md")
 # commands whose study, field, measurement and bands test_studies.py, test_view.py, test_measured.py and
@@ -75,12 +62,7 @@ class Fenced:
 def blocks(text: str) -> list[Fenced]:
     """Return the fenced blocks of a document."""
     return [
-        Fenced(
-            found["remark"] or "",
-            found["language"].strip(),
-            found["text"],
-            text[: found.start()].count("\n") + 1,
-        )
+        Fenced(found["remark"] or "", found["language"].strip(), found["text"], text[: found.start()].count("\n") + 1)
         for found in BLOCK.finditer(text)
     ]
 
@@ -131,9 +113,7 @@ def same(shown: str, printed: str) -> bool:
     if NUMBER.sub("#", " ".join(shown.split())) != NUMBER.sub("#", " ".join(printed.split())):
         return False
     pairs = zip(map(float, NUMBER.findall(shown)), map(float, NUMBER.findall(printed)), strict=True)
-    return all(
-        abs(a - b) <= 2e-3 * abs(a) or (abs(a) < 5e-2 and abs(a - b) <= 0.5 * abs(a)) for a, b in pairs
-    )
+    return all(abs(a - b) <= 2e-3 * abs(a) or (abs(a) < 5e-2 and abs(a - b) <= 0.5 * abs(a)) for a, b in pairs)
 
 
 def unprinted(block: Fenced, printed: str) -> list[str]:
@@ -265,8 +245,7 @@ RUN_ELSEWHERE = ("twente", "twente-left", "crossed", "reflector", "silicon-slide
 
 
 @pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=[pytest.mark.slow] * (name in RUN_ELSEWHERE)) for name in shipped_scenes()],
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in RUN_ELSEWHERE)) for name in shipped_scenes()]
 )
 def test_a_shipped_scene_is_run_without_a_warning(name, capsys):
     assert main(["run", name, "--json", "--tolerance", "3e-2"]) == 0

@@ -57,9 +57,7 @@ def bare_names(text: str, ending: str) -> list[str]:
             if token.type == tokenize.COMMENT
         )
         kinds = (ast.Module, ast.ClassDef, ast.FunctionDef)
-        docstrings = (
-            ast.get_docstring(node) or "" for node in ast.walk(ast.parse(text)) if isinstance(node, kinds)
-        )
+        docstrings = (ast.get_docstring(node) or "" for node in ast.walk(ast.parse(text)) if isinstance(node, kinds))
         text = "\n".join([*comments, *docstrings])
     return [name for name in BARE.findall(text) if name not in EXAMPLES]
 

@@ -42,9 +42,7 @@ def test_a_wheel_runs_outside_the_checkout(installed, tmp_path):
 def test_a_wheel_holds_what_the_packages_hold(installed):
     """All but the pictures of the documents."""
     for package in ("fem", "contact", "studies"):
-        listed = subprocess.run(
-            ["git", "ls-files", package], cwd=ROOT, capture_output=True, text=True, check=True
-        )
+        listed = subprocess.run(["git", "ls-files", package], cwd=ROOT, capture_output=True, text=True, check=True)
         for name in listed.stdout.split():
             pictures = name.startswith("studies/pictures/") or name.endswith(".md")
             assert pictures or (installed / name).is_file(), name

@@ -66,9 +66,7 @@ def velocity_derivative(
 
     by_velocity = _slope(lambda x: residual(0.0, v + x), STEP * abs(v))
     if by_velocity == 0.0:
-        raise ConvergenceError(
-            "not applicable", "the equilibrium is not regular: the slider is at its threshold"
-        )
+        raise ConvergenceError("not applicable", "the equilibrium is not regular: the slider is at its threshold")
     return float(-_slope(lambda s: residual(s, v), step) / by_velocity)
 
 

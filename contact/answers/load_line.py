@@ -87,9 +87,7 @@ def blocked_thrust(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[f
     _, problem, unit = _unloaded(slider, orbits)
     low, high = rest_forces(problem)
     # a slider that is driven against the crests moves towards -x, so that both forces change sign
-    return (
-        (float(low * unit), float(high * unit)) if high > -low else (float(-high * unit), float(-low * unit))
-    )
+    return (float(low * unit), float(high * unit)) if high > -low else (float(-high * unit), float(-low * unit))
 
 
 def mean_traction(slider: Slider, orbits: Orbit | tuple[Orbit, ...], velocities: np.ndarray) -> np.ndarray:
@@ -207,9 +205,7 @@ def _full_stall(slider, orbits, near):
     return Answer(value=estimate, error=error, reasons=("load at which the full motion stops",))
 
 
-def load_line(
-    slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, points: int, tolerance: float
-) -> LoadLine:
+def load_line(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, points: int, tolerance: float) -> LoadLine:
     """Return the load line from zero load to the blocked thrust.
 
     Parameters

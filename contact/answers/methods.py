@@ -62,9 +62,7 @@ MAX_DAMPING = 5e-3
 # Against the oracle `contact_motion`, an envelope of five random slopes had 0.1 and a phase of +-3 rad in 50 cycles 0.5
 # of this error.
 ENVELOPE_CHANGE = 3.0
-ENVELOPE_OUT = (
-    "leave the envelope out, or give the elastic law without reciprocal force and stick band, and more mass"
-)
+ENVELOPE_OUT = "leave the envelope out, or give the elastic law without reciprocal force and stick band, and more mass"
 # SPENT: a ring-down ends when the amplitude is below this fraction of the envelope's maximum.
 # RINGING_STEPS: minimum number of steps per cycle during the ring-down.
 SPENT, RINGING_STEPS = 1e-3, 80
@@ -188,9 +186,7 @@ def _exact(burst):
         try:
             _, (_, motion, rows), result = _refined(burst, follow, error, ORDERS, least)
             break
-        except (
-            ConvergenceError
-        ):  # with few nodes the solver may report events without end: try the next level
+        except ConvergenceError:  # with few nodes the solver may report events without end: try the next level
             if least == len(ORDERS) - 1:
                 raise
     every = burst.compared_per_returned_row
@@ -272,9 +268,7 @@ def _stepped(burst):
 
 def _serving_steps(burst):
     """Return the levels of `STEPS` whose steps are small enough for the slider's resonances and dampers."""
-    return [
-        k for k, (number, *_) in enumerate(STEPS) if not stepped_refusals(burst.slider, burst.problem, number)
-    ]
+    return [k for k, (number, *_) in enumerate(STEPS) if not stepped_refusals(burst.slider, burst.problem, number)]
 
 
 def _at_rest(burst):
@@ -293,9 +287,7 @@ def _averaged(burst):
     window = Window.of(burst)
 
     def follow(asked):
-        return averaged_run(
-            asked, rest(asked.slider, asked.orbits, asked.problem, nodes=14, truncation=1e-11)
-        )
+        return averaged_run(asked, rest(asked.slider, asked.orbits, asked.problem, nodes=14, truncation=1e-11))
 
     def in_window():
         _, rows, error, _ = follow(window.burst._replace(stride=window.burst.cycles_per_compared_row))
@@ -303,9 +295,7 @@ def _averaged(burst):
 
     motion, rows, error, statistics = follow(burst)
     velocity = float(motion.state[At.VELOCITY])
-    return Result(
-        (motion, rows), window.error(error, velocity, in_window), burst.allowed(velocity), statistics
-    )
+    return Result((motion, rows), window.error(error, velocity, in_window), burst.allowed(velocity), statistics)
 
 
 def _averaged_refusals(burst):
@@ -337,10 +327,7 @@ class Window(NamedTuple):
         try:
             if _exact_refusals(short):
                 return cls(short, None, math.inf, whole)
-            runs = [
-                _every_event(short, *ORDERS[k][:3])[2][:, Column.VELOCITY]
-                for k in ((1, 2) if whole else (2,))
-            ]
+            runs = [_every_event(short, *ORDERS[k][:3])[2][:, Column.VELOCITY] for k in ((1, 2) if whole else (2,))]
         except ConvergenceError:
             return cls(short, None, math.inf, whole)
         return cls(short, runs[-1], float(abs(runs[-1][-1] - runs[0][-1])), whole)

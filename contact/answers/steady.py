@@ -102,9 +102,7 @@ class SteadyState(Answered):
         return self.answer.value
 
 
-def steady(
-    slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: float, method: str = "auto"
-) -> SteadyState:
+def steady(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: float, method: str = "auto") -> SteadyState:
     """Return the steady state of a slider on a continuous wave.
 
     Parameters
@@ -306,9 +304,7 @@ def _shooting(search):
         return solution
     other = None if seen.speed is None else float(search.side * seen.speed * search.unit)
     mean = "" if other is None else f", with {other:.4g} m/s in the mean"
-    return solution.in_doubt(
-        search.relative(seen.doubt * search.unit, velocity), f"{seen.reason}{mean}", other
-    )
+    return solution.in_doubt(search.relative(seen.doubt * search.unit, velocity), f"{seen.reason}{mean}", other)
 
 
 def _shooting_refusals(search):
@@ -322,9 +318,7 @@ def _periodic_solution(search):
     balance = search.balance
     unit, segments = balance.problem.speed, balance.problem.segments
     if segments > MAX_SEGMENTS:
-        raise ConvergenceError(
-            "out of reach", f"a cycle takes {segments:.3g} stretches of the motion; raise the mass"
-        )
+        raise ConvergenceError("out of reach", f"a cycle takes {segments:.3g} stretches of the motion; raise the mass")
     try:
         fine = periodic(balance, nodes=16, truncation=1e-12)
     except ConvergenceError:
@@ -422,9 +416,7 @@ def _of_long_run(search, run):
     elif run.period:
         note = f"motion that repeats after {run.period} cycles, reached from rest in {run.passed}"
     else:
-        note = (
-            f"mean of {run.cycles} cycles after {run.passed} from rest, for no motion that repeats was seen"
-        )
+        note = f"mean of {run.cycles} cycles after {run.passed} from rest, for no motion that repeats was seen"
     if run.starts > 1:
         note += "; two runs from almost the same start were compared"
     return search.solution(

@@ -126,15 +126,11 @@ def step(
     listed = as_orbits(orbits)
     cycles = bounds.count("cycles", cycles, 1)
     if slider.static_friction(len(listed)) <= slider.load:
-        raise ConvergenceError(
-            "runaway", "friction cannot hold the load, so the slider never stops; lower slider.load"
-        )
+        raise ConvergenceError("runaway", "friction cannot hold the load, so the slider never stops; lower slider.load")
     (fine, fine_steps), (coarse, coarse_steps) = (
         _step_at(slider, listed, cycles, envelope, after, level) for level in (FINE, COARSE)
     )
-    scale = max(
-        abs(fine.displacement), abs(fine.during), slider.limit_slope * slider.rest_approach(len(listed))
-    )
+    scale = max(abs(fine.displacement), abs(fine.during), slider.limit_slope * slider.rest_approach(len(listed)))
     # Fixed time steps are assumed to converge with first order. The event-driven solver has spectral accuracy, so that
     # a difference to it is the error of the other level.
     factors = [1.0 / (f / c - 1.0) for f, c in zip(fine_steps, coarse_steps, strict=True) if f and c]
@@ -192,10 +188,7 @@ def _step_at(slider, orbits, cycles, envelope, after, level):
         ringing_time = float(times[-1]) if times.size else 0.0
         ringing_travel = _distance(rows)
     still_travel, last_slip, ring = _stopped(slider, motion)
-    during, stopping = (
-        side * problem.length * burst_travel,
-        side * problem.length * (ringing_travel + still_travel),
-    )
+    during, stopping = (side * problem.length * burst_travel, side * problem.length * (ringing_travel + still_travel))
     result = Step(
         cycles=cycles, displacement=during + stopping, during=during, stopping=stopping,
         velocity=side * velocity * problem.speed, stopping_time=ringing_time + last_slip / problem.omega,
@@ -310,9 +303,7 @@ def _stopped(slider, motion):
     phase, last, quiet = 0.0, 0.0, 0
     now = settled = float(still.state[3:] @ share - spring)
     ring, lowest, farthest = 0.0, np.full(contacts, math.inf), np.zeros(contacts)
-    while quiet < QUIET_SPANS or (
-        quiet < UNSURE_SPANS and not _surely_sticks(problem, share, lowest, farthest)
-    ):
+    while quiet < QUIET_SPANS or (quiet < UNSURE_SPANS and not _surely_sticks(problem, share, lowest, farthest)):
         span = 0.5 * period if phase >= brake else max(0.5 * period, 0.25 * brake)
         at = phase + span * np.arange(1, 33) / 32
         still.tally[:] = 0

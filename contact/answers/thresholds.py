@@ -155,9 +155,7 @@ def _by_full_motion(slider, orbits, first, margins=None):
         while not (margin(first - reach) > 0.0 > margin(first + reach)):
             reach *= 2.0
             if reach > MAX_REACH * first:
-                raise ConvergenceError(
-                    "not converged", "the periodic motion has no such factor near that of averaging"
-                )
+                raise ConvergenceError("not converged", "the periodic motion has no such factor near that of averaging")
         return bracketed(margin, first - reach, first + reach, tolerance=ROOT * first)
 
     try:
@@ -165,9 +163,7 @@ def _by_full_motion(slider, orbits, first, margins=None):
     except ConvergenceError:
         return averaged
     error = abs(value - other) + LEAST_ERROR * value
-    return Answer(
-        value=0.5 * (value + other), error=error, reasons=("periodic motion up to the first event",)
-    )
+    return Answer(value=0.5 * (value + other), error=error, reasons=("periodic motion up to the first event",))
 
 
 def _contact_margins(problem, motion, slider):
@@ -187,9 +183,7 @@ def _stick_margins(problem, motion, slider):
     rooms = [room_to_stick(problem, motion, side) for side in (1.0, -1.0)]
     unit = problem.limit_slope * slider.rest_approach(problem.contacts) / problem.length
     slip_margins = np.array([0.5 * (room.forward + room.backward) / unit for room in rooms])
-    load_margin = _load_margin(
-        rooms[1].traction, rooms[0].traction, problem.load, problem.friction * problem.preload
-    )
+    load_margin = _load_margin(rooms[1].traction, rooms[0].traction, problem.load, problem.friction * problem.preload)
     return min(float(np.min(slip_margins)), load_margin), min(float(np.max(slip_margins)), load_margin)
 
 

@@ -150,14 +150,9 @@ def burst(
     end = side * float(motion.state[At.VELOCITY]) * problem.speed
     ends = stride * np.arange(1, len(rows) + 1)
     start = np.full(1, -slider.rest_approach(len(listed)) / problem.length)
-    parts = [
-        (np.zeros(1), np.zeros(1), start),
-        (ends / frequency, rows[:, Column.VELOCITY], rows[:, Column.POSITION]),
-    ]
+    parts = [(np.zeros(1), np.zeros(1), start), (ends / frequency, rows[:, Column.VELOCITY], rows[:, Column.POSITION])]
     if cycles % stride:
-        parts.append(
-            (np.full(1, cycles / frequency), motion.state[[At.VELOCITY]], motion.state[[At.POSITION]])
-        )
+        parts.append((np.full(1, cycles / frequency), motion.state[[At.VELOCITY]], motion.state[[At.POSITION]]))
     ledgers = [ledger(slider, motion)] if motion.begun is not None else []
     slid, rang, still = _follow_on(slider, motion, after, fading, samples * (1.0 - share))
     parts += [(cycles / frequency + part[0], *part[1:]) for part in slid]

@@ -172,8 +172,7 @@ def _phase_between(first, second):
     for axis in ("normal", "tangential"):
         # u = a cos phi + b sin phi: a phase shift by +delta multiplies a + i b by exp(-i delta)
         before, after = (
-            complex(getattr(paths, f"{axis}_cos")[0], getattr(paths, f"{axis}_sin")[0])
-            for paths in (first, second)
+            complex(getattr(paths, f"{axis}_cos")[0], getattr(paths, f"{axis}_sin")[0]) for paths in (first, second)
         )
         if before and after:
             return float(-np.angle(after / before) % (2.0 * math.pi))

@@ -56,9 +56,7 @@ def refusals(slider: Slider, orbits: tuple[Orbit, ...], stiffest: float = STIFFE
         why += ("there is no wave",)
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
     if ratio > stiffest:
-        why += (
-            f"the contact is too stiff: it resonates at {ratio:.3g} of the wave's frequency, more than {stiffest}",
-        )
+        why += (f"the contact is too stiff: it resonates at {ratio:.3g} of the wave's frequency, more than {stiffest}",)
     rate = max(slider.normal_damping, slider.tangential_damping) / (slider.mass * orbits[0].omega)
     if rate > stiffest**2:
         why += (f"the dampers act within {1.0 / rate:.3g} radians of the wave",)

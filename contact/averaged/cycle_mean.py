@@ -85,10 +85,7 @@ class MeanForces(NamedTuple):
 def forces_of(cycles, normal_unit, tangential_unit) -> MeanForces:
     """Return the forces of rows `Each` for units of force in N, one or of each contact."""
     first = np.empty((2, cycles.shape[1]), complex)
-    first[0].real, first[0].imag = (
-        normal_unit * cycles[Each.NORMAL_COS],
-        -normal_unit * cycles[Each.NORMAL_SIN],
-    )
+    first[0].real, first[0].imag = (normal_unit * cycles[Each.NORMAL_COS], -normal_unit * cycles[Each.NORMAL_SIN])
     first[1].real = tangential_unit * cycles[Each.TANGENTIAL_COS]
     first[1].imag = -tangential_unit * cycles[Each.TANGENTIAL_SIN]
     normal, tangential = normal_unit * cycles[Each.NORMAL], tangential_unit * cycles[Each.TANGENTIAL]
@@ -431,18 +428,10 @@ def contact_cycles(problem, h, v, rule, work, out):
         reach = normal_amplitude(paths, i)
         co, si = (paths.normal_cos[i] / reach, paths.normal_sin[i] / reach) if reach > 0.0 else (1.0, 0.0)
         _, _, d, e = at_phase(paths, i, co, si)
-        wave.normal_cos[0], wave.normal_sin[0], wave.tangential_cos[0], wave.tangential_sin[0] = (
-            reach,
-            0.0,
-            d,
-            e,
-        )
+        wave.normal_cos[0], wave.normal_sin[0], wave.tangential_cos[0], wave.tangential_sin[0] = (reach, 0.0, d, e)
         path = Path(approach(paths, i, 0.0, Coordinates(-h, 0.0)), v[i], wave, reach, 0.0)
         half = _add_contact(problem, path, rule, work)
-        out[Each.NORMAL, i], out[Each.TANGENTIAL, i] = (
-            means[Mean.NORMAL] / TURN,
-            means[Mean.TANGENTIAL] / TURN,
-        )
+        out[Each.NORMAL, i], out[Each.TANGENTIAL, i] = (means[Mean.NORMAL] / TURN, means[Mean.TANGENTIAL] / TURN)
         cos, sin = force.normal_cos[0] / np.pi, force.normal_sin[0] / np.pi
         out[Each.NORMAL_COS, i], out[Each.NORMAL_SIN, i] = cos * co - sin * si, cos * si + sin * co
         cos, sin = force.tangential_cos[0] / np.pi, force.tangential_sin[0] / np.pi

@@ -105,9 +105,7 @@ def cycle_arrays(harmonics: int, nodes: int = 0) -> Cycle:
 
     `nodes` of the quadrature where the harmonics of the forces are wanted (1 with closed integrals), else 0.
     """
-    fast, path, force = (
-        Harmonics(*np.zeros((4, n))) for n in (harmonics, harmonics, harmonics * (nodes > 0))
-    )
+    fast, path, force = (Harmonics(*np.zeros((4, n))) for n in (harmonics, harmonics, harmonics * (nodes > 0)))
     at_nodes = Nodes(*np.zeros((2, harmonics, nodes)), *np.zeros((2, nodes)))
     return Cycle(fast, path, force, at_nodes, np.zeros(len(Mean)), np.zeros(len(Counted), np.int64))
 

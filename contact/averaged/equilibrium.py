@@ -93,9 +93,7 @@ class ClosedForm(NamedTuple):
 @per_thread
 def work_arrays(harmonics: int) -> Work:
     """Return the work arrays for so many harmonics of the fast motion."""
-    return Work(
-        quadrature(NODES), quadrature(FINE_NODES), cycle_arrays(1), cycle_arrays(harmonics, FINE_NODES)
-    )
+    return Work(quadrature(NODES), quadrature(FINE_NODES), cycle_arrays(1), cycle_arrays(harmonics, FINE_NODES))
 
 
 @compiled

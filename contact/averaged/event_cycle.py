@@ -40,9 +40,7 @@ class Balance:
     height: float  # mean approach h
     speed: float  # v
     held: bool  # True if a sticking contact keeps the slider at rest
-    motion: (
-        Motion  # after a repeating cycle at constant height and velocity; its tally and sums cover that cycle
-    )
+    motion: Motion  # after a repeating cycle at constant height and velocity; its tally and sums cover that cycle
 
     @property
     def load_sign(self) -> float:
@@ -106,9 +104,7 @@ def _at_height(problem, height):
     rest = _rest_cycles(problem, height)
     (least, _), (largest, _) = rest
     direction, load = way_out(problem, least, largest)
-    problem = problem._replace(
-        load=load
-    )  # the sign of the load changes if the wave drives against its crests
+    problem = problem._replace(load=load)  # the sign of the load changes if the wave drives against its crests
     if direction == 0.0:
         return _held(problem, height, rest)
     means = EventCycles(height)

@@ -81,9 +81,7 @@ def march(turn, force, slope, amplitude, g, incident):
     amplitudes = solution.view(complex).reshape(m, 2)
     forward = np.append(incident[0], amplitudes[:, 0])
     backward = np.append(amplitudes[:, 1], incident[1])
-    return 0.5 * np.stack(
-        [turn * (forward[:-1] + forward[1:]), turn.conj() * (backward[:-1] + backward[1:])], axis=1
-    )
+    return 0.5 * np.stack([turn * (forward[:-1] + forward[1:]), turn.conj() * (backward[:-1] + backward[1:])], axis=1)
 
 
 def _solve_banded(band, bands, right_hand_side):

@@ -162,9 +162,7 @@ class PillarCycle:
 
     def row_forces(self, forces: MeanForces):
         """Return sum P_n and sum Q_n of the rows from left to right, shape (m, 2, harmonics); here one harmonic."""
-        return np.stack([self.sums(forces.first_normal), self.sums(forces.first_tangential)], axis=1)[
-            ..., None
-        ]
+        return np.stack([self.sums(forces.first_normal), self.sums(forces.first_tangential)], axis=1)[..., None]
 
     def passed(self, forces: MeanForces):
         """Return U+ on the right and U- on the left of each row, shape (2, m, number of harmonics).

@@ -32,9 +32,7 @@ SLOW = 0.5  # ratio of successive changes above which the forces' derivatives ar
 # For a wave of many periods or a sum of 10^5 forces, rounding keeps the change of the amplitudes above CLOSE. A change
 # below ROUNDING is accepted if it has not halved in STALE sweeps.
 ROUNDING, STALE = 1e-10, 12
-PATIENCE = (
-    12  # the search stops if the residual does not fall to a third in this many steps, as at a kink (v = 0)
-)
+PATIENCE = 12  # the search stops if the residual does not fall to a third in this many steps, as at a kink (v = 0)
 STEP = 1e-6  # of finite differences, of the scaled unknowns
 MAX_MOVE = 1.0  # of a scaled unknown in one step
 HEIGHT, PITCH, ROLL, SPEED = range(4)
@@ -126,8 +124,7 @@ class Equilibrium:
         self.forces, P = forces, cycle.weight * forces.normal
         self.traction = float(np.sum(cycle.weight * forces.tangential))
         moments = [
-            np.sum(P * place) - self.preload * at
-            for place, at in zip((cycle.x, cycle.y), self.preload_at, strict=True)
+            np.sum(P * place) - self.preload * at for place, at in zip((cycle.x, cycle.y), self.preload_at, strict=True)
         ]
         excess = self.traction - self.load - pillars.tangential_damping * w * cycle.wave.omega
         return np.array(
@@ -211,9 +208,7 @@ class Equilibrium:
             try:
                 step = -np.linalg.solve(jacobian, residual)
             except np.linalg.LinAlgError:
-                raise ConvergenceError(
-                    "not converged", "no pillar answers a change of the slider's height"
-                ) from None
+                raise ConvergenceError("not converged", "no pillar answers a change of the slider's height") from None
             step *= min(1.0, MAX_MOVE / float(np.max(np.abs(step))))
             kept = self.cycle.forward.copy(), self.cycle.backward.copy()
             for shorter in range(8):
@@ -235,8 +230,7 @@ class Equilibrium:
             self.error = self._left(jacobian, residual)
             return y
         raise ConvergenceError(
-            "not converged",
-            f"height, tilts and velocity leave a residual of {self.residual:.1e} of the preload",
+            "not converged", f"height, tilts and velocity leave a residual of {self.residual:.1e} of the preload"
         )
 
     def _left(self, jacobian, residual):

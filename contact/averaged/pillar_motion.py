@@ -306,8 +306,7 @@ class _Slider:
         search = balanced_speed(problem, self, direction, at_rest, max(fastest, 1e-300), 1e-6)
         if search.status == Status.RUNAWAY:
             raise ConvergenceError(
-                "runaway",
-                f"friction of {self.equilibrium.friction:.4g} N cannot balance the load of {abs(load):.4g} N",
+                "runaway", f"friction of {self.equilibrium.friction:.4g} N cannot balance the load of {abs(load):.4g} N"
             )
         self.equilibrium.unknowns[SPEED] = search.velocity
         return self.equilibrium.solve(load)
@@ -315,9 +314,7 @@ class _Slider:
     @staticmethod
     def left(problem, slider, w):
         """Return the mean tangential force less load and damper, which accelerates the slider at v = omega w."""
-        return (
-            slider.equilibrium.solve(problem.load, w).traction - problem.load - problem.tangential_damping * w
-        )
+        return slider.equilibrium.solve(problem.load, w).traction - problem.load - problem.tangential_damping * w
 
     def directed(self, load: float) -> float:
         """Return a load with the sign of the motion that it opposes."""
@@ -339,10 +336,7 @@ class _Slider:
             # a load that acts at a height tilts the slider and so changes <sum Q>: iterate until load and <sum Q> agree
             for _ in range(40):
                 rest = self.rest(side, load)
-                if (
-                    self.pillars.load_height == 0.0
-                    or abs(rest.traction - load) < 1e-12 * self.equilibrium.friction
-                ):
+                if self.pillars.load_height == 0.0 or abs(rest.traction - load) < 1e-12 * self.equilibrium.friction:
                     break
                 load = rest.traction
             ends.append(direction * rest.traction)
@@ -470,9 +464,7 @@ def _motion(pillars, wave, load, loading, near, harmonics) -> PillarMotion:
     slider = _Slider(pillars, wave, loading, harmonics)
     if near is not None:
         slider.begin_at(near)
-    signed = (
-        slider.directed(load) if near is None or near.velocity == 0.0 else math.copysign(load, near.velocity)
-    )
+    signed = slider.directed(load) if near is None or near.velocity == 0.0 else math.copysign(load, near.velocity)
     try:
         equilibrium = slider.under(signed)
     except ConvergenceError as error:

@@ -81,9 +81,7 @@ class Pillars:
     def __post_init__(self):
         x = np.atleast_1d(np.asarray(self.x, dtype=float))
         if x.ndim != 1 or x.size == 0:
-            raise InputError(
-                "pillars.x", f"must be a list of at least one place, got the shape {np.shape(self.x)}"
-            )
+            raise InputError("pillars.x", f"must be a list of at least one place, got the shape {np.shape(self.x)}")
         for name, unit in (
             ("x", "m"), ("y", "m"), ("heights", "m"), ("normal_stiffness", "N/m"), ("tangential_stiffness", "N/m"),
             ("weights", ""),
@@ -92,9 +90,7 @@ class Pillars:
             if value.ndim > 1 or (value.ndim == 1 and value.size != x.size):
                 raise InputError(f"pillars.{name}", f"must hold one value for each of the {x.size} pillars")
             if not np.all(np.isfinite(value)):
-                raise InputError(
-                    f"pillars.{name}", "must be finite", value[~np.isfinite(value)].flat[0], unit
-                )
+                raise InputError(f"pillars.{name}", "must be finite", value[~np.isfinite(value)].flat[0], unit)
             if name.endswith(("stiffness", "weights")) and not np.all(value > 0.0):
                 raise InputError(f"pillars.{name}", "must be positive", float(value.min()), unit)
             object.__setattr__(self, name, np.broadcast_to(value, x.shape))
@@ -190,9 +186,7 @@ def balls_of(slider: Slider, x, y=0.0, *, radius=None, weights=1.0) -> Pillars:
     0.0
     """
     if slider.law != "elastic" or slider.reciprocal or slider.stick_band > 0.0 or slider.friction is not None:
-        raise InputError(
-            "slider.law", 'must be "elastic", not reciprocal, with Coulomb\'s friction and no stick band'
-        )
+        raise InputError("slider.law", 'must be "elastic", not reciprocal, with Coulomb\'s friction and no stick band')
     x = np.atleast_1d(np.asarray(x, dtype=float))
     radii = np.broadcast_to(np.asarray(slider.radius if radius is None else radius, dtype=float), x.shape)
     for each in radii:
@@ -252,16 +246,12 @@ class PassingWave:
             object.__setattr__(self, name, bounds.positive(f"wave.{name}", getattr(self, name), unit))
         for name, unit in (("ratio", ""), ("forward", "m"), ("backward", "m")):
             object.__setattr__(self, name, bounds.finite_complex(f"wave.{name}", getattr(self, name), unit))
-        object.__setattr__(
-            self, "compliance", bounds.non_negative("wave.compliance", self.compliance, "1/Pa")
-        )
+        object.__setattr__(self, "compliance", bounds.non_negative("wave.compliance", self.compliance, "1/Pa"))
         object.__setattr__(self, "orbit", 1j * self.ratio)
         if self.compliance > 0.0:
             if self.strip_width is None:
                 raise InputError("wave.strip_width", "is required with wave.compliance: Gamma acts per width")
-            object.__setattr__(
-                self, "strip_width", bounds.positive("wave.strip_width", self.strip_width, "m")
-            )
+            object.__setattr__(self, "strip_width", bounds.positive("wave.strip_width", self.strip_width, "m"))
 
     @property
     def omega(self) -> float:

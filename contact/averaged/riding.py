@@ -94,9 +94,7 @@ def mean_loads(z, a, shape):
     """Return the cycle means of p(z + a cos phi) and of its derivative in z; arrays (n,)."""
     z, a = np.broadcast_arrays(np.atleast_1d(z), np.atleast_1d(a))
     out = np.empty((2, z.size))
-    _mean_loads(
-        np.ascontiguousarray(z, float), np.ascontiguousarray(a, float), quadrature(NODES), int(shape), out
-    )
+    _mean_loads(np.ascontiguousarray(z, float), np.ascontiguousarray(a, float), quadrature(NODES), int(shape), out)
     return out
 
 

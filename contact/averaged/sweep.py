@@ -152,10 +152,7 @@ def mean_forces(slider: Slider, orbits: Orbit | tuple[Orbit, ...], motion: MeanM
     """
     listed = as_orbits(orbits)
     problem = scaled(slider, listed, direction=1.0, start=0.0)
-    each, velocities = (
-        np.empty((len(Each), len(listed))),
-        np.full(len(listed), motion.first_order / problem.speed),
-    )
+    each, velocities = (np.empty((len(Each), len(listed))), np.full(len(listed), motion.first_order / problem.speed))
     work, rule = cycle_arrays(1, FINE_NODES), quadrature(FINE_NODES)
     contact_cycles(problem, riding_approach(problem), velocities, rule, work, each)
     unit = slider.mass * problem.omega**2 * problem.length
@@ -217,9 +214,7 @@ def _by_law(sliders, which, todo):
     kinds = [law._replace(numbers=None) for law in laws]
     for kind in dict.fromkeys(kinds):
         first, same = laws[kinds.index(kind)], np.array([other == kind for other in kinds])
-        numbers = np.array(
-            [(law if of_kind else first).numbers for law, of_kind in zip(laws, same, strict=True)]
-        )
+        numbers = np.array([(law if of_kind else first).numbers for law, of_kind in zip(laws, same, strict=True)])
         some = todo[same[which[todo, 0]]]
         if some.size:
             yield first, numbers, some
@@ -247,8 +242,6 @@ def _spread(given, out, todo, threads):
         solve_rows(given, out, todo, HARMONICS, 0, 1)
         return
     with ThreadPoolExecutor(threads) as pool:
-        jobs = [
-            pool.submit(solve_rows, given, out, todo, HARMONICS, first, threads) for first in range(threads)
-        ]
+        jobs = [pool.submit(solve_rows, given, out, todo, HARMONICS, first, threads) for first in range(threads)]
         for job in jobs:
             job.result()

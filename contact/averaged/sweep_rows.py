@@ -87,9 +87,7 @@ def solve_rows(sweep: Sweep, out, todo, harmonics: int, first: int, stride: int)
     harmonics : int
         Of the slider's fast motion; 0: averaging of first order.
     """
-    _solve_rows(
-        sweep, out, todo, harmonics, first, stride, sweep_arrays(harmonics, sweep.paths.height.shape[1])
-    )
+    _solve_rows(sweep, out, todo, harmonics, first, stride, sweep_arrays(harmonics, sweep.paths.height.shape[1]))
 
 
 @native("t f2 i1 i i i t")

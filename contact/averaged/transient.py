@@ -201,9 +201,7 @@ def accelerate(problem, state, phase, taken, span, work, k):
             last += d * _DENSE[i] * k[i]
         while taken < at.size and at[taken] <= phase + d * (1.0 + 1e-12):
             s = (at[taken] - phase) / d
-            rows[taken, Column.VELOCITY] = v + s * (
-                rise + (1.0 - s) * (bend + s * (fourth + (1.0 - s) * last))
-            )
+            rows[taken, Column.VELOCITY] = v + s * (rise + (1.0 - s) * (bend + s * (fourth + (1.0 - s) * last)))
             rows[taken, Column.POSITION] = -h
             taken += 1
         phase += d

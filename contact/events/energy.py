@@ -137,9 +137,7 @@ def _spring_in_slip(problem, grid, state, nodes, segment, i):
         x_rate = interpolate(sigma, grid.sigma, grid.bary, own[Plane.U_X_RATE, i])
         x_rate -= interpolate(sigma, grid.sigma, grid.bary, nodes.slider[Row.VELOCITY])
         point = Point(z, 0.0, z_rate, x_rate)
-        work -= (
-            weight * _spring_force(problem, sign, point)[1] * interpolate(sigma, grid.sigma, grid.bary, rate)
-        )
+        work -= weight * _spring_force(problem, sign, point)[1] * interpolate(sigma, grid.sigma, grid.bary, rate)
         if segment.map == SMOOTH:  # d tau/d sigma of the map
             slope = 0.5
         else:

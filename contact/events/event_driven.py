@@ -187,9 +187,7 @@ def _move_to_end(problem, state, nodes, memory):
         state.deformation[i] = own[Plane.X, i, end]
         if memory is not None:
             if state.regime[i] == Regime.GROW:
-                write_curve(
-                    memory, i, own[Plane.Z, i], own[Plane.X, i], own[Plane.LEVEL, i], problem.limit_slope
-                )
+                write_curve(memory, i, own[Plane.Z, i], own[Plane.X, i], own[Plane.LEVEL, i], problem.limit_slope)
     _begin_with(nodes, slider[Row.NORMAL_ACCELERATION, end], slider[Row.TANGENTIAL_ACCELERATION, end])
 
 
@@ -242,9 +240,7 @@ def _attempt(problem, grid, state, work, task, memory, progress):
     if rough > task.tolerance and segment.length > 1e-6 * longest:
         _begin_with(nodes, normal, tangential)
         return Attempt(Outcome.TOO_ROUGH, segment, segment.length * min(change, 0.7), Status.DONE)
-    return Attempt(
-        Outcome.ACCEPTED, segment, max(segment.length * change, 0.3 * segment.longest), Status.DONE
-    )
+    return Attempt(Outcome.ACCEPTED, segment, max(segment.length * change, 0.3 * segment.longest), Status.DONE)
 
 
 @compiled
@@ -285,9 +281,7 @@ def advance(problem, grid, state, work, task, memory, cycle):
         if memory is not None:
             if is_full(memory):
                 return Status.FULL
-        if not np.isfinite(
-            state.slider[At.POSITION] + state.slider[At.NORMAL_VELOCITY] + state.slider[At.VELOCITY]
-        ):
+        if not np.isfinite(state.slider[At.POSITION] + state.slider[At.NORMAL_VELOCITY] + state.slider[At.VELOCITY]):
             return Status.NOT_FINITE
         match = matching(work.pattern, 1 - new, first, phase, state) if warm else -1
         first = max(first, match + 1)

@@ -139,9 +139,7 @@ def segment_at(phase, length, map_, last):
 @compiled
 def resized(segment, length):
     """Return the segment with another length."""
-    return Segment(
-        segment.phase, length, segment.longest, segment.map, segment.contact, segment.guard, segment.last
-    )
+    return Segment(segment.phase, length, segment.longest, segment.map, segment.contact, segment.guard, segment.last)
 
 
 @compiled
@@ -282,9 +280,7 @@ def integrate(grid, state, nodes, segment):
         height = z_s + length * (z_rate * tau + length * slider[Row.NORMAL_TWICE, j])
         way = length * (v * tau + length * slider[Row.TANGENTIAL_TWICE, j])
         moved = max(abs(height - slider[Row.POSITION, j]), abs(way - slider[Row.TRAVEL, j]))
-        moved = max(
-            moved, abs(normal_velocity - slider[Row.NORMAL_VELOCITY, j]), abs(speed - slider[Row.VELOCITY, j])
-        )
+        moved = max(moved, abs(normal_velocity - slider[Row.NORMAL_VELOCITY, j]), abs(speed - slider[Row.VELOCITY, j]))
         slider[Row.POSITION, j], slider[Row.NORMAL_VELOCITY, j] = height, normal_velocity
         slider[Row.TRAVEL, j], slider[Row.VELOCITY, j] = way, speed
         # a motion that is not finite must not pass for one that does not change

@@ -74,9 +74,7 @@ def end_guard(problem, state, nodes, i, which, phase, memory):
     n, regime, sign, law = nodes.guard.size - 1, state.regime[i], state.sign[i], problem.law
     point = point_at(nodes, i, n)
     u_z, _, u_x, _ = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
-    acceleration = Coordinates(
-        nodes.slider[Row.NORMAL_ACCELERATION, n], nodes.slider[Row.TANGENTIAL_ACCELERATION, n]
-    )
+    acceleration = Coordinates(nodes.slider[Row.NORMAL_ACCELERATION, n], nodes.slider[Row.TANGENTIAL_ACCELERATION, n])
     second = approach_rate(-u_z, acceleration), travel(-u_x, acceleration)
     value = law.guard(problem, memory, i, regime, which, sign, point, nodes.contact[Plane.FRONT, i, n])
     return value, law.guard_rate(problem, memory, i, regime, which, sign, point, second)

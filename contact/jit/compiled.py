@@ -206,9 +206,7 @@ class Native(Kernel):
             if words in self._loaded:  # by another thread
                 return
             try:
-                self._loaded[words] = _from_file(name) or _compiled_to_file(
-                    name, self, words.split(), arguments
-                )
+                self._loaded[words] = _from_file(name) or _compiled_to_file(name, self, words.split(), arguments)
             except Exception as failed:
                 ORDINARY[self.__name__] = f"{type(failed).__name__}: {failed}"
                 self._loaded[words] = None

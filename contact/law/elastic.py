@@ -118,9 +118,7 @@ def sliding(problem, z, w):
 def deformation(problem, z, force):
     """Return x of a spring that carries a force, at most X."""
     law = problem.law
-    return spring_deformation(
-        z, force, law.coefficient(problem, z), law.limit_ratio(problem, z), problem.shape
-    )
+    return spring_deformation(z, force, law.coefficient(problem, z), law.limit_ratio(problem, z), problem.shape)
 
 
 @formula
@@ -152,11 +150,7 @@ def guard(problem, memory, i, regime, which, sign, point, front):
         return FAR_SIDE - z if regime == Regime.SEPARATED else FAR_SIDE + z
     if regime == Regime.STICK:
         deformation = sign * x
-        return (
-            FAR_SIDE + slip_limit(problem, z) - deformation
-            if which == Guard.STICK_LIMIT
-            else FAR_SIDE + deformation
-        )
+        return FAR_SIDE + slip_limit(problem, z) - deformation if which == Guard.STICK_LIMIT else FAR_SIDE + deformation
     if regime == Regime.SLIP and which == Guard.SLIP_SPEED:
         return FAR_SIDE + slip_rate(problem, sign, point) - band
     if regime == Regime.CREEP:

@@ -293,9 +293,7 @@ def guard(problem, memory, i, regime, which, s, point, eta):
         return FAR_SIDE + slip_speed(s, z_rate, x_rate, c)
     k = memory.number[i] - 1
     own, other = (U, W) if s > 0.0 else (W, U)
-    if (
-        which == Guard.ANNULUS_PIECE
-    ):  # u (or w) of the open line has not come to that of the piece's inner end
+    if which == Guard.ANNULUS_PIECE:  # u (or w) of the open line has not come to that of the piece's inner end
         return FAR_SIDE + s * (memory.corner[i, k, own] - x) + c * z
     if memory.kind[i, k] != 0:  # as in `front`, but smooth where the segment has run too far
         eta = 0.5 * (z + s * (memory.corner[i, k, other] - x) / c)
@@ -394,9 +392,7 @@ def anchor(memory, i, eta, c):
         return 0.5 * (corner[U] + corner[W]) + kind * c * (eta - corner[ETA])
     place = place_on(memory.curve[i, k], eta, c, sigma, bary)
     values = memory.curve[i, k]
-    return 0.5 * (
-        interpolate(place, sigma, bary, values[ON_U]) + interpolate(place, sigma, bary, values[ON_W])
-    )
+    return 0.5 * (interpolate(place, sigma, bary, values[ON_U]) + interpolate(place, sigma, bary, values[ON_W]))
 
 
 @compiled
@@ -455,9 +451,7 @@ def _curve_energy(grid, curve, x, c, start, end):
     middle, half = 0.5 * (stop - 1.0), 0.5 * (stop + 1.0)
     inside = 0.0
     for place, part in zip(middle + half * node, weight, strict=True):
-        inside += (
-            part * (x - interpolate(place, sigma, bary, anchors)) * interpolate(place, sigma, bary, slope)
-        )
+        inside += part * (x - interpolate(place, sigma, bary, anchors)) * interpolate(place, sigma, bary, slope)
     after, before = x - interpolate(stop, sigma, bary, anchors), x - anchors[0]
     edges = 2.0 * np.sqrt(end) * after**2 - 2.0 * np.sqrt(max(start, 0.0)) * before**2
     return 8.0 * c / 3.0 * half * inside + edges

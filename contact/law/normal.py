@@ -59,9 +59,7 @@ def approach(p, shape):
 def stiffness(radius, effective_modulus, shape):
     """Return K in N/m^1.5 (sphere) or N/m (punch)."""
     return (
-        4.0 / 3.0 * effective_modulus * np.sqrt(radius)
-        if shape == Shape.SPHERE
-        else 2.0 * effective_modulus * radius
+        4.0 / 3.0 * effective_modulus * np.sqrt(radius) if shape == Shape.SPHERE else 2.0 * effective_modulus * radius
     )
 
 

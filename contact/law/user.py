@@ -133,9 +133,7 @@ def _functions(name, source):
     try:
         exec(compile(source, name, "exec"), vars(module))
     except Exception as error:
-        raise InputError(
-            "slider.law", f"names {name}, which cannot be run: {type(error).__name__}: {error}"
-        ) from None
+        raise InputError("slider.law", f"names {name}, which cannot be run: {type(error).__name__}: {error}") from None
     own = {
         key: formula(each)
         for key, each in vars(module).items()
@@ -232,10 +230,7 @@ def _sliding(user):
         up = 0.5 * (z + abs(z))
         unit = force_unit(problem)
         normal_force = unit * load(up, problem.shape)
-        return (
-            own(up * problem.length, normal_force, w * problem.length * problem.omega, contact_of(problem))
-            / unit
-        )
+        return own(up * problem.length, normal_force, w * problem.length * problem.omega, contact_of(problem)) / unit
 
     return _named(sliding, user)
 
@@ -317,9 +312,4 @@ def _own_spring(user):
         return 0.5 * (1.0 - start) * total
 
     energy = _named(energy, user)
-    return {
-        "stuck": stuck,
-        "deformation": _named(deformation, user),
-        "energy": energy,
-        "back": _back(energy, user),
-    }
+    return {"stuck": stuck, "deformation": _named(deformation, user), "energy": energy, "back": _back(energy, user)}

@@ -71,9 +71,7 @@ class LongRun:
     passed: int  # number of cycles before them
     starts: int = 1  # number of runs from different starts
     arrived: bool = False  # True if the run came to the known periodic motion
-    velocities: np.ndarray = field(
-        default_factory=lambda: np.zeros(1), repr=False
-    )  # v after each cycle in `passed`
+    velocities: np.ndarray = field(default_factory=lambda: np.zeros(1), repr=False)  # v after each cycle in `passed`
     eventual: float = math.nan  # mean of v after a slow bounce has decayed; NaN if it was not computed
     motion: Motion  # at the end of the run; its tally and sums cover the `cycles`
 
@@ -87,8 +85,7 @@ class LongRun:
         """Minus the mean of z_s, from the mean approach over some more cycles (the mean of u_z is zero)."""
         motion, phases = self.motion.copy(), 2.0 * math.pi * np.arange(1, 65) / 64
         approaches = [
-            motion.move(0.0, 2.0 * math.pi, phases)[:, 0, Sample.APPROACH].mean()
-            for _ in range(self.period or 4)
+            motion.move(0.0, 2.0 * math.pi, phases)[:, 0, Sample.APPROACH].mean() for _ in range(self.period or 4)
         ]
         return float(np.mean(approaches) - self.motion.problem.paths.height[0])
 
@@ -277,11 +274,7 @@ def _eventual(problem, motion, near):
     The mean covers the last tenth of the steps. It is NaN if the decay is fast enough for the event-driven solver, if
     it takes too long, or if fixed time steps do not apply.
     """
-    if (
-        not REGULAR < near.decay_cycles < MAX_SETTLING
-        or problem.law.kind != Tangential.ELASTIC
-        or problem.stick_band
-    ):
+    if not REGULAR < near.decay_cycles < MAX_SETTLING or problem.law.kind != Tangential.ELASTIC or problem.stick_band:
         return math.nan
     if 2.0 * math.pi / STEPS_PER_CYCLE * largest_resonance(problem) > MAX_STEP or problem.limit_slope == 0.0:
         return math.nan
@@ -365,13 +358,7 @@ def _repeating(motion, begin, period, gap, passed):
     error = abs(coarse.sums[Sum.DISPLACEMENT] - motion.sums[Sum.DISPLACEMENT]) / (2.0 * math.pi * period)
     speed = float(motion.sums[Sum.DISPLACEMENT]) / (2.0 * math.pi * period)
     return LongRun(
-        speed=speed,
-        error=error + gap,
-        period=period,
-        sticks=False,
-        cycles=period,
-        passed=passed,
-        motion=motion,
+        speed=speed, error=error + gap, period=period, sticks=False, cycles=period, passed=passed, motion=motion
     )
 
 

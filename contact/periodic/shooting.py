@@ -86,11 +86,7 @@ def periodic(
             f"the cycle map's fixed point was not reached (last step {size:.2g}); follow a burst with method exact",
         )
     return Periodic(
-        speed=motion.sums[Sum.DISPLACEMENT] / turn + step[2],
-        state=y,
-        jacobian=jacobian,
-        step=size,
-        motion=motion,
+        speed=motion.sums[Sum.DISPLACEMENT] / turn + step[2], state=y, jacobian=jacobian, step=size, motion=motion
     )
 
 
@@ -109,8 +105,7 @@ class _CycleMap:
         motion.turn(1)
         if not np.max(np.abs(motion.state)) < BOUND:
             raise ConvergenceError(
-                "not finite",
-                "the cycle map throws the slider off; lower the contact damping or follow a burst",
+                "not finite", "the cycle map throws the slider off; lower the contact damping or follow a burst"
             )
         if keep:
             self.base = motion

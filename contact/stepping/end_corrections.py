@@ -72,9 +72,7 @@ def slip_edge(problem, z_old, z_new, below, above, v_old, v_new, h):
     bend = 0.5 * slope(1.0, shape) * (v_old - v_new) / max(v_edge, 1e-300)
     first = friction * problem.stiffness * load(v_edge / c, shape)
     excess = edge_excess(s, h, first, first * min(max(bend, -1.0), 1.0) / h, shape)
-    if (
-        problem.law.rated and v_new >= 0.0
-    ):  # zeta(0, theta): the force falls at once to that of slip at this speed
+    if problem.law.rated and v_new >= 0.0:  # zeta(0, theta): the force falls at once to that of slip at this speed
         fall = problem.stiffness * (friction * load(z, shape) - problem.law.sliding(problem, z, v_edge))
         excess += fall * h * (s - 0.5)
     return excess

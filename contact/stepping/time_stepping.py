@@ -83,9 +83,7 @@ class Task(NamedTuple):
     number: int  # of cycles
     stride: int  # cycles per recorded row; 0: no rows
     rows: np.ndarray  # (runs, number // stride, len(Column))
-    envelope: (
-        np.ndarray
-    )  # (number + 1,), complex: factor on the waves at the ends of the cycles; empty for none
+    envelope: np.ndarray  # (number + 1,), complex: factor on the waves at the ends of the cycles; empty for none
 
 
 class Work(NamedTuple):
@@ -284,9 +282,7 @@ def _step(problem, k, table, own, slider, m):
         own[Own.X, i], own[Own.SLIP, i] = x, slip
         if z_new > 0.0:
             point = Point(z_new, x, z_rate, travel(table[Plane.W_X, k + 1, i], rate_next))
-            normal_force += contact_force(
-                problem, elastic_force(problem.stiffness, z_new, problem.shape), z_rate
-            )
+            normal_force += contact_force(problem, elastic_force(problem.stiffness, z_new, problem.shape), z_rate)
             tangential_force += _traction(problem, point, slip)
     normal_velocity = normal_half + 0.5 * h * (normal_force - problem.preload) - normal_excess
     speed = along_half + 0.5 * h * (tangential_force - problem.load) - tangential_excess
@@ -328,9 +324,7 @@ def _run_side_by_side(runs, states, task, work):
                     problem = from_row(runs.numbers[m], of_run(runs.paths, m), runs.law)
                     _step(problem, k, work.table[m], work.contact[m], slider, m)
         for m in range(per_cycle.size):
-            if not np.isfinite(
-                slider[Row.POSITION, m] + slider[Row.NORMAL_VELOCITY, m] + slider[Row.VELOCITY, m]
-            ):
+            if not np.isfinite(slider[Row.POSITION, m] + slider[Row.NORMAL_VELOCITY, m] + slider[Row.VELOCITY, m]):
                 return False
             if task.stride > 0 and (cycle + 1) % task.stride == 0:
                 row = task.rows[m, (cycle + 1) // task.stride - 1]

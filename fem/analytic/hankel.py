@@ -51,9 +51,7 @@ def scaled_hankel(order: int, z: np.ndarray) -> np.ndarray:
     for term in range(FAR_TERMS, 0, -1):
         total *= inverse * ((4 * order**2 - (2 * term - 1) ** 2) / (8 * term))
         total += 1
-    out[~near] = (
-        np.sqrt(2 / np.pi) * 1j ** (order + 1) / np.sqrt(1j * far) * total
-    )  # continuous at arg z = -pi
+    out[~near] = np.sqrt(2 / np.pi) * 1j ** (order + 1) / np.sqrt(1j * far) * total  # continuous at arg z = -pi
     return out
 
 

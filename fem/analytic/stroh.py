@@ -85,9 +85,7 @@ class SurfaceImpedance:
     def _full(self, velocity: float) -> np.ndarray:
         """Z = H^-1 + i H^-1 S of all fields."""
         n = len(self.displaced)
-        stroh = np.block(
-            [[self.upper, self.inverse], [self.lower + velocity**2 * self.inertia, self.upper.T]]
-        )
+        stroh = np.block([[self.upper, self.inverse], [self.lower + velocity**2 * self.inertia, self.upper.T]])
         w = stroh
         for _ in range(_SIGN_STEPS):
             new = (w - np.linalg.inv(w)) / 2
@@ -96,9 +94,7 @@ class SurfaceImpedance:
             if change < 1e-8 * np.abs(w).max():
                 break
         else:
-            raise ConvergenceError(
-                f"no decaying partial waves at {velocity:.6g} of the scaled shear velocity"
-            )
+            raise ConvergenceError(f"no decaying partial waves at {velocity:.6g} of the scaled shear velocity")
         inverse = np.linalg.inv(w[:n, n:])
         z = inverse + 1j * inverse @ w[:n, :n]
         return (z + z.conj().T) / 2

@@ -160,10 +160,7 @@ class CrossedBeam:
         """Centre (x, y) of a row's transducer on the surface, m."""
         (xs, ys), (xt, yt) = turn(row.angle)
         s = each.center - row.middle[1]
-        return (
-            np.array([row.middle[0] + s * xs + each.center_y * xt]),
-            np.array([s * ys + each.center_y * yt]),
-        )
+        return (np.array([row.middle[0] + s * xs + each.center_y * xt]), np.array([s * ys + each.center_y * yt]))
 
     def _of_row(self, row: Row, evaluate, x, y) -> np.ndarray:
         """Values of a row's beam at points (x, y) in m, shape (n, *shape of x and y)."""
@@ -188,9 +185,7 @@ class CrossedBeam:
         return evaluate(s, t).reshape(-1, *x.shape)
 
 
-def _pieces(
-    s: np.ndarray, transducers: tuple[Transducer, ...], clear: float
-) -> list[tuple[np.ndarray, bool]]:
+def _pieces(s: np.ndarray, transducers: tuple[Transducer, ...], clear: float) -> list[tuple[np.ndarray, bool]]:
     """Split the points by s into those near a transducer and those between: masks, each with True for "near"."""
     edges = np.array([each.extent + clear * np.array([-1, 1]) for each in transducers])
     edges = np.maximum.accumulate(edges[np.argsort(edges[:, 0])].ravel())
@@ -270,16 +265,12 @@ def crossed_beam(
         )
     for each in transducers:
         if not {"+", "-"} <= set(each.signs):
-            raise BeamError(
-                f"transducer {each.name!r} must have + and - fingers beside transducers at an angle"
-            )
+            raise BeamError(f"transducer {each.name!r} must have + and - fingers beside transducers at an angle")
     drive = as_drive(drive)
     at = np.array(places or ((stator.length / 2, 0.0),)).T
     rows = rows_of(stator, width, transducers, drive)
     waves = [
-        solve(
-            row.stator, row.transducers, _own(drive, row), tuple(dict.fromkeys(map(float, row.local(*at)[0])))
-        )
+        solve(row.stator, row.transducers, _own(drive, row), tuple(dict.fromkeys(map(float, row.local(*at)[0]))))
         for row in rows
     ]
     fields = [with_apertures(wave.solution.fields) for wave in waves]
@@ -301,11 +292,7 @@ def crossed_beam(
 def _own(drive: Drive, row: Row) -> Drive:
     """Drive for solving one row alone; a row without sources is driven at its first transducer."""
     sources = {each.name: drive.sources[each.name] for each in row.transducers if each.name in drive.sources}
-    return (
-        replace(drive, sources=sources)
-        if any(sources.values())
-        else Drive(sources={row.transducers[0].name: 1.0})
-    )
+    return replace(drive, sources=sources) if any(sources.values()) else Drive(sources={row.transducers[0].name: 1.0})
 
 
 def _part(circuit: Circuit, names: tuple[str, ...], row: Row) -> Circuit:

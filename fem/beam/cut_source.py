@@ -166,10 +166,7 @@ class CutSource:
                     along.append(side * sign * each.wavenumbers[kept])
                     motion.append(-1j * side * sign * (each.column if sign > 0 else each.row)[kept])
                 count = max(len(each) for each in along)
-                k, u = (
-                    np.full((count, len(poles)), -1j * self.wavenumber),
-                    np.zeros((3, count, len(poles)), complex),
-                )
+                k, u = (np.full((count, len(poles)), -1j * self.wavenumber), np.zeros((3, count, len(poles)), complex))
                 for node, (some, moved) in enumerate(zip(along, motion, strict=True)):
                     k[: len(some), node], u[:, : len(some), node] = some, moved.T
                 yield Branch(side, rule, k, u, ((sign, np.ones(3)),))
@@ -183,9 +180,7 @@ class CutSource:
             # to the opposite side of its lateral phase: by Im k_y at 45 degrees, the limit of this module.
             allowed = abs(np.imag(lateral)) + GROWTH * self.wavenumber
             out.append(
-                self._poles(
-                    *self.reduced.modes(lateral), surface_wavenumber, allowed * self.section.length_unit
-                )
+                self._poles(*self.reduced.modes(lateral), surface_wavenumber, allowed * self.section.length_unit)
             )
             surface_waves = out[-1].wavenumbers[out[-1].surface & out[-1].right]
             surface_wavenumber = next(iter(surface_waves), surface_wavenumber)
@@ -205,9 +200,7 @@ class CutSource:
         section, unit = self.section, self.section.length_unit
         nearly_real = abs(k.imag) < NEARLY_REAL * abs(k.real)
         right = np.where(nearly_real, carried > 0, k.imag < 0)
-        kept = (~nearly_real | (right == (k.real > 0))) & (
-            abs(k.imag) < LOCAL * self.wavenumber * unit / (2 * np.pi)
-        )
+        kept = (~nearly_real | (right == (k.real > 0))) & (abs(k.imag) < LOCAL * self.wavenumber * unit / (2 * np.pi))
         # beyond the disc of the reduced basis there are no waves, but artefacts of the basis, which may grow
         within = abs(k) < SIZES[1] * self.wavenumber * unit
         kept &= np.where(right, k.imag, -k.imag) < np.where(within, allowed, 0.0)
@@ -215,11 +208,7 @@ class CutSource:
         # the most localised mode near that of the k_y before, and its twin in a plate
         for side in (right, ~right):
             apart = abs(k) / abs(expected * unit) - 1
-            share = (
-                section.surface_share(shapes)
-                / (1 + (apart / NEAR_HALF_SPACE) ** 2)
-                * (side & nearly_real & kept)
-            )
+            share = section.surface_share(shapes) / (1 + (apart / NEAR_HALF_SPACE) ** 2) * (side & nearly_real & kept)
             best = np.argmax(share)
             surface |= (share > TWIN_SHARE * share[best]) & (abs(k / k[best] - 1) < TWIN_MODES)
         factors = np.ones((4, 1), dtype=complex)
@@ -318,9 +307,7 @@ class _Reduced(NamedTuple):
         """
         k, _, _, carried = self.modes(lateral)
         grows = np.sign(carried) * k.imag > GROWTH * surface_wavenumber
-        return k.real[
-            grows & (abs(k.imag) < NEARLY_REAL * abs(k.real)) & (abs(k) < SIZES[1] * surface_wavenumber)
-        ]
+        return k.real[grows & (abs(k.imag) < NEARLY_REAL * abs(k.real)) & (abs(k) < SIZES[1] * surface_wavenumber)]
 
 
 def _reduced(section: Section, frequency: float, wavenumber: float, singular: float) -> _Reduced:
@@ -403,9 +390,7 @@ def cut_source(fields: PortFields) -> CutSource:
         stator = replace(stator, thickness=np.inf)
     section = discretise(
         stator,
-        Resolution(
-            order=max(resolution.order, ORDER), edge_layers=0, absorber=max(resolution.absorber, LAYER)
-        ),
+        Resolution(order=max(resolution.order, ORDER), edge_layers=0, absorber=max(resolution.absorber, LAYER)),
         wavelength=modes.section.length_unit,
         surface_scale=np.inf,
         lateral=True,

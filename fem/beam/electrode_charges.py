@@ -78,9 +78,7 @@ class ChargeSheet(NamedTuple):
         """
         fingers = Fingers.of(self.x, self.charge, self.finger)
         half = np.maximum(fingers.last - fingers.first, np.finfo(float).tiny) / 2  # of lines
-        total, dipole, spread = (
-            fingers.moments[:, power] * (fingers.half_width / half) ** power for power in range(3)
-        )
+        total, dipole, spread = (fingers.moments[:, power] * (fingers.half_width / half) ** power for power in range(3))
         places = np.add.outer(np.array([-1, 0, 1]), np.zeros(len(half))) * half + fingers.middles
         charges = np.stack([(spread - dipole) / 2, total - spread, (spread + dipole) / 2])
         return places.ravel(), charges.ravel()
@@ -229,9 +227,7 @@ def _profiles(x: np.ndarray, charge: np.ndarray, number: np.ndarray) -> _Profile
     return _Profiles(*map(np.concatenate, (shares, dipoles, arms)))
 
 
-def _node_charges(
-    solution: Solution, piece: int, sides: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _node_charges(solution: Solution, piece: int, sides: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Positions in m of a piece's nodes on metal, their charges in C/m, (sheets, nodes), and their finger numbers.
 
     ``piece``: number of the piece in the row; ``sides``: unknowns of the transducer's two lines and its potentials,

@@ -146,9 +146,7 @@ class Faces:
         if abs(lateral) < NEARLY_ZERO * self.highest:
             lateral = NEARLY_ZERO * self.highest
         modes, to_right, to_left = self.at(lateral)
-        forward, backward = (
-            each / modes.section.length_unit for each in (modes.wavenumbers, -modes.backwards)
-        )
+        forward, backward = (each / modes.section.length_unit for each in (modes.wavenumbers, -modes.backwards))
         kept = np.flatnonzero(np.minimum(-forward.imag, -backward.imag) * gap < -np.log(KEPT))
         # a and b; ``from_face``: distances of the charges from the face, rising, and the charges
         at_right, at_left = (
@@ -218,18 +216,11 @@ class _TurnedModes:
 
     def __call__(self, lateral: complex) -> Sent:
         section = self.section
-        k, k_y, sagittal = (
-            self.wavenumbers,
-            lateral * section.length_unit,
-            np.arange(section.size) < self.count,
-        )
+        k, k_y, sagittal = (self.wavenumbers, lateral * section.length_unit, np.arange(section.size) < self.count)
         kappa = wavenumber_along(k, k_y)
         turned = [np.where(sagittal, kappa, -k_y), -1j * np.where(sagittal, k_y, kappa), np.ones_like(kappa)]
         right = np.array(turned)[self.kinds] * self.shapes
-        of_flux = [
-            np.where(sagittal, one, other)
-            for one, other in ((1, kappa * k_y), (kappa * k_y, 1), (kappa, k_y))
-        ]
+        of_flux = [np.where(sagittal, one, other) for one, other in ((1, kappa * k_y), (kappa * k_y, 1), (kappa, k_y))]
         right_flux = np.array(of_flux)[self.kinds] * self.flux + k_y**2 * self.by_square
         left, left_flux = right.copy(), -right_flux
         for each in (left, left_flux):
@@ -286,19 +277,12 @@ def _turned_modes(fields: PortFields, source: LineSource) -> _TurnedModes:
     # the nodal flux K1(k_y) v - i kappa K2 v, with kappa^2 = k^2 - k_y^2
     flux, by_square = np.zeros_like(shapes), np.zeros_like(shapes)
     sagittal = np.arange(section.size) < count
-    crossed = (
-        1j * product(second, 0, 0) - 1j * product(by_k_y, 0, 1),
-        product(by_k_y, 1, 0) - product(second, 1, 1),
-    )
-    flux[kinds == 0] = np.where(
-        sagittal, product(first, 0, 2) - 1j * k**2 * product(second, 0, 0), crossed[0]
-    )
+    crossed = (1j * product(second, 0, 0) - 1j * product(by_k_y, 0, 1), product(by_k_y, 1, 0) - product(second, 1, 1))
+    flux[kinds == 0] = np.where(sagittal, product(first, 0, 2) - 1j * k**2 * product(second, 0, 0), crossed[0])
     by_square[kinds == 0] = np.where(sagittal, crossed[0], 0)
     flux[kinds == 1] = np.where(sagittal, crossed[1], -(k**2) * product(second, 1, 1))
     by_square[kinds == 1] = np.where(sagittal, 0, -crossed[1])
-    flux[kinds == 2] = np.where(
-        sagittal, product(first, 2, 0) - 1j * product(second, 2, 2), -product(first, 2, 0)
-    )
+    flux[kinds == 2] = np.where(sagittal, product(first, 2, 0) - 1j * product(second, 2, 2), -product(first, 2, 0))
     return _TurnedModes(
         section=section,
         frequency=fields.frequency,

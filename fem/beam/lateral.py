@@ -92,9 +92,7 @@ def lateral_rule(
         nodes = np.arange(int(fade[1] * mirror_width / (2 * np.pi)) + 1) * (2 * np.pi / mirror_width)
         weights = 2 / mirror_width * _faded(nodes, *fade)
         weights[0] *= 0.5
-        return LateralRule(
-            nodes=nodes, weights=weights, share=1.0 if narrow is None else _faded(nodes, *narrow)
-        )
+        return LateralRule(nodes=nodes, weights=weights, share=1.0 if narrow is None else _faded(nodes, *narrow))
     offset = min(GROWTH / reach, max_tilt * highest)
     scale = 3.0 * offset
     start, stop = (each + scale for each in fade)

@@ -125,10 +125,7 @@ class LineSource:
             if mirror_width is not None and contour is rule:  # the pole at k = 0, kappa = -i k_y
                 pole = np.zeros((3, 1, len(contour.nodes)), dtype=complex)
                 pole[0], pole[1] = self.static, 1j * self.static * (contour.nodes > 0)
-                along, motion = (
-                    np.vstack([along, -1j * contour.nodes]),
-                    np.concatenate([motion, pole], axis=1),
-                )
+                along, motion = (np.vstack([along, -1j * contour.nodes]), np.concatenate([motion, pole], axis=1))
             yield from _both_sides(contour, along, motion)
 
     def plane(self, resolved: float) -> Iterator[Branch]:
@@ -146,9 +143,7 @@ class LineSource:
         k = self.wavenumbers[modes, None]
         along = wavenumber_along(k, lateral)
         tangential = np.broadcast_to(self.tangential[modes, None], along.shape)
-        return along, np.stack(
-            [tangential, tangential * (lateral / along), self.normal[modes, None] * (k / along)]
-        )
+        return along, np.stack([tangential, tangential * (lateral / along), self.normal[modes, None] * (k / along)])
 
 
 def _both_sides(rule: LateralRule, along, motion) -> Iterator[Branch]:

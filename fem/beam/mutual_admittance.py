@@ -61,9 +61,7 @@ def mutual_admittance(
     k = source.wavenumbers
     wavelength = 2 * np.pi / float(np.mean(k[source.surface].real))
     kept = -k.imag * max(wavelength / LOCAL, distance / LARGEST_DECAY, gap / -np.log(KEPT)) < 1
-    reach = abs(offset) + sum(
-        float(abs((each.corners - each.corners.mean(axis=0)) @ across).max()) for each in plan
-    )
+    reach = abs(offset) + sum(float(abs((each.corners - each.corners.mean(axis=0)) @ across).max()) for each in plan)
     highest = float(np.sqrt((k**2).real.max()))
     rule = lateral_rule(highest, reach, evanescent(highest, max(gap, wavelength)))
     total = 0.0
@@ -75,9 +73,7 @@ def mutual_admittance(
             vector = np.outer(forward, kappa) + np.outer(across, lateral)
             sent = [
                 own.plane_transform(sign * (turn(angle) @ vector), each.aperture, origin)
-                for sign, angle, each, origin, own in zip(
-                    (1, -1), angles, plan, origins, charges, strict=True
-                )
+                for sign, angle, each, origin, own in zip((1, -1), angles, plan, origins, charges, strict=True)
             ]
             phase = np.exp(-1j * (kappa * distance + lateral * offset))
             total += source.potential[number] * np.sum(

@@ -130,9 +130,7 @@ def finger_coupling(
     different, which = np.unique(distances.round(12), return_inverse=True)
     line = section_potential(source, different)
     sums, gaps = (np.add.outer(lengths, lengths) / 2, abs(np.subtract.outer(lengths, lengths)) / 2)
-    spans, number = np.unique(
-        np.concatenate([[0.0], sums.ravel(), gaps.ravel()]).round(12), return_inverse=True
-    )
+    spans, number = np.unique(np.concatenate([[0.0], sums.ravel(), gaps.ravel()]).round(12), return_inverse=True)
     table = PointPotential(source, float(np.hypot(different[-1], spans[-1])))
     change = np.zeros((len(spans), len(different)), dtype=complex)
     change[1:] = table.strips(different, spans[1:]) - np.multiply.outer(spans[1:], line)
@@ -141,9 +139,7 @@ def finger_coupling(
     # The zero of the potential is arbitrary if the section floats.  For fingers without net charge it cancels, but only
     # after a loss of digits, so that it is subtracted here.
     if source.slope:
-        between -= (
-            np.multiply.outer(np.outer(lengths, lengths), between[0, 0].mean(keepdims=True)) / lengths[0] ** 2
-        )
+        between -= np.multiply.outer(np.outer(lengths, lengths), between[0, 0].mean(keepdims=True)) / lengths[0] ** 2
     if mirror_width is not None:
         images = image_potential(source, transducer.aperture, different, mirror_width)
         between += np.multiply.outer(np.outer(lengths, lengths) / transducer.aperture, images)

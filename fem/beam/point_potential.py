@@ -55,17 +55,13 @@ class PointPotential:
         places = (low + high) / 2 + (high - low) / 2 * nodes
         values = _sum_of_modes(source, np.sort(places, axis=None))
         order = np.argsort(np.argsort(places, axis=None))
-        self._coefficients = (
-            values[order].reshape(places.shape) @ np.linalg.inv(chebvander(nodes, TERMS - 1)).T
-        )
+        self._coefficients = values[order].reshape(places.shape) @ np.linalg.inv(chebvander(nodes, TERMS - 1)).T
 
     def __call__(self, distances: np.ndarray) -> np.ndarray:
         """G at distances in m, an array of any shape."""
         r = np.maximum(distances, self.edges[0])
         exponent = np.floor(np.log2(np.minimum(r / self.half_wavelength, 1.0))).astype(int)
-        piece = self.halvings + np.where(
-            exponent < 0, exponent, np.floor(r / self.half_wavelength).astype(int) - 1
-        )
+        piece = self.halvings + np.where(exponent < 0, exponent, np.floor(r / self.half_wavelength).astype(int) - 1)
         low, high = self.edges[piece], self.edges[piece + 1]
         twice = 2 * (2 * r - low - high) / (high - low)
         last, before = self._coefficients[piece, -1], 0.0  # Clenshaw's recurrence
@@ -106,8 +102,7 @@ class PointPotential:
         values = self(np.hypot(x[:, None, None], y)) * (width[:, None] / 2 * weights)
         at = np.searchsorted(edges, stops * (1 - 1e-13))
         plain, first_moment = (
-            np.cumsum(np.pad(each.sum(axis=2), ((0, 0), (1, 0))), axis=1)[:, at].T
-            for each in (values, values * y)
+            np.cumsum(np.pad(each.sum(axis=2), ((0, 0), (1, 0))), axis=1)[:, at].T for each in (values, values * y)
         )
         return plain, first_moment
 

@@ -100,14 +100,9 @@ def aperture_coupling(
         k = wavenumbers[some, None]
         along = wavenumber_along(k, one.nodes)
         waves = k / along * np.exp(-1j * (along - k) * distance) * (one.weights * np.cos(one.nodes * offset))
-        sent, received = (
-            np.sinc(np.multiply.outer(each, one.nodes / (2 * np.pi))) for each in (sender, receiver)
-        )
+        sent, received = (np.sinc(np.multiply.outer(each, one.nodes / (2 * np.pi))) for each in (sender, receiver))
         sent = sent * np.asarray(sender)[..., None]
-        both = (
-            np.expand_dims(received, tuple(range(np.ndim(receiver), np.ndim(receiver) + np.ndim(sender))))
-            * sent
-        )
+        both = np.expand_dims(received, tuple(range(np.ndim(receiver), np.ndim(receiver) + np.ndim(sender)))) * sent
         out[..., some] = both @ waves.T
     return out
 
@@ -136,20 +131,12 @@ def with_apertures(fields: PortFields, mirror_width: float | None = None, finene
         return fields
     network, solution = solve(fields.network, fields.transducers)
     return connected(
-        fields.stator,
-        fields.transducers,
-        network,
-        solution,
-        resolution=fields.resolution,
-        owners=fields.owners,
+        fields.stator, fields.transducers, network, solution, resolution=fields.resolution, owners=fields.owners
     )
 
 
 def aperture_solver(
-    stator: Stator,
-    mirror_width: float | None = None,
-    fineness: int = 0,
-    limits: tuple[float, float] | None = None,
+    stator: Stator, mirror_width: float | None = None, fineness: int = 0, limits: tuple[float, float] | None = None
 ) -> Solve | None:
     """Solver of a stator's network for finite apertures; None if the limits of this module are not met.
 
@@ -182,26 +169,19 @@ class OwnApertures:
         with self._lock:
             if key not in self._at_nodes:
                 wavenumber = abs(network.modes.wavenumbers[network.modes.rayleigh[0]]) / section.length_unit
-                self._at_nodes[key] = (
-                    section,
-                    *self._solved(section, transducer, lengths, wavenumber / frequency),
-                )
+                self._at_nodes[key] = (section, *self._solved(section, transducer, lengths, wavenumber / frequency))
         _, nodes, values = self._at_nodes[key]
         weights = lagrange_weights(nodes, frequency)
         return Coupling(*(np.tensordot(weights, each, axes=1) for each in values))
 
-    def _solved(
-        self, section, transducer: Transducer, lengths: np.ndarray, slowness: float
-    ) -> tuple[np.ndarray, list]:
+    def _solved(self, section, transducer: Transducer, lengths: np.ndarray, slowness: float) -> tuple[np.ndarray, list]:
         """Nodes in Hz, and the arrays of `Coupling` at the nodes; ``slowness``: wavenumber over frequency, rad s/m."""
         low, high = self.limits
         farthest = np.hypot(np.diff(transducer.extent).item(), transducer.aperture)
         swing = slowness * farthest * (high - low) / 2  # change of a wave's phase over half the band, rad
         nodes = chebyshev_nodes(low, high, int(np.ceil(LEAST_NODES + NODES_PER_SWING * swing)))
         at = [
-            finger_coupling(
-                line_source(guided_modes(section, float(each))), transducer, lengths, self.mirror_width
-            )
+            finger_coupling(line_source(guided_modes(section, float(each))), transducer, lengths, self.mirror_width)
             for each in nodes
         ]
         return nodes, [np.stack(each) for each in zip(*at, strict=True)]
@@ -235,9 +215,7 @@ class _Response:
         return tuple(
             Sheet(
                 length=float(length),
-                sides=np.concatenate(
-                    [self.lines @ np.concatenate([waves[at], potentials[at]]), potentials[at]]
-                ),
+                sides=np.concatenate([self.lines @ np.concatenate([waves[at], potentials[at]]), potentials[at]]),
                 reactions=self.reactions[at] @ weights,
                 moments=self.moments[at] @ weights,
                 dipoles=self.dipoles[at] @ weights,
@@ -332,8 +310,7 @@ def _travel(
     """
     modes, unit, m = network.modes, network.modes.section.length_unit, len(kept)
     edges = [  # left and right line of each transducer
-        (place, place + each.piece.width)
-        for place, each in zip(network.places, network.scatterers, strict=True)
+        (place, place + each.piece.width) for place, each in zip(network.places, network.scatterers, strict=True)
     ]
     first = np.cumsum([0, *(2 * m * len(each) for each in lengths)])
     out = np.zeros((first[-1], first[-1]), dtype=complex)
@@ -357,15 +334,11 @@ def _travel(
             block = out[first[receiver] : first[receiver + 1], first[sender] : first[sender + 1]]
             block = block.reshape(len(lengths[receiver]), 2, m, len(lengths[sender]), 2, m)
             direction, each = int(sender > receiver), np.arange(m)  # direction: 0 to the right, 1 to the left
-            block[:, direction, each, :, direction, each] = np.moveaxis(
-                amplitudes * np.exp(-1j * phase), 2, 0
-            )
+            block[:, direction, each, :, direction, each] = np.moveaxis(amplitudes * np.exp(-1j * phase), 2, 0)
     return out
 
 
-def _response(
-    plain: Scatterer, signs: str, kept: np.ndarray, lengths: np.ndarray, change: Coupling
-) -> _Response:
+def _response(plain: Scatterer, signs: str, kept: np.ndarray, lengths: np.ndarray, change: Coupling) -> _Response:
     """Response of a transducer with fingers of finite length, from that of the section.
 
     The equations are those of the module docstring, with the reactions on the fingers as charges:
@@ -430,13 +403,9 @@ def _response(
     finger_potentials = np.linalg.solve(system, load.reshape(size, columns)).reshape(load.shape)
     on_fingers = by_arriving + by_fingers @ finger_potentials
 
-    passed = np.append(
-        np.exp(-1j * modes.wavenumbers[kept] * width), np.exp(1j * modes.backwards[kept] * width)
-    )
+    passed = np.append(np.exp(-1j * modes.wavenumbers[kept] * width), np.exp(1j * modes.backwards[kept] * width))
     out = lines - arriving
-    leaving = np.concatenate(
-        [modes.right_amplitudes(out[at.right])[kept], modes.left_amplitudes(out[at.left])[kept]]
-    )
+    leaving = np.concatenate([modes.right_amplitudes(out[at.right])[kept], modes.left_amplitudes(out[at.left])[kept]])
     leaving[:, : 2 * m] -= np.diag(passed)
     sent = leaving[:, 2 * m :] @ finger_potentials
     for sheet in range(sheets):

@@ -47,9 +47,7 @@ class Row:
         return bool(np.any(turn(self.angle)[0] == 0))
 
 
-def rows_of(
-    stator: Stator, width: float, transducers: tuple[Transducer, ...], drive: str | Drive
-) -> tuple[Row, ...]:
+def rows_of(stator: Stator, width: float, transducers: tuple[Transducer, ...], drive: str | Drive) -> tuple[Row, ...]:
     """Group a stator's transducers into rows; the first is the driven row whose waves run nearest to x."""
     rows: list[Row] = []
     for each in transducers:
@@ -61,10 +59,7 @@ def rows_of(
         if angle:
             length = float(np.hypot(length, width)) + ROOM * max(other.period for other in transducers)
         row = Row(
-            angle=angle,
-            stator=replace(stator, length=length),
-            transducers=(),
-            middle=(stator.length / 2, length / 2),
+            angle=angle, stator=replace(stator, length=length), transducers=(), middle=(stator.length / 2, length / 2)
         )
         s, t = row.local(each.center, each.center_y)
         own = replace(

@@ -219,8 +219,7 @@ class SurfaceBeam:
         """
         near = abs(self._near_distance)
         return isinstance(self.source, CutSource) and any(
-            each.extent[0] - near < x < each.extent[1] + near
-            and abs(y - each.center_y) > each.aperture / 2 - near
+            each.extent[0] - near < x < each.extent[1] + near and abs(y - each.center_y) > each.aperture / 2 - near
             for each in self.solution.fields.transducers
         )
 
@@ -301,9 +300,7 @@ class SurfaceBeam:
         for halvings in range(MAX_HALVINGS + 1):
             rules = self._modal(x, y, distance, 0.5**halvings)
             size = abs(rules[0]).max(axis=0)
-            if np.all(
-                abs(rules[0] - rules[1]).max(axis=0) <= UNCONVERGED * np.maximum(size, 0.1 * size.max())
-            ):
+            if np.all(abs(rules[0] - rules[1]).max(axis=0) <= UNCONVERGED * np.maximum(size, 0.1 * size.max())):
                 break
         return rules
 
@@ -312,15 +309,9 @@ class SurfaceBeam:
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
         total = np.zeros((RULES, 3, len(x)), dtype=complex)
-        for branch in self.source.branches(
-            self._reach(y), distance, self._near_distance, self.mirror_width, spacing
-        ):
+        for branch in self.source.branches(self._reach(y), distance, self._near_distance, self.mirror_width, spacing):
             total += self._inverse(
-                branch,
-                lambda spectra, branch=branch: _sent(self._nodes, branch, places, spectra),
-                lines,
-                column,
-                row,
+                branch, lambda spectra, branch=branch: _sent(self._nodes, branch, places, spectra), lines, column, row
             )
         return total
 
@@ -330,11 +321,7 @@ class SurfaceBeam:
         lines, row = np.unique(y, return_inverse=True)
         reflected = self.faces.returned(self._reach(y), _sources(self._sheets), self.mirror_width)
         return self._inverse(
-            reflected,
-            lambda spectra: reflected.spectra(places, self.wave.length, spectra, modes),
-            lines,
-            column,
-            row,
+            reflected, lambda spectra: reflected.spectra(places, self.wave.length, spectra, modes), lines, column, row
         )
 
     def _reach(self, y) -> float:
@@ -356,9 +343,7 @@ class SurfaceBeam:
         count, sent = len(column), None
         lateral, weights = waves.rule.nodes, waves.rule.weights / 2
         narrow = None if np.all(waves.rule.share == 1.0) else weights * waves.rule.share
-        lengths, centers = (
-            np.array([getattr(each, name) for each in self._sheets]) for name in ("length", "center")
-        )
+        lengths, centers = (np.array([getattr(each, name) for each in self._sheets]) for name in ("length", "center"))
         uniform = lengths[:, None] * np.sinc(np.outer(lengths, lateral / (2 * np.pi)))
         total = np.zeros((RULES, 3, count), dtype=complex)
         for sign, factors in waves.signs:
@@ -450,9 +435,7 @@ def beam_refusal(stator: Stator) -> str:
     if stator.pieces:
         return "the field in three dimensions of a stator with meshed pieces is not computed"
     if stator.ends != "absorbing" and not isotropic_about_normal(stator.solid):
-        return (
-            f"in this cut the field in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"
-        )
+        return f"in this cut the field in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"
     return ""
 
 
@@ -569,9 +552,7 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     isotropic = isotropic_about_normal(solution.fields.stator.solid)
     centers = tuple(each.center_y for each in solution.fields.transducers)
     if any(centers) and (mirror_width is not None or not isotropic):
-        raise BeamError(
-            "transducers beside the middle line need a solid isotropic about z and absorbing sides"
-        )
+        raise BeamError("transducers beside the middle line need a solid isotropic about z and absorbing sides")
     fields = with_apertures(solution.fields, mirror_width)
     if fields is not solution.fields:
         solution = driven_solution(fields, solution.circuit.drive)

@@ -179,9 +179,7 @@ def solve_circuit(
         if name not in everyone:
             raise InputError("sources", f"must name transducers of the stator, {', '.join(everyone)}", name)
         if name not in names:
-            raise InputError(
-                "sources", f"must name transducers that have two electrodes, but {name!r} has not"
-            )
+            raise InputError("sources", f"must name transducers that have two electrodes, but {name!r} has not")
     voltages = _voltages(admittances, names, transducers, drive, frequency)
     currents = admittances @ voltages
     by_amplitude = sorted(drive.sources, key=lambda name: drive.sources[name] == 0)
@@ -231,9 +229,7 @@ def receiving_circuit(
     )
 
 
-def _voltages(
-    admittances, names, transducers, drive: Drive | None, frequency: float, received=None
-) -> np.ndarray:
+def _voltages(admittances, names, transducers, drive: Drive | None, frequency: float, received=None) -> np.ndarray:
     """Solve ``across * V + along * I = source`` at every port; with a received current all sources are zero."""
     terminations = {each.name: each.termination for each in transducers}
     across, along = np.ones(len(names), dtype=complex), np.zeros(len(names), dtype=complex)
@@ -281,9 +277,7 @@ def matched_load(
     drive = as_drive(drive)
 
     def output_admittance(name: str, terminations: dict) -> complex:
-        row = tuple(
-            replace(each, termination=terminations.get(each.name, each.termination)) for each in transducers
-        )
+        row = tuple(replace(each, termination=terminations.get(each.name, each.termination)) for each in transducers)
         return solve_circuit(admittances, names, row, name, frequency).admittance
 
     across, along = _source_rows(drive, 2 * np.pi * frequency)

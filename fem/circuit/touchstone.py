@@ -9,9 +9,7 @@ import numpy as np
 PAIRS = 4  # on a line
 
 
-def touchstone(
-    frequency: np.ndarray, scattering: np.ndarray, reference: float, remarks: tuple[str, ...] = ()
-) -> str:
+def touchstone(frequency: np.ndarray, scattering: np.ndarray, reference: float, remarks: tuple[str, ...] = ()) -> str:
     """Return the text of a Touchstone file.
 
     Parameters

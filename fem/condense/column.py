@@ -219,9 +219,7 @@ class ColumnField:
         section, column = self.column.section, self.column
         values = np.concatenate([sides, column.faces_from @ sides])
         if column.electrode is not None:
-            values[electrode_dofs(section, column.faces)] = sides[Blocks(section.size).ports][
-                column.electrode
-            ]
+            values[electrode_dofs(section, column.faces)] = sides[Blocks(section.size).ports][column.electrode]
         for element, (height, medium) in enumerate(zip(section.heights, section.media, strict=True)):
             dofs = element_dofs(section, element, column.faces)
             sets = ElementSets(section.order, len(medium.fields))

@@ -69,9 +69,7 @@ class Pair:
 
     left: FingerColumns
     right: FingerColumns
-    middle: np.ndarray = field(
-        repr=False
-    )  # the shared line as a function of the sides, shape (n, 2 n + ports)
+    middle: np.ndarray = field(repr=False)  # the shared line as a function of the sides, shape (n, 2 n + ports)
     # True: the ports are those of the left part followed by those of the right part; False: both parts share all ports
     own_ports: bool = False
 
@@ -86,10 +84,7 @@ class Pair:
         left = right = whole[at.ports]
         if self.own_ports:
             left, right = np.split(left, [len(self.left.ports)])
-        return (
-            np.concatenate([whole[at.left], middle, left]),
-            np.concatenate([middle, whole[at.right], right]),
-        )
+        return (np.concatenate([whole[at.left], middle, left]), np.concatenate([middle, whole[at.right], right]))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -60,9 +60,7 @@ class Dissection:
                 inputs = [self.unknowns[each] for each in elements]
             else:
                 spread = np.ptp(self.centers[elements], axis=0)
-                order = elements[
-                    np.argsort(self.centers[elements, int(spread[1] > spread[0])], kind="stable")
-                ]
+                order = elements[np.argsort(self.centers[elements, int(spread[1] > spread[0])], kind="stable")]
                 halves = [part(half) for half in np.array_split(order, 2)]
                 children, parts = tuple(each[0] for each in halves), [each[1:] for each in halves]
                 inputs = [numbers for numbers, _ in parts]
@@ -78,9 +76,7 @@ class Dissection:
                     passed_on=numbers[~complete],
                     children=children,
                     elements=elements if not children else elements[:0],
-                    positions=tuple(
-                        rank[np.where(each >= 0, np.searchsorted(numbers, each), -1)] for each in inputs
-                    ),
+                    positions=tuple(rank[np.where(each >= 0, np.searchsorted(numbers, each), -1)] for each in inputs),
                 )
             )
             return len(fronts) - 1, numbers[~complete], count[~complete]

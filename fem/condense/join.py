@@ -148,9 +148,7 @@ def exchanged(piece: FingerColumns) -> FingerColumns:
     lines = np.arange(piece.at.ports.start)
     order = np.append(lines, [len(lines) + 1, len(lines)])
     return replace(
-        piece,
-        matrix=piece.matrix[np.ix_(order, order)],
-        inside=Restated(piece=piece, sides=lambda sides: sides[order]),
+        piece, matrix=piece.matrix[np.ix_(order, order)], inside=Restated(piece=piece, sides=lambda sides: sides[order])
     )
 
 

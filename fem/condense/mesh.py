@@ -78,10 +78,7 @@ class MeshedPiece:
         """Yield elements of one medium in parts: medium, numbers, unknowns (m, functions, fields, columns)."""
         for (own, elements, numbers), inside in zip(self.assembly.parts, self.insides, strict=True):
             rim = skeleton[numbers]
-            both = [
-                each.reshape(len(elements), len(own.fields), -1, skeleton.shape[1])
-                for each in (rim, inside @ rim)
-            ]
+            both = [each.reshape(len(elements), len(own.fields), -1, skeleton.shape[1]) for each in (rim, inside @ rim)]
             yield own, elements, np.concatenate(both, axis=2).swapaxes(1, 2)
 
     def inertia(self, sides: np.ndarray) -> np.ndarray:
@@ -92,9 +89,7 @@ class MeshedPiece:
             for column in np.flatnonzero(own.inertia):
                 nodal = np.ascontiguousarray(values[:, :, column])
                 moved = (mass @ nodal.view(float)).view(nodal.dtype)  # real times complex: half the products
-                total += own.inertia[column] * (
-                    nodal.reshape(-1, len(total)).T @ moved.reshape(-1, len(total))
-                )
+                total += own.inertia[column] * (nodal.reshape(-1, len(total)).T @ moved.reshape(-1, len(total)))
         return 0.5 * self.assembly.space.unit**2 * (total + total.T)
 
 
@@ -144,9 +139,7 @@ class Assembly:
         order = np.concatenate([elements for _, elements, _ in self.parts])
         unknowns = [row for _, _, numbers in self.parts for row in self.numbers[numbers]]
         centers = mesh.points[mesh.quads[order, :4]].mean(axis=1)
-        return Dissection(
-            unknowns=unknowns, centers=centers, kept=int(self.numbers.max()) + 1 - len(self.projection)
-        )
+        return Dissection(unknowns=unknowns, centers=centers, kept=int(self.numbers.max()) + 1 - len(self.projection))
 
     def condensed(self, frequency: float) -> MeshedPiece:
         """Condense the piece at a frequency in Hz."""
@@ -186,12 +179,7 @@ class Assembly:
 
 
 def assembled(
-    piece: MeshPiece,
-    stator: Stator,
-    sections: dict[str, Section],
-    *,
-    frequency: float,
-    resolution: Resolution,
+    piece: MeshPiece, stator: Stator, sections: dict[str, Section], *, frequency: float, resolution: Resolution
 ) -> Assembly:
     """Assemble a meshed piece: its elements, boundary conditions and interfaces at one resolution.
 
@@ -202,9 +190,7 @@ def assembled(
     ConvergenceError
         If the mesh has more unknowns than can be solved for.
     """
-    unit = (
-        next(iter(sections.values())).length_unit if sections else slowest_wavelength(stator.solid, frequency)
-    )
+    unit = next(iter(sections.values())).length_unit if sections else slowest_wavelength(stator.solid, frequency)
     names = coupled_fields(stator.solid)
     solids = {"stator": stator.solid} | dict(piece.solids)
     space = QuadSpace(

@@ -20,9 +20,7 @@ class MeshField:
 
     assembly: "Assembly" = field(repr=False)
     skeleton: np.ndarray = field(repr=False)  # scaled unknowns of edges and vertices, fields innermost
-    condense: "Callable[[], MeshedPiece]" = field(
-        repr=False
-    )  # for the insides of the elements; called on first use
+    condense: "Callable[[], MeshedPiece]" = field(repr=False)  # for the insides of the elements; called on first use
 
     @cached_property
     def piece(self) -> "MeshedPiece":
@@ -35,9 +33,7 @@ class MeshField:
         left = self.assembly.piece.mesh.extent[0] / space.unit
         numbers, weights = self.assembly.surface.at(np.asarray(x, dtype=float) + left)
         nodal = self.skeleton.reshape(-1, len(names))
-        return np.stack(
-            [np.sum(nodal[numbers, names.index(name)] * weights, axis=1) for name in ("ux", "uz")]
-        )
+        return np.stack([np.sum(nodal[numbers, names.index(name)] * weights, axis=1) for name in ("ux", "uz")])
 
     def at(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Scaled u_x, u_y, u_z and phi at points (m, 2), measured from the left edge and the surface in length units.
@@ -102,9 +98,7 @@ def _local_fields(space: QuadSpace, elements, places: np.ndarray, nodal: np.ndar
     return np.concatenate([(value @ nodal)[None], along])
 
 
-ROUNDED = (
-    1e-3  # of a piece's width, which is 1e-3 of the stator or more: fem.layout allows 1e-6 of the stator
-)
+ROUNDED = 1e-3  # of a piece's width, which is 1e-3 of the stator or more: fem.layout allows 1e-6 of the stator
 
 
 class TopEdges:

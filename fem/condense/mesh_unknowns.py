@@ -20,12 +20,7 @@ class MeshUnknowns:
     """Unknowns on a piece's edges and vertices: fixed at zero, tied to an electrode, on an interface, or free."""
 
     def __init__(
-        self,
-        piece: MeshPiece,
-        stator: Stator,
-        space: QuadSpace,
-        media: dict[str, Medium],
-        names: tuple[str, ...],
+        self, piece: MeshPiece, stator: Stator, space: QuadSpace, media: dict[str, Medium], names: tuple[str, ...]
     ):
         self.space, self.names = space, names
         self.held = np.ones((space.skeleton, len(names)), dtype=bool)  # fixed at zero, or in no element
@@ -40,9 +35,7 @@ class MeshUnknowns:
                 self.grounded |= "phi" in names and condition == "grounded"
         electrodes = [name for name in piece.mesh.electrodes if "phi" in names]
         connections = [piece.connection(name) for name in electrodes]
-        self.ports = tuple(
-            Port(kind="voltage", name=each) for each in connections if each not in (FLOATING, GROUNDED)
-        )
+        self.ports = tuple(Port(kind="voltage", name=each) for each in connections if each not in (FLOATING, GROUNDED))
         # Number of the electrode that a function is tied to.  The functions inside its edges are zero, because the
         # potential is constant.
         self.tied = np.full(self.held.shape, -1)

@@ -91,9 +91,7 @@ class RationalPiece:
         _, clamped = self._eliminated(frequency)
         return self.basis @ np.concatenate([np.eye(self.frame.shape[1]), clamped])
 
-    def at(
-        self, frequency: float, recover: Callable[[np.ndarray], RecoveredField] | None = None
-    ) -> ReducedPiece:
+    def at(self, frequency: float, recover: Callable[[np.ndarray], RecoveredField] | None = None) -> ReducedPiece:
         """Piece at a frequency in Hz.
 
         ``recover`` returns the field inside for given reduced lines and ports; without it, the full piece is condensed
@@ -123,14 +121,10 @@ class PieceSample:
     @classmethod
     def of(cls, piece: MeshedPiece, frame: np.ndarray) -> "PieceSample":
         """Sample of a piece, with a frame of reduced lines."""
-        return cls(
-            frequency=piece.frequency, value=frame.T @ piece.matrix @ frame, inertia=piece.inertia(frame)
-        )
+        return cls(frequency=piece.frequency, value=frame.T @ piece.matrix @ frame, inertia=piece.inertia(frame))
 
 
-def rational_piece(
-    piece: MeshedPiece, frame: np.ndarray, size: int, samples: list[PieceSample]
-) -> RationalPiece:
+def rational_piece(piece: MeshedPiece, frame: np.ndarray, size: int, samples: list[PieceSample]) -> RationalPiece:
     """Interpolate a piece between samples; ``piece`` is the condensed piece at any frequency."""
     squares = np.array([(2 * np.pi * each.frequency) ** 2 for each in samples])
     count, kept = len(samples), frame.shape[1]

@@ -29,9 +29,7 @@ class Condensation:
         """Condense one column of elements."""
         return condensed(self.section, self.frequency, width=width, electrode=electrode)
 
-    def joined(
-        self, left: FingerColumns, right: FingerColumns, electrode: int | None = None
-    ) -> FingerColumns:
+    def joined(self, left: FingerColumns, right: FingerColumns, electrode: int | None = None) -> FingerColumns:
         """Join two neighbours; ``electrode`` if a finger lies on the line they share."""
         phi = None if electrode is None else self.section.surface_dofs["phi"]
         return joined(left, right, phi=phi, electrode=electrode)
@@ -55,9 +53,7 @@ class FingerShape:
     @classmethod
     def of(cls, transducer: Transducer, unit: float) -> "FingerShape":
         """Of a transducer's inner fingers; ``unit``: the length unit in m."""
-        return cls(
-            half_finger=transducer.finger_width / 2 / unit, half_gaps=(transducer.half_gap / unit,) * 2
-        )
+        return cls(half_finger=transducer.finger_width / 2 / unit, half_gaps=(transducer.half_gap / unit,) * 2)
 
     @property
     def even(self) -> bool:
@@ -65,9 +61,7 @@ class FingerShape:
         return abs(self.half_gaps[0] - self.half_gaps[1]) < 1e-9 * self.half_gaps[0]
 
 
-def half_cells(
-    make: Condensation, shape: FingerShape, resolution: Resolution
-) -> tuple[FingerColumns, FingerColumns]:
+def half_cells(make: Condensation, shape: FingerShape, resolution: Resolution) -> tuple[FingerColumns, FingerColumns]:
     """Condense the two halves of a finger's cell: gap to mid-finger, and mid-finger to gap, electrode 0."""
     done: dict[tuple, FingerColumns] = {}
 
@@ -192,9 +186,7 @@ def transducer_superelements(
     return pieces
 
 
-def _transducer_superelement(
-    make: Condensation, transducer: Transducer, gaps, resolution: Resolution
-) -> FingerColumns:
+def _transducer_superelement(make: Condensation, transducer: Transducer, gaps, resolution: Resolution) -> FingerColumns:
     unit = make.section.length_unit
     inner = FingerShape.of(transducer, unit)
     half_gap = inner.half_gaps[0]

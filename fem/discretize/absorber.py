@@ -102,10 +102,7 @@ def absorber(solid: Solid, body: Medium, order: int, level: int, *, lateral: boo
 def absorber_kind(solid: Solid) -> Kind:
     """Select the kind of layer that absorbs all waves of a solid in the stator's frame."""
     body = _lossless(solid)
-    if (
-        stretch_absorbs(solid)
-        and layer_growth(solid, body, _matched(body, False), TYPICAL_ORDER) < MAX_GROWTH
-    ):
+    if stretch_absorbs(solid) and layer_growth(solid, body, _matched(body, False), TYPICAL_ORDER) < MAX_GROWTH:
         return "matched"
     if not np.isfinite(backwardness(solid)) or _strength(solid, TYPICAL_ORDER, TYPICAL_LEVEL)[1] > MAX_GROWTH:
         return "viscous"

@@ -150,9 +150,7 @@ def refine(
             latest = compared(answer, coarse, level)
             if latest.errors[0] <= tolerance:
                 return latest
-            if (
-                best is None and level == len(levels) - 1 and start > 0
-            ):  # the only pair: do the differences grow?
+            if best is None and level == len(levels) - 1 and start > 0:  # the only pair: do the differences grow?
                 with suppress(ConvergenceError):
                     best = compared(coarse, at_level(levels[start - 1]), start)
             grows = best is not None and latest.errors[0] >= best.errors[0]

@@ -95,10 +95,7 @@ class QuadSpace:
         last = np.searchsorted(points[order, 0], high[:, 0] + room, side="right")
         for element in range(self.elements):
             at = order[first[element] : last[element]]
-            near = (
-                abs(points[at, 1] - (low + high)[element, 1] / 2)
-                <= (high - low)[element, 1] / 2 + room[element]
-            )
+            near = abs(points[at, 1] - (low + high)[element, 1] / 2) <= (high - low)[element, 1] / 2 + room[element]
             here = at[near & (owner[at] < 0)]
             if not len(here):
                 continue
@@ -126,12 +123,7 @@ class QuadSpace:
     def _pairs(self) -> list[tuple[int, int]]:
         """Pairs of one-dimensional functions whose products are the element's functions: vertices, edges, inside."""
         more = range(2, self.order + 1)
-        edges = [
-            [(k, 0) for k in more],
-            [(1, k) for k in more],
-            [(k, 1) for k in more],
-            [(0, k) for k in more],
-        ]
+        edges = [[(k, 0) for k in more], [(1, k) for k in more], [(k, 1) for k in more], [(0, k) for k in more]]
         inside = [(i, j) for i in more for j in more]
         return [(0, 0), (1, 0), (1, 1), (0, 1), *(pair for edge in edges for pair in edge), *inside]
 

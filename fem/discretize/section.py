@@ -148,9 +148,7 @@ class Section:
         """Squared motion at the surface over its integral through the depth."""
         inside = self._motion_weights @ abs(shapes) ** 2
         above = np.sum(abs(self.surface_rows @ shapes) ** 2, axis=0)
-        return np.divide(
-            above, inside, out=np.zeros_like(inside), where=inside > 0
-        )  # the constant potential: 0
+        return np.divide(above, inside, out=np.zeros_like(inside), where=inside > 0)  # the constant potential: 0
 
     @cached_property
     def odd(self) -> np.ndarray | None:

@@ -35,9 +35,7 @@ def lagrange(order: int, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     at = 2.0 * np.asarray(points, dtype=float) - 1.0
     vandermonde = legendre.legvander(nodes, order)
     values = np.linalg.solve(vandermonde.T, legendre.legvander(at, order).T).T
-    slopes = np.stack(
-        [legendre.legval(at, legendre.legder(np.eye(order + 1)[k])) for k in range(order + 1)], axis=1
-    )
+    slopes = np.stack([legendre.legval(at, legendre.legder(np.eye(order + 1)[k])) for k in range(order + 1)], axis=1)
     return values, 2.0 * np.linalg.solve(vandermonde.T, slopes.T).T
 
 

@@ -19,9 +19,7 @@ TRIAL_SOLID = (0.5, 0.5)  # elements of solid above the layer, wavelengths
 PROPAGATING = 0.3  # |Im k| / |Re k| below which the power flux of a mode determines its direction
 # rad per slowest bulk wavelength; modes with larger k are not physical but belong to the discretisation
 MAX_WAVENUMBER = 4 * np.pi
-Layer = Sequence[
-    tuple[float, complex, Medium]
-]  # height in wavelengths, mean stretch, medium; from the bottom up
+Layer = Sequence[tuple[float, complex, Medium]]  # height in wavelengths, mean stretch, medium; from the bottom up
 
 
 def largest_growth(wavenumbers: np.ndarray, shapes: np.ndarray, flux: np.ndarray) -> float:

@@ -83,10 +83,7 @@ def slowness_sheets(solid: Solid) -> list[Sheet]:
     with np.errstate(divide="ignore"):
         ratio = np.where(backward, abs(tangent * down) / np.maximum(along, 0.0), 0.0)
     moduli, polarisations = np.linalg.eigh(christoffel(body, np.zeros(1))[0])
-    return [
-        Sheet(float(m), e, float(p))
-        for m, e, p in zip(moduli, polarisations.T, ratio.max(axis=0), strict=True)
-    ]
+    return [Sheet(float(m), e, float(p)) for m, e, p in zip(moduli, polarisations.T, ratio.max(axis=0), strict=True)]
 
 
 def slowest_wavelength(solid: Solid, frequency: float) -> float:

@@ -164,6 +164,4 @@ def vacuum_medium(stress_unit: float, potential_unit: float) -> Medium:
     """Vacuum above the surface, in the units of the solid below: phi alone."""
     law = np.zeros((9, 9))
     law[6:, 6:] = -np.eye(3) * VACUUM_PERMITTIVITY * potential_unit**2 / stress_unit
-    return Medium(
-        fields=("phi",), law=law, inertia=np.zeros(1), stress_unit=stress_unit, potential_unit=potential_unit
-    )
+    return Medium(fields=("phi",), law=law, inertia=np.zeros(1), stress_unit=stress_unit, potential_unit=potential_unit)

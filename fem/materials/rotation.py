@@ -44,9 +44,7 @@ def rotation_matrix(orientation: Orientation) -> np.ndarray:
     if isinstance(orientation, str):
         if orientation not in ORIENTATIONS:
             names = ", ".join(ORIENTATIONS)
-            raise InputError(
-                "orientation", f"must be one of {names} or [phi, theta, psi] degrees", orientation
-            )
+            raise InputError("orientation", f"must be one of {names} or [phi, theta, psi] degrees", orientation)
         orientation = ORIENTATIONS[orientation]
     try:
         angles = np.array(orientation, dtype=float)
@@ -107,9 +105,7 @@ def fields(solid: Solid) -> tuple[str, ...]:
 def isotropic_about_normal(solid: Solid) -> bool:
     """Whether a turn about z changes none of a solid's moduli (by more than 1e-9)."""
     turned = rotated(solid, (_GENERIC_TURN, 0.0, 0.0))
-    pairs = (
-        (getattr(turned, name), getattr(solid, name)) for name in ("stiffness", "coupling", "permittivity")
-    )
+    pairs = ((getattr(turned, name), getattr(solid, name)) for name in ("stiffness", "coupling", "permittivity"))
     return all(abs(after - before).max() <= _SYMMETRY * abs(before).max() for after, before in pairs)
 
 

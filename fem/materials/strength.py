@@ -66,9 +66,7 @@ _STRENGTHS = {
     "LiNbO3 (Warner)": _NIOBATE,
     "LiNbO3 (Ogi)": _NIOBATE,
     "LiNbO3 (Kovacs)": _NIOBATE,
-    "steel": Strength(
-        contact_pressure=1.5e9, pressure_source="fatigue limit of hardened bearing steel, ISO 281:2007"
-    ),
+    "steel": Strength(contact_pressure=1.5e9, pressure_source="fatigue limit of hardened bearing steel, ISO 281:2007"),
 }
 
 

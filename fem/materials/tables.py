@@ -64,8 +64,7 @@ def _tables(symmetry: str, constants: tuple[float, ...]) -> dict:
 
     def table(text: str) -> np.ndarray:
         rows = [
-            [value[entry.lstrip("-")] * (-1) ** entry.count("-") for entry in row.split()]
-            for row in text.splitlines()
+            [value[entry.lstrip("-")] * (-1) ** entry.count("-") for entry in row.split()] for row in text.splitlines()
         ]
         return np.array(rows)
 
@@ -133,14 +132,7 @@ def _solids() -> dict[str, Solid]:
     for name, (constants, density, quality, loss, source) in _CERAMICS.items():
         tables = _tables("6mm", constants)
         solids.append(
-            Solid(
-                name=name,
-                source=source,
-                density=density,
-                mechanical_quality=quality,
-                dielectric_loss=loss,
-                **tables,
-            )
+            Solid(name=name, source=source, density=density, mechanical_quality=quality, dielectric_loss=loss, **tables)
         )
     for name, (numbers, density, source) in _NIOBATES.items():
         solids.append(Solid(name=name, source=source, density=density, **_tables("3m", numbers)))
@@ -148,9 +140,7 @@ def _solids() -> dict[str, Solid]:
     source = "Bechmann, Phys. Rev. 110 (1958) 1060"
     solids.append(Solid(name="quartz (Bechmann)", source=source, density=2649, **tables))
     for name, (modulus, ratio, density, source) in _ISOTROPIC.items():
-        solids.append(
-            isotropic(name=name, source=source, youngs_modulus=modulus, poisson_ratio=ratio, density=density)
-        )
+        solids.append(isotropic(name=name, source=source, youngs_modulus=modulus, poisson_ratio=ratio, density=density))
     return {solid.name: solid for solid in solids}
 
 

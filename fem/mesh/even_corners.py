@@ -70,11 +70,7 @@ class _Triangles:
             return [tuple(own)] if len(own) == 3 or self.quadratic else [tuple(corners)]
         a, b, c, d = corners
         first = self.length(a, c) <= self.length(b, d)
-        halves = (
-            [((a, b, c), (0, 1)), ((c, d, a), (2, 3))]
-            if first
-            else [((b, c, d), (1, 2)), ((d, a, b), (3, 0))]
-        )
+        halves = [((a, b, c), (0, 1)), ((c, d, a), (2, 3))] if first else [((b, c, d), (1, 2)), ((d, a, b), (3, 0))]
         if not sides:
             return [nodes for nodes, _ in halves]
         center = shape_functions(kind, np.array([[0.5, 0.5]]))[0] @ self.source.points[own]
@@ -156,11 +152,7 @@ class _Triangles:
 
         kind = "triangle6" if self.quadratic else "triangle"
         cells = tuple(
-            Cells(
-                kind=kind,
-                solid=solid,
-                nodes=np.array([self.nodes[k] for k in self.nodes if self.solid[k] == solid]),
-            )
+            Cells(kind=kind, solid=solid, nodes=np.array([self.nodes[k] for k in self.nodes if self.solid[k] == solid]))
             for solid in dict.fromkeys(self.solid.values())
         )
         lines = {

@@ -73,9 +73,7 @@ def _arc_edges(mesh: SectionMesh) -> tuple[np.ndarray, np.ndarray]:
         if STRAIGHT < abs(turn) < MAX_TURN:
             turns[here] = turn
     arc_edges: list[tuple[float, float]] = []
-    firsts = [
-        here for before, here in mesh.boundary if here in turns and turns.get(before, 0.0) * turns[here] <= 0
-    ]
+    firsts = [here for before, here in mesh.boundary if here in turns and turns.get(before, 0.0) * turns[here] <= 0]
     for here in firsts:
         arc = [here]
         while turns.get(following[arc[-1]], 0.0) * turns[here] > 0:

@@ -21,10 +21,7 @@ class Placement:
 def is_step(piece: MeshPiece, thickness: float) -> bool:
     """True if a piece is a step from the stator's thickness to another one."""
     sides = ("left", "right")
-    return (
-        all(piece.interface(side) for side in sides)
-        and sum(piece.fits(side, thickness) for side in sides) == 1
-    )
+    return all(piece.interface(side) for side in sides) and sum(piece.fits(side, thickness) for side in sides) == 1
 
 
 def placement(pieces: tuple[MeshPiece, ...], *, length: float, thickness: float) -> Placement:

@@ -73,9 +73,7 @@ class _Splitting:
     def __init__(self, mesh: SectionMesh):
         self.mesh = mesh
         self.number: dict[tuple, int] = {}
-        self.made: list[
-            tuple[tuple[int, int], np.ndarray]
-        ] = []  # an element that holds it, its reference place
+        self.made: list[tuple[tuple[int, int], np.ndarray]] = []  # an element that holds it, its reference place
 
     def vertex(self, key: tuple, owner: tuple[int, int], place: np.ndarray) -> int:
         """Number of the vertex with a key; a new one if it is the first."""
@@ -138,9 +136,7 @@ class _Splitting:
                 continue
             pv, pa, pc, pb = places
             near = [pv + LAYER_RATIO * (p - pv) for p in (pa, pc, pb)]
-            A, C, B = (
-                self.vertex(("layer", v, end), owner, at) for end, at in zip((a, c, b), near, strict=True)
-            )
+            A, C, B = (self.vertex(("layer", v, end), owner, at) for end, at in zip((a, c, b), near, strict=True))
             result += [
                 _Quad(owner, (v, A, C, B), np.array([pv, *near])),
                 _Quad(owner, (A, a, c, C), np.array([near[0], pa, pc, near[1]])),
@@ -172,24 +168,19 @@ class _Splitting:
         return out
 
 
-def quad_mesh(
-    mesh: SectionMesh, *, layers: int, largest: dict[str, float], conditions: dict[str, str]
-) -> QuadMesh:
+def quad_mesh(mesh: SectionMesh, *, layers: int, largest: dict[str, float], conditions: dict[str, str]) -> QuadMesh:
     """Split a mesh into quadrilaterals of at most a size, with layers towards its singular vertices.
 
     ``largest``: of an edge in m by solid; ``conditions``: by line group a word for what holds there; where it changes
     along the boundary, the field is singular.
     """
-    counts = {
-        vertex: corner_layers(turn, layers) for vertex, turn in singular_vertices(mesh, conditions).items()
-    }
+    counts = {vertex: corner_layers(turn, layers) for vertex, turn in singular_vertices(mesh, conditions).items()}
     mesh = with_even_corners(mesh, {vertex for vertex, count in counts.items() if count})
     splitting = _Splitting(mesh)
     quads = list(splitting.initial())
     groups = {name: nodes.tolist() for name, nodes in mesh.lines.items()} | {"": mesh.boundary}
     lines: dict[str, Edges] = {  # edges run from the nodes of the file to the middles
-        name: [(node, splitting.middle(*pair)) for pair in pairs for node in pair]
-        for name, pairs in groups.items()
+        name: [(node, splitting.middle(*pair)) for pair in pairs for node in pair] for name, pairs in groups.items()
     }
     for _ in range(_halvings(splitting, quads, largest)):
         quads = splitting.halved(quads)
@@ -212,9 +203,7 @@ def _halvings(splitting: _Splitting, quads: list[_Quad], largest: dict[str, floa
 def _finished(splitting: _Splitting, quads: list[_Quad], lines: dict[str, Edges]) -> QuadMesh:
     """The mesh with its vertices numbered anew, those of no quadrilateral left out."""
     mesh = splitting.mesh
-    made = splitting.positions(
-        [owner for owner, _ in splitting.made], np.array([place for _, place in splitting.made])
-    )
+    made = splitting.positions([owner for owner, _ in splitting.made], np.array([place for _, place in splitting.made]))
     points, vertices = np.concatenate([mesh.points, made]), np.array([quad.vertices for quad in quads])
     if any(cells.kind not in ("triangle", "quad") for cells in mesh.cells):
         corners = np.array([quad.places for quad in quads])
@@ -278,9 +267,7 @@ def singular_vertices(mesh: SectionMesh, conditions: dict[str, str]) -> dict[int
         if node in outer:
             meets = len(solids) > 1
         else:
-            meets = len(solids) > 2 or (
-                len(solids) == 2 and abs(next(iter(solids.values())) - np.pi) > STRAIGHT
-            )
+            meets = len(solids) > 2 or (len(solids) == 2 and abs(next(iter(solids.values())) - np.pi) > STRAIGHT)
         if meets:
             found.add(node)
     group_at: dict[tuple[int, int], str] = {}

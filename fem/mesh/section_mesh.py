@@ -81,9 +81,7 @@ class SectionMesh:
     @property
     def electrodes(self) -> tuple[str, ...]:
         """Names of the electrodes."""
-        return tuple(
-            name.removeprefix(ELECTRODE) for name in sorted(self.lines) if name.startswith(ELECTRODE)
-        )
+        return tuple(name.removeprefix(ELECTRODE) for name in sorted(self.lines) if name.startswith(ELECTRODE))
 
     @property
     def extent(self) -> tuple[float, float]:
@@ -111,9 +109,7 @@ class SectionMesh:
     @property
     def depth_range(self) -> tuple[float, float]:
         """Smallest and largest z of the stator's own material in m."""
-        z = self.points[
-            np.concatenate([each.nodes.ravel() for each in self.cells if each.solid == "stator"]), 1
-        ]
+        z = self.points[np.concatenate([each.nodes.ravel() for each in self.cells if each.solid == "stator"]), 1]
         return float(z.min()), float(z.max())
 
     def interface(self, side: str) -> tuple[float, float, float] | None:
@@ -180,9 +176,7 @@ def _read(path: Path, unit: float) -> SectionMesh:
         raise MeshError(
             f"the file has a coordinate of {farthest:.3g} m, at most {FARTHEST:g} m: is its length unit right?"
         )
-    if points.shape[1] > 2 and np.ptp(points[:, 2]) > MAX_OFF_PLANE * max(
-        np.ptp(points, axis=0).max(), 1e-300
-    ):
+    if points.shape[1] > 2 and np.ptp(points[:, 2]) > MAX_OFF_PLANE * max(np.ptp(points, axis=0).max(), 1e-300):
         raise MeshError("the file's third coordinate is not constant: a section has two, x and z")
     surfaces, lines = _grouped(file)
     used = np.unique(np.concatenate([cells.nodes.ravel() for cells in surfaces]))
@@ -238,13 +232,9 @@ def _grouped(file) -> tuple[list[Cells], dict[str, np.ndarray]]:
         if kind == "vertex":
             continue
         if kind.startswith(SOLIDS):
-            raise MeshError(
-                f"the file has {len(block.data)} {kind} elements in space: a section is a surface"
-            )
+            raise MeshError(f"the file has {len(block.data)} {kind} elements in space: a section is a surface")
         if kind not in CORNERS and kind not in LINES:
-            order = {"line4": 3, "triangle10": 3, "quad16": 3, "line5": 4, "triangle15": 4, "quad25": 4}.get(
-                kind
-            )
+            order = {"line4": 3, "triangle10": 3, "quad16": 3, "line5": 4, "triangle15": 4, "quad25": 4}.get(kind)
             what = f"elements of order {order}" if order else f"elements of kind {kind}"
             raise MeshError(f"{what} are not read: gmsh -order 2")
         dim = 1 if kind in LINES else 2
@@ -297,9 +287,7 @@ def _members_22(tags, names: dict, dim: int):
 
 
 def _nameless(dim: int, number) -> MeshError:
-    return MeshError(
-        f"a physical group of {'lines' if dim == 1 else 'surfaces'} has no name, number {number}"
-    )
+    return MeshError(f"a physical group of {'lines' if dim == 1 else 'surfaces'} has no name, number {number}")
 
 
 def _set(members) -> np.ndarray:
@@ -360,9 +348,7 @@ def _check_topology(mesh: SectionMesh) -> None:
     for edge, owners in mesh.edges.items():
         if len(owners) > 1:
             where = _at(mesh.points, list(edge))
-            raise MeshError(
-                f"elements overlap or are inverted: two lie on the same side of the edge at {where}"
-            )
+            raise MeshError(f"elements overlap or are inverted: two lie on the same side of the edge at {where}")
     seen: dict[tuple[int, int], str] = {}
     for name, nodes in mesh.lines.items():
         for one, other in nodes.tolist():
@@ -433,9 +419,7 @@ def _check_interface(mesh: SectionMesh, side: str) -> None:
                 f'the group {side} crosses "{solid}": a layer that goes on beyond the piece is not supported'
             )
     low, high = mesh.extent
-    if (side == "left" and x.min() > low + SAME * height) or (
-        side == "right" and x.max() < high - SAME * height
-    ):
+    if (side == "left" and x.min() > low + SAME * height) or (side == "right" and x.max() < high - SAME * height):
         raise MeshError(
             f"the line group {side} must be the mesh's {side} border: it stands at x = {x.mean() * 1e3:.6g} mm, "
             f"the mesh reaches from {low * 1e3:.6g} to {high * 1e3:.6g} mm"

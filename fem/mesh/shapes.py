@@ -27,9 +27,7 @@ def shape_functions(kind: str, at: np.ndarray) -> np.ndarray:
         return np.stack([*corners, 4 * w * x, 4 * x * y, 4 * y * w], axis=1)
     if kind == "quad":
         return np.stack([(1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y], axis=1)
-    across, along = (
-        np.stack([(1 - t) * (1 - 2 * t), 4 * t * (1 - t), t * (2 * t - 1)], axis=1) for t in (x, y)
-    )
+    across, along = (np.stack([(1 - t) * (1 - 2 * t), 4 * t * (1 - t), t * (2 * t - 1)], axis=1) for t in (x, y))
     places = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1)]
     nine = np.stack([across[:, i] * along[:, j] for i, j in places], axis=1)
     if kind == "quad9":

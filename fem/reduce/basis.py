@@ -123,9 +123,7 @@ def even_rows(
         (shape, signs): fingers_in_row(
             make, signs, lambda place: (0.0, 0.0), lambda *gaps, shape=shape: cells[shape], no_bare_cell
         )
-        for shape, signs in dict.fromkeys(
-            (shape, each.signs) for shape, each in zip(shapes, transducers, strict=True)
-        )
+        for shape, signs in dict.fromkeys((shape, each.signs) for shape, each in zip(shapes, transducers, strict=True))
     }
     return [rows[shape, each.signs] for shape, each in zip(shapes, transducers, strict=True)]
 

@@ -113,19 +113,10 @@ class ReducedModel:
                 for side, matrix in enumerate(matrices)
             ]
             row = replace(
-                row,
-                ends=tuple(walls),
-                start=row.start + WALL_WIDTH * plain[0],
-                stop=row.stop - WALL_WIDTH * plain[1],
+                row, ends=tuple(walls), start=row.start + WALL_WIDTH * plain[0], stop=row.stop - WALL_WIDTH * plain[1]
             )
         return joined_fields(
-            self.stator,
-            self.transducers,
-            pieces,
-            modes=modes,
-            resolution=self.resolution,
-            pieces=row,
-            solve=solve,
+            self.stator, self.transducers, pieces, modes=modes, resolution=self.resolution, pieces=row, solve=solve
         )
 
     def solution(self, frequency: float, drive: str | Drive) -> Solution:
@@ -143,9 +134,7 @@ class ReducedModel:
                 moment=moment,
                 unknowns=self.resolution.order * section.size,
             )
-            return FingerColumns(
-                size=section.size, matrix=np.array(matrix), width=halves.width, inside=inside
-            )
+            return FingerColumns(size=section.size, matrix=np.array(matrix), width=halves.width, inside=inside)
 
         rising = interpolated(halves.rising, 0)
         falling = make.mirrored(rising) if halves.falling is None else interpolated(halves.falling, 1)

@@ -155,19 +155,13 @@ class WholePiece:
 
         def recover(sides: np.ndarray) -> MeshField:
             skeleton = sum(node @ own for node, own in zip(self.skeletons, weights @ sides, strict=True))
-            return MeshField(
-                assembly=assembly, skeleton=skeleton, condense=lambda: assembly.condensed(frequency)
-            )
+            return MeshField(assembly=assembly, skeleton=skeleton, condense=lambda: assembly.condensed(frequency))
 
         return self.rational.at(frequency, recover)
 
 
 def piece_of_whole_stator(
-    pieces: list[MeshedPiece],
-    potentials: np.ndarray,
-    places: np.ndarray,
-    limits: tuple[float, float],
-    tolerance: float,
+    pieces: list[MeshedPiece], potentials: np.ndarray, places: np.ndarray, limits: tuple[float, float], tolerance: float
 ) -> tuple[WholePiece, float]:
     """A mesh that is the whole stator over a band, and its error, which `MAX_WHOLE_NODES` may leave too large.
 

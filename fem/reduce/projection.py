@@ -16,15 +16,7 @@ from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes
 from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
-from fem.reduce.basis import (
-    WALL_WIDTH,
-    ReducedSection,
-    bases_of,
-    containing,
-    even_rows,
-    parity_groups,
-    snapshots,
-)
+from fem.reduce.basis import WALL_WIDTH, ReducedSection, bases_of, containing, even_rows, parity_groups, snapshots
 from fem.reduce.model import HalfCell, ReducedModel
 from fem.reduce.piece_band import piece_of_row
 from fem.results.solution import Solution, driven_solution
@@ -123,9 +115,7 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
             fields = snapshots(port_fields, halves, AMPLITUDE_SHARE * problem.tolerance)
             solution = driven_solution(port_fields, problem.drive)
         matrices = {
-            shape: tuple(
-                np.vstack([half.matrix, finger_moment(half, side)]) for side, half in enumerate(pair)
-            )
+            shape: tuple(np.vstack([half.matrix, finger_moment(half, side)]) for side, half in enumerate(pair))
             for shape, pair in halves.items()
         }
         return matrices, walls, fields, solution, condensed
@@ -170,9 +160,7 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
         section=reduced,
         finger_basis=bases[1],
         half_cells={
-            shape: _projected_halves(
-                pairs, bases, shape.half_finger + shape.half_gaps[0], section.odd is None
-            )
+            shape: _projected_halves(pairs, bases, shape.half_finger + shape.half_gaps[0], section.odd is None)
             for shape, pairs in nodes.half_cells.items()
         },
         nodes=problem.nodes,

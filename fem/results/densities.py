@@ -41,9 +41,7 @@ class Densities:
     power_flow_pulse: np.ndarray = field(repr=False)
 
 
-def densities(
-    solid: Solid, frequency: float, values: np.ndarray, along: np.ndarray, upward: np.ndarray
-) -> Densities:
+def densities(solid: Solid, frequency: float, values: np.ndarray, along: np.ndarray, upward: np.ndarray) -> Densities:
     """Return energy and power of a field that does not vary along y; ``solid`` with its losses, frequency in Hz.
 
     ``values``, ``along``, ``upward``: u_x, u_y, u_z in m and phi in V, and their derivatives with respect to x and z,
@@ -51,9 +49,7 @@ def densities(
     """
     blocks = [slice(first, first + _LINES) for first in range(0, len(values), _LINES)]
     parts = [_densities(solid, frequency, values[b], along[b], upward[b]) for b in blocks]
-    return Densities(
-        **{name: np.concatenate([part[name] for part in parts]) for name in Densities.__annotations__}
-    )
+    return Densities(**{name: np.concatenate([part[name] for part in parts]) for name in Densities.__annotations__})
 
 
 def _densities(solid, frequency, values, along, upward) -> dict:

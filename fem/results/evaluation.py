@@ -105,9 +105,7 @@ def _beyond(solution: Solution, side: int, length: float) -> UniformSegment:
 
 def _segment(solution: Solution, part: SegmentWaves) -> UniformSegment:
     amplitudes = part.right @ solution.weights, part.left @ solution.weights
-    return _uniform(
-        solution.fields.modes, solution.fields.section.length_unit, part.start, part.stop, *amplitudes
-    )
+    return _uniform(solution.fields.modes, solution.fields.section.length_unit, part.start, part.stop, *amplitudes)
 
 
 def _uniform(
@@ -140,9 +138,7 @@ def end_line(solution: Solution, side: int) -> np.ndarray:
     part = solution.fields.segments[-side][-side]
     place = part.stop if side else part.start
     right, left = (each(modes, place) @ solution.weights for each in (part.right_at, part.left_at))
-    (left if side else right)[modes.wavenumbers == 0] = (
-        0.0  # a matter of gauge: the potential refers to the transducer
-    )
+    (left if side else right)[modes.wavenumbers == 0] = 0.0  # a matter of gauge: the potential refers to the transducer
     return modes.right @ right + modes.left @ left
 
 

@@ -203,9 +203,7 @@ class _Part:
     values: np.ndarray
     along: np.ndarray | None
     upward: np.ndarray | None = None  # where it is not that of the section's elements
-    inside: np.ndarray = field(
-        default_factory=lambda: np.ones((1, 1), dtype=bool)
-    )  # whether there is a solid
+    inside: np.ndarray = field(default_factory=lambda: np.ones((1, 1), dtype=bool))  # whether there is a solid
     solids: tuple[tuple[Solid, np.ndarray], ...] = ()  # others than the stator's, and the nodes in them
 
     def chosen(self, which) -> "_Part":
@@ -223,9 +221,7 @@ class _Part:
         return upward_slope(self.values, section.order, np.diff(depth[:: section.order]))
 
 
-def _in_piece(
-    solution: Solution, piece: CondensedPiece, depth: np.ndarray, step: float, *, slopes: bool
-) -> _Part:
+def _in_piece(solution: Solution, piece: CondensedPiece, depth: np.ndarray, step: float, *, slopes: bool) -> _Part:
     """Fields of a condensed piece: on the lines of its columns, or on even lines through its mesh."""
     inside = recovered(solution, piece.index)
     if isinstance(inside, ColumnsField):
@@ -243,9 +239,7 @@ def _in_piece(
     return _Part(x, values, along, upward, group != "", solids)
 
 
-def _on_mesh(
-    solution: Solution, piece: CondensedPiece, step: float, offset: complex, *, energies: bool
-) -> PieceField:
+def _on_mesh(solution: Solution, piece: CondensedPiece, step: float, offset: complex, *, energies: bool) -> PieceField:
     """Field on the elements of a mesh, cut into quadrilaterals of the grid's step (m) or a little more."""
     inside, section = recovered(solution, piece.index), solution.fields.section.full
     unit, frequency = section.length_unit, solution.fields.frequency
@@ -320,9 +314,7 @@ def free_field(
 def _lines(start: float, stop: float, step: float, places) -> np.ndarray:
     """Evenly spaced lines of a segment, with those that stand at given places."""
     even = np.linspace(start, stop, max(MIN_INTERVALS, int(np.ceil((stop - start) / step))) + 1)
-    wanted = np.array(
-        [place for place in places if start + SAME_LINE * step < place < stop - SAME_LINE * step]
-    )
+    wanted = np.array([place for place in places if start + SAME_LINE * step < place < stop - SAME_LINE * step])
     if not len(wanted):
         return even
     near = abs(even[:, None] - wanted).min(axis=1) < REPLACED * step
@@ -379,9 +371,7 @@ def _in_columns(solution: Solution, index: int, *, slopes: bool):
     """Lines of a transducer's or an end's columns in m, fields there (lines, nodes, 4), and x derivatives per m."""
     section = solution.fields.section.full
     order = section.order
-    start, width, values = columns_in_row(
-        solution, index, lambda column, sides: column.values(sides)[:, section.body]
-    )
+    start, width, values = columns_in_row(solution, index, lambda column, sides: column.values(sides)[:, section.body])
     nodes = gll_nodes(order)
     x = np.append((start[:, None] + width[:, None] * nodes[:-1]).ravel(), start[-1] + width[-1])
     along = None

@@ -82,10 +82,7 @@ def power_balance(solution: Solution) -> PowerBalance:
             crossings.append(_at_piece(solution, index))
             load_power += _load_power(solution, index, crossings[-1].taken)
     to_watts = fields.section.solid.stress_unit * circuit.aperture  # scaled power per aperture to W
-    radiated = [
-        -(crossings[0].left - crossings[0].excess / 2),
-        crossings[-1].right + crossings[-1].excess / 2,
-    ]
+    radiated = [-(crossings[0].left - crossings[0].excess / 2), crossings[-1].right + crossings[-1].excess / 2]
     lost_between = sum(
         one.right + one.excess / 2 - (other.left - other.excess / 2) for one, other in pairwise(crossings)
     )
@@ -124,15 +121,11 @@ def _transducer_of(fields: PortFields, index: int) -> str:
 def _load_power(solution: Solution, index: int, taken: float) -> float:
     """Power from a piece of the row into terminations, W; ``taken``: power that enters the piece at its ports."""
     fields, circuit = solution.fields, solution.circuit
-    if fields.network.scatterers[
-        index
-    ].piece.size:  # a piece without lines is the whole stator, with all transducers
+    if fields.network.scatterers[index].piece.size:  # a piece without lines is the whole stator, with all transducers
         name = _transducer_of(fields, index)
         return 0.0 if not name or name in circuit.driven else -taken
     powers = 0.5 * np.real(circuit.voltages * np.conj(circuit.currents))
-    return -sum(
-        float(each) for name, each in zip(circuit.names, powers, strict=True) if name not in circuit.driven
-    )
+    return -sum(float(each) for name, each in zip(circuit.names, powers, strict=True) if name not in circuit.driven)
 
 
 def _at_piece(solution: Solution, index: int) -> _Crossing:
@@ -147,9 +140,7 @@ def _at_piece(solution: Solution, index: int) -> _Crossing:
         outgoing = sides[at.lines] - incident
         left = modes.right_impedance @ incident[at.left] - modes.left_impedance @ outgoing[at.left]
         right = modes.right_impedance @ outgoing[at.right] - modes.left_impedance @ incident[at.right]
-        crossing = [
-            float(power(sides[line], flux, frequency)) for line, flux in ((at.left, left), (at.right, right))
-        ]
+        crossing = [float(power(sides[line], flux, frequency)) for line, flux in ((at.left, left), (at.right, right))]
     reaction = scatterer.piece.matrix[at.ports] @ sides
     taken = to_watts * np.pi * frequency * float(np.imag(np.sum(reaction * np.conj(sides[at.ports]))))
     excess = 0.0

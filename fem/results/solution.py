@@ -44,11 +44,6 @@ def forced_solution(fields: PortFields, forces: np.ndarray, drive: str | Drive |
     ``drive``: as of `fem.circuit.receiving_circuit`.
     """
     circuit = receiving_circuit(
-        fields.admittances,
-        fields.names,
-        fields.transducers,
-        fields.received @ forces,
-        fields.frequency,
-        drive,
+        fields.admittances, fields.names, fields.transducers, fields.received @ forces, fields.frequency, drive
     )
     return Solution(fields=fields, circuit=circuit, forces=forces)

@@ -168,9 +168,7 @@ class Surface:
         places = []
         for piece in self.pieces:
             start, stop = max(piece.start, 0.0), min(piece.stop, self.length)
-            places.append(
-                np.linspace(start, stop, max(2, int(np.ceil((stop - start) / step))), endpoint=False)
-            )
+            places.append(np.linspace(start, stop, max(2, int(np.ceil((stop - start) / step))), endpoint=False))
         x = np.append(np.concatenate(places), self.length)
         return x, self.motion(x)
 
@@ -210,9 +208,7 @@ def standing_wave_ratio(samples: np.ndarray) -> float:
     199.0
     """
     count, degree = len(samples), min(7, len(samples) - 1)
-    first = np.clip(
-        np.arange(count - 1) - degree // 2, 0, count - 1 - degree
-    )  # of the samples for each interval
+    first = np.clip(np.arange(count - 1) - degree // 2, 0, count - 1 - degree)  # of the samples for each interval
     window = np.arange(degree + 1)
     coefficients = np.linalg.solve(np.vander(window, increasing=True), samples[first + window[:, None]])
     within = (np.arange(count - 1) - first)[:, None] + np.arange(FINER) / FINER

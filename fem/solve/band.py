@@ -34,9 +34,7 @@ FIRST_TRUNCATION, LAST_TRUNCATION, TRUNCATION_STEP = 5e-2, 2e-3, 0.5
 MAX_TRUNCATION = 1e-4  # relative singular value, for loose tolerances
 REDUCTION_SHARE = 0.5  # of the tolerance, for the reduction's error; the rest is the discretisation's
 WHOLE_SHARE = 0.1  # of the tolerance, for the interpolation of a stator of one mesh
-REDUCTION_SAFETY = (
-    2.0  # the reduction may err more by this factor elsewhere in the band than where it is checked
-)
+REDUCTION_SAFETY = 2.0  # the reduction may err more by this factor elsewhere in the band than where it is checked
 # The estimate from two levels exceeds the true error by at least this factor: a level divides the error by 11 to 25,
 # and the estimate counts on GAIN = 8 only.
 ESTIMATE_EXCESS = 2.0
@@ -91,9 +89,7 @@ class Band:
         ``solve`` replaces the solver of the section's network, for instance by `fem.beam.reception.aperture_solver`.
         """
         return np.array(
-            side_by_side(
-                lambda frequency: self._port_fields(float(frequency), solve).admittances, frequencies
-            )
+            side_by_side(lambda frequency: self._port_fields(float(frequency), solve).admittances, frequencies)
         )
 
     def _port_fields(self, frequency: float, solve: Solve | None = None) -> PortFields:
@@ -140,9 +136,7 @@ def frequency_band(
         If the tolerance is not met; its ``reached`` is the band with the error that it has.
     """
     if not 0 < lowest < highest < np.inf:
-        raise InputError(
-            "band", f"must run from a lower to a higher frequency, got {lowest!r} to {highest!r} Hz"
-        )
+        raise InputError("band", f"must run from a lower to a higher frequency, got {lowest!r} to {highest!r} Hz")
     check_driven(stator, transducers, highest, tolerance)
     transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
     for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
@@ -192,9 +186,7 @@ def _unreduced_attempt(problem: BandProblem, level_tolerance: float) -> tuple[Ba
         for frequency in (low, (low + high) / 2, high)
     ]
     finest = max((wave.solution.fields.resolution for wave in waves), key=lambda resolution: resolution.order)
-    model = FullModel(
-        stator=stator, transducers=problem.transducers, limits=problem.limits, resolution=finest
-    )
+    model = FullModel(stator=stator, transducers=problem.transducers, limits=problem.limits, resolution=finest)
     if stator.placement.whole is None:
         checks = [_Check.of(problem, wave.solution) for wave in waves]
         here, worst = [check.here for check in checks], max(check.worst for check in checks)
@@ -259,9 +251,7 @@ def _attempt(problem: BandProblem, level_tolerance: float) -> tuple[Band, float]
     worst = max(check.worst for check in checks)
     growth = max(1.0, worst / checks[0].here / ESTIMATE_EXCESS)
     level_error = growth * wave.relative_error
-    model, motion_error, admittance_error = _reduced(
-        problem, nodes, checks, worst, problem.tolerance - level_error
-    )
+    model, motion_error, admittance_error = _reduced(problem, nodes, checks, worst, problem.tolerance - level_error)
     # an error of a piece's matrix acts through the waves that the piece sends back
     piece_error = max(1.0, worst / checks[0].here) * model.piece_error
     band = Band(
@@ -318,9 +308,7 @@ def _reduced(
         truncation *= TRUNCATION_STEP
 
 
-def _errors(
-    model: ReducedModel, problem: BandProblem, checks: list[_Check], worst: float
-) -> tuple[float, float]:
+def _errors(model: ReducedModel, problem: BandProblem, checks: list[_Check], worst: float) -> tuple[float, float]:
     """Errors of a reduced model's motion and admittance at the worst frequency of the band."""
     unamplified = []
     for check in checks:

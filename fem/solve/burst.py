@@ -116,9 +116,7 @@ class _Spectrum:
 
     def taper(self, share: float) -> np.ndarray:
         """Window G of a band narrowed to a share of its reach on either side."""
-        relative = (
-            np.where(self.offsets < 0, -self.offsets / self.reach[0], self.offsets / self.reach[1]) / share
-        )
+        relative = np.where(self.offsets < 0, -self.offsets / self.reach[0], self.offsets / self.reach[1]) / share
         return np.cos(np.pi / 2 * np.clip((relative - FLAT) / (1 - FLAT), 0.0, 1.0)) ** 2
 
     @property
@@ -219,9 +217,7 @@ def burst_response(
         step = (high - low) / divisions
         numbers = np.arange(-int(reach[0] / step), int(reach[1] / step) + 1)
         rows = motions(frequency + numbers * step)
-        spectrum = _Spectrum(
-            offsets=numbers * step, motion=rows[:, :2].T, step=step, reach=reach, frequency=frequency
-        )
+        spectrum = _Spectrum(offsets=numbers * step, motion=rows[:, :2].T, step=step, reach=reach, frequency=frequency)
         return spectrum, float(rows[:, 2].real.max())
 
     def aliased(fine: tuple[_Spectrum, float], coarse: tuple[_Spectrum, float]) -> tuple[float]:
@@ -297,7 +293,5 @@ def _envelope(
         step_error=errors[0],
         response_error=errors[1],
         frequencies=frequencies,
-        lasting=partial(
-            _envelope, spectrum=spectrum, place=place, phase=phase, errors=errors, frequencies=frequencies
-        ),
+        lasting=partial(_envelope, spectrum=spectrum, place=place, phase=phase, errors=errors, frequencies=frequencies),
     )

@@ -15,9 +15,7 @@ from fem.discretize.grading import Resolution
 from fem.materials import Solid
 from fem.waveguide.grating import Grating, StopBand, grating
 
-GAIN = (
-    6.0  # a level divides the error of the edges by at least this: 8 to 10 measured, 40 from the first level
-)
+GAIN = 6.0  # a level divides the error of the edges by at least this: 8 to 10 measured, 40 from the first level
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,9 +103,7 @@ def cell_parameters(
     )
 
 
-def _edge_difference(
-    fine: tuple[Grating, list[StopBand]], coarse: tuple[Grating, list[StopBand]]
-) -> tuple[float]:
+def _edge_difference(fine: tuple[Grating, list[StopBand]], coarse: tuple[Grating, list[StopBand]]) -> tuple[float]:
     """Largest difference of the stop bands' edges, over the wider band's width."""
     edges, before = (np.array([(band.lower, band.upper) for band in bands]) for _, bands in (fine, coarse))
     return (float(abs(edges - before).max() / np.diff(edges).max()),)

@@ -82,11 +82,7 @@ def forced_wave(
     for each in forces:
         if not 0 <= each.position <= stator.length:
             raise InputError(
-                "force.position",
-                f"must lie on the stator, 0 to {stator.length:g} m",
-                each.position,
-                "m",
-                each.name,
+                "force.position", f"must lie on the stator, 0 to {stator.length:g} m", each.position, "m", each.name
             )
     at = np.array(places)
     amplitudes = np.array([each.amplitude for each in forces])
@@ -97,10 +93,7 @@ def forced_wave(
         return solution, surface_of(solution).motion(at)
 
     refined = refine_stator(
-        stator,
-        at_level,
-        differences=lambda fine, coarse: (motion_difference(fine[1], coarse[1]),),
-        tolerance=tolerance,
+        stator, at_level, differences=lambda fine, coarse: (motion_difference(fine[1], coarse[1]),), tolerance=tolerance
     )
     wave = surface_wave(refined.answer[0], relative_error=refined.errors[0], admittance_error=np.nan)
     advice = "ask for less, or at places farther from the forces"

@@ -46,17 +46,13 @@ class FullModel:
         row, piece = self.interpolation
         modes = guided_modes(row.section, frequency)
         pieces = row.arranged(dict.fromkeys(row.assemblies, piece.at(frequency)), modes)
-        return joined_fields(
-            stator, transducers, [], modes=modes, resolution=resolution, pieces=pieces, solve=solve
-        )
+        return joined_fields(stator, transducers, [], modes=modes, resolution=resolution, pieces=pieces, solve=solve)
 
     def solution(self, frequency: float, drive: str | Drive) -> Solution:
         """Solve for a drive at a frequency of the band (Hz)."""
         return driven_solution(self.port_fields(frequency), drive)
 
-    def interpolated(
-        self, potentials: np.ndarray, places: np.ndarray, tolerance: float
-    ) -> tuple["FullModel", float]:
+    def interpolated(self, potentials: np.ndarray, places: np.ndarray, tolerance: float) -> tuple["FullModel", float]:
         """Return the model of a stator of one mesh with its interpolation, and the relative error of that.
 
         ``potentials``: of the mesh's ports, (ports, columns), and ``places`` (m): where the error is checked.  The

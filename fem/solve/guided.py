@@ -144,12 +144,7 @@ def _upper_face_wave(shapes: np.ndarray, section: Section) -> np.ndarray:
 
 @one_blas_thread
 def guided_modes(
-    stator: Stator,
-    *,
-    frequency: float,
-    lateral_wavenumber: float = 0.0,
-    tolerance: float,
-    propagating: bool = False,
+    stator: Stator, *, frequency: float, lateral_wavenumber: float = 0.0, tolerance: float, propagating: bool = False
 ) -> SegmentModes:
     """Modes of a uniform segment of a stator: those on which two discretisations agree.
 

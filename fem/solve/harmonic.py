@@ -87,22 +87,13 @@ def driven_wave(
 
 
 def solve_driven(
-    stator: Stator,
-    transducers: tuple[Transducer, ...],
-    *,
-    frequency: float,
-    drive: str | Drive,
-    resolution: Resolution,
+    stator: Stator, transducers: tuple[Transducer, ...], *, frequency: float, drive: str | Drive, resolution: Resolution
 ) -> Solution:
     """Solve a driven stator on one discretisation, at a frequency in Hz."""
-    return driven_solution(
-        solve_ports(stator, transducers, frequency=frequency, resolution=resolution), drive
-    )
+    return driven_solution(solve_ports(stator, transducers, frequency=frequency, resolution=resolution), drive)
 
 
-def check_driven(
-    stator: Stator, transducers: tuple[Transducer, ...], frequency: float, tolerance: float
-) -> None:
+def check_driven(stator: Stator, transducers: tuple[Transducer, ...], frequency: float, tolerance: float) -> None:
     """Raise an InputError for a layout, solid, frequency (Hz) or tolerance with which no stator can be driven."""
     check_layout(stator, transducers)
     if "phi" not in fields(stator.solid):
@@ -114,9 +105,7 @@ def check_driven(
         raise InputError("frequency", "must be positive and finite", frequency, "Hz")
 
 
-def solution_differences(
-    fine: tuple[Solution, np.ndarray], coarse: tuple[Solution, np.ndarray]
-) -> tuple[float, float]:
+def solution_differences(fine: tuple[Solution, np.ndarray], coarse: tuple[Solution, np.ndarray]) -> tuple[float, float]:
     """Relative differences of the motion at the requested places and of the admittances at the sources."""
     ratios = fine[0].circuit.source_admittances / coarse[0].circuit.source_admittances
     return motion_difference(fine[1], coarse[1]), float(np.max(abs(ratios - 1)))

@@ -81,9 +81,7 @@ class PMatrix:
 
     def travelled(self, distance: float) -> np.ndarray:
         """Propagation over a distance in m: waves to the right, (modes, modes); its transpose for waves to the left."""
-        return np.linalg.solve(
-            self.mixture, np.exp(-1j * self.wavenumbers * distance)[:, None] * self.mixture
-        )
+        return np.linalg.solve(self.mixture, np.exp(-1j * self.wavenumbers * distance)[:, None] * self.mixture)
 
 
 @one_blas_thread
@@ -160,9 +158,7 @@ def cascade_admittance(parts: Sequence[PMatrix], distances: Sequence[float]) -> 
         travel[np.ix_(left[modes:], right[:modes])] = rightwards.T
     unit = np.eye(len(parts))
     elements = [
-        Element(
-            scattering=part.scattering, excitation=np.outer(part.excitation, volts), leaves=own, arrives=own
-        )
+        Element(scattering=part.scattering, excitation=np.outer(part.excitation, volts), leaves=own, arrives=own)
         for part, own, volts in zip(parts, waves, unit, strict=True)
     ]
     arriving = solve_row(elements, travel).arriving
@@ -185,9 +181,7 @@ def p_matrix_on_level(
         resolution=resolution,
         solve=lambda network, _: (network, network.solve(port_modes(network.modes))),
     )
-    waves = waves_of(
-        fields.modes, port_modes(fields.modes), fields.section.solid.stress_unit * transducer.aperture
-    )
+    waves = waves_of(fields.modes, port_modes(fields.modes), fields.section.solid.stress_unit * transducer.aperture)
     port = bool(fields.names)
     return of_segments(
         fields.segments,

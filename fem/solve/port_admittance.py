@@ -130,9 +130,7 @@ def _over_band(stator, transducers, frequencies: np.ndarray, tolerance: float, s
     drive = Drive(sources=dict.fromkeys(_check_ports(transducers), 1.0))
     limits = {"lowest": float(frequencies.min()), "highest": float(frequencies.max())}
     motion_tolerance = tolerance
-    for _ in range(
-        BAND_ROUNDS
-    ):  # the band's tolerance bounds the motion; the admittances may need a smaller one
+    for _ in range(BAND_ROUNDS):  # the band's tolerance bounds the motion; the admittances may need a smaller one
         band = frequency_band(stator, transducers, **limits, drive=drive, tolerance=motion_tolerance)
         if band.admittance_error <= tolerance:
             break
@@ -145,7 +143,5 @@ def _over_band(stator, transducers, frequencies: np.ndarray, tolerance: float, s
         relative_error=band.admittance_error,
     )
     advice = "ask for less, or solve one frequency at a time"
-    refuse_above(
-        band.admittance_error, tolerance, "the band's admittances are", advice=advice, reached=result
-    )
+    refuse_above(band.admittance_error, tolerance, "the band's admittances are", advice=advice, reached=result)
     return result

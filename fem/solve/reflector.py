@@ -104,9 +104,7 @@ def reflector(stator: Stator, *, frequency: float, tolerance: float) -> Reflecto
     if not stator.pieces:
         raise InputError("piece", "is missing: a reflection needs at least one meshed piece")
     if stator.placement.whole is not None:
-        raise InputError(
-            "piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there"
-        )
+        raise InputError("piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there")
 
     def at_level(resolution: Resolution) -> Reflector:
         unit = slowest_wavelength(stator.solid, frequency)
@@ -127,8 +125,7 @@ def _of_row(stator: Stator, modes: GuidedModes, row: CondensedPieces) -> Reflect
         network = Network(
             modes=modes,
             scatterers=tuple(
-                Scatterer(piece=piece, modes=modes, potentials=np.zeros((len(piece.ports), 0)))
-                for _, piece in pieces
+                Scatterer(piece=piece, modes=modes, potentials=np.zeros((len(piece.ports), 0))) for _, piece in pieces
             ),
             places=tuple(place for place, _ in pieces),
             start=pieces[0][0],

@@ -67,9 +67,7 @@ class ForceResponse:
         """u_x and u_z of the surface at a distance in m, to the right where positive, m per N/m: shape (2,)."""
         modes, x = self.modes, distance / self.modes.section.length_unit
         amplitudes, shapes, k = (
-            (self.right, modes.right, modes.wavenumbers)
-            if x >= 0
-            else (self.left, modes.left, modes.backwards)
+            (self.right, modes.right, modes.wavenumbers) if x >= 0 else (self.left, modes.left, modes.backwards)
         )
         return modes.section.surface_rows @ (shapes @ (amplitudes * np.exp(-1j * k * x)))
 

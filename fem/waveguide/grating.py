@@ -88,9 +88,7 @@ class Grating:
         low, high = ((2 * np.pi * self.middle * (1 + side * REACH)) ** 2 for side in (-1, 1))
         squares = chebyshev_nodes(low, high, NODES)
         pairs = [
-            half_cells(
-                Condensation(self.section, float(np.sqrt(square)) / (2 * np.pi)), self.shape, self.resolution
-            )
+            half_cells(Condensation(self.section, float(np.sqrt(square)) / (2 * np.pi)), self.shape, self.resolution)
             for square in squares
         ]
         left, right = (np.stack([pair[side].matrix for pair in pairs]) for side in (0, 1))
@@ -163,20 +161,15 @@ class Grating:
         share = self.section.surface_share(vectors[:, near]) if len(near) else np.zeros(0)
         chosen = near[np.argsort(-share)[:2]]
         if len(chosen) < 2:
-            raise ConvergenceError(
-                f"no two standing waves near {self.middle:g} Hz: the cut guides no surface wave"
-            )
+            raise ConvergenceError(f"no two standing waves near {self.middle:g} Hz: the cut guides no surface wave")
         edges = sorted(
-            self._polished((start - 1 / inverse[index]).real, vectors[:, index], open_fingers)
-            for index in chosen
+            self._polished((start - 1 / inverse[index]).real, vectors[:, index], open_fingers) for index in chosen
         )
         return StopBand(lower=edges[0], upper=edges[1], pitch=self.pitch)
 
     def _matrix_and_slope(self, omega_squared, open_fingers):
         step = STEP * omega_squared
-        around = [
-            self.edge_matrix(omega_squared + side * step, open_fingers=open_fingers) for side in (-1, 1)
-        ]
+        around = [self.edge_matrix(omega_squared + side * step, open_fingers=open_fingers) for side in (-1, 1)]
         return (around[0] + around[1]) / 2, (around[1] - around[0]) / (2 * step)
 
     def _polished(self, square: float, shape: np.ndarray, open_fingers: bool) -> float:
@@ -189,9 +182,7 @@ class Grating:
             square -= change
             if abs(change) < SQUARE_TOLERANCE * square:
                 return float(np.sqrt(square) / (2 * np.pi))
-        raise ConvergenceError(
-            f"a stop band's edge near {np.sqrt(square) / (2 * np.pi):g} Hz does not settle"
-        )
+        raise ConvergenceError(f"a stop band's edge near {np.sqrt(square) / (2 * np.pi):g} Hz does not settle")
 
     def capacitance(self) -> float:
         """Of a finger pair far below its resonances, F per metre of aperture, fingers at +V/2 and -V/2 in turn."""
@@ -212,9 +203,7 @@ def _coupling(cell: FingerColumns) -> tuple[np.ndarray, np.ndarray]:
     return matrix[at.left, at.left] + matrix[at.right, at.right], matrix[at.left, at.right]
 
 
-def grating(
-    solid: Solid, *, period: float, metallisation: float, above: str, resolution: Resolution
-) -> Grating:
+def grating(solid: Solid, *, period: float, metallisation: float, above: str, resolution: Resolution) -> Grating:
     """Discretise one cell of an infinite grating on a half-space.
 
     Parameters
@@ -227,9 +216,7 @@ def grating(
         "none" or "vacuum".
     """
     if "phi" not in fields(solid):
-        raise InputError(
-            "solid", f"must be piezoelectric under a grating of fingers, and {solid.name} is not"
-        )
+        raise InputError("solid", f"must be piezoelectric under a grating of fingers, and {solid.name} is not")
     row = Transducer(
         name="grating", center=0.0, finger_pairs=1, period=period, metallisation=metallisation, aperture=1.0
     )

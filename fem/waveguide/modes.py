@@ -140,9 +140,7 @@ def guided_modes(section: LineSpace, frequency: float, lateral_wavenumber: float
     """
     if lateral_wavenumber:
         if section is not section.full:
-            raise ValueError(
-                "modes at a lateral wavenumber need the full section: solve one frequency, not a band"
-            )
+            raise ValueError("modes at a lateral wavenumber need the full section: solve one frequency, not a band")
         second, first, adjoint, zeroth = section.lateral_matrices(frequency, lateral_wavenumber)
         skew = first - adjoint
     else:

@@ -226,17 +226,11 @@ class Network:
         segments: list[_Segment] = []
         for index, (start, stop) in enumerate(self.segments):
             forces = self.forces_on(index)
-            length = min(
-                [stop - start, *(abs(places[each] - edge) for each in forces for edge in (start, stop))]
-            )
+            length = min([stop - start, *(abs(places[each] - edge) for each in forces for edge in (start, stop))])
             kept, way = self.survivors(length), stop - start
             semi_infinite = [absorbs[0] and index == 0, absorbs[1] and index == len(self.segments) - 1]
             if any(semi_infinite):
-                kept = (
-                    np.append(waves, np.setdiff1d(kept, waves))
-                    if forces and not all(semi_infinite)
-                    else waves
-                )
+                kept = np.append(waves, np.setdiff1d(kept, waves)) if forces and not all(semi_infinite) else waves
                 way = 0.0
             before = segments[-1] if segments else None
             segments.append(
@@ -268,9 +262,7 @@ class Network:
         # segments[-side] is the first segment at the left end, side 0, and the last one at the right end, side 1
         elements = [self._end(side, segments[-side], sent_back[side], excitations) for side in (0, 1)]
         answers = []
-        for scatterer, mine, before, after in zip(
-            self.scatterers, self.numbers, segments, segments[1:], strict=False
-        ):
+        for scatterer, mine, before, after in zip(self.scatterers, self.numbers, segments, segments[1:], strict=False):
             # columns: modes that arrive from the left, from the right, and the ports
             m, count = len(before.kept), len(before.kept) + len(after.kept)
             incoming = np.zeros((2 * at.size, count + len(mine)), dtype=complex)
@@ -324,9 +316,7 @@ class Network:
         """Fields of a stator that is one piece from end to end, on which only the potentials of its ports act."""
         (scatterer,), (mine,), ports = self.scatterers, self.numbers, len(self.ports)
         if self.forces or len(waves):
-            raise InputError(
-                "piece", "must leave some uniform stator for a line force or a wave from outside"
-            )
+            raise InputError("piece", "must leave some uniform stator for a line force or a wave from outside")
         potentials = scatterer.potentials @ np.eye(ports)[mine]
         reactions = np.zeros((ports, ports), dtype=complex)
         reactions[mine] = scatterer.reactions(potentials)
@@ -444,9 +434,7 @@ class PortSolution:
     sides: tuple[np.ndarray, ...] = field(repr=False)
     # shape (2 n, excitations): the part of the lines that comes in
     incoming: tuple[np.ndarray, ...] = field(repr=False)
-    segments: tuple[tuple[SegmentWaves, ...], ...] = field(
-        repr=False
-    )  # before, between and after the scatterers
+    segments: tuple[tuple[SegmentWaves, ...], ...] = field(repr=False)  # before, between and after the scatterers
     # shape (ports, excitations): reactions: minus the charge, scaled, symmetric among potentials; displacements in m
     reactions: np.ndarray
     # shape (waves, waves): `fem.waveguide.row_solver.RowWaves.coupling`

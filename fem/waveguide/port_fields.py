@@ -71,9 +71,7 @@ class PortFields:
     # coupling, waves: of `fem.waveguide.network.PortSolution`
     coupling: np.ndarray = field(repr=False)
     waves: np.ndarray = field(repr=False)
-    own_apertures: bool = (
-        False  # each transducer's charge is that of its whole aperture, not of the shared beam
-    )
+    own_apertures: bool = False  # each transducer's charge is that of its whole aperture, not of the shared beam
     # of each transducer: its charges along the fingers, per volt, scaled, dipoles in length units; or empty
     sheets: tuple[tuple[Sheet, ...], ...] = field(default=(), repr=False)
 
@@ -170,9 +168,7 @@ def solve_ports(
     scale = min((each.finger_width / 2 for each in transducers if not drawn), default=np.inf)
     section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
     superelements = (
-        []
-        if drawn
-        else transducer_superelements(Condensation(section, frequency), stator, transducers, resolution)
+        [] if drawn else transducer_superelements(Condensation(section, frequency), stator, transducers, resolution)
     )
     modes = guided_modes(section, frequency)
     if modes.nearest_cut_off < CUT_OFF:
@@ -226,12 +222,7 @@ def joined_fields(
     }
     first = np.cumsum([0, *map(len, own_ports)])
     row = [  # place, scatterer, its ports of the network, its transducer
-        (
-            (each.extent[0] - gap[0]) / unit,
-            scatterers[id(superelement)],
-            np.arange(*first[index : index + 2]),
-            index,
-        )
+        ((each.extent[0] - gap[0]) / unit, scatterers[id(superelement)], np.arange(*first[index : index + 2]), index)
         for index, (each, gap, superelement) in enumerate(
             zip(transducers, gaps, superelements, strict=not pieces.whole)
         )
@@ -255,8 +246,7 @@ def joined_fields(
         ends=pieces.ends,
         ports=ports
         + tuple(
-            Port(kind="force", name=each.name, component=each.component, place=each.position / unit)
-            for each in forces
+            Port(kind="force", name=each.name, component=each.component, place=each.position / unit) for each in forces
         ),
         numbers=tuple(numbers for _, _, numbers, _ in row),
     )

@@ -81,9 +81,7 @@ class PieceRow:
                 ends[side] = _step(piece, side, stator, modes, self.resolution)
             else:
                 end = condensed[piece.contents]
-                ends[side] = Wall(
-                    matrix=end.matrix, recover=end.recover, floating_potential=end.floating_potential
-                )
+                ends[side] = Wall(matrix=end.matrix, recover=end.recover, floating_potential=end.floating_potential)
         inner = placed.between if placed.whole is None else (placed.whole,)
         return CondensedPieces(
             between=tuple((piece.extent[0] / unit, condensed[piece.contents]) for piece in inner),
@@ -106,9 +104,7 @@ def _step(piece: MeshPiece, side: int, stator: Stator, modes: GuidedModes, resol
     behind = replace(stator, thickness=piece.interface(far)[1], pieces=())
     other = discretise(behind, resolution, wavelength=section.length_unit, surface_scale=np.inf)
     outside = guided_modes(other, frequency)
-    assembly = assembled(
-        piece, _frame(stator), {near: section, far: other}, frequency=frequency, resolution=resolution
-    )
+    assembly = assembled(piece, _frame(stator), {near: section, far: other}, frequency=frequency, resolution=resolution)
     whole = assembly.condensed(frequency)
     own = {near: slice(0, section.size), far: slice(section.size, None)}
     if side == 0:

@@ -21,11 +21,7 @@ def wave_block(scene: Scene, motion: SurfaceMotion, place: tuple[float, float], 
     wave, places = motion.wave, [place] if scene.slider is None else [place, *scene.slider.places]
     components = motion.at(places)
     tangential, lateral, normal = map(complex, components[:, 0])
-    block: dict[str, Any] = {
-        "frequency_Hz": wave.frequency,
-        "normal_m_per_V": normal,
-        "tangential_m_per_V": tangential,
-    }
+    block: dict[str, Any] = {"frequency_Hz": wave.frequency, "normal_m_per_V": normal, "tangential_m_per_V": tangential}
     if motion.beam is not None:
         block["lateral_m_per_V"] = lateral
         block["largest_lateral_ratio"] = float((abs(components[1]) / abs(components[0])).max())
@@ -71,9 +67,7 @@ def unresolved(motion: SurfaceMotion, places) -> str:
     return ""
 
 
-def amplitude_blocks(
-    scene: Scene, motion: SurfaceMotion, place: tuple[float, float], tolerance: float
-) -> dict:
+def amplitude_blocks(scene: Scene, motion: SurfaceMotion, place: tuple[float, float], tolerance: float) -> dict:
     """Return the blocks points, error and shortfall of a scene without a slider, whose result is a wave."""
     tangential, _, normal = (float(size) for size in abs(motion.at([place])[:, 0]))
     error = motion.relative_error([place])

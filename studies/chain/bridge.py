@@ -29,8 +29,7 @@ if TYPE_CHECKING:
 def _orbits(frequency: float, motion) -> tuple:
     """Return the orbits of u_x, u_y and u_z, shape (3, balls)."""
     return tuple(
-        contact.Orbit(frequency=frequency, normal=complex(u_z), tangential=complex(u_x))
-        for u_x, _, u_z in motion.T
+        contact.Orbit(frequency=frequency, normal=complex(u_z), tangential=complex(u_x)) for u_x, _, u_z in motion.T
     )
 
 
@@ -117,9 +116,7 @@ class DrivenContact:
     passing: tuple | Any = field(default=None, repr=False)
     along: "WaveAlong | Any" = None  # how the orbits change while the slider travels
     record: Record | Any = field(default=None, repr=False)  # of the run that solved the stator
-    solved: SolvedStator | None = field(
-        default=None, repr=False
-    )  # what is kept of it; None with a given wave
+    solved: SolvedStator | None = field(default=None, repr=False)  # what is kept of it; None with a given wave
 
     @classmethod
     def given(cls, scene: Scene, record: Record | None = None) -> Self:

@@ -49,9 +49,7 @@ def _free(scene: Scene) -> Iterator[tuple[bool, str]]:
     fields = fem.fields(resolve.solid(scene.stator))
     yield True, "electrodes: the scene has no transducer"
     yield True, "elements along x: the wave is a mode of the section"
-    meshes = (
-        "meshed pieces: the free wave does not meet them; sawmotor study reflector computes what they reflect"
-    )
+    meshes = "meshed pieces: the free wave does not meet them; sawmotor study reflector computes what they reflect"
     yield bool(scene.piece), meshes
     yield "uy" not in fields, UNCOUPLED
     yield "phi" not in fields, "electric potential: the solid is not piezoelectric in this orientation"
@@ -83,9 +81,7 @@ def _surface_speed(stator) -> float:
 def _diffraction(scene: Scene, beam: bool, reason: str) -> Iterator[tuple[bool, str]]:
     """Yield the parts of the answer that neglect diffraction, with the reason."""
     if not beam:
-        setting = (
-            "is false" if scene.stator.diffraction is False else "is absent, and the scene has no slider"
-        )
+        setting = "is false" if scene.stator.diffraction is False else "is absent, and the scene has no slider"
         why = reason or f"stator.diffraction {setting}"
         yield True, f"diffraction: the wave is that of the plane section ({why})"
         return
@@ -93,9 +89,7 @@ def _diffraction(scene: Scene, beam: bool, reason: str) -> Iterator[tuple[bool, 
     burst, reflects = scene.burst is not None and scene.slider is not None, scene.stator.ends != "absorbing"
     anisotropic = len(scene.transducer) > 1 and not fem.isotropic_about_normal(resolve.solid(scene.stator))
     between = "spreading between the transducers: in this cut they receive as in the plane section"
-    returning = (
-        "spreading of the waves that return to the transducers: their circuit is that of the plane section"
-    )
+    returning = "spreading of the waves that return to the transducers: their circuit is that of the plane section"
     yield True, f"diffraction in {where}: they are those of the plane section; --field adds surface_map.csv"
     yield burst, "diffraction in the shape of the burst's ring-up: that of the plane section is used"
     yield scene.crossed, "scattering of a beam by the metal of a transducer that it crosses"
@@ -161,15 +155,9 @@ def _pillars(scene: Scene) -> Iterator[tuple[bool, str]]:
     slider = scene.slider
     known_compliance = scene.wave is None or scene.wave.compliance is not None
     yield True, "the slider's bounce and vibration: it is too heavy to follow the wave within a cycle"
-    yield (
-        scene.burst is None,
-        "motion from rest: without a burst, the averaged equilibrium is computed directly",
-    )
+    yield (scene.burst is None, "motion from rest: without a burst, the averaged equilibrium is computed directly")
     yield not known_compliance, "the slider's reaction on the wave: wave.compliance is absent"
-    yield (
-        known_compliance and slider.loading is False,
-        "the slider's reaction on the wave: slider.loading is false",
-    )
+    yield (known_compliance and slider.loading is False, "the slider's reaction on the wave: slider.loading is false")
     if known_compliance and slider.loading is not False:
         overtones = "overtones that run back" if slider.loading == "harmonics" else "overtones of the wave"
         yield True, f"{overtones}, and scattering by pillars into other waves; sizes in model_error"

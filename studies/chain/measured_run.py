@@ -47,19 +47,13 @@ def _trace(record: Record, measured: Measurement) -> dict:
     """Return a trace beside the trajectory of its level, moved in time to where it lies closest."""
     if not record.trajectories:
         key = "wave.burst" if record.scene.wave is not None else "drive.burst"
-        raise SceneError(
-            "--measured", f'{measured.name!r} holds a burst: --set {key}="0.1 s" says how long it was'
-        )
+        raise SceneError("--measured", f'{measured.name!r} holds a burst: --set {key}="0.1 s" says how long it was')
     levels = [level for level, _ in record.trajectories]
     wanted = measured.levels[0] if measured.levels else levels[-1]
-    close = [
-        k for k, level in enumerate(levels) if abs(level - wanted) <= 1e-9 * max(abs(wanted), abs(level))
-    ]
+    close = [k for k, level in enumerate(levels) if abs(level - wanted) <= 1e-9 * max(abs(wanted), abs(level))]
     if not close:
         known = ", ".join(f"{level:.6g}" for level in levels)
-        raise SceneError(
-            "--measured", f"{measured.name!r} was taken at {wanted:.6g}, and the run has {known}"
-        )
+        raise SceneError("--measured", f"{measured.name!r} was taken at {wanted:.6g}, and the run has {known}")
     path = record.trajectories[close[0]][1]
     time, values = np.array(measured.time), np.array(measured.values)
     curve = path.velocity if measured.quantity == "burst" else travelled_distance(path.time, path.velocity)

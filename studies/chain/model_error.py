@@ -79,9 +79,7 @@ def with_model_error(record: Record) -> Record:
     itself, the answer is refused: the record gets a shortfall.
     """
     rows = model_error(record)
-    shares = {
-        quantity: sum(abs(row["size"]) for row in rows if row["quantity"] == quantity) for quantity in SHARED
-    }
+    shares = {quantity: sum(abs(row["size"]) for row in rows if row["quantity"] == quantity) for quantity in SHARED}
     if not rows:
         return record
     points = tuple(
@@ -154,9 +152,7 @@ def _crossed(record: Record, places) -> Rows:
     yield "side faces", "u_z", images, how
     bare, metal = (fem.rayleigh(solid, surface).velocity for surface in ("open", "metallised"))
     phase_shift = float(beam.shadowed(1 - metal / bare) / amplitude.min())
-    how = (
-        "phase change of a beam along the fingers that it crosses, from the velocities with and without metal"
-    )
+    how = "phase change of a beam along the fingers that it crosses, from the velocities with and without metal"
     yield "metal of the transducers in the way of crossing beams", "u_z", phase_shift, how
 
 
@@ -190,12 +186,7 @@ def _finger_ends(record: Record) -> Rows:
     at = tuple(zip(*places, strict=True))
     charge_error = beam.charge_error(*at)
     if charge_error is not None:
-        yield (
-            effect,
-            "u_z",
-            float(charge_error.max()),
-            "change by fewer steps of the charge along the fingers",
-        )
+        yield (effect, "u_z", float(charge_error.max()), "change by fewer steps of the charge along the fingers")
         return
     if record.scene.crossed:
         yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
@@ -261,12 +252,7 @@ def _electrode_mass(record: Record) -> Rows:
     effect = "mass of 100 nm aluminium on the fingers"
     # phase accumulated from the middle of the transducer to its end
     phase = math.pi * record.scene.driven_transducer.finger_pairs * slower
-    yield (
-        effect,
-        "u_z",
-        phase,
-        "first-order perturbation of the velocity under the fingers, over half of the row",
-    )
+    yield (effect, "u_z", phase, "first-order perturbation of the velocity under the fingers, over half of the row")
 
 
 def _contact(record: Record) -> Rows:

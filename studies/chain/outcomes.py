@@ -35,9 +35,7 @@ def amplitudes(driven: DrivenContact) -> dict:
     return outcomes | dict(zip(ELECTRICAL, electrical, strict=True))
 
 
-def also_asked(
-    also, tolerance: float, driven: DrivenContact, answer: dict, *, averaged: bool = False
-) -> dict:
+def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict, *, averaged: bool = False) -> dict:
     """Return the answer with the quantities that the keywords in ``also`` (keys of ``ALSO``) request.
 
     Forces and powers are totals over all contacts. If ``averaged`` is True, averaging computes the start-up wherever it
@@ -73,13 +71,7 @@ def also_asked(
 
 
 def start_up_time(
-    slider: "contact.Slider",
-    orbits: tuple,
-    final: float,
-    thrust: float,
-    tolerance: float,
-    *,
-    averaged: bool = False,
+    slider: "contact.Slider", orbits: tuple, final: float, thrust: float, tolerance: float, *, averaged: bool = False
 ) -> float | None:
     """Return the time in s from rest to 63 % of the steady velocity ``final``, or None if the burst does not reach it.
 

@@ -62,12 +62,7 @@ def pillar_rows(record: Record) -> Rows:
     )
     if wave.compliance > 0.0:
         if not motion.loading and motion.loading_number > 0.0:
-            yield (
-                LOAD,
-                "velocity",
-                motion.loading_number,
-                "loading number 2 Gamma F/(w A), about the phase in rad",
-            )
+            yield (LOAD, "velocity", motion.loading_number, "loading number 2 Gamma F/(w A), about the phase in rad")
         if motion.harmonics == 1:
             how = '|U_2/U_1| at the exit, first order; slider.loading = "harmonics" computes them'
             yield OVERTONES, "velocity", motion.overtone, how
@@ -84,9 +79,7 @@ def pillar_rows(record: Record) -> Rows:
         )
     yield from _neighbours(body, motion, slider, level)
     mean_radius = float(pillars.layout(slider)["diameter"].mean()) / 2
-    pull_off = (
-        math.sqrt(8 * math.pi * mean_radius**3 * slider.effective_modulus * ADHESION) * motion.pillars.number
-    )
+    pull_off = math.sqrt(8 * math.pi * mean_radius**3 * slider.effective_modulus * ADHESION) * motion.pillars.number
     how = f"pull-off of flat punches, {ADHESION:g} J/m^2; a roughness of some nm removes it"
     yield "adhesion, if the pillars were perfectly flat", "the preload", pull_off / slider.preload_force, how
 
@@ -117,9 +110,7 @@ def _scattering(motion) -> Rows:
     forces = np.abs(motion.first_normal)
     power = 0.5 * admittance * float(np.sum((forces - forces.mean()) ** 2))
     if motion.wave_power_in > 0.0:
-        how = (
-            f"{power:.2g} W, point loads on an isotropic half-space; a quarter of it over the incident power"
-        )
+        how = f"{power:.2g} W, point loads on an isotropic half-space; a quarter of it over the incident power"
         yield "scattering by unequal pillars", "velocity", -power / motion.wave_power_in / 4, how
 
 
@@ -145,15 +136,9 @@ def leak(record: Record, motion) -> Rows:
         motion.wave,
         float(np.mean(motion.pillars.tangential_stiffness / motion.pillars.normal_stiffness)),
     )
-    normal_stiffness = (
-        advance * wave.wavenumber / (wave.compliance * (1 + abs(wave.orbit) ** 2 * stiffness_ratio))
-    )
+    normal_stiffness = advance * wave.wavenumber / (wave.compliance * (1 + abs(wave.orbit) ** 2 * stiffness_ratio))
     exact = fem.spring_shift(
-        stator.solid,
-        normal_stiffness,
-        stiffness_ratio * normal_stiffness,
-        wave.frequency,
-        stator.bare_surface,
+        stator.solid, normal_stiffness, stiffness_ratio * normal_stiffness, wave.frequency, stator.bare_surface
     )
     if exact is not None:
         how = "springs of the same advance on the half-space, exact root against first order in Gamma K/k"
@@ -164,12 +149,7 @@ def _neighbours(body, motion, slider, level) -> Rows:
     """Yield the effect of the elastic interaction of neighbouring pillars, by solving the motion again with it."""
     layout = pillars.layout(slider)
     radius_over_pitch = float(layout["diameter"].mean()) / 2 / layout["pitch"]
-    if (
-        slider.pillars.interaction
-        or layout["x"].size > MAX_COMPARED
-        or layout["x"].size < 4
-        or radius_over_pitch > 0.4
-    ):
+    if slider.pillars.interaction or layout["x"].size > MAX_COMPARED or layout["x"].size < 4 or radius_over_pitch > 0.4:
         return
     if motion.velocity == 0.0:
         return

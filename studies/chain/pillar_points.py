@@ -52,9 +52,7 @@ class PillarContact:
         """
         load = self.driven.scene.slider.load if load is None else load
         with _keys_of_the_scene():
-            return contact.pillar_motion(
-                self.pillars, self.at(level), load=load, loading=self.loading, near=near
-            )
+            return contact.pillar_motion(self.pillars, self.at(level), load=load, loading=self.loading, near=near)
 
     def load_line(self, level: float, points: int):
         """Return the `contact.PillarLoadLine` at a level."""
@@ -127,9 +125,7 @@ def at_the_transducers(body: PillarContact, motion, level: float) -> dict:
     values = {"admittance_change_S": -wave.omega * wave.strip_width / wave.compliance * reaction / level**2}
     direction = 1.0 if abs(wave.forward) >= abs(wave.backward) else -1.0
     centre, driven = scene.slider.center[0], scene.drive.driven
-    if any(
-        (each.place[0] - centre) * direction > 0.0 and not driven.get(each.name) for each in scene.transducer
-    ):
+    if any((each.place[0] - centre) * direction > 0.0 and not driven.get(each.name) for each in scene.transducer):
         values["received_over_free"] = motion.exit_over_entry
     return values
 
@@ -218,9 +214,7 @@ def burst(body: PillarContact, level: float, steady, duration: float) -> PillarB
         atol=RATE_TOLERANCE * max(abs(steady.velocity), 1e-6), max_step=duration / 8,
     )  # fmt: skip
     if not solution.success:
-        raise contact.ConvergenceError(
-            "not converged", f"the averaged velocity in the burst: {solution.message}"
-        )
+        raise contact.ConvergenceError("not converged", f"the averaged velocity in the burst: {solution.message}")
     velocity = solution.y[0]
     end = float(velocity[-1])
     # without the wave, friction stops the slider; the load assists or opposes friction

@@ -100,9 +100,7 @@ def _refuse_overlap(block, x, y, diameter):
     worst = int(room.argmin())
     if room[worst] < 0.0:
         rows = " and ".join(str(each) for each in sorted((worst + 2, int(other[worst]) + 2)))
-        block.refuse(
-            "file", f"must hold pillars that do not overlap, got {apart[worst]:g} m between rows {rows}"
-        )
+        block.refuse("file", f"must hold pillars that do not overlap, got {apart[worst]:g} m between rows {rows}")
 
 
 def neighbours(radius_over_pitch):
@@ -132,11 +130,7 @@ def stiffnesses(slider: Slider, interaction: bool | None = None):
     """Return k_n and k_t of the pillars of a resolved slider, N/m, arrays; `interaction`: other than the scene's."""
     block, place = slider.pillars, layout(slider)
     a = place["diameter"] / 2
-    near = (
-        neighbours(a.mean() / place["pitch"])
-        if (block.interaction if interaction is None else interaction)
-        else 1.0
-    )
+    near = neighbours(a.mean() / place["pitch"]) if (block.interaction if interaction is None else interaction) else 1.0
     normal, tangential = near / (2 * a * slider.effective_modulus), near / (8 * a * slider.tangential_modulus)
     if block.height is not None:
         E, h, A = block.youngs_modulus, block.height, np.pi * a**2
@@ -216,10 +210,6 @@ def check_pillars(scene: Scene) -> None:
     for each in scene.transducer:
         x, y = each.place
         reach = each.half_length
-        if (
-            left < x + reach
-            and right > x - reach
-            and abs(middle - y) < (each.aperture + strip_width(slider)) / 2
-        ):
+        if left < x + reach and right > x - reach and abs(middle - y) < (each.aperture + strip_width(slider)) / 2:
             rule = f"must keep the pillars off the fingers of {each.name!r}, {x - reach:g} to {x + reach:g} m"
             raise SceneError("slider.position", f"{rule}, got pillars from {left:g} to {right:g} m")

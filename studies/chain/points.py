@@ -35,9 +35,7 @@ class SliderAnswer:
     def blocks(self, tolerance: float) -> dict:
         """Return the blocks of the record, with the largest error of all points."""
         failed = [point for point in self.points if "relative_error" not in point]
-        known = [
-            part for part, point in zip(self.parts, self.points, strict=True) if "relative_error" in point
-        ]
+        known = [part for part, point in zip(self.parts, self.points, strict=True) if "relative_error" in point]
         blocks = {"points": self.points, "summary": self.summary, "trajectories": self.trajectories}
         blocks |= {"pillars": self.pillars, "slider_wave": self.slider_wave}
         if known:
@@ -55,9 +53,7 @@ class SliderAnswer:
         return blocks
 
 
-def slider_answer(
-    driven: DrivenContact, *, tolerance: float, progress: Callable[[str], None]
-) -> SliderAnswer:
+def slider_answer(driven: DrivenContact, *, tolerance: float, progress: Callable[[str], None]) -> SliderAnswer:
     """Return the answers at all levels of the scene; the contact solvers get ``SHARE`` of the tolerance."""
     scene, on_pillars = driven.scene, driven.scene.slider.pillars is not None
     summary: dict = {}
@@ -102,9 +98,7 @@ class PointAnswer(NamedTuple):
     motion: Any = None  # contact.PillarMotion of a slider on pillars
 
 
-def point_answer(
-    driven: DrivenContact, level: float, tolerance: float, *, bursting: bool = True
-) -> PointAnswer:
+def point_answer(driven: DrivenContact, level: float, tolerance: float, *, bursting: bool = True) -> PointAnswer:
     """Return the answer at one level; if a solver does not converge, the status of the point says so.
 
     If ``bursting`` is False, only the steady state is computed, even if the scene has a burst.
@@ -175,9 +169,7 @@ def _nearby(slider, state, steady):
     return velocity
 
 
-def followed_burst(
-    driven: DrivenContact, orbits: tuple, velocity: float, tolerance: float, after: float | None = None
-):
+def followed_burst(driven: DrivenContact, orbits: tuple, velocity: float, tolerance: float, after: float | None = None):
     """Return the trajectory of the slider during and after the burst.
 
     It covers the time ``after`` (s) from the end of the burst. If this is None, it covers the stop of the slider and
@@ -230,9 +222,7 @@ def _along(driven: DrivenContact, trajectory, level: float):
     averaging_error = abs(travel.held_velocity[-1] - trajectory.velocity_at_burst_end) / speed
     with_change = with_travel(trajectory, travel)
     error = trajectory.answer.error + travel.error + averaging_error * abs(travel.change)
-    return replace(with_change, answer=replace(with_change.answer, error=error)), {
-        "travel_m": float(travel.place[-1])
-    }
+    return replace(with_change, answer=replace(with_change.answer, error=error)), {"travel_m": float(travel.place[-1])}
 
 
 def contact_load(slider, orbits: tuple, threshold: float) -> dict:

@@ -87,10 +87,7 @@ class Predictor:
         self._rules, self._count = rules, 0
         self._answers: dict[tuple, SolvedStator | Exception] = {}
         self._latest: tuple[tuple | None, SurfaceMotion | Any] = (None, None)
-        self._block, self._slider = (
-            lru_cache(MAX_BLOCKS)(self._read),
-            lru_cache(MAX_BLOCKS)(resolve.resolved_slider),
-        )
+        self._block, self._slider = (lru_cache(MAX_BLOCKS)(self._read), lru_cache(MAX_BLOCKS)(resolve.resolved_slider))
         self._ring_up = lru_cache(64)(ring_up)
         self._stator, self._band = lru_cache(64)(_resolved_stator), lru_cache(4)(response)
 
@@ -213,9 +210,7 @@ class Predictor:
 
         ``motion``: of the surface, for bursts in which the slider travels.  ``tolerance``: by default the predictor's.
         """
-        travels = (
-            driven.scene.burst is not None and motion is not None and driven.scene.slider.travel is not False
-        )
+        travels = driven.scene.burst is not None and motion is not None and driven.scene.slider.travel is not False
         along = wave_along(motion, driven.scene.slider) if travels else None
         driven = replace(driven, ringing=self.ring_up(driven), along=along)
         progress = self.progress if self.as_run else _silent
@@ -279,13 +274,9 @@ class Predictor:
                 ready[at] = driven
             except Exception as error:
                 answers[at] = _without_answer(error)
-        steady = [
-            at for at, each in ready.items() if each.scene.slider is not None and each.scene.burst is None
-        ]
+        steady = [at for at, each in ready.items() if each.scene.slider is not None and each.scene.burst is None]
         rows = averaged_answers(
-            [(ready[at], ready[at].level) for at in steady],
-            math.inf if averaged else tolerance,
-            threads=threads,
+            [(ready[at], ready[at].level) for at in steady], math.inf if averaged else tolerance, threads=threads
         )
         side_by_side = dict(zip(steady, rows, strict=True))
         for at, driven in ready.items():
@@ -294,9 +285,7 @@ class Predictor:
                     answer = side_by_side[at] or steady_answer(driven, driven.level, tolerance)
                 else:
                     answer = self._alone(driven, step, tolerance)
-                answers[at] = amplitudes(driven) | also_asked(
-                    also, tolerance, driven, answer, averaged=averaged
-                )
+                answers[at] = amplitudes(driven) | also_asked(also, tolerance, driven, answer, averaged=averaged)
             except Exception as error:
                 answers[at] = _without_answer(error)
         return answers
@@ -332,9 +321,7 @@ class Predictor:
         if scene.stator is not None:
             computed_circuit = scene.drive.match == "auto" or scene.drive.recovery is not None
             spread = computed_circuit and resolve.diffracts(scene)
-            stator = self._stator(
-                scene.stator, scene.transducer, scene.piece, at_one_volt(scene.drive), spread
-            )
+            stator = self._stator(scene.stator, scene.transducer, scene.piece, at_one_volt(scene.drive), spread)
             resolve.refuse_gaps(scene)
             if scene.crossed:
                 resolve.refuse_covered(replace(scene, transducer=stator.transducer))
@@ -413,10 +400,7 @@ def reason(error: Exception) -> str:
 def _free_answer(scene: Scene, tolerance: float) -> dict:
     """Return the answer of a scene without transducers: its free wave."""
     record = free_wave_record(resolve.resolved(scene), tolerance)
-    return {name: record.wave[name] for name in FREE} | {
-        "relative_error": record.error["relative"],
-        "status": "ok",
-    }
+    return {name: record.wave[name] for name in FREE} | {"relative_error": record.error["relative"], "status": "ok"}
 
 
 def _silent(text: str) -> None:

@@ -120,9 +120,7 @@ def pieces(scene: Scene) -> tuple:
             rule = f"must leave room for every place: {count} of a mesh {(high - low) * 1e3:.6g} mm wide, on a stator"
             raise SceneError(f"{path}.position", f"{rule} {length * 1e3:g} mm long")
         meshed += [
-            fem.MeshPiece(
-                name=block.label, mesh=mesh, position=place, solids=solids, electrodes=block.electrodes or ()
-            )
+            fem.MeshPiece(name=block.label, mesh=mesh, position=place, solids=solids, electrodes=block.electrodes or ())
             for place in block.position
         ]
     return tuple(meshed)
@@ -175,12 +173,9 @@ def first_row(scene: Scene, place: tuple[float, float]) -> tuple[Scene, float]:
     row = rows(scene)[0]
     blocks, drive = {each.name: each for each in scene.transducer}, scene.drive
     alone = tuple(
-        replace(blocks[each.name], center=each.center, angle=0.0, pattern=each.pattern)
-        for each in row.transducers
+        replace(blocks[each.name], center=each.center, angle=0.0, pattern=each.pattern) for each in row.transducers
     )
-    sources = tuple(
-        (name, size) for name, size in drive.driven.items() if name in [each.name for each in alone]
-    )
+    sources = tuple((name, size) for name, size in drive.driven.items() if name in [each.name for each in alone])
     return replace(
         scene,
         stator=replace(scene.stator, length=row.stator.length),
@@ -283,12 +278,7 @@ def _with_circuit(scene: Scene, spread: bool | None) -> Scene:
             auto = old_drive.match == "auto"
             with _refused("drive.recovery.load"):
                 load = fem.matched_load(
-                    *about,
-                    transducers(scene),
-                    drive(scene),
-                    recovery.receiver,
-                    scene.frequency,
-                    source_matched=auto,
+                    *about, transducers(scene), drive(scene), recovery.receiver, scene.frequency, source_matched=auto
                 )
         scene = _with_load(scene, load)
     if old_drive.match == "auto":
@@ -383,22 +373,14 @@ def refuse_covered(scene: Scene) -> None:
         for each, block in zip(row, scene.transducer, strict=True):
             if block.turned and fem.covers(each, place):
                 where = f"({place[0] * 1e3:g}, {place[1] * 1e3:g}) mm"
-                raise SceneError(
-                    "slider.position", f"must keep the contacts off {each.name!r}, got one at {where}"
-                )
+                raise SceneError("slider.position", f"must keep the contacts off {each.name!r}, got one at {where}")
 
 
 def refuse_endless_burst(scene: Scene, frequency: float) -> None:
     """Raise a SceneError if a burst takes longer than an hour to compute; the message names the longest duration."""
     slider = scene.slider
     every_event = slider.remembers or slider.reciprocal or slider.stick_band > 0
-    method = (
-        slider.method
-        if slider.method in CYCLE_SECONDS
-        else "averaged"
-        if scene.wave is not None
-        else "stepped"
-    )
+    method = slider.method if slider.method in CYCLE_SECONDS else "averaged" if scene.wave is not None else "stepped"
     if every_event and method != "stepped":
         method = "hysteretic" if slider.remembers else "exact"
     longest = MAX_BURST_SECONDS / CYCLE_SECONDS[method] / frequency

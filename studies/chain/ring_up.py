@@ -53,14 +53,10 @@ class RingUp:
         def shape(selected, start):
             values = factors[selected]
             return contact.Envelope(
-                time=burst_envelope.time[selected] - start,
-                amplitude=abs(values),
-                phase=np.unwrap(np.angle(values)),
+                time=burst_envelope.time[selected] - start, amplitude=abs(values), phase=np.unwrap(np.angle(values))
             )
 
-        error = float(
-            burst_envelope.relative_error * min(1.0, burst_envelope.settling / burst_envelope.duration)
-        )
+        error = float(burst_envelope.relative_error * min(1.0, burst_envelope.settling / burst_envelope.duration))
         return cls(
             error=error,
             envelope=shape(during, 0.0),

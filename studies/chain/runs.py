@@ -40,10 +40,7 @@ ROUNDS = 3  # largest number of solutions of the stator; each round determines t
 
 
 def run(
-    scene: Scene | str | Path = "twente",
-    *,
-    tolerance: float = 1e-3,
-    progress: Callable[[str], None] | None = None,
+    scene: Scene | str | Path = "twente", *, tolerance: float = 1e-3, progress: Callable[[str], None] | None = None
 ) -> Record:
     """Run the chain that a scene needs.
 
@@ -152,14 +149,10 @@ def _driven(scene: Scene, predictor: Predictor) -> Record:
         meshed_pieces=motion.wave.meshed_pieces,
         **blocks,
     )
-    return replace(
-        record, seconds={"stator": time.perf_counter() - start_time - sum(seconds.values())} | seconds
-    )
+    return replace(record, seconds={"stator": time.perf_counter() - start_time - sum(seconds.values())} | seconds)
 
 
-def _with_contact(
-    scene: Scene, predictor: Predictor
-) -> tuple[SurfaceMotion, SliderAnswer, RingUp | None, float]:
+def _with_contact(scene: Scene, predictor: Predictor) -> tuple[SurfaceMotion, SliderAnswer, RingUp | None, float]:
     """Return surface motion, answer, ring-up, and the time in s of the contact.
 
     The stator is solved in up to ROUNDS rounds, until it is as accurate as the velocity needs.
@@ -180,9 +173,7 @@ def _with_contact(
     for _ in range(ROUNDS - 1):
         section, whole = motion.wave.relative_error, motion.relative_error(places)
         rings = 0.0 if ringing is None else ringing.error
-        goal = needed_section_tolerance(
-            answer, section, predictor.tolerance, rings, beam_share=1 - section / whole
-        )
+        goal = needed_section_tolerance(answer, section, predictor.tolerance, rings, beam_share=1 - section / whole)
         if goal is None:
             break
         try:

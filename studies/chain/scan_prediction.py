@@ -30,9 +30,7 @@ def placed(scene: Scene, scan: Scan, option: str = "--measured") -> Scan:
         If the scene drives no stator, a place lies beside it, or the scan was taken at another frequency.
     """
     if scene.stator is None or not scene.transducer:
-        raise SceneError(
-            option, f"{scan.name!r} is a vibrometer's scan: it needs a scene with a driven stator"
-        )
+        raise SceneError(option, f"{scan.name!r} is a vibrometer's scan: it needs a scene with a driven stator")
     x, y = passband.place(scene)
     complete = replace(scan, x=np.where(np.isnan(scan.x), x, scan.x), y=np.where(np.isnan(scan.y), y, scan.y))
     length, half = scene.stator.length, scene.stator.width / 2
@@ -55,9 +53,7 @@ def along_places(motion: SurfaceMotion, scan: Scan) -> np.ndarray:
     return motion.at(places)[COMPONENTS.index(scan.component)]
 
 
-def over_frequency(
-    scene: Scene, scan: Scan, *, tolerance: float, progress: Callable[[str], None]
-) -> np.ndarray:
+def over_frequency(scene: Scene, scan: Scan, *, tolerance: float, progress: Callable[[str], None]) -> np.ndarray:
     """Return the component of a scan at its frequencies, complex, m per V, of the plane section.
 
     Raises
@@ -68,9 +64,7 @@ def over_frequency(
     place = float(scan.x[0])
     several = np.ptp(scan.x) > 0.0 or np.any(scan.y != 0.0)
     if scan.frequency is None or scan.component == "u_y" or several or scene.crossed:
-        rule = (
-            "over frequency must be of u_x or u_z at one place on the middle line, of one row of transducers"
-        )
+        rule = "over frequency must be of u_x or u_z at one place on the middle line, of one row of transducers"
         raise SceneError("--measured", f"{scan.name!r} {rule}")
     at, number = np.unique(scan.frequency, return_inverse=True)
     alone = stator_alone(scene)
@@ -91,9 +85,7 @@ def predicted_scan(
     alone = stator_alone(scene)
     places = tuple(zip(scan.x.tolist(), scan.y.tolist(), strict=True))
     # one place: every other one, also off the axis, is evaluated from the same solution
-    motion = solved_motion(
-        alone, places[:1], tolerance=tolerance, progress=progress, slider=True, missed=True
-    )
+    motion = solved_motion(alone, places[:1], tolerance=tolerance, progress=progress, slider=True, missed=True)
     return along_places(motion, scan)
 
 
@@ -111,9 +103,7 @@ def at_other_velocity(scene: Scene, scan: Scan, motion: np.ndarray, factor: floa
     return motion * np.exp(-2j * np.pi * frequency / velocity * (1.0 / factor - 1.0) * distance)
 
 
-def network_prediction(
-    scene: Scene, data: NetworkData, tolerance: float, progress=None, option="--data"
-) -> np.ndarray:
+def network_prediction(scene: Scene, data: NetworkData, tolerance: float, progress=None, option="--data") -> np.ndarray:
     """Return the S-parameters of a scene's transducers with two combs at the frequencies of a file, (n, ports, ports).
 
     Raises

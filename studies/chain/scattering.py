@@ -59,10 +59,7 @@ def network(
     at = band_frequencies(resolved, band)
     names, _, scattering = scattering_matrix(resolved, at, reference, tolerance, LOGGER.info)
     result = library.Network(
-        frequency=library.Frequency.from_f(at, unit="hz"),
-        s=scattering,
-        z0=reference,
-        name=resolved.title or "network",
+        frequency=library.Frequency.from_f(at, unit="hz"), s=scattering, z0=reference, name=resolved.title or "network"
     )
     result.port_names = names
     return result

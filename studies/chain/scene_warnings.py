@@ -7,9 +7,7 @@ from itertools import combinations
 from studies.scene import Scene
 from studies.scene.slider import Slider
 
-LIFTED = (
-    0.999  # relative to the weight; a preload contains the weight, so that a smaller preload is suspicious
-)
+LIFTED = 0.999  # relative to the weight; a preload contains the weight, so that a smaller preload is suspicious
 MAX_USUAL_LENGTH = 1.0  # m; a longer stator is probably a unit error
 MAX_USUAL_RADIUS = 0.02  # m; limit for the radius of a ball in a scene without a stator
 MAX_USUAL_FRICTION = 1.5  # dry contacts in air; only clean metals in vacuum exceed it
@@ -67,11 +65,7 @@ def _sizes(scene: Scene, slider: Slider) -> Iterator[str]:
             f"{across:g} m across: a number without a unit is in m"
         )
     waves = [each.period for each in scene.transducer if isinstance(each.period, float)]
-    if (
-        waves
-        and isinstance(slider.preload, float)
-        and (area := _area_radius(slider)) > MAX_CONTACT_SHARE * min(waves)
-    ):
+    if waves and isinstance(slider.preload, float) and (area := _area_radius(slider)) > MAX_CONTACT_SHARE * min(waves):
         yield (
             f"the area of contact has a radius of {area * 1e6:.3g} um at rest, {area / min(waves):.2g} wavelengths: "
             "the model takes the surface under a contact as flat and in phase: a smaller slider.radius, or less "

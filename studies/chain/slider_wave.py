@@ -35,9 +35,7 @@ def stator_wave(scene: Scene, motion):
     centre, middle = slider.center
     along = np.clip(centre + np.linspace(-reach, reach, FITTED), 0.0, wave.length)
     if motion.beam is None and any(map(wave.covered, along)):
-        rule = (
-            "must leave the pillars, and a wavelength either side of their centre, on the bare uniform stator"
-        )
+        rule = "must leave the pillars, and a wavelength either side of their centre, on the bare uniform stator"
         where = f"{along[0] * 1e3:.4g} to {along[-1] * 1e3:.4g} mm"
         raise SceneError("slider.position", f"{rule}: from {where} there are fingers or a meshed piece")
     if motion.beam is None:

@@ -71,9 +71,7 @@ def averaged_answers(
     )
     answers = []
     for taken in takes:
-        velocity, regime, of_contact, of_stator, thrust = (
-            next(rows) if taken else (0.0, "unknown", 0.0, 0.0, 0.0)
-        )
+        velocity, regime, of_contact, of_stator, thrust = next(rows) if taken else (0.0, "unknown", 0.0, 0.0, 0.0)
         good = regime != "unknown" and of_contact <= SHARE * tolerance
         state = {"velocity_m_per_s": velocity, "regime": regime, "thrust_N": thrust}
         state |= judged(tolerance, of_stator, of_contact)

@@ -78,9 +78,7 @@ class Steps:
         ``share``: of the band in which the ring-up was solved, 1 but for estimates of its error.
         """
         envelope, after = self.shape(cycles, share)
-        return contact.step(
-            self.driven.slider, self.driven.at(level), cycles=cycles, envelope=envelope, after=after
-        )
+        return contact.step(self.driven.slider, self.driven.at(level), cycles=cycles, envelope=envelope, after=after)
 
     def error(self, level: float, step) -> float:
         """Return the relative error that a `contact.Step` at a level has from the wave: its size, and its growth."""
@@ -96,6 +94,4 @@ class Steps:
     def reaching(self, level: float, displacement: float) -> tuple:
         """Return the longest `contact.Step` short of a displacement in m, and the next, which reaches it."""
         options = {} if self.ringing is None else {"envelopes": self.shape}
-        return contact.cycles_for(
-            self.driven.slider, self.driven.at(level), displacement=displacement, **options
-        )
+        return contact.cycles_for(self.driven.slider, self.driven.at(level), displacement=displacement, **options)

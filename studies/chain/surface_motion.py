@@ -98,9 +98,7 @@ class SurfaceMotion:
         x, y = place
         if self.beam is None:
             return self.wave.standing_wave_ratio(x)
-        reach = (
-            abs(self.wave.phase_velocity) / self.wave.frequency * np.linspace(-1, 1, 2 * PER_WAVELENGTH + 1)
-        )
+        reach = abs(self.wave.phase_velocity) / self.wave.frequency * np.linspace(-1, 1, 2 * PER_WAVELENGTH + 1)
         along = x + reach[(x + reach >= 0) & (x + reach <= self.beam.length)]
         return fem.standing_wave_ratio(self.beam.motion(along, y)[2])
 

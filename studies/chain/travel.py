@@ -72,9 +72,7 @@ class _Table:
         speeds = np.linspace(0.0, self.top, (SPEEDS - 1) // coarser + 1)
         # At rest a sticking contact bears any force between two limits, so that each side of v = 0 has its own table.
         least = np.where(speeds == 0.0, np.finfo(float).tiny, speeds)
-        forces = np.array(
-            [contact.mean_traction(slider, orbits, np.append(least, -least)) for orbits in rows]
-        )
+        forces = np.array([contact.mean_traction(slider, orbits, np.append(least, -least)) for orbits in rows])
         sides = {1: forces[:, : speeds.size], -1: forces[:, speeds.size :]}
         self._splines = {
             sign: RectBivariateSpline(self.places, speeds, side / slider.mass) for sign, side in sides.items()

@@ -62,9 +62,7 @@ def with_bands(record: Record, *, progress: Callable[[str], None] | None = None)
         if nonlinear_numbers:
             between = _answers(predictor, record, _moved(nonlinear_numbers, (0.5, -0.5))) - middle
             trial_changes = dict(zip([each.key for each in numbers], changes, strict=True))
-            for each, pair in zip(
-                nonlinear_numbers, between.reshape(len(nonlinear_numbers), 2, -1), strict=True
-            ):
+            for each, pair in zip(nonlinear_numbers, between.reshape(len(nonlinear_numbers), 2, -1), strict=True):
                 trial_changes[each.key] = np.concatenate([trial_changes[each.key], pair])
             upward = np.sqrt(sum(np.maximum(each.max(axis=0), 0.0) ** 2 for each in trial_changes.values()))
             downward = np.sqrt(sum(np.minimum(each.min(axis=0), 0.0) ** 2 for each in trial_changes.values()))
@@ -77,9 +75,7 @@ def with_bands(record: Record, *, progress: Callable[[str], None] | None = None)
             }
     top = int(np.argmax([point[record.level] for point in record.points]))
     if np.all(np.isfinite(half[:, top])):
-        block["velocity_half_width_m_per_s"] = dict(
-            zip(block["tolerances"], half[:, top].tolist(), strict=True)
-        )
+        block["velocity_half_width_m_per_s"] = dict(zip(block["tolerances"], half[:, top].tolist(), strict=True))
     for k, key in enumerate(KEYS, start=len(record.points)):
         if key in record.summary and np.isfinite(low[k] + high[k]):
             block[key] = [float(low[k]), float(high[k])]
@@ -104,9 +100,7 @@ def velocities_at(
     if missing:
         key = "wave.normal_amplitude" if record.scene.wave is not None else "drive.voltage"
         answers = Predictor.of_record(record, progress=progress).answers([{key: level} for level in missing])
-        known |= {
-            level: answer.get("velocity_m_per_s") for level, answer in zip(missing, answers, strict=True)
-        }
+        known |= {level: answer.get("velocity_m_per_s") for level, answer in zip(missing, answers, strict=True)}
     return [known[level] for level in levels]
 
 
@@ -148,9 +142,7 @@ def _answers(predictor: Predictor, record: Record, changes: list[dict]) -> np.nd
         points += [other_changes | {key: level * factors[-1]} for level in levels]
         tops.append(other_changes | {key: top})
     rows = predictor.answers(points)
-    velocities = np.array([row.get("velocity_m_per_s", np.nan) for row in rows]).reshape(
-        len(changes), len(levels)
-    )
+    velocities = np.array([row.get("velocity_m_per_s", np.nan) for row in rows]).reshape(len(changes), len(levels))
     limits = []
     for row, factor in zip(predictor.answers(tops, ("limits",)), factors, strict=True):
         ratios = np.array([row.get(f"{name}_factor", np.nan) for name in LIMITS])

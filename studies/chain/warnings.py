@@ -28,9 +28,7 @@ AIR = 101325.0  # pressure in Pa
 SIDEWAYS = 0.1  # |u_y|/|u_x| above which a warning is given
 CREEP = 0.01  # slider speed over the speed of the surface along x below which the slider counts as sticking
 SPREADS = 0.1  # relative change of u_z by the finite aperture above which a warning is given
-DECIDES = (
-    0.1  # relative change of u_z or of the velocity by a neglected effect above which a warning is given
-)
+DECIDES = 0.1  # relative change of u_z or of the velocity by a neglected effect above which a warning is given
 
 
 def warnings_of(record: Record) -> tuple[str, ...]:
@@ -184,9 +182,7 @@ def _left_out(record: Record) -> Iterator[str]:
 
 def _contact(record: Record, driven: DrivenContact) -> Iterator[str]:
     """Yield warnings about lateral motion under a ball and about contact pressures above the strength of a material."""
-    normal, tangential = (
-        abs(record.wave.get(f"{name}_m_per_V", np.nan)) for name in ("normal", "tangential")
-    )
+    normal, tangential = (abs(record.wave.get(f"{name}_m_per_V", np.nan)) for name in ("normal", "tangential"))
     # NaN, and therefore false, for a scene with a [wave], which has no motion per volt
     if normal < NODE * tangential:
         yield (
@@ -228,8 +224,7 @@ def _points(record: Record, driven: DrivenContact) -> Iterator[str]:
     moving = [
         (point[record.level], velocity)
         for point in record.points
-        if abs(velocity := point.get("velocity_m_per_s", 0.0))
-        > CREEP * omega * point["tangential_amplitude_m"]
+        if abs(velocity := point.get("velocity_m_per_s", 0.0)) > CREEP * omega * point["tangential_amplitude_m"]
     ]
     for (low, before), (high, after) in pairwise(moving):
         if before * after < 0:
@@ -241,9 +236,7 @@ def _points(record: Record, driven: DrivenContact) -> Iterator[str]:
         known = record.wave.get("relative_error")
         threshold = record.summary.get("threshold_amplitude_m" if unit == "m" else "threshold_voltage_V")
         starts = "" if threshold is None else f"; it starts at {driven.named(threshold)}"
-        accuracy = (
-            "" if known is None else f"; the relative error of the wave under the slider is {known:.1e}"
-        )
+        accuracy = "" if known is None else f"; the relative error of the wave under the slider is {known:.1e}"
         yield f"the slider sticks at every point, so that neither a velocity nor its error is given{starts}{accuracy}"
 
 

@@ -43,9 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "--voltage", "--set")
     parser.add_argument("--tolerance", metavar="T", help="of the velocity at each evaluation (3e-2)")
     add_shared(parser, "--workers")
-    parser.add_argument(
-        "--out", metavar="DIR", help="where evaluations and results are kept (results/NAME-design)"
-    )
+    parser.add_argument("--out", metavar="DIR", help="where evaluations and results are kept (results/NAME-design)")
     parser.add_argument("--json", action="store_true", help="design.json on stdout")
 
 

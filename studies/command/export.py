@@ -34,9 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='gds, dxf: busbar, end_gap, pad, mark, margin or grid, e.g. grid="5 nm"; once for each',
     )
     parser.add_argument("--scan", metavar="WAY", help="uff, csv: x, y, xy or frequency (x)")
-    parser.add_argument(
-        "--band", metavar="START:STOP:N", help="touchstone, --scan frequency: frequencies in MHz"
-    )
+    parser.add_argument("--band", metavar="START:STOP:N", help="touchstone, --scan frequency: frequencies in MHz")
     parser.add_argument("--z0", metavar="OHM", help="touchstone: reference impedance (50)")
     parser.add_argument(
         "--noise",
@@ -45,14 +43,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--seed", type=int, metavar="N", help="of the noise")
     parser.add_argument(
-        "--bandwidth",
-        metavar="FREQUENCY",
-        help='csv, of a burst: low-pass filter of the encoder, e.g. "500 Hz"',
+        "--bandwidth", metavar="FREQUENCY", help='csv, of a burst: low-pass filter of the encoder, e.g. "500 Hz"'
     )
     parser.add_argument(
-        "--sampling",
-        metavar="TIME",
-        help='csv, of a burst: time over which each reading is averaged, e.g. "1 ms"',
+        "--sampling", metavar="TIME", help='csv, of a burst: time over which each reading is averaged, e.g. "1 ms"'
     )
     add_shared(parser, "--voltage", "--set", "--tolerance")
     parser.add_argument(
@@ -123,8 +117,7 @@ def names_file(out: Path, arguments: argparse.Namespace, scene: Scene) -> bool:
     ports = sum(each.has_two_combs for each in scene.transducer)
     if wanted == "touchstone" and 0 < ports and suffix != f".s{ports}p":
         raise SceneError(
-            "--out",
-            f"must end in .s{ports}p, as the scene has {ports} ports, or be a directory, got {str(out)!r}",
+            "--out", f"must end in .s{ports}p, as the scene has {ports} ports, or be a directory, got {str(out)!r}"
         )
     if out.exists():
         raise SceneError("--out", f"{str(out)!r} exists already, and is not replaced")
@@ -133,9 +126,7 @@ def names_file(out: Path, arguments: argparse.Namespace, scene: Scene) -> bool:
     return True
 
 
-def exported(
-    arguments: argparse.Namespace, scene: Scene, name: str, *, tolerance: float, progress
-) -> Exported:
+def exported(arguments: argparse.Namespace, scene: Scene, name: str, *, tolerance: float, progress) -> Exported:
     """Return what a call of the command exports, nothing written; options that a format does not take are refused."""
     from studies.export import instruments, mask_files, simulators
 
@@ -145,9 +136,7 @@ def exported(
         "vtu": instruments.vtu_files,
     }  # fmt: skip
     taken = checked(arguments)
-    options: dict[str, Any] = {
-        key: value for key in taken if (value := getattr(arguments, key)) not in (None, [])
-    }
+    options: dict[str, Any] = {key: value for key in taken if (value := getattr(arguments, key)) not in (None, [])}
     if arguments.format in ("uff", "csv", "touchstone"):
         options = {"recording": instruments.Recording(**options)}
     return calls[arguments.format](scene, name, tolerance=tolerance, progress=progress, **options)
@@ -159,9 +148,7 @@ def checked(arguments: argparse.Namespace) -> tuple[str, ...]:
     if wanted is None:
         raise SceneError("--format", f"is missing; known: {', '.join(FORMATS)}")
     if wanted not in FORMATS:
-        raise SceneError(
-            "--format", f"{wanted!r} is not one of {', '.join(FORMATS)}{resembling(wanted, FORMATS)}"
-        )
+        raise SceneError("--format", f"{wanted!r} is not one of {', '.join(FORMATS)}{resembling(wanted, FORMATS)}")
     _, taken = FORMATS[wanted]
     every = {option for _, options in FORMATS.values() for option in options}
     for option in sorted(every - set(taken)):

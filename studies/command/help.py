@@ -32,9 +32,7 @@ def meaning(word: str) -> str:
     """
     known, key = entries(), word.strip().lower()
     several = [name for name in known if key == name.lower()] or [
-        name
-        for name in known
-        if key in re.split(r"\W+", name.lower()) or (" " in key and key in name.lower())
+        name for name in known if key in re.split(r"\W+", name.lower()) or (" " in key and key in name.lower())
     ]
     if not several:
         raise SceneError("help", f"knows no word {word!r}{nearest(key, known)} (sawmotor help lists them)")

@@ -18,12 +18,7 @@ OPTIONS: dict[str, dict] = {
         "help": 'an axis: START:STOP:N, START:STOP:N:log or a list, e.g. slider.preload="1 mN:100 mN:50"',
     },
     "--tolerance": {"metavar": "T", "help": "bound of the relative error of the last quantity (1e-3)"},
-    "--workers": {
-        "type": int,
-        "default": 1,
-        "metavar": "N",
-        "help": "processes on this machine (1: this one)",
-    },
+    "--workers": {"type": int, "default": 1, "metavar": "N", "help": "processes on this machine (1: this one)"},
     "--no-plot": {"action": "store_true", "help": "draw nothing"},
 }
 

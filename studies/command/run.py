@@ -15,23 +15,17 @@ HELP = "a scene: just the chain that it needs, up to the slider's velocity for e
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument(
-        "scene", nargs="?", default="twente", metavar="SCENE", help="a path or a shipped name (twente)"
-    )
+    parser.add_argument("scene", nargs="?", default="twente", metavar="SCENE", help="a path or a shipped name (twente)")
     add_shared(parser, "--voltage", "--set", "--tolerance")
     parser.add_argument("--out", metavar="DIR", help="where the results go (results/NAME)")
-    parser.add_argument(
-        "--json", action="store_true", help="run.json on stdout; no pictures, files only with --out"
-    )
+    parser.add_argument("--json", action="store_true", help="run.json on stdout; no pictures, files only with --out")
     parser.add_argument(
         "--field",
         action="store_true",
         help="keep the whole wave field in field.vtu, and the surface in surface_map.vtu and .csv",
     )
     add_shared(parser, "--no-plot")
-    parser.add_argument(
-        "--plot", action="store_true", help="show the pictures in windows when the run has ended"
-    )
+    parser.add_argument("--plot", action="store_true", help="show the pictures in windows when the run has ended")
     parser.add_argument(
         "--measured",
         metavar="FILE",
@@ -43,9 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="write report.html too: everything about the run on one self-contained page",
     )
     parser.add_argument(
-        "--explain",
-        action="store_true",
-        help="say what would be computed, its size, time and memory, and stop",
+        "--explain", action="store_true", help="say what would be computed, its size, time and memory, and stop"
     )
 
 
@@ -78,9 +70,7 @@ def call(arguments: argparse.Namespace) -> int:
         if getattr(arguments, option) and arguments.json and arguments.out is None:
             raise SceneError(f"--{option}", "needs a directory to go to: give --out, or leave --json out")
     if arguments.field and not scene.transducer:
-        raise SceneError(
-            "--field", "keeps the field of a driven stator, and this scene has no [[transducer]]"
-        )
+        raise SceneError("--field", "keeps the field of a driven stator, and this scene has no [[transducer]]")
     say(long_wait(scene, tolerance=tolerance))
     with ExitStack() as stack:
         result, out = stack.enter_context(results_of(arguments, "run", ""))

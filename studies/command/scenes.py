@@ -10,9 +10,7 @@ HELP = "the scenes that ship, or a copy of one to start from"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument(
-        "--copy", nargs=2, metavar=("NAME", "FILE"), help="write a scene that ships into a new file"
-    )
+    parser.add_argument("--copy", nargs=2, metavar=("NAME", "FILE"), help="write a scene that ships into a new file")
 
 
 def call(arguments: argparse.Namespace) -> int:

@@ -17,9 +17,7 @@ HELP = "a study, or without a name the list of them"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("name", nargs="?", metavar="NAME", help="which study")
-    parser.add_argument(
-        "scene", nargs="?", metavar="SCENE", help="a path or a shipped name, for studies of a scene"
-    )
+    parser.add_argument("scene", nargs="?", metavar="SCENE", help="a path or a shipped name, for studies of a scene")
     add_shared(parser, "--over")
     parser.add_argument("--band", metavar="START:STOP:N", help="network: frequencies in MHz")
     parser.add_argument("--z0", metavar="OHM", help="network: reference impedance (50)")
@@ -30,9 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--target", metavar="LENGTH", help='positioning: where to go, e.g. "10 um"')
     parser.add_argument(
-        "--controller",
-        metavar="NAME",
-        help="positioning: two_phase, dead_zone_pi, burst_length or FILE.py:FUNCTION",
+        "--controller", metavar="NAME", help="positioning: two_phase, dead_zone_pi, burst_length or FILE.py:FUNCTION"
     )
     parser.add_argument(
         "--loop",
@@ -42,9 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='positioning: sensor, period, preload, load and gains, e.g. resolution="1 nm"; once for each',
     )
     add_shared(parser, "--tolerance")
-    parser.add_argument(
-        "--quick", action="store_true", help="a small version of it, to see what it gives: no evidence"
-    )
+    parser.add_argument("--quick", action="store_true", help="a small version of it, to see what it gives: no evidence")
     parser.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-study[-SCENE])")
 
 
@@ -70,10 +64,7 @@ def call(arguments: argparse.Namespace) -> int:
         out = arguments.out or Path("results") / f"{arguments.name}-study-{scene.name}"
     if not arguments.quick:
         say(announced(expected_seconds(arguments.name, arguments.scene)))
-    with (
-        result_directory(out, origin, named_by_user=arguments.out is not None) as result,
-        Progress() as progress,
-    ):
+    with result_directory(out, origin, named_by_user=arguments.out is not None) as result, Progress() as progress:
         done = run_study(
             arguments.name,
             arguments.scene,

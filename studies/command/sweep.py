@@ -23,9 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "start-up (time to 63 %% of the velocity)",
     )
     add_shared(parser, "--tolerance", "--workers")
-    parser.add_argument(
-        "--scheduler", metavar="ADDRESS", help="of a Dask scheduler, e.g. tcp://127.0.0.1:8786"
-    )
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler, e.g. tcp://127.0.0.1:8786")
     parser.add_argument("--out", metavar="DIR", help="where the points are kept (results/NAME-sweep)")
     parser.add_argument("--json", action="store_true", help="the summary as JSON on stdout")
 

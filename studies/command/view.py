@@ -15,9 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--movie", metavar="FILE", help="one period of the wave as .gif or .mp4")
     parser.add_argument("--html", metavar="FILE", help="a page that moves and zooms in any browser, offline")
     parser.add_argument(
-        "--data",
-        metavar="FILE",
-        help=".vtu (complex field), .pvd (instants of a period) or .csv of the field",
+        "--data", metavar="FILE", help=".vtu (complex field), .pvd (instants of a period) or .csv of the field"
     )
     parser.add_argument("--surface", action="store_true", help="--data FILE.csv of the surface alone")
     parser.add_argument(
@@ -31,9 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--phase", default="0", metavar="DEGREES", help="the instant, omega t (0)")
     parser.add_argument("--span", metavar="SPAN", help="whole, slider, wavelength or START:STOP in mm")
-    parser.add_argument(
-        "--scale", metavar="TIMES", help="by which the displacement is enlarged (so that it is seen)"
-    )
+    parser.add_argument("--scale", metavar="TIMES", help="by which the displacement is enlarged (so that it is seen)")
     parser.add_argument("--size", metavar="WxH", help="pixels of the picture or movie")
     parser.add_argument("--frames", metavar="COUNT", help="pictures of a movie (24), instants of a .pvd (12)")
     parser.add_argument(

@@ -17,13 +17,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="O",
         help="Z, X, YZ, 128YX, ST-X or three angles phi,theta,psi in degrees (Z)",
     )
-    parser.add_argument(
-        "--surface", default="vacuum", metavar="S", help="vacuum (or free), open, metallised (vacuum)"
-    )
+    parser.add_argument("--surface", default="vacuum", metavar="S", help="vacuum (or free), open, metallised (vacuum)")
     parser.add_argument("--json", action="store_true", help="the answer as JSON")
-    parser.add_argument(
-        "--plot", metavar="FILE", help="draw the crystal axes in the x-z section into a PNG file"
-    )
+    parser.add_argument("--plot", metavar="FILE", help="draw the crystal axes in the x-z section into a PNG file")
 
 
 def call(arguments: argparse.Namespace) -> int:

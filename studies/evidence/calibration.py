@@ -182,9 +182,7 @@ def run(
             batch = [next(indices) for _ in range(draws - len(checked))]
             for outcome in each_of(_variation, [scene] * len(batch), [seed] * len(batch), batch):
                 (refused if outcome.refusal else checked).append(outcome)
-                progress(
-                    f"calibration: {len(checked)} of {draws} variations, {len(refused)} without a comparison"
-                )
+                progress(f"calibration: {len(checked)} of {draws} variations, {len(refused)} without a comparison")
     return (_panel(seed, checked, refused),), findings(seed, checked, refused)
 
 
@@ -225,9 +223,6 @@ def figure(record: Panel, ax):
     x, y = ([table[key][row] for row in rows] for key in ("estimate", "true"))
     ax.loglog(x, y, "o", color=COLOURS["slip"], markersize=5, label="a variation's worst point")
     ends = ax.get_xlim()
-    for factor, style, label in (
-        (PROMISED, "-", "true = 2 estimate"),
-        (1 / MEDIAN, ":", "true = estimate / 10"),
-    ):
+    for factor, style, label in ((PROMISED, "-", "true = 2 estimate"), (1 / MEDIAN, ":", "true = estimate / 10")):
         ax.plot(ends, [factor * end for end in ends], style, color=COLOURS["line"], linewidth=1, label=label)
     return finished(ax, "estimated relative error (1)", "true relative error (1)", record.title)

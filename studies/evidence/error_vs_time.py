@@ -93,9 +93,7 @@ def run(
         known = measured(f"{kind}, converged", _contact, source, CONVERGED, kind, "exact", truth["motion"])
         for method in methods:
             progress(f"error against time: {kind}, {method}")
-            of_contact += rows(
-                f"{kind}, {method}", _contact, contact_tolerances, known, kind, method, truth["motion"]
-            )
+            of_contact += rows(f"{kind}, {method}", _contact, contact_tolerances, known, kind, method, truth["motion"])
     parts = {"chain": chain, "stator": stator, "contact": of_contact}
     panels = [_panel(name, part, source) for name, part in parts.items()]
     return panels, [each for name, part in parts.items() for each in _findings(name, part)]
@@ -151,9 +149,9 @@ def _contact(source: str, tolerance: float, kind: str, method: str, motion) -> d
     """Velocity of one slider by one method, on the orbit of a motion per volt at the largest level."""
     scene = _scene(source)
     slider = bridge.contact_slider(scene.slider)
-    orbit = contact.Orbit(
-        frequency=scene.frequency, tangential=complex(motion[0]), normal=complex(motion[1])
-    ).scaled(max(scene.levels))
+    orbit = contact.Orbit(frequency=scene.frequency, tangential=complex(motion[0]), normal=complex(motion[1])).scaled(
+        max(scene.levels)
+    )
 
     def work() -> dict:
         if kind == "steady":
@@ -165,11 +163,7 @@ def _contact(source: str, tolerance: float, kind: str, method: str, motion) -> d
                 slider, orbit, duration=duration, after=0.0, tolerance=tolerance, samples=2, method=method
             )
             velocity = answer.velocity_at_burst_end
-        return {
-            "values": [velocity],
-            "scales": [reference_speed(velocity, (orbit,))],
-            "stated": answer.relative_error,
-        }
+        return {"values": [velocity], "scales": [reference_speed(velocity, (orbit,))], "stated": answer.relative_error}
 
     try:
         return _measured(work)

@@ -56,9 +56,7 @@ SAME = 1e-11  # relative difference up to which two answers are equal but for ro
 
 
 @study()
-def run(
-    *, parts: tuple[str, ...] | None = None, blocks: tuple[str, ...] = tuple(COMMANDS), progress=None
-) -> Answered:
+def run(*, parts: tuple[str, ...] | None = None, blocks: tuple[str, ...] = tuple(COMMANDS), progress=None) -> Answered:
     """Return the cost that each omission saves, and how much the answer changes if the part is included.
 
     Parameters
@@ -173,9 +171,7 @@ def _peak(way: Callable) -> int:
 
 def _command(name: str, words: tuple[str, ...]) -> dict:
     """Run a scene in its own process: time, memory, the wave under the slider, and the modules that were imported."""
-    done = subprocess.run(
-        [sys.executable, "-c", CENSUS, *words], capture_output=True, text=True, check=True
-    ).stdout
+    done = subprocess.run([sys.executable, "-c", CENSUS, *words], capture_output=True, text=True, check=True).stdout
     seconds, peak, wave, modules = json.loads(done.splitlines()[-1])
     tops = {module.split(".")[0] for module in modules}
     own = [f"{package} ({sum(each.startswith(package + '.') for each in modules)})" for package in OURS]

@@ -155,18 +155,14 @@ def _one_for_three() -> Answered:
 def _from_rest() -> Answered:
     """Velocity at the end of a burst so long that nothing of the start is left."""
     slider = contact.Slider(**SLIDER | {"tangential_damping": 0.05})
-    motion = contact.burst(
-        slider, _orbits(), duration=0.05, after=0.0, tolerance=1e-3, method="averaged", samples=10
-    )
+    motion = contact.burst(slider, _orbits(), duration=0.05, after=0.0, tolerance=1e-3, method="averaged", samples=10)
     return Answered(values=np.array([motion.velocity_at_burst_end]), unknowns=4)
 
 
 def _with_history() -> Answered:
     slider, orbits = contact.Slider(**SLIDER), _orbits()
     state = contact.steady(slider, orbits, tolerance=1e-9, method="exact")
-    history = contact.contact_history(
-        slider, orbits, stage="steady", skip=0.0, cycles=20.0, points_per_cycle=500.0
-    )
+    history = contact.contact_history(slider, orbits, stage="steady", skip=0.0, cycles=20.0, points_per_cycle=500.0)
     return Answered(values=np.array([state.velocity]), unknowns=4 + np.size(history.time))
 
 

@@ -120,9 +120,7 @@ def figure(record: Panel, ax):
         return finished(ax, "depth (wavelengths)", "displacement over u_z at the surface (1)", record.title)
     true = [max(error, 1e-16) for error in table["relative_error"]]
     curve(ax, table["seconds"], true, "o-", "slip", "true", size=4.0)
-    ax.plot(
-        table["seconds"], table["stated"], "o", color=COLOURS["slip"], markerfacecolor="none", label="stated"
-    )
+    ax.plot(table["seconds"], table["stated"], "o", color=COLOURS["slip"], markerfacecolor="none", label="stated")
     for x, y, unknowns in zip(table["seconds"], true, table["unknowns"], strict=True):
         ax.annotate(str(unknowns), (x, y), fontsize="x-small")
     ax.set(xscale="log", yscale="log")

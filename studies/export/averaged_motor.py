@@ -112,9 +112,7 @@ class AveragedMotor:
     @property
     def load(self) -> float:
         """Load of the scene as a force along +x on the real slider, N: against the first drive's motion."""
-        way = contact.mean_traction(
-            replace(self.slider, load=0.0), self.orbits_at(self.levels[-1]), np.zeros(1)
-        )[0]
+        way = contact.mean_traction(replace(self.slider, load=0.0), self.orbits_at(self.levels[-1]), np.zeros(1))[0]
         return -float(np.copysign(self.slider.load, way)) * self.share + 0.0
 
     def orbits_at(self, level: float) -> tuple:
@@ -136,9 +134,7 @@ class MotorState:
     motor: AveragedMotor = field(repr=False)
     numbers: np.ndarray = field(repr=False)
 
-    def advance(
-        self, duration: float, level: float, *, force: float = 0.0, preload: float | None = None
-    ) -> None:
+    def advance(self, duration: float, level: float, *, force: float = 0.0, preload: float | None = None) -> None:
         """Move on by a duration in s under constant inputs.
 
         Parameters
@@ -159,9 +155,7 @@ class MotorState:
         """
         motor = self.motor
         if level < 0.0 and len(motor.drives) == 1:
-            raise SceneError(
-                "level", f"must be zero or positive: nothing drives the other way, got {level!r}"
-            )
+            raise SceneError("level", f"must be zero or positive: nothing drives the other way, got {level!r}")
         preload = motor.preload if preload is None else preload
         if not preload > 0.0:
             raise SceneError("preload", f"must be positive, got {preload!r} N")
@@ -172,9 +166,7 @@ class MotorState:
     time = property(lambda self: float(self.numbers[index.TIME]))
     position = property(lambda self: float(self.numbers[index.POSITION]))
     velocity = property(lambda self: float(self.numbers[index.VELOCITY]))
-    deformation = property(
-        lambda self: model.deformation(self.motor.parameters, self.motor.tables, self.numbers)
-    )
+    deformation = property(lambda self: model.deformation(self.motor.parameters, self.motor.tables, self.numbers))
     surface_amplitude = property(lambda self: float(self.numbers[index.SURFACE]))
     sticks = property(lambda self: bool(self.numbers[index.STICKS]))
 
@@ -210,14 +202,10 @@ def averaged_motor(
     if slider.friction is not None:
         rule = "must be a number without a law of one's own: the tables of the averaged motor take one coefficient"
         scene.refuse("slider.friction_coefficient", rule)
-    left_out = [
-        "the wave is that at the initial position of the slider: its variation along the way is not included"
-    ]
+    left_out = ["the wave is that at the initial position of the slider: its variation along the way is not included"]
     drives = [_drive(driven, progress, left_out)]
     for other in _other_scenes(scene):
-        drives.append(
-            _drive(driven_contact(other, tolerance=tolerance, progress=progress), progress, left_out)
-        )
+        drives.append(_drive(driven_contact(other, tolerance=tolerance, progress=progress), progress, left_out))
     if driven.scene.wave is not None:
         opposite = tuple(orbit.mirrored() for orbit in driven.orbits)
         drives.append(replace(drives[0], name="wave from the other side", orbits=opposite, mirrored=True))
@@ -262,12 +250,7 @@ def averaged_motor(
 
 def _other_scenes(scene: Scene) -> list[Scene]:
     """Return the scene with its other transducer driven, where there is just one other."""
-    if (
-        scene.wave is not None
-        or scene.crossed
-        or scene.drive.sources is not None
-        or len(scene.transducer) != 2
-    ):
+    if scene.wave is not None or scene.crossed or scene.drive.sources is not None or len(scene.transducer) != 2:
         return []
     name = scene.drive.transducer or scene.driven_transducer.name
     (other,) = (each for each in scene.transducer if each.name != name)
@@ -389,9 +372,7 @@ def _steady(slider, drive: Drive, levels) -> list[tuple[float, float, float, flo
             if error.status != "near the threshold":
                 raise
             continue  # held, or too slow to judge the tables by
-        scale = max(
-            abs(float(mean.velocity)), 0.1 * max(each.omega * abs(each.tangential) for each in orbits)
-        )
+        scale = max(abs(float(mean.velocity)), 0.1 * max(each.omega * abs(each.tangential) for each in orbits))
         if not mean.held:
             known.append((level, float(mean.velocity), float(mean.first_order), scale))
     return known
@@ -404,9 +385,7 @@ def ring_speed(slider, contacts: int) -> float:
     spheres, 1 for flat punches, becomes kinetic energy m v^2/2.
     """
     exponent = 1.5 if slider.shape == "sphere" else 1.0
-    energy = (
-        slider.friction_coefficient * slider.preload * slider.limit_slope * slider.rest_approach(contacts)
-    )
+    energy = slider.friction_coefficient * slider.preload * slider.limit_slope * slider.rest_approach(contacts)
     return float(np.sqrt(2.0 * exponent / (exponent + 1.0) * energy / slider.mass))
 
 

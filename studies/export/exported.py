@@ -13,9 +13,7 @@ class Exported:
 
     files: dict[str, bytes | str] = field(repr=False)
     answer: tuple[tuple[str, str], ...]  # rows of a name and a line, for the reader
-    pictures: dict[str, Callable] = field(
-        default_factory=dict, repr=False
-    )  # file: function that draws on an Axes
+    pictures: dict[str, Callable] = field(default_factory=dict, repr=False)  # file: function that draws on an Axes
     remarks: tuple[str, ...] = ()  # what the user should know, on stderr
 
     def write(self, folder: Path) -> None:

@@ -97,9 +97,7 @@ def _library(sources: dict[str, str], compiled) -> tuple[bytes | None, str]:
     """Return the shared library of the sources, or None and why there is none."""
     command, known = compiler(), PLATFORMS.get((platform.system(), platform.machine()))
     if command is None or known is None:
-        reason = (
-            "no C compiler was found (CC, cc, gcc, clang)" if known else f"{sys.platform} is unknown to it"
-        )
+        reason = "no C compiler was found (CC, cc, gcc, clang)" if known else f"{sys.platform} is unknown to it"
         return None, f"the FMU holds sources but no library, because {reason}: the importer has to compile it"
     with tempfile.TemporaryDirectory() as folder:
         for name, text in sources.items():
@@ -152,9 +150,7 @@ def _variable(motor: AveragedMotor, reference: int, row, fmi: str) -> str:
     name, causality, variability, unit, start, meaning = row
     start = {"load": motor.load, "preload": motor.preload}.get(start, start)
     unit = motor.unit if unit is None else unit
-    head = (
-        f'name="{name}" valueReference="{reference}" description={quoteattr(meaning)} causality="{causality}"'
-    )
+    head = f'name="{name}" valueReference="{reference}" description={quoteattr(meaning)} causality="{causality}"'
     numbers = (f' unit="{unit}"' if unit else "") + ("" if start is None else f' start="{start!r}"')
     kind = "Boolean" if name == "sticks" else {"2": "Real", "3": "Float64"}[fmi]
     if fmi == "3":

@@ -82,9 +82,7 @@ class Recording:
         """What a file says of its noise."""
         if self.noise is None:
             return ()
-        return (
-            f"noise: standard deviation {self.share:g} of the largest value in each part, seed {self.seed}",
-        )
+        return (f"noise: standard deviation {self.share:g} of the largest value in each part, seed {self.seed}",)
 
     def noisy(self, values: np.ndarray, more: int = 0) -> np.ndarray:
         """Return real or complex values with noise; ``more`` is added to the seed."""
@@ -106,9 +104,7 @@ class Recording:
             if not value > 0.0:
                 raise SceneError(f"--{option}", f"must be positive, got {value:g}")
             if scene.slider is None or scene.burst is None or self.scan is not None:
-                raise SceneError(
-                    f"--{option}", "is of an encoder: the scene needs a slider and a burst, and no --scan"
-                )
+                raise SceneError(f"--{option}", "is of an encoder: the scene needs a slider and a burst, and no --scan")
         return encoder
 
 
@@ -148,15 +144,11 @@ def uff_files(scene: Scene, name: str, recording: Recording, *, tolerance: float
         scan_uff(taken, path, remarks)
         content = path.read_bytes()
     return Exported(
-        files={f"{name}.uff": content},
-        answer=_said(taken, remarks),
-        pictures={"scan.png": lambda ax: _draw(taken, ax)},
+        files={f"{name}.uff": content}, answer=_said(taken, remarks), pictures={"scan.png": lambda ax: _draw(taken, ax)}
     )
 
 
-def touchstone_files(
-    scene: Scene, name: str, recording: Recording, *, tolerance: float, progress
-) -> Exported:
+def touchstone_files(scene: Scene, name: str, recording: Recording, *, tolerance: float, progress) -> Exported:
     """Return NAME.sNp, the S-parameters of all transducers with two combs, in the scene's order."""
     import fem
 
@@ -182,26 +174,20 @@ def vtu_files(scene: Scene, name: str, *, tolerance: float, progress) -> Exporte
     if not scene.transducer:
         scene.refuse("transducer", "is missing: the field of a driven stator is written")
     drive = replace(scene.drive, burst=None)
-    record = run(
-        replace(scene, drive=drive, uncertain=None, slider=None), tolerance=tolerance, progress=progress
-    )
+    record = run(replace(scene, drive=drive, uncertain=None, slider=None), tolerance=tolerance, progress=progress)
     with TemporaryDirectory() as folder:
         write_run(record, Path(folder), field=True)
         kept = {each.name: each.read_bytes() for each in Path(folder).iterdir() if each.suffix == ".vtu"}
     return Exported(files=dict(sorted(kept.items())), answer=(("field", ", ".join(sorted(kept))),))
 
 
-def virtual_scan(
-    scene: Scene, recording: Recording, tolerance: float, progress
-) -> tuple[Scan, tuple[str, ...]]:
+def virtual_scan(scene: Scene, recording: Recording, tolerance: float, progress) -> tuple[Scan, tuple[str, ...]]:
     """Return what a vibrometer would record per volt, u_z, and remarks."""
     kind, share = recording.scan or "x", recording.share
     if kind not in SCANS:
         raise SceneError("--scan", f"must be one of {', '.join(SCANS)}, got {kind!r}")
     if recording.band is not None and kind != "frequency":
-        raise SceneError(
-            "--band", f"is for --scan frequency and the format touchstone, not for --scan {kind}"
-        )
+        raise SceneError("--band", f"is for --scan frequency and the format touchstone, not for --scan {kind}")
     resolved = passband.driven_scene(scene)
     empty = placed(resolved, _points(resolved, kind, recording.band))
     motion = predicted_scan(resolved, empty, tolerance=tolerance, progress=progress)
@@ -210,11 +196,7 @@ def virtual_scan(
         empty, name="scan", values=recording.noisy(motion),
         deviation=np.full(len(motion), size) if size > 0.0 else None,
     )  # fmt: skip
-    return taken, (
-        resolved.title or "untitled",
-        "u_z per volt of the source, peak, exp(+i omega t)",
-        *recording.remark,
-    )
+    return taken, (resolved.title or "untitled", "u_z per volt of the source, peak, exp(+i omega t)", *recording.remark)
 
 
 def _points(scene: Scene, kind: str, band) -> Scan:
@@ -275,9 +257,7 @@ def _trace(scene: Scene, recording: Recording, encoder: dict[str, float], tolera
         if "sampling" in encoder:
             curve = averaged(path.time, curve, encoder["sampling"], path.time)
         columns[head] = recording.noisy(curve, more)
-    filters = tuple(
-        f"{name} {value:g} {'Hz' if name == 'bandwidth' else 's'}" for name, value in encoder.items()
-    )
+    filters = tuple(f"{name} {value:g} {'Hz' if name == 'bandwidth' else 's'}" for name, value in encoder.items())
     rows = {head: values[1:] for head, values in columns.items()}
     return csv_text(rows, (scene.title, *filters, *recording.remark))
 

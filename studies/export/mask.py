@@ -110,23 +110,17 @@ def mask(scene: Scene, sizes: Sizes | None = None) -> Mask:
         scene.refuse("transducer", "is missing: a mask draws transducers")
     resolved = resolve.resolved(scene)
     for said in resolve.whole_stator(resolved).other_fingers(resolve.transducers(resolved)):
-        raise SceneError(
-            "transducer", f"must have the fingers of the mesh, as a mask follows the block: {said}"
-        )
+        raise SceneError("transducer", f"must have the fingers of the mesh, as a mask follows the block: {said}")
     length, width = resolved.stator.length, resolved.stator.width
     exact = [each for block in resolved.transducer for each in _transducer(block, sizes, length, width)]
     polygons = [replace(each, corners=_snapped(each.corners, sizes.grid)) for each in exact]
     _refuse_outside(polygons, length, width, sizes)
     _refuse_contact(polygons)
-    polygons += [
-        replace(each, corners=_snapped(each.corners, sizes.grid)) for each in _marks(length, width, sizes)
-    ]
+    polygons += [replace(each, corners=_snapped(each.corners, sizes.grid)) for each in _marks(length, width, sizes)]
     _refuse_covered_marks(polygons)
     box = np.array([[0.0, -width / 2], [length, -width / 2], [length, width / 2], [0.0, width / 2]])
     polygons.append(Polygon(layer="outline", transducer="", comb="", corners=_snapped(box, sizes.grid)))
-    shifts = [
-        float(np.abs(new.corners - old.corners).max()) for new, old in zip(polygons, exact, strict=False)
-    ]
+    shifts = [float(np.abs(new.corners - old.corners).max()) for new, old in zip(polygons, exact, strict=False)]
     return Mask(
         title=resolved.title or "untitled", polygons=tuple(polygons), grid=sizes.grid,
         transducers=tuple(block.name for block in resolved.transducer), length=length, width=width, shift=max(shifts),
@@ -166,15 +160,9 @@ def _transducer(block: Transducer, sizes: Sizes, length: float, width: float) ->
         yield polygon("busbars", sign, first, last, *sorted((side_sign * inner, side_sign * outer)))
         side = sizes.pad
         if side is None:
-            side = min(
-                PAD_PERIODS * block.wavelength,
-                last - first,
-                _pad_room(block, side_sign, outer, length, width),
-            )
+            side = min(PAD_PERIODS * block.wavelength, last - first, _pad_room(block, side_sign, outer, length, width))
         if side > 0.0:
-            yield polygon(
-                "pads", sign, -side / 2, side / 2, *sorted((side_sign * outer, side_sign * (outer + side)))
-            )
+            yield polygon("pads", sign, -side / 2, side / 2, *sorted((side_sign * outer, side_sign * (outer + side))))
 
 
 def _pad_room(block: Transducer, side_sign: float, outer: float, length: float, width: float) -> float:
@@ -194,20 +182,7 @@ def _marks(length: float, width: float, sizes: Sizes) -> Iterator[Polygon]:
     if sizes.mark == 0.0:
         return
     a, b = sizes.mark / 2, sizes.mark / 20
-    cross = [
-        (-a, -b),
-        (-b, -b),
-        (-b, -a),
-        (b, -a),
-        (b, -b),
-        (a, -b),
-        (a, b),
-        (b, b),
-        (b, a),
-        (-b, a),
-        (-b, b),
-        (-a, b),
-    ]
+    cross = [(-a, -b), (-b, -b), (-b, -a), (b, -a), (b, -b), (a, -b), (a, b), (b, b), (b, a), (-b, a), (-b, b), (-a, b)]
     for x in (sizes.margin, length - sizes.margin):
         for y in (sizes.margin - width / 2, width / 2 - sizes.margin):
             yield Polygon(layer="marks", transducer="", comb="", corners=np.array(cross) + np.array([x, y]))
@@ -232,9 +207,7 @@ def _refuse_outside(polygons, length: float, width: float, sizes: Sizes) -> None
 
 def _refuse_contact(polygons) -> None:
     """Raise an error if polygons of different combs touch."""
-    boxes = np.array(
-        [np.concatenate([each.corners.min(axis=0), each.corners.max(axis=0)]) for each in polygons]
-    )
+    boxes = np.array([np.concatenate([each.corners.min(axis=0), each.corners.max(axis=0)]) for each in polygons])
     owner = [(each.transducer, each.comb, k if each.comb == "o" else -1) for k, each in enumerate(polygons)]
     order = np.argsort(boxes[:, 0])
     for position, k in enumerate(order):
@@ -244,9 +217,7 @@ def _refuse_contact(polygons) -> None:
         for other in candidates:
             one, two = polygons[k], polygons[other]
             if owner[k] != owner[other] and not apart(one.corners, two.corners):
-                names = " and ".join(
-                    f"{each.layer} {each.comb} of {each.transducer!r}" for each in (one, two)
-                )
+                names = " and ".join(f"{each.layer} {each.comb} of {each.transducer!r}" for each in (one, two))
                 rule = f"{names} touch: smaller size.pad, size.busbar or size.grid help"
                 raise SceneError("transducer", rule)
 
@@ -301,9 +272,7 @@ def draw(mask: Mask, ax, *, beam: bool) -> None:
         if corners:
             face = "none" if comb == "" else colour
             label = {"": None, "o": "open strips"}.get(comb, f"comb {comb}")
-            ax.add_collection(
-                PolyCollection(corners, facecolors=face, edgecolors=colour, linewidths=0.4, label=label)
-            )
+            ax.add_collection(PolyCollection(corners, facecolors=face, edgecolors=colour, linewidths=0.4, label=label))
     ax.set_xlim(-0.02e3 * mask.length, 1.02e3 * mask.length)
     ax.set_ylim(-0.52e3 * mask.width, 0.52e3 * mask.width)
     ax.set_aspect("equal")
@@ -320,9 +289,7 @@ def gds(mask: Mask) -> bytes:
     gdstk = needed("gdstk", "a mask")
     precision = min(GDS_PRECISION, mask.grid)
     if max(mask.length, mask.width) / precision > MAX_COORDINATE:
-        raise SceneError(
-            "size.grid", f"must be at least {max(mask.length, mask.width) / MAX_COORDINATE:.2g} m here"
-        )
+        raise SceneError("size.grid", f"must be at least {max(mask.length, mask.width) / MAX_COORDINATE:.2g} m here")
     library = gdstk.Library("sawmotor", unit=1e-6, precision=precision)
     cell = library.new_cell("CHIP")
     for each in mask.polygons:
@@ -371,6 +338,4 @@ def layer_name(polygon: Polygon) -> str:
 def layer_table(mask: Mask) -> str:
     """Return the layers of the GDSII file as CSV."""
     rows = {(LAYERS[each.layer], datatype(mask, each)): layer_name(each) for each in mask.polygons}
-    return "layer,datatype,name\n" + "".join(
-        f"{layer},{kind},{name}\n" for (layer, kind), name in sorted(rows.items())
-    )
+    return "layer,datatype,name\n" + "".join(f"{layer},{kind},{name}\n" for (layer, kind), name in sorted(rows.items()))

@@ -9,27 +9,21 @@ from studies.export.mask import Mask, Sizes, draw, dxf, gds, layer_table, mask
 from studies.scene import Scene
 
 
-def gds_files(
-    scene: Scene, name: str, *, size: list[str] | None = None, tolerance: float, progress
-) -> Exported:
+def gds_files(scene: Scene, name: str, *, size: list[str] | None = None, tolerance: float, progress) -> Exported:
     """Return NAME.gds and a table of its layers."""
     drawn = mask(scene, Sizes.read(size or []))
     files = {f"{name}.gds": gds(drawn), "layers.csv": layer_table(drawn)}
     return _exported(drawn, files, scene, tolerance, progress)
 
 
-def dxf_files(
-    scene: Scene, name: str, *, size: list[str] | None = None, tolerance: float, progress
-) -> Exported:
+def dxf_files(scene: Scene, name: str, *, size: list[str] | None = None, tolerance: float, progress) -> Exported:
     """Return NAME.dxf."""
     drawn = mask(scene, Sizes.read(size or []))
     return _exported(drawn, {f"{name}.dxf": dxf(drawn)}, scene, tolerance, progress)
 
 
 def _exported(drawn: Mask, files, scene: Scene, tolerance: float, progress) -> Exported:
-    counts = {
-        layer: sum(each.layer == layer for each in drawn.polygons) for layer in ("fingers", "busbars", "pads")
-    }
+    counts = {layer: sum(each.layer == layer for each in drawn.polygons) for layer in ("fingers", "busbars", "pads")}
     shift, widening = (round(each * 1e9, 3) for each in (drawn.shift, drawn.width_error))  # nm
     answer = (
         ("mask", f"{drawn.title}: chip {drawn.length * 1e3:g} mm x {drawn.width * 1e3:g} mm, unit 1 um"),
@@ -38,9 +32,7 @@ def _exported(drawn: Mask, files, scene: Scene, tolerance: float, progress) -> E
                  f"{widening:g} nm; narrowest gap {drawn.gap * 1e6:.4g} um"),
     )  # fmt: skip
     return Exported(
-        files=files,
-        answer=answer,
-        pictures={"mask.png": lambda ax: _picture(drawn, scene, ax, tolerance, progress)},
+        files=files, answer=answer, pictures={"mask.png": lambda ax: _picture(drawn, scene, ax, tolerance, progress)}
     )
 
 
@@ -54,16 +46,12 @@ def _picture(drawn: Mask, scene: Scene, ax, tolerance: float, progress) -> None:
         progress("the beam, for the picture")
         alone = replace(scene, slider=None, uncertain=None, stator=replace(scene.stator, diffraction=True))
         drive = replace(alone.drive, burst=None, voltage=(max(scene.levels),))
-        beam = run(
-            replace(alone, drive=drive), tolerance=max(tolerance, 1e-2), progress=progress
-        ).surface_motion.beam
+        beam = run(replace(alone, drive=drive), tolerance=max(tolerance, 1e-2), progress=progress).surface_motion.beam
     if beam is not None:
         _, _, motion = surface_map(beam, scene.stator)
         size = np.abs(motion[2]).T * 1e9
         top = float(np.quantile(size, 0.995))
         edges = (0.0, scene.stator.length * 1e3, -scene.stator.width * 5e2, scene.stator.width * 5e2)
-        image = ax.imshow(
-            size, origin="lower", extent=edges, cmap="viridis", vmin=0.0, vmax=top, aspect="equal"
-        )
+        image = ax.imshow(size, origin="lower", extent=edges, cmap="viridis", vmin=0.0, vmax=top, aspect="equal")
         ax.figure.colorbar(image, ax=ax, label="|u_z| (nm per V)", shrink=0.7)
     draw(drawn, ax, beam=beam is not None)

@@ -49,9 +49,7 @@ def tables(motor: AveragedMotor) -> dict[str, str]:
         whole = np.hstack([forces[0, :, :0:-1], forces[1, :, 1:]])
         limits = np.column_stack([forces[0, :, 0], forces[1, :, 0]])
         signed = np.concatenate([-nu[:0:-1], nu[1:]])
-        columns = ",".join(
-            ["tau", "g_at_0_from_below", "g_at_0_from_above", *(f"g_at_nu={v:.8g}" for v in signed)]
-        )
+        columns = ",".join(["tau", "g_at_0_from_below", "g_at_0_from_above", *(f"g_at_nu={v:.8g}" for v in signed)])
         parts[f"mean_force_{label}.csv"] = own + columns + "\n" + _rows(np.column_stack([tau, limits, whole]))
         if drive.response is not None:
             response = drive.response

@@ -26,9 +26,7 @@ def write_design(design: "Design", folder: Path) -> None:
 
 def draw_design(design: "Design", path: Path) -> None:
     """Draw the goal against the evaluations, or the front of two goals, into a PNG file."""
-    columns = [
-        next(name for name in GOALS[goal][0] if design.optimum.get(name) is not None) for goal in design.goals
-    ]
+    columns = [next(name for name in GOALS[goal][0] if design.optimum.get(name) is not None) for goal in design.goals]
     rows = [row for row in design.rows if all(row.get(name) is not None for name in columns)]
 
     single, axes = len(columns) == 1, [quantity(name) for name in columns]
@@ -39,10 +37,7 @@ def draw_design(design: "Design", path: Path) -> None:
     def drawn(ax):
         looks = ((rows, ".", "stick", "evaluations"), (best, "o-", "intermittent", label))
         for some, marks, colour, name in looks:
-            values = [
-                [abs(row[name]) * each.scale for row in some]
-                for name, each in zip(columns, axes, strict=True)
-            ]
+            values = [[abs(row[name]) * each.scale for row in some] for name, each in zip(columns, axes, strict=True)]
             at = [[rows.index(row) for row in some], *values] if single else values
             ax.plot(*at, marks, color=COLOURS[colour], markersize=4, label=name)
         finished(ax, "evaluation" if single else axes[0].axis, axes[-1].axis, "")

@@ -32,11 +32,7 @@ class Direction:
     def sentence(self) -> str:
         """The direction in words."""
         keys = list(self.components)
-        how = (
-            "has no effect on these data"
-            if self.exact
-            else "is not determined by these data within its range"
-        )
+        how = "has no effect on these data" if self.exact else "is not determined by these data within its range"
         if len(keys) == 1:
             return f"{keys[0]} {how}"
         if len(keys) == 2:
@@ -48,16 +44,12 @@ class Direction:
             return f"{a} and {b} trade off: only {a}^{power:.2g} * {b} is determined"
         up = [_powered(key, size) for key, size in self.components.items() if size > 0]
         down = [_powered(key, -size) for key, size in self.components.items() if size < 0]
-        changes = " and ".join(
-            f"{', '.join(each)} {way}" for each, way in ((up, "up"), (down, "down")) if each
-        )
+        changes = " and ".join(f"{', '.join(each)} {way}" for each, way in ((up, "up"), (down, "down")) if each)
         how = "nothing in these data" if self.exact else "too little in these data"
         return f"{changes} by one factor changes {how}: only products and ratios that stay the same are determined"
 
 
-def undetermined(
-    jacobian: np.ndarray, parameters: tuple[Parameter, ...], half_width: np.ndarray
-) -> list[Direction]:
+def undetermined(jacobian: np.ndarray, parameters: tuple[Parameter, ...], half_width: np.ndarray) -> list[Direction]:
     """Return the directions of the free numbers that the measurements leave undetermined.
 
     ``jacobian``: of the residuals in standard deviations, with columns of systematic errors at the end;

@@ -37,9 +37,7 @@ def planned(table: dict, parameters: tuple[Parameter, ...], *, also, tolerance: 
     if level is not None and level not in keys:
         levels = value_at(table, level)
         table = replaced(table, level, max(levels) if isinstance(levels, (list, tuple)) else levels)
-    plan = designed(
-        table, {each.key: [each.low, each.high] for each in parameters}, tolerance=tolerance, also=also
-    )
+    plan = designed(table, {each.key: [each.low, each.high] for each in parameters}, tolerance=tolerance, also=also)
     moved = any(key in PLACE_KEYS for key in keys)  # each point has its own places
     return replace(plan, question=replace(plan.question, places=())) if moved else plan
 
@@ -85,9 +83,7 @@ class Evaluations:
         return [self.rows[self.known[own]] for own in values]
 
     def _read(self, first: int) -> None:
-        cursor = self.store.connection.execute(
-            "select * from points where point >= ? order by point", (first,)
-        )
+        cursor = self.store.connection.execute("select * from points where point >= ? order by point", (first,))
         names = [entry[0] for entry in cursor.description]
         for row in cursor.fetchmany(len(self.asked) - first):
             evaluation = dict(zip(names, row, strict=True))

@@ -42,17 +42,13 @@ def fit_answer(fit: "Fit") -> str:
         factor, unit = scaled_unit(value, each.unit)
         low, high = ends
         width = abs(value) if low is None or high is None else high - low
-        digits = max(
-            4, 3 + math.ceil(-math.log10(max(width / (abs(value) or 1.0), 1e-12)))
-        )  # show the interval
+        digits = max(4, 3 + math.ceil(-math.log10(max(width / (abs(value) or 1.0), 1e-12))))  # show the interval
         texts = ("open" if end is None else f"{end * factor:.{digits}g}" for end in ends)
         rows.append([each.key, f"{value * factor:.{digits + 1}g}", *texts, unit])
     notes = [("goodness of fit", _goodness(fit))]
     notes += [("undetermined", each.sentence) for each in fit.directions]
     for rival in fit.rivals:
-        at = ", ".join(
-            f"{each.key} = {si(rival[each.key], each.unit, 4)}".rstrip() for each in fit.problem.parameters
-        )
+        at = ", ".join(f"{each.key} = {si(rival[each.key], each.unit, 4)}".rstrip() for each in fit.problem.parameters)
         notes.append(("also possible", f"{at}: another minimum that these data do not rule out"))
     for key, both in fit.ends.items():
         notes += [("open", f"{key} {way}: {end.because}") for way, end in zip(("below", "above"), both, strict=True)
@@ -135,15 +131,11 @@ def _draw(fit: "Fit", measurement: Measurement, residuals, upper, lower) -> None
     where, best, low, high = fit.band(measurement)
     values, scatter = np.array([measurement.values, measurement.deviations])
     seen = np.array(at)
-    if (
-        measurement.scan is not None and measurement.scan.is_complex
-    ):  # a wave of many periods: its size is drawn
+    if measurement.scan is not None and measurement.scan.is_complex:  # a wave of many periods: its size is drawn
         half = len(where) // 2
         real, imaginary = best[:half], best[half:]
         best = np.hypot(real, imaginary)
-        spread = np.hypot(real * (high - low)[:half], imaginary * (high - low)[half:]) / np.maximum(
-            best, 1e-300
-        )
+        spread = np.hypot(real * (high - low)[:half], imaginary * (high - low)[half:]) / np.maximum(best, 1e-300)
         where, low, high = where[:half], best - 0.5 * spread, best + 0.5 * spread
         seen, values, scatter = seen[:half], np.hypot(values[:half], values[half:]), scatter[:half]
     elif data is not None:  # real and imaginary parts lie on one axis: a line each
@@ -158,9 +150,7 @@ def _draw(fit: "Fit", measurement: Measurement, residuals, upper, lower) -> None
         seen * scale, values * factor, yerr=scatter * factor, fmt="o", color=COLOURS["line"], markersize=size,
         linewidth=0.8, capsize=size - 1.5, label="measured, 1 standard deviation",
     )  # fmt: skip
-    fixed = [
-        f"{key} = {value:g}" for key, value in measurement.settings.items() if isinstance(value, (int, float))
-    ]
+    fixed = [f"{key} = {value:g}" for key, value in measurement.settings.items() if isinstance(value, (int, float))]
     title = " ".join([measurement.name, *([f"({', '.join(fixed)})"] if fixed else [])])
     finished(upper, "", drawn.axis, title, columns=0)
     upper.legend(frameon=False, fontsize="small", loc="best")

@@ -19,13 +19,7 @@ from studies.chain.scan_prediction import placed, refuse_other_range
 from studies.inverse.directions import Direction, direction, undetermined
 from studies.inverse.least_squares import CLEARLY, Problem
 from studies.inverse.next_measurement import ranked
-from studies.inverse.parameters import (
-    AMPLITUDE_FACTOR,
-    AMPLITUDE_PER_VOLT,
-    Parameter,
-    as_measurements,
-    as_parameters,
-)
+from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT, Parameter, as_measurements, as_parameters
 from studies.inverse.prediction import MeasurementPredictor
 from studies.inverse.profile import BetterMinimumError, End, allowed_excess, profile
 from studies.inverse.result import Fit
@@ -150,10 +144,7 @@ def _explored(problem: Any, minima: Any, degrees: Any, estimated: Any) -> Fit:
             ends[parameter.key] = (None, None)
             continue
         tried = problem, [(best, least), *rivals], j
-        ends[parameter.key] = (
-            _outermost(*tried, -1.0, step, allowed),
-            _outermost(*tried, 1.0, step, allowed),
-        )
+        ends[parameter.key] = (_outermost(*tried, -1.0, step, allowed), _outermost(*tried, 1.0, step, allowed))
     directions += _open_directions(problem, best, ends, lost)
     problem.predictor.begin("fit: next measurements")
     informs = _informed(problem, slopes, information)
@@ -190,9 +181,7 @@ def _outermost(problem: Any, minima: Any, j: int, sign: float, step: float, allo
 
 def _nearest(problem: Problem, best: Any, least: Any, directions: Any) -> np.ndarray:
     """Return the minimum nearest to the scene's own values, along directions of no effect."""
-    ways = [
-        [each.components.get(p.key, 0.0) for p in problem.parameters] for each in directions if each.exact
-    ]
+    ways = [[each.components.get(p.key, 0.0) for p in problem.parameters] for each in directions if each.exact]
     if not ways:
         return best
     basis = np.linalg.qr(np.array(ways).T)[0]
@@ -239,9 +228,7 @@ def _refuse(predictor: MeasurementPredictor, measurements: Any, parameters: Any)
         if keys.count(key) > 1:
             raise SceneError(f"parameters {key}", "is given twice")
         if key == AMPLITUDE_FACTOR and predictor.given_wave:
-            raise SceneError(
-                f"parameters {key}", "needs a stator; with a given [wave] free amplitude_per_volt"
-            )
+            raise SceneError(f"parameters {key}", "needs a stator; with a given [wave] free amplitude_per_volt")
         if key == AMPLITUDE_PER_VOLT and not predictor.given_wave:
             raise SceneError(f"parameters {key}", "needs a given [wave]; with a stator free amplitude_factor")
         if "." in key:  # an end of the range that the scene refuses is refused by name
@@ -271,8 +258,6 @@ def _signed(problem: Problem) -> tuple[Measurement, ...]:
     predicted, signed = problem.predictions(problem.starts()[:8]), []
     for k, each in enumerate(problem.measurements):
         total = np.nansum([values[k] for values in predicted])
-        unsigned = (
-            each.quantity in ("velocity", "burst", "position") and min(each.values) >= 0.0 and total < 0.0
-        )
+        unsigned = each.quantity in ("velocity", "burst", "position") and min(each.values) >= 0.0 and total < 0.0
         signed.append(replace(each, values=tuple(-value for value in each.values)) if unsigned else each)
     return tuple(signed)

@@ -75,11 +75,7 @@ def read_constraint(text: str) -> Constraint:
         if isinstance(bound, tuple):
             bound = bound[0]
     else:
-        raise SceneError(
-            f"constraints {name}", f"is no outcome and no key of a scene{nearest(name, BOUNDED)}"
-        )
+        raise SceneError(f"constraints {name}", f"is no outcome and no key of a scene{nearest(name, BOUNDED)}")
     if isinstance(bound, bool) or not isinstance(bound, (int, float)) or not math.isfinite(bound):
         raise SceneError(f"constraints {name}", f"must be compared with a number, got {shown(value)}")
-    return Constraint(
-        text=" ".join(text.split()), column=column, also=also, upper=sign == "<=", bound=float(bound)
-    )
+    return Constraint(text=" ".join(text.split()), column=column, also=also, upper=sign == "<=", bound=float(bound))

@@ -76,8 +76,7 @@ class Problem:
         for x, predicted in zip(xs, self.predictions(xs), strict=True):
             shared = dict(zip(self.systematic, x[len(self.parameters) :], strict=True))
             parts = [
-                (np.array(each.values) - np.nan_to_num(values) * (1.0 + shared.get(k, 0.0)))
-                / np.array(each.deviations)
+                (np.array(each.values) - np.nan_to_num(values) * (1.0 + shared.get(k, 0.0))) / np.array(each.deviations)
                 for k, (each, values) in enumerate(zip(self.measurements, predicted, strict=True))
             ]
             parts += [[shift / self.measurements[k].systematic] for k, shift in shared.items()]
@@ -133,9 +132,7 @@ class Problem:
             if not all(self._parted(starts[k], other, squares[k]) for other, _ in solutions):
                 continue  # in the valley of a minimum that is known
             x, least = self.minimum(starts[k])
-            same = [
-                n for n, (other, size) in enumerate(solutions) if not self._parted(x, other, max(least, size))
-            ]
+            same = [n for n, (other, size) in enumerate(solutions) if not self._parted(x, other, max(least, size))]
             better = [n for n in same if least < solutions[n][1] - CLEARLY * max(1.0, least)]
             solutions = [each for n, each in enumerate(solutions) if n not in better]
             if not same or better:

@@ -35,12 +35,8 @@ def candidates(problem: Problem) -> list[Measurement]:
     predictor, own = problem.predictor, {each.quantity: each for each in reversed(problem.measurements)}
     own_levels = "normal_amplitude_m" if predictor.given_wave else "voltage_V"
     moving = [each for each in problem.measurements if each.quantity not in FIELD]
-    base = own.get(
-        "velocity", moving[0] if moving else Measurement(name="", quantity="none", level_key=own_levels)
-    )
-    levels = (
-        base.levels or tuple(sorted(predictor.contact(base.settings).scene.levels))[-1 if moving else 0 :]
-    )
+    base = own.get("velocity", moving[0] if moving else Measurement(name="", quantity="none", level_key=own_levels))
+    levels = base.levels or tuple(sorted(predictor.contact(base.settings).scene.levels))[-1 if moving else 0 :]
     top, imagined = max(levels), []
     if not moving and predictor.slider:
         spread = tuple(np.linspace(min(levels), top, 12)) if len(levels) > 1 else levels
@@ -68,12 +64,7 @@ def candidates(problem: Problem) -> list[Measurement]:
             time = tuple(np.linspace(0.02, 1.0, INSTANTS) * length)
             think(f"v(t) of a burst of {length:.2g} s", "burst", settings=settings, time=time)
     if predictor.slider:
-        think(
-            "frequency of the tangential ring-down",
-            "ring-down frequency",
-            at=(),
-            deviations=(FREQUENCY_ERROR,),
-        )
+        think("frequency of the tangential ring-down", "ring-down frequency", at=(), deviations=(FREQUENCY_ERROR,))
     sizes = (AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT)
     if any(p.key in sizes or predictor.needs_stator(p.key) for p in problem.parameters):
         think("surface amplitude under the slider (vibrometer)", "amplitude", deviations=(AMPLITUDE_ERROR,),
@@ -86,9 +77,7 @@ def ranked(problem: Problem, best: np.ndarray, information: np.ndarray) -> list[
 
     ``information``: Fisher information of the data and the ranges, over x.
     """
-    shares = [
-        np.array(each.deviations) / (np.max(np.abs(each.values)) or 1e-300) for each in problem.measurements
-    ]
+    shares = [np.array(each.deviations) / (np.max(np.abs(each.values)) or 1e-300) for each in problem.measurements]
     spread = float(np.median(np.concatenate(shares)))  # typical relative deviation in the data
     before, gains = np.sqrt(np.diag(np.linalg.inv(information))), []
     for each in candidates(problem):

@@ -61,8 +61,7 @@ class Design:
     def __repr__(self) -> str:
         """Return the goals, the variables of the best motor and the number of evaluations on one line."""
         best = ", ".join(
-            f"{key} = {si(self.optimum[key], unit_of(rule_at(key)) or '', 4)}".rstrip()
-            for key in self.robustness
+            f"{key} = {si(self.optimum[key], unit_of(rule_at(key)) or '', 4)}".rstrip() for key in self.robustness
         )
         return f"Design({' and '.join(self.goals)}: {best}, {self.evaluations} evaluations)"
 
@@ -123,19 +122,14 @@ def design(
         if plan.question.stator_keys:  # of the stator, or the slider's place
             coarse = stack.enter_context(Evaluations(*shared, coarse=True))
         searcher = Search(ask, coarse, tuple(variables), tuple(constraints), tuple(goals), options.seed)
-        scale = [
-            searcher.run([1.0 if k == j else 0.0 for k in range(len(goals))], budget)
-            for j in range(len(goals))
-        ]
+        scale = [searcher.run([1.0 if k == j else 0.0 for k in range(len(goals))], budget) for j in range(len(goals))]
         if len(goals) == 2:
             searcher.best_of_each = scale
             for weight in WEIGHTS:
                 searcher.run([1.0 - weight, weight], budget)
         feasible = searcher.feasible(ask.rows)
         if not feasible:
-            raise RunError(
-                f"none of {len(ask.rows)} evaluations keeps all constraints: {_closest(searcher, ask.rows)}"
-            )
+            raise RunError(f"none of {len(ask.rows)} evaluations keeps all constraints: {_closest(searcher, ask.rows)}")
         front = _front(feasible, searcher)
         optimum = front[len(front) // 2]
         rows = [*([] if coarse is None else coarse.rows), *ask.rows]
@@ -167,13 +161,9 @@ def _robustness(searcher: Search, optimum: dict) -> dict:
         rows = searcher.ask([(*own[:k], end, *own[k + 1 :]) for end in ends])
         broken = [searcher.broken(row) for row in rows]
         left = [
-            searcher.goal(row, goal) / base if size < UNKNOWN else 0.0
-            for row, size in zip(rows, broken, strict=True)
+            searcher.goal(row, goal) / base if size < UNKNOWN else 0.0 for row, size in zip(rows, broken, strict=True)
         ]
-        robustness[each.key] = {
-            "least_share_of_goal": min(left, default=0.0),
-            "keeps_constraints": not any(broken),
-        }
+        robustness[each.key] = {"least_share_of_goal": min(left, default=0.0), "keeps_constraints": not any(broken)}
     return robustness
 
 

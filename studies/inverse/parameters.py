@@ -219,7 +219,5 @@ def _number(option: str, key: str, text: str) -> float:
     rule = (OWN.get(key) or rule_at(key)).number
     value = rule.read(key, toml_value(text)) if isinstance(rule, Quantity) else None
     if isinstance(value, bool) or not isinstance(value, float):
-        raise SceneError(
-            f"{option} {key}", f"must be a number of a scene, such as a length, got {shown(text)}"
-        )
+        raise SceneError(f"{option} {key}", f"must be a number of a scene, such as a length, got {shown(text)}")
     return value

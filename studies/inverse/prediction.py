@@ -49,9 +49,7 @@ class MeasurementPredictor(Predictor):
         if scene.wave is None and not scene.transducer:
             scene.refuse("transducer", "is missing: nothing drives the slider")
         has_slider = scene.slider is not None
-        super().__init__(
-            resolved(scene).to_table(), tolerance=tolerance, steps=1, progress=progress, slider=has_slider
-        )
+        super().__init__(resolved(scene).to_table(), tolerance=tolerance, steps=1, progress=progress, slider=has_slider)
         self._fields: dict = {}  # of scans and networks that are known, by the stator and the data
         self._stage, self._total, self._done, self._told = "", 0, 0, 0.0
 
@@ -148,9 +146,7 @@ class MeasurementPredictor(Predictor):
         if not scan.is_complex:
             return np.abs(motion)
         if measurement.values:
-            motion = motion * np.exp(
-                1j * np.angle(np.vdot(motion, scan.as_displacement(scene.frequency).values))
-            )
+            motion = motion * np.exp(1j * np.angle(np.vdot(motion, scan.as_displacement(scene.frequency).values)))
         return np.concatenate([motion.real, motion.imag])
 
     def _keep(self, key, data, values) -> None:
@@ -184,9 +180,7 @@ class MeasurementPredictor(Predictor):
         answers = steady_answers(states, self.tolerance)
         return np.array([answer.get("velocity_m_per_s", math.nan) for answer in answers])
 
-    def _burst(
-        self, measurement: Measurement, driven: DrivenContact, level: float, numbers: dict
-    ) -> np.ndarray:
+    def _burst(self, measurement: Measurement, driven: DrivenContact, level: float, numbers: dict) -> np.ndarray:
         """Return v, or the position, at the instants of a burst, whose surface rings up and fades as in a run.
 
         What the instrument does to it - its bandwidth, its own origin of time - is done to the prediction.
@@ -194,9 +188,7 @@ class MeasurementPredictor(Predictor):
         duration = driven.scene.burst
         if duration is None:
             key = "wave.burst" if self.given_wave else "drive.burst"
-            raise SceneError(
-                f"measurements {measurement.name}", f'holds a burst: give {key}="0.1 s" with the file'
-            )
+            raise SceneError(f"measurements {measurement.name}", f'holds a burst: give {key}="0.1 s" with the file')
         driven = replace(driven, ringing=self.ring_up(driven))
         (speed,) = self.velocities([(driven, level)])
         offset = float(numbers.get(TIME_OFFSET, 0.0))

@@ -44,9 +44,7 @@ def allowed_excess(degrees: int | None) -> float:
     return float(chi2.ppf(LEVEL, 1) if degrees is None else f.ppf(LEVEL, 1, degrees))
 
 
-def profile(
-    problem: Problem, minimum: tuple, least: float, j: int, *, sign: float, step: float, allowed: float
-) -> End:
+def profile(problem: Problem, minimum: tuple, least: float, j: int, *, sign: float, step: float, allowed: float) -> End:
     """Return the end of the interval of component j, downwards (``sign`` -1) or upwards.
 
     ``minimum``: where the profile begins, and the sum of squares there; ``least``: that from which the excess counts;
@@ -60,9 +58,7 @@ def profile(
         """Return by how much the square root of the excess is beyond its end."""
         if distance not in at:
             nearest = max((each for each in at if each < distance), default=0.0)
-            at[distance] = problem.minimum(
-                _between(at[nearest][0], best, j, best[j] + sign * distance), fixed=j
-            )
+            at[distance] = problem.minimum(_between(at[nearest][0], best, j, best[j] + sign * distance), fixed=j)
         here, squares = at[distance]
         if squares < least - BETTER * max(1.0, least):
             raise BetterMinimumError(here)

@@ -75,10 +75,7 @@ class Residual:
         x = self._inner(values)
         count = len(self.parameters)
         slopes = self._problem.jacobian(x)[:, :count]
-        scale = [
-            each.outer(part) if each.logarithmic else 1.0
-            for each, part in zip(self.parameters, x, strict=False)
-        ]
+        scale = [each.outer(part) if each.logarithmic else 1.0 for each, part in zip(self.parameters, x, strict=False)]
         return slopes / np.array(scale)
 
     def lmfit_parameters(self) -> Any:

@@ -26,9 +26,7 @@ class Search:
     weighs both goals.
     """
 
-    def __init__(
-        self, ask: Evaluations, coarse: Evaluations | None, variables, constraints, goals, seed: int
-    ):
+    def __init__(self, ask: Evaluations, coarse: Evaluations | None, variables, constraints, goals, seed: int):
         self.ask, self.coarse = ask, coarse
         self.variables, self.constraints, self.goals, self.seed = variables, constraints, goals, seed
         self.best_of_each: list[float] | None = None
@@ -114,10 +112,7 @@ class Search:
             row = at(part)
             return INFEASIBLE if self.broken(row) >= UNKNOWN else -self.merit(row, weights) / scale
 
-        limits = [
-            {"type": "ineq", "fun": lambda part, each=each: -each.excess(at(part))}
-            for each in self.constraints
-        ]
+        limits = [{"type": "ineq", "fun": lambda part, each=each: -each.excess(at(part))} for each in self.constraints]
         radius = RADIUS if self.coarse is None else 10 * RADIUS
         minimize(
             size, np.array(start, float)[free], method="COBYQA", bounds=[(0.0, 1.0)] * len(free), constraints=limits,

@@ -143,9 +143,7 @@ def both_sides(
     return dict(zip(keys, zip(changes[0::2], changes[1::2], strict=True), strict=True))
 
 
-def _answers(
-    predictor: MeasurementPredictor, outcome: str, level: float, many: list[dict[str, float]]
-) -> np.ndarray:
+def _answers(predictor: MeasurementPredictor, outcome: str, level: float, many: list[dict[str, float]]) -> np.ndarray:
     """Return an answer for each set of factors by key, "level" among the keys; NaN where there is none.
 
     A stator that cannot be solved raises RunError: a number must not be missing in silence.
@@ -153,11 +151,7 @@ def _answers(
     column, also = ANSWERS[outcome]
     level_key = "wave.normal_amplitude" if predictor.given_wave else "drive.voltage"
     changes = [
-        {
-            key: float(predictor.value(key) or 0.0) * factor
-            for key, factor in factors.items()
-            if key != "level"
-        }
+        {key: float(predictor.value(key) or 0.0) * factor for key, factor in factors.items() if key != "level"}
         | {level_key: level * factors.get("level", 1.0)}
         for factors in many
     ]
@@ -207,9 +201,7 @@ def _checks(predictor: MeasurementPredictor, rows: dict, level: float) -> list[F
         preload, modulus, friction = (rows[key][0] for key in law)
         total = preload + modulus - friction
         sentence = "Preload and modulus up, friction coefficient down by one factor change nothing."
-        findings.append(
-            judged(sentence, "sum of the elasticities", abs(total), high=1e-3, expected="0 to 1e-3")
-        )
+        findings.append(judged(sentence, "sum of the elasticities", abs(total), high=1e-3, expected="0 to 1e-3"))
     return findings
 
 
@@ -248,9 +240,7 @@ def tables(record: StudyRecord) -> dict[str, str]:
 @of_record
 def figure(record: Panel, ax):
     """Draw what 1 % more and 1 % less of each number make of one answer, and its elasticity, the largest on top."""
-    rows = [
-        row for row in zip(*(record.data[name] for name in COLUMNS), strict=True) if abs(row[1]) >= NO_EFFECT
-    ]
+    rows = [row for row in zip(*(record.data[name] for name in COLUMNS), strict=True) if abs(row[1]) >= NO_EFFECT]
     rows = rows[:MAX_DRAWN]
     for side, (colour, label, sign) in enumerate((("slip", "1 % more", 1), ("intermittent", "1 % less", -1))):
         changes = [100 * (row[3 + side] or 0.0) for row in rows]

@@ -97,13 +97,9 @@ class CsvColumns:
 
     def deviation(self, nouns: tuple[str, ...], units: dict[str, float]) -> tuple[float, ...] | None:
         """Return the first of the columns ``nouns`` that exists, in SI units, or None; it must be positive."""
-        bare = next(
-            (name for name in ("error", "velocity_error", "sigma", "uncertainty") if name in self.names), None
-        )
+        bare = next((name for name in ("error", "velocity_error", "sigma", "uncertainty") if name in self.names), None)
         if bare is not None:
-            rule = f"the column {bare} has no unit; name it " + " or ".join(
-                f"{nouns[0]}_{unit}" for unit in units
-            )
+            rule = f"the column {bare} has no unit; name it " + " or ".join(f"{nouns[0]}_{unit}" for unit in units)
             raise SceneError(self.option, f"{str(self.path)!r}: {rule}")
         noun = next((noun for noun in nouns for unit in units if f"{noun}_{unit}" in self.names), None)
         if noun is None:

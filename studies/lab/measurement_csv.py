@@ -47,9 +47,7 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
     levels = voltage or amplitude or ()
     if min(levels, default=0.0) < 0.0:
         raise SceneError(option, f"{str(path)!r}: voltages and amplitudes must be zero or positive")
-    if time is not None and (
-        list(time) != sorted(set(time)) or time[-1] <= 0.0
-    ):  # before 0: ahead of the trigger
+    if time is not None and (list(time) != sorted(set(time)) or time[-1] <= 0.0):  # before 0: ahead of the trigger
         raise SceneError(option, f"{str(path)!r}: time must rise from point to point, to a time after 0")
     if velocity is not None and time is not None:
         quantity, values = "burst", velocity
@@ -64,14 +62,10 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
         quantity, values = "amplitude", amplitude
     else:
         wanted = "voltage_V or normal_amplitude_m with velocity_m_per_s, voltage_V with normal_amplitude_m, "
-        wanted += (
-            "time_s with velocity_m_per_s or position_m, or x_m with u_z_real_m_per_V and u_z_imag_m_per_V"
-        )
+        wanted += "time_s with velocity_m_per_s or position_m, or x_m with u_z_real_m_per_V and u_z_imag_m_per_V"
         bracketed = any(sign in name for name in table.names for sign in "[( ")
         hint = ": a head is a name and its unit, such as x_mm or u_z_real_pm" if bracketed else ""
-        raise SceneError(
-            option, f"{str(path)!r} must have the columns {wanted}; got {', '.join(table.names)}{hint}"
-        )
+        raise SceneError(option, f"{str(path)!r} must have the columns {wanted}; got {', '.join(table.names)}{hint}")
     if quantity == "amplitude":
         deviations = table.deviation(("normal_amplitude_standard_deviation",), LENGTHS)
     elif quantity == "position":
@@ -92,6 +86,4 @@ def measured_scan(scan: Scan) -> Measurement:
         scan = scan.at_volts(None).as_displacement(0.0)
     count = 2 if scan.is_complex else 1
     deviations = None if scan.deviation is None else tuple(scan.deviation) * count
-    return Measurement(
-        name=scan.name, quantity="scan", values=tuple(scan.flat()), deviations=deviations, scan=scan
-    )
+    return Measurement(name=scan.name, quantity="scan", values=tuple(scan.flat()), deviations=deviations, scan=scan)

@@ -74,9 +74,7 @@ def read_network(path: Path, option: str) -> NetworkData:
         raise SceneError(option, f"{str(path)!r} cannot be read: {error.strerror}") from None
     except Exception as error:  # scikit-rf raises what its parser happens to stumble over
         text = " ".join(str(error).split())
-        raise SceneError(
-            option, f"{path.name!r} is no Touchstone file of {ports['ports']} ports: {text}"
-        ) from None
+        raise SceneError(option, f"{path.name!r} is no Touchstone file of {ports['ports']} ports: {text}") from None
     if network.f.size == 0 or network.nports != int(ports["ports"]):
         rule = f"must hold S-parameters of {ports['ports']} ports, got {network.f.size} frequencies"
         raise SceneError(option, f"{path.name!r} {rule} of {network.nports} ports")

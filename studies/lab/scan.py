@@ -145,9 +145,7 @@ def scan_of_columns(columns: CsvColumns) -> Scan:
         columns.column("frequency", FREQUENCIES),
     )
     if x is None and y is None and frequency is None:
-        raise columns.error(
-            f"must have a column x_UNIT, y_UNIT or frequency_UNIT, got {', '.join(columns.names)}"
-        )
+        raise columns.error(f"must have a column x_UNIT, y_UNIT or frequency_UNIT, got {', '.join(columns.names)}")
     values, unit = _values(columns, noun, units)
     deviation = columns.column(f"{noun}_standard_deviation", units)
     if deviation is not None and np.min(deviation[0]) <= 0.0:
@@ -225,14 +223,10 @@ def scan_uff(scan: Scan, path: Path, remarks: tuple[str, ...] = ()) -> None:
     """Write a scan into a UFF file, with one dataset 58 (ASCII) per line of positions or for all frequencies."""
     by_frequency = scan.kind == "frequency"
     file = needed("pyuff", "a UFF file").UFF(str(path))
-    lines = (
-        [np.arange(len(scan.x))] if by_frequency else [np.flatnonzero(scan.y == y) for y in np.unique(scan.y)]
-    )
+    lines = [np.arange(len(scan.x))] if by_frequency else [np.flatnonzero(scan.y == y) for y in np.unique(scan.y)]
     for number, line in enumerate(lines, 1):
         if len(line) < 2:
-            raise SceneError(
-                "--format", "uff needs at least two points on each line along x: ask for more, or for csv"
-            )
+            raise SceneError("--format", "uff needs at least two points on each line along x: ask for more, or for csv")
         along = scan.coordinate if by_frequency else scan.x
         order = line[np.argsort(along[line])]
         abscissa, first = along[order], order[0]
@@ -297,17 +291,9 @@ def _scan_of_dataset(dataset: dict, path: Path, option: str) -> Scan:
     abscissa = {FREQUENCY: FREQUENCIES, GENERAL: PLACES, DISPLACEMENT: PLACES}.get(kind, {})
     if length not in abscissa:
         expected = "frequencies (data type 18, Hz) or places (1 or 8, m or mm)"
-        raise file_error(
-            path, option, f"must have {expected} as abscissa, got type {kind} in {length or 'no unit'}"
-        )
-    points, values = (
-        np.array(dataset["x"], float) * abscissa[length],
-        np.array(dataset["data"]) * base[unit],
-    )
-    position_match, volts = (
-        PLACE.search(str(dataset["id4"])),
-        re.search(r"voltage = (\S+) V", str(dataset["id5"])),
-    )
+        raise file_error(path, option, f"must have {expected} as abscissa, got type {kind} in {length or 'no unit'}")
+    points, values = (np.array(dataset["x"], float) * abscissa[length], np.array(dataset["data"]) * base[unit])
+    position_match, volts = (PLACE.search(str(dataset["id4"])), re.search(r"voltage = (\S+) V", str(dataset["id5"])))
     start = (float(position_match["x"]), float(position_match["y"])) if position_match else (np.nan, 0.0)
     direction = abs(int(dataset["rsp_dir"])) or 3
     by_frequency = kind == FREQUENCY

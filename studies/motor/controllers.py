@@ -170,11 +170,7 @@ class TwoPhase:
             return no_drive
         memory["settled"] = False
         phase = "step" if abs(error) < self.single else "burst"
-        level = (
-            min(self.fine * motor.dead_zone, motor.level)
-            if phase == "step" and motor.dead_zone
-            else motor.level
-        )
+        level = min(self.fine * motor.dead_zone, motor.level) if phase == "step" and motor.dead_zone else motor.level
         gain = memory["gains"].get(phase, memory["gains"]["burst"])
         length = min(math.sqrt(self.gain * abs(error) / gain), MAX_BURST)
         memory |= {"from": position, "stepped": (phase, length, math.copysign(1.0, error))}
@@ -257,15 +253,12 @@ def controller(name: str, settings: dict[str, float]) -> Callable[[Reading], Com
             raise SceneError("--loop", f"{next(iter(settings))} is no number of a controller of one's own")
         return _user_controller(name)
     if name not in CONTROLLERS:
-        raise SceneError(
-            "--controller", f"{name!r} does not exist{nearest(name, [*CONTROLLERS, 'FILE.py:FUNCTION'])}"
-        )
+        raise SceneError("--controller", f"{name!r} does not exist{nearest(name, [*CONTROLLERS, 'FILE.py:FUNCTION'])}")
     known = CONTROLLERS[name]()
     for key in settings:
         if key not in known.__dataclass_fields__:
             raise SceneError(
-                "--loop",
-                f"{key} is no number of the loop or of {name}{nearest(key, known.__dataclass_fields__)}",
+                "--loop", f"{key} is no number of the loop or of {name}{nearest(key, known.__dataclass_fields__)}"
             )
     if "readings" in settings:
         settings = settings | {"readings": int(settings["readings"])}
@@ -299,14 +292,10 @@ def _user_controller(name: str) -> Callable[[Reading], Command]:
         level, duration = answer if isinstance(answer, tuple) else (answer, reading.period)
         numbers = (int, float)
         if not (
-            isinstance(level, numbers)
-            and isinstance(duration, numbers)
-            and math.isfinite(level)
-            and duration >= 0.0
+            isinstance(level, numbers) and isinstance(duration, numbers) and math.isfinite(level) and duration >= 0.0
         ):
             raise SceneError(
-                "--controller",
-                f"{name} must return a finite level, or a level and a duration in s, got {answer!r}",
+                "--controller", f"{name} must return a finite level, or a level and a duration in s, got {answer!r}"
             )
         return Command(level=float(level), duration=min(float(duration), MAX_BURST), phase="own")
 

@@ -39,9 +39,7 @@ PANELS = {
 
 
 @study("twente-contact")
-def run(
-    scene: Scene, *, over: dict | None = None, counts: tuple[int, int] = (28, 22), progress=None
-) -> Answered:
+def run(scene: Scene, *, over: dict | None = None, counts: tuple[int, int] = (28, 22), progress=None) -> Answered:
     """Return the maps, the lines of threshold and release, and the point of the scene.
 
     Parameters
@@ -56,9 +54,7 @@ def run(
         resolved_scene.refuse("slider", "is missing: without one there is nothing to map")
     table = resolved_scene.to_table()
     level = level_key(table) or ""
-    axes = [
-        axis(key, values) for key, values in (over or _default_axes(resolved_scene, level, counts)).items()
-    ]
+    axes = [axis(key, values) for key, values in (over or _default_axes(resolved_scene, level, counts)).items()]
     _check(axes)
     (x_key, y_key), (x, y) = (each.keys[0] for each in axes), (each.columns[0] for each in axes)
     own = {f"own_{side}": _own(table, key) for side, key in (("x", x_key), ("y", y_key))}
@@ -105,10 +101,7 @@ def run(
     slider = resolved_scene.slider
     preload, mu = (
         np.reshape(columns.get(f"slider.{key}", [value] * known.size), shape).astype(float)
-        for key, value in (
-            ("preload", slider.preload_force),
-            ("friction_coefficient", slider.static_coefficient),
-        )
+        for key, value in (("preload", slider.preload_force), ("friction_coefficient", slider.static_coefficient))
     )
     findings = (
         *(judged(f"The closed form of the {name} separates the regimes.", "fraction of points on the expected side",
@@ -189,9 +182,7 @@ def _default_axes(scene: Scene, level: str, counts: tuple[int, int]) -> dict:
     columns = sweep(table, {}, also=("limits",), tolerance=1e-2).columns()
     factors = columns["threshold_factor"][0], columns["release_factor"][0]
     if None in factors:
-        raise SceneError(
-            "over", "must be given twice: this scene has no threshold or release to choose axes by"
-        )
+        raise SceneError("over", "must be given twice: this scene has no threshold or release to choose axes by")
     low, high = (max(scene.levels) * factor for factor in factors)
     return {
         level: np.geomspace(0.4 * low, 6.0 * high, counts[0]),

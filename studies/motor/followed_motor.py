@@ -32,9 +32,7 @@ HEIGHT, CLIMB, SPEED, PLACE, STRAIN = range(5)
 class FollowedMotor:
     """A motor that starts at rest, with the interface of `studies.export.averaged_motor.MotorState`."""
 
-    def __init__(
-        self, motor: AveragedMotor, *, force: float = 0.0, preload: float | None = None, steps: int = STEPS
-    ):
+    def __init__(self, motor: AveragedMotor, *, force: float = 0.0, preload: float | None = None, steps: int = STEPS):
         drives, slider = motor.drives, motor.slider
         self.motor, self.time, self.steps = motor, 0.0, steps
         self.omega = drives[0].orbits[0].omega
@@ -55,9 +53,7 @@ class FollowedMotor:
     velocity = property(lambda self: float(self.state[SPEED]))
     deformation = property(lambda self: float(np.mean(self.state[STRAIN:])))
 
-    def advance(
-        self, duration: float, level: float, *, force: float = 0.0, preload: float | None = None
-    ) -> None:
+    def advance(self, duration: float, level: float, *, force: float = 0.0, preload: float | None = None) -> None:
         """Integrate over a duration in s with constant inputs, as `MotorState.advance`."""
         if duration <= 0.0:
             return

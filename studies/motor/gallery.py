@@ -77,9 +77,7 @@ def run(
     if not loaded.transducer or loaded.slider is None:
         loaded.refuse("transducer", "and slider are needed: the gallery shows a whole motor")
     progress("running the scene")
-    record = run_chain(
-        replace(loaded, drive=replace(loaded.drive, burst=None)), tolerance=1e-3, progress=progress
-    )
+    record = run_chain(replace(loaded, drive=replace(loaded.drive, burst=None)), tolerance=1e-3, progress=progress)
     wave_field, driven = run_field(record, progress=progress), DrivenContact.of_run(record)
     moving = driven.above(1.0)
     voltage, *voltages = (
@@ -93,8 +91,7 @@ def run(
     duration = float(f"{LONG * largest / acceleration:.2g}")
     options = {"duration": duration, "after": duration, "tolerance": 1e-3, "samples": 1500}
     bursts = tuple(
-        (driven.named(level), contact.burst(slider, driven.at(level), **options))
-        for level in dict.fromkeys(voltages)
+        (driven.named(level), contact.burst(slider, driven.at(level), **options)) for level in dict.fromkeys(voltages)
     )
     studies = (regime_map, admittance) if maps else ()
     return Gallery(

@@ -145,9 +145,7 @@ def read_loop(settings: list[str], name: str):
             raise SceneError(f"--loop {key}", f"must be zero or positive, got {value}")
         if key in ("period", "limit", "preload", "readings", "gain") and not number > 0.0:
             raise SceneError(f"--loop {key}", f"must be positive, got {value}")
-        (loop_settings if key in loop_keys else controller_settings)[key] = (
-            int(number) if key == "seed" else number
-        )
+        (loop_settings if key in loop_keys else controller_settings)[key] = int(number) if key == "seed" else number
     controller(name, controller_settings)  # check the settings before any computation
     return Loop(**loop_settings), lambda: controller(name, controller_settings)
 
@@ -172,9 +170,7 @@ def refuse_beyond(scene: Scene, distance: float) -> None:
         elif each.place[0] > max(places):
             high = min(high, each.place[0] - half - max(places))
     if not low < distance < high:
-        rule = (
-            f"must keep the slider on the free surface, {low * 1e3:.4g} to {high * 1e3:.4g} mm from its place"
-        )
+        rule = f"must keep the slider on the free surface, {low * 1e3:.4g} to {high * 1e3:.4g} mm from its place"
         raise SceneError("--target", f"{rule}, got {distance * 1e3:.4g} mm")
 
 
@@ -186,8 +182,7 @@ def motor_numbers(motor: AveragedMotor) -> tuple[MotorNumbers, float]:
     dead_zone_level = float(contact.threshold_factor(slider, drive.orbits))
     if push == 0.0 or dead_zone_level >= level:
         raise SceneError(
-            "drive.voltage",
-            f"must reach above the threshold, {dead_zone_level:.4g} {motor.unit}, got {level:.4g}",
+            "drive.voltage", f"must reach above the threshold, {dead_zone_level:.4g} {motor.unit}, got {level:.4g}"
         )
     steady = abs(float(contact.mean_motion(slider, orbits).velocity))
     numbers = MotorNumbers(
@@ -227,17 +222,12 @@ def _move_in_words(name: str, move: Move) -> Iterator[tuple[str, str]]:
     yield "", f"drives: {counts}; {move.cycles:.0f} cycles{energy}"
 
 
-def _errors_in_words(
-    motor: AveragedMotor, error: float, averaging: tuple[float, float]
-) -> list[tuple[str, str]]:
+def _errors_in_words(motor: AveragedMotor, error: float, averaging: tuple[float, float]) -> list[tuple[str, str]]:
     """Return lines of text on the error of the positions and on the difference of the averaged motor."""
     largest, last = averaging
     speed = ring_speed(motor.slider, len(motor.drives[0].orbits))
     return [
-        (
-            "error",
-            f"of the positions: at most {error * 1e9:.2g} nm (difference from half as many steps per cycle)",
-        ),
+        ("error", f"of the positions: at most {error * 1e9:.2g} nm (difference from half as many steps per cycle)"),
         ("averaging", f"the averaged motor under the same drive differs by at most {largest * 1e9:.2g} nm,"),
         ("", f"{last * 1e9:.2g} nm at the end: it loses the phase of a ring of up to {speed * 1e6:.2g} um/s"),
     ]
@@ -258,14 +248,7 @@ def figure(record: Panel, ax):
     for name, colour in (("there", "slip"), ("back", "stick")):
         if f"{name}_time_s" in data:
             at, target = data[f"{name}_time_s"] * 1e3, data[f"{name}_target_m"] * 1e9
-            curve(
-                ax,
-                at,
-                data[f"{name}_position_m"] * 1e9 - target,
-                "-",
-                colour,
-                f"{name}, to {target / 1e3:g} um",
-            )
+            curve(ax, at, data[f"{name}_position_m"] * 1e9 - target, "-", colour, f"{name}, to {target / 1e3:g} um")
     ax.axhspan(-2.0, 2.0, color=COLOURS["line"], alpha=0.15, linewidth=0, label="2 nm")
     ax.set_yscale("symlog", linthresh=2.0)
     return finished(ax, "time (ms)", "position less the target (nm)", record.title, columns=3)

@@ -30,9 +30,7 @@ HALF_WAVE = math.gamma(1.25) / (2.0 * math.sqrt(math.pi) * math.gamma(1.75))  # 
 
 
 @study("twente-contact")
-def run(
-    scene: Scene, *, amplitudes: int = 36, preloads: int = 28, checked: int = 12, progress=None
-) -> Answered:
+def run(scene: Scene, *, amplitudes: int = 36, preloads: int = 28, checked: int = 12, progress=None) -> Answered:
     """Return the map of regimes, the theoretical lines and the operating points.
 
     Parameters
@@ -100,8 +98,7 @@ def _grid(driven: DrivenContact, per_metre: tuple, amplitudes: int, preloads: in
     release = contact.release_factor(driven.slider, per_metre)
     if not (np.isfinite(threshold) and np.isfinite(release) and threshold > 0.0):
         driven.scene.refuse(
-            driven.level_key,
-            "must move the surface in both directions, so that the slider can start and part",
+            driven.level_key, "must move the surface in both directions, so that the slider can start and part"
         )
     at = np.geomspace(min(0.4 * threshold, 0.8 * reach[0]), max(6.0 * release, 1.2 * reach[-1]), amplitudes)
     return at, driven.slider.preload * np.geomspace(0.08, 12.0, preloads), reach
@@ -136,6 +133,4 @@ def figure(record: Panel, ax):
     ax.set_xlim(A[0], A[-1])
     logarithmic(ax.xaxis)
     logarithmic(ax.yaxis)
-    return finished(
-        ax, quantity("normal_amplitude_m").axis, quantity("preload_N").axis, record.title, grid=False
-    )
+    return finished(ax, quantity("normal_amplitude_m").axis, quantity("preload_N").axis, record.title, grid=False)

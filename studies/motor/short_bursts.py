@@ -55,41 +55,30 @@ def step_scatter(scene: Scene, motor: AveragedMotor, progress) -> tuple[float, f
     if scene.uncertain is None:
         return None
     progress("positioning: scatter by the tolerances")
-    uncertain_inputs = [
-        each for each in tolerances(resolved(scene)) if each.key in LEVELS or not of_stator(each.key)
-    ]
+    uncertain_inputs = [each for each in tolerances(resolved(scene)) if each.key in LEVELS or not of_stator(each.key)]
     if not uncertain_inputs:
         return None
     predictor = Predictor(resolved(replace(scene, uncertain=None)).to_table(), tolerance=1e-2, steps=1)
     random, steps = np.random.default_rng(0), []
     for _ in range(DRAWS):
         # half-widths are 95 % intervals; assume that the inputs vary from step to step by their full uncertainty
-        sample = {
-            each.key: each.value + each.half_width / 1.96 * random.standard_normal()
-            for each in uncertain_inputs
-        }
+        sample = {each.key: each.value + each.half_width / 1.96 * random.standard_normal() for each in uncertain_inputs}
         level = motor.levels[-1] * next((value for key, value in sample.items() if key in LEVELS), 1.0)
         driven = predictor.contact({key: value for key, value in sample.items() if key not in LEVELS})
         steps.append(contact.step(driven.slider, driven.at(level), cycles=SCATTER_CYCLES).displacement)
     return float(np.mean(steps)), float(np.std(steps, ddof=1))
 
 
-def steps_in_words(
-    steps: dict, difference: float, scatter: tuple[float, float] | None
-) -> list[tuple[str, str]]:
+def steps_in_words(steps: dict, difference: float, scatter: tuple[float, float] | None) -> list[tuple[str, str]]:
     """Return the results on short bursts as pairs of a label and a line of text."""
     rows = [("elastic", f"the contacts deform by {steps['elastic_m'] * 1e9:.3g} nm before they slip")]
     elastic = np.flatnonzero(np.abs(steps["exact_m"]) < steps["elastic_m"])
     if elastic.size:
         k = int(elastic[-1])
         farthest, remaining = (f"{steps[key][k] * 1e9:+.3g} nm" for key in ("farthest_m", "exact_m"))
-        text = (
-            f"{steps['cycles'][k]} cycles move the slider by up to {farthest}; it moves back to {remaining}"
-        )
+        text = f"{steps['cycles'][k]} cycles move the slider by up to {farthest}; it moves back to {remaining}"
         rows.append(("", text))
-    rows.append(
-        ("", f"the averaged motor's steps differ by at most {difference * 1e9:.2g} nm from the exact ones")
-    )
+    rows.append(("", f"the averaged motor's steps differ by at most {difference * 1e9:.2g} nm from the exact ones"))
     if scatter is not None:
         mean, deviation = (f"{value * 1e9:.{digits}g}" for value, digits in zip(scatter, (4, 3), strict=True))
         rows.append(("scatter", f"{SCATTER_CYCLES} cycles: {mean} +- {deviation} nm due to [uncertain]"))

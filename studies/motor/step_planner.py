@@ -43,12 +43,7 @@ HOLLOW = {"markersize": 5.0, "markerfacecolor": "white"}
 
 @study("twente-contact")
 def run(
-    scene: Scene,
-    *,
-    cycles: tuple[int, ...] = CYCLES,
-    wanted: tuple[float, ...] = WANTED,
-    lines: int = 4,
-    progress=None,
+    scene: Scene, *, cycles: tuple[int, ...] = CYCLES, wanted: tuple[float, ...] = WANTED, lines: int = 4, progress=None
 ) -> Answered:
     """Return the steps of given numbers of cycles, and the numbers of cycles for given steps.
 
@@ -75,9 +70,7 @@ def run(
     slowest = levels[0]
     steady = contact.mean_motion(driven.slider, driven.at(slowest)).velocity
     level_name = "amplitude " if driven.scene.wave is not None else ""
-    plan_texts = [
-        f"{level_name}{name}: {', '.join(map(_plan, wanted, numbers))}" for name, numbers in counts.items()
-    ]
+    plan_texts = [f"{level_name}{name}: {', '.join(map(_plan, wanted, numbers))}" for name, numbers in counts.items()]
     findings = [
         judged("The planned number of cycles reaches the step, and one cycle less does not.",
                "smallest step that was planned, m",
@@ -114,12 +107,8 @@ def _plan(size: float, number: int) -> str:
 
 def _growth(clear, steady: float, bursts: Steps, level: float) -> Iterator[Finding]:
     """Yield the findings on steps much larger than the ring: their growth, and the integral of the velocity."""
-    min_cycles = max(
-        SETTLINGS * bursts.settling * bursts.driven.scene.frequency, DECAYS * _bouncing(bursts, level)
-    )
-    uniform = [
-        each for each in clear if abs(each.velocity) < FAR * abs(steady) and each.cycles >= min_cycles
-    ][-2:]
+    min_cycles = max(SETTLINGS * bursts.settling * bursts.driven.scene.frequency, DECAYS * _bouncing(bursts, level))
+    uniform = [each for each in clear if abs(each.velocity) < FAR * abs(steady) and each.cycles >= min_cycles][-2:]
     if len(uniform) == 2:
         short, long = uniform
         exponent = math.log(long.displacement / short.displacement) / math.log(long.cycles / short.cycles)

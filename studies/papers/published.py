@@ -70,9 +70,7 @@ KUROSAWA = Source(
         "air": Unknown(name="R_t", taken=0.0, swept=(0.0, 5e-6), unit="N s/m"),
         # of the stator
         "pairs": Unknown(name="finger pairs", taken=10, swept=(5, 10, 20)),
-        "material": Unknown(
-            name="constants", taken="LiNbO3 (Kovacs)", swept=("LiNbO3 (Kovacs)", "LiNbO3 (Warner)")
-        ),
+        "material": Unknown(name="constants", taken="LiNbO3 (Kovacs)", swept=("LiNbO3 (Kovacs)", "LiNbO3 (Warner)")),
     },
 )
 TANGENTIAL_OVER_NORMAL = 0.21  # G*/E* of steel on lithium niobate

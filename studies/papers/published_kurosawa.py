@@ -31,9 +31,7 @@ def ball(case: dict):
         contact_damping=0.0, normal_damping=NORMAL_DAMPING, tangential_damping=case["air"],
     )  # fmt: skip
     amplitude = case["amplitude"]
-    orbit = contact.Orbit(
-        frequency=case["frequency"], normal=amplitude, tangential=-1j * case["ratio"] * amplitude
-    )
+    orbit = contact.Orbit(frequency=case["frequency"], normal=amplitude, tangential=-1j * case["ratio"] * amplitude)
     return slider, orbit
 
 
@@ -64,20 +62,13 @@ def per_volt(*, pairs: int, material: str) -> float:
     solid = fem.rotated(fem.material(material), "128YX")
     frequency = KUROSAWA.published["frequency_Hz"]
     stator = fem.Stator(solid=solid, length=1.0, thickness=math.inf, ends="absorbing")
-    row = fem.Transducer(
-        name="driven", center=0.5, finger_pairs=pairs, period=1.0, metallisation=0.5, aperture=9e-3
-    )
+    row = fem.Transducer(name="driven", center=0.5, finger_pairs=pairs, period=1.0, metallisation=0.5, aperture=9e-3)
     period = fem.best_period(stator, row, frequency)
     length = (pairs + 20) * period
     stator = replace(stator, length=length)
     transducer = replace(row, period=period, center=(pairs / 2 + 2) * period)
     place = length - 5 * period
     wave = fem.driven_wave(
-        stator,
-        (transducer,),
-        frequency=frequency,
-        drive="driven",
-        tolerance=STATOR_TOLERANCE,
-        places=(place,),
+        stator, (transducer,), frequency=frequency, drive="driven", tolerance=STATOR_TOLERANCE, places=(place,)
     )
     return float(abs(wave.normal_at(place)))

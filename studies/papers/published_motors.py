@@ -100,13 +100,7 @@ def tables(record: StudyRecord) -> dict[str, str]:
         texts = [_stated(row), values[0], f"{values[1]} to {values[2]}"]
         cells = [row["motor"], row["quantity"], *(f"{text} {unit}".rstrip() for text in texts)]
         table.append([*cells, row["swept"], row["most"], row["verdict"]])
-    lines = [
-        *markdown(head, table),
-        "",
-        "Left aside:",
-        "",
-        *(f"- {what}: {why}." for what, why in LEFT_ASIDE),
-    ]
+    lines = [*markdown(head, table), "", "Left aside:", "", *(f"- {what}: {why}." for what, why in LEFT_ASIDE)]
     file = io.StringIO()
     writer = csv.DictWriter(file, list(data), lineterminator="\n")
     writer.writeheader()
@@ -135,10 +129,7 @@ def _kurosawa(progress) -> list[dict]:
         rows.append(_row(motor, quantity, published[key], what, known, swept, unit, scale))
     swept = {name: unknowns[name] for name in ("friction", "preload", "frequency", "law")}
     amplitude = published["amplitude_m"]
-    return [
-        *rows,
-        _row(motor, "amplitude its speed needs", amplitude, needed_amplitude, known, swept, "nm", 1e9),
-    ]
+    return [*rows, _row(motor, "amplitude its speed needs", amplitude, needed_amplitude, known, swept, "nm", 1e9)]
 
 
 def _known(unknowns: dict) -> dict:
@@ -256,15 +247,11 @@ def _shigematsu() -> list[dict]:
     """Return steps of 25 cycles, and of as many as no source at hand states: the slider's mass decides."""
     unknowns = {
         "mass": Unknown(name="mass", taken=5e-3, swept=(1e-3, 20e-3), unit="g", scale=1e3),
-        "amplitude": Unknown(
-            name="amplitude at 100 V", taken=10e-9, swept=(5e-9, 20e-9), unit="nm", scale=1e9
-        ),
+        "amplitude": Unknown(name="amplitude at 100 V", taken=10e-9, swept=(5e-9, 20e-9), unit="nm", scale=1e9),
     }
     rows = []
     for published, taken, swept in ((2e-9, 25, None), (0.5e-9, 12, (5, 25)), (40e-9, 110, (50, 250))):
-        own = unknowns | (
-            {} if swept is None else {"cycles": Unknown(name="cycles", taken=taken, swept=swept)}
-        )
+        own = unknowns | ({} if swept is None else {"cycles": Unknown(name="cycles", taken=taken, swept=swept)})
         known = {name: each.taken for name, each in unknowns.items()} | {"cycles": taken}
         what = "step of 25 cycles at 30 N" if swept is None else f"step of {published * 1e9:g} nm at 30 N"
         rows.append(_row(MOTORS[6], what, published, _step, known, own, "nm", 1e9))
@@ -282,11 +269,7 @@ def _crest() -> list[dict]:
     def speed_of_crest(case):
         return sliders.crest_speed(4.7e-9, case["frequency"])
 
-    known, swept, what = (
-        {"frequency": frequency.taken},
-        {"frequency": frequency},
-        "the crest's own speed at 4.7 nm",
-    )
+    known, swept, what = ({"frequency": frequency.taken}, {"frequency": frequency}, "the crest's own speed at 4.7 nm")
     return [_row(MOTORS[7], what, (0.245, 0.255), speed_of_crest, known, swept, "m/s", 1.0)]
 
 

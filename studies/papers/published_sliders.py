@@ -96,9 +96,7 @@ def _traction_at_rest(amplitude: float, frequency: float, preload: float) -> flo
     return abs(contact.pillar_traction(body, passing)(0.0))
 
 
-def shigematsu_step(
-    mass: float, *, cycles: int = 25, amplitude: float = 20e-9, preload: float = 30.0
-) -> float:
+def shigematsu_step(mass: float, *, cycles: int = 25, amplitude: float = 20e-9, preload: float = 30.0) -> float:
     """Return how far a burst of so many cycles moves a slider of a mass in kg, m.
 
     The traction of a slider that has hardly moved is that at rest; friction mu F stops it afterwards.

@@ -25,14 +25,7 @@ from studies.study import Answered, Panel, judged, of_record, study
 
 FREQUENCY, PERIOD, APERTURE, THICKNESS, PAIRS, STRIP_PAIRS = 9.61e6, 400e-6, 9e-3, 1.5e-3, 21, 32
 ELECTRODES = {"open": "o", "connected": "+"}
-SCALES = (
-    1.0,
-    1.0075,
-    1.015,
-    1.0225,
-    1.03,
-    1.0375,
-)  # open strips reflect most at 1.028, connected ones at 1.015
+SCALES = (1.0, 1.0075, 1.015, 1.0225, 1.03, 1.0375)  # open strips reflect most at 1.028, connected ones at 1.015
 PATH = Unknown(name="power left after the path", taken=0.9, swept=(0.8, 1.0))
 READING = Unknown(name="20.5 V: peak over stated value", taken=1.0, swept=(0.5, 1.0))
 PLACES = 400  # distances looked at in half a wavelength, after which a reflection's phase repeats

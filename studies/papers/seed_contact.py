@@ -16,10 +16,7 @@ def _contact_panel(name: str, title: str, history, unit: tuple[float, str]) -> P
     data = {
         "x": (history.time - history.time[0]) * factor,
         "left": {"P": history.normal_force[:, 0] * 1e3, "10 Q": history.tangential_force[:, 0] * 1e4},
-        "right": {
-            "surface v_t": history.surface_velocity[:, 0] * 1e3,
-            "slider v_s": history.slider_velocity * 1e3,
-        },
+        "right": {"surface v_t": history.surface_velocity[:, 0] * 1e3, "slider v_s": history.slider_velocity * 1e3},
         "x_axis": f"time ({label})",
         "left_axis": "P and 10 Q (mN)",
         "right_axis": "velocity (mm/s)",
@@ -69,11 +66,7 @@ def figure_7(seed: Seed):
     friction = slider.friction_coefficient * slider.preload
     stopping = seed.steady(CONSTANT).velocity * slider.mass / friction
     whole = seed.history(
-        CONSTANT,
-        stage="after",
-        skip=0,
-        cycles=1.1 * stopping * frequency,
-        points_per_cycle=2000 / stopping / frequency,
+        CONSTANT, stage="after", skip=0, cycles=1.1 * stopping * frequency, points_per_cycle=2000 / stopping / frequency
     )
     slipping = whole.regime[:, 0] == "slip"
     stop = float(whole.time[np.flatnonzero(slipping)[-1]])

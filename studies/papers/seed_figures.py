@@ -43,9 +43,7 @@ def run(*, steps: tuple[float, ...] = (), progress=None) -> Answered:
 def figure(record: Panel, ax):
     """Draw the curves of a panel on the left axis and, if there are any, on a second axis on the right."""
     data = record.data
-    palette = iter(
-        [COLOURS["slip"], COLOURS["intermittent"], COLOURS["second"], COLOURS["line"], "#CC79A7", "#56B4E9"]
-    )
+    palette = iter([COLOURS["slip"], COLOURS["intermittent"], COLOURS["second"], COLOURS["line"], "#CC79A7", "#56B4E9"])
     axes = [(ax, data["left"], data["left_axis"])]
     if "right" in data:
         axes.append((ax.twinx(), data["right"], data["right_axis"]))

@@ -50,9 +50,7 @@ def write_run(record: "Record", folder: Path, *, field: bool) -> None:
         rows = [
             (level, *instant)
             for level, motion in record.trajectories
-            for instant in zip(
-                motion.time.tolist(), motion.velocity.tolist(), motion.position.tolist(), strict=True
-            )
+            for instant in zip(motion.time.tolist(), motion.velocity.tolist(), motion.position.tolist(), strict=True)
         ]
         keys = [record.level, "time_s", "velocity_m_per_s", "normal_position_m"]
         write_table(folder / "trajectory.csv", keys, rows)
@@ -141,9 +139,7 @@ def read_run(folder: Path) -> dict:
     }
     fields |= {block: _complex(whole.get(block, {})) for block in ("wave", "electrical")}
     if "measured" in fields:
-        curves = {
-            key: _arrays(fields["measured"][key]) for key in ("scan", "trace") if key in fields["measured"]
-        }
+        curves = {key: _arrays(fields["measured"][key]) for key in ("scan", "trace") if key in fields["measured"]}
         fields["measured"] |= curves
     fields["points"] = tuple(
         {key: value if key in PAIRS else _complex(value) for key, value in point.items()}
@@ -173,10 +169,7 @@ def _complex(value):
 def _arrays(columns: dict) -> dict:
     """Return columns of numbers of run.json as arrays, their pairs of numbers as complex ones."""
     arrays = {name: np.array(values, dtype=float) for name, values in columns.items()}
-    return {
-        name: values if values.ndim == 1 else values[:, 0] + 1j * values[:, 1]
-        for name, values in arrays.items()
-    }
+    return {name: values if values.ndim == 1 else values[:, 0] + 1j * values[:, 1] for name, values in arrays.items()}
 
 
 def _table(path: Path) -> dict:

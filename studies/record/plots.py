@@ -14,13 +14,7 @@ from studies.record.quantities import quantity
 from studies.refusal import RunError
 
 # Okabe and Ito's palette: told apart by the colour-blind and in grey
-COLOURS = {
-    "stick": "#999999",
-    "slip": "#0072B2",
-    "intermittent": "#D55E00",
-    "line": "#000000",
-    "second": "#009E73",
-}
+COLOURS = {"stick": "#999999", "slip": "#0072B2", "intermittent": "#D55E00", "line": "#000000", "second": "#009E73"}
 PALETTE = ("slip", "intermittent", "second", "stick", "line")  # of a family of curves
 SIZE, DPI = (7.0, 4.3), 150  # inches; dots per inch
 TITLE_COLUMNS = 11  # letters of a title per inch of the figure's width

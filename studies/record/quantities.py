@@ -21,9 +21,7 @@ ENDINGS = {
     "_W_per_V2": "W/V^2", "_A_per_V": "A/V", "_m_per_V": "m/V", "_m_per_s": "m/s", "_per_m": "1/m", "_per_s": "1/s",
     "_Hz": "Hz", "_Pa": "Pa", "_W": "W", "_S": "S", "_N": "N", "_V": "V", "_kg": "kg", "_m": "m", "_s": "s",
 }  # fmt: skip
-ROW = re.compile(
-    r"^\| `([a-z_]+(?:\.[\w-]+)*)` \| [^|]+ \|[^|]*\|$", re.MULTILINE
-)  # of a table of quantities
+ROW = re.compile(r"^\| `([a-z_]+(?:\.[\w-]+)*)` \| [^|]+ \|[^|]*\|$", re.MULTILINE)  # of a table of quantities
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,11 +148,7 @@ def with_quantities(document: str) -> str:
 
     def row(match: re.Match) -> str:
         each = quantities().get(match[1])
-        return (
-            match[0]
-            if each is None
-            else f"| `{each.key}` | {each.unit} | {each.meaning} |".replace("|  |", "| |")
-        )
+        return match[0] if each is None else f"| `{each.key}` | {each.unit} | {each.meaning} |".replace("|  |", "| |")
 
     return ROW.sub(row, document)
 

@@ -199,16 +199,12 @@ class Record:
             If no point of any run has that key as a number.
         """
         words = (str, list, tuple)
-        known = {
-            name for point in self.points for name, value in point.items() if not isinstance(value, words)
-        }
+        known = {name for point in self.points for name, value in point.items() if not isinstance(value, words)}
         known |= {*USUAL}
         if key not in known:
             raise SceneError(key, f"is no number of the points{nearest(key, sorted(known))}")
         values = [point.get(key, math.nan) for point in self.points]
-        return np.array(
-            values, dtype=complex if any(isinstance(value, complex) for value in values) else float
-        )
+        return np.array(values, dtype=complex if any(isinstance(value, complex) for value in values) else float)
 
     def _texts(self, key: str) -> np.ndarray:
         return np.array([point.get(key, "") for point in self.points], dtype=str)
@@ -247,9 +243,7 @@ class Record:
         for key in dict.fromkeys(key for point in points for key in point):
             values = [point.get(key) for point in points]
             words = any(isinstance(value, str) for value in values)
-            column = np.array(
-                [value or "" for value in values] if words else values, dtype=str if words else float
-            )
+            column = np.array([value or "" for value in values] if words else values, dtype=str if words else float)
             data[key] = (self.level, column, ({} if words else {"units": "1"}) | described(key))
         about = {"title": self.scene.title, "tolerance": self.tolerance}
         level = {self.level: data.pop(self.level)} if data else {}

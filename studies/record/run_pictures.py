@@ -66,9 +66,7 @@ def draw_scan(block: dict, ax):
     along, up = quantity(key), quantity("amplitude_m_per_V")
     at = points[key] * along.scale
     order = np.argsort(at, kind="stable")
-    computed, measured = (
-        np.abs(points[f"{name}_m_per_V"])[order] * up.scale for name in ("predicted", "measured")
-    )
+    computed, measured = (np.abs(points[f"{name}_m_per_V"])[order] * up.scale for name in ("predicted", "measured"))
     curve(ax, at[order], computed, "-", "slip", "computed")
     curve(ax, at[order], measured, "o", "line", f"measured, {block['file']}", size=2.5)
     return finished(ax, along.axis, up.axis, f"Measured over computed: {block['quantity']}", columns=2)
@@ -99,9 +97,7 @@ def velocity(record: "Record", ax):
                     for p in record.points if "velocity_low_m_per_s" in p)  # fmt: skip
     if banded:
         label = f"95 % of the tolerances ({record.uncertainty['method']})"
-        ax.fill_between(
-            *zip(*banded, strict=True), color=COLOURS["slip"], alpha=0.2, linewidth=0, label=label
-        )
+        ax.fill_between(*zip(*banded, strict=True), color=COLOURS["slip"], alpha=0.2, linewidth=0, label=label)
     for name, style in (("threshold", ":"), ("release", "--")):
         limit = record.summary.get(f"{name}_{record.level.removeprefix('normal_')}")
         if limit is not None and limit <= 1.2 * max(record.scene.levels):
@@ -157,9 +153,7 @@ def trajectories(record: "Record", ax):
     count = max(len(record.trajectories) - 1, 1)
     for index, (level, motion) in enumerate(record.trajectories):
         label = f"{level * scale:g} {unit}" if index in (0, count) else None
-        ax.plot(
-            motion.time * 1e3, motion.velocity * 1e3, color=colours(index / count), linewidth=1, label=label
-        )
+        ax.plot(motion.time * 1e3, motion.velocity * 1e3, color=colours(index / count), linewidth=1, label=label)
     return finished(ax, quantity("time_s").axis, quantity("velocity_m_per_s").axis, record.scene.title)
 
 
@@ -180,9 +174,7 @@ def surface(record: "Record", ax, *, curves: bool = False):
     for size, colour, name in zip(sizes, ("slip", "intermittent"), (f"|u_z|, {what}", "|u_x|"), strict=True):
         if rippled:
             at, low, high = _ranges(x, size, wavelength)
-            ax.fill_between(
-                at, low, high, color=COLOURS[colour], alpha=0.5, linewidth=0.5, label=f"{name}, range"
-            )
+            ax.fill_between(at, low, high, color=COLOURS[colour], alpha=0.5, linewidth=0.5, label=f"{name}, range")
         else:
             curve(ax, x, size, "-", colour, name)
     if rippled:
@@ -195,18 +187,14 @@ def surface(record: "Record", ax, *, curves: bool = False):
         shaded(ax, start * scale, stop * scale, None if number else "meshed piece", colour="second")
     if scene.slider is not None:
         top = 1 / WINDOW_ROOM if rippled else 1.0
-        ax.axvline(
-            scene.slider.center[0] * scale, ymax=top, color=COLOURS["line"], linestyle=":", label="slider"
-        )
+        ax.axvline(scene.slider.center[0] * scale, ymax=top, color=COLOURS["line"], linestyle=":", label="slider")
     if "section_normal_m_per_V" in record.wave and scene.slider is not None:
         place = [scene.slider.center[0] * scale]
         for part, colour, label_of_part in (
             ("normal", "slip", "finite aperture"),
             ("tangential", "intermittent", None),
         ):
-            curve(
-                ax, place, [abs(record.wave[f"{part}_m_per_V"]) * 1e9], "D", colour, label_of_part, size=6.0
-            )
+            curve(ax, place, [abs(record.wave[f"{part}_m_per_V"]) * 1e9], "D", colour, label_of_part, size=6.0)
     ax.set_ylim(bottom=0, top=WINDOW_ROOM * max(size.max() for size in sizes) if rippled else None)
     title = f"{scene.title}: {record.wave['frequency_Hz'] / 1e6:g} MHz"
     return finished(ax, label, quantity("amplitude_m_per_V").axis, title, columns=3, grid=False)
@@ -232,9 +220,7 @@ def _window(record: "Record", ax, x, sizes, wavelength: float) -> None:
     window.set_ylim(bottom=0)
     window.tick_params(labelsize="small")
     about = "the middle" if slider is None else "the slider"
-    window.text(
-        0.01, 0.06, f"{WINDOW} wavelengths about {about}", transform=window.transAxes, fontsize="small"
-    )
+    window.text(0.01, 0.06, f"{WINDOW} wavelengths about {about}", transform=window.transAxes, fontsize="small")
     ax.axvspan(x[near][0], x[near][-1], ymax=1 / WINDOW_ROOM, fill=False, linestyle="--", linewidth=0.8)
 
 
@@ -285,9 +271,7 @@ def slider_wave(record: "Record", ax):
     ax.set_ylim(bottom=0.0)
     right = ax.twinx()
     phase = np.unwrap(np.angle(main))
-    right.plot(
-        x, phase - phase[0 if ahead else -1], dashes=(8, 3), color=COLOURS["intermittent"], label="phase"
-    )
+    right.plot(x, phase - phase[0 if ahead else -1], dashes=(8, 3), color=COLOURS["intermittent"], label="phase")
     right.set_ylabel(quantity("phase_rad").axis)
     legend_below(ax, [each for axis in (ax, right) for each in axis.get_lines()], columns=3)
     title = f"{record.scene.title}: wave under the slider{_at_last_level(record)}"

@@ -68,8 +68,7 @@ def _along(scan: Scan, values, predicted, wavelength: float, source: float) -> d
             sizes, half = np.abs(each[order]), max(2, round(wavelength / 2 / step))
             # of each half wavelength, the period of the ripple: diffraction and loss change slowly
             ratios = [
-                np.max(part) / max(np.min(part), 1e-300)
-                for part in np.array_split(sizes, max(1, len(sizes) // half))
+                np.max(part) / max(np.min(part), 1e-300) for part in np.array_split(sizes, max(1, len(sizes) // half))
             ]
             columns[f"{name}_standing_wave_ratio"] = float(np.median(ratios))
     if scan.is_complex:

@@ -54,9 +54,7 @@ def answer(record: "Record") -> str:
     seconds = ", ".join(f"{name} {size:.2f}" for name, size in record.seconds.items() if name != "total")
     rows += [("model error", sentences(record)), ("seconds", f"{record.seconds['total']:.2f} ({seconds})")]
     if record.left_out:
-        rows.append(
-            ("left out", f"{len(record.left_out)} effects: sawmotor run --explain lists them, run.json too")
-        )
+        rows.append(("left out", f"{len(record.left_out)} effects: sawmotor run --explain lists them, run.json too"))
     return "\n".join([*lines, *labelled(rows)])
 
 
@@ -90,9 +88,7 @@ def markdown(head: Iterable[str], rows: Iterable[Iterable[str]]) -> list[str]:
 def table(rows: list[list[str]]) -> list[str]:
     """Return rows of text as aligned lines, numbers to the right."""
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    return [
-        "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
-    ]
+    return ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
 
 
 def points_table(record: "Record", missing: str = "-") -> tuple[list[str], list[list[str]]]:
@@ -129,9 +125,7 @@ def _wave(record: "Record"):
         yield "attenuation", f"{wave['attenuation_per_m']:.4g} 1/m"
     if not electrical:
         return
-    size, velocity, ratio = (
-        wave[key] for key in ("normal_m_per_V", "phase_velocity_m_per_s", "standing_wave_ratio")
-    )
+    size, velocity, ratio = (wave[key] for key in ("normal_m_per_V", "phase_velocity_m_per_s", "standing_wave_ratio"))
     place = f"{abs(size) * 1e9:.4g} nm per V at the slider's place"
     yield "wave", f"{place}, {velocity:.6g} m/s, standing-wave ratio {ratio:.3g}"
     if "section_normal_m_per_V" in wave:
@@ -149,9 +143,7 @@ def _source(electrical: dict, drive):
         yield "match", ", ".join(parts) + " (from the source to the transducer)"
     available = electrical.get("power_available_W_per_V2")
     if available is not None:
-        shares = (
-            f"{name} {100 * electrical[f'power_{key}'] / available:.3g} %" for name, key in SHARES.items()
-        )
+        shares = (f"{name} {100 * electrical[f'power_{key}'] / available:.3g} %" for name, key in SHARES.items())
         yield "power", f"of the available: {', '.join(shares)}"
         yield "electrodes", f"{abs(electrical['comb_voltage_per_volt']):.4g} V per V of the source"
     ratio = electrical.get("recovery_ratio")

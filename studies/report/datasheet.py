@@ -69,9 +69,7 @@ class Row(NamedTuple):
             value = f"{100 * self.value:.3g} %" if self.value > 1e-3 else f"{self.value:.3g}"
         error = "" if self.error is None else "< 0.0001 %"
         if self.error and self.error > 5e-7:
-            error = (
-                f"\u00b1 {float(f'{100 * self.error:.1g}'):g} %"  # without an exponent: 30 instead of 3e+01
-            )
+            error = f"\u00b1 {float(f'{100 * self.error:.1g}'):g} %"  # without an exponent: 30 instead of 3e+01
         if self.model_error:
             error += f", model {float(f'{100 * self.model_error:.2g}'):g} %"
         return {"name": self.name, "value": value, "error": error, "condition": self.condition}
@@ -94,9 +92,7 @@ class Datasheet:
     def __str__(self) -> str:
         """Return the datasheet as a table of text, as `sawmotor datasheet` prints it."""
         groups = {group: [row.texts() for row in self.rows if row.group == group] for group in GROUPS}
-        name, value = (
-            max(len(row[key]) for rows in groups.values() for row in rows) for key in ("name", "value")
-        )
+        name, value = (max(len(row[key]) for rows in groups.values() for row in rows) for key in ("name", "value"))
         lines = [f"{self.record.scene.title}: rated at {self.driven.named(self.rated)} peak"]
         for group, rows in groups.items():
             lines += ["", GROUPS[group]]
@@ -117,10 +113,7 @@ class Datasheet:
     def to_dict(self) -> dict:
         """Return the contents of datasheet.json: title, rated level, rows and model error."""
         level = "amplitude_m" if self.record.scene.wave is not None else "voltage_V"
-        rows = [
-            {key: value for key, value in row._asdict().items() if value not in (None, "")}
-            for row in self.rows
-        ]
+        rows = [{key: value for key, value in row._asdict().items() if value not in (None, "")} for row in self.rows]
         whole = {"title": self.record.scene.title, f"rated_{level}": self.rated, "rows": rows}
         return whole | ({"model_error": self.record.model_error} if self.record.model_error else {})
 
@@ -152,9 +145,7 @@ def datasheet(
         scene.refuse("slider", "is missing: a datasheet is of a whole motor")
     block = "wave" if scene.wave is not None else "drive"
     record = run(
-        replace(scene, **{block: replace(getattr(scene, block), burst=None)}),
-        tolerance=tolerance,
-        progress=say,
+        replace(scene, **{block: replace(getattr(scene, block), burst=None)}), tolerance=tolerance, progress=say
     )
     if record.shortfall:
         raise RunError(record.shortfall)
@@ -182,19 +173,14 @@ def _of_balls(driven: DrivenContact, rated: float, levels: list[float], say: Any
     """Return load lines, start and stop, steps, and the rows on forces and positioning of a slider on balls."""
     say("load lines")
     options = {"points": LOADS, "tolerance": CONTACT_TOLERANCE}
-    lines = {
-        driven.named(level): contact.load_line(driven.slider, driven.at(level), **options) for level in levels
-    }
+    lines = {driven.named(level): contact.load_line(driven.slider, driven.at(level), **options) for level in levels}
     say("start and stop")
     start_stop = _start_stop(driven, rated)
     say("steps")
     bursts = Steps.of(driven, progress=say)
     steps = tuple(bursts.reaching(rated, size)[1] for size in STEPS)
     balls = driven.scene.slider.preload_force / driven.slider.preload
-    rows = (
-        *_forces(driven, rated, lines[driven.named(rated)], balls),
-        *_positioning(bursts, rated, steps, start_stop),
-    )
+    rows = (*_forces(driven, rated, lines[driven.named(rated)], balls), *_positioning(bursts, rated, steps, start_stop))
     return {"lines": lines, "start_stop": start_stop, "steps": steps, "balls": balls, "rows": rows}
 
 
@@ -241,9 +227,7 @@ def _speeds(record: Record, driven: DrivenContact, rated: float) -> Any:
     speed, omega = abs(point["velocity_m_per_s"]), 2.0 * np.pi * float(record.scene.frequency)
     error = point["relative_error"] * max(speed, omega * point["tangential_amplitude_m"] / 10.0) / speed
     scale, model = error / point["relative_error"] if error else 1.0, point.get("model_relative_error")
-    yield Row(
-        "speed", "speed", speed, "m/s", error, "no load, steady", None if model is None else scale * model
-    )
+    yield Row("speed", "speed", speed, "m/s", error, "no load, steady", None if model is None else scale * model)
     unit, key = ("m", "amplitude_m") if record.scene.wave is not None else ("V", "voltage_V")
     for name, event, factor_of in (
         ("threshold", "starts to move", contact.threshold),

@@ -26,10 +26,7 @@ def page(sheet: Datasheet) -> str:
         title=record.scene.title or "A motor",
         rated=sheet.driven.named(sheet.rated),
         record=record,
-        groups={
-            title: [row.texts() for row in sheet.rows if row.group == group]
-            for group, title in GROUPS.items()
-        },
+        groups={title: [row.texts() for row in sheet.rows if row.group == group] for group, title in GROUPS.items()},
         pictures=[{"data": as_uri(draw, size=PICTURE), "caption": caption} for draw, caption in drawn],
         model_error=sentences(record),
         version=provenance()["version"],

@@ -50,9 +50,7 @@ class Drawing:
         request = pickle.dumps((replace(record, surface_motion=None), folder.resolve()))
         answer, _ = self.process.communicate(request)
         if self.process.returncode:
-            raise RunError(
-                f"the pictures were not drawn: their process ended with code {self.process.returncode}"
-            )
+            raise RunError(f"the pictures were not drawn: their process ended with code {self.process.returncode}")
         failure = pickle.loads(answer)
         if failure is not None:
             raise failure

@@ -67,10 +67,7 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
         except fem.ConvergenceError as error:
             raise RunError(str(error)) from None
     elif scene.wave is None:
-        facts = [
-            _stator_text(scene),
-            "guided modes of the bare section: an eigenproblem through the depth alone",
-        ]
+        facts = [_stator_text(scene), "guided modes of the bare section: an eigenproblem through the depth alone"]
         parts = [{"name": "free wave", "facts": facts}]
     if scene.slider is not None:
         slider, levels = scene.slider, "voltages" if scene.wave is None else "amplitudes"
@@ -85,9 +82,7 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
         if scene.burst is not None:
             facts.append(f"burst: {scene.burst * scene.frequency:.4g} cycles of the wave at each of them")
         if not contact.kernels.ready():
-            facts.append(
-                f"its kernels are compiled first, {contact.kernels.how_often()}: about {COMPILE:g} s"
-            )
+            facts.append(f"its kernels are compiled first, {contact.kernels.how_often()}: about {COMPILE:g} s")
             seconds += COMPILE
         parts.append({"name": "contact", "facts": facts})
     expected = {
@@ -127,9 +122,7 @@ def announced(expected: float, more: str = "") -> tuple[str, ...]:
     if expected < MINUTE:
         return ()
     minutes = round(expected / MINUTE)
-    hours = (
-        f"{expected / 3600:.2g} hours" if expected > 2 * 3600 else f"{minutes} minute{'s' * (minutes > 1)}"
-    )
+    hours = f"{expected / 3600:.2g} hours" if expected > 2 * 3600 else f"{minutes} minute{'s' * (minutes > 1)}"
     return (f"expected time: about {hours}, within a factor of {TIME_WITHIN:g}{more}",)
 
 
@@ -162,8 +155,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
     if scene.stator.ends != "absorbing" and resolutions[-1] + 1 < len(fem.LEVELS):
         resolutions.append(resolutions[-1] + 1)  # resonances between reflecting ends amplify the error
     sizes = {
-        k: fem.stator_size(stator, row, frequency=scene.frequency, resolution=fem.LEVELS[k])
-        for k in {*resolutions, 1}
+        k: fem.stator_size(stator, row, frequency=scene.frequency, resolution=fem.LEVELS[k]) for k in {*resolutions, 1}
     }
     finest, fingers = sizes[resolutions[-1]], sum(len(each.signs) for each in row)
     facts = (

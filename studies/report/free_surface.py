@@ -81,9 +81,7 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
 def half_space_answer(answer: dict) -> str:
     """Return the wave of `half_space_wave` as text."""
     material, sense = answer["material"], "retrograde" if answer["retrograde"] else "prograde"
-    title = (
-        f"{material['name']}, {material['orientation']}, surface {answer['surface']} ({material['source']})"
-    )
+    title = f"{material['name']}, {material['orientation']}, surface {answer['surface']} ({material['source']})"
     lines = [("velocity", f"{answer['velocity_m_per_s']:.8g} m/s")]
     if "coupling_K2" in answer:
         lines.append(("coupling K2", f"{100 * answer['coupling_K2']:.4g} %"))
@@ -126,9 +124,7 @@ def axes_figure(answer: dict, ax):
             arrow(ax, (0, 0), (x, z), colours[name], width=2.0)
         mark = "" if abs(y) < SEEN else f" ({abs(y):.2f} {'into' if y > 0 else 'out of'} the page)"
         projection = max((x * x + z * z) ** 0.5, SEEN)
-        label_position = (
-            (1.15 * x, 1.15 * z + (0.09 if abs(z) < 0.1 else 0.0)) if projection > SEEN else (0.12, -0.12)
-        )
+        label_position = (1.15 * x, 1.15 * z + (0.09 if abs(z) < 0.1 else 0.0)) if projection > SEEN else (0.12, -0.12)
         ax.text(*label_position, name + mark, color=colours[name], ha="center", va="center", fontsize="small")
     ax.plot([0], [0], "o", color=COLOURS["line"], markersize=4)
     ax.text(-1.4, 0.05, "surface", fontsize="small")

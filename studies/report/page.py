@@ -75,9 +75,7 @@ def _pictures(record: Record) -> list[dict]:
     drawn = run_pictures.pictures(record)
     if len([point for point in record.points if point.get("relative_error")]) > 1:
         drawn["errors"] = partial(run_pictures.errors, record)
-    captions = (
-        CAPTIONS if record.scene.transducer else CAPTIONS | {"surface": "Motion of the wave over depth."}
-    )
+    captions = CAPTIONS if record.scene.transducer else CAPTIONS | {"surface": "Motion of the wave over depth."}
     return [{"data": plots.as_uri(draw), "caption": captions[name]} for name, draw in drawn.items()]
 
 

@@ -30,9 +30,7 @@ def plain(path: str, value):
     if isinstance(value, complex):
         return [plain(path, value.real), plain(path, value.imag)]
     if isinstance(value, float) and not math.isfinite(value):
-        raise RunError(
-            f"the run gave {value} for {path}: the scene exceeds the range of floating-point numbers"
-        )
+        raise RunError(f"the run gave {value} for {path}: the scene exceeds the range of floating-point numbers")
     return value
 
 

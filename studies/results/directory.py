@@ -56,9 +56,7 @@ class ResultDirectory:
         replaced, foreign = self._in_the_way(new, former.get("files", {}))
         about = {"program": "sawmotor", **self.origin.described(self.target), "files": self._written | new}
         renamed = {name: free_name(self.target / name) for name in foreign}
-        away = [
-            (self.target / name, self.target / FORMER / name) for name in sorted(replaced, key=_marks_first)
-        ]
+        away = [(self.target / name, self.target / FORMER / name) for name in sorted(replaced, key=_marks_first)]
         away += [(self.target / name, place) for name, place in renamed.items()]
         into = [(self.folder / name, self.target / name) for name in reversed(sorted(new, key=_marks_first))]
         try:
@@ -131,9 +129,7 @@ def locked(file: Path) -> "FileLock":
 
 
 @contextmanager
-def result_directory(
-    path: str | Path, origin: Origin, *, named_by_user: bool = True
-) -> Iterator[ResultDirectory]:
+def result_directory(path: str | Path, origin: Origin, *, named_by_user: bool = True) -> Iterator[ResultDirectory]:
     """Lend a directory to write into; only what is committed stays.
 
     ``named_by_user`` is False for a default directory: there a result of another origin is refused (SceneError), not
@@ -177,15 +173,12 @@ def _refuse_others(target: Path, origin: Origin, *, named_by_user: bool) -> None
     if not target.exists():
         return
     if not target.is_dir():
-        raise SceneError(
-            "", f"the result directory {str(target)!r} cannot be written: a file of that name exists"
-        )
+        raise SceneError("", f"the result directory {str(target)!r} cannot be written: a file of that name exists")
     held, then = {each.name for each in target.iterdir()}, origin_of(read_manifest(target))
     kinds = [kind for mark, kind in MARKS.items() if mark in held]
     if held - HIDDEN and not kinds and not then:
         raise SceneError(
-            "",
-            f"the result directory {str(target)!r} holds files that are not a result of sawmotor; name another",
+            "", f"the result directory {str(target)!r} holds files that are not a result of sawmotor; name another"
         )
     if named_by_user:
         return

@@ -130,9 +130,7 @@ class Block:
     def to_table(self) -> dict:
         """Return the TOML table of this block, in SI units; what is absent stays absent."""
         values = ((name, key.rule, getattr(self, name)) for name, key in keys_of(type(self)).items())
-        return {
-            name: rule.written(value) for name, rule, value in values if value is not None and value != ()
-        }
+        return {name: rule.written(value) for name, rule, value in values if value is not None and value != ()}
 
 
 def block_schema(kind: type[Block]) -> dict:

@@ -15,9 +15,7 @@ from studies.scene.numbers import AMPLITUDE, NUMBER, Listed, Quantity, Row, as_p
 from studies.scene.rule import FLAG, TEXT, Count, Named, choice, signs
 
 MIN_WIDTH = 1e-3  # of a finger or a gap, relative to the pitch; narrower ones take ever finer elements
-ORIENTATION = choice("Z", "X", "YZ", "128YX", "ST-X") | Row(
-    (NUMBER,) * 3, "three angles [phi, theta, psi] in degrees"
-)
+ORIENTATION = choice("Z", "X", "YZ", "128YX", "ST-X") | Row((NUMBER,) * 3, "three angles [phi, theta, psi] in degrees")
 SUCH = ', such as "50 ohm"'
 SOURCES = Named('a table of transducers such as { left = 1, right = "0.5 at 90 deg" }', AMPLITUDE)
 
@@ -30,9 +28,7 @@ class PiezoelectricSolid(Block):
     name: Annotated[str, TEXT, "Name shown on results."] = "user's table"
     stiffness: Annotated[tuple, matrix(6, 6), "Stiffness at constant electric field c^E, in Pa."]
     coupling: Annotated[tuple, matrix(3, 6), "Piezoelectric stress constants e, in C/m^2."]
-    permittivity: Annotated[
-        tuple, matrix(3, 3), "Permittivity at constant strain eps^S, relative to that of vacuum."
-    ]
+    permittivity: Annotated[tuple, matrix(3, 3), "Permittivity at constant strain eps^S, relative to that of vacuum."]
     density: Annotated[float, Quantity("kg/m^3"), "Density."]
     mechanical_quality: Annotated[
         float | None, Quantity(), "Mechanical quality factor Q: c (1 + i/Q). Absent: no mechanical loss."
@@ -81,23 +77,19 @@ class Stator(Block):
     orientation: Annotated[
         str | tuple,
         ORIENTATION,
-        "Z: poled along the normal; X: poled along x; a crystal cut; or Euler angles in degrees (z-x-z, "
-        "passive).",
+        "Z: poled along the normal; X: poled along x; a crystal cut; or Euler angles in degrees (z-x-z, passive).",
     ] = "Z"
     length: Annotated[float, Quantity("m"), "Along x, the direction of propagation."]
     thickness: Annotated[
         float | str, Quantity("m") | choice("half-space"), "Along z; half-space: exactly absorbing below."
     ]
     width: Annotated[
-        float,
-        Quantity("m"),
-        "Along y. Drawn, compared with the apertures, and the distance of the side faces.",
+        float, Quantity("m"), "Along y. Drawn, compared with the apertures, and the distance of the side faces."
     ]
     bottom: Annotated[
         str,
         choice("free", "grounded", "clamped", "absorbing"),
-        "free: no traction, D_n = 0; grounded: no traction, phi = 0; clamped: u = 0, D_n = 0; or no "
-        "reflection.",
+        "free: no traction, D_n = 0; grounded: no traction, phi = 0; clamped: u = 0, D_n = 0; or no reflection.",
     ] = "free"
     ends: Annotated[
         str,
@@ -105,9 +97,7 @@ class Stator(Block):
         "absorbing: the section continues without end; free: no traction, D_n = 0; clamped: u = 0, D_n = 0.",
     ]
     above: Annotated[
-        str,
-        choice("none", "vacuum"),
-        "none: D_n = 0 on the bare surface; vacuum: the field above is solved for.",
+        str, choice("none", "vacuum"), "none: D_n = 0 on the bare surface; vacuum: the field above is solved for."
     ] = "none"
     diffraction: Annotated[
         bool | None,
@@ -163,21 +153,17 @@ class Transducer(Block):
         float, Quantity(below=1.0), "Width of a finger over the pitch (finger and gap), 0.001 to 0.999."
     ]
     aperture: Annotated[
-        float,
-        Quantity("m"),
-        "Overlap of the fingers along y, at most the stator's width; scales the admittance.",
+        float, Quantity("m"), "Overlap of the fingers along y, at most the stator's width; scales the admittance."
     ]
     termination: Annotated[
         str | float | complex,
         impedance("open", "short"),
-        "When it is not the driven one. open: no net charge on either comb; short: both combs are one "
-        "conductor.",
+        "When it is not the driven one. open: no net charge on either comb; short: both combs are one conductor.",
     ] = "open"
     pattern: Annotated[
         str | None,
         signs("+-0o"),
-        "One sign per finger, from left to right: + and - the combs, 0 left out, o an open strip. Absent: + "
-        "- + - ...",
+        "One sign per finger, from left to right: + and - the combs, 0 left out, o an open strip. Absent: + - + - ...",
     ] = None
     split: Annotated[bool, FLAG, "true: four fingers per period, + + - -, instead of two."] = False
     angle: Annotated[
@@ -283,9 +269,7 @@ class Element(Block):
     shunt_C: Annotated[float | None, Quantity("F"), "Capacitance across the line."] = None
     shunt_R: Annotated[float | None, Quantity("ohm"), "Resistance across the line."] = None
     Q: Annotated[
-        float | None,
-        Quantity(),
-        "Quality of an inductance or a capacitance at drive.frequency. Absent: lossless.",
+        float | None, Quantity(), "Quality of an inductance or a capacitance at drive.frequency. Absent: lossless."
     ] = None
 
     def check_one(self) -> Any:
@@ -324,8 +308,7 @@ class Recovery(Block):
     efficiency: Annotated[
         float,
         Quantity(),
-        "Power returned over power in the load, of rectifier and return path; above 1 with an amplifier in "
-        "it.",
+        "Power returned over power in the load, of rectifier and return path; above 1 with an amplifier in it.",
     ] = 1.0
     circulation: Annotated[
         bool,
@@ -371,21 +354,17 @@ class Drive(Block):
     voltage: Annotated[
         tuple[float, ...] | None,
         Listed(Quantity("V", zero=True), ranged=True),
-        "Peak voltage of the source, one value or a list; it or power is required when the scene has "
-        "transducers.",
+        "Peak voltage of the source, one value or a list; it or power is required when the scene has transducers.",
     ] = None
     power: Annotated[
         tuple[float, ...] | None,
         Listed(Quantity("W", zero=True), ranged=True),
-        "Instead of voltage: what the sources can give to matched loads, V^2 / (8 R) each with "
-        "source_impedance R.",
+        "Instead of voltage: what the sources can give to matched loads, V^2 / (8 R) each with source_impedance R.",
     ] = None
-    burst: Annotated[
-        float | None, Quantity("s"), "Length of the driven interval. Absent: the steady state only."
-    ] = None
-    source_impedance: Annotated[
-        float | complex, impedance(), "Impedance between each source and its transducer."
-    ] = 0.0
+    burst: Annotated[float | None, Quantity("s"), "Length of the driven interval. Absent: the steady state only."] = (
+        None
+    )
+    source_impedance: Annotated[float | complex, impedance(), "Impedance between each source and its transducer."] = 0.0
     match: Annotated[
         str | tuple,
         choice("none", "auto") | Blocks(Element, least=1),
@@ -409,9 +388,7 @@ class Drive(Block):
         if self.match == "auto" and complex(self.source_impedance).real == 0:
             yield "match", f'needs a drive.source_impedance with a resistance for "auto"{SUCH}'
         if self.match == "auto" and len(self.sources or ()) > 1:
-            rule = (
-                'must be "none" or a ladder with several sources: what each should see depends on the others'
-            )
+            rule = 'must be "none" or a ladder with several sources: what each should see depends on the others'
             yield "match", rule
 
     def check_sources(self) -> Any:

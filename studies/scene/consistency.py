@@ -45,14 +45,9 @@ def _pillars_on_given_wave(wave, slider) -> Refused:
     """Ask for the wavelength of pillars at different places, and for Gamma where they load the wave."""
     one_row = slider.pillars.file is None and slider.pillars.counts[0] == 1
     if wave.wavelength is None and (slider.loading or not one_row):
-        yield (
-            "wave.wavelength",
-            "is required and missing: [slider.pillars] stand at different places along the wave",
-        )
+        yield ("wave.wavelength", "is required and missing: [slider.pillars] stand at different places along the wave")
     if slider.loading and wave.compliance is None:
-        rule = (
-            "is required and missing where slider.loading is true: Gamma of the surface, such as 2.5e-12 1/Pa"
-        )
+        rule = "is required and missing where slider.loading is true: Gamma of the surface, such as 2.5e-12 1/Pa"
         yield "wave.compliance", rule
 
 
@@ -67,11 +62,7 @@ def check_drive(scene) -> Refused:
     level = "voltage" if drive.power is None else "power"
     source = "transducer" if drive.sources is None else "sources"
     if not names:
-        given = (
-            ("match", drive.match != "none"),
-            (source, drive.driven),
-            (level, getattr(drive, level) is not None),
-        )
+        given = (("match", drive.match != "none"), (source, drive.driven), (level, getattr(drive, level) is not None))
         for key, stands in given:
             if stands:
                 yield f"drive.{key}", NOT_DRIVEN
@@ -120,10 +111,7 @@ def check_transducers(scene) -> Refused:
             rule = f"must be at most stator.width, {stator.width * 1e3:g} mm, got {each.aperture * 1e3:g} mm"
             yield f"{at}.aperture", rule
         if not 0 < x < stator.length:
-            yield (
-                f"{at}.center",
-                f"must be on the stator, 0 to {stator.length * 1e3:g} mm, got {x * 1e3:g} mm",
-            )
+            yield (f"{at}.center", f"must be on the stator, 0 to {stator.length * 1e3:g} mm, got {x * 1e3:g} mm")
 
 
 def check_turned(scene) -> Refused:
@@ -149,10 +137,7 @@ def check_combs(scene) -> Refused:
             where = "where a transducer is turned or stands beside the middle line"
             if each.name in driven or receives:
                 where = f"on the {'driven' if each.name in driven else 'receiving'} transducer"
-            yield (
-                f"transducer.{index}.pattern",
-                f"must have + and - fingers {where}, got {shown(each.pattern)}",
-            )
+            yield (f"transducer.{index}.pattern", f"must have + and - fingers {where}, got {shown(each.pattern)}")
 
 
 def check_direction(scene) -> Refused:
@@ -162,9 +147,7 @@ def check_direction(scene) -> Refused:
     driven = [each for each in scene.transducer if scene.drive.driven.get(each.name)]
     if driven and all(abs(math.cos(math.radians(each.angle))) < ALONG for each in driven):
         names = ", ".join(f"{each.name!r} at {each.angle:g} deg" for each in driven)
-        rule = (
-            "must drive a transducer within 45 deg of x: the contact is one-dimensional, and the slider would"
-        )
+        rule = "must drive a transducer within 45 deg of x: the contact is one-dimensional, and the slider would"
         key = "transducer" if scene.drive.sources is None else "sources"
         yield f"drive.{key}", f"{rule} be moved across by {names}"
 
@@ -183,10 +166,7 @@ def check_slider(scene) -> Refused:
     for place in sorted({min(places), max(places)}):
         if not 0 <= place <= stator.length:
             rule = f"must keep the contacts on the stator, 0 to {stator.length * 1e3:g} mm"
-            yield (
-                "slider.position",
-                f"{rule}, got {slider.center[0] * 1e3:g} mm, a contact at {place * 1e3:g} mm",
-            )
+            yield ("slider.position", f"{rule}, got {slider.center[0] * 1e3:g} mm, a contact at {place * 1e3:g} mm")
     beside, half = max((y for _, y in slider.places), key=abs), stator.width / 2
     if abs(beside) > half:
         rule = f"must keep the contacts on the stator, y from -{half * 1e3:g} to {half * 1e3:g} mm"

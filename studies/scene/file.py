@@ -105,8 +105,7 @@ def scene_path(source: str | Path) -> Path:
         raise SceneError("", f"{shown(str(source))} is a directory, not a scene file{hint}")
     here = [str(each) for each in path.parent.glob("*.toml")] if path.parent.is_dir() else []
     raise SceneError(
-        "",
-        f"no scene file or shipped scene is named {shown(str(source))}{nearest(str(source), [*here, *shipped])}",
+        "", f"no scene file or shipped scene is named {shown(str(source))}{nearest(str(source), [*here, *shipped])}"
     )
 
 
@@ -122,9 +121,7 @@ def copied(name: str, file: Path) -> Path:
         with file.open("x", encoding="utf-8") as target:
             target.write(text)
     except FileExistsError:
-        raise SceneError(
-            "--copy", f"does not overwrite {str(file)!r}, which exists: name another file"
-        ) from None
+        raise SceneError("--copy", f"does not overwrite {str(file)!r}, which exists: name another file") from None
     except OSError as error:
         raise SceneError("--copy", f"cannot write {str(file)!r}: {error.strerror}") from None
     return file
@@ -147,6 +144,4 @@ def _text(path: Path) -> str:
         return content.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
-        raise SceneError(
-            "", "a character is not UTF-8 text; save the file as UTF-8", f"{path}, line {line}"
-        ) from None
+        raise SceneError("", "a character is not UTF-8 text; save the file as UTF-8", f"{path}, line {line}") from None

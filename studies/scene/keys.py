@@ -15,9 +15,7 @@ def rule_at(key: str) -> Rule:
     rule: Rule = Within(Scene)
     done, parts = "", key.split(".")
     while parts:
-        holder = next(
-            (each for each in getattr(rule, "rules", (rule,)) if isinstance(each, (Blocks, Within))), None
-        )
+        holder = next((each for each in getattr(rule, "rules", (rule,)) if isinstance(each, (Blocks, Within))), None)
         if holder is None:
             raise SceneError(key, f"is no key of a scene: {done} holds no keys")
         if isinstance(holder, Blocks):

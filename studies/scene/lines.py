@@ -6,16 +6,7 @@ from collections.abc import Iterator
 
 from studies.scene.override import walk
 
-CLOSINGS = (
-    "",
-    "]",
-    "]]",
-    "]]]",
-    '"""',
-    '"""]',
-    "'''",
-    "''']",
-)  # of what a statement of several lines leaves open
+CLOSINGS = ("", "]", "]]", "]]]", '"""', '"""]', "'''", "''']")  # of what a statement of several lines leaves open
 
 
 def key_lines(text: str) -> dict[str, int]:

@@ -37,9 +37,7 @@ class Quantity(Rule):
     def read(self, path, value):
         number = si_value(path, value, self.unit)
         low = -math.inf if self.negative else 0.0
-        if not (low < number or (number == low and self.zero)) or (
-            self.below is not None and number >= self.below
-        ):
+        if not (low < number or (number == low and self.zero)) or (self.below is not None and number >= self.below):
             raise SceneError(path, f"must be {self._allowed}, got {number!r} {self.unit}".rstrip())
         smallest = 0.0 if self.zero or self.negative else 1 / MAX_SIZE
         if not smallest <= abs(number) <= MAX_SIZE:

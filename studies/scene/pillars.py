@@ -25,13 +25,11 @@ class Pillars(Block):
 
     block: ClassVar[str] = "slider.pillars"
     diameter: Annotated[float | Any, Quantity("m"), "Of each pillar."] = None
-    height: Annotated[
-        float | None, Quantity("m"), "Of each pillar, which makes it softer. Absent: rigid pillars."
-    ] = None
+    height: Annotated[float | None, Quantity("m"), "Of each pillar, which makes it softer. Absent: rigid pillars."] = (
+        None
+    )
     pitch: Annotated[
-        float | tuple[float, float] | None,
-        PAIR,
-        "Distance of neighbours, one value or [along the wave, across].",
+        float | tuple[float, float] | None, PAIR, "Distance of neighbours, one value or [along the wave, across]."
     ] = None
     rows: Annotated[
         int | Any, Count(MAX_PILLARS), "Number along the wave; required with pitch unless area is given."
@@ -64,21 +62,16 @@ class Pillars(Block):
     width: Annotated[
         float | None,
         Quantity("m"),
-        "Of the strip over which the pillars spread their load on the wave. Absent: their extent across and "
-        "a pitch.",
+        "Of the strip over which the pillars spread their load on the wave. Absent: their extent across and a pitch.",
     ] = None
     curvature: Annotated[
         float, Quantity("1/m", negative=True), "Of the slider's face; positive: its middle stands out."
     ] = 0.0
-    interaction: Annotated[bool, FLAG, "true: neighbours stiffen each other, relative to the mean plane."] = (
-        False
-    )
+    interaction: Annotated[bool, FLAG, "true: neighbours stiffen each other, relative to the mean plane."] = False
     youngs_modulus: Annotated[
         float | Any, Quantity("Pa"), "Of the pillars. Absent: that of slider.ball, or of silicon."
     ] = None
-    poisson_ratio: Annotated[float | Any, Quantity(negative=True, below=0.5), "Of the pillars, likewise."] = (
-        None
-    )
+    poisson_ratio: Annotated[float | Any, Quantity(negative=True, below=0.5), "Of the pillars, likewise."] = None
 
     def check_layout(self):
         if self.file is not None:
@@ -151,8 +144,7 @@ def read_pillars(file: str) -> dict[str, list[float]]:
     for number, row in enumerate(rows, start=2):
         if len(row) > len(head):
             raise SceneError(
-                at,
-                f"must hold a value for each of {len(head)} heads, got {len(row)} in row {number} of {file!r}",
+                at, f"must hold a value for each of {len(head)} heads, got {len(row)} in row {number} of {file!r}"
             )
         for name, place in places.items():
             try:
@@ -161,8 +153,6 @@ def read_pillars(file: str) -> dict[str, list[float]]:
                 value = math.nan
             if not math.isfinite(value):
                 cell = row[place] if place < len(row) else ""
-                raise SceneError(
-                    at, f"must hold finite numbers, got {cell!r} as {name} in row {number} of {file!r}"
-                )
+                raise SceneError(at, f"must hold finite numbers, got {cell!r} as {name} in row {number} of {file!r}")
             columns[name].append(value)
     return columns

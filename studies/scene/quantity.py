@@ -68,9 +68,7 @@ def si_value(path: str, value, unit: str) -> float:
 
 def _wanted(unit: str) -> str:
     noun, example = DIMENSIONS[unit]
-    return (
-        f'must be {noun}, a number in {unit} or a string such as "{example}"' if unit else f"must be {noun}"
-    )
+    return f'must be {noun}, a number in {unit} or a string such as "{example}"' if unit else f"must be {noun}"
 
 
 def _from_text(path: str, text: str, unit: str) -> float:

@@ -47,8 +47,7 @@ def read_range(path: str, text: str, unit: str, *, bare: float = 1.0) -> Range:
         raise SceneError(path, f"{wanted}, or a list, got {shown(text)}")
     plain = [is_number(part) for part in parts[:2]]
     ends = [
-        bare * float(part) if number else si_value(path, part, unit)
-        for number, part in zip(plain, parts, strict=False)
+        bare * float(part) if number else si_value(path, part, unit) for number, part in zip(plain, parts, strict=False)
     ]
     if plain[0] != plain[1] and ends[plain.index(True)] != 0:
         raise SceneError(path, f"must have a unit at both ends or at neither, got {shown(text)}")

@@ -40,9 +40,7 @@ def reference() -> str:
     for header, kind in BLOCKS.items():
         name = f"`{header}`" if header.startswith("[") and "," not in header else header
         parts.append(f"## {name}\n\n{(kind.__doc__ or '').splitlines()[0]}\n\n{_keys(kind)}\n")
-    shipped = _table(
-        [("name", "title"), *((f"`{name}`", Scene.load(name).title) for name in shipped_scenes())]
-    )
+    shipped = _table([("name", "title"), *((f"`{name}`", Scene.load(name).title) for name in shipped_scenes())])
     return "\n".join([*parts, f"## Materials\n\n{_materials()}\n", f"## Scenes that ship\n\n{shipped}\n"])
 
 
@@ -74,9 +72,7 @@ def _materials() -> str:
                 solid.source,
             )
         )
-    text = (
-        "`stator.mechanical_quality` and `stator.dielectric_loss` replace a material's own Q and tan delta. "
-    )
+    text = "`stator.mechanical_quality` and `stator.dielectric_loss` replace a material's own Q and tan delta. "
     text += "Sets of constants of one material differ between authors by more than this program's errors.\n\n"
     return text + _table(rows)
 

@@ -116,9 +116,7 @@ class Count(Plain):
 def choice(*words: str) -> Rule:
     """Return the rule of one of a few words."""
     allowed = " or ".join(f'"{word}"' for word in words)
-    return Plain(
-        allowed, lambda value: isinstance(value, str) and value in words, {"enum": list(words)}, words
-    )
+    return Plain(allowed, lambda value: isinstance(value, str) and value in words, {"enum": list(words)}, words)
 
 
 def signs(allowed: str) -> Rule:
@@ -130,9 +128,7 @@ def signs(allowed: str) -> Rule:
     )
 
 
-TEXT = Plain(
-    "text on one line", lambda value: isinstance(value, str) and value.isprintable(), {"type": "string"}
-)
+TEXT = Plain("text on one line", lambda value: isinstance(value, str) and value.isprintable(), {"type": "string"})
 FLAG = Plain("true or false", lambda value: isinstance(value, bool), {"type": "boolean"})
 
 
@@ -147,9 +143,7 @@ class Named(Rule):
         value = dict(value) if isinstance(value, tuple) else value
         if not isinstance(value, dict) or not value:
             raise self.refusal(path, value)
-        return tuple(
-            zip(value, read_each([self.value] * len(value), path, value.values(), value), strict=True)
-        )
+        return tuple(zip(value, read_each([self.value] * len(value), path, value.values(), value), strict=True))
 
     def written(self, value):
         return {name: super(Named, self).written(each) for name, each in value}

@@ -34,9 +34,9 @@ class Scene(Block):
     ] = ()
     piece: Annotated[tuple[Piece, ...], Blocks(Piece), "Parts of the stator's section given as meshes."] = ()
     drive: Annotated[Drive | Any, Within(Drive), "The source; required with a stator."] = None
-    wave: Annotated[
-        Wave | Any, Within(Wave), "A given surface motion, instead of stator, transducers and drive."
-    ] = None
+    wave: Annotated[Wave | Any, Within(Wave), "A given surface motion, instead of stator, transducers and drive."] = (
+        None
+    )
     slider: Annotated[Slider | Any, Within(Slider), "The slider; absent: the wave is the result."] = None
     uncertain: Annotated[
         tuple | None,

@@ -21,10 +21,7 @@ def schema() -> dict:
         "enum": [name for name, solid in solids.items() if not solid.coupling.any()]
     }
     slider_block, drive = whole["properties"]["slider"], whole["properties"]["drive"]
-    slider_block["anyOf"] = [
-        {"required": ["ball"]},
-        {"required": ["effective_modulus", "tangential_modulus"]},
-    ]
+    slider_block["anyOf"] = [{"required": ["ball"]}, {"required": ["effective_modulus", "tangential_modulus"]}]
     driven = {"anyOf": [{"required": ["transducer"]}, {"required": ["sources"]}]}
     drive["oneOf"] = [
         {"required": ["voltage"], "properties": {"power": False}, **driven},

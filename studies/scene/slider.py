@@ -23,18 +23,16 @@ class Wave(Block):
         tuple[float, ...], Listed(Quantity("m", zero=True), ranged=True), "Peak of u_z, one value or a list."
     ]
     tangential_ratio: Annotated[float, Quantity(), "|u_x| / |u_z|."]
-    burst: Annotated[
-        float | None, Quantity("s"), "Length of the driven interval. Absent: the steady state only."
-    ] = None
+    burst: Annotated[float | None, Quantity("s"), "Length of the driven interval. Absent: the steady state only."] = (
+        None
+    )
     wavelength: Annotated[
         float | None,
         Quantity("m"),
         "Of the wave, which then runs towards -x; for pillars at different places along it.",
     ] = None
     compliance: Annotated[
-        float | None,
-        Quantity("1/Pa"),
-        "Gamma of the surface: G_zz = Gamma/(k - k_R); for pillars that load the wave.",
+        float | None, Quantity("1/Pa"), "Gamma of the surface: G_zz = Gamma/(k - k_R); for pillars that load the wave."
     ] = None
 
 
@@ -46,8 +44,7 @@ class Damping(Block):
     contact: Annotated[
         float,
         Quantity("s/m", zero=True),
-        "Hunt-Crossley coefficient chi: a force chi P dz/dt while in contact (R_n1 of Feenstra and "
-        "Breedveld).",
+        "Hunt-Crossley coefficient chi: a force chi P dz/dt while in contact (R_n1 of Feenstra and Breedveld).",
     ] = 0.0
     normal: Annotated[
         float, Quantity("N s/m", zero=True), "Viscous, on the slider's normal velocity (R_n2 of the same)."
@@ -88,16 +85,8 @@ class Friction(Block):
             for present, missing in ((one, other), (other, one)):
                 if getattr(self, present) is not None and getattr(self, missing) is None:
                     yield missing, f"is required and missing: {present} is given"
-        if (
-            self.sliding is None
-            and self.high_pressure is None
-            and self.speed is None
-            and self.pressure is None
-        ):
-            yield (
-                "static",
-                "alone is a number: friction_coefficient = 0.3; or give sliding with speed as well",
-            )
+        if self.sliding is None and self.high_pressure is None and self.speed is None and self.pressure is None:
+            yield ("static", "alone is a number: friction_coefficient = 0.3; or give sliding with speed as well")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -156,9 +145,7 @@ class Slider(Block):
         choice("sphere", "punch"),
         "Of each contact. punch: a rigid flat cylindrical projection, P = 2 a E* z, which slips as a whole.",
     ] = "sphere"
-    radius: Annotated[
-        float | Any, Quantity("m"), "Radius of each ball or punch; required without pillars."
-    ] = None
+    radius: Annotated[float | Any, Quantity("m"), "Radius of each ball or punch; required without pillars."] = None
     mass: Annotated[float, Quantity("kg"), "Mass of the whole slider."]
     contacts: Annotated[
         int | tuple[float | tuple[float, float], ...] | None,
@@ -169,17 +156,14 @@ class Slider(Block):
     heights: Annotated[
         tuple[float, ...] | None,
         Listed(Quantity("m", negative=True)),
-        "How much further each contact stands out towards the stator, one per place in contacts; absent: all"
-        " alike.",
+        "How much further each contact stands out towards the stator, one per place in contacts; absent: all alike.",
     ] = None
     preload: Annotated[
         float | str, Quantity("N", zero=True) | choice("weight"), "Total normal force, the weight included."
     ]
     gravity: Annotated[float, Quantity("m/s^2", zero=True), 'Used by preload = "weight".'] = 9.81
     load: Annotated[
-        float,
-        Quantity("N", zero=True),
-        "Constant force against the direction in which the unloaded slider moves.",
+        float, Quantity("N", zero=True), "Constant force against the direction in which the unloaded slider moves."
     ] = 0.0
     friction_coefficient: Annotated[
         float | Friction,
@@ -188,19 +172,13 @@ class Slider(Block):
         'pressure, such as { static = 0.3, sliding = 0.15, speed = "0.05 m/s" }.',
     ]
     effective_modulus: Annotated[
-        float | Any,
-        Quantity("Pa"),
-        "E* of the pair, 1/E* = sum of (1 - nu^2)/E; required unless ball is given.",
+        float | Any, Quantity("Pa"), "E* of the pair, 1/E* = sum of (1 - nu^2)/E; required unless ball is given."
     ] = None
     tangential_modulus: Annotated[
-        float | Any,
-        Quantity("Pa"),
-        "G* of the pair, 1/G* = sum of (2 - nu)/G; required unless ball is given.",
+        float | Any, Quantity("Pa"), "G* of the pair, 1/G* = sum of (2 - nu)/G; required unless ball is given."
     ] = None
     ball: Annotated[
-        str | None,
-        TEXT,
-        'Instead of both moduli: the material of the balls, such as "steel"; not with a given wave.',
+        str | None, TEXT, 'Instead of both moduli: the material of the balls, such as "steel"; not with a given wave.'
     ] = None
     law: Annotated[
         str | LawText,
@@ -209,18 +187,14 @@ class Slider(Block):
         "memory; or a file of Python with a law of one's own (contact/README.md).",
     ] = "elastic"
     reciprocal: Annotated[
-        bool,
-        FLAG,
-        "true: the tangential spring acts back on the normal motion, which closes the energy balance.",
+        bool, FLAG, "true: the tangential spring acts back on the normal motion, which closes the energy balance."
     ] = False
     stick_band: Annotated[
-        float,
-        Quantity("m/s", zero=True),
-        "Slip slower than this counts as sticking (DV of Feenstra and Breedveld).",
+        float, Quantity("m/s", zero=True), "Slip slower than this counts as sticking (DV of Feenstra and Breedveld)."
     ] = 0.0
-    method: Annotated[
-        str, choice("auto", "exact", "stepped", "averaged"), "How the slider's motion is integrated."
-    ] = "auto"
+    method: Annotated[str, choice("auto", "exact", "stepped", "averaged"), "How the slider's motion is integrated."] = (
+        "auto"
+    )
     travel: Annotated[
         bool | None,
         FLAG,
@@ -229,9 +203,7 @@ class Slider(Block):
     ] = None
     damping: Annotated[Damping, Within(Damping), "Losses of the slider's motion."] = Damping()
     pillars: Annotated[
-        Pillars | Any,
-        Within(Pillars),
-        "Flat pillars, thousands of them, instead of radius, contacts and heights.",
+        Pillars | Any, Within(Pillars), "Flat pillars, thousands of them, instead of radius, contacts and heights."
     ] = None
     tilt: Annotated[
         str,
@@ -242,9 +214,7 @@ class Slider(Block):
         tuple[float, float], PLACE, "Where the preload acts on a slider on pillars, [x, y] from its centre."
     ] = (0.0, 0.0)
     load_height: Annotated[
-        float,
-        Quantity("m", zero=True),
-        "Height above the surface at which the load pulls a slider on pillars.",
+        float, Quantity("m", zero=True), "Height above the surface at which the load pulls a slider on pillars."
     ] = 0.0
     backing: Annotated[
         str,
@@ -300,11 +270,7 @@ class Slider(Block):
         if len(special) == 2:
             yield "friction_coefficient", "must be a number with a law of one's own"
         if special and (self.law == "hysteretic" or self.reciprocal or self.stick_band > 0):
-            keys = {
-                "law": self.law == "hysteretic",
-                "reciprocal": self.reciprocal,
-                "stick_band": self.stick_band > 0,
-            }
+            keys = {"law": self.law == "hysteretic", "reciprocal": self.reciprocal, "stick_band": self.stick_band > 0}
             key = next(name for name, wrong in keys.items() if wrong)
             allowed = {"law": '"elastic"', "reciprocal": "false", "stick_band": "0"}[key]
             yield key, f"must be {allowed} with {special[0]}"
@@ -316,10 +282,7 @@ class Slider(Block):
         if number == 0:
             yield "heights", "needs slider.contacts as a list of places, one per height"
         elif number != len(self.heights):
-            yield (
-                "heights",
-                f"must hold one height for each of the {number} contacts, got {len(self.heights)}",
-            )
+            yield ("heights", f"must hold one height for each of the {number} contacts, got {len(self.heights)}")
 
     def check_moduli(self) -> Any:
         for key in ("effective_modulus", "tangential_modulus"):

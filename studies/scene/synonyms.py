@@ -11,9 +11,7 @@ substrate: stator material; tan_delta: dielectric_loss; tangential_amplitude: ta
 weight: mass preload; youngs: youngs_modulus
 """
 SYNONYMS = {
-    word: keys.split()
-    for words, keys in (each.split(":") for each in TABLE.split(";"))
-    for word in words.split()
+    word: keys.split() for words, keys in (each.split(":") for each in TABLE.split(";")) for word in words.split()
 }
 
 

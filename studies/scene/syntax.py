@@ -43,9 +43,7 @@ def _advice(line: str, said: str) -> str | None:
     if any(quote in line for quote in CURLY):
         return 'text stands between straight quotes: write "..."'
     if line.strip().startswith("[") and "=" not in line:
-        return (
-            "the name of a block stands alone in its line between brackets: write [slider] or [[transducer]]"
-        )
+        return "the name of a block stands alone in its line between brackets: write [slider] or [[transducer]]"
     match = VALUE.match(line)
     if match is None:
         return f"a line is KEY = VALUE, a [block] or a # comment, got {' '.join(line.split())[:40]!r}"

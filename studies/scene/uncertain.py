@@ -93,9 +93,7 @@ def stated_schema(rule: Rule) -> list[dict]:
     if not rule.unit:
         return [{"type": "string", "pattern": rf"{value}{sign}\s*%?\s*$"}]
     name = units(rule.unit)
-    return [
-        {"type": "string", "pattern": rf"{value}(\s*({name}){sign}(\s*({name}|%))?|{sign}\s*({name}|%))\s*$"}
-    ]
+    return [{"type": "string", "pattern": rf"{value}(\s*({name}){sign}(\s*({name}|%))?|{sign}\s*({name}|%))\s*$"}]
 
 
 def split_tolerances(table: dict) -> dict:
@@ -121,9 +119,7 @@ def split_tolerances(table: dict) -> dict:
     for key, _ in walk(table.get("uncertain")) if tolerances else ():
         if key in tolerances:
             raise SceneError(f"uncertain.{key}", "is given twice: here and with the value itself")
-    return reduce(
-        lambda table, pair: replaced(table, f"uncertain.{pair[0]}", pair[1]), tolerances.items(), table
-    )
+    return reduce(lambda table, pair: replaced(table, f"uncertain.{pair[0]}", pair[1]), tolerances.items(), table)
 
 
 def _number(text):

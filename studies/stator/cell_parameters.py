@@ -44,9 +44,7 @@ def run(scene: Scene, *, count: int = 61, tolerance: float = 1e-2, progress=None
     except fem.ConvergenceError as error:
         raise RunError(str(error)) from None
     progress("Bloch waves")
-    cells = fem.grating(
-        solid, period=period, metallisation=m, above=above, resolution=fem.LEVELS[int(tolerance < 0.1)]
-    )
+    cells = fem.grating(solid, period=period, metallisation=m, above=above, resolution=fem.LEVELS[int(tolerance < 0.1)])
     bands, edges = {"shorted": cell.shorted, "open": cell.open}, (cell.shorted.lower, cell.open.upper)
     width = edges[1] - edges[0]
     at = np.linspace(edges[0] - REACH * width, edges[1] + REACH * width, count)

@@ -26,12 +26,7 @@ QUICK = {"count": 9, "tolerance": 0.1}
 
 @study("twente-left")
 def run(
-    scene: Scene,
-    *,
-    measured: str | None = None,
-    count: int | None = None,
-    tolerance: float = 1e-2,
-    progress=None,
+    scene: Scene, *, measured: str | None = None, count: int | None = None, tolerance: float = 1e-2, progress=None
 ) -> Answered:
     """Return amplitude and group delay against frequency.
 
@@ -56,10 +51,7 @@ def run(
     surface = normal if covered else np.array([each.rayleigh_motion(place)[1] for each in waves])
     way = abs(place - driven.place[0])
     free = fem.free_wave(resolve.stator(resolved.stator), frequency=float(np.median(at)), tolerance=1e-4)
-    theory, late = (
-        passband.expected(resolved).normal(at) * np.exp(-free.attenuation * way),
-        way / free.velocity,
-    )
+    theory, late = (passband.expected(resolved).normal(at) * np.exp(-free.attenuation * way), way / free.velocity)
     delay = passband.group_delay(at, surface, late)
     band = np.array(_half_power(at, abs(surface)))
     inside = (at >= band[0]) & (at <= band[1])

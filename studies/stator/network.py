@@ -80,10 +80,7 @@ def run(
         velocity = fem.rayleigh(resolve.solid(resolved.stator), "open").velocity
         way = abs(second - first) / velocity
         delay = passband.group_delay(at, scattering[:, 1, 0], way)
-        data, title = (
-            {"frequency_Hz": at, "group_delay_s": delay},
-            f"{resolved.title}: {names[0]} to {names[1]}",
-        )
+        data, title = ({"frequency_Hz": at, "group_delay_s": delay}, f"{resolved.title}: {names[0]} to {names[1]}")
         if lab_file is not None:
             data |= _measured_delay(lab_file, way)
         panels.append(Panel(name="group_delay", title=title, data=data))
@@ -163,9 +160,7 @@ def figure(record: Panel, ax):
             curve(ax, at, values.imag, style, "stick", f"Im, {part}", size=2.0)
         return finished(ax, across, quantity("admittance_S").axis, record.title, columns=3)
     for prefix, style, at, remark in _sources(data):
-        for i, j in zip(
-            *np.tril_indices(len(data["ports"])), strict=True
-        ):  # one half of a reciprocal network
+        for i, j in zip(*np.tril_indices(len(data["ports"])), strict=True):  # one half of a reciprocal network
             size = 20 * np.log10(np.maximum(abs(data[f"{prefix}scattering"][:, i, j]), 1e-15))
             colour = f"C{i * len(data['ports']) + j}"
             ax.plot(at, size, style, color=colour, markersize=3, label=f"S{i + 1}{j + 1}{remark}")

@@ -19,9 +19,7 @@ def deviations(seen: NetworkData, predicted: np.ndarray, names: list[str]) -> li
     own = NetworkData(name="", frequency=seen.frequency, scattering=predicted, reference=seen.reference)
     gap = np.sqrt(np.mean(np.abs(seen.scattering - predicted) ** 2))
     span = f"{seen.frequency[0] / 1e6:.5g} to {seen.frequency[-1] / 1e6:.5g} MHz"
-    rows = [
-        ("measured", f"{seen.name}: {len(seen.frequency)} frequencies, {span}; deviation of S {gap:.3g} rms")
-    ]
+    rows = [("measured", f"{seen.name}: {len(seen.frequency)} frequencies, {span}; deviation of S {gap:.3g} rms")]
     for k, name in enumerate(names):
         measured, computed = (_input(each, k) for each in (seen, own))
         for key, unit, scale in (("resonance", "MHz", 1e-6), ("G", "mS", 1e3), ("C0", "pF", 1e12), ("K2", "", 1.0),

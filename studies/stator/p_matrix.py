@@ -39,9 +39,7 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None
     resolved = passband.driven_scene(scene)
     stator = resolve.whole_stator(resolved)
     if stator.placement.whole is not None:
-        resolved.refuse(
-            "piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there"
-        )
+        resolved.refuse("piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there")
     row = tuple(sorted(resolve.section_row(resolved), key=lambda each: each.center))
     if len({each.aperture for each in row}) > 1:
         resolved.refuse("transducer", "must have equal apertures for this study: their waves are one beam")
@@ -140,9 +138,7 @@ def figure(record: Panel, ax):
         ("reflection_open", ":", "|P11|, electrodes open"),
     ):
         curve(reflection, at, data[key], style, "intermittent", name)
-        ax.plot(
-            [], [], style, color=COLOURS["intermittent"], label=name
-        )  # its line in the legend of both axes
+        ax.plot([], [], style, color=COLOURS["intermittent"], label=name)  # its line in the legend of both axes
     reflection.set_ylim(0, 1)
     reflection.set_ylabel(quantity("reflection").axis, color=COLOURS["intermittent"])
     ax.set_ylim(bottom=0)

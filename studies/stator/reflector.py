@@ -35,9 +35,7 @@ def run(scene: Scene, *, count: int = 11, tolerance: float = 1e-3, progress=None
     stator, middle = resolve.whole_stator(resolved), resolved.frequency
     at = middle * np.linspace(1 - REACH, 1 + REACH, count) if count > 1 else np.array([middle])
     if stator.placement.whole is not None:
-        resolved.refuse(
-            "piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there"
-        )
+        resolved.refuse("piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there")
     answers = []
     for f in at:
         progress(f"reflection at {f / 1e6:.5g} MHz")

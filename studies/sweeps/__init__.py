@@ -161,9 +161,7 @@ def sweep(
             except KeyboardInterrupt:
                 kept = sum(store.counts().values())
                 where = "" if out is None else " and the same command goes on from there"
-                raise InterruptedRunError(
-                    f"interrupted: {kept} of {len(design)} points are kept{where}"
-                ) from None
+                raise InterruptedRunError(f"interrupted: {kept} of {len(design)} points are kept{where}") from None
         return Sweep(
             path=store.path, points=len(design), counts=store.counts(), cost=store.cost(),
             seconds=perf_counter() - start_time, columns=store.columns, axes=design.axes,

@@ -72,8 +72,7 @@ def summary(result: Sweep) -> dict:
             (error for error, status in zip(errors, statuses, strict=True) if status == "ok"), default=None
         ),
         "reasons": [
-            {"status": status, "points": count, "first_point": statuses.index(status)}
-            for status, count in failures
+            {"status": status, "points": count, "first_point": statuses.index(status)} for status, count in failures
         ],
         "seconds": result.seconds,
         "work_seconds": result.cost,
@@ -93,10 +92,7 @@ def sweep_answer(result: Sweep, whole: dict) -> str:
     ]
     if whole["largest_relative_error"] is not None:
         notes.insert(0, ("relative error", f"{whole['largest_relative_error']:.1e} at most, where ok"))
-    notes += [
-        ("seconds", f"{result.seconds:.2f}, {duration(result.cost)} of work"),
-        ("results", f"{result.path}"),
-    ]
+    notes += [("seconds", f"{result.seconds:.2f}, {duration(result.cost)} of work"), ("results", f"{result.path}")]
     points = labelled([("points", f"{result.points}: {kinds}")])
     return "\n".join([*points, *(aligned(ranges) if ranges else []), *labelled(notes)])
 

@@ -62,9 +62,7 @@ def point_axis(source) -> Axis:
     elif hasattr(source, "columns"):
         source = {key: source[key].tolist() for key in source.columns}
     else:
-        raise SceneError(
-            "over", f"must be a dict of a key's values, a Path or a data frame, got {shown(source)}"
-        )
+        raise SceneError("over", f"must be a dict of a key's values, a Path or a data frame, got {shown(source)}")
     axes = [axis(key, values if not isinstance(values, str) else [values]) for key, values in source.items()]
     if not axes or len({len(each) for each in axes}) != 1:
         raise SceneError("points", "must hold a value for every key in every line")

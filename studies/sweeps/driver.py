@@ -107,13 +107,9 @@ class Driver:
                 except workers.lost:
                     lost.append(batch)
                 except ImportError as error:
-                    raise RunError(
-                        f"a worker cannot import what it needs ({error}): install sawmotor there"
-                    ) from None
+                    raise RunError(f"a worker cannot import what it needs ({error}): install sawmotor there") from None
                 except CancelledError:
-                    raise RunError(
-                        "the Dask scheduler is gone; the same command goes on from there"
-                    ) from None
+                    raise RunError("the Dask scheduler is gone; the same command goes on from there") from None
             if lost:
                 workers.renew()
             for batch in lost:

@@ -128,11 +128,7 @@ class Design:
     @property
     def identity(self) -> dict[str, str]:
         """Digests of scene, files, axes, tolerance and further outcomes; two sweeps with equal digests are the same."""
-        parts = {
-            "scene": self.question.table,
-            "tolerance": self.question.tolerance,
-            "also": self.question.also,
-        }
+        parts = {"scene": self.question.table, "tolerance": self.question.tolerance, "also": self.question.also}
         parts |= {f"axis {'+'.join(each.keys)}": each.columns for each in self.axes}
         parts |= {"order of axes": self.question.keys}
         parts |= {f"file {path}": content for path, content in _files(self.question.table)}
@@ -152,11 +148,7 @@ def designed(table: dict, over, *, tolerance, also=()) -> Design:
             raise SceneError("also", f"must be of {', '.join(ALSO)}, got {word!r}")
     axes = []
     for part in over if isinstance(over, list) else [over or {}]:
-        axes += (
-            [axis(key, values) for key, values in part.items()]
-            if isinstance(part, dict)
-            else [point_axis(part)]
-        )
+        axes += [axis(key, values) for key, values in part.items()] if isinstance(part, dict) else [point_axis(part)]
     keys = [key for each in axes for key in each.keys]
     for key in keys:
         if keys.count(key) > 1:
@@ -177,9 +169,7 @@ def _question(table, axes, tolerance, also) -> Question:
     question = Question(document=json.dumps(table), keys=keys, tolerance=tolerance, also=also)
     if question.kind != "driven":
         return question
-    frequencies = {
-        each for each in columns.get("drive.frequency", ()) if isinstance(each, float) and each > 0
-    }
+    frequencies = {each for each in columns.get("drive.frequency", ()) if isinstance(each, float) and each > 0}
     # the transducers stay what they are while the frequency moves
     kept = not any(isinstance(each.get("period", "auto"), str) for each in table["transducer"])
     band = kept and not any(key.endswith(".period") for key in keys) and len(frequencies) >= FEWEST

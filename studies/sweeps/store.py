@@ -117,9 +117,7 @@ class Store:
         }  # fmt: skip
         with self._explained(), self.connection:
             columns = ", ".join(f'"{name}"' for name in self._names)
-            self.connection.execute(
-                f"create table if not exists points (point integer primary key, {columns})"
-            )
+            self.connection.execute(f"create table if not exists points (point integer primary key, {columns})")
             self.connection.executemany(
                 "insert or replace into sweep values (?, ?)",
                 ((name, json.dumps(value)) for name, value in about.items()),
@@ -143,9 +141,7 @@ def _lock(folder: Path) -> FileLock:
         if folder.exists() and not folder.is_dir():
             raise SceneError("out", f"{str(folder)!r} is a file; name another directory")
         if folder.exists() and any(folder.iterdir()) and not (folder / LOCK).exists():
-            raise SceneError(
-                "out", f"{str(folder)!r} holds something that is no sweep; name another directory"
-            )
+            raise SceneError("out", f"{str(folder)!r} holds something that is no sweep; name another directory")
         folder.mkdir(parents=True, exist_ok=True)
         return locked(folder / LOCK)
     except DirectoryInUseError:

@@ -16,11 +16,7 @@ from contextlib import contextmanager
 
 from studies.refusal import RunError, SceneError, shown
 
-ONE_THREAD = (
-    "OMP_NUM_THREADS",
-    "OPENBLAS_NUM_THREADS",
-    "MKL_NUM_THREADS",
-)  # a BLAS has one where these are 1
+ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")  # a BLAS has one where these are 1
 
 
 class Workers:

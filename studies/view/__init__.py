@@ -35,11 +35,7 @@ INSTANTS = 12  # instants of a .pvd file
 
 
 def view(
-    folder: str | Path,
-    wanted: Wanted,
-    *,
-    progress: Callable[[str], None],
-    note: Callable[[str], None] = warnings.warn,
+    folder: str | Path, wanted: Wanted, *, progress: Callable[[str], None], note: Callable[[str], None] = warnings.warn
 ) -> None:
     """Show a run.
 
@@ -99,9 +95,7 @@ def _field_writers(record: Record, wanted: Wanted, show: str, progress, note) ->
     def still(file) -> None:
         stretches = views(field) if span is None else chosen_views(field, span)
         stretches = () if show == "solid" else stretches
-        Picture(field, stretches, size=wanted.size or STILL_SIZE, **options).save(
-            file, whole=bool(wanted.size)
-        )
+        Picture(field, stretches, size=wanted.size or STILL_SIZE, **options).save(file, whole=bool(wanted.size))
 
     def film(file) -> None:
         picture = Picture(field, chosen_views(field, span), size=wanted.size or MOVIE_SIZE, **options)
@@ -145,10 +139,7 @@ def _beam_writers(record: Record, wanted: Wanted, progress) -> dict[str, Callabl
         plots.saved(file, draw, size=size)
 
     def page(file) -> None:
-        picture = {
-            "data": plots.as_uri(draw, size=size, kind="png"),
-            "caption": "size of u_z over the surface",
-        }
+        picture = {"data": plots.as_uri(draw, size=size, kind="png"), "caption": "size of u_z over the surface"}
         text = rendered("pictures.html", title=f"{scene.title}: beam", pictures=[picture])
         Path(file).write_text(text, encoding="utf-8")
 

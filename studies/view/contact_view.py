@@ -30,24 +30,14 @@ CYCLES, INSTANTS = 2, 240  # cycles, and instants per cycle
 FRAMES, RATE = 48, 12.0  # pictures of a movie, and pictures per second
 DPI = 110
 NM = 1e9
-REGIMES = {
-    "separated": "#FFFFFF",
-    "stick": "#BBBBBB",
-    "slip": "#56B4E9",
-    "creep": "#F0E442",
-    "partial": "#009E73",
-}
+REGIMES = {"separated": "#FFFFFF", "stick": "#BBBBBB", "slip": "#56B4E9", "creep": "#F0E442", "partial": "#009E73"}
 # axis label, factor from SI units, and (column, colour, legend name) of each curve
 TRACES = (
     ("z (nm)", NM, (("approach_m", "line", None),)),
     ("x (nm)", NM, (("deformation_m", "line", None),)),
     ("P (mN)", 1e3, (("normal_force_N", "line", None),)),
     ("Q (mN)", 1e3, (("tangential_force_N", "intermittent", None),)),
-    (
-        "v (mm/s)",
-        1e3,
-        (("surface_velocity_m_per_s", "slip", "surface"), ("slider_velocity_m_per_s", "line", "slider")),
-    ),
+    ("v (mm/s)", 1e3, (("surface_velocity_m_per_s", "slip", "surface"), ("slider_velocity_m_per_s", "line", "slider"))),
 )
 MEANING = "z: approach of ball and surface, x: tangential deformation,\nP: normal force, Q: friction force, v: velocity"
 DRAWN = (
@@ -142,9 +132,7 @@ def moments(history, contact: int = 0) -> dict[str, np.ndarray]:
     The time starts at an upward zero crossing of u_z under the first contact.
     """
     orbit = history.orbits[contact]
-    phase_factor = np.exp(
-        1j * (orbit.omega * history.time - 0.5 * np.pi - np.angle(history.orbits[0].normal))
-    )
+    phase_factor = np.exp(1j * (orbit.omega * history.time - 0.5 * np.pi - np.angle(history.orbits[0].normal)))
     return {
         "time_s": history.time,
         "u_x_m": (orbit.tangential * phase_factor).real,
@@ -227,9 +215,7 @@ def traces(figure, table: dict) -> list:
         ax.set_xlim(time[0], time[-1])
     axes[-1].set_xlabel(f"time (ns)\n{MEANING}", fontsize="x-small")
     handles = [
-        Patch(facecolor=REGIMES[name], label=name, alpha=0.6, edgecolor="#666666")
-        for name in REGIMES
-        if name in regime
+        Patch(facecolor=REGIMES[name], label=name, alpha=0.6, edgecolor="#666666") for name in REGIMES if name in regime
     ]
     handles += axes[-1].get_legend_handles_labels()[0]
     axes[0].legend(handles=handles, frameon=False, fontsize="x-small", ncols=len(handles), loc="lower right",
@@ -245,9 +231,7 @@ def _draw(ax, table: dict, index: int) -> None:
     lowest, half_width, radius = (u_z - approach).min(), 2.4 * scale, 2.0 * scale
     ball = {"facecolor": REGIMES[str(table["regime"][index])], "edgecolor": "black", "alpha": 0.9}
     ax.add_patch(Circle((0.0, z - approach[index] + radius), radius, **ball))
-    ax.fill_between(
-        [-half_width, half_width], [-9 * scale] * 2, [z] * 2, color="#E6D8C3", linewidth=0, alpha=0.7
-    )
+    ax.fill_between([-half_width, half_width], [-9 * scale] * 2, [z] * 2, color="#E6D8C3", linewidth=0, alpha=0.7)
     mark_positions = np.arange(-3, 4) * scale + x
     ax.plot(mark_positions, np.full(len(mark_positions), z), "|", color="black", markersize=6)
     ax.axhline(z, color="black", linewidth=1)
@@ -261,7 +245,5 @@ def _draw(ax, table: dict, index: int) -> None:
         size = length * scale * force[index] / max(abs(force).max(), 1e-300)
         if abs(size) > 0.05 * scale:
             arrow(ax, (0.0, z), (size * direction[0], z + size * direction[1]), colour)
-    ax.set(
-        xlim=(-half_width, half_width), ylim=(min(-1.4 * scale, lowest - 0.4 * scale), lowest + 4.2 * scale)
-    )
+    ax.set(xlim=(-half_width, half_width), ylim=(min(-1.4 * scale, lowest - 0.4 * scale), lowest + 4.2 * scale))
     ax.set_aspect("equal")

@@ -14,17 +14,7 @@ from PIL import Image
 import fem
 from fem import reference_matrices
 from studies.chain import resolve
-from studies.record.plots import (
-    COLOURS,
-    arrow,
-    curve,
-    finished,
-    legend_below,
-    new_figure,
-    saved,
-    shaded,
-    titled,
-)
+from studies.record.plots import COLOURS, arrow, curve, finished, legend_below, new_figure, saved, shaded, titled
 from studies.record.run_pictures import surface, velocity
 from studies.report.energies import LEDGER
 from studies.view import movie
@@ -85,10 +75,7 @@ def orbits(places, tangential, normal, *, title: str):
     """Draw the orbits of surface points at positions in m, from complex u_x and u_z in m per V."""
     columns = min(6, len(places))
     rows = -(-len(places) // columns)
-    size, shared = (
-        (1.35 * columns + 0.6, 1.55 * rows + 0.7),
-        {"sharex": True, "sharey": True, "squeeze": False},
-    )
+    size, shared = ((1.35 * columns + 0.6, 1.55 * rows + 0.7), {"sharex": True, "sharey": True, "squeeze": False})
     figure, axes = new_figure(*size, rows=rows, columns=columns, **shared)
     is_anticlockwise = anticlockwise(tangential, normal)
     components = NM * np.array([tangential, normal])

@@ -41,9 +41,7 @@ def _gif(pictures, file, rate: float, palette) -> None:
     # one palette for all pictures reduces the size of the file to a third
     if palette is None:
         palette = Image.fromarray(np.concatenate(pictures[:: max(1, len(pictures) // 4)])).quantize(COLOURS)
-    first, *others = (
-        Image.fromarray(each).quantize(palette=palette, dither=Image.Dither.NONE) for each in pictures
-    )
+    first, *others = (Image.fromarray(each).quantize(palette=palette, dither=Image.Dither.NONE) for each in pictures)
     first.save(file, save_all=True, append_images=others, duration=round(1000 / rate), loop=0, optimize=False)
 
 
@@ -55,9 +53,7 @@ def _mp4(pictures, file, rate: float) -> None:
     call = [ffmpeg(), *input_options.split(), *output_options.split(), str(Path(file).absolute())]
     result = subprocess.run(call, input=b"".join(each.tobytes() for each in pictures), capture_output=True)
     if result.returncode:
-        raise RunError(
-            f"the movie {str(file)!r} cannot be written: {result.stderr.decode(errors='replace').strip()}"
-        )
+        raise RunError(f"the movie {str(file)!r} cannot be written: {result.stderr.decode(errors='replace').strip()}")
 
 
 def ffmpeg() -> str:

@@ -52,9 +52,7 @@ class Wanted:
         for option, file in self.files.items():
             if option not in OFFERED[show]:
                 raise SceneError(f"--{option}", f"does not go with --show {show}, got {file!r}")
-            allowed = (
-                (".csv",) if option == "data" and (self.surface or show == "contact") else FORMATS[option]
-            )
+            allowed = (".csv",) if option == "data" and (self.surface or show == "contact") else FORMATS[option]
             if Path(file).suffix.lower() not in allowed:
                 one = f"one of {', '.join(allowed)}" if len(allowed) > 2 else " or ".join(allowed)
                 raise SceneError(f"--{option}", f"must end in {one}, got {file!r}")

@@ -83,9 +83,7 @@ class Picture:
         self.frames = frames(run, views, size=size, framed=framed)
         # the first renderer draws texts and rulers in pixels; without frames it also draws the field
         shape = 1 + framed * len(self.frames), 1
-        self.plotter = self.pyvista.Plotter(
-            off_screen=framed or None, window_size=size, shape=shape, border=False
-        )
+        self.plotter = self.pyvista.Plotter(off_screen=framed or None, window_size=size, shape=shape, border=False)
         self.set_quantity(quantity)
         for number, frame in enumerate(self.frames):
             self._go_to(number)
@@ -113,9 +111,7 @@ class Picture:
             self._go_to(number)
             if self.spreads:
                 waves = self._length / self.run.wavelength
-                self.shade, sheet, motion = beam_sheet(
-                    self.run, name, envelope=self.size[0] < MIN_PIXELS * waves
-                )
+                self.shade, sheet, motion = beam_sheet(self.run, name, envelope=self.size[0] < MIN_PIXELS * waves)
                 self._lay(sheet)
             else:
                 drawn = self._piece(frame)
@@ -134,9 +130,7 @@ class Picture:
         if self.framed and not self.solid:
             _, low, _, high = max((frame.box for frame in self.frames), key=lambda box: box[3] - box[1])
             entries = len(overlays.electrodes(self.run))
-            high = min(
-                high, height - LEGEND_MARGIN - LEGEND_LINE * entries - LETTERS
-            )  # its title is below the legend
+            high = min(high, height - LEGEND_MARGIN - LEGEND_LINE * entries - LETTERS)  # its title is below the legend
         self.plotter.add_scalar_bar(
             title="\n".join([*textwrap.wrap(title, 12), f"({unit}\n"]), mapper=self._mapper, vertical=True, n_labels=3,
             fmt="%.3g", position_x=1 - 112 / width, width=84 / width, position_y=low / height,
@@ -337,10 +331,7 @@ class Picture:
             camera.up, camera.parallel_scale = (0, 1, 0), height / 2
         entries = [(each.label, each.colour) for each in overlays.electrodes(run)]
         if entries:
-            legend, up = (
-                plotter.add_legend(entries, bcolor=None, face="rectangle"),
-                LEGEND_LINE * len(entries),
-            )
+            legend, up = (plotter.add_legend(entries, bcolor=None, face="rectangle"), LEGEND_LINE * len(entries))
             legend.SetPosition(1 - 122 / width, 1 - (LEGEND_MARGIN + up) / height)
             legend.SetPosition2(115 / width, up / height)
 
@@ -348,9 +339,7 @@ class Picture:
         """Draw the balls of the slider on the crests of the enlarged wave."""
         for ball in overlays.balls(self.run, spreads=self.spreads):
             centre = ball.place * MM, ball.lateral * MM, (ball.radius + self.factor * ball.crest) * MM
-            sphere = self.pyvista.Sphere(
-                radius=ball.radius * MM, center=centre, theta_resolution=90, phi_resolution=90
-            )
+            sphere = self.pyvista.Sphere(radius=ball.radius * MM, center=centre, theta_resolution=90, phi_resolution=90)
             options = {"smooth_shading": True, "ambient": 0.5} if self.solid else {"lighting": False}
             self.plotter.add_mesh(sphere, color=overlays.BALL_COLOUR, **options)
 

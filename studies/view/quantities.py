@@ -98,9 +98,7 @@ def shade(run, name: str) -> Shade:
     outside = ~run.near_transducer(field.x)
     if not np.any(amplitude):
         material = run.scene.stator.orientation
-        raise SceneError(
-            "--quantity", f"{name!r} is zero everywhere: uncoupled in this solid, orientation {material}"
-        )
+        raise SceneError("--quantity", f"{name!r} is zero everywhere: uncoupled in this solid, orientation {material}")
     outside |= not outside.any()  # all points, if fingers cover the whole stator
     size = abs(amplitude[outside]) + (abs(mean[outside]) if drawn.turns == 2 else 0.0)
     return shade_of(drawn, size, free=run.free)

@@ -91,9 +91,7 @@ class RunField:
     @property
     def drive(self) -> str:
         """Text on the excitation of the field and the normalisation of its values."""
-        return (
-            "free wave" if self.free else f"{', '.join(map(repr, self.scene.drive.driven))} driven, per volt"
-        )
+        return "free wave" if self.free else f"{', '.join(map(repr, self.scene.drive.driven))} driven, per volt"
 
     def enlarged(self, factor: float) -> str:
         """Return a text on the magnification of the displacement."""
@@ -183,9 +181,7 @@ def motion_again(record: Record, *, progress) -> SurfaceMotion:
     If run.json names no known resolution, the chain is run again without the slider.
     """
     scene, resolution_name = record.scene, record.wave.get("resolution")
-    level = [
-        each for each in LEVELS if resolution_name == f"order {each.order}, {each.edge_layers} edge layers"
-    ]
+    level = [each for each in LEVELS if resolution_name == f"order {each.order}, {each.edge_layers} edge layers"]
     if not level:
         without_slider = replace(scene, slider=None)
         motion = run_chain(without_slider, tolerance=record.tolerance, progress=progress).surface_motion
@@ -193,9 +189,7 @@ def motion_again(record: Record, *, progress) -> SurfaceMotion:
 
     def solve(stator, row, drive, _places=()):
         return surface_wave(
-            one_blas_thread(solve_driven)(
-                stator, row, frequency=scene.frequency, drive=drive, resolution=level[0]
-            ),
+            one_blas_thread(solve_driven)(stator, row, frequency=scene.frequency, drive=drive, resolution=level[0]),
             relative_error=record.error["relative"],
             admittance_error=record.electrical["admittance_relative_error"],
         )

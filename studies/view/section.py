@@ -67,9 +67,7 @@ class Sheet(NamedTuple):
     hidden: np.ndarray | None = None
 
 
-def piece(
-    run: RunField, shading: Shade, *, span: tuple[float, float], bottom: float, spacing: float
-) -> Piece:
+def piece(run: RunField, shading: Shade, *, span: tuple[float, float], bottom: float, spacing: float) -> Piece:
     """Return the field within a span of x and down to z = ``bottom`` on points at least ``spacing`` (m) apart."""
     energies, facet = shading.quantity.turns == 2, FACET * spacing
     if facet < run.wavelength / LINES:
@@ -81,8 +79,7 @@ def piece(
     nodes = np.append(bottom, field.z[field.z > bottom])
     nodes = nodes[thinned(nodes, spacing, bottom, 0.0)]
     parts = [
-        np.linspace(low, high, int(np.ceil((high - low) / facet)), endpoint=False)
-        for low, high in pairwise(nodes)
+        np.linspace(low, high, int(np.ceil((high - low) / facet)), endpoint=False) for low, high in pairwise(nodes)
     ]
     z = np.append(np.concatenate(parts), 0.0)
     basis = field.depth_basis(z)

@@ -82,12 +82,7 @@ def views(run: RunField) -> tuple[View, ...]:
     name = f"driven transducer {run.scene.driven_transducer.name!r}"
     return (
         whole,
-        View(
-            name=name,
-            start=max(driven - half_length, 0.0),
-            stop=min(driven + half_length, run.length),
-            weight=0.4,
-        ),
+        View(name=name, start=max(driven - half_length, 0.0), stop=min(driven + half_length, run.length), weight=0.4),
         View(name=run.focus[0], start=start, stop=stop, weight=0.4),
     )
 

@@ -25,9 +25,7 @@ SHORT = 32767
 CYCLE = 2.5  # duration of one period of the wave on the page, s
 
 
-def page(
-    run: RunField, *, quantity: str, phase: float, factor: float | None, span: tuple[float, float] | None
-) -> str:
+def page(run: RunField, *, quantity: str, phase: float, factor: float | None, span: tuple[float, float] | None) -> str:
     """Return the page. Quantity, phase (rad), factor of the displacement and span (m) are the initial settings."""
     field = run.with_energies
     spacing = SPACING * run.wavelength
@@ -128,9 +126,7 @@ def _places(run: RunField, span) -> list[dict]:
 
     name, focus = run.focus
     listed = [{"name": "whole", "from": 0.0, "to": run.length}]
-    listed += [
-        about(f"transducer {each.name}", run.in_section(each.place), 14) for each in run.scene.transducer
-    ]
+    listed += [about(f"transducer {each.name}", run.in_section(each.place), 14) for each in run.scene.transducer]
     listed += [about(name, focus, 14), about("one wavelength", focus, 1)]
     return listed + ([{"name": "chosen", "from": span[0], "to": span[1]}] if span is not None else [])
 

@@ -49,19 +49,11 @@ def errors(slider, orbits, cycles, tolerance):
 
     def run(method, allowed):
         return burst(
-            slider,
-            orbits,
-            duration=cycles / FREQUENCY,
-            after=0.0,
-            tolerance=allowed,
-            samples=2,
-            method=method,
+            slider, orbits, duration=cycles / FREQUENCY, after=0.0, tolerance=allowed, samples=2, method=method
         )
 
     found, exact = run("averaged", tolerance), run("exact", 1e-7)
-    reference = max(
-        abs(exact.velocity_at_burst_end), 0.1 * 2.0 * math.pi * FREQUENCY * abs(orbits[0].tangential)
-    )
+    reference = max(abs(exact.velocity_at_burst_end), 0.1 * 2.0 * math.pi * FREQUENCY * abs(orbits[0].tangential))
     true = abs(found.velocity_at_burst_end - exact.velocity_at_burst_end) / reference
     return true, found.relative_error, found.status
 
@@ -84,16 +76,13 @@ def main():
             continue
         rows.append((true / stated, status == "ok", status == "ok" and true > scene[-1]))
     ratio, kept, beyond = np.array(rows).T
-    print(
-        f"{len(rows)} bursts, {refused} refused, {kept.sum():.0f} within the tolerance by their own estimate"
-    )
+    print(f"{len(rows)} bursts, {refused} refused, {kept.sum():.0f} within the tolerance by their own estimate")
     print(
         f"further off than twice the stated error: {np.sum(ratio > 2.0)}; "
         f"ok but beyond the tolerance: {beyond.sum():.0f}"
     )
     print(
-        "true over stated, quantiles 0.5 0.9 0.95 1:",
-        *(f"{q:.2f}" for q in np.quantile(ratio, (0.5, 0.9, 0.95, 1.0))),
+        "true over stated, quantiles 0.5 0.9 0.95 1:", *(f"{q:.2f}" for q in np.quantile(ratio, (0.5, 0.9, 0.95, 1.0)))
     )
 
 

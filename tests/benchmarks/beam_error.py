@@ -77,9 +77,7 @@ def compared(scene: Scene) -> list[tuple[float, float]]:
 def main(scenes: int, seed: int) -> None:
     """Print a row for each scene and how many are honest."""
     draw, honest, known = np.random.default_rng(seed), 0, 0
-    print(
-        "| scene | side faces | worst stated | worst true | worst true/stated | CPU s |\n|---|---|---|---|---|---|"
-    )
+    print("| scene | side faces | worst stated | worst true | worst true/stated | CPU s |\n|---|---|---|---|---|---|")
     for number in range(scenes):
         scene, begun = drawn(draw), time.process_time()
         rows = np.array(compared(scene)).reshape(-1, 2)

@@ -31,11 +31,7 @@ WRONG = 1e-3  # an error above it, without a complaint, is a silent failure
 
 
 def rows_of(
-    amplitude: float,
-    *,
-    cycles: int = CYCLES,
-    chosen: tuple = (*SCIPY, *CVODE),
-    tolerances: tuple = TOLERANCES,
+    amplitude: float, *, cycles: int = CYCLES, chosen: tuple = (*SCIPY, *CVODE), tolerances: tuple = TOLERANCES
 ) -> list[dict]:
     """Return one row per run: curve, setting, seconds, error over v, complaint, and whether it is silently wrong."""
     import contact
@@ -64,18 +60,11 @@ def rows_of(
         return found.velocity_at_burst_end / problem.speed
 
     def fixed(per_cycle, cycles=cycles):
-        return peers.naive(
-            problem.row, peers.first_wave(problem), begin, cycles, per_cycle, BAND / problem.speed
-        )
+        return peers.naive(problem.row, peers.first_wave(problem), begin, cycles, per_cycle, BAND / problem.speed)
 
     begin = rest(slider, orbits, problem, nodes=16, truncation=1e-12).state.copy()
     truth = exact(*FINEST)
-    for warm in (
-        lambda: stepped(16, 1),
-        lambda: averaged(1e-4),
-        lambda: averaged(1e-6),
-        lambda: fixed(50, 1),
-    ):
+    for warm in (lambda: stepped(16, 1), lambda: averaged(1e-4), lambda: averaged(1e-6), lambda: fixed(50, 1)):
         warm()
     rows = []
 
@@ -130,9 +119,7 @@ def main() -> None:
         print(f"\n{amplitude * 1e9:g} nm\n\n| method | setting | ms | error | |\n|---|---|---|---|---|")
         for row in rows:
             remark = row["complaint"] or ("wrong without a word" if row["silent"] else "")
-            print(
-                f"| {row['curve']} | {row['setting']} | {1e3 * row['seconds']:.3g} | {row['error']:.1e} | {remark} |"
-            )
+            print(f"| {row['curve']} | {row['setting']} | {1e3 * row['seconds']:.3g} | {row['error']:.1e} | {remark} |")
         for error in (1e-5, 1e-8):
             own, peer = (quickest(rows, error, ours=each) for each in (True, False))
             print(f"equal error {error:g}: {1e3 * own:.2g} ms against {1e3 * peer:.3g} ms")

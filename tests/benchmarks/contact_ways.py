@@ -71,9 +71,7 @@ def ways():
             ("averaged", 1e-6),
         ):  # fmt: skip
             found, spent = timed(
-                lambda A=A, m=method, t=tolerance, g=given: contact.burst(
-                    SLIDER, orbit(A), tolerance=t, method=m, **g
-                )
+                lambda A=A, m=method, t=tolerance, g=given: contact.burst(SLIDER, orbit(A), tolerance=t, method=m, **g)
             )
             error = over(found.velocity_at_burst_end - v, v, A)
             if tolerance == 1e-8:
@@ -155,9 +153,7 @@ def simulated():
 
         def half(first, cycles, moved, n=per_cycle):
             own = np.ascontiguousarray(moved[first::2])
-            run_side_by_side(
-                [problem for problem, _ in begins[first::2]], own, cycles, np.full(len(own), n), 0, flat
-            )
+            run_side_by_side([problem for problem, _ in begins[first::2]], own, cycles, np.full(len(own), n), 0, flat)
             moved[first::2] = own
 
         moved = states.copy()
@@ -199,15 +195,10 @@ def starts():
         with tempfile.TemporaryDirectory() as folder:
             for label in ("first", "cached"):
                 done = subprocess.run(
-                    [sys.executable, "-c", script.format(call), folder],
-                    capture_output=True,
-                    text=True,
-                    check=True,
+                    [sys.executable, "-c", script.format(call), folder], capture_output=True, text=True, check=True
                 )
                 spent = float(done.stdout)
-                print(
-                    f"{name}, {label}: {spent:.2f} s {asked(spent, 10.0 if label == 'first' else 0.5, 's')}"
-                )
+                print(f"{name}, {label}: {spent:.2f} s {asked(spent, 10.0 if label == 'first' else 0.5, 's')}")
 
 
 if __name__ == "__main__":

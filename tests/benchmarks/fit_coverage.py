@@ -17,11 +17,7 @@ from studies.inverse import Measurement, fit, read_parameter
 from studies.inverse.parameters import AMPLITUDE_PER_VOLT
 from studies.inverse.prediction import MeasurementPredictor
 
-FREE = (
-    "slider.friction_coefficient=0.01:0.6",
-    "slider.preload=0.1 mN:8 mN",
-    "amplitude_per_volt=0.05 nm:1 nm",
-)
+FREE = ("slider.friction_coefficient=0.01:0.6", "slider.preload=0.1 mN:8 mN", "amplitude_per_volt=0.05 nm:1 nm")
 PER_VOLT = 2e-10  # m/V, the true one
 
 
@@ -42,13 +38,7 @@ def main(sets: int) -> None:
             opened[key] += low is None or high is None
             inside[key] += (low is None or low <= true[key]) and (high is None or true[key] <= high)
         if seed % 10 == 9:
-            print(
-                seed + 1,
-                inside,
-                opened,
-                f"{(time.process_time() - begun) / (seed + 1):.2f} CPU s each",
-                flush=True,
-            )
+            print(seed + 1, inside, opened, f"{(time.process_time() - begun) / (seed + 1):.2f} CPU s each", flush=True)
 
 
 if __name__ == "__main__":

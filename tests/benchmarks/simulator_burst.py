@@ -78,9 +78,7 @@ def followed(motor, level: float, force: float, steps: int) -> np.ndarray:
     state, velocity = FollowedMotor(motor, steps=steps), []
     for n in range(round(END / SAMPLE)):
         state.advance(
-            SAMPLE,
-            level if n < round(OFF / SAMPLE) else 0.0,
-            force=force if n >= round(LOADED / SAMPLE) else 0.0,
+            SAMPLE, level if n < round(OFF / SAMPLE) else 0.0, force=force if n >= round(LOADED / SAMPLE) else 0.0
         )
         velocity.append(state.velocity)
     return np.array(velocity)

@@ -27,9 +27,7 @@ from fem.solve.harmonic import motion_difference, solve_driven
 
 FREQUENCY, PLACE = 2.2e6, np.array([0.08])
 STATOR = Stator(solid=material("PZT-8"), length=0.16, thickness=5e-3, ends="absorbing")
-LEFT = Transducer(
-    name="left", center=0.015, finger_pairs=10, period=0.983e-3, metallisation=0.5, aperture=0.02
-)
+LEFT = Transducer(name="left", center=0.015, finger_pairs=10, period=0.983e-3, metallisation=0.5, aperture=0.02)
 TRANSDUCERS = (LEFT, replace(LEFT, name="right", center=0.145))
 
 
@@ -90,9 +88,7 @@ def main() -> None:
     stators = (STATOR, replace(STATOR, ends="free"))
     for stator in stators:
         levels(stator)
-    print(
-        "\n| ends | unknowns of a line | reduced | error of u | error of Y | set-up, s | per frequency, ms |"
-    )
+    print("\n| ends | unknowns of a line | reduced | error of u | error of Y | set-up, s | per frequency, ms |")
     print("|---|---|---|---|---|---|---|")
     for stator in stators:
         bands(stator)

@@ -43,9 +43,7 @@ def table(ends: str, curves: tuple[str, ...]) -> None:
     posed = problem(ends)
     truth = reference(posed)
     print(f"\n{ends} ends\n")
-    print(
-        "| method | setting | unknowns | error of u_z | error of Y | set-up, s | per frequency, s | peak, MB |"
-    )
+    print("| method | setting | unknowns | error of u_z | error of Y | set-up, s | per frequency, s | peak, MB |")
     print("|---|---|---|---|---|---|---|---|")
     found: dict[str, list] = {}
     for curve in curves:

@@ -98,9 +98,7 @@ def small(ends: str, **rest) -> tuple[Stator, tuple[Transducer, ...]]:
     """Two unlike transducers on a short stator; lengths in wavelengths of the slowest bulk wave."""
     solid = replace(material("PZT-8"), **rest)
     unit = slowest_wavelength(solid, 2.2e6)
-    one = Transducer(
-        name="left", center=1.5 * unit, finger_pairs=1, period=unit, metallisation=0.5, aperture=0.02
-    )
+    one = Transducer(name="left", center=1.5 * unit, finger_pairs=1, period=unit, metallisation=0.5, aperture=0.02)
     other = replace(one, name="right", center=4 * unit, finger_pairs=2, period=0.9 * unit, metallisation=0.4)
     return Stator(solid=solid, length=5.5 * unit, thickness=0.5 * unit, ends=ends), (one, other)
 
@@ -153,8 +151,7 @@ def peers() -> None:
             own, peer = (seconds_at(found[name], truth, error) if found[name] else np.nan for name in found)
             if with_peer:
                 row(
-                    f"NGSolve's time over ours, {ends} ends, equal error {error:g} "
-                    f"({peer:.2f} s, {1e3 * own:.1f} ms)",
+                    f"NGSolve's time over ours, {ends} ends, equal error {error:g} ({peer:.2f} s, {1e3 * own:.1f} ms)",
                     least,
                     peer / own,
                     "times",
@@ -191,15 +188,10 @@ def length() -> None:
     posed = problem("free")
     bands = []
     for stretch in (0.0, 840 * posed.wavelength):
-        moved = (
-            posed.transducers[0],
-            replace(posed.transducers[1], center=posed.transducers[1].center + stretch),
-        )
+        moved = (posed.transducers[0], replace(posed.transducers[1], center=posed.transducers[1].center + stretch))
         stator = replace(posed.stator, length=posed.stator.length + stretch)
         bands.append(
-            frequency_band(
-                stator, moved, lowest=2.1e6, highest=2.3e6, drive="left", tolerance=1e-3, places=(0.08,)
-            )
+            frequency_band(stator, moved, lowest=2.1e6, highest=2.3e6, drive="left", tolerance=1e-3, places=(0.08,))
         )
     ratios = []
     for _ in range(9):
@@ -225,11 +217,7 @@ def physics() -> None:
     wall = piece[:n, :n] - piece[:n, n : 2 * n] @ inner  # two wavelengths of elements, then the absorbing end
     back = Wall(matrix=wall, recover=None).sent_back(modes, 1, modes.rayleigh)
     sent = abs(back[modes.rayleigh]).max()
-    row(
-        "absorbing ends: reflection of the Rayleigh wave, met through two wavelengths of elements",
-        1e-10,
-        sent,
-    )
+    row("absorbing ends: reflection of the Rayleigh wave, met through two wavelengths of elements", 1e-10, sent)
     lossless = replace(posed.stator.solid, mechanical_quality=np.inf, dielectric_loss=0.0)
     powers = power_balance(structured(replace(posed.stator, solid=lossless), posed.transducers))
     row("lossless: power in = power out through the ends", 1e-9, abs(powers.radiated / powers.input - 1))
@@ -263,9 +251,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true")
     quick = parser.parse_args(arguments).quick
-    print(
-        f"{platform.machine()}, {os.cpu_count()} cores, numpy {np.__version__}; CPU time, one thread, unless said\n"
-    )
+    print(f"{platform.machine()}, {os.cpu_count()} cores, numpy {np.__version__}; CPU time, one thread, unless said\n")
     print("| what | figure | measured | |")
     print("|---|---|---|---|")
     for part in (same_mesh, frequencies, length, memory, physics, waves):

@@ -55,14 +55,7 @@ def swept(folder: Path, *words: str, before: str = "") -> dict:
     cpu = after.children_user + after.children_system - then.children_user - then.children_system
     status, memory, own = json.loads(process.stderr.splitlines()[-1])
     found = json.loads(process.stdout) if process.stdout else {}
-    return found | {
-        "wall": wall,
-        "cpu": cpu,
-        "own": own,
-        "memory": memory,
-        "status": status,
-        "said": process.stderr,
-    }
+    return found | {"wall": wall, "cpu": cpu, "own": own, "memory": memory, "status": status, "said": process.stderr}
 
 
 def rows(folder: Path) -> list[tuple]:
@@ -108,9 +101,7 @@ def cluster(number: int):
 def _warm() -> None:
     from studies.sweeps import sweep
 
-    sweep(
-        "twente-contact", {"wave.burst": [8e-4], "slider.method": ["exact"], "wave.normal_amplitude": [3e-9]}
-    )
+    sweep("twente-contact", {"wave.burst": [8e-4], "slider.method": ["exact"], "wave.normal_amplitude": [3e-9]})
 
 
 def dask_workers(folder: Path) -> None:
@@ -132,9 +123,7 @@ def threads(folder: Path) -> None:
     found = {}
     for number in (1, 2):
         setting = f"from studies.sweeps.workers import Processes; Processes.threads = {number}\n"
-        found[number] = swept(
-            folder / f"threads{number}", "twente-contact", *LONG, "--workers", "2", before=setting
-        )
+        found[number] = swept(folder / f"threads{number}", "twente-contact", *LONG, "--workers", "2", before=setting)
     text = ", ".join(
         f"{number} thread{'s' * (number > 1)}: {each['wall']:.1f} s, CPU {each['cpu']:.1f} s"
         for number, each in found.items()
@@ -148,19 +137,12 @@ def overhead(folder: Path) -> None:
         if name == "Dask":
             with cluster(2) as address:
                 found = swept(folder / name, "twente-contact", *_with(CONTACT, 100), "--scheduler", address)
-                none = swept(
-                    folder / "none", "twente-contact", *_with(CONTACT, 1)[:4], "--scheduler", address
-                )
+                none = swept(folder / "none", "twente-contact", *_with(CONTACT, 1)[:4], "--scheduler", address)
         else:
             found = swept(folder / name, "twente-contact", *_with(CONTACT, 100), *words)
             none = swept(folder / f"none {name}", "twente-contact", *_with(CONTACT, 1)[:4], *words)
         each = (found["own"] - none["own"]) / 10_000 * 1e3
-        line(
-            f"overhead per point, {name}: CPU of the driver beyond its start",
-            "<= 1 ms",
-            f"{each:.3f} ms",
-            each <= 1,
-        )
+        line(f"overhead per point, {name}: CPU of the driver beyond its start", "<= 1 ms", f"{each:.3f} ms", each <= 1)
 
 
 def kills(folder: Path, times: int) -> None:
@@ -205,19 +187,12 @@ def million(folder: Path) -> None:
     )  # fmt: skip
     size = (folder / "million" / "points.sqlite").stat().st_size / 2**20
     text = f"{found['memory']:.0f} MB ({found['wall']:.0f} s, CPU {found['cpu']:.0f} s, store {size:.0f} MB)"
-    line(
-        "memory of the driver at 1e6 points",
-        "< 500 MB",
-        text,
-        found["memory"] < 500 and found["points"] == 10**6,
-    )
+    line("memory of the driver at 1e6 points", "< 500 MB", text, found["memory"] < 500 and found["points"] == 10**6)
 
 
 def bad_points(folder: Path) -> None:
     masses = ",".join("-1e-4" if k % 10 == 3 else f"{1e-4 * (1 + k / 100)!r}" for k in range(100))
-    found = swept(
-        folder / "bad", "twente-contact", "--over", f"slider.mass={masses}", *_with(CONTACT, 100)[2:]
-    )
+    found = swept(folder / "bad", "twente-contact", "--over", f"slider.mass={masses}", *_with(CONTACT, 100)[2:])
     named = found["reasons"][0] if found["reasons"] else {"status": "-", "points": 0}
     text = f"{found['counts']}; {named['points']} x {named['status']!r}"
     line("10 % impossible values", "the rest complete, each named", text,
@@ -239,16 +214,7 @@ def main() -> None:
         folder = Path(folder)
         swept(folder / "warm", "twente-contact", "--over", "slider.preload=1 mN,2 mN")
         print("| what | wanted | found | passed |\n|---|---|---|---|")
-        for measured in (
-            contact_map,
-            frequencies,
-            dask_workers,
-            threads,
-            overhead,
-            kills,
-            million,
-            bad_points,
-        ):
+        for measured in (contact_map, frequencies, dask_workers, threads, overhead, kills, million, bad_points):
             if given.only in (None, measured.__name__) and not (quick and measured is million):
                 measured(folder, *([3 if quick else 20] if measured is kills else []))
 

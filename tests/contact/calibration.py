@@ -127,8 +127,7 @@ def pessimism(found: list[ContactChecked]) -> dict[str, float]:
     from statistics import median
 
     return {
-        way: median(each.estimate / max(each.true, ROUNDING) for each in group)
-        for way, group in _by_way(found).items()
+        way: median(each.estimate / max(each.true, ROUNDING) for each in group) for way, group in _by_way(found).items()
     }
 
 
@@ -160,8 +159,6 @@ def _steady_truth(slider, orbits):
     if balance.held:
         return 0.0
     try:
-        return (
-            side * float(periodic(balance, nodes=NODES, truncation=TRUNCATION).speed) * balance.problem.speed
-        )
+        return side * float(periodic(balance, nodes=NODES, truncation=TRUNCATION).speed) * balance.problem.speed
     except contact.ConvergenceError:
         return None

@@ -54,7 +54,5 @@ def friction_motor(friction, coefficient, shape="sphere"):
         Orbit(frequency=FREQUENCY, normal=-1j * a * np.exp(1j * p), tangential=-0.7 * a * np.exp(1j * p))
         for a, p in zip(amplitudes, phases, strict=True)
     )
-    same = Motor(
-        mu=coefficient, amplitudes=amplitudes, phases=phases, heights=heights, punch=shape == "punch", **own
-    )
+    same = Motor(mu=coefficient, amplitudes=amplitudes, phases=phases, heights=heights, punch=shape == "punch", **own)
     return s, waves, same

@@ -41,10 +41,7 @@ def test_averaging_errors_fall_with_the_square_of_the_frequency_ratio():
 
 @pytest.mark.parametrize("changed", [{"load": 5e-6}, {"contact_damping": 0.05}, {"tangential_damping": 1e-3}])
 def test_load_and_dampers(changed):
-    full, found = (
-        steady(slider(**changed), orbit(5e-9), tolerance=1e-8),
-        mean_motion(slider(**changed), orbit(5e-9)),
-    )
+    full, found = (steady(slider(**changed), orbit(5e-9), tolerance=1e-8), mean_motion(slider(**changed), orbit(5e-9)))
     assert found.velocity == pytest.approx(full.velocity, rel=2e-8)
 
 
@@ -87,13 +84,7 @@ def test_velocity_through_the_bounce(A, first, second):
         assert result.statistics["order"] == (2 if tolerance < 1e-5 else result.statistics["order"])
 
 
-LIGHT = {
-    "mass": 2e-6,
-    "preload": 2e-4,
-    "load": 0.6 * 0.08 * 2e-4,
-    "normal_damping": 0.03,
-    "tangential_damping": 1e-6,
-}
+LIGHT = {"mass": 2e-6, "preload": 2e-4, "load": 0.6 * 0.08 * 2e-4, "normal_damping": 0.03, "tangential_damping": 1e-6}
 
 
 # Oracle: the event-exact way. Hunt-Crossley's force at 10 nm is 7 P and more, and its mean is zero; the light slider
@@ -105,13 +96,7 @@ LIGHT = {
 def test_stated_error_of_a_burst_holds_the_true_one(changed, A, cycles, tolerance):
     def run(method, allowed):
         return burst(
-            slider(**changed),
-            orbit(A),
-            duration=cycles / 2.2e6,
-            after=0.0,
-            tolerance=allowed,
-            samples=2,
-            method=method,
+            slider(**changed), orbit(A), duration=cycles / 2.2e6, after=0.0, tolerance=allowed, samples=2, method=method
         )
 
     exact, found, chosen = run("exact", 1e-7), run("averaged", tolerance), run("auto", tolerance)
@@ -150,22 +135,12 @@ def test_what_is_asked_for_does_not_change_the_averaged_motion():
 )  # fmt: skip
 def test_where_it_does_not_apply(changed, sentence):
     with pytest.raises(ConvergenceError, match=sentence):
-        burst(
-            slider(**changed),
-            orbit(5e-9),
-            duration=1e-4,
-            after=0.0,
-            tolerance=1e-3,
-            samples=2,
-            method="averaged",
-        )
+        burst(slider(**changed), orbit(5e-9), duration=1e-4, after=0.0, tolerance=1e-3, samples=2, method="averaged")
 
 
 def test_pure_stick_is_handed_over():
     def run(method):
-        return burst(
-            slider(), orbit(0.5e-9), duration=2e-3, after=0.0, tolerance=1e-4, samples=2, method=method
-        )
+        return burst(slider(), orbit(0.5e-9), duration=2e-3, after=0.0, tolerance=1e-4, samples=2, method=method)
 
     with pytest.raises(ConvergenceError, match="sticks through whole cycles"):
         run("averaged")
@@ -174,9 +149,7 @@ def test_pure_stick_is_handed_over():
 
 def test_auto_takes_the_way_that_keeps_the_tolerance():
     def run(tolerance, duration=1e-3, **changed):
-        return burst(
-            slider(**changed), orbit(5e-9), duration=duration, after=0.0, tolerance=tolerance, samples=2
-        )
+        return burst(slider(**changed), orbit(5e-9), duration=duration, after=0.0, tolerance=tolerance, samples=2)
 
     assert run(1e-4, 4e-3).method == "averaged"
     assert run(1e-8).relative_error <= 1e-8
@@ -214,9 +187,7 @@ def test_rates_that_no_step_can_follow_end_the_averaged_motion(rate, monkeypatch
     rates = chain([1.0, 1.0], repeat(rate))
     monkeypatch.setattr(transient, "_rate", lambda _p, h, *_: (next(rates), h))
     problem, state = rest_problem(slider(), (orbit(5e-9),)), np.array([0.1, 0.0, 0.0])
-    span = transient.Span(
-        600.0, 1e-4, 8, transient.Rule(np.empty(0), np.empty(0)), 1, np.empty(0), np.empty((0, 2))
-    )
+    span = transient.Span(600.0, 1e-4, 8, transient.Rule(np.empty(0), np.empty(0)), 1, np.empty(0), np.empty((0, 2)))
     with np.errstate(all="ignore"):  # as in the compiled kernel
         ended = transient.accelerate(problem, state, 0.0, 0, span, transient.work_arrays(1), np.zeros(7))
     assert ended == Status.UNSETTLED

@@ -96,8 +96,7 @@ def test_another_method_answers_where_the_exact_one_fails_unless_it_was_asked_fo
 
 
 @pytest.mark.parametrize(
-    "changed",
-    [{"law": "hysteretic"}, {"reciprocal": True}, {"stick_band": 1e-4}, {"friction_coefficient": 0.0}],
+    "changed", [{"law": "hysteretic"}, {"reciprocal": True}, {"stick_band": 1e-4}, {"friction_coefficient": 0.0}]
 )
 @pytest.mark.parametrize("method", methods.METHODS)
 def test_a_refusal_names_every_reason_and_one_way_that_works(changed, method):

@@ -86,15 +86,7 @@ def test_largest_divisor_below_a_bound(number, most, divisor):
 
 def test_rows_are_the_same_whatever_is_compared_on_the_way():
     runs = [
-        burst(
-            slider(),
-            orbit(5e-9),
-            duration=600 / 2.2e6,
-            after=0.0,
-            tolerance=1e-3,
-            samples=n,
-            method="stepped",
-        )
+        burst(slider(), orbit(5e-9), duration=600 / 2.2e6, after=0.0, tolerance=1e-3, samples=n, method="stepped")
         for n in (3, 7, 601)
     ]
     long = dict(zip(np.round(runs[2].time * 2.2e6), runs[2].velocity, strict=True))

@@ -132,9 +132,7 @@ def test_a_file_that_cannot_be_used_is_made_anew(places, tmp_path, damage):
     elif damage == "wrong digest":
         file.write_bytes(bytes(32) + whole[32:])
     else:
-        code = (
-            b"not an object file" if damage == "no machine code" else whole[32:].replace(b"kernel", b"nobody")
-        )
+        code = b"not an object file" if damage == "no machine code" else whole[32:].replace(b"kernel", b"nobody")
         file.write_bytes(hashlib.sha256(code).digest() + code)
     assert answer()[0] == RIGHT
     content = file.read_bytes()

@@ -70,9 +70,7 @@ def test_the_means_of_a_punch_are_integrals_over_its_arc(delta):
     assert mean == pytest.approx(weight @ z, rel=1e-13, abs=0.0)
     assert first == pytest.approx(2.0 * weight @ (z * np.cos(phi)), rel=1e-13, abs=0.0)
     assert arc == pytest.approx(half, rel=1e-14)
-    assert mean_loads(delta - 1.0, 1.0, Shape.PUNCH)[:, 0] == pytest.approx(
-        [mean, half / np.pi], rel=1e-13, abs=0.0
-    )
+    assert mean_loads(delta - 1.0, 1.0, Shape.PUNCH)[:, 0] == pytest.approx([mean, half / np.pi], rel=1e-13, abs=0.0)
     assert mean_loads(delta - 1.0, 1.0, Shape.SPHERE)[0, 0] == pytest.approx(weight @ z**1.5, rel=1e-6)
 
 
@@ -116,9 +114,7 @@ def test_a_cycle_with_more_events_than_are_followed_has_no_means(monkeypatch):
     work, plain = cycle_arrays(1), getattr(cycle_mean.cycle, "function", cycle_mean.cycle)
     names = ("_add_contact", "_follow_contact")
     for name in names:
-        monkeypatch.setattr(
-            cycle_mean, name, getattr(getattr(cycle_mean, name), "function", getattr(cycle_mean, name))
-        )
+        monkeypatch.setattr(cycle_mean, name, getattr(getattr(cycle_mean, name), "function", getattr(cycle_mean, name)))
     plain(problem, 1.0, 0.05, quadrature(16), work)
     assert np.all(np.isfinite(work.means))
     monkeypatch.setattr(cycle_mean, "MAX_EVENTS", 1)

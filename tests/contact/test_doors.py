@@ -68,9 +68,7 @@ def test_a_bouncing_slider_without_tangential_motion_yields_to_a_load():
     # nothing is forgotten but at release: x = -v t in each contact, so a load always moves it (Property), and twice the
     # load more than twice as fast, for the spring softens
     wave = Orbit(frequency=FREQUENCY, normal=8e-9, tangential=0.0)
-    speeds = [
-        mean_motion(slider(load=k * FRICTION, tangential_damping=0.0), wave).velocity for k in (0.1, 0.2, 0.4)
-    ]
+    speeds = [mean_motion(slider(load=k * FRICTION, tangential_damping=0.0), wave).velocity for k in (0.1, 0.2, 0.4)]
     assert speeds[0] < 0.0
     assert speeds[1] < 2.0 * speeds[0]
     assert speeds[2] < 2.0 * speeds[1]
@@ -82,8 +80,7 @@ def test_a_damper_that_vanishes_leaves_the_velocity():
     # Limit: slip is possible up to |u_x| + c |u_z|, far above u_x here
     wave = Orbit(frequency=FREQUENCY, normal=8e-9, tangential=-0.08e-9j)
     free, damped = (
-        steady(slider(load=0.7 * FRICTION, tangential_damping=d), wave, tolerance=1e-6).velocity
-        for d in (0.0, 1e-9)
+        steady(slider(load=0.7 * FRICTION, tangential_damping=d), wave, tolerance=1e-6).velocity for d in (0.0, 1e-9)
     )
     assert free < -wave.omega * abs(wave.tangential)
     assert free == pytest.approx(damped, rel=1e-4)
@@ -106,10 +103,7 @@ def test_beyond_full_slip_the_damper_alone_bounds_the_speed():
 
 
 def test_close_to_the_threshold_the_error_is_what_lies_beyond():
-    below, far = (
-        mean_motion(slider(), orbit((1.0 - 1e-6) * edge())),
-        mean_motion(slider(), orbit(0.9 * edge())),
-    )
+    below, far = (mean_motion(slider(), orbit((1.0 - 1e-6) * edge())), mean_motion(slider(), orbit(0.9 * edge())))
     assert (below.velocity, far.velocity, far.relative_error) == (0.0, 0.0, 0.0)
     # the amplitude larger by the averaging error of the threshold moves
     ratio = slider().normal_resonance(1) / FREQUENCY
@@ -123,8 +117,7 @@ def test_close_to_the_threshold_the_error_is_what_lies_beyond():
 def test_a_stiff_contact_is_not_called_held_near_its_threshold(ratio):
     frequency = slider().normal_resonance(1) / ratio
     s = slider(
-        normal_damping=0.05 * SEED["mass"] * 2.0 * math.pi * slider().normal_resonance(1),
-        tangential_damping=0.0,
+        normal_damping=0.05 * SEED["mass"] * 2.0 * math.pi * slider().normal_resonance(1), tangential_damping=0.0
     )
     wave = Orbit(frequency=frequency, normal=0.999 * edge(), tangential=-0.7j * 0.999 * edge())
     with pytest.raises(ConvergenceError, match="near the threshold"):

@@ -26,9 +26,7 @@ def test_hurwitz_zeta(function, power):
     # Closed form: Riemann's functional equation at 1, zeta(-a) = -2^-a pi^(-a-1) sin(pi a/2) Gamma(1+a) zeta(1+a)
     from math import gamma, pi, sin
 
-    riemann = (
-        -(2.0**-power) * pi ** (-power - 1.0) * sin(0.5 * pi * power) * gamma(1.0 + power) * zeta(1.0 + power)
-    )
+    riemann = -(2.0**-power) * pi ** (-power - 1.0) * sin(0.5 * pi * power) * gamma(1.0 + power) * zeta(1.0 + power)
     assert function(1.0) == pytest.approx(riemann, rel=2e-6)  # the fit keeps 1e-8 of the largest value
     assert function(0.0) == pytest.approx(riemann, rel=2e-6)
     # Property: the mean over theta vanishes
@@ -120,9 +118,7 @@ def test_slip_and_stick_are_followed_to_high_order():
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-6])
 def test_the_stepped_estimate_is_honest(A, tolerance):
     exact = burst(slider(), orbit(A), duration=5e-4, after=0.0, tolerance=1e-8, samples=2, method="exact")
-    found = burst(
-        slider(), orbit(A), duration=5e-4, after=0.0, tolerance=tolerance, samples=2, method="stepped"
-    )
+    found = burst(slider(), orbit(A), duration=5e-4, after=0.0, tolerance=tolerance, samples=2, method="stepped")
     v = exact.velocity_at_burst_end
     error = abs(found.velocity_at_burst_end - v) / max(abs(v), 2.0 * np.pi * 2.2e6 * 0.07 * A)
     assert found.relative_error <= tolerance

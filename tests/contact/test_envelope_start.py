@@ -30,9 +30,7 @@ def envelope(amplitude):
     return Envelope(time=TIME, amplitude=amplitude, phase=0 * TIME)
 
 
-@pytest.mark.parametrize(
-    "changed", [{}, {"shape": "punch", "radius": 2e-6}, {"heights": (0.0, 4e-10, -3e-10)}]
-)
+@pytest.mark.parametrize("changed", [{}, {"shape": "punch", "radius": 2e-6}, {"heights": (0.0, 4e-10, -3e-10)}])
 def test_a_wave_of_amplitude_zero_moves_nothing(changed):
     none = envelope(0 * TIME)
     run = burst(body(**changed), PATHS, duration=50 / F, after=0.0, tolerance=1e-6, samples=50, envelope=none)

@@ -81,9 +81,7 @@ def test_of_three_roots_in_one_stretch_the_first_is_taken(roots):
 def test_grazing_bounces_do_not_gain_energy():
     # Published trap: a slider falling on a resting stator, undamped, many impacts
     s = slider(normal_damping=0.0, tangential_damping=0.0)
-    motion = rest(
-        s, (orbit(0.0),), scaled(s, (orbit(0.0),), direction=1.0, start=0.0), nodes=16, truncation=1e-13
-    )
+    motion = rest(s, (orbit(0.0),), scaled(s, (orbit(0.0),), direction=1.0, start=0.0), nodes=16, truncation=1e-13)
     kappa, p = motion.problem.stiffness, motion.problem.preload
 
     def energy():
@@ -129,9 +127,7 @@ def test_the_deformation_is_bounded_and_forgotten_in_flight():
 
 
 def test_overflow_is_said_not_returned():
-    motion = Motion(
-        scaled(slider(), (orbit(1e-9),), direction=1.0, start=0.0), grid=collocation(8), truncation=1e-8
-    )
+    motion = Motion(scaled(slider(), (orbit(1e-9),), direction=1.0, start=0.0), grid=collocation(8), truncation=1e-8)
     motion.place(np.nan, 0.0, 0.0)
     with pytest.raises(ConvergenceError) as caught:
         motion.turn(1)
@@ -170,6 +166,4 @@ def test_a_kernel_refuses_what_its_machine_code_would_misread():
     two = scaled(slider(), (orbit(1e-9), orbit(1e-9)), direction=1.0, start=0.0)
     for height in (np.zeros(4)[::2], np.zeros(2, np.float32)):
         with pytest.raises(TypeError, match="f1 expected, got float"):
-            averaged.mean_tangential_forces(
-                two._replace(paths=two.paths._replace(height=height)), np.zeros(1)
-            )
+            averaged.mean_tangential_forces(two._replace(paths=two.paths._replace(height=height)), np.zeros(1))

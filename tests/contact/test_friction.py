@@ -53,9 +53,7 @@ def test_averaged_and_exact_steady_states_agree_and_the_energy_closes(friction, 
     exact, mean = steady(s, waves, tolerance=1e-6), mean_motion(s, waves)
     assert exact.method == "exact"
     reference = max(abs(exact.velocity), 2.2e6 * 2.0 * math.pi * 2.8e-9 / 10.0)
-    assert (
-        abs(mean.velocity - exact.velocity) < 2.0 * (mean.relative_error + exact.relative_error) * reference
-    )
+    assert abs(mean.velocity - exact.velocity) < 2.0 * (mean.relative_error + exact.relative_error) * reference
     assert mean.relative_error < 1e-6
     assert exact.ledger.relative_residual < 1e-8
     assert exact.ledger.slip > 0.0
@@ -80,14 +78,10 @@ def test_long_bursts_agree_within_their_errors():
 # Property: what sticks does not know how friction falls with speed
 def test_the_threshold_is_that_of_the_static_coefficient():
     speed, plain = (slider(friction_coefficient=0.3, friction=each) for each in (SPEED, None))
-    assert threshold_factor(speed, orbit(1e-9)) == pytest.approx(
-        threshold_factor(plain, orbit(1e-9)), rel=1e-12
-    )
+    assert threshold_factor(speed, orbit(1e-9)) == pytest.approx(threshold_factor(plain, orbit(1e-9)), rel=1e-12)
     # and a pressure that changes nothing is no pressure
     same = slider(friction_coefficient=0.3, friction=FallingFriction(high_pressure=0.3, pressure=1e7))
-    assert threshold_factor(same, orbit(1e-9)) == pytest.approx(
-        threshold_factor(plain, orbit(1e-9)), rel=2e-5
-    )
+    assert threshold_factor(same, orbit(1e-9)) == pytest.approx(threshold_factor(plain, orbit(1e-9)), rel=2e-5)
 
 
 # Limit: at full slip, far above the speed, only the sliding coefficient is left, and the blocked thrust falls

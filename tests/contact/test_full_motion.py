@@ -38,9 +38,7 @@ def test_envelopes_with_kinks_within_a_cycle_keep_their_errors(number):
     time = np.sort(np.append(draw.uniform(0.0, 80 / 2.2e6, 4), [0.0, 80 / 2.2e6]))
     envelope = Envelope(time=time, amplitude=draw.uniform(0.0, 1.0, 6), phase=np.zeros(6))
     waves = (orbit(10e-9),)
-    found = burst(
-        slider(), waves, duration=80 / 2.2e6, after=0.0, tolerance=1e-3, samples=2, envelope=envelope
-    )
+    found = burst(slider(), waves, duration=80 / 2.2e6, after=0.0, tolerance=1e-3, samples=2, envelope=envelope)
     shape = {"times": tuple(time), "amplitude": tuple(envelope.amplitude), "phase": (0.0,) * 6}
     _, rows, _ = motor(waves, **shape).run(80, every=80)
     assert abs(found.velocity_at_burst_end - rows[-1, 0]) < 2.0 * found.answer.error

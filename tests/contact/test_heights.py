@@ -5,16 +5,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from contact import (
-    burst,
-    contact_history,
-    mean_motion,
-    release_factor,
-    riding_height,
-    steady,
-    step,
-    threshold_factor,
-)
+from contact import burst, contact_history, mean_motion, release_factor, riding_height, steady, step, threshold_factor
 from contact.law import elastic
 from tests.contact.motors import FREQUENCY, slider, steady_map
 from tests.contact.test_punch import PUNCH, trio
@@ -163,10 +154,7 @@ def test_the_threshold_is_where_the_averaged_slider_starts(heights):
     # The two solvers share no integration: events on interpolants, and closed events of a given path
     s = slider(heights=heights)
     factor = threshold_factor(s, trio(5e-9))
-    held = [
-        mean_motion(s, tuple(o.scaled(k * factor) for o in trio(5e-9))).first_order == 0.0
-        for k in (0.999, 1.001)
-    ]
+    held = [mean_motion(s, tuple(o.scaled(k * factor) for o in trio(5e-9))).first_order == 0.0 for k in (0.999, 1.001)]
     assert held == [True, False]
 
 

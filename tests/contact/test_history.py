@@ -11,9 +11,7 @@ from tests.contact.motors import orbit, slider
 
 
 def history(A, stage="steady", skip=0, cycles=2, points=200, **changed):
-    return contact_history(
-        slider(**changed), orbit(A), stage=stage, skip=skip, cycles=cycles, points_per_cycle=points
-    )
+    return contact_history(slider(**changed), orbit(A), stage=stage, skip=skip, cycles=cycles, points_per_cycle=points)
 
 
 @pytest.mark.parametrize("A", [3e-9, 10e-9])
@@ -24,9 +22,7 @@ def test_forces_are_those_of_the_laws_at_every_instant(A, stage):
     friction = s.friction_coefficient * s.normal_stiffness
     Q = elastic.tangential_force(h.deformation, h.approach, friction, s.limit_slope, Shape.SPHERE)
     assert h.normal_force == pytest.approx(P, rel=1e-9, abs=1e-9 * s.preload)
-    assert h.tangential_force == pytest.approx(
-        Q, rel=1e-6, abs=1e-6 * s.preload
-    )  # square root at the slip limit
+    assert h.tangential_force == pytest.approx(Q, rel=1e-6, abs=1e-6 * s.preload)  # square root at the slip limit
 
 
 @pytest.mark.parametrize("A", [3e-9, 10e-9])
@@ -96,9 +92,7 @@ def test_the_ring_starts_at_the_slip_limit():
 @pytest.mark.parametrize("A", [3e-9, 10e-9])
 def test_mirrored_wave_mirrors_the_tangential_history(A):
     right = history(A)
-    left = contact_history(
-        slider(), orbit(A).mirrored(), stage="steady", skip=0, cycles=2, points_per_cycle=200
-    )
+    left = contact_history(slider(), orbit(A).mirrored(), stage="steady", skip=0, cycles=2, points_per_cycle=200)
     assert np.array_equal(left.deformation, -right.deformation)
     assert np.array_equal(left.tangential_force, -right.tangential_force)
     assert np.array_equal(left.slider_velocity, -right.slider_velocity)
@@ -107,9 +101,7 @@ def test_mirrored_wave_mirrors_the_tangential_history(A):
 
 def test_start_begins_at_rest():
     h = history(3e-9, "start", points=2000, cycles=1)
-    assert h.approach[0, 0] == pytest.approx(
-        slider().rest_approach(1), rel=5e-3
-    )  # half a thousandth of a cycle on
+    assert h.approach[0, 0] == pytest.approx(slider().rest_approach(1), rel=5e-3)  # half a thousandth of a cycle on
     assert abs(h.slider_velocity[0]) < 1e-9
 
 

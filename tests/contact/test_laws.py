@@ -70,9 +70,7 @@ def test_tangential_force_is_cattaneo_mindlin_up_to_the_friction_limit():
     z = 4.7e-9
     P, a = force(z, Shape.SPHERE), normal.contact_radius(z, RADIUS, Shape.SPHERE)
     x = np.linspace(-1.0, 1.0, 11) * C * z
-    paper = (
-        MU * P * (1.0 - np.maximum(1.0 - 16.0 * np.abs(x) * a * G / (3.0 * MU * P), 0.0) ** 1.5) * np.sign(x)
-    )
+    paper = MU * P * (1.0 - np.maximum(1.0 - 16.0 * np.abs(x) * a * G / (3.0 * MU * P), 0.0) ** 1.5) * np.sign(x)
     assert traction(x, z, Shape.SPHERE) == pytest.approx(paper, rel=1e-7)
     assert np.all(elastic.tangential_force(x, z, 0.0, 0.0, Shape.SPHERE) == 0.0)
 
@@ -90,9 +88,7 @@ def test_past_the_slip_limit_the_tangential_force_is_the_friction_limit(shape):
     z = 4.7e-9
     assert traction(3.0 * C * z, z, shape) == pytest.approx(MU * force(z, shape), rel=1e-15)
     for regime in (Regime.STICK, Regime.SLIP):
-        problem = SimpleNamespace(
-            friction=MU, stiffness=1.0, limit_slope=C, shape=shape, law=elastic.coulomb(0)
-        )
+        problem = SimpleNamespace(friction=MU, stiffness=1.0, limit_slope=C, shape=shape, law=elastic.coulomb(0))
         Q = elastic.spring(problem, regime, -1.0, Point(z, -C * z, 0.0, 0.0))[0]
         assert Q == pytest.approx(-MU * normal.load(z, shape), rel=1e-14)
 

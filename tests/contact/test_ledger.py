@@ -146,8 +146,7 @@ def test_gaps_between_events_are_measured():
     found = steady(slider(), orbit(10e-9), tolerance=1e-6).statistics
     h = contact_history(slider(), orbit(10e-9), stage="steady", skip=0, cycles=1, points_per_cycle=20_000)
     change = np.flatnonzero(
-        (h.regime[1:, 0] != h.regime[:-1, 0])
-        | (np.sign(h.deformation[1:, 0]) * np.sign(h.deformation[:-1, 0]) < 0.0)
+        (h.regime[1:, 0] != h.regime[:-1, 0]) | (np.sign(h.deformation[1:, 0]) * np.sign(h.deformation[:-1, 0]) < 0.0)
     )
     gap = np.min(np.diff(h.time[change]))
     assert found["smallest_gap"] == pytest.approx(gap, abs=2.0 * (h.time[1] - h.time[0]))
@@ -173,9 +172,7 @@ def test_a_burst_and_the_slide_after_it_balance(A, changed):
 
 
 def test_a_burst_in_steps_has_a_ledger_of_the_slide_alone():
-    found = burst(
-        slider(), orbit(5e-9), duration=3e-4, after=2e-3, tolerance=1e-3, samples=20, method="stepped"
-    )
+    found = burst(slider(), orbit(5e-9), duration=3e-4, after=2e-3, tolerance=1e-3, samples=20, method="stepped")
     assert found.ledger is None
     assert found.after_ledger.relative_residual < 1e-8
     alone = burst(slider(), orbit(5e-9), duration=3e-4, after=0.0, tolerance=1e-6, samples=20, method="exact")

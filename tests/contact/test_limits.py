@@ -28,9 +28,7 @@ def test_mean_load_against_adaptive_quadrature(height, shape):
     amplitude, power = 1.3e-9, (1.5, 1.0)[shape]
     h = height * amplitude
     edge = math.pi if height >= 1.0 else math.acos(-height)
-    expected = quad(
-        lambda q: max(h + amplitude * math.cos(q), 0.0) ** power, 0.0, edge, epsabs=0.0, epsrel=1e-12
-    )[0]
+    expected = quad(lambda q: max(h + amplitude * math.cos(q), 0.0) ** power, 0.0, edge, epsabs=0.0, epsrel=1e-12)[0]
     assert mean_load(h, amplitude, shape) == pytest.approx(expected / math.pi, rel=3e-11)
 
 

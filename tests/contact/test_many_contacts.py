@@ -45,13 +45,7 @@ def test_a_burst_of_twice_the_contacts_is_the_same_motion(changed):
     assert FEW < many_contacts.MANY <= 2 * FEW
     runs = [
         burst(
-            motor(n, **changed),
-            waves(n),
-            duration=12 / 2.2e6,
-            after=1e-6,
-            tolerance=1e-8,
-            samples=12,
-            method="exact",
+            motor(n, **changed), waves(n), duration=12 / 2.2e6, after=1e-6, tolerance=1e-8, samples=12, method="exact"
         )
         for n in (FEW, 2 * FEW)
     ]

@@ -207,9 +207,7 @@ def test_endless_events_get_advice_that_the_law_accepts():
 
 
 def test_the_reciprocal_force_adds_nothing_to_a_law_with_a_potential():
-    one, two = (
-        steady(slider(law="hysteretic", reciprocal=r), orbit(3e-9), tolerance=1e-6) for r in (False, True)
-    )
+    one, two = (steady(slider(law="hysteretic", reciprocal=r), orbit(3e-9), tolerance=1e-6) for r in (False, True))
     assert one.velocity == two.velocity
 
 
@@ -223,9 +221,7 @@ def test_bursts_and_histories_follow_every_law(changed):
     with pytest.raises(ConvergenceError, match="elastic law"):
         burst(s, orbit(10e-9), duration=2e-5, after=0.0, tolerance=1e-6, samples=2, method="stepped")
     h = contact_history(s, orbit(10e-9), stage="steady", skip=0, cycles=1, points_per_cycle=400)
-    assert np.mean(h.slider_velocity) == pytest.approx(
-        steady(s, orbit(10e-9), tolerance=1e-6).velocity, rel=1e-6
-    )
+    assert np.mean(h.slider_velocity) == pytest.approx(steady(s, orbit(10e-9), tolerance=1e-6).velocity, rel=1e-6)
     assert ("partial" in h.regime) == (s.law == "hysteretic")
     assert np.all(np.abs(h.tangential_force) <= s.friction_coefficient * h.normal_force * (1.0 + 1e-12))
 

@@ -10,9 +10,7 @@ from contact import InputError, PassingWave, balls_of, mean_motion, pillar_motio
 from tests.contact.motors import FREQUENCY, orbit, slider
 from tests.contact.test_each_contact import brute
 
-WAVE = PassingWave(
-    frequency=FREQUENCY, wavelength=1e-3, ratio=0.7, forward=3e-9, compliance=4.9e-12, strip_width=10e-3
-)
+WAVE = PassingWave(frequency=FREQUENCY, wavelength=1e-3, ratio=0.7, forward=3e-9, compliance=4.9e-12, strip_width=10e-3)
 
 
 @pytest.mark.parametrize("changed", [{}, {"shape": "punch", "radius": 2e-5}])
@@ -38,9 +36,7 @@ def test_two_unequal_balls_balance_in_a_sum_written_by_hand():
         ball, h = slider(radius=R), found.approach + height
         K = 4.0 / 3.0 * ball.effective_modulus * np.sqrt(R)
         edge = np.arccos(np.clip(-h / 3e-9, -1.0, 1.0))
-        whole, _ = quad(
-            lambda phi, h=h: max(h + 3e-9 * np.cos(phi), 0.0) ** 1.5 * 1e13, 0.0, edge, epsrel=1e-10
-        )
+        whole, _ = quad(lambda phi, h=h: max(h + 3e-9 * np.cos(phi), 0.0) ** 1.5 * 1e13, 0.0, edge, epsrel=1e-10)
         push += weight * K * whole / 1e13 / np.pi
         pull += weight * brute(ball, under, h, found.velocity)[2]
     assert push == pytest.approx(body.preload, rel=1e-9)

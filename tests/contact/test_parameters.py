@@ -18,23 +18,11 @@ from tests.contact.motors import orbit, slider
         ("mass", math.nan, "slider.mass must be positive and finite, got nan kg"),
         ("preload", -1e-3, "slider.preload must be zero or positive, and finite, got -0.001 N"),
         ("load", math.inf, "slider.load must be zero or positive, and finite, got inf N"),
-        (
-            "effective_modulus",
-            "stiff",
-            "slider.effective_modulus must be positive and finite, got 'stiff' Pa",
-        ),
+        ("effective_modulus", "stiff", "slider.effective_modulus must be positive and finite, got 'stiff' Pa"),
         ("tangential_modulus", [1.0], "slider.tangential_modulus must be positive and finite, got [1.0] Pa"),
-        (
-            "friction_coefficient",
-            -0.1,
-            "slider.friction_coefficient must be zero or positive, and finite, got -0.1",
-        ),
+        ("friction_coefficient", -0.1, "slider.friction_coefficient must be zero or positive, and finite, got -0.1"),
         ("stick_band", -1.0, "slider.stick_band must be zero or positive, and finite, got -1.0 m/s"),
-        (
-            "contact_damping",
-            True,
-            "slider.contact_damping must be zero or positive, and finite, got True s/m",
-        ),
+        ("contact_damping", True, "slider.contact_damping must be zero or positive, and finite, got True s/m"),
         ("law", "plastic", "slider.law must be one of 'elastic', 'hysteretic', got 'plastic'"),
         ("reciprocal", 1, "slider.reciprocal must be true or false, got 1"),
     ],
@@ -45,8 +33,7 @@ def test_a_slider_refuses_what_is_not_physical(name, value, sentence):
 
 
 @pytest.mark.parametrize(
-    "name",
-    ["load", "preload", "friction_coefficient", "normal_damping", "tangential_damping", "contact_damping"],
+    "name", ["load", "preload", "friction_coefficient", "normal_damping", "tangential_damping", "contact_damping"]
 )
 def test_zero_is_allowed_where_it_means_absence(name):
     assert getattr(slider(**{name: 0}), name) == 0.0

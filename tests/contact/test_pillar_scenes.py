@@ -19,9 +19,7 @@ def scene(along, across, *, pitch=50e-6, scatter=0.0, force=3e-3, half_stall=Fal
         tangential_stiffness=K_T, preload=force * number, **{"friction_coefficient": 0.18} | given,
     )  # fmt: skip
     usual = {"forward": 20e-9, "strip_width": 50e-6 * max(across, 10)}
-    passing = PassingWave(
-        frequency=FREQUENCY, wavelength=LENGTH, ratio=RATIO, compliance=GAMMA, **usual | dict(wave)
-    )
+    passing = PassingWave(frequency=FREQUENCY, wavelength=LENGTH, ratio=RATIO, compliance=GAMMA, **usual | dict(wave))
     return pillars, passing, 0.5 if half_stall else 0.0
 
 
@@ -68,11 +66,7 @@ def test_the_motion_is_that_of_the_reference(name, loading):
         load=found.load, damping=pillars.tangential_damping, soft=pillars.backing == "soft",
     )  # fmt: skip
     # the guess is off, so that the reference searches for itself
-    guess = (
-        1.01 * found.approach + 1e-11,
-        *(0.99 * each for each in found.tilt),
-        1.02 * found.velocity + 1e-3,
-    )
+    guess = (1.01 * found.approach + 1e-11, *(0.99 * each for each in found.tilt), 1.02 * found.velocity + 1e-3)
     velocity = other.solve(guess)
     there = other.report()
     assert found.velocity == pytest.approx(velocity, rel=1e-10)

@@ -140,9 +140,7 @@ def gaussian(rows, sigma=10e-9, steps=800):
 def test_ten_thousand_pillars_are_as_fast_as_independent_programs_say():
     # Published with the model: -0.92621972 m/s flat, -0.81965753 m/s with 10 nm of scatter, without loading; the
     # second is the limit of its own quadrature to 3e-6
-    assert pillar_motion(grid(100, 100), wave(), loading=False).velocity == pytest.approx(
-        -0.92621972, abs=6e-9
-    )
+    assert pillar_motion(grid(100, 100), wave(), loading=False).velocity == pytest.approx(-0.92621972, abs=6e-9)
     assert pillar_motion(gaussian(1), wave(), loading=False).velocity == pytest.approx(-0.81965753, rel=4e-6)
 
 
@@ -270,9 +268,7 @@ def test_newtons_step_is_exact_where_contacts_stick():
     from contact.averaged.pillar_motion import _Slider
 
     slider = _Slider(
-        grid(30, 1, friction_coefficient=50.0, preload=30 * 1.8e6 * 60e-9),
-        wave(backward=6e-9j, strip_width=2e-4),
-        True,
+        grid(30, 1, friction_coefficient=50.0, preload=30 * 1.8e6 * 60e-9), wave(backward=6e-9j, strip_width=2e-4), True
     )
     rest = slider.rest(1.0)
     cycle, found = slider.cycle, (slider.cycle.forward.copy(), slider.cycle.backward.copy())

@@ -57,9 +57,7 @@ def marched(slider, passing, motion, count, samples=512):
 def test_the_overtones_are_those_of_time_steps_and_fft(monkeypatch):
     # Oracle: plain steps, of first order in q; what runs back is left out of both
     monkeypatch.setattr(overtone_cycle, "SAMPLES", 32)
-    monkeypatch.setattr(
-        overtone_cycle.OvertoneCycle, "advance", lambda self, *_: self.backward.fill(0.0) or 0.0
-    )
+    monkeypatch.setattr(overtone_cycle.OvertoneCycle, "advance", lambda self, *_: self.backward.fill(0.0) or 0.0)
     slider = grid(8, 3, pitch=90e-6, heights=scatter(24, 8e-9, 12), preload=0.12)
     passing = wave(strip_width=1e-4)
     motion = module._motion(slider, passing, 0.0, True, pillar_motion(slider, passing), 6)
@@ -73,10 +71,7 @@ def test_the_overtones_are_those_of_time_steps_and_fft(monkeypatch):
 def test_one_harmonic_in_finer_samples_is_the_closed_form(monkeypatch):
     # Two methods of one model; the error falls as the square of the interval
     slider = grid(30, 20, heights=scatter(600, 8e-9, 4), tilt="pitch", preload_at=(1e-4, 0.0), curvature=1e-2)
-    for passing in (
-        wave(backward=5e-9j, strip_width=1.5e-3),
-        wave(forward=5e-9j, backward=20e-9, strip_width=1.5e-3),
-    ):
+    for passing in (wave(backward=5e-9j, strip_width=1.5e-3), wave(forward=5e-9j, backward=20e-9, strip_width=1.5e-3)):
         closed, errors = pillar_motion(slider, passing, load=0.01), []
         for samples in (64, 128, 256):
             monkeypatch.setattr(overtone_cycle, "FEWEST", samples)
@@ -107,18 +102,13 @@ def test_overtones_are_as_large_as_independent_programs_say():
 
 
 @pytest.mark.parametrize(
-    "name",
-    [each for each in SCENES if each not in ("soft backing", "short contacts that answer many times over")],
+    "name", [each for each in SCENES if each not in ("soft backing", "short contacts that answer many times over")]
 )
 def test_the_overtones_carry_power_away_and_no_more_than_there_is(name):
     slider, passing, load = SCENES[name]
-    found = module._motion(
-        slider, passing, load, True, pillar_motion(slider, passing, load=load, loading=True), 8
-    )
+    found = module._motion(slider, passing, load, True, pillar_motion(slider, passing, load=load, loading=True), 8)
     assert abs(found.ledger_residual) < 1e-12
-    assert found.wave_work == pytest.approx(
-        found.wave_power_in - found.wave_power_out, abs=1e-12 * found.wave_power_in
-    )
+    assert found.wave_work == pytest.approx(found.wave_power_in - found.wave_power_out, abs=1e-12 * found.wave_power_in)
     assert 0.0 <= found.friction_power <= found.wave_power_in
     carried = sum(n * passing.power(each) for n, each in enumerate(found.exit_overtones, start=2))
     assert 0.0 < carried < found.wave_power_out
@@ -132,10 +122,7 @@ def test_the_number_of_harmonics_follows_the_error():
     assert abs(finer.velocity / found.velocity - 1.0) < 2.0 * found.relative_error < 2e-3
     # a near motion keeps the number, so that derivatives are not those of the truncation
     again = pillar_motion(slider, passing, loading="harmonics", near=found)
-    assert (again.harmonics, again.relative_error) == (
-        found.harmonics,
-        pytest.approx(found.relative_error, rel=1e-6),
-    )
+    assert (again.harmonics, again.relative_error) == (found.harmonics, pytest.approx(found.relative_error, rel=1e-6))
     assert again.velocity == pytest.approx(found.velocity, rel=1e-10)
     # the estimate without them is that of their first order, an upper bound
     assert found.overtone < pillar_motion(slider, passing).overtone < 3.0 * found.overtone

@@ -65,12 +65,7 @@ def pillars():
     )  # fmt: skip
     found = pillar_motion(slider, passing, load=2e-4)
     ends = found.exit_over_entry, found.reflected_over_entry
-    return [
-        found.velocity,
-        *found.tilt,
-        *(part for z in ends for part in (z.real, z.imag)),
-        found.friction_power,
-    ]
+    return [found.velocity, *found.tilt, *(part for z in ends for part in (z.real, z.imag)), found.friction_power]
 
 
 CASES = {

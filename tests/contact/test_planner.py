@@ -49,13 +49,8 @@ def test_tabulated_velocities_are_those_of_the_tabulated_displacements():
     tables = np.empty((4, number + 1, 1))
     _tabulate(paths, number, 0.4 + 0.1j, 0.9 - 0.7j, tables)
     h = 2.0 * np.pi / number
-    for displacement, velocity in (
-        (tables[Plane.U_Z], tables[Plane.W_Z]),
-        (tables[Plane.U_X], tables[Plane.W_X]),
-    ):
-        fourth = (8.0 * (displacement[3:-1] - displacement[1:-3]) - displacement[4:] + displacement[:-4]) / (
-            12.0 * h
-        )
+    for displacement, velocity in ((tables[Plane.U_Z], tables[Plane.W_Z]), (tables[Plane.U_X], tables[Plane.W_X])):
+        fourth = (8.0 * (displacement[3:-1] - displacement[1:-3]) - displacement[4:] + displacement[:-4]) / (12.0 * h)
         assert velocity[2:-2] == pytest.approx(fourth, abs=1e-8)  # h^4/30
 
 
@@ -163,9 +158,7 @@ def test_cycles_for_a_step_know_how_the_wave_grows():
 
 
 def test_where_one_cycle_is_enough_none_falls_short():
-    before, enough = cycles_for(
-        slider(), orbit(10e-9), displacement=1e-10, envelopes=lambda _: (flat(1.0, 1.57), None)
-    )
+    before, enough = cycles_for(slider(), orbit(10e-9), displacement=1e-10, envelopes=lambda _: (flat(1.0, 1.57), None))
     assert (before.cycles, before.displacement, enough.cycles) == (0, 0.0, 1)
     assert enough.displacement > 1e-10
 

@@ -106,9 +106,7 @@ def test_fixed_steps_keep_five_digits(A, per_cycle):
 def test_averaged_bursts_keep_their_error():
     s, found = slider(**PUNCH), {}
     for method in ("exact", "averaged"):
-        found[method] = burst(
-            s, trio(8e-9), duration=1e-3, after=0.0, tolerance=1e-6, samples=2, method=method
-        )
+        found[method] = burst(s, trio(8e-9), duration=1e-3, after=0.0, tolerance=1e-6, samples=2, method=method)
     exact, averaged = found["exact"], found["averaged"]
     reference = max(abs(exact.velocity_at_burst_end), trio(8e-9)[0].omega * 1.1 * 0.7 * 8e-9 / 10.0)
     apart = abs(averaged.velocity_at_burst_end - exact.velocity_at_burst_end) / reference

@@ -38,18 +38,12 @@ def test_transient_chaos_is_in_the_error(wave):
 
 @pytest.mark.parametrize(
     ("load", "cycles"),
-    [
-        (0.0, 2e4),
-        (0.4, 3e3),
-        *(pytest.param(*each, marks=pytest.mark.slow) for each in ((0.0, 3e3), (0.4, 2e4))),
-    ],
+    [(0.0, 2e4), (0.4, 3e3), *(pytest.param(*each, marks=pytest.mark.slow) for each in ((0.0, 3e3), (0.4, 2e4)))],
 )
 def test_a_bounce_that_dies_out_slowly_is_followed_until_it_has(cycles, load):
     """Truth: fixed steps from rest for ten decay times, at 192 steps per cycle."""
     f = 4e5
-    body = slider(
-        preload=2e-4, mass=1e-6, friction_coefficient=0.2, load=load * 0.2 * 2e-4, tangential_damping=0.0
-    )
+    body = slider(preload=2e-4, mass=1e-6, friction_coefficient=0.2, load=load * 0.2 * 2e-4, tangential_damping=0.0)
     mass = 1e-6 * (body.normal_resonance(1) / f / 0.2) ** 2
     body = replace(body, mass=mass, normal_damping=2 * mass * f / cycles)
     wave = Orbit(frequency=f, normal=3 * body.rest_approach(1), tangential=-1.6j * body.rest_approach(1))

@@ -66,7 +66,5 @@ def test_a_step_of_the_envelope_at_the_burst_end_is_seen_by_the_whole_way_too():
 
 
 def test_where_steps_do_not_apply_it_is_refused():
-    with pytest.raises(
-        ConvergenceError, match=r"an envelope cannot be followed by method stepped: .*stick_band"
-    ):
+    with pytest.raises(ConvergenceError, match=r"an envelope cannot be followed by method stepped: .*stick_band"):
         after(fading(100 / F, 900 / F), slider(stick_band=1e-3), method="exact")

@@ -30,10 +30,7 @@ def test_shapes_that_belong_together_pass():
     ("changed", "sentence"),
     [
         ({"state": np.zeros(4)}, r"state has the shape \(4,\), but \(3\+n\) is expected with n = 2"),
-        (
-            {"fast": np.zeros((8, 4))},
-            r"fast has the shape \(8, 4\), but \(8 k\) is expected with n = 2, k = 3",
-        ),
+        ({"fast": np.zeros((8, 4))}, r"fast has the shape \(8, 4\), but \(8 k\) is expected with n = 2, k = 3"),
         ({"sums": np.zeros(15)}, r"sums has the shape \(15,\), but \(2 \| 2\+4k\) is expected"),
         ({"problem": Problem(None, Paths(np.zeros((2, 3))))}, r"problem.paths.height has the shape \(2, 3\)"),
         ({"state": np.zeros((5, 1))}, "state has the shape"),
@@ -55,7 +52,6 @@ def test_a_motion_without_its_deformations_is_refused_before_the_kernel_reads_be
     motion = rest(slider(), (orbit(3e-9),), rest_problem(slider(), (orbit(3e-9),)), nodes=8, truncation=1e-5)
     motion.carried = motion.carried._replace(deformation=np.empty(0))
     with pytest.raises(
-        ValueError,
-        match=r"travel: state.deformation has the shape \(0,\), but \(n\) is expected with .*n = 1",
+        ValueError, match=r"travel: state.deformation has the shape \(0,\), but \(n\) is expected with .*n = 1"
     ):
         motion.turn(1)

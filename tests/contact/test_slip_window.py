@@ -48,9 +48,7 @@ def test_the_window_of_the_first_harmonic_changes_less_than_the_stated_error(mon
             patch.setattr(Slider, "tangential_law", property(lambda self: plain(self)._replace(bent=1)))
             scanned = mean_motion(body, wave)
         moving += not windowed.held
-        apart = abs(float(windowed.velocity - scanned.velocity)) / reference_speed(
-            float(scanned.velocity), wave
-        )
+        apart = abs(float(windowed.velocity - scanned.velocity)) / reference_speed(float(scanned.velocity), wave)
         worst = max(worst, apart / (2.0 * float(windowed.relative_error) + 1e-9))
     assert moving > DRAWS / 2
     assert worst < 0.2  # 0.04 in 377 draws: no edge moves by more than the answer's error

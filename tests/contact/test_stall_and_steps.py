@@ -45,8 +45,7 @@ def test_a_light_motor_stalls_where_an_independent_integrator_says():
 
 
 @pytest.mark.parametrize(
-    "changed",
-    [{}, {"mass": 2e-5}, {"shape": "punch", "radius": 3e-6, "mass": 1e-5}, {"tangential_damping": 1e-3}],
+    "changed", [{}, {"mass": 2e-5}, {"shape": "punch", "radius": 3e-6, "mass": 1e-5}, {"tangential_damping": 1e-3}]
 )
 @pytest.mark.parametrize("amplitude", [4e-9, 2e-8])
 def test_the_full_motion_goes_on_below_the_stall_and_not_above(changed, amplitude):
@@ -183,9 +182,7 @@ def test_steps_that_are_planned_have_errors_too():
 def test_stopping_takes_the_ring_down_and_the_braking():
     f, body, wave = WAVE.frequency, slider(**LIGHT), WAVE.scaled(2.0)
     ringing = 200 / f
-    fading = Envelope(
-        time=np.linspace(0, ringing, 50), amplitude=np.linspace(1.0, 0.0, 50), phase=np.zeros(50)
-    )
+    fading = Envelope(time=np.linspace(0, ringing, 50), amplitude=np.linspace(1.0, 0.0, 50), phase=np.zeros(50))
     rising = Envelope(time=[0.0], amplitude=[1.0], phase=[0.0])
     sudden = step(body, wave, cycles=400, envelope=rising)
     rung = step(body, wave, cycles=400, envelope=rising, after=fading)

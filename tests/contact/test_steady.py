@@ -52,9 +52,7 @@ def test_crests_moving_towards_plus_x_drive_the_slider_there():
 def test_the_origin_of_time_does_not_matter(turn):
     shape = Orbit(frequency=2.2e6, normal=3e-9, tangential=2.2e-9 * np.exp(-1.4j))
     one = steady(slider(), shape, tolerance=1e-9).velocity
-    assert steady(slider(), shape.scaled(np.exp(1j * turn)), tolerance=1e-9).velocity == pytest.approx(
-        one, rel=1e-9
-    )
+    assert steady(slider(), shape.scaled(np.exp(1j * turn)), tolerance=1e-9).velocity == pytest.approx(one, rel=1e-9)
 
 
 @pytest.mark.parametrize("A", [1.2e-9, 7e-9])
@@ -112,9 +110,7 @@ def test_held_below_the_threshold_is_exactly_zero():
 def test_load_slows_stops_and_then_drags():
     s = slider()
     friction = s.friction_coefficient * s.preload
-    velocities = [
-        steady(slider(load=k * friction), orbit(3e-9), tolerance=1e-6).velocity for k in (0, 0.1, 0.3, 3.0)
-    ]
+    velocities = [steady(slider(load=k * friction), orbit(3e-9), tolerance=1e-6).velocity for k in (0, 0.1, 0.3, 3.0)]
     assert velocities == sorted(velocities, reverse=True)
     assert velocities[2] < velocities[0]
     # beyond what friction can give, the damper alone bounds the speed
@@ -123,9 +119,7 @@ def test_load_slows_stops_and_then_drags():
 
 def test_a_load_without_friction_or_damper_runs_away_and_says_so():
     with pytest.raises(ConvergenceError, match="no tangential damping") as caught:
-        steady(
-            slider(load=1e-3, friction_coefficient=0.0, tangential_damping=0.0), orbit(3e-9), tolerance=1e-6
-        )
+        steady(slider(load=1e-3, friction_coefficient=0.0, tangential_damping=0.0), orbit(3e-9), tolerance=1e-6)
     assert caught.value.status == "runaway"
     with pytest.raises(ConvergenceError, match="no tangential damping"):
         steady(slider(load=1.0, tangential_damping=0.0), orbit(3e-9), tolerance=1e-6)
@@ -320,9 +314,7 @@ def test_extremes_are_answered_within_the_tolerance(changed):
         ("out of reach", "auto", {"mass": 0.089e-8}, "long run"),
     ],
 )
-def test_the_method_after_shooting_depends_on_why_shooting_failed(
-    monkeypatch, status, method, changed, next_method
-):
+def test_the_method_after_shooting_depends_on_why_shooting_failed(monkeypatch, status, method, changed, next_method):
     def fails(with_status):
         def run(*arguments, **settings):
             raise ConvergenceError(with_status, "no result")

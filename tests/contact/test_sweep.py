@@ -85,9 +85,7 @@ def test_the_wave_that_runs_the_other_way_drives_the_other_way():
 
 @pytest.mark.parametrize("changed", [{"law": "hysteretic"}, {"reciprocal": True}, {"mass": 1e-9}])
 def test_what_it_does_not_know_it_leaves(changed):
-    found = steady_sweep(
-        [slider(**changed)], WAVES[:1], which=[(0, 0)], factors=[3e-9], wave_errors=[0.0], threads=1
-    )
+    found = steady_sweep([slider(**changed)], WAVES[:1], which=[(0, 0)], factors=[3e-9], wave_errors=[0.0], threads=1)
     assert found.regime[0] == "unknown"
     assert math.isnan(found.velocity[0])
 

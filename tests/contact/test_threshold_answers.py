@@ -60,12 +60,7 @@ def test_a_climb_without_end_ends():
 def test_the_error_of_averaging_holds_against_the_full_motion(phases, changed):
     """Bisection of the exact steady motion at f_n/f = 0.2, where averaging errs by some per cent."""
     body = slider(
-        mass=2e-6,
-        preload=2e-3,
-        friction_coefficient=0.15,
-        normal_damping=0.25,
-        tangential_damping=0.0,
-        **changed,
+        mass=2e-6, preload=2e-3, friction_coefficient=0.15, normal_damping=0.25, tangential_damping=0.0, **changed
     )
     frequency = body.normal_resonance(len(phases)) / 0.2
     wave = tuple(orbit(4e-9, -2.8e-9j, frequency).scaled(np.exp(1j * phase)) for phase in phases)
@@ -73,10 +68,7 @@ def test_the_error_of_averaging_holds_against_the_full_motion(phases, changed):
     def full(factor):
         return steady(body, tuple(each.scaled(factor) for each in wave), tolerance=1e-6, method="exact")
 
-    questions = (
-        (threshold, lambda k: full(k).velocity != 0.0),
-        (release, lambda k: full(k).statistics["release"] > 0),
-    )
+    questions = ((threshold, lambda k: full(k).velocity != 0.0), (release, lambda k: full(k).statistics["release"] > 0))
     for question, beyond in questions:
         answer = question(body, wave)
         low, high = answer.value - 2.0 * answer.error, answer.value + 2.0 * answer.error
@@ -118,9 +110,7 @@ def test_a_loaded_slider_starts_where_the_steady_state_does_out_of_quadrature(ph
     assert high == pytest.approx(answer.value, rel=1e-3)  # f_n/f = 0.02
 
 
-@pytest.mark.parametrize(
-    "changed", [{}, {"shape": "punch", "radius": 3e-6}, {"load": 9e-5}, {"contact_damping": 1e-6}]
-)
+@pytest.mark.parametrize("changed", [{}, {"shape": "punch", "radius": 3e-6}, {"load": 9e-5}, {"contact_damping": 1e-6}])
 def test_one_contact_parts_and_slips_where_the_full_motion_does(changed):
     """To 2e-6 of the factor, where first-order averaging errs by some per cent."""
     body = slider(

@@ -30,9 +30,7 @@ def test_line_power_and_efficiency():
     assert (line.velocity[-1], line.efficiency[0], line.efficiency[-1]) == (0.0, 0.0, 0.0)
     assert np.all(line.efficiency[1:-1] > 0.2)
     assert np.all(line.efficiency < 1.0)
-    assert line.velocity[0] == pytest.approx(
-        steady(slider(), orbit(10e-9), tolerance=1e-4).velocity, rel=1e-12
-    )
+    assert line.velocity[0] == pytest.approx(steady(slider(), orbit(10e-9), tolerance=1e-4).velocity, rel=1e-12)
     # Property: what the wave gives is friction, dampers, leak and useful work; the last is power
     state = steady(slider(load=float(line.load[2])), orbit(10e-9), tolerance=1e-4)
     assert line.power[2] == pytest.approx(state.ledger.load * 2.2e6, rel=1e-9)

@@ -12,13 +12,7 @@ CYCLES = 2200
 
 def after_cycles(A, method="auto", tolerance=1e-8, **changed):
     return burst(
-        slider(**changed),
-        orbit(A),
-        duration=CYCLES / 2.2e6,
-        after=0.0,
-        tolerance=tolerance,
-        samples=2,
-        method=method,
+        slider(**changed), orbit(A), duration=CYCLES / 2.2e6, after=0.0, tolerance=tolerance, samples=2, method=method
     )
 
 
@@ -78,9 +72,7 @@ def test_falling_slope_is_mu_preload_over_mass():
     slope = np.diff(found.velocity[late]) / np.diff(found.time[late])
     assert late.sum() > 20
     # each difference carries rounding of 1e-16 * v/(0.05 ms); the mean of many stays below 1e-9
-    whole = (found.velocity[late][-1] - found.velocity[late][0]) / (
-        found.time[late][-1] - found.time[late][0]
-    )
+    whole = (found.velocity[late][-1] - found.velocity[late][0]) / (found.time[late][-1] - found.time[late][0])
     assert -whole == pytest.approx(s.friction_coefficient * s.preload / s.mass, rel=1e-9)
     assert -slope == pytest.approx(s.friction_coefficient * s.preload / s.mass, rel=1e-7)
 
@@ -133,9 +125,7 @@ def test_no_wave_means_no_motion():
 
 def test_held_by_friction_stays_within_its_elastic_reach():
     # Far below the threshold the slider only rings in its spring: no slip at all
-    found = burst(
-        slider(), orbit(0.3e-9), duration=3e-4, after=0.0, tolerance=1e-6, samples=10, method="exact"
-    )
+    found = burst(slider(), orbit(0.3e-9), duration=3e-4, after=0.0, tolerance=1e-6, samples=10, method="exact")
     assert found.statistics["stick_to_slip"] == 0
 
 

@@ -71,9 +71,7 @@ def test_a_viscous_law_moves_as_the_independent_integrator_says():
     assert exact.ledger.wave_tangential == pytest.approx(tangential, rel=1e-7)
 
 
-@pytest.mark.parametrize(
-    "text", [VISCOUS, pytest.param(LINEAR, marks=pytest.mark.slow)], ids=["viscous", "linear"]
-)
+@pytest.mark.parametrize("text", [VISCOUS, pytest.param(LINEAR, marks=pytest.mark.slow)], ids=["viscous", "linear"])
 def test_bursts_of_a_law_from_a_file_agree_by_all_three_methods(text):
     s, wave = slider(friction=law(text)), orbit(6e-9)
     runs = [
@@ -107,9 +105,7 @@ def test_an_edited_law_is_another_law(tmp_path):
     assert blocked_thrust(slider(law=str(file)), wave)[0] == answers[0]
     assert abs(answers[1] / answers[0] - 1.0) > 1e-4
     # the text is part of the name of what is kept on disk
-    first, second = (
-        slider(friction=law(VISCOUS.replace("0.4", eta))).tangential_law for eta in ("0.4", "0.8")
-    )
+    first, second = (slider(friction=law(VISCOUS.replace("0.4", eta))).tangential_law for eta in ("0.4", "0.8"))
     assert first.sliding.word != second.sliding.word
 
 

@@ -17,9 +17,7 @@ def write_msh(path: Path, points, triangles: dict, lines: dict) -> Path:
     text = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(groups))]
     text += [f'{dim} {tag} "{name}"' for tag, (dim, name) in enumerate(groups, start=1)]
     text += ["$EndPhysicalNames", "$Nodes", str(len(points))]
-    text += [
-        f"{k} {x!r} {z!r} 0" for k, (x, z) in enumerate(np.asarray(points, dtype=float).tolist(), start=1)
-    ]
+    text += [f"{k} {x!r} {z!r} 0" for k, (x, z) in enumerate(np.asarray(points, dtype=float).tolist(), start=1)]
     text += ["$EndNodes", "$Elements", str(len(rows))]
     text += [
         f"{k} {kind} 2 {tag} {tag} " + " ".join(str(node + 1) for node in nodes)
@@ -97,9 +95,7 @@ def rectangle(
     )
 
 
-def bevelled_end(
-    path: Path, foot: float, top: float, depth: float, *, size: float, mirrored: bool = False
-) -> Path:
+def bevelled_end(path: Path, foot: float, top: float, depth: float, *, size: float, mirrored: bool = False) -> Path:
     """The right end of a plate from x = 0 on, a trapezoid: ``foot`` wide at the bottom, ``top`` at the surface.
 
     ``mirrored``: the left end, up to x = 0.
@@ -131,18 +127,14 @@ def profile(path: Path, top: np.ndarray, depth: float, rows: int = 3) -> Path:
     return write_msh(path, np.stack([x.ravel(), z.ravel()], axis=1), {"stator": triangles}, lines)
 
 
-def chip(
-    path: Path, length: float, depth: float, electrodes: dict, *, size: float, groups=("bottom",)
-) -> Path:
+def chip(path: Path, length: float, depth: float, electrodes: dict, *, size: float, groups=("bottom",)) -> Path:
     """A whole plate section of triangles with strips on its surface; ``electrodes``: name to edges (n, 2)."""
     edges = np.unique(np.round(np.concatenate([[[0, length]], *electrodes.values()]), 12))
     parts = [np.linspace(a, b, 1 + max(1, round((b - a) / size)))[:-1] for a, b in pairwise(edges)]
     across, down = np.append(np.concatenate(parts), length), np.linspace(-depth, 0, 1 + round(depth / size))
     node = np.arange(len(across) * len(down)).reshape(len(across), -1)
     a, b, c, d = node[:-1, :-1], node[1:, :-1], node[1:, 1:], node[:-1, 1:]
-    triangles = np.concatenate(
-        [np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)]
-    )
+    triangles = np.concatenate([np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)])
     middle = (across[1:] + across[:-1]) / 2
     top, foot = (np.stack([row[:-1], row[1:]], axis=1) for row in (node[:, -1], node[:, 0]))
     lines = {
@@ -150,6 +142,4 @@ def chip(
         for name, strips in electrodes.items()
     }
     points = np.stack(np.meshgrid(across, down, indexing="ij"), axis=-1).reshape(-1, 2)
-    return write_msh(
-        path, points, {"stator": triangles}, {each: {"bottom": foot}[each] for each in groups} | lines
-    )
+    return write_msh(path, points, {"stator": triangles}, {each: {"bottom": foot}[each] for each in groups} | lines)

@@ -29,14 +29,10 @@ def lossless(name: str, orientation) -> Solid:
     return cut(name, orientation, quality=np.inf, loss=0.0)
 
 
-def plate(
-    solid: Solid, *, length: float = 4.0, thickness: float = 0.8, frequency=FREQUENCY, **rest
-) -> Stator:
+def plate(solid: Solid, *, length: float = 4.0, thickness: float = 0.8, frequency=FREQUENCY, **rest) -> Stator:
     """Length and thickness in wavelengths."""
     unit = slowest_wavelength(solid, frequency)
-    return Stator(
-        solid=solid, length=length * unit, thickness=thickness * unit, **({"ends": "absorbing"} | rest)
-    )
+    return Stator(solid=solid, length=length * unit, thickness=thickness * unit, **({"ends": "absorbing"} | rest))
 
 
 def comb(stator: Stator, name: str, center: float, *, frequency=FREQUENCY, period=1.0, **rest) -> Transducer:
@@ -50,9 +46,7 @@ def comb(stator: Stator, name: str, center: float, *, frequency=FREQUENCY, perio
     )
 
 
-def section(
-    stator: Stator, *, order: int = 6, layers: int = 0, frequency=FREQUENCY, scale=0.125, size=1.0
-) -> Section:
+def section(stator: Stator, *, order: int = 6, layers: int = 0, frequency=FREQUENCY, scale=0.125, size=1.0) -> Section:
     """Depth of a stator; ``scale`` of the graded element in wavelengths."""
     unit = slowest_wavelength(stator.solid, frequency)
     return discretise(
@@ -74,11 +68,7 @@ def solution(
 ) -> Solution:
     """One discretisation of a driven stator."""
     return solve_driven(
-        stator,
-        transducers,
-        frequency=frequency,
-        drive=drive,
-        resolution=Resolution(order=order, edge_layers=layers),
+        stator, transducers, frequency=frequency, drive=drive, resolution=Resolution(order=order, edge_layers=layers)
     )
 
 

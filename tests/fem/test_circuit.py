@@ -118,10 +118,7 @@ def test_only_transducers_with_two_electrodes_are_driven():
 
 LADDERS = [
     (),
-    (
-        Element(place="series", kind="L", value=2.6e-6, quality=80.0),
-        Element(place="shunt", kind="C", value=1e-9),
-    ),
+    (Element(place="series", kind="L", value=2.6e-6, quality=80.0), Element(place="shunt", kind="C", value=1e-9)),
     (
         Element(place="shunt", kind="R", value=300.0),
         Element(place="series", kind="C", value=2e-9, quality=200.0),
@@ -238,6 +235,4 @@ def test_a_rectifier_is_the_resistance_of_its_fundamental():
     square = direct * resistance * np.sign(np.sin(angle))
     fundamental = 2 * np.mean(square * np.sin(angle))
     assert fundamental / current == pytest.approx(rectifier_resistance(resistance), rel=1e-8)
-    assert direct**2 * resistance == pytest.approx(
-        0.5 * current**2 * rectifier_resistance(resistance), rel=1e-8
-    )
+    assert direct**2 * resistance == pytest.approx(0.5 * current**2 * rectifier_resistance(resistance), rel=1e-8)

@@ -25,9 +25,7 @@ def solve(stator):
 
 @pytest.mark.parametrize("rest", [{"bottom": "absorbing"}, {"thickness": np.inf}, {"above": "vacuum"}])
 def test_only_real_bottoms(rest):
-    with pytest.raises(
-        ValueError, match="takes a stator with a real bottom, nothing above and no meshed pieces"
-    ):
+    with pytest.raises(ValueError, match="takes a stator with a real bottom, nothing above and no meshed pieces"):
         solve(plate(cut("PZT-4", "Z"), length=2.0, **rest))
 
 

@@ -18,10 +18,7 @@ LEFT = Transducer(name="left", center=15e-3, finger_pairs=10, period=1e-3, metal
 
 
 @given(
-    center=st.floats(-1, 1),
-    pairs=st.integers(1, 50),
-    period=st.floats(1e-6, 1e-2),
-    metallisation=st.floats(0.02, 0.98),
+    center=st.floats(-1, 1), pairs=st.integers(1, 50), period=st.floats(1e-6, 1e-2), metallisation=st.floats(0.02, 0.98)
 )
 def test_fingers(center, pairs, period, metallisation):
     """Equal fingers half a period apart, symmetric about the centre; width over pitch is the metallisation."""
@@ -62,10 +59,7 @@ def test_transducers_that_are_none(changes, message):
         ({"length": np.inf}, r"stator.length must be positive and finite, got inf m"),
         ({"thickness": 0.0}, r"stator.thickness must be positive, got 0.0 m"),
         ({"thickness": np.nan}, r"stator.thickness must be positive, got nan m"),
-        (
-            {"bottom": "glued"},
-            r"stator.bottom must be one of free, grounded, clamped, absorbing, got 'glued'",
-        ),
+        ({"bottom": "glued"}, r"stator.bottom must be one of free, grounded, clamped, absorbing, got 'glued'"),
         ({"ends": "open"}, r"stator.ends must be one of absorbing, free, clamped, got 'open'"),
         ({"above": "air"}, r"stator.above must be one of none, vacuum, got 'air'"),
     ],
@@ -83,9 +77,7 @@ def test_layout():
         check_layout(STATOR, (replace(LEFT, center=4e-3),))
     with pytest.raises(ValueError, match=r"'left'.center must keep the fingers"):
         check_layout(STATOR, (replace(LEFT, center=0.158),))
-    with pytest.raises(
-        ValueError, match=r"off those of 'left': the former begin at .* mm, the latter end at 19"
-    ):
+    with pytest.raises(ValueError, match=r"off those of 'left': the former begin at .* mm, the latter end at 19"):
         check_layout(STATOR, (replace(LEFT, name="right", center=24e-3), LEFT))
     with pytest.raises(ValueError, match="transducer names must differ, got left, left"):
         check_layout(STATOR, (LEFT, replace(LEFT, center=0.1)))
@@ -107,9 +99,7 @@ def test_outer_gaps_leave_room_for_the_neighbour():
 def test_automatic_period_lies_between_the_two_waves():
     solid = lossless("LiNbO3 (Kovacs)", "128YX")
     metal, vacuum = (rayleigh(solid, surface).velocity for surface in ("metallised", "vacuum"))
-    assert automatic_period(solid, 1e8, 0.25) == pytest.approx(
-        (0.25 * metal + 0.75 * vacuum) / 1e8, rel=1e-12
-    )
+    assert automatic_period(solid, 1e8, 0.25) == pytest.approx((0.25 * metal + 0.75 * vacuum) / 1e8, rel=1e-12)
 
 
 def test_a_refusal_names_key_rule_value_and_transducer():

@@ -46,10 +46,7 @@ def row_of_fingers(frequency, pairs=10, middle=2.2e6):
     """A comb without reflections: G0 sinc^2 X, its Hilbert partner and a capacitance."""
     x = np.pi * pairs * (frequency - middle) / middle
     x = np.where(abs(x) < 1e-9, 1e-9, x)
-    return (
-        7e-3 * ((np.sin(x) / x) ** 2 + 1j * (np.sin(2 * x) - 2 * x) / (2 * x**2))
-        + 1j * 2e-9 * 2 * np.pi * frequency
-    )
+    return 7e-3 * ((np.sin(x) / x) ** 2 + 1j * (np.sin(2 * x) - 2 * x) / (2 * x**2)) + 1j * 2e-9 * 2 * np.pi * frequency
 
 
 @pytest.mark.parametrize(("branches", "within"), [(1, 0.1), (5, 0.02)])

@@ -56,8 +56,7 @@ def _with_pieces(stator, path, places, **rest):
     return replace(
         stator,
         pieces=tuple(
-            MeshPiece(name=f"p{k}", mesh=mesh, position=place * unit, **rest)
-            for k, place in enumerate(places)
+            MeshPiece(name=f"p{k}", mesh=mesh, position=place * unit, **rest) for k, place in enumerate(places)
         ),
     )
 
@@ -180,9 +179,7 @@ def _apart(case, admittance, motion):
 def test_pieces_against_ngsolve(tmp_path, case):
     """One discretisation of every piece; without them Y differs by 6e-2 to 1."""
     stator, row = _reference_stator(tmp_path, case)
-    solved = solve_driven(
-        stator, row, frequency=2.17e6, drive="t", resolution=Resolution(order=7, edge_layers=2)
-    )
+    solved = solve_driven(stator, row, frequency=2.17e6, drive="t", resolution=Resolution(order=7, edge_layers=2))
     motion = surface_of(solved).motion(places(case))
     of_admittance, of_motion = _apart(case, solved.circuit.admittance, motion)
     assert of_admittance < 3e-4
@@ -198,12 +195,8 @@ def test_slender_elements_at_corners_are_halved(tmp_path):
     stator, row = _reference_stator(tmp_path, "groove")
     path = rectangle(tmp_path / "slender.msh", 1.0, 1.1, size=0.35, groove=(0.35, 0.25, 0.15))
     slender = replace(stator, pieces=(replace(stator.pieces[0], mesh=read_mesh(path, 1e-3)),))
-    solved = solve_driven(
-        slender, row, frequency=2.17e6, drive="t", resolution=Resolution(order=8, edge_layers=3)
-    )
-    of_admittance, of_motion = _apart(
-        "groove", solved.circuit.admittance, surface_of(solved).motion(places("groove"))
-    )
+    solved = solve_driven(slender, row, frequency=2.17e6, drive="t", resolution=Resolution(order=8, edge_layers=3))
+    of_admittance, of_motion = _apart("groove", solved.circuit.admittance, surface_of(solved).motion(places("groove")))
     assert of_admittance < 3e-5
     assert of_motion < 4e-5
 
@@ -296,9 +289,7 @@ def test_the_field_inside_a_mesh_joins_its_neighbours(tmp_path, groove):
     written = meshio.read(tmp_path / "field.vtu")
     x, z = np.moveaxis(written.points[written.cells[0].data][..., [0, 2]], -1, 0)
     area = 0.5 * np.sum(x * np.roll(z, -1, axis=1) - np.roll(x, -1, axis=1) * z)
-    assert area == pytest.approx(
-        (2.3 * 0.8 - 2 * 0.2 * 0.12) * unit**2, rel=1e-9
-    )  # each place is covered once
+    assert area == pytest.approx((2.3 * 0.8 - 2 * 0.2 * 0.12) * unit**2, rel=1e-9)  # each place is covered once
     for place in places:
         left = np.flatnonzero(abs(written.points[:, 0] - place * unit) < 1e-9 * unit)
         order = left[np.lexsort([written.points[left, 2]])]
@@ -319,8 +310,7 @@ def test_strain_energy_in_another_solid(tmp_path):
     x, z = piece.mesh.points[cells.nodes].mean(axis=1).T / unit
     inlaid = (abs(x - 0.45) < 0.2) & (z > -0.3)
     parts = tuple(
-        replace(cells, solid=name, nodes=cells.nodes[which])
-        for name, which in (("stator", ~inlaid), ("inlay", inlaid))
+        replace(cells, solid=name, nodes=cells.nodes[which]) for name, which in (("stator", ~inlaid), ("inlay", inlaid))
     )
     stator = replace(stator, pieces=(replace(piece, mesh=replace(piece.mesh, cells=parts, digest="inlay")),))
     solved = _solved(stator, level=Resolution(order=7, edge_layers=0))
@@ -388,11 +378,7 @@ def test_fingers_as_a_mesh_are_the_built_in_ones(tmp_path):
     top = top[np.argsort(mesh.points[top, 0])]
     lines = {
         f"electrode:{name}": np.array(
-            [
-                (a, b)
-                for a, b in pairwise(top)
-                if low < (mesh.points[a, 0] + mesh.points[b, 0]) / 2 / unit < low + 0.25
-            ]
+            [(a, b) for a, b in pairwise(top) if low < (mesh.points[a, 0] + mesh.points[b, 0]) / 2 / unit < low + 0.25]
         )
         for name, low in (("a", 0.75), ("b", 1.25))
     }
@@ -401,9 +387,7 @@ def test_fingers_as_a_mesh_are_the_built_in_ones(tmp_path):
     first = comb(stator, "a", 1.5)
     second = comb(stator, "b", 6.0)
     level = Resolution(order=7, edge_layers=2)
-    meshed = solve_driven(
-        replace(stator, pieces=(piece,)), (first,), frequency=2.3e6, drive="a", resolution=level
-    )
+    meshed = solve_driven(replace(stator, pieces=(piece,)), (first,), frequency=2.3e6, drive="a", resolution=level)
     both = solve_driven(
         stator, (first, second), frequency=2.3e6, drive=Drive(sources={"a": 1.0, "b": 1.0}), resolution=level
     )
@@ -434,22 +418,14 @@ CHIP = {"length": 7e-3, "thickness": 1.1e-3, "ends": "free"}
 CHIP_ROW = (
     Transducer(name="a", center=2.5e-3, finger_pairs=2, period=1e-3, metallisation=0.5, aperture=10e-3),
     Transducer(
-        name="b",
-        center=5.5e-3,
-        finger_pairs=1,
-        period=1e-3,
-        metallisation=0.5,
-        aperture=10e-3,
-        termination=50.0,
+        name="b", center=5.5e-3, finger_pairs=1, period=1e-3, metallisation=0.5, aperture=10e-3, termination=50.0
     ),
 )
 
 
 def _whole(tmp_path, *, bottom="free", grounded=(), **rest):
     """A stator as one mesh with the fingers of both transducers; ``grounded``: line groups drawn besides."""
-    strips = {each.name + sign: each.strips(sign) * 1e3 for each in CHIP_ROW for sign in "+-"} | dict(
-        grounded
-    )
+    strips = {each.name + sign: each.strips(sign) * 1e3 for each in CHIP_ROW for sign in "+-"} | dict(grounded)
     path = chip(tmp_path / "chip.msh", 7.0, 1.1, strips, size=0.5)
     electrodes = tuple((name, name if name[0] in "ab" else "grounded") for name in strips)
     piece = MeshPiece(name="chip", mesh=read_mesh(path, 1e-3), position=0.0, electrodes=electrodes)
@@ -507,9 +483,7 @@ def test_a_band_of_a_whole_stator(tmp_path):
     """
     stator = replace(_whole(tmp_path), solid=cut("PZT-4", "Z", quality=1000))
     places = (4e-3,)
-    band = frequency_band(
-        stator, CHIP_ROW, lowest=2.13e6, highest=2.21e6, drive="a", tolerance=5e-2, places=places
-    )
+    band = frequency_band(stator, CHIP_ROW, lowest=2.13e6, highest=2.21e6, drive="a", tolerance=5e-2, places=places)
     middle = driven_wave(stator, CHIP_ROW, frequency=2.17e6, drive="a", tolerance=5e-2, places=places)
     assert 3 * middle.relative_error < band.relative_error < 5e-2
     finer = LEVELS[LEVELS.index(band.model.resolution) + 1]
@@ -525,9 +499,7 @@ def test_a_band_of_a_whole_stator(tmp_path):
     assert abs(wave.admittance / anew.circuit.admittance - 1) < 1e-5
     assert len(band.model.interpolation[1].rational.nodes) < 10
     assert wave.power_residual < 1e-5
-    nodes = [
-        solve_ports(stator, CHIP_ROW, frequency=f, resolution=LEVELS[0]) for f in (2.13e6, 2.17e6, 2.21e6)
-    ]
+    nodes = [solve_ports(stator, CHIP_ROW, frequency=f, resolution=LEVELS[0]) for f in (2.13e6, 2.17e6, 2.21e6)]
     at = nodes[0].network.scatterers[0].potentials
     samples = [PieceSample.of(each.network.scatterers[0].piece, at) for each in nodes]
     found = rational_piece(nodes[0].network.scatterers[0].piece, at, 0, samples).resonances
@@ -536,9 +508,7 @@ def test_a_band_of_a_whole_stator(tmp_path):
     peak = abs(square) ** 0.5 / 2 / np.pi
     width = peak * abs(square.imag / square)
     conductance = [
-        solve_ports(stator, CHIP_ROW, frequency=peak + more * width, resolution=LEVELS[0])
-        .admittances[0, 0]
-        .real
+        solve_ports(stator, CHIP_ROW, frequency=peak + more * width, resolution=LEVELS[0]).admittances[0, 0].real
         for more in (-1.0, 0.0, 1.0)
     ]
     assert conductance[0] < 0.7 * conductance[1] > conductance[2], conductance
@@ -569,9 +539,7 @@ def test_two_pieces_as_one_end_are_told_apart_by_their_places(tmp_path):
     mesh = read_mesh(bevelled_end(tmp_path / "end.msh", 0.7, 0.5, 0.8, size=0.35), 1e-3)
     ends = tuple(MeshPiece(name="end", mesh=mesh, position=place) for place in (7e-3, 5e-3))
     stator = replace(plate(cut("PZT-4", "Z")), length=8e-3, thickness=0.8e-3, ends="free", pieces=ends)
-    with pytest.raises(
-        InputError, match=r'"end" \(5 to 5.7 mm\) and "end" \(7 to 7.7 mm\) are both the right end'
-    ):
+    with pytest.raises(InputError, match=r'"end" \(5 to 5.7 mm\) and "end" \(7 to 7.7 mm\) are both the right end'):
         check_layout(stator, ())
 
 
@@ -585,9 +553,7 @@ def _with_profile(path, bottom, *, width=2.0) -> Stator:
 
 def test_the_sagitta_of_a_coarsely_drawn_arc_is_stated(tmp_path):
     """The change of u_z that a warning states contains that against edges a third as long, and is not far from it."""
-    row = (
-        Transducer(name="a", center=2.5e-3, finger_pairs=2, period=1e-3, metallisation=0.5, aperture=1e-2),
-    )
+    row = (Transducer(name="a", center=2.5e-3, finger_pairs=2, period=1e-3, metallisation=0.5, aperture=1e-2),)
     places, moved, stated = np.array([4.1e-3, 7.6e-3]), [], []
     radius, half = 0.5125, 0.4  # 0.2 mm deep
     for edges in (8, 24):
@@ -605,9 +571,7 @@ def test_the_sagitta_of_a_coarsely_drawn_arc_is_stated(tmp_path):
 
 def test_the_vertices_of_an_arc_need_fewer_layers(tmp_path, monkeypatch):
     """Two layers of three at vertices that turn by 13 degrees: the motion of all layers; with none it is not."""
-    row = (
-        Transducer(name="a", center=2.5e-3, finger_pairs=2, period=1e-3, metallisation=0.5, aperture=1e-2),
-    )
+    row = (Transducer(name="a", center=2.5e-3, finger_pairs=2, period=1e-3, metallisation=0.5, aperture=1e-2),)
     angle = np.arcsin(0.4 / 0.5) * np.linspace(-1, 1, 9)
     arc = np.stack([1 + 0.5 * np.sin(angle), 0.5 * (np.cos(angle[0]) - np.cos(angle))], axis=1)
     stator = _with_profile(tmp_path / "arc.msh", arc)

@@ -48,9 +48,7 @@ def test_interpolation_through_the_resonances_of_the_clamped_piece(tmp_path, qua
     slope = (assembly.condensed(2.14e6 + step).matrix - assembly.condensed(2.14e6 - step).matrix) / (
         16 * np.pi**2 * 2.14e6 * step
     )
-    assert samples[0].inertia == pytest.approx(
-        -frame.T @ slope @ frame, rel=1e-3, abs=1e-4 * abs(slope).max()
-    )
+    assert samples[0].inertia == pytest.approx(-frame.T @ slope @ frame, rel=1e-3, abs=1e-4 * abs(slope).max())
     reduced = rational_piece(exact[2.14e6], frame, 6, samples)
     for frequency, piece in exact.items():
         own, true = reduced.at(frequency).matrix, frame.T @ piece.matrix @ frame

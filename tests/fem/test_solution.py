@@ -20,15 +20,10 @@ GENERAL = (17.0, 31.0, 49.0)
     ("solid", "rest", "layers"),
     [
         pytest.param(cut("PZT-8", "Z"), {"ends": "free"}, 1, marks=pytest.mark.slow),
-        pytest.param(
-            cut("PZT-8", "X"), {"ends": "absorbing", "bottom": "grounded"}, 0, marks=pytest.mark.slow
-        ),
+        pytest.param(cut("PZT-8", "X"), {"ends": "absorbing", "bottom": "grounded"}, 0, marks=pytest.mark.slow),
         (lossless("LiNbO3 (Kovacs)", "128YX"), {"ends": "absorbing"}, 0),
         pytest.param(
-            lossless("LiNbO3 (Warner)", "YZ"),
-            {"ends": "clamped", "bottom": "clamped"},
-            0,
-            marks=pytest.mark.slow,
+            lossless("LiNbO3 (Warner)", "YZ"), {"ends": "clamped", "bottom": "clamped"}, 0, marks=pytest.mark.slow
         ),
         (cut("LiNbO3 (Ogi)", GENERAL, quality=300.0), {"ends": "free", "bottom": "grounded"}, 0),
     ],
@@ -152,9 +147,7 @@ def test_order_of_the_list_does_not_matter(three):
     assert turned.circuit.admittance == three.circuit.admittance
 
 
-@pytest.mark.parametrize(
-    ("name", "orientation"), [("PZT-8", "Z"), ("PZT-8", "X"), ("LiNbO3 (Kovacs)", "128YX")]
-)
+@pytest.mark.parametrize(("name", "orientation"), [("PZT-8", "Z"), ("PZT-8", "X"), ("LiNbO3 (Kovacs)", "128YX")])
 @pytest.mark.parametrize("ends", ["free", "absorbing"])
 def test_left_and_right_are_mirror_images(name, orientation, ends):
     """Equal transducers, the one driven and then the other: |u| at x and at length - x."""

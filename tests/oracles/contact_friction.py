@@ -39,11 +39,7 @@ class Motor:
         """Return P."""
         if z <= 0.0:
             return 0.0
-        return (
-            2.0 * self.E * self.radius * z
-            if self.punch
-            else 4.0 / 3.0 * self.E * math.sqrt(self.radius) * z**1.5
-        )
+        return 2.0 * self.E * self.radius * z if self.punch else 4.0 / 3.0 * self.E * math.sqrt(self.radius) * z**1.5
 
     def coefficient(self, z, w):
         """Return mu at an approach and a speed."""
@@ -112,9 +108,7 @@ def follow(motor: Motor, cycles: float) -> tuple[np.ndarray, float, float, int]:
     low, high = -1e-6, 1e-6  # of the contact of height 0 under the preload, by bisection
     for _ in range(200):
         h = 0.5 * (low + high)
-        low, high = (
-            (low, h) if sum(motor.push(h + each) for each in motor.heights) > motor.preload else (h, high)
-        )
+        low, high = (low, h) if sum(motor.push(h + each) for each in motor.heights) > motor.preload else (h, high)
     y, t = np.zeros(3 + n + 3), 0.0
     y[0] = -h
     regimes = []
@@ -125,10 +119,7 @@ def follow(motor: Motor, cycles: float) -> tuple[np.ndarray, float, float, int]:
     def rates(t, y):
         out = np.zeros_like(y)
         out[0] = y[1]
-        out[1], out[2] = (
-            -motor.normal_damping * y[1] - motor.preload,
-            -motor.tangential_damping * y[2] - motor.load,
-        )
+        out[1], out[2] = (-motor.normal_damping * y[1] - motor.preload, -motor.tangential_damping * y[2] - motor.load)
         for i in range(n):
             P, Q = motor.forces(i, t, y, regimes[i])
             _, up, along = motor.surface(i, t)
@@ -152,13 +143,7 @@ def follow(motor: Motor, cycles: float) -> tuple[np.ndarray, float, float, int]:
             if name == "stick":
                 for side in (1.0, -1.0):
                     watched.append(
-                        (
-                            i,
-                            side,
-                            lambda t, y, i=i, s=side: (
-                                motor.limit(motor.kinematics(i, t, y)[0]) - s * y[3 + i]
-                            ),
-                        )
+                        (i, side, lambda t, y, i=i, s=side: motor.limit(motor.kinematics(i, t, y)[0]) - s * y[3 + i])
                     )
             elif name == "slip":
                 watched.append((i, "end", lambda t, y, i=i, s=s: motor.slip_speed(i, s, t, y)))
@@ -172,14 +157,7 @@ def follow(motor: Motor, cycles: float) -> tuple[np.ndarray, float, float, int]:
             guarded.direction = 1.0 if kind == "gap" and regimes[i][0] == "apart" else -1.0
             functions.append(guarded)
         run = solve_ivp(
-            rates,
-            (t, stop),
-            y,
-            method="DOP853",
-            rtol=1e-11,
-            atol=1e-12 * scale,
-            events=functions,
-            max_step=T / 12,
+            rates, (t, stop), y, method="DOP853", rtol=1e-11, atol=1e-12 * scale, events=functions, max_step=T / 12
         )
         assert run.success
         t, y = run.t[-1], run.y[:, -1].copy()
@@ -196,10 +174,7 @@ def follow(motor: Motor, cycles: float) -> tuple[np.ndarray, float, float, int]:
                 slips = s * along - motor.limit_rate(1e-22, rate) > 0.0
                 regimes[i], y[3 + i] = ("slip" if slips else "stick", s), 0.0
             elif kind == "end":
-                regimes[i], y[3 + i] = (
-                    ("stick", s),
-                    s * motor.limit(motor.kinematics(i, t, y)[0]) * (1.0 - 1e-13),
-                )
+                regimes[i], y[3 + i] = (("stick", s), s * motor.limit(motor.kinematics(i, t, y)[0]) * (1.0 - 1e-13))
             else:
                 regimes[i] = ("slip", kind)
         if abs(t - marks[0]) < 1e-15 * stops + 1e-22:

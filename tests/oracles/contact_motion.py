@@ -34,9 +34,7 @@ def _mu(p, w, n):
 def _push(z, s):
     if z <= 0.0:
         return 0.0
-    return (
-        2.0 * s[E] * s[RADIUS] * z if s[PUNCH] else 4.0 / 3.0 * s[E] * math.sqrt(s[RADIUS]) * z * math.sqrt(z)
-    )
+    return 2.0 * s[E] * s[RADIUS] * z if s[PUNCH] else 4.0 / 3.0 * s[E] * math.sqrt(s[RADIUS]) * z * math.sqrt(z)
 
 
 @njit(cache=True)
@@ -71,10 +69,7 @@ def _wave(t, i, s, waves, times, shape):
             shape[1, k] + part * (shape[1, k + 1] - shape[1, k]),
         )
         inside = times[0] <= t <= times[-1]
-        da, db = (
-            (shape[0, k + 1] - shape[0, k]) / span * inside,
-            (shape[1, k + 1] - shape[1, k]) / span * inside,
-        )
+        da, db = ((shape[0, k + 1] - shape[0, k]) / span * inside, (shape[1, k + 1] - shape[1, k]) / span * inside)
         turn = complex(math.cos(b), math.sin(b))
         e, e_rate = a * turn, (da + 1j * db * a) * turn
     turn = complex(math.cos(omega * t), math.sin(omega * t))
@@ -117,9 +112,7 @@ def _rates(t, y, regime, sign, s, numbers, waves, heights, times, shape, out):
     push, pull = -s[R_N] * y[1] - s[PRELOAD], -s[R_T] * y[2] - s[LOAD]
     for i in range(n):
         u, du, _, dx = _wave(t, i, s, waves, times, shape)
-        P, Q = _contact_forces(
-            u + heights[i] - y[0], du - y[1], y[3 + i], dx - y[2], regime[i], sign[i], s, numbers
-        )
+        P, Q = _contact_forces(u + heights[i] - y[0], du - y[1], y[3 + i], dx - y[2], regime[i], sign[i], s, numbers)
         push += P
         pull += Q
         out[3 + i] = dx - y[2] if regime[i] == STICK else 0.0
@@ -215,25 +208,7 @@ def _run(t, stops, y, regime, sign, s, numbers, waves, heights, times, shape, sc
             last = h >= left * (1.0 - 1e-12)
             used = left if last else h
             error = _step(
-                t,
-                used,
-                y,
-                regime,
-                sign,
-                s,
-                numbers,
-                waves,
-                heights,
-                times,
-                shape,
-                k,
-                new,
-                scale,
-                A,
-                B,
-                C,
-                E3,
-                E5,
+                t, used, y, regime, sign, s, numbers, waves, heights, times, shape, k, new, scale, A, B, C, E3, E5
             )
             if error > 1.0 and used > 1e-9 * T:
                 h = used * max(0.2, 0.9 * error ** (-1.0 / 8.0))
@@ -272,34 +247,12 @@ def _run(t, stops, y, regime, sign, s, numbers, waves, heights, times, shape, sc
                     E3,
                     E5,
                 )
-                _guards(
-                    t + middle, trial, regime, sign, s, numbers, waves, heights, times, shape, 1.0, guards
-                )
+                _guards(t + middle, trial, regime, sign, s, numbers, waves, heights, times, shape, 1.0, guards)
                 if np.min(guards) >= 0.0:
                     low = middle
                 else:
                     high = middle
-            _step(
-                t,
-                high,
-                y,
-                regime,
-                sign,
-                s,
-                numbers,
-                waves,
-                heights,
-                times,
-                shape,
-                k,
-                trial,
-                scale,
-                A,
-                B,
-                C,
-                E3,
-                E5,
-            )
+            _step(t, high, y, regime, sign, s, numbers, waves, heights, times, shape, k, trial, scale, A, B, C, E3, E5)
             _guards(t + high, trial, regime, sign, s, numbers, waves, heights, times, shape, 1.0, guards)
             y[:] = trial
             t += high
@@ -385,9 +338,7 @@ class Motor:
         for _ in range(200):
             x = 0.5 * (low + high)
             low, high = (low, x) if held(x) > size else (x, high)
-        return (
-            math.copysign(1.0, self.load) * np.minimum(0.5 * (low + high), limits) if self.load else 0.0 * z
-        )
+        return math.copysign(1.0, self.load) * np.minimum(0.5 * (low + high), limits) if self.load else 0.0 * z
 
     def start(self, height=None, speed=0.0):
         """Return (t, y, regime, sign) at the upward zero of the first contact's u_z."""
@@ -415,11 +366,7 @@ class Motor:
         first = complex(self.normal[0])
         turn = np.exp(-1j * (math.pi / 2.0 + np.angle(first)))
         waves = np.array([self.normal, self.tangential], complex) * turn
-        return (
-            waves,
-            np.array(self.times, float),
-            np.array([self.amplitude, self.phase], float).reshape(2, -1),
-        )
+        return (waves, np.array(self.times, float), np.array([self.amplitude, self.phase], float).reshape(2, -1))
 
     def run(self, cycles, every=1, state=None, silent=False):
         """Return (times, rows, state); rows of v, travel, z_s and number of slips of each contact."""

@@ -122,19 +122,11 @@ class Slider:
     ):  # fmt: skip
         order = np.argsort(x, kind="stable")
         self.order = order
-        self.x, self.y, self.s = (
-            np.broadcast_to(np.asarray(v, float), np.shape(x))[order] for v in (x, y, heights)
-        )
+        self.x, self.y, self.s = (np.broadcast_to(np.asarray(v, float), np.shape(x))[order] for v in (x, y, heights))
         self.k_n, self.k_t = (np.broadcast_to(np.asarray(v, float), np.shape(x))[order] for v in (k_n, k_t))
         self.mu, self.preload, self.load, self.damping = mu, preload, load, damping
         self.omega, self.k, self.C = 2.0 * math.pi * frequency, 2.0 * math.pi / wavelength, 1j * ratio
-        self.forward, self.backward, self.g, self.width, self.gamma = (
-            forward,
-            backward,
-            gamma / width,
-            width,
-            gamma,
-        )
+        self.forward, self.backward, self.g, self.width, self.gamma = (forward, backward, gamma / width, width, gamma)
         self.tilt, self.at, self.b, self.soft = tilt, preload_at, load_height, soft
         new = np.append(True, np.diff(self.x) > 1e-12)
         self.row, self.places = np.cumsum(new) - 1, self.x[new]
@@ -157,9 +149,7 @@ class Slider:
         crest = np.where(A > 0.0, u / np.where(A > 0.0, A, 1.0), 1.0)
         along = v * crest.conj()
         side = math.copysign(1.0, w)
-        out = _all(
-            approach, A, along.real.copy(), -along.imag, w, self.mu * self.k_n / self.k_t, side, POINT, WEIGHT
-        )
+        out = _all(approach, A, along.real.copy(), -along.imag, w, self.mu * self.k_n / self.k_t, side, POINT, WEIGHT)
         return out, self.k_n * out[:, 1] * crest, self.k_t * (out[:, 3] - 1j * out[:, 4]) * crest
 
     def swept(self, approach, w):

@@ -75,9 +75,7 @@ def rest_position(slider, heights) -> float:
     return brentq(excess, min(heights) - 1e-3, max(heights), xtol=1e-300, rtol=1e-15)
 
 
-def velocity_from_rest(
-    normal, tangential, frequency, *, cycles, per_cycle, springs, slider, heights=None
-) -> float:
+def velocity_from_rest(normal, tangential, frequency, *, cycles, per_cycle, springs, slider, heights=None) -> float:
     """Return the slider's velocity in m/s some cycles after rest.
 
     Parameters
@@ -103,9 +101,7 @@ def velocity_from_rest(
     profile, width = row(slider["radius"], 2.0 * deepest, springs, slider.get("punch", False))
     stretched = np.zeros((normal.size, springs))
     begin = (rest, 0.0, 0.0)
-    y = _run(
-        normal, tangential, heights, values, profile, width, stretched, begin, cycles, per_cycle, frequency
-    )
+    y = _run(normal, tangential, heights, values, profile, width, stretched, begin, cycles, per_cycle, frequency)
     return y[2]
 
 
@@ -122,8 +118,5 @@ def force_on_path(z, x, *, radius, E, G, mu, springs, punch=False) -> np.ndarray
     stretched = np.zeros(springs)
     steps = np.diff(np.asarray(x, float), prepend=0.0)
     return np.array(
-        [
-            _forces(a, b, profile, width, stretched, E, G, mu)
-            for a, b in zip(np.asarray(z, float), steps, strict=True)
-        ]
+        [_forces(a, b, profile, width, stretched, E, G, mu) for a, b in zip(np.asarray(z, float), steps, strict=True)]
     )

@@ -179,11 +179,7 @@ def steady_velocity(A: float, per_cycle: int, **changed) -> float:
 
     def mean_force(h):
         half = math.pi if h >= A else math.acos(-h / A)
-        return (
-            K
-            * quad(lambda q: max(h + A * math.cos(q), 0.0) ** 1.5, 0.0, half, epsabs=0, epsrel=1e-10)[0]
-            / math.pi
-        )
+        return K * quad(lambda q: max(h + A * math.cos(q), 0.0) ** 1.5, 0.0, half, epsabs=0, epsrel=1e-10)[0] / math.pi
 
     h = brentq(lambda q: mean_force(q) - F, -A, rest_height(p), rtol=1e-12)
     trough = 0.75 / f
@@ -200,9 +196,7 @@ def steady_velocity(A: float, per_cycle: int, **changed) -> float:
         return run(A, par, (*y, out[0][3]), out[1], out[2], trough, per_cycle, per_cycle)
 
     def drag(v):  # mean traction: what a slider 1e6 times as heavy gains in a cycle
-        light = parameters(
-            **(changed | {"mass": p[1] * 1e6, "tangential_damping": 0.0, "normal_damping": 0.0})
-        )
+        light = parameters(**(changed | {"mass": p[1] * 1e6, "tangential_damping": 0.0, "normal_damping": 0.0}))
         return (cycle(light, (-h, 0.0, v))[0][2] - v) * light[1] * f - p[7] * v
 
     top = 2.0 * math.pi * f * MOTOR["ratio"] * A

@@ -139,13 +139,8 @@ class FingerStrips:
         from scipy.special import jv
 
         k, w = self._axis
-        kept = (
-            k < 2.6 * self.unit
-        )  # beyond all waves the spectrum is smooth: faded out, it matters only nearby
-        k, w = (
-            k[kept],
-            w[kept] * np.cos(np.pi / 2 * np.clip((k[kept] / self.unit - 1.3) / 1.3, 0, 1) ** 2) ** 2,
-        )
+        kept = k < 2.6 * self.unit  # beyond all waves the spectrum is smooth: faded out, it matters only nearby
+        k, w = (k[kept], w[kept] * np.cos(np.pi / 2 * np.clip((k[kept] / self.unit - 1.3) / 1.3, 0, 1) ** 2) ** 2)
         orders = np.arange(self.TERMS)
         out = np.zeros((len(places), 3), dtype=complex)
         for response, sign in zip(self._responses, (1, -1), strict=True):

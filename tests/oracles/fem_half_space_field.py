@@ -22,9 +22,7 @@ class HalfSpaceField:
         self.unit = abs(stiffness).max()
         self.volt = np.sqrt(self.unit / abs(permittivity).max())
         self.wavenumber = 2 * np.pi * frequency * np.sqrt(density / self.unit)
-        table = np.zeros(
-            (3, 3, 4, 4), dtype=complex
-        )  # of derivatives a, b: rows and columns u_x, u_y, u_z, phi
+        table = np.zeros((3, 3, 4, 4), dtype=complex)  # of derivatives a, b: rows and columns u_x, u_y, u_z, phi
         for a in range(3):
             for b in range(3):
                 for i in range(3):

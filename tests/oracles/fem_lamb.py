@@ -22,9 +22,7 @@ def _circular(square, h):
     return cosine, np.where(small, h, sine)
 
 
-def determinant(
-    k, omega, *, longitudinal: float, shear: float, half_thickness: float, symmetric: bool
-) -> np.ndarray:
+def determinant(k, omega, *, longitudinal: float, shear: float, half_thickness: float, symmetric: bool) -> np.ndarray:
     """Left side of the Rayleigh-Lamb equation, divided by the growth of its hyperbolic factors."""
     k = np.asarray(k, dtype=float)
     h = half_thickness
@@ -37,12 +35,7 @@ def determinant(
 
 def wavenumbers(omega: float, *, longitudinal: float, shear: float, half_thickness: float, symmetric: bool):
     """All real positive roots k, increasing, by sign changes on a fine line and bisection."""
-    plate = {
-        "longitudinal": longitudinal,
-        "shear": shear,
-        "half_thickness": half_thickness,
-        "symmetric": symmetric,
-    }
+    plate = {"longitudinal": longitudinal, "shear": shear, "half_thickness": half_thickness, "symmetric": symmetric}
     top = 1.6 * omega / shear + 3.0 / half_thickness
     line = np.linspace(1e-6 * top, top, 40001)
     signs = np.sign(determinant(line, omega, **plate))

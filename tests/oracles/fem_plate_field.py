@@ -25,9 +25,7 @@ class PlateField:
         self.volt = np.sqrt(self.unit / abs(permittivity).max())
         self.wavenumber = 2 * np.pi * frequency * np.sqrt(density / self.unit)
         self.thickness = thickness * self.wavenumber
-        table = np.zeros(
-            (3, 3, 4, 4), dtype=complex
-        )  # of derivatives a, b: rows and columns u_x, u_y, u_z, phi
+        table = np.zeros((3, 3, 4, 4), dtype=complex)  # of derivatives a, b: rows and columns u_x, u_y, u_z, phi
         for a in range(3):
             for b in range(3):
                 for i in range(3):
@@ -96,9 +94,7 @@ class PlateField:
         nodes, weights = np.polynomial.legendre.leggauss(RADII)
         radius = (nodes + 1) / 2 * DISC[1] * unit
         weights = weights / 2 * DISC[1] * unit * radius * _filter(radius / unit, *DISC) * 2 * np.pi / ANGLES
-        radius, angle = (
-            each.ravel() for each in np.meshgrid(radius, (np.arange(ANGLES) + 0.5) * 2 * np.pi / ANGLES)
-        )
+        radius, angle = (each.ravel() for each in np.meshgrid(radius, (np.arange(ANGLES) + 0.5) * 2 * np.pi / ANGLES))
         add(radius * np.cos(angle), radius * np.sin(angle), np.tile(weights, ANGLES))
         return total
 

@@ -140,9 +140,7 @@ class PlateResponse:
         at_bottom = np.ones((len(k), 6), dtype=complex)
         at_top[:, 3:] = decay if static else decay[:, 3:]
         at_bottom[:, :3] = decay if static else decay[:, :3]
-        conditions = np.concatenate(
-            [waves[:, 3:] * at_top[:, None], waves[:, 3:] * at_bottom[:, None]], axis=1
-        )
+        conditions = np.concatenate([waves[:, 3:] * at_top[:, None], waves[:, 3:] * at_bottom[:, None]], axis=1)
         load = np.zeros((len(k), 6, 1), dtype=complex)
         load[:, 2, 0] = -1.0 / scale[:, 0]
         amplitudes = np.linalg.solve(conditions, load)

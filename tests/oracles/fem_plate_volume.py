@@ -76,9 +76,7 @@ def comb_motion(
     if plane:
         y_lines = np.array([0.0, tip])
     else:
-        y_lines = np.concatenate(
-            [[0.0], *(_lines(a, a + 0.5, per_period) for a in np.arange(0, tip - 0.4, 0.5))]
-        )
+        y_lines = np.concatenate([[0.0], *(_lines(a, a + 0.5, per_period) for a in np.arange(0, tip - 0.4, 0.5))])
         y_lines = np.concatenate([y_lines[:-1], [tip - 0.2, tip - 0.05, tip, tip + 0.05, tip + 0.2]])
         y_lines = np.concatenate([y_lines, _lines(y_lines[-1], y_end + LAYER, per_period)])
     depth = thickness / period

@@ -25,9 +25,7 @@ def test_a_loop_loses_what_mindlin_and_deresiewicz_say():
     z, q = 5e-9, 0.7
     hertz = 4.0 / 3.0 * BALL["E"] * math.sqrt(BALL["radius"]) * z**1.5
     end = BALL["mu"] * BALL["E"] / (4.0 * BALL["G"]) * z * (1.0 - (1.0 - q) ** (2.0 / 3.0))
-    x = np.concatenate(
-        [np.linspace(0, end, 500), np.linspace(end, -end, 1001)[1:], np.linspace(-end, end, 1001)[1:]]
-    )
+    x = np.concatenate([np.linspace(0, end, 500), np.linspace(end, -end, 1001)[1:], np.linspace(-end, end, 1001)[1:]])
     Q = force_on_path(np.full(x.size, z), x, springs=2000, **BALL)[:, 1]
     loop = slice(499, None)
     work = np.trapezoid(Q[loop], x[loop])

@@ -51,9 +51,7 @@ def test_first_symmetric_mode_starts_backwards():
     cut_off = np.pi * SHEAR / H  # S1-S2: shear c_S/h at k = 0, for c_L < 2 c_S
     below = 0.985 * np.pi / 2 * LONGITUDINAL / H
     omega = min(cut_off, below)
-    speeds = [
-        group_velocity(k, omega, symmetric=True, **PLATE) for k in wavenumbers(omega, symmetric=True, **PLATE)
-    ]
+    speeds = [group_velocity(k, omega, symmetric=True, **PLATE) for k in wavenumbers(omega, symmetric=True, **PLATE)]
     assert sum(speed < 0 for speed in speeds) == 1
     assert sum(speed > 0 for speed in speeds) == 2
 

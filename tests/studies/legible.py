@@ -14,9 +14,7 @@ def assert_legible(figure):
     renderer = figure.canvas.get_renderer()
     beyond = _beyond(figure)
     words = [
-        text
-        for text in figure.findobj(Text)
-        if text not in beyond and text.get_visible() and text.get_text().strip()
+        text for text in figure.findobj(Text) if text not in beyond and text.get_visible() and text.get_text().strip()
     ]
     boxes = [(text.get_text(), Text.get_window_extent(text, renderer)) for text in words]
     for number, (text, box) in enumerate(boxes):

@@ -14,9 +14,7 @@ def small_problem(ends: str = "absorbing", thickness: float = 0.7e-3) -> Problem
 
     At 0.7 mm one of its modes is a backward wave, which exact ends absorb and matched layers amplify; at 0.35 mm none.
     """
-    left = Transducer(
-        name="left", center=3e-3, finger_pairs=2, period=0.98e-3, metallisation=0.5, aperture=0.02
-    )
+    left = Transducer(name="left", center=3e-3, finger_pairs=2, period=0.98e-3, metallisation=0.5, aperture=0.02)
     return Problem(
         stator=Stator(solid=material("PZT-8"), length=12e-3, thickness=thickness, ends=ends),
         transducers=(left, replace(left, name="right", center=8e-3)),

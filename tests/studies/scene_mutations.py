@@ -43,40 +43,17 @@ ODD_UNITS = [
     "m" * 99,
 ]
 EXTREMES = [
-    *(
-        0,
-        -0.0,
-        1,
-        -1,
-        2,
-        10**9,
-        2**63,
-        10**400,
-        -(10**30),
-        0.5,
-        1 - 2**-53,
-        1e-3,
-        1e-9,
-        1e-30,
-        1e-160,
-        5e-324,
-        1e9,
-    ),
+    *(0, -0.0, 1, -1, 2, 10**9, 2**63, 10**400, -(10**30), 0.5, 1 - 2**-53, 1e-3, 1e-9, 1e-30, 1e-160, 5e-324, 1e9),
     *(1e30, 1e154, 1e160, 1.7e308, float("nan"), float("inf"), float("-inf")),
 ]
-NUMBERS = st.one_of(
-    st.sampled_from(EXTREMES), st.floats(), st.floats(0, 1), st.integers(-3, 40), st.integers()
-)
+NUMBERS = st.one_of(st.sampled_from(EXTREMES), st.floats(), st.floats(0, 1), st.integers(-3, 40), st.integers())
 QUANTITIES = st.builds("{} {}".format, NUMBERS, st.sampled_from(UNITS + ODD_UNITS))
 TEXTS = st.one_of(st.sampled_from(WORDS), QUANTITIES, st.text(max_size=20))
-SCALARS = st.one_of(
-    NUMBERS, TEXTS, st.booleans(), st.just(datetime.date(2020, 1, 1)), st.just(datetime.time(1, 2))
-)
+SCALARS = st.one_of(NUMBERS, TEXTS, st.booleans(), st.just(datetime.date(2020, 1, 1)), st.just(datetime.time(1, 2)))
 TREES = st.recursive(
     SCALARS,
     lambda inner: st.one_of(
-        st.lists(inner, max_size=7),
-        st.dictionaries(st.sampled_from([*KEYS, "", "a b", "ü"]), inner, max_size=4),
+        st.lists(inner, max_size=7), st.dictionaries(st.sampled_from([*KEYS, "", "a b", "ü"]), inner, max_size=4)
     ),
     max_leaves=12,
 )
@@ -140,12 +117,7 @@ def bases() -> list[dict]:
     own["transducer"][1] |= {"pattern": "+-o0" * 5, "termination": "50 ohm"}
     own["slider"] |= {"contacts": ["-3 mm", "4 mm"], "law": "hysteretic", "method": "exact", "gravity": 9.81}
     elastic = read_table("rayleigh")
-    elastic["stator"] |= {
-        "material": ISOTROPIC,
-        "bottom": "absorbing",
-        "above": "vacuum",
-        "orientation": [0, 38, 0],
-    }
+    elastic["stator"] |= {"material": ISOTROPIC, "bottom": "absorbing", "above": "vacuum", "orientation": [0, 38, 0]}
     ball = read_table("twente-left")
     del ball["slider"]["effective_modulus"], ball["slider"]["tangential_modulus"]
     ball["slider"] |= {"ball": "steel", "reciprocal": True, "stick_band": 0, "load": "1 uN"}
@@ -196,9 +168,7 @@ def changed(draw, table: dict) -> None:
     """Mutate one place of a table."""
     holder = draw(st.sampled_from(holders(table)))
     places = list(holder) if isinstance(holder, dict) else list(range(len(holder)))
-    kind = draw(
-        st.sampled_from(["value", "value", "value", "gone", "renamed", "added", "doubled", "wrapped"])
-    )
+    kind = draw(st.sampled_from(["value", "value", "value", "gone", "renamed", "added", "doubled", "wrapped"]))
     if kind == "added" or not places:
         value = draw(VALUES)
         if isinstance(holder, dict):
@@ -328,9 +298,7 @@ def extreme_tables(draw, start: list[dict], most: int = 4) -> dict:
     for _ in range(draw(st.integers(1, most))):
         known = [each for each in holders(table) if isinstance(each, dict) and KNOWN.keys() & each.keys()]
         holder = draw(st.sampled_from(known))
-        key = draw(
-            st.sampled_from(sorted(KNOWN.keys() & holder.keys()))
-        )  # the keys of [drive.sources] are names
+        key = draw(st.sampled_from(sorted(KNOWN.keys() & holder.keys())))  # the keys of [drive.sources] are names
         rule, value = KNOWN[key], holder[key]
         if key in CHOICES and draw(st.booleans()):
             holder[key] = draw(st.sampled_from(CHOICES[key]))

@@ -11,12 +11,7 @@ import pytest
 from studies.__main__ import main
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-OPTIONS = (
-    "--no-sandbox",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--disable-background-networking",
-)
+OPTIONS = ("--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking")
 WIDTHS = {"desktop": 1280, "phone": 390}
 COVERED = """() => {
   const found = [];
@@ -112,9 +107,7 @@ def test_the_play_button_pauses_and_plays(pages, opened):
 def test_an_error_and_a_covered_line_are_seen(pages, opened, tmp_path):
     spoiled = tmp_path / "spoiled.html"
     cover = '<div style="position: fixed; inset: 0; background: red"></div><script>nothing();</script></body>'
-    spoiled.write_text(
-        pages["datasheet"].read_text(encoding="utf-8").replace("</body>", cover), encoding="utf-8"
-    )
+    spoiled.write_text(pages["datasheet"].read_text(encoding="utf-8").replace("</body>", cover), encoding="utf-8")
     page, errors = opened(spoiled, 1280)
     assert any("nothing" in each for each in errors)
     assert page.evaluate(COVERED)

@@ -88,9 +88,7 @@ def test_an_estimate_of_nothing_is_broken_by_any_error():
 
 def answer(velocity, estimate):
     point = {"velocity_m_per_s": velocity, "tangential_amplitude_m": 1e-9, "relative_error": estimate}
-    return SimpleNamespace(
-        points=(point,), wave={"frequency_Hz": 1e6}, error={"relative": estimate}, shortfall=""
-    )
+    return SimpleNamespace(points=(point,), wave={"frequency_Hz": 1e6}, error={"relative": estimate}, shortfall="")
 
 
 @pytest.mark.parametrize(

@@ -43,9 +43,7 @@ def test_a_run_prints_its_answer_and_leaves_its_files(call, tmp_path):
     status, out, err = call(*CONTACT, "--no-plot")
     assert status == 0
     assert "sawmotor:" not in err  # progress alone, where the machine is slow
-    assert all(
-        word in out for word in ("velocity (mm/s)", "threshold", "release", "relative error", "left out")
-    )
+    assert all(word in out for word in ("velocity (mm/s)", "threshold", "release", "relative error", "left out"))
     names = sorted(path.name for path in (tmp_path / "results" / "twente-contact").iterdir())
     assert names == [MANIFEST, "run.json", "scene.toml", "velocity.csv"]
 
@@ -55,9 +53,7 @@ def test_a_run_says_what_it_replaced_and_leaves_other_files(call, tmp_path):
     (tmp_path / "here" / "notes.md").write_text("mine")
     status, _, err = call(*CONTACT, "--no-plot", "--out", "here")
     assert status == 0
-    assert all(
-        word in err for word in ("replaced", "run.json", "velocity.csv", "left as they were", "notes.md")
-    )
+    assert all(word in err for word in ("replaced", "run.json", "velocity.csv", "left as they were", "notes.md"))
     assert (tmp_path / "here" / "notes.md").read_text() == "mine"
 
 
@@ -125,9 +121,7 @@ def test_a_contradicted_finding_is_a_warning_and_the_study_an_answer(call, monke
     from studies.study import Finding, StudyRecord
 
     def record(confirmed):
-        finding = Finding(
-            statement="It holds.", quantity="ratio", expected="1", found=2.0, confirmed=confirmed
-        )
+        finding = Finding(statement="It holds.", quantity="ratio", expected="1", found=2.0, confirmed=confirmed)
         return StudyRecord(name="rayleigh", panels=(), findings=(finding,), seconds=0.0)
 
     for confirmed in (True, False):
@@ -203,19 +197,10 @@ def test_bad_input_is_refused_in_one_sentence_with_code_2(call, tmp_path, words)
     ("words", "sentence"),
     [
         (["sweep", "twente-contact", "--also", "speed"], "--also must be of"),
-        (
-            ["design", "twente-contact", "--over", "slider.mass=1:2", "--maximise", "noise"],
-            "--maximise must be one",
-        ),
+        (["design", "twente-contact", "--over", "slider.mass=1:2", "--maximise", "noise"], "--maximise must be one"),
         (["design", "twente-contact", "--maximise", "thrust"], "--over is required"),
-        (
-            ["fit", "twente-contact", "--data", "no.csv", "--free", "slider.mass=1:2"],
-            "--data 'no.csv' cannot be read",
-        ),
-        (
-            ["fit", "twente-contact", "--free", "slider.mass=2:1"],
-            "--free slider.mass must have LOW below HIGH",
-        ),
+        (["fit", "twente-contact", "--data", "no.csv", "--free", "slider.mass=1:2"], "--data 'no.csv' cannot be read"),
+        (["fit", "twente-contact", "--free", "slider.mass=2:1"], "--free slider.mass must have LOW below HIGH"),
     ],
 )
 def test_what_a_python_function_refuses_is_said_of_the_option(call, words, sentence):
@@ -320,9 +305,7 @@ def test_the_wave_of_a_material(call):
     assert answer["velocity_m_per_s"] == pytest.approx(3979, abs=1)  # materials.md
     assert 0.053 < answer["coupling_K2"] < 0.055
     assert "Kovacs" in answer["material"]["source"]
-    again = json.loads(
-        call("wave", "LiNbO3 (Kovacs)", "--orientation", "0,38,0", "--surface", "free", "--json")[1]
-    )
+    again = json.loads(call("wave", "LiNbO3 (Kovacs)", "--orientation", "0,38,0", "--surface", "free", "--json")[1])
     assert again["velocity_m_per_s"] == answer["velocity_m_per_s"]
     assert "coupling_K2" not in json.loads(call("wave", "steel", "--json")[1])
     assert "retrograde" in call("wave", "PZT-8")[1]

@@ -44,9 +44,7 @@ def test_a_level_just_beside_the_threshold_is_on_its_side(part):
 
 def test_a_contact_that_hangs_in_the_air_changes_nothing(small):
     motor = small.replace(drive={"voltage": "120 V"})
-    three = run(
-        motor.replace(slider={"contacts": ["-1 mm", "0 mm", "1 mm"], "heights": ["0 nm", "-1 um", "1 nm"]})
-    )
+    three = run(motor.replace(slider={"contacts": ["-1 mm", "0 mm", "1 mm"], "heights": ["0 nm", "-1 um", "1 nm"]}))
     two = run(motor.replace(slider={"contacts": ["-1 mm", "1 mm"], "heights": ["0 nm", "1 nm"]}))
     velocity = two.points[0]["velocity_m_per_s"]
     assert three.points[0]["velocity_m_per_s"] == pytest.approx(velocity, rel=1e-6)
@@ -54,7 +52,5 @@ def test_a_contact_that_hangs_in_the_air_changes_nothing(small):
 
 
 def test_heights_go_to_the_contacts_in_their_order():
-    scene = Scene.load("twente").replace(
-        slider=THREE | {"heights": ["0 nm", "-3 nm", "2 nm"], "preload": "1 mN"}
-    )
+    scene = Scene.load("twente").replace(slider=THREE | {"heights": ["0 nm", "-3 nm", "2 nm"], "preload": "1 mN"})
     assert bridge.contact_slider(scene.slider).heights == (0.0, -3e-9, 2e-9)

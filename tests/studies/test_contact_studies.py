@@ -65,9 +65,7 @@ def test_a_study_of_the_contact_needs_a_slider_that_moves(motor):
     with pytest.raises(SceneError, match="slider is missing: this study needs a slider"):
         load_line.run("rayleigh")
     weak = replace(scene, drive=replace(scene.drive, voltage=(1.0,)))
-    with pytest.raises(
-        SceneError, match=r"drive\.voltage must hold a value above 1\.05 times the threshold, .* V"
-    ):
+    with pytest.raises(SceneError, match=r"drive\.voltage must hold a value above 1\.05 times the threshold, .* V"):
         load_line.run(weak)
 
 
@@ -124,9 +122,7 @@ def test_steps_are_planned_and_grow_as_the_square_of_the_cycles():
     assert "planned for 2, 20 nm" in [text.get_text() for text in ax.get_legend().get_texts()]
 
 
-@pytest.mark.parametrize(
-    ("degrees", "size", "plan"), [(90, 3e-11, "0.03 nm in 1 cycle"), (300, 1e-8, "10 nm in ")]
-)
+@pytest.mark.parametrize(("degrees", "size", "plan"), [(90, 3e-11, "0.03 nm in 1 cycle"), (300, 1e-8, "10 nm in ")])
 def test_a_step_of_one_cycle_is_planned_and_what_goes_back_is_drawn(monkeypatch, degrees, size, plan):
     """Two balls on unlike phases: the first cycles strain their springs along the motor's way or against it."""
     driven = DrivenContact.given(resolved(Scene.load("twente-contact")))

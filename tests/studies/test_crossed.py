@@ -69,9 +69,7 @@ def test_the_map_shows_turned_frames(crossing, monkeypatch):
     from matplotlib.figure import Figure
 
     monkeypatch.setattr("studies.record.surface_map.CROSSED", 1)
-    still = SimpleNamespace(
-        wave=crossing.surface_wave, rows=(), motion=lambda x, y: np.zeros((3, len(x), len(y)))
-    )
+    still = SimpleNamespace(wave=crossing.surface_wave, rows=(), motion=lambda x, y: np.zeros((3, len(x), len(y))))
     ax = draw_surface_map(still, crossing.scene, Figure().add_subplot())
     left, front = (patch.get_path().vertices[:4] for patch in ax.patches)
     assert np.ptp(front[:, 0]) == pytest.approx(5.0)
@@ -93,9 +91,7 @@ def test_places_and_angles_that_change_nothing(small):
 
 
 def test_a_turned_scene_needs_a_beam(chip):
-    assert "stator.ends must be absorbing where a transducer is turned" in refused(
-        chip, stator={"ends": "free"}
-    )
+    assert "stator.ends must be absorbing where a transducer is turned" in refused(chip, stator={"ends": "free"})
     assert "stator.sides must be absorbing where" in refused(chip, stator={"sides": "mirror"})
     assert "stator.diffraction must be true or absent where" in refused(chip, stator={"diffraction": False})
     anisotropic = refused(chip, stator={"material": "LiNbO3 (Warner)", "orientation": "YZ"})
@@ -109,12 +105,8 @@ def test_a_drive_across_is_refused(chip):
     message = refused(chip, drive={"transducer": "front"})
     assert "drive.transducer must drive a transducer within 45 deg of x" in message
     assert "would be moved across by 'front' at 90 deg" in message
-    assert "drive.sources must drive" in refused(
-        chip, drive={"transducer": None, "sources": {"front": 1.0, "left": 0}}
-    )
-    turned = resolve.resolved(
-        chip.replace(drive={"transducer": "front"}, transducer={"front": {"angle": "40 deg"}})
-    )
+    assert "drive.sources must drive" in refused(chip, drive={"transducer": None, "sources": {"front": 1.0, "left": 0}})
+    turned = resolve.resolved(chip.replace(drive={"transducer": "front"}, transducer={"front": {"angle": "40 deg"}}))
     alone, place = resolve.first_row(turned, turned.slider.center)
     (front,) = alone.transducer
     assert not alone.crossed
@@ -130,10 +122,7 @@ def test_a_drive_across_is_refused(chip):
         ),
         ({"center": ["9 mm", "-12 mm"]}, "got fingers from y = -1"),
         ({"center": ["1 mm", "-9 mm"]}, "got fingers from x = -"),
-        (
-            {"center": ["9 mm", "0.5 mm"]},
-            "slider.position must keep the contacts off 'front', got one at (9, 0) mm",
-        ),
+        ({"center": ["9 mm", "0.5 mm"]}, "slider.position must keep the contacts off 'front', got one at (9, 0) mm"),
         ({"angle": "1 mm"}, "must be an angle"),
     ],
 )

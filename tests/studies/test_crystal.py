@@ -8,14 +8,7 @@ from PIL import Image
 
 from studies.__main__ import main
 from studies.refusal import SceneError
-from studies.report.free_surface import (
-    axes,
-    axes_figure,
-    half_space_answer,
-    half_space_wave,
-    save_axes,
-    tables_text,
-)
+from studies.report.free_surface import axes, axes_figure, half_space_answer, half_space_wave, save_axes, tables_text
 
 
 def crystal(material, orientation):

@@ -100,9 +100,7 @@ def test_a_step_is_what_a_burst_of_as_many_cycles_moves(motor, sheet):
     """The chain's own burst, ring-up and ring-down included; at full size from the first cycle it is another."""
     step = sheet.steps[2]  # against 1e-2 of it the ring, at which the trajectory ends somewhere, is small
     burst = step.cycles / sheet.driven.scene.frequency
-    (point,) = run(
-        replace(motor, drive=replace(motor.drive, burst=burst, voltage=(90.0,))), tolerance=1e-2
-    ).points
+    (point,) = run(replace(motor, drive=replace(motor.drive, burst=burst, voltage=(90.0,))), tolerance=1e-2).points
     assert point["displacement_m"] == pytest.approx(step.displacement, rel=1e-2)
     sudden = contact.step(sheet.driven.slider, sheet.driven.at(90.0), cycles=step.cycles)
     assert abs(sudden.displacement / step.displacement - 1.0) > 0.02
@@ -161,9 +159,7 @@ def test_the_page_is_self_contained_and_says_what_is_not_modelled(sheet):
     assert all(each.name in text for each in sheet.rows)
 
 
-@pytest.mark.parametrize(
-    "draw", [datasheet_page.speed, datasheet_page.load_lines, datasheet_page.start_and_stop]
-)
+@pytest.mark.parametrize("draw", [datasheet_page.speed, datasheet_page.load_lines, datasheet_page.start_and_stop])
 def test_its_pictures_can_be_read(sheet, draw):
     figure, ax = new_figure(*datasheet_page.PICTURE)
     draw(sheet, ax)
@@ -182,12 +178,7 @@ def test_it_says_what_the_model_leaves_out_with_its_size(sheet):
 def test_it_prints_on_one_page(sheet, tmp_path):
     (tmp_path / "a.html").write_text(datasheet_page.page(sheet), encoding="utf-8")
     flags = f"--headless --no-sandbox --disable-gpu --no-first-run --user-data-dir={tmp_path / 'profile'}"
-    command = [
-        CHROMIUM,
-        *flags.split(),
-        f"--print-to-pdf={tmp_path / 'a.pdf'}",
-        (tmp_path / "a.html").as_uri(),
-    ]
+    command = [CHROMIUM, *flags.split(), f"--print-to-pdf={tmp_path / 'a.pdf'}", (tmp_path / "a.html").as_uri()]
     subprocess.run(command, capture_output=True, timeout=120, check=True)
     assert len(re.findall(rb"/Type\s*/Page\b", (tmp_path / "a.pdf").read_bytes())) == 1
 
@@ -209,7 +200,5 @@ def test_what_is_no_moving_motor_has_no_datasheet(motor):
     with pytest.raises(SceneError, match="slider is missing: a datasheet is of a whole motor"):
         datasheet(Scene.load("rayleigh"))
     weak = replace(motor, drive=replace(motor.drive, voltage=(1.0,)))
-    with pytest.raises(
-        SceneError, match=r"drive\.voltage must hold a value above the threshold, .* V: nothing moves"
-    ):
+    with pytest.raises(SceneError, match=r"drive\.voltage must hold a value above the threshold, .* V: nothing moves"):
         datasheet(weak)

@@ -33,10 +33,7 @@ def test_the_optimum_is_that_of_a_brute_force_grid():
         {"slider.preload": f"0.4 mN:10 mN:{side}:log", "wave.normal_amplitude": f"2 nm:30 nm:{side}:log"},
         tolerance=3e-2, also=("pressure",),
     ).columns()  # fmt: skip
-    velocity, pressure = (
-        np.array(grid["velocity_m_per_s"], float),
-        np.array(grid["contact_pressure_Pa"], float),
-    )
+    velocity, pressure = (np.array(grid["velocity_m_per_s"], float), np.array(grid["contact_pressure_Pa"], float))
     best = int(np.argmax(np.where(pressure <= 140e6, velocity, -1.0)))
     found = design(
         Scene.load("twente-contact"),
@@ -49,20 +46,14 @@ def test_the_optimum_is_that_of_a_brute_force_grid():
     assert found.optimum["contact_pressure_Pa"] <= 140e6
     for variable in VARIABLES:
         spacing = np.log(variable.high / variable.low) / (side - 1)
-        assert abs(np.log(found.optimum[variable.key] / grid[variable.key][best])) < 1.01 * spacing, (
-            variable.key
-        )
+        assert abs(np.log(found.optimum[variable.key] / grid[variable.key][best])) < 1.01 * spacing, variable.key
     assert found.optimum["velocity_m_per_s"] > 0.999 * velocity[best]
 
 
 def test_the_front_holds_both_ends_and_nothing_that_is_beaten():
     goals = ["velocity", "thrust"]
     found = design(
-        Scene.load("twente-contact"),
-        goals,
-        VARIABLES,
-        [read_constraint(LIMIT)],
-        options=Options(evaluations=40),
+        Scene.load("twente-contact"), goals, VARIABLES, [read_constraint(LIMIT)], options=Options(evaluations=40)
     )
     columns = np.array([[row["velocity_m_per_s"], row["thrust_N"]] for row in found.front])
     allowed = [row for row in found.rows if row["contact_pressure_Pa"] <= 140e6]

@@ -35,9 +35,7 @@ def test_without_diffraction_the_answer_is_that_of_the_section(plane):
     slider, orbit = bridge.contact_slider(scene.slider), contact.Orbit(
         frequency=2.2e6, normal=complex(u_z), tangential=complex(u_x)
     )  # fmt: skip
-    velocities = [
-        contact.steady(slider, (orbit.scaled(v),), tolerance=TOLERANCE / 4).velocity for v in scene.levels
-    ]
+    velocities = [contact.steady(slider, (orbit.scaled(v),), tolerance=TOLERANCE / 4).velocity for v in scene.levels]
     assert plane.velocity.tolist() == velocities
     assert "section_normal_m_per_V" not in plane.wave
     assert any("stator.diffraction is false" in each for each in plane.left_out)
@@ -55,9 +53,7 @@ def test_each_ball_has_the_orbit_of_its_own_place(spread):
     assert np.allclose([each.normal for each in orbits], u_z, rtol=1e-6)
     assert np.allclose([each.tangential for each in orbits], u_x, rtol=1e-6)
     assert abs(spread.wave["normal_m_per_V"] / beam.motion(9e-3, 1e-3)[2] - 1) < 1e-6
-    ratios = np.append(
-        abs(u_y / u_x), abs(spread.wave["lateral_m_per_V"] / spread.wave["tangential_m_per_V"])
-    )
+    ratios = np.append(abs(u_y / u_x), abs(spread.wave["lateral_m_per_V"] / spread.wave["tangential_m_per_V"]))
     assert spread.wave["largest_lateral_ratio"] == pytest.approx(ratios.max(), rel=1e-5)
     assert spread.wave["section_normal_m_per_V"] == pytest.approx(spread.surface_wave.motion(9e-3)[1])
     assert spread.scene.stator.diffraction is True
@@ -69,9 +65,7 @@ def test_each_ball_has_the_orbit_of_its_own_place(spread):
 def test_the_mirror_image_of_a_slider_runs_as_fast(spread):
     """Property: y -> -y of position and balls; of the position alone it is another motor."""
     balls = [(-3e-4, -4e-3), (-2e-4, 3e-3), 3e-4]
-    image = run(
-        spread.scene.replace(slider={"position": (9e-3, -1e-3), "contacts": balls}), tolerance=TOLERANCE
-    )
+    image = run(spread.scene.replace(slider={"position": (9e-3, -1e-3), "contacts": balls}), tolerance=TOLERANCE)
     assert np.allclose(image.velocity, spread.velocity, rtol=1e-6)
     moved = run(spread.scene.replace(slider={"position": (9e-3, -1e-3)}), tolerance=TOLERANCE)
     assert not np.allclose(moved.velocity, spread.velocity, rtol=1e-3)
@@ -115,14 +109,11 @@ def test_between_free_ends(small):
 def test_where_the_beam_is_not_known(small):
     """In a cut between free ends: absent, the section stands for it; asked for, it is refused."""
     free = small.replace(
-        stator={"ends": "free", "material": "LiNbO3 (Kovacs)", "orientation": "128YX"},
-        drive={"voltage": "5 V"},
+        stator={"ends": "free", "material": "LiNbO3 (Kovacs)", "orientation": "128YX"}, drive={"voltage": "5 V"}
     )
     refusal = fem.beam_refusal(resolve.stator(free.stator))
     assert resolve.default_refusal(resolve.stator(free.stator), [(0.0, 1e-3)]) == refusal
-    with pytest.raises(
-        SceneError, match=r"stator\.diffraction must be false or absent: in this cut the field"
-    ):
+    with pytest.raises(SceneError, match=r"stator\.diffraction must be false or absent: in this cut the field"):
         run(free.replace(stator={"diffraction": True}), tolerance=0.05)
 
 
@@ -147,9 +138,7 @@ def test_the_error_is_that_of_a_finer_section_at_the_beam(small):
 
 
 def test_places_are_read_and_written(small):
-    scene = small.replace(
-        slider={"position": ["9 mm", "-1 mm"], "contacts": [["1 mm", "2 mm"], "-1 mm", [0, 0]]}
-    )
+    scene = small.replace(slider={"position": ["9 mm", "-1 mm"], "contacts": [["1 mm", "2 mm"], "-1 mm", [0, 0]]})
     assert scene.slider.center == (9e-3, -1e-3)
     assert scene.slider.offsets == ((1e-3, 2e-3), (-1e-3, 0.0), (0.0, 0.0))
     assert Scene.from_table("", scene.to_table()) == scene
@@ -216,9 +205,7 @@ def test_the_beam_is_drawn_from_above(spread, tmp_path):
 def test_side_faces_that_reflect_make_the_beam_of_its_images(small):
     """Nine images of the aperture in both faces; the model error then says what faces that absorb would change."""
     given = small.replace(drive={"voltage": ["30 V"]})
-    wide, mirrored = (
-        run(given.replace(stator={"sides": each}), tolerance=1e-2) for each in ("absorbing", "mirror")
-    )
+    wide, mirrored = (run(given.replace(stator={"sides": each}), tolerance=1e-2) for each in ("absorbing", "mirror"))
     beam, width = wide.surface_motion.beam, given.stator.width
     images = sum(beam.motion(9e-3, k * width)[2] for k in range(-4, 5))
     assert abs(mirrored.surface_motion.at([(9e-3, 0.0)])[2, 0]) == pytest.approx(abs(images), rel=1e-3)
@@ -229,9 +216,7 @@ def test_side_faces_that_reflect_make_the_beam_of_its_images(small):
     # of the charges that either run has
     assert (1 + sizes[0]) * (1 + sizes[1]) == pytest.approx(1.0, rel=2e-3)
     assert abs(sizes[0]) > 1e-2
-    with pytest.raises(
-        SceneError, match=r"stator\.sides must be absorbing where stator\.diffraction is false"
-    ):
+    with pytest.raises(SceneError, match=r"stator\.sides must be absorbing where stator\.diffraction is false"):
         given.replace(stator={"sides": "mirror", "diffraction": False})
 
 

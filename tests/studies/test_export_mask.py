@@ -39,9 +39,7 @@ def read_back(name, tmp):
 def polygons(cell, layer, transducer, comb=None):
     """Corners in m of the polygons of a layer and a transducer (counted from 1), of one comb (1, 2) or of both."""
     kinds = [10 * transducer + each for each in ([comb] if comb else [1, 2, 3])]
-    return [
-        each.points * 1e-6 for each in cell.polygons if each.layer == LAYERS[layer] and each.datatype in kinds
-    ]
+    return [each.points * 1e-6 for each in cell.polygons if each.layer == LAYERS[layer] and each.datatype in kinds]
 
 
 @pytest.fixture(scope="module")
@@ -54,10 +52,7 @@ def test_the_polygons_give_the_transducers_to_the_grid(name, folder):
     cell, grid = read_back(name, folder), drawn(name).grid
     for number, block in enumerate(blocks(name), 1):
         angle = math.radians(block.angle)
-        along, across = (
-            np.array([math.cos(angle), math.sin(angle)]),
-            np.array([-math.sin(angle), math.cos(angle)]),
-        )
+        along, across = (np.array([math.cos(angle), math.sin(angle)]), np.array([-math.sin(angle), math.cos(angle)]))
         fingers = polygons(cell, "fingers", number)
         assert len(fingers) == 2 * block.finger_pairs
         left = np.array(sorted(float((each @ along).min()) for each in fingers))

@@ -54,18 +54,10 @@ def run(schedule, state=None):
 @pytest.mark.parametrize("amplitude", [3e-9, 20e-9])
 def test_a_burst_and_its_stop_are_those_of_contact(amplitude):
     truth = contact.burst(
-        motor().slider,
-        orbits(amplitude),
-        duration=0.1,
-        after=0.02,
-        tolerance=1e-5,
-        samples=600,
-        method="averaged",
+        motor().slider, orbits(amplitude), duration=0.1, after=0.02, tolerance=1e-5, samples=600, method="averaged"
     )
     during = truth.time <= truth.duration * (1 + 1e-12)
-    steps = zip(
-        np.diff(truth.time), np.where(during[1:], amplitude, 0.0), np.zeros(len(truth.time) - 1), strict=True
-    )
+    steps = zip(np.diff(truth.time), np.where(during[1:], amplitude, 0.0), np.zeros(len(truth.time) - 1), strict=True)
     velocity, _ = run(steps)
     assert np.abs(velocity - truth.velocity[1:]).max() < 5e-5 * steady(amplitude)
 
@@ -78,13 +70,7 @@ def test_a_load_that_is_taken_off_is_followed_as_by_contact():
     first = contact.burst(loaded, orbits(AMPLITUDE), duration=0.05, after=0.0, tolerance=1e-5, samples=50)
     assert state.velocity == pytest.approx(first.velocity_at_burst_end, abs=5e-5 * steady(AMPLITUDE))
     free = contact.burst(
-        motor().slider,
-        orbits(AMPLITUDE),
-        duration=0.2,
-        after=0.0,
-        tolerance=1e-5,
-        samples=4000,
-        method="averaged",
+        motor().slider, orbits(AMPLITUDE), duration=0.2, after=0.0, tolerance=1e-5, samples=4000, method="averaged"
     )
     at = np.interp(state.velocity, free.velocity, free.time)
     for later in (0.01, 0.05, 0.1):
@@ -102,13 +88,9 @@ def test_a_load_step_brakes_as_the_exact_mean_traction_says():
     heavy = replace(slider, load=0.0)
 
     def rate(_, v):
-        return (
-            contact.mean_traction(heavy, orbits(AMPLITUDE), v) - slider.tangential_damping * v - load
-        ) / slider.mass
+        return (contact.mean_traction(heavy, orbits(AMPLITUDE), v) - slider.tangential_damping * v - load) / slider.mass
 
-    truth = solve_ivp(
-        rate, (0.0, 0.2), [begin], rtol=1e-8, atol=1e-12, max_step=5e-3, t_eval=[0.01, 0.05, 0.2]
-    )
+    truth = solve_ivp(rate, (0.0, 0.2), [begin], rtol=1e-8, atol=1e-12, max_step=5e-3, t_eval=[0.01, 0.05, 0.2])
     for time, velocity in zip(truth.t, truth.y[0], strict=True):
         moved = state.copy()
         moved.advance(time, AMPLITUDE, force=-load)
@@ -203,16 +185,7 @@ def library(tmp_path_factory):
     (folder / "motor.c").write_text(source(motor()))
     (folder / "motor.h").write_text(header(motor()))
     target = folder / "motor.so"
-    flags = [
-        "-std=c99",
-        "-Wall",
-        "-Werror",
-        "-Wno-unused-function",
-        "-O1",
-        "-ffp-contract=off",
-        "-shared",
-        "-fPIC",
-    ]
+    flags = ["-std=c99", "-Wall", "-Werror", "-Wno-unused-function", "-O1", "-ffp-contract=off", "-shared", "-fPIC"]
     subprocess.run([*compiler(), *flags, "-o", target, "motor.c", "-lm"], cwd=folder, check=True)
     return ctypes.CDLL(str(target))
 
@@ -230,14 +203,10 @@ def test_c_and_python_take_the_same_steps(library):
         (0.03, 0, 0),
     ):
         python.advance(duration, level, force=force)
-        done = library.sawmotor_advance(
-            state, number(level), number(force), number(motor().preload), number(duration)
-        )
+        done = library.sawmotor_advance(state, number(level), number(force), number(motor().preload), number(duration))
         assert done == 0
     for name in ("position", "velocity", "deformation"):
-        assert getattr(library, f"sawmotor_{name}")(state) == pytest.approx(
-            getattr(python, name), rel=1e-9, abs=1e-16
-        )
+        assert getattr(library, f"sawmotor_{name}")(state) == pytest.approx(getattr(python, name), rel=1e-9, abs=1e-16)
     assert library.sawmotor_advance(state, number(1e-9), number(0), number(-1.0), number(1e-3)) == 1
 
 
@@ -263,15 +232,11 @@ def test_fmpy_runs_the_fmu(version, tmp_path):
     _, state = run([(0.1, AMPLITUDE, 0.0)])
     assert result["velocity"][100] == pytest.approx(state.velocity, rel=1e-4)
     state.advance(0.1, AMPLITUDE, force=-2e-5)
-    assert result["velocity"][-1] == pytest.approx(
-        state.velocity, rel=1e-3
-    )  # the importer's step of the input
+    assert result["velocity"][-1] == pytest.approx(state.velocity, rel=1e-3)  # the importer's step of the input
     assert result["position"][-1] - 1.0 == pytest.approx(state.position, rel=1e-3)
     with zipfile.ZipFile(path) as archive:
         names = archive.namelist()
-    assert {"modelDescription.xml", "sources/motor.c", "sources/motor.h", f"sources/fmi{version}.c"} <= set(
-        names
-    )
+    assert {"modelDescription.xml", "sources/motor.c", "sources/motor.h", f"sources/fmi{version}.c"} <= set(names)
     assert not any(name.endswith(".py") for name in names)
 
 
@@ -316,9 +281,7 @@ def test_libcosim_runs_the_fmu_of_version_2(tmp_path):
 
 def test_ecos_runs_the_fmu_of_version_3(tmp_path):
     # the co-simulation engine Ecos (C++), with fmi4c as importer
-    for known in importlib.metadata.distributions(
-        name="tbb"
-    ):  # a library that ecospy does not find by itself
+    for known in importlib.metadata.distributions(name="tbb"):  # a library that ecospy does not find by itself
         for file in known.files:
             if file.name == "libtbb.so.12":
                 ctypes.CDLL(str(file.locate()), mode=ctypes.RTLD_GLOBAL)
@@ -388,11 +351,7 @@ def test_inputs_that_cannot_be_are_refused():
 @pytest.mark.parametrize(
     ("name", "change", "words"),
     [
-        (
-            "twente",
-            {"heights": ["0 nm", "1 nm"], "contacts": ["-1 mm", "1 mm"]},
-            "slider.heights must be absent",
-        ),
+        ("twente", {"heights": ["0 nm", "1 nm"], "contacts": ["-1 mm", "1 mm"]}, "slider.heights must be absent"),
         ("twente-contact", {"law": "hysteretic"}, "the averaged method does not apply"),
     ],
 )
@@ -422,10 +381,7 @@ def test_wrong_calls_write_nothing(words, said, tmp_path, monkeypatch, capsys):
 def test_the_command_writes_c_and_does_not_replace_what_is_not_its_own(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["export", "twente-contact", "--format", "c"]) == 0
-    assert {each.name for each in (tmp_path / "results/twente-contact-export-c").iterdir()} >= {
-        "motor.c",
-        "motor.h",
-    }
+    assert {each.name for each in (tmp_path / "results/twente-contact-export-c").iterdir()} >= {"motor.c", "motor.h"}
     assert "interpolation of the mean force" in capsys.readouterr().out
     (tmp_path / "mine.fmu").write_text("mine")
     assert main(["export", "twente-contact", "--format", "fmu", "--out", "mine.fmu"]) == 2

@@ -122,9 +122,7 @@ def test_factors_of_a_product_stay_nearest_to_the_scene_s_own_whatever_the_misfi
     data = Measurement(name="m", quantity="velocity", level_key="voltage_V", levels=LEVELS,
                        values=tuple(2.0 * np.array(LEVELS) + scatter), deviations=(0.01,) * 7)  # fmt: skip
     free = tuple(Parameter(key=key, low=0.01, high=100.0) for key in "ab")
-    problem = Problem(
-        predictor=Model(lambda x, a, b: a * b * x, a=1.0, b=2.2), parameters=free, measurements=(data,)
-    )
+    problem = Problem(predictor=Model(lambda x, a, b: a * b * x, a=1.0, b=2.2), parameters=free, measurements=(data,))
     found = _explored(problem, problem.minima(), problem.points - 2, False)
     assert found.chi2 > 10.0
     assert found.values["b"] / found.values["a"] == pytest.approx(2.2, rel=1e-6)
@@ -181,9 +179,7 @@ def test_the_contact_s_scaling_law_is_found_and_mass_has_no_effect(curve):
     assert by_size[3].components == pytest.approx(expected, abs=1e-3)
     assert by_size[3].exact
     assert set(found.intervals.values()) == {(None, None)}
-    assert all(
-        low is None for low, _ in (entry["interval95"] for entry in found.to_dict()["parameters"].values())
-    )
+    assert all(low is None for low, _ in (entry["interval95"] for entry in found.to_dict()["parameters"].values()))
 
 
 def test_predictions_are_those_of_a_run(curve):
@@ -226,19 +222,8 @@ def test_a_stator_s_amplitude_and_speeds_without_a_sign(tmp_path, capsys):
     assert np.all(speeds > 0)
     file = tmp_path / "speeds.csv"
     rows = [f"{v},{s * 1e3},{0.02 * s * 1e3}" for v, s in zip(volts, speeds, strict=True)]
-    file.write_text(
-        "voltage_V,velocity_mm_per_s,velocity_standard_deviation_mm_per_s\n" + "\n".join(rows) + "\n"
-    )
-    words = [
-        "fit",
-        "twente-left",
-        "--data",
-        str(file),
-        "--free",
-        "amplitude_factor=0.3:2",
-        "--tolerance",
-        "1e-2",
-    ]
+    file.write_text("voltage_V,velocity_mm_per_s,velocity_standard_deviation_mm_per_s\n" + "\n".join(rows) + "\n")
+    words = ["fit", "twente-left", "--data", str(file), "--free", "amplitude_factor=0.3:2", "--tolerance", "1e-2"]
     assert main([*words, "--out", str(tmp_path / "out")]) == 0
     whole = json.loads((tmp_path / "out" / "fit.json").read_text())
     entry = whole["parameters"]["amplitude_factor"]
@@ -270,9 +255,7 @@ def test_a_fit_shows_itself_in_the_units_of_its_numbers_and_says_what_it_compute
     result = fit("twente-contact", curve, {"slider.preload": (2e-4, 4e-3)}, progress=said.append)
     assert result.best == result.values
     preload = result.best["slider.preload"]
-    assert re.match(
-        rf"Fit\(slider.preload = {1e6 * preload:.4g} µN \([\d.]+ to [\d.]+\), chi\^2", repr(result)
-    )
+    assert re.match(rf"Fit\(slider.preload = {1e6 * preload:.4g} µN \([\d.]+ to [\d.]+\), chi\^2", repr(result))
     (row,) = (line.split() for line in str(result).splitlines() if line.startswith("slider.preload "))
     assert row[-1] == "µN"
     assert float(row[1]) == pytest.approx(1e6 * preload, rel=1e-4)
@@ -316,9 +299,7 @@ def test_what_is_no_free_number_is_refused(text, words):
 
 
 def test_a_place_may_be_free():
-    assert read_parameter("slider.position=60 mm:80 mm") == Parameter(
-        key="slider.position", low=0.06, high=0.08
-    )
+    assert read_parameter("slider.position=60 mm:80 mm") == Parameter(key="slider.position", low=0.06, high=0.08)
 
 
 @pytest.mark.parametrize(
@@ -327,10 +308,7 @@ def test_a_place_may_be_free():
         (["amplitude_factor=0.5:2"], "needs a stator"),
         (["slider.mass=1e-5:1e-4", "slider.mass=1e-5:1e-4"], "given twice"),
         ([], "is required"),
-        (
-            [f"slider.damping.{name}=1e-5:1e-4" for name in ("normal", "tangential")],
-            "asks for 2 numbers from 1",
-        ),
+        ([f"slider.damping.{name}=1e-5:1e-4" for name in ("normal", "tangential")], "asks for 2 numbers from 1"),
     ],
 )
 def test_what_cannot_be_fitted_is_refused(curve, free, words):

@@ -35,9 +35,7 @@ def test_a_table_of_friction_reaches_the_contact():
     assert (slider.friction_coefficient, slider.friction) == (0.3, expected)
     point = run(scene).points[0]
     orbit = contact.Orbit(frequency=2.2e6, normal=6e-9, tangential=-4.2e-9j)
-    assert point["velocity_m_per_s"] == pytest.approx(
-        contact.steady(slider, orbit, tolerance=1e-6).velocity, rel=1e-6
-    )
+    assert point["velocity_m_per_s"] == pytest.approx(contact.steady(slider, orbit, tolerance=1e-6).velocity, rel=1e-6)
     plain = run(contact_only(friction_coefficient=0.3)).points[0]["velocity_m_per_s"]
     assert abs(point["velocity_m_per_s"] / plain - 1.0) > 0.01
     # the resolved scene is the same scene

@@ -20,23 +20,10 @@ from studies.__main__ import main
 from studies.refusal import MAX_PROBLEMS
 from studies.report.explanation import TIME_WITHIN, plan
 from studies.scene import Scene
-from tests.studies.scene_mutations import (
-    SMALL,
-    Mutant,
-    bases,
-    document,
-    extreme_tables,
-    mutants,
-    stress_bases,
-)
+from tests.studies.scene_mutations import SMALL, Mutant, bases, document, extreme_tables, mutants, stress_bases
 
 pytestmark = pytest.mark.filterwarnings("ignore:Generating overly large repr")
-QUIET = {
-    "deadline": None,
-    "database": None,
-    "suppress_health_check": list(HealthCheck),
-    "phases": [Phase.generate],
-}
+QUIET = {"deadline": None, "database": None, "suppress_health_check": list(HealthCheck), "phases": [Phase.generate]}
 SECONDS = 30.0  # of processor time, the longest that an answer or a refusal may take unless it was predicted
 WAIT = 240.0  # s on the clock, of a machine that others use too
 RUNS = """

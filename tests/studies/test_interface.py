@@ -41,10 +41,7 @@ def test_a_scene_is_changed_by_its_keys():
     )
     old = Scene.load("twente")
     assert motor.slider.preload == 5e-3
-    assert (motor.slider.damping.normal, motor.slider.damping.tangential) == (
-        0.2,
-        old.slider.damping.tangential,
-    )
+    assert (motor.slider.damping.normal, motor.slider.damping.tangential) == (0.2, old.slider.damping.tangential)
     assert motor.drive.voltage == tuple(5.0 + 5 * k for k in range(12))
     assert [each.finger_pairs for each in motor.transducer] == [5, 10]
     assert motor.replace(title=old.title, slider=None).slider is None
@@ -66,9 +63,7 @@ def test_a_change_that_breaks_a_rule_names_the_key(changes, words):
         Scene.load("twente").replace(**changes)
 
 
-@pytest.mark.parametrize(
-    "voltage", [np.linspace(5, 60, 3), np.array([5, 6]), range(5, 60, 10), np.float64(7.0)]
-)
+@pytest.mark.parametrize("voltage", [np.linspace(5, 60, 3), np.array([5, 6]), range(5, 60, 10), np.float64(7.0)])
 def test_voltages_come_from_an_array_or_a_range(voltage):
     changed = Scene.load("twente").replace(drive={"voltage": voltage})
     assert changed.drive.voltage == tuple(np.atleast_1d(voltage).astype(float))
@@ -113,9 +108,7 @@ def test_a_data_frame_has_the_points_as_rows(record):
 def test_an_optional_package_that_is_missing_is_named(record, contact, monkeypatch, name, package):
     monkeypatch.setitem(sys.modules, package, None)
     source = record if package == "pandas" else sweep(contact, {})
-    with pytest.raises(
-        RunError, match=f"{name} needs {package}, which is not installed: pip install {package}"
-    ):
+    with pytest.raises(RunError, match=f"{name} needs {package}, which is not installed: pip install {package}"):
         getattr(source, name)()
 
 

@@ -116,9 +116,7 @@ def test_touchstone_round_trip_is_exact_and_scikit_rf_reads_the_same(tmp_path):
 
 def test_a_velocity_scan_is_the_same_displacement():
     scan, omega = some_scan(), 2 * np.pi * 2.2e6
-    rates = replace(
-        scan, values=1j * omega * scan.values * 30.0, is_velocity=True, per_volt=False, voltage=30.0
-    )
+    rates = replace(scan, values=1j * omega * scan.values * 30.0, is_velocity=True, per_volt=False, voltage=30.0)
     # magnitudes too; and the deviation is that of the same quantity
     for one, same in ((rates, scan.values), (replace(rates, values=abs(rates.values)), abs(scan.values))):
         one = replace(one, deviation=0.02 * abs(one.values))
@@ -203,9 +201,7 @@ def test_a_virtual_scan_gives_back_the_truth():
     assert sizes[0] == pytest.approx(2 * 1.96 * size / np.sqrt(np.sum(weights)), rel=0.05)
     spread = np.sqrt(np.sum(weights * (scan.x - np.average(scan.x, weights=weights)) ** 2))
     assert sizes[1] == pytest.approx(2 * 1.96 * size / (spread * 2 * np.pi * 2.2e6 / 2181.9), rel=0.05)
-    assert (
-        found.candidates == ()
-    )  # the scan knows both numbers so well that no other measurement narrows them
+    assert found.candidates == ()  # the scan knows both numbers so well that no other measurement narrows them
 
 
 @pytest.mark.slow
@@ -236,9 +232,7 @@ def test_a_mixture_says_which_file_informs_which_number(tmp_path):
     curve = tmp_path / "curve.csv"
     # the velocities of a friction coefficient of 0.08 at half of the computed amplitude
     rows = ["voltage_V,velocity_m_per_s,error_m_per_s"]
-    truth = fit_predictor().predict([(read_curve(tmp_path, (20.0, 30.0, 50.0)), {"amplitude_factor": 0.5})])[
-        0
-    ]
+    truth = fit_predictor().predict([(read_curve(tmp_path, (20.0, 30.0, 50.0)), {"amplitude_factor": 0.5})])[0]
     rows += [f"{volts},{value},2e-4" for volts, value in zip((20, 30, 50), truth, strict=True)]
     curve.write_text("\n".join(rows))
     scan = replace(noisy(2), values=0.5 * noisy(2).values)
@@ -273,10 +267,7 @@ def test_network_deviations_are_those_put_in():
         branch = 120.0 / size + 1j * omega * 9e-5 / size + 1 / (1j * omega * 5.9e-11 * size * shift)
         y = 1j * omega * 1e-9 * size + 1 / branch
         return NetworkData(
-            name="lab.s1p",
-            frequency=at,
-            scattering=((1 - 50 * y) / (1 + 50 * y))[:, None, None],
-            reference=50.0,
+            name="lab.s1p", frequency=at, scattering=((1 - 50 * y) / (1 + 50 * y))[:, None, None], reference=50.0
         )
 
     rows = deviations(data(0.98, 1.1), data(1.0, 1.0).scattering, ["left"])
@@ -332,9 +323,7 @@ def trace_of_a_burst(folder, seed, sampling):
 
     scene = Scene.load("twente-contact").replace(wave={"normal_amplitude": "10 nm", "burst": "30 ms"})
     driven = driven_contact(scene, progress=quiet)
-    path = contact.burst(
-        driven.slider, driven.at(10e-9), duration=30e-3, after=10e-3, tolerance=1e-5, samples=4000
-    )
+    path = contact.burst(driven.slider, driven.at(10e-9), duration=30e-3, after=10e-3, tolerance=1e-5, samples=4000)
     fine = np.arange(0.0, 39e-3, 2e-6)
     delay = [1.0 / (2 * np.pi * 60.0), 1.0]  # of a bandwidth of 60 Hz
     seen = lsim(([1.0], delay), np.interp(fine, path.time, path.velocity), fine)[1]
@@ -437,21 +426,9 @@ X_HEAD, ROW = "x_mm,u_z_real_nm_per_V,u_z_imag_nm_per_V", "40,0.1,0.2"
 @pytest.mark.parametrize(
     ("name", "text", "said"),
     [
-        (
-            "a.csv",
-            f"x_inch,u_z_real_nm,u_z_imag_nm\n{ROW}\n",
-            "must have one column x_UNIT with a unit of m, mm, um",
-        ),
-        (
-            "a.csv",
-            f"x_mm,u_z_real_nm_per_V,u_z_imag_V\n{ROW}\n",
-            "must have one column u_z_imag_UNIT with a unit of m",
-        ),
-        (
-            "a.csv",
-            "x_mm,u_z_real_nm_per_V\n40,0.1\n",
-            "must have a column u_z_imag_UNIT beside the other part",
-        ),
+        ("a.csv", f"x_inch,u_z_real_nm,u_z_imag_nm\n{ROW}\n", "must have one column x_UNIT with a unit of m, mm, um"),
+        ("a.csv", f"x_mm,u_z_real_nm_per_V,u_z_imag_V\n{ROW}\n", "must have one column u_z_imag_UNIT with a unit of m"),
+        ("a.csv", "x_mm,u_z_real_nm_per_V\n40,0.1\n", "must have a column u_z_imag_UNIT beside the other part"),
         ("a.csv", "u_z_magnitude_nm_per_V\n0.1\n", "must have a column x_UNIT, y_UNIT or frequency_UNIT"),
         ("a.csv", "x_mm,u_z_magnitude_nm_per_V\n40,0.1+0.2j\n", "a complex number goes into two columns"),
         ("a.csv", "x_mm,u_z_magnitude_nm_per_V\n40,nan\n", "must be a finite number, got 'nan'\n"),
@@ -462,22 +439,12 @@ X_HEAD, ROW = "x_mm,u_z_real_nm_per_V,u_z_imag_nm_per_V", "40,0.1,0.2"
         ),
         ("a.csv", "x_mm,u_z_magnitude_nm\n40,0.1\n", "holds motions at an unknown voltage"),
         ("a.csv", f"{X_HEAD}\n400,0.1,0.2\n", "x must lie on the stator, 0 to 0.06 m, got 0.4 to 0.4 m"),
-        (
-            "a.csv",
-            f"frequency_MHz,{X_HEAD}\n2.3,{ROW}\n",
-            "was taken at 2300000 Hz, and the scene drives 2200000 Hz",
-        ),
+        ("a.csv", f"frequency_MHz,{X_HEAD}\n2.3,{ROW}\n", "was taken at 2300000 Hz, and the scene drives 2200000 Hz"),
         ("a.uff", "nothing of the kind", "must hold a dataset 58"),
-        (
-            "a.s1p",
-            "# MHz S RI R 50\n2.2 0.1 0.2\n",
-            "is a network analyser's: sawmotor study network draws it",
-        ),
+        ("a.s1p", "# MHz S RI R 50\n2.2 0.1 0.2\n", "is a network analyser's: sawmotor study network draws it"),
     ],
 )
-def test_files_that_do_not_fit_are_one_sentence_and_nothing_is_written(
-    name, text, said, tmp_path, monkeypatch, capsys
-):
+def test_files_that_do_not_fit_are_one_sentence_and_nothing_is_written(name, text, said, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path(name).write_text(text)
     scene = tmp_path / "small.toml"

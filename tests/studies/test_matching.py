@@ -43,11 +43,7 @@ def test_a_power_is_that_of_the_conjugate_matched_load():
 
 def test_a_ladder_is_read_and_written():
     scene = motor(voltage="10 V", match=LADDER)
-    assert scene.drive.match == (
-        Element(series_L=2.6e-6, Q=80.0),
-        Element(shunt_C=1e-9),
-        Element(series_R=3.0),
-    )
+    assert scene.drive.match == (Element(series_L=2.6e-6, Q=80.0), Element(shunt_C=1e-9), Element(series_R=3.0))
     assert Scene.from_table("", tomllib.loads(document(scene.to_table()))) == scene
 
 
@@ -85,9 +81,7 @@ def test_a_matched_motor_is_the_motor_at_its_electrodes_voltage():
     assert matched.surface_motion.beam is not None
     each = matched.electrical
     section = matched.surface_wave.circuit.admittance
-    assert (
-        abs(each["admittance_S"] / section - 1) > 1e-5
-    )  # a passive transducer receives a beam, not the plane wave
+    assert abs(each["admittance_S"] / section - 1) > 1e-5  # a passive transducer receives a beam, not the plane wave
     parts = ("solid", "loads", "radiated_left", "radiated_right")
     ledger = sum(each[f"power_{name}_W_per_V2"] for name in parts)
     assert ledger == pytest.approx(each["power_W_per_V2"], rel=1e-9)
@@ -168,9 +162,7 @@ def test_the_gain_is_that_of_a_ring_with_a_coupler(recovered):
     """Waves round a directional coupler that passes sqrt(gain) and the loop: nothing is dumped."""
     gain = recovered.electrical["recovery_ratio"]
     t = np.sqrt(gain)
-    coupler = np.array(
-        [[t, 1j * np.sqrt(1 - gain)], [1j * np.sqrt(1 - gain), t]]
-    )  # (loop, source) -> (loop, dump)
+    coupler = np.array([[t, 1j * np.sqrt(1 - gain)], [1j * np.sqrt(1 - gain), t]])  # (loop, source) -> (loop, dump)
     loop = 0.0
     for _ in range(400):
         loop, dumped = coupler @ [np.sqrt(gain) * loop, 1.0]

@@ -44,9 +44,7 @@ def record():
 def test_deviations_are_those_worked_out_by_hand(record, measured):
     text = "voltage_V,velocity_mm_per_s,error_mm_per_s\n10,-11,2\n15,-15,0.5\n30,-27,1\n50,-60,1\n"
     block = compared(measured(text), [-0.01, -0.015, -0.03, None])
-    assert [point.get("predicted_m_per_s") for point in block["points"]] == pytest.approx(
-        [-0.01, -0.015, -0.03, None]
-    )
+    assert [point.get("predicted_m_per_s") for point in block["points"]] == pytest.approx([-0.01, -0.015, -0.03, None])
     gaps = [-1e-3, 0.0, 3e-3]
     assert block["compared"] == 3
     assert block["rms_deviation_m_per_s"] == pytest.approx(math.sqrt(sum(g**2 for g in gaps) / 3))
@@ -76,10 +74,7 @@ def test_speeds_without_a_sign_take_the_prediction_s(record, measured):
         ("", "a line of names"),
         ("voltage_V,velocity_m_per_s\n", "a line of names"),
         ("V,v\n1,2\n", "must have the columns voltage_V"),
-        (
-            "voltage_V,velocity_m_per_s\n10,fast\n",
-            "point 1, velocity_m_per_s must be a finite number, got 'fast'",
-        ),
+        ("voltage_V,velocity_m_per_s\n10,fast\n", "point 1, velocity_m_per_s must be a finite number, got 'fast'"),
         ("voltage_V;velocity_m_per_s\n10;0,01\n", "write a decimal point"),
         ("voltage_V,velocity_m_per_s\n10\n", "point 1, velocity_m_per_s"),
         ("voltage_V,velocity_m_per_s,error_m_per_s\n10,0.01,0\n", "error_m_per_s must be positive"),
@@ -133,9 +128,7 @@ def test_a_run_is_compared_with_itself(tmp_path, capsys, monkeypatch):
     assert not (tmp_path / "third").exists()
 
 
-def test_the_prediction_is_computed_at_the_measured_levels_and_not_across_the_threshold(
-    tmp_path, monkeypatch
-):
+def test_the_prediction_is_computed_at_the_measured_levels_and_not_across_the_threshold(tmp_path, monkeypatch):
     """Below the threshold the slider rests, although it moves at the next level of the run."""
     monkeypatch.chdir(tmp_path)
     threshold = run("twente-contact", tolerance=1e-2).summary["threshold_amplitude_m"]
@@ -158,7 +151,6 @@ def test_a_file_in_another_unit_than_it_says_is_wondered_at(record, measured):
         "voltage_V,velocity_m_per_s\n10,-11\n30,-27\n",
     )
     said = [
-        "\n".join(line for _, line in comparison(compared(measured(text), [-0.01, -0.03])))
-        for text in (right, wrong)
+        "\n".join(line for _, line in comparison(compared(measured(text), [-0.01, -0.03]))) for text in (right, wrong)
     ]
     assert ["is the file in m/s?" in each for each in said] == [False, True]

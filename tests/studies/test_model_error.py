@@ -97,9 +97,7 @@ def test_vacuum_put_back(name):
     ((_, _, size, _),) = _vacuum(SimpleNamespace(scene=scene))
     x, motions = np.array([1.0, 2.3, 4.0]), []
     for above in ("none", "vacuum"):
-        stator = plate(
-            resolve.solid(scene.stator), length=12.0, thickness=2.0, bottom="absorbing", above=above
-        )
+        stator = plate(resolve.solid(scene.stator), length=12.0, thickness=2.0, bottom="absorbing", above=above)
         solved = solution(stator, (comb(stator, "a", 4.0, finger_pairs=2),), order=5)
         unit = solved.fields.section.length_unit
         motions.append(abs(wave_of(solved).motion((5.5 + x) * unit)[1]))
@@ -117,17 +115,13 @@ def test_electrode_mass_against_rayleigh_energy(motor):
 
 
 def test_answer_and_files_hold_them(motor, tmp_path):
-    assert json.loads(json.dumps(motor.to_dict()))["model_error"] == [
-        dict(each) for each in motor.model_error
-    ]
+    assert json.loads(json.dumps(motor.to_dict()))["model_error"] == [dict(each) for each in motor.model_error]
     lines = sentences(replace(motor, tolerance=1e-3))
     assert any(line.startswith("finite aperture: -1") and line.endswith("% of u_z") for line in lines)
     assert "load of the slider on the wave" in lines[-1]
     assert lines[-1].startswith("below the tolerance")
     assert run("twente-contact", tolerance=0.05).model_error == ()
-    np.testing.assert_equal(
-        [each["size"] for each in motor.model_error], [e["size"] for e in model_error(motor)]
-    )
+    np.testing.assert_equal([each["size"] for each in motor.model_error], [e["size"] for e in model_error(motor)])
 
 
 def test_a_slider_without_friction_loads_the_wave_by_its_normal_force(motor):
@@ -156,12 +150,7 @@ def test_a_model_error_of_a_tenth_is_a_warning_and_one_of_the_whole_no_answer(mo
     from studies.chain.model_error import with_model_error
     from studies.chain.warnings import warnings_of
 
-    for size, warned, refused in (
-        (0.08, False, False),
-        (0.13, True, False),
-        (0.9, True, False),
-        (1.2, True, True),
-    ):
+    for size, warned, refused in ((0.08, False, False), (0.13, True, False), (0.9, True, False), (1.2, True, True)):
         monkeypatch.setattr(module, "_loaded", lambda record, point, size=size: size)
         judged = with_model_error(replace(motor, warnings=(), model_error=()))
         said = [each for each in warnings_of(judged) if "load of the slider on the wave" in each]

@@ -32,9 +32,7 @@ def test_a_ball_in_a_scene_resolves_to_its_moduli():
     del table["slider"]["effective_modulus"], table["slider"]["tangential_modulus"]
     table["slider"]["ball"] = "steel"
     slider = resolved(Scene.from_table("", table)).slider
-    assert (slider.effective_modulus, slider.tangential_modulus) == pair_moduli(
-        "steel", fem.material("PZT-8")
-    )
+    assert (slider.effective_modulus, slider.tangential_modulus) == pair_moduli("steel", fem.material("PZT-8"))
     assert slider.ball is None
 
 
@@ -48,9 +46,7 @@ def test_the_lithium_niobate_scene_takes_its_moduli_from_the_ball():
 
 def test_the_average_is_stated_where_there_is_one(capsys):
     solid = fem.rotated(fem.material("LiNbO3 (Warner)"), "YZ")
-    compliances = [
-        oracle.surface_compliance(solid.stiffness, angle * 0.01).real[2, 2] for angle in range(315)
-    ]
+    compliances = [oracle.surface_compliance(solid.stiffness, angle * 0.01).real[2, 2] for angle in range(315)]
     spread = (max(compliances) - min(compliances)) / (max(compliances) + min(compliances))
     said = direction_dependence(solid)
     assert float(said.partition("+-")[2].split()[0]) == pytest.approx(100 * spread, abs=0.06)

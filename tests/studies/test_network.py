@@ -46,9 +46,7 @@ def test_the_parameters_are_those_of_the_admittances_in_the_scenes_order(record)
     assert abs(data["scattering"][2] - expected).max() < 2e-2
     assert abs(data["scattering"][2, 0, 0] - data["scattering"][2, 1, 1]) > 0.02
     assert all(finding.confirmed for finding in record.findings[:3])
-    assert [finding.expected for finding in record.findings[3:]] == [
-        "below 0.1"
-    ] * 2  # not: better than one branch
+    assert [finding.expected for finding in record.findings[3:]] == ["below 0.1"] * 2  # not: better than one branch
 
 
 def test_a_closed_lossless_stator_has_a_unitary_matrix():

@@ -14,9 +14,7 @@ from tests.studies.settings import assigned
 def rest_equal(changed, original, key):
     """Both entries at a key, once all the others are found equal."""
     if isinstance(original, list):
-        assert [v for i, v in enumerate(changed) if i != key] == [
-            v for i, v in enumerate(original) if i != key
-        ]
+        assert [v for i, v in enumerate(changed) if i != key] == [v for i, v in enumerate(original) if i != key]
         return changed[key], original[key]
     assert {k: v for k, v in changed.items() if k != key} == {k: v for k, v in original.items() if k != key}
     return changed[key], original.get(key, {})
@@ -60,12 +58,7 @@ def test_a_value_cannot_smuggle_in_another_key():
 @pytest.mark.parametrize("key", ["drive.voltage", "drive.power", "wave.normal_amplitude"])
 @pytest.mark.parametrize(
     ("text", "values"),
-    [
-        ("5:60:12", [5 + 5 * k for k in range(12)]),
-        ("60:5:2", [60, 5]),
-        ("5:5:1", [5]),
-        ("1:100:3:log", [1, 10, 100]),
-    ],
+    [("5:60:12", [5 + 5 * k for k in range(12)]), ("60:5:2", [60, 5]), ("5:5:1", [5]), ("1:100:3:log", [1, 10, 100])],
 )
 def test_a_range_in_a_scene(key, text, values):
     assert rule_at(key).read(key, text) == pytest.approx(values, rel=1e-15)
@@ -82,8 +75,7 @@ def test_a_range_has_units_at_both_ends_or_neither():
 
 
 @pytest.mark.parametrize(
-    "text",
-    ["", "5:60", "5:60:x", "5:60:0", "5:60:1", "5:60:99999999", "-5:5:3", "nan:1:2", "1 A:2 A:2", "1:2:3:4"],
+    "text", ["", "5:60", "5:60:x", "5:60:0", "5:60:1", "5:60:99999999", "-5:5:3", "nan:1:2", "1 A:2 A:2", "1:2:3:4"]
 )
 def test_what_makes_no_range_is_refused(text):
     with pytest.raises(SceneError, match=r"^drive\.voltage"):
@@ -91,8 +83,7 @@ def test_what_makes_no_range_is_refused(text):
 
 
 @pytest.mark.parametrize(
-    ("text", "values"),
-    [("5,10,20 V", (5, 10, 20)), ("1 kV, 5", (1000, 5)), ("7", (7,)), ("5:7:3", (5, 6, 7))],
+    ("text", "values"), [("5,10,20 V", (5, 10, 20)), ("1 kV, 5", (1000, 5)), ("7", (7,)), ("5:7:3", (5, 6, 7))]
 )
 def test_voltages_of_a_call(text, values):
     call = parser().parse_args(["run", "twente", "--voltage", text])

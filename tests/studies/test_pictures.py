@@ -96,13 +96,7 @@ def test_a_strip_has_eight_snapshots_over_five_traces(found):
     labels = [ax.get_ylabel() for ax in figure.axes[8:]]
     assert labels == ["z (nm)", "x (nm)", "P (mN)", "Q (mN)", "v (mm/s)"]
     words = " ".join(text.get_text() for text in figure.findobj(Text))
-    for meaning in (
-        "z: approach",
-        "x: tangential deformation",
-        "P: normal force",
-        "Q: friction force",
-        "not to scale",
-    ):
+    for meaning in ("z: approach", "x: tangential deformation", "P: normal force", "Q: friction force", "not to scale"):
         assert meaning in words
 
 
@@ -114,9 +108,7 @@ def test_start_and_stop_end_on_the_slope_of_friction():
     end = figure.axes[1]
     slopes = {line.get_label(): line.get_xydata() for line in end.lines}
     theory = slopes["mu preload / m (theory)"]
-    assert abs((theory[1] - theory[0])[1] / (theory[1] - theory[0])[0]) == pytest.approx(
-        0.08 * 9.81, rel=1e-12
-    )
+    assert abs((theory[1] - theory[0])[1] / (theory[1] - theory[0])[0]) == pytest.approx(0.08 * 9.81, rel=1e-12)
     assert theory[0, 1] == pytest.approx(motion.velocity_at_burst_end * 1e3, rel=1e-12)
 
 
@@ -144,10 +136,7 @@ def test_amplitude_shows_a_run_s_surface_whole_and_from_near():
     u_z = 3e-10 * (np.exp(-1j * k * x) + 0.1 * np.exp(1j * k * x))
     columns = {"x_m": x, "u_z_m_per_V": u_z, "u_x_m_per_V": 0.7j * u_z}
     record = Record(
-        scene=resolve.resolved(Scene.load("twente-left")),
-        tolerance=1e-3,
-        wave={"frequency_Hz": 2.2e6},
-        surface=columns,
+        scene=resolve.resolved(Scene.load("twente-left")), tolerance=1e-3, wave={"frequency_Hz": 2.2e6}, surface=columns
     )
     figure = gallery_pictures.amplitude(record, wavelength=1e-3, focus=("slider", 0.08))
     assert_legible(figure)
@@ -171,11 +160,7 @@ def test_depth_profile_puts_points_on_lines():
 
 
 def test_bars_are_as_long_as_the_powers_and_energies():
-    electrical = {
-        "power_W_per_V2": 3.6e-3,
-        "power_radiated_W_per_V2": 2.2e-3,
-        "power_dissipated_W_per_V2": 1.4e-3,
-    }
+    electrical = {"power_W_per_V2": 3.6e-3, "power_radiated_W_per_V2": 2.2e-3, "power_dissipated_W_per_V2": 1.4e-3}
     title = "power (mW per V^2)"
     figure = gallery_pictures.bars(gallery_pictures.power_rows(electrical), "mW per V^2", title, "power")
     figure.canvas.draw()
@@ -242,11 +227,7 @@ def test_the_surface_s_picture_marks_the_finite_aperture_under_the_slider():
     """The run's own motion there, which the curves of the plane section do not show."""
     scene = Scene.load("twente")
     wave = {"frequency_Hz": 2.2e6, "normal_m_per_V": 0.2e-9j, "tangential_m_per_V": 0.15e-9}
-    columns = {
-        "x_m": np.array([0.0, 0.16]),
-        "u_z_m_per_V": np.full(2, 3e-10j),
-        "u_x_m_per_V": np.full(2, 2e-10j),
-    }
+    columns = {"x_m": np.array([0.0, 0.16]), "u_z_m_per_V": np.full(2, 3e-10j), "u_x_m_per_V": np.full(2, 2e-10j)}
     record = Record(scene=resolve.resolved(scene), tolerance=1e-3, wave=wave, surface=columns)
     for spreads in (False, True):
         figure, ax = new_figure(7.0, 4.3)

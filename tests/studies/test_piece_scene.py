@@ -27,21 +27,8 @@ from studies.view.section import mesh_sheets, piece, sheets
 from studies.view.views import views
 from tests.fem.drawings import bevelled_end, chip, rectangle, write_msh
 
-STATOR = {
-    "material": "PZT-4",
-    "length": "12 mm",
-    "thickness": "1.1 mm",
-    "width": "20 mm",
-    "ends": "absorbing",
-}
-ROW = {
-    "name": "t",
-    "center": "2.5 mm",
-    "finger_pairs": 2,
-    "period": "1 mm",
-    "metallisation": 0.5,
-    "aperture": "10 mm",
-}
+STATOR = {"material": "PZT-4", "length": "12 mm", "thickness": "1.1 mm", "width": "20 mm", "ends": "absorbing"}
+ROW = {"name": "t", "center": "2.5 mm", "finger_pairs": 2, "period": "1 mm", "metallisation": 0.5, "aperture": "10 mm"}
 DRIVE = {"frequency": "2.17 MHz", "transducer": "t", "voltage": "10 V"}
 
 
@@ -128,9 +115,7 @@ def test_a_left_end_is_the_mirror_image_of_a_right_end(tmp_path):
         table["transducer"][0]["center"] = 9.5e-3 if mirrored else 2.5e-3
         records.append(run(Scene.from_table("", table), tolerance=1e-2))
     right, left = (record.surface_motion.wave for record in records)
-    assert records[0].electrical["admittance_S"] == pytest.approx(
-        records[1].electrical["admittance_S"], rel=1e-6
-    )
+    assert records[0].electrical["admittance_S"] == pytest.approx(records[1].electrical["admittance_S"], rel=1e-6)
     # the fingers stand in the other order: the mirror image has the other sign, and u_x changes it again
     expected = -left.motion(length - place) * np.array([[-1], [1]])
     assert abs(right.motion(place) - expected).max() < 1e-6 * abs(expected).max()
@@ -169,9 +154,7 @@ def test_a_stator_that_is_one_mesh(tmp_path):
         with pytest.raises(SceneError, match="piece must leave some uniform stator: this piece is all of it"):
             module(name).run(given, progress=lambda text: None)
     wider = ROW | {"metallisation": 0.6}
-    (said,) = [
-        line for line in run(whole(tmp_path, row=wider), tolerance=0.5).warnings if "mesh draws" in line
-    ]
+    (said,) = [line for line in run(whole(tmp_path, row=wider), tolerance=0.5).warnings if "mesh draws" in line]
     assert said == (
         'transducer "t": the mesh draws 2 fingers "+" from 1.625 to 2.875 mm and 2 "-" from 2.125 to 3.375 mm, the '
         "block has 2 from 1.6 to 2.9 mm and 2 from 2.1 to 3.4 mm: the mesh counts"
@@ -185,8 +168,7 @@ def test_a_mask_of_a_mesh(tmp_path):
     drawn.pictures["mask.png"](ax)
     assert ax.patches or ax.collections
     with pytest.raises(
-        SceneError,
-        match='must have the fingers of the mesh, as a mask follows the block: transducer "t": the mesh',
+        SceneError, match='must have the fingers of the mesh, as a mask follows the block: transducer "t": the mesh'
     ):
         gds_files(whole(tmp_path, row=ROW | {"metallisation": 0.6}), "chip", tolerance=1e-2, progress=print)
 
@@ -198,26 +180,18 @@ def test_pillars_on_a_mesh_are_refused(tmp_path):
         "position": "4.5 mm", "mass": "0.3 g", "preload": "1 mN", "friction_coefficient": 0.18, "ball": "silicon",
         "pillars": {"diameter": "20 um", "height": "2 um", "pitch": "40 um", "rows": 4, "columns": 4},
     }  # fmt: skip
-    with pytest.raises(
-        SceneError, match=r"slider.position must leave the pillars.*fingers or a meshed piece"
-    ):
+    with pytest.raises(SceneError, match=r"slider.position must leave the pillars.*fingers or a meshed piece"):
         run(Scene.from_table("", table), tolerance=0.1)
 
 
 WHOLE_FAULTS = {
-    "place": (
-        {"position": "1 mm"},
-        "without them it must be the whole stator, 0 to 8 mm, it reaches from 1 to 9 mm",
-    ),
+    "place": ({"position": "1 mm"}, "without them it must be the whole stator, 0 to 8 mm, it reaches from 1 to 9 mm"),
     "length": ({"stator": {"length": "8 m"}}, r"is the file's length unit m\?"),
     "thickness": (
         {"stator": {"thickness": "1 mm"}},
         r"must reach from z = -1 mm \(minus stator.thickness\) to 0, it reaches from -1.1 to 0 mm",
     ),
-    "ends": (
-        {"stator": {"ends": "absorbing"}},
-        "stator.ends must be free with piece \"chip\".*got 'absorbing'",
-    ),
+    "ends": ({"stator": {"ends": "absorbing"}}, "stator.ends must be free with piece \"chip\".*got 'absorbing'"),
     "comb": (
         {"electrodes": {"p": "t+"}},
         r"piece.0.electrodes \(\"chip\"\) must connect a line group electrode:NAME to t-",
@@ -254,10 +228,7 @@ FAULTS = {
     ),
     "no stator": ({"solid": "body"}, "has no surface group stator"),
     "folded": (
-        {
-            "triangles": [(0, 1, 2), (0, 2, 3), (0, 2, 4)],
-            "points": [(0, -1.1), (1, -1.1), (1, 0), (0, 0), (0.2, -0.2)],
-        },
+        {"triangles": [(0, 1, 2), (0, 2, 3), (0, 2, 4)], "points": [(0, -1.1), (1, -1.1), (1, 0), (0, 0), (0.2, -0.2)]},
         "elements overlap or are inverted",
     ),
     "twice": (
@@ -272,10 +243,7 @@ FAULTS = {
         "the mesh has 2 parts that share no nodes",
     ),
     "no interface": ({"lines": {}}, "has no line group left or right"),
-    "inside": (
-        {"lines": {"left": [(0, 2)], "right": [(1, 2)]}},
-        "the line group left is not one vertical line",
-    ),
+    "inside": ({"lines": {"left": [(0, 2)], "right": [(1, 2)]}}, "the line group left is not one vertical line"),
     "no edge": (
         {"lines": {"left": [(3, 0)], "right": [(1, 2)], "clamped": [(1, 3)]}},
         "the line group clamped has a line at .* that is no edge of an element",
@@ -304,9 +272,7 @@ def test_a_gap_in_the_interface(tmp_path):
 def test_heights_and_units(plain):
     """A file in um taken for mm is 1000 times too large."""
     words = refused(plain, length_unit="m")
-    assert (
-        "the group left is 1100 mm high, the stator is 1.1 mm thick: is the file's length unit mm?" in words
-    )
+    assert "the group left is 1100 mm high, the stator is 1.1 mm thick: is the file's length unit mm?" in words
     assert "the group left is 1.1 mm high, the stator is 2 mm thick" in refused(plain, {"thickness": "2 mm"})
 
 
@@ -317,9 +283,7 @@ def test_places_and_overlaps(plain):
     assert 'piece "plain" (3.375 to 4.375 mm) touches the transducer "t" (1.625 to 3.375 mm)' in words
     words = refused(plain, position=["6 mm", "6.5 mm"])
     assert 'piece "plain" (6 to 7 mm) overlaps the piece "plain" (6.5 to 7.5 mm)' in words
-    assert "must lie on the stator, 0 to 12 mm, it reaches from 11.5 to 12.5 mm" in refused(
-        plain, position="11.5 mm"
-    )
+    assert "must lie on the stator, 0 to 12 mm, it reaches from 11.5 to 12.5 mm" in refused(plain, position="11.5 mm")
     assert "must name different places" in refused(plain, position=["6 mm", "6 mm"])
     assert (
         "piece.0.position must leave room for every place: 1000000 of a mesh 1 mm wide, on a stator 12 mm long"
@@ -335,9 +299,8 @@ def test_an_end_piece_ends_where_the_stator_does(tmp_path):
     )
     lost = rectangle(tmp_path / "lost.msh", 1.0, 1.1, size=0.5, groups=("right", "bottom"))
     assert "it must end at x = 0 mm, it ends at 6 mm" in refused(lost, position="6 mm")
-    assert (
-        '"end" (5 to 6 mm) and "end" (7 to 8 mm) are both the right end, as the line group right is absent'
-        in (refused(end, position=["5 mm", "7 mm"]))
+    assert '"end" (5 to 6 mm) and "end" (7 to 8 mm) are both the right end, as the line group right is absent' in (
+        refused(end, position=["5 mm", "7 mm"])
     )
     rounded = run(scene(end, {"ends": "free"}, position="10.99999 mm"), tolerance=0.5)
     assert rounded.surface["x_m"][-1] == 12e-3
@@ -374,9 +337,7 @@ def test_a_ball_over_a_groove_is_refused_wherever_it_is_asked_for(tmp_path):
     with pytest.raises(SceneError, match="no plain surface"):
         Predictor(beside.to_table(), tolerance=1e-3).contact({"slider.position": 6.9e-3})
     wide = {"diameter": "20 um", "pitch": "0.2 mm", "rows": 10, "columns": 1}
-    slider = {key: value for key, value in slider.items() if key not in ("radius", "contacts")} | {
-        "pillars": wide
-    }
+    slider = {key: value for key, value in slider.items() if key not in ("radius", "contacts")} | {"pillars": wide}
     with pytest.raises(SceneError, match=r"got some at 6\.09 to 7\.91 mm"):
         resolved(drawn.replace(slider=slider | {"position": "7 mm"}))
 
@@ -410,9 +371,7 @@ def test_electrodes_in_the_wrong_place(tmp_path):
     points = [(0, -1.1), (0.5, -1.1), (1, -1.1), (1, 0), (0.7, 0), (0.5, 0), (0.3, 0), (0, 0)]
     triangles = [(0, 1, 7), (1, 6, 7), (1, 5, 6), (1, 4, 5), (1, 3, 4), (1, 2, 3)]
     sides = {"left": [(7, 0)], "right": [(2, 3)]}
-    file = square(
-        tmp_path / "q.msh", points, triangles, sides | {"electrode:a": [(6, 5)], "electrode:b": [(5, 4)]}
-    )
+    file = square(tmp_path / "q.msh", points, triangles, sides | {"electrode:a": [(6, 5)], "electrode:b": [(5, 4)]})
     assert '"electrode:a" and "electrode:b" touch at (0.5, 0) mm: give them one name' in refused(file)
     points = [(0, -1.1), (1, -1.1), (1, 0), (0.6, 0), (0.4, 0), (0, 0), (0.5, 0.1)]
     solids = {"stator": [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)], "strip": [(4, 3, 6)]}
@@ -427,10 +386,7 @@ def test_a_mesh_that_is_too_fine(tmp_path):
     """A file whose coarsest discretisation is too large: refused at once, with the size that would do."""
     fine = rectangle(tmp_path / "fine.msh", 1.0, 1.1, size=0.0122)
     words = refused(fine)
-    assert (
-        'piece.0.file ("fine") has 14760 elements, about 0.013 mm wide, and at least 2.1e+06 unknowns'
-        in words
-    )
+    assert 'piece.0.file ("fine") has 14760 elements, about 0.013 mm wide, and at least 2.1e+06 unknowns' in words
     assert "draw elements of 0.013 mm or more" in words
 
 
@@ -453,9 +409,7 @@ def test_files_that_are_no_mesh(tmp_path, plain):
 
 
 def test_what_a_piece_does_not_go_with(plain):
-    assert "stator.diffraction must be false or absent with a [[piece]]" in refused(
-        plain, {"diffraction": True}
-    )
+    assert "stator.diffraction must be false or absent with a [[piece]]" in refused(plain, {"diffraction": True})
     assert "stator.thickness must be a length with a [[piece]], got 'half-space'" in refused(
         plain, {"thickness": "half-space"}
     )
@@ -471,16 +425,12 @@ def test_what_a_run_warns_of(tmp_path):
     """A corner near the interface."""
     near = rectangle(tmp_path / "near.msh", 1.0, 1.1, size=0.5, groove=(0.05, 0.2, 0.15))
     (said,) = whole_stator(scene(near)).piece_warnings(2.17e6)
-    assert said.startswith(
-        'piece "near": a corner stands 0.05 mm from the interface left, nearer than an eighth'
-    )
+    assert said.startswith('piece "near": a corner stands 0.05 mm from the interface left, nearer than an eighth')
 
 
 def test_a_free_wave_says_that_it_meets_no_piece(plain):
     table = scene(plain).to_table()
-    free = Scene.from_table(
-        "", {key: table[key] for key in ("stator", "piece")} | {"drive": {"frequency": 2.17e6}}
-    )
+    free = Scene.from_table("", {key: table[key] for key in ("stator", "piece")} | {"drive": {"frequency": 2.17e6}})
     assert any(line.startswith("meshed pieces: the free wave") for line in run(free, tolerance=1e-2).left_out)
 
 
@@ -519,9 +469,7 @@ def test_the_shipped_meshes(tmp_path):
         sent = abs(found.ends[0][1]) if end else abs(found.reflection)
         assert 1e-3 < sent < 1 + 1e-6
     block = {"length": "12 mm", "thickness": "1 mm", "ends": "free"}
-    given = scene(
-        meshes / "chip.msh", block, position="0 mm", electrodes={"plus": "t+", "minus": "t-"}
-    ).to_table()
+    given = scene(meshes / "chip.msh", block, position="0 mm", electrodes={"plus": "t+", "minus": "t-"}).to_table()
     given["transducer"][0] |= {"center": "3.875 mm", "finger_pairs": 4}
     record = run(Scene.from_table("", given), tolerance=0.1)
     assert not [line for line in record.warnings if "mesh draws" in line]

@@ -47,20 +47,13 @@ def by_hand(**changes):
            "friction_coefficient": 0.18, "preload": 0.18} | changes
     )  # fmt: skip
     wave = contact.PassingWave(
-        frequency=9.61e6,
-        wavelength=414.05e-6,
-        ratio=0.88995,
-        backward=20e-9,
-        compliance=2.5078e-12,
-        strip_width=300e-6,
+        frequency=9.61e6, wavelength=414.05e-6, ratio=0.88995, backward=20e-9, compliance=2.5078e-12, strip_width=300e-6
     )
     return body, wave
 
 
 def test_a_scene_gives_what_the_contact_gives():
-    record = run(
-        scene(pillars={"height_scatter": 5e-9, "seed": 3}, tilt="pitch", preload_at=[5e-5, 0.0], load=1e-3)
-    )
+    record = run(scene(pillars={"height_scatter": 5e-9, "seed": 3}, tilt="pitch", preload_at=[5e-5, 0.0], load=1e-3))
     heights = np.random.default_rng(3).normal(scale=5e-9, size=60)
     body, wave = by_hand(heights=heights, tilt="pitch", preload_at=(5e-5, 0.0))
     motion = contact.pillar_motion(body, wave, load=1e-3)
@@ -95,9 +88,7 @@ def test_the_sensitivity_to_the_amplitude_and_the_own_vibration_have_their_value
     body, wave = by_hand()
     for point, size in zip(record.points, (0.25, 1.0), strict=True):
         low, high = (
-            contact.pillar_motion(
-                body, replace(wave, backward=wave.backward * size * (1.0 + change))
-            ).velocity
+            contact.pillar_motion(body, replace(wave, backward=wave.backward * size * (1.0 + change))).velocity
             for change in (-1e-3, 1e-3)
         )
         slope = (high - low) / (2e-3 * point["velocity_m_per_s"])
@@ -129,9 +120,7 @@ def test_overtones_are_computed_and_leave_the_model_error():
     plain = run(scene(wave=levels, pillars={"height_scatter": 5e-9, "seed": 3}))
     (row,) = [row for row in plain.model_error if "overtones" in row["effect"]]
     assert 'slider.loading = "harmonics" computes them' in row["source"]
-    with pytest.raises(
-        SceneError, match=r'slider\.loading must be true or false where slider.backing is "soft"'
-    ):
+    with pytest.raises(SceneError, match=r'slider\.loading must be true or false where slider.backing is "soft"'):
         scene(loading="harmonics", backing="soft")
 
 
@@ -377,9 +366,7 @@ def test_transducers_see_the_loaded_wave_by_reciprocity(driven):
     assert 1e-4 < abs(change) / abs(driven.electrical["admittance_S"]) < 0.1
     assert "received_over_free" not in driven.points[0]  # nothing stands behind the slider
     receiver = replace(driven.scene.transducer[0], name="right", center=25e-3)
-    other = replace(
-        body.driven, scene=driven.scene.replace(transducer=[driven.scene.transducer[0], receiver])
-    )
+    other = replace(body.driven, scene=driven.scene.replace(transducer=[driven.scene.transducer[0], receiver]))
     seen = at_the_transducers(replace(body, driven=other), motion, 150.0)
     assert seen["received_over_free"] == motion.exit_over_entry
 
@@ -480,9 +467,7 @@ def test_a_burst_keeps_the_momentum_with_damper_and_load():
 
 def test_a_burst_reaches_the_steady_velocity_at_the_rate_of_the_mean_traction():
     # m v' = <Q>(v) from rest: the time to half the speed by quadrature of dv/<Q>(v)
-    table = scene(
-        wave={"normal_amplitude": 20e-9, "burst": 8e-3}, pillars={"height_scatter": 5e-9, "seed": 3}
-    )
+    table = scene(wave={"normal_amplitude": 20e-9, "burst": 8e-3}, pillars={"height_scatter": 5e-9, "seed": 3})
     record = run(table)
     (_, motion), steady = record.trajectories[0], record.velocity[0]
     assert motion.velocity_at_burst_end == pytest.approx(steady, rel=5e-3)
@@ -516,9 +501,7 @@ def test_the_pictures_show_the_tables():
     ax = drawn["power"](Figure().add_subplot())
     point = record.points[-1]
     bars = [each.get_height() for each in ax.patches]
-    assert bars[len(record.points) - 1] == pytest.approx(
-        100 * point["friction_power_W"] / point["wave_power_in_W"]
-    )
+    assert bars[len(record.points) - 1] == pytest.approx(100 * point["friction_power_W"] / point["wave_power_in_W"])
     ax = drawn["pressure"](Figure().add_subplot())
     assert ax.collections[0].get_array().sum() == pytest.approx(180.0, rel=1e-6)  # mN
 
@@ -528,9 +511,7 @@ def test_a_fit_on_pillars_solves_hundreds_of_slider_motions_not_thousands(monkey
     from studies.inverse import fit, prediction
     from studies.inverse.result import GRID
 
-    true = scene(
-        wave={"normal_amplitude": [10e-9, 15e-9, 20e-9]}, friction_coefficient=0.2, pillars={"rows": 4}
-    )
+    true = scene(wave={"normal_amplitude": [10e-9, 15e-9, 20e-9]}, friction_coefficient=0.2, pillars={"rows": 4})
     speeds = tuple(run(true).velocity)
     solved, velocities = [], prediction.MeasurementPredictor.velocities
 
@@ -543,11 +524,7 @@ def test_a_fit_on_pillars_solves_hundreds_of_slider_motions_not_thousands(monkey
         name="lab", quantity="velocity", level_key="normal_amplitude_m", levels=(10e-9, 15e-9, 20e-9),
         values=speeds, deviations=tuple(0.01 * abs(each) for each in speeds),
     )  # fmt: skip
-    found = fit(
-        true.replace(slider={"friction_coefficient": 0.1}),
-        [lab],
-        {"slider.friction_coefficient": (0.02, 0.6)},
-    )
+    found = fit(true.replace(slider={"friction_coefficient": 0.1}), [lab], {"slider.friction_coefficient": (0.02, 0.6)})
     assert found.values["slider.friction_coefficient"] == pytest.approx(0.2, rel=1e-5)
     assert sum(solved) < 500
     solved.clear()

@@ -58,9 +58,7 @@ def test_a_plan_is_what_the_run_costs(words, compiled):
     assert 1 / TIME_WITHIN < slowness < TIME_WITHIN
     assert 1 / MEMORY_WITHIN < used["bytes"] / planned["expected"]["bytes"] < MEMORY_WITHIN
     # only the run knows whether the beam is good enough
-    assert list(planned["left_out"]) == [
-        each for each in used["left_out"] if "the beam's own error" not in each
-    ]
+    assert list(planned["left_out"]) == [each for each in used["left_out"] if "the beam's own error" not in each]
     if used["unknowns"] is not None:
         levels = [level for part in planned["parts"] for level in part.get("levels", ())]
         at_its_order = [level["unknowns"] for level in levels if level["order"] == used["order"]]
@@ -83,9 +81,7 @@ def test_levels_are_those_that_the_run_solves():
     solved = [text for text in said if text.startswith("stator: order")]
     planned = plan(scene, tolerance=1e-2)
     (part,) = planned["parts"]
-    assert solved == [
-        f"stator: order {each['order']}, {each['edge_layers']} edge layers" for each in part["levels"]
-    ]
+    assert solved == [f"stator: order {each['order']}, {each['edge_layers']} edge layers" for each in part["levels"]]
     assert record.surface_wave.unknowns == part["levels"][-1]["unknowns"]
     assert planned["left_out"] == record.left_out
 
@@ -120,14 +116,10 @@ def test_kernels_that_are_not_there_are_counted(monkeypatch, tmp_path):
     (folder / "cycle-turn-9.o").write_bytes(b"")
     warm = plan(scene, tolerance=1e-3)
     assert not any("compiled first" in fact for fact in warm["parts"][0]["facts"])
-    assert cold["expected"]["seconds"] == pytest.approx(
-        warm["expected"]["seconds"] + COMPILE, rel=1e-12, abs=0
-    )
+    assert cold["expected"]["seconds"] == pytest.approx(warm["expected"]["seconds"] + COMPILE, rel=1e-12, abs=0)
 
 
-@pytest.mark.parametrize(
-    ("levels", "said"), [(1000, None), (30_000, "about 10 minutes"), (400_000, "about 2.2 hours")]
-)
+@pytest.mark.parametrize(("levels", "said"), [(1000, None), (30_000, "about 10 minutes"), (400_000, "about 2.2 hours")])
 def test_a_run_of_more_than_a_minute_is_said_before_it_begins(levels, said):
     from studies.report.explanation import long_wait
 

@@ -85,9 +85,7 @@ def test_bursts_with_a_wave_that_grows_and_fades_are_those_of_fixed_steps():
         during = contact.Envelope(time=at, amplitude=grown, phase=0 * at)
         fading = np.interp(at + long, time, factor.real) - grown
         after = contact.Envelope(time=at, amplitude=np.abs(fading), phase=0 * at)
-        truth = contact.step(
-            whole.slider, orbits(12e-9), cycles=cycles, envelope=during, after=after
-        ).displacement
+        truth = contact.step(whole.slider, orbits(12e-9), cycles=cycles, envelope=during, after=after).displacement
         for state, allowed in ((shaped.start(), 2e-10 + 2e-4 * abs(truth)), (FollowedMotor(shaped), 5e-12)):
             state.advance(long, 12e-9)
             state.advance(0.02, 0.0)
@@ -190,9 +188,7 @@ class Jumping:
 
 def test_times_overshoot_and_bursts_of_an_invented_move():
     path = iter([0.5e-6, 1.2e-6, 1.05e-6, 1.005e-6, 1.001e-6, 1.001e-6, 1.001e-6])
-    known = MotorNumbers(
-        level=1.0, dead_zone=0.0, acceleration=1.0, braking=1.0, delay=0.0, speed_per_level=1.0
-    )
+    known = MotorNumbers(level=1.0, dead_zone=0.0, acceleration=1.0, braking=1.0, delay=0.0, speed_per_level=1.0)
 
     def control(reading):
         place = next(path, None)
@@ -200,12 +196,7 @@ def test_times_overshoot_and_bursts_of_an_invented_move():
         return Command(level=place or 0.0, duration=reading.period, phase="burst" if place else "rest")
 
     found = moved(
-        Jumping(),
-        1e-6,
-        control,
-        known,
-        Loop(noise=0.0, period=1e-3),
-        Drives(powers=(2.0, 0.0), frequency=1e6),
+        Jumping(), 1e-6, control, known, Loop(noise=0.0, period=1e-3), Drives(powers=(2.0, 0.0), frequency=1e6)
     )
     assert found.overshoot == pytest.approx(0.2e-6)
     assert found.within[1e-7] == pytest.approx(2.1e-3)  # the first instant of the third period

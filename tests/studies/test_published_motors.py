@@ -64,9 +64,7 @@ def test_a_band_that_holds_anything_says_little():
 
 def test_corners_are_all_combinations():
     found = list(
-        corners(
-            {"a": Unknown(name="A", taken=1, swept=(1, 2)), "b": Unknown(name="B", taken=1, swept=(1, 2, 3))}
-        )
+        corners({"a": Unknown(name="A", taken=1, swept=(1, 2)), "b": Unknown(name="B", taken=1, swept=(1, 2, 3))})
     )
     assert len(found) == 6
     assert {"a": 2, "b": 3} in found
@@ -130,8 +128,6 @@ def test_the_amplitude_per_volt_is_near_the_strip_charges():
 
 def test_the_silicon_slider_is_slower_than_the_surface_and_meets_what_is_published():
     (found,) = study._raj()
-    assert found["published_high"] == pytest.approx(
-        2 * math.pi * 13.5e6 * 12e-9 * model.ratio("LiNbO3 (Kovacs)")
-    )
+    assert found["published_high"] == pytest.approx(2 * math.pi * 13.5e6 * 12e-9 * model.ratio("LiNbO3 (Kovacs)"))
     assert 0 < found["low"] < found["predicted"] < found["high"] < found["published_high"]
     assert not found["verdict"].startswith("outside")

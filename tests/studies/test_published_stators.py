@@ -22,9 +22,7 @@ def test_fingers_and_strips_are_those_of_the_whole_stator():
         fem.Transducer(name="row", center=at, finger_pairs=6, period=400e-6, **shared),
     )  # fmt: skip
     place = at + 4e-3
-    wave = fem.driven_wave(
-        stator, both, frequency=study.FREQUENCY, drive="row", tolerance=2e-2, places=(place,)
-    )
+    wave = fem.driven_wave(stator, both, frequency=study.FREQUENCY, drive="row", tolerance=2e-2, places=(place,))
     assert wave.power.right / wave.circuit.power == pytest.approx(case["share"], rel=3e-2)
     assert wave.admittance.real == pytest.approx(1 / case["load_ohm"], rel=3e-2)
     assert abs(wave.rayleigh_motion(place)[1]) == pytest.approx(case["motion_m_per_V"], rel=3e-2)
@@ -44,9 +42,7 @@ def test_a_conjugate_load_takes_the_share_and_leaves_the_reflection():
     reflected = loaded[far, far] + loaded[far, 0] * back * to_left
     ratio = (1 + abs(reflected)) / (1 - abs(reflected))
     assert ratio == pytest.approx(case["standing_wave_ratio"], rel=1e-4)
-    current = (
-        row.detection[far] + row.detection[0] * back * to_left
-    )  # per incoming amplitude, before its own voltage
+    current = row.detection[far] + row.detection[0] * back * to_left  # per incoming amplitude, before its own voltage
     voltage = -current / (row.admittance + load)
     assert abs(voltage) ** 2 * load.real == pytest.approx(case["share"], rel=1e-3)
 

@@ -198,10 +198,7 @@ def test_a_kill_at_any_move_of_a_commit_loses_nothing(tmp_path):
 
 def test_a_second_run_in_the_same_directory_is_refused(tmp_path):
     with result_directory(tmp_path / "motor", RUN) as result:
-        with (
-            pytest.raises(RunError, match="another run is writing"),
-            result_directory(tmp_path / "motor", RUN),
-        ):
+        with pytest.raises(RunError, match="another run is writing"), result_directory(tmp_path / "motor", RUN):
             pytest.fail("lent twice")
         (result.folder / "run.json").write_text("{}")
         result.commit()

@@ -104,9 +104,7 @@ def test_the_error_knows_the_envelope_s(record):
 def test_without_a_burst_nothing_rings():
     scene = replace(chip(), drive=replace(chip().drive, burst=None))
     assert not any("ring-up" in reason for reason in left_out(resolved(scene)))
-    assert "the burst's ring-up: the slider stands over a transducer or a meshed piece" in left_out(
-        resolved(chip())
-    )
+    assert "the burst's ring-up: the slider stands over a transducer or a meshed piece" in left_out(resolved(chip()))
 
 
 def test_a_stator_that_rings_too_long_is_an_error_and_said(monkeypatch):

@@ -33,9 +33,7 @@ def test_the_default_scene_is_the_motor_of_the_paper():
 
 def test_a_scene_built_in_python_equals_the_scene_read():
     left, right = (
-        Transducer(
-            name=n, center=c, finger_pairs=10, period="half-space", metallisation=0.5, aperture="20 mm"
-        )
+        Transducer(name=n, center=c, finger_pairs=10, period="half-space", metallisation=0.5, aperture="20 mm")
         for n, c in (("left", "15 mm"), ("right", 0.145))
     )
     built = Scene(
@@ -119,8 +117,7 @@ def test_any_contact_scene_survives_being_written(title, wave, slider):
 @AT_ANY_SPEED
 @given(
     st.one_of(
-        st.sampled_from(["Z", "X", "YZ", "128YX", "ST-X"]),
-        st.lists(st.floats(-360, 360), min_size=3, max_size=3),
+        st.sampled_from(["Z", "X", "YZ", "128YX", "ST-X"]), st.lists(st.floats(-360, 360), min_size=3, max_size=3)
     ),
     st.one_of(st.just("half-space"), positive),
     st.sampled_from(["free", "grounded", "clamped", "absorbing"]),
@@ -138,12 +135,8 @@ def test_any_driven_scene_survives_being_written(
     scene = replace(
         scene,
         stator=replace(scene.stator, orientation=orientation, thickness=thickness, bottom=bottom),
-        transducer=[
-            replace(t, termination=termination, metallisation=metallisation) for t in scene.transducer
-        ],
-        drive=replace(
-            scene.drive, burst=burst, source_impedance=0 if isinstance(termination, str) else termination
-        ),
+        transducer=[replace(t, termination=termination, metallisation=metallisation) for t in scene.transducer],
+        drive=replace(scene.drive, burst=burst, source_impedance=0 if isinstance(termination, str) else termination),
         slider=replace(scene.slider, contacts=offsets),
     )
     assert Scene.from_table("", tomllib.loads(document(scene.to_table()))) == scene
@@ -152,12 +145,7 @@ def test_any_driven_scene_survives_being_written(
 @pytest.mark.parametrize(
     "material",
     [
-        {
-            "youngs_modulus": "70 GPa",
-            "poisson_ratio": 0.33,
-            "density": "2.7 g/cm^3",
-            "mechanical_quality": 900,
-        },
+        {"youngs_modulus": "70 GPa", "poisson_ratio": 0.33, "density": "2.7 g/cm^3", "mechanical_quality": 900},
         {
             "stiffness": [[100e9 if i == j else 0 for j in range(6)] for i in range(6)],
             "coupling": [[0.0] * 6] * 3,

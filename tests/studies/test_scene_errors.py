@@ -138,10 +138,7 @@ def test_a_byte_order_mark_and_line_ends_of_other_systems_are_accepted(written):
 
 @pytest.mark.parametrize(
     ("content", "words"),
-    [
-        ("title = 'a'".encode("utf-16"), "UTF-16"),
-        (b"# ok\ntitle = '\xb5m'", "line 2: a character is not UTF-8"),
-    ],
+    [("title = 'a'".encode("utf-16"), "UTF-16"), (b"# ok\ntitle = '\xb5m'", "line 2: a character is not UTF-8")],
 )
 def test_another_encoding_is_named(written, content, words):
     assert words in faults(written(content))[0]

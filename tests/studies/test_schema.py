@@ -134,10 +134,7 @@ def changed(path: str, value) -> dict:
     if path == "slider.heights":
         table["slider"]["contacts"] = ["-1 mm", 0, "1 mm"]
     if path.startswith("slider.pillars") or path in OF_PILLARS:
-        own = {
-            "slider.pillars.file": {"diameter": "20 um"},
-            "slider.pillars.area": dict(list(PILLARS.items())[:2]),
-        }
+        own = {"slider.pillars.file": {"diameter": "20 um"}, "slider.pillars.area": dict(list(PILLARS.items())[:2])}
         del table["slider"]["radius"], table["slider"]["contacts"]
         table["slider"]["pillars"] = dict(own.get(path, PILLARS))
     holder = table
@@ -220,9 +217,7 @@ def test_what_is_no_range_and_no_tolerance_is_neither_in_the_schema(path, value)
         VALIDATOR.validate(changed(path, value))
 
 
-@pytest.mark.parametrize(
-    "path", [path for path, key in PATHS.items() if key.required and path != "stator.material"]
-)
+@pytest.mark.parametrize("path", [path for path, key in PATHS.items() if key.required and path != "stator.material"])
 def test_a_missing_key_is_missed_by_the_schema(path):
     table = changed(path, None)
     *blocks, last = [int(part) if part.isdigit() else part for part in path.split(".")]

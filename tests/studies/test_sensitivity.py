@@ -8,15 +8,7 @@ from studies import Scene
 from studies import run as run_chain
 from studies.inverse import sensitivity
 from studies.inverse.prediction import MeasurementPredictor
-from studies.inverse.sensitivity import (
-    _answers,
-    _without_effect,
-    both_sides,
-    elasticities,
-    numbers,
-    run,
-    tables,
-)
+from studies.inverse.sensitivity import _answers, _without_effect, both_sides, elasticities, numbers, run, tables
 
 
 @pytest.fixture(scope="module")
@@ -131,15 +123,8 @@ def test_what_is_said_to_have_no_effect_is_tried(predictor):
 def test_the_study_says_what_has_no_effect():
     record = run("twente-contact", outcomes=("velocity", "release"))
     assert all(finding.confirmed for finding in record.findings)
-    assert (
-        record.findings[0].statement == "Without effect on the velocity: slider.mass, slider.damping.normal."
-    )
-    cells = (
-        tables(record)["sensitivity.csv"]
-        .split("velocity,wave.tangential_ratio,")[1]
-        .split("\n")[0]
-        .split(",")
-    )
+    assert record.findings[0].statement == "Without effect on the velocity: slider.mass, slider.damping.normal."
+    cells = tables(record)["sensitivity.csv"].split("velocity,wave.tangential_ratio,")[1].split("\n")[0].split(",")
     elasticity, _, more, less = map(float, cells)
     assert (more, less) == pytest.approx((0.01 * elasticity, -0.01 * elasticity), rel=0.05)
     assert more != -less
@@ -156,22 +141,18 @@ def test_both_sides_are_those_of_whole_runs_and_a_bend_is_said(predictor):
         for factor in (1.0, 1.01, 0.99)
     ]
     assert speeds[2] == 0.0
-    more, less = both_sides(
-        MeasurementPredictor(near), "velocity", 1.005 * threshold, ("wave.tangential_ratio",)
-    )["wave.tangential_ratio"]
+    more, less = both_sides(MeasurementPredictor(near), "velocity", 1.005 * threshold, ("wave.tangential_ratio",))[
+        "wave.tangential_ratio"
+    ]
     assert more == pytest.approx(speeds[1] / speeds[0] - 1.0, rel=1e-3)
     assert less == -1.0
     record = run(near, outcomes=("velocity",))
     said = [text for _, text in record.answer if text.startswith("bends with wave.tangential_ratio")]
-    assert said == [
-        f"bends with wave.tangential_ratio: {100 * more:+.3g} % for 1 % more, -100 % for 1 % less"
-    ]
+    assert said == [f"bends with wave.tangential_ratio: {100 * more:+.3g} % for 1 % more, -100 % for 1 % less"]
 
 
 def test_a_state_that_averaging_does_not_give_is_judged_by_the_tolerance_of_the_question():
-    scene = Scene.load("twente-contact").replace(
-        wave={"normal_amplitude": ["3 nm"]}, slider={"method": "exact"}
-    )
+    scene = Scene.load("twente-contact").replace(wave={"normal_amplitude": ["3 nm"]}, slider={"method": "exact"})
     predictor = MeasurementPredictor(scene, tolerance=1e-2)
     loose, tight = (predictor.answers([{}], tolerance=each)[0] for each in (None, 1e-11))
     assert loose["status"] == "ok"

@@ -83,17 +83,12 @@ def test_equal_sources_leave_a_slider_in_the_middle_at_rest():
 
 def test_the_slider_turns_round_with_the_stronger_source():
     """Exchanging both amplitudes mirrors the motor: the opposite velocity."""
-    found = [
-        run(motor(sources={"left": left, "right": right}), tolerance=1e-2)
-        for left, right in ((1, 0.3), (0.3, 1))
-    ]
+    found = [run(motor(sources={"left": left, "right": right}), tolerance=1e-2) for left, right in ((1, 0.3), (0.3, 1))]
     one, other = (record.points[0]["velocity_m_per_s"] for record in found)
     assert one < 0
     assert other == pytest.approx(-one, rel=1e-6)
     ports = found[0].electrical["sources"]
     assert list(ports) == ["left", "right"]
     assert ports["right"]["voltage_per_volt"] == pytest.approx(0.3, rel=1e-14)
-    power = sum(
-        0.5 * (each["voltage_per_volt"] * np.conj(each["current_A_per_V"])).real for each in ports.values()
-    )
+    power = sum(0.5 * (each["voltage_per_volt"] * np.conj(each["current_A_per_V"])).real for each in ports.values())
     assert found[0].electrical["power_W_per_V2"] == pytest.approx(power, rel=1e-12)

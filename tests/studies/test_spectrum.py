@@ -102,10 +102,7 @@ def test_the_centre_is_that_of_the_lone_transducer():
 
 def test_periods_that_are_words():
     """auto: the strongest wave; half-space, and a row of one comb: the half-space's rule."""
-    words = (
-        chip("transducer.0.period=auto").transducer[0],
-        chip("transducer.0.period=half-space").transducer[0],
-    )
+    words = (chip("transducer.0.period=auto").transducer[0], chip("transducer.0.period=half-space").transducer[0])
     comb = replace(words[0], name="comb", center=16e-3, pattern="+" * 10, termination="open")
     rule_row = replace(words[1], name="rule", center=24e-3)
     found = resolved(replace(chip(), transducer=(words[0], comb, rule_row))).transducer

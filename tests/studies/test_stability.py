@@ -41,10 +41,7 @@ def warned():
         (lambda: (1e-4, 1e-4, True), "right"),
         (lambda: (1.9e-4, 1e-4, True), "right"),
         (lambda: (2.1e-4, 1e-4, True), "WRONG"),
-        (
-            lambda: (0.9e-5, 1e-9, True),
-            "right",
-        ),  # a hundredth of the tolerance: nothing was asked of the estimate
+        (lambda: (0.9e-5, 1e-9, True), "right"),  # a hundredth of the tolerance: nothing was asked of the estimate
         (lambda: (1.1e-5, 1e-9, True), "WRONG"),
         (lambda: (math.nan, 1e-4, True), "WRONG"),
         (lambda: (1e-4, math.nan, True), "WRONG"),
@@ -71,12 +68,7 @@ def test_a_verdict_follows_error_estimate_and_what_was_raised(posed, verdict):
         (stability_free, "free wave", "frequency", 1e13, "right"),
         pytest.param(stability_stator, "stator", "metallisation", 0.02, "right", marks=pytest.mark.slow),
         pytest.param(
-            stability_stator,
-            "stator",
-            "distance from a piece's resonance",
-            0.0,
-            "refused",
-            marks=pytest.mark.slow,
+            stability_stator, "stator", "distance from a piece's resonance", 0.0, "refused", marks=pytest.mark.slow
         ),
         (stability_stator, "stator", "distance from a cut-off", 0.0, "refused"),
         (stability_stator, "stator", "thickness, thick", 100.0, "refused"),
@@ -120,9 +112,7 @@ def record():
     made = rows()
     return stability.StudyRecord(
         name="stability",
-        panels=tuple(
-            stability._panel(part, [row for row in made if row["part"] == part]) for part in stability.PARTS
-        ),
+        panels=tuple(stability._panel(part, [row for row in made if row["part"] == part]) for part in stability.PARTS),
         findings=stability._findings(made),
         seconds=1.0,
     )
@@ -133,10 +123,7 @@ def test_the_atlas_leaves_tables_pictures_and_numbers(tmp_path):
     json.dumps(found.to_dict(), allow_nan=False)
     files = stability.tables(found)
     assert files["cases.csv"].count("\n") == 13
-    assert (
-        "| chain | a quantity | 1 m | 100 m | 3 | 1 | 1 | 1 |  | 0.33 | 1.5 | a/guard |"
-        in files["summary.md"]
-    )
+    assert "| chain | a quantity | 1 m | 100 m | 3 | 1 | 1 | 1 |  | 0.33 | 1.5 | a/guard |" in files["summary.md"]
     stability.draw(found, tmp_path, progress=lambda text: None)
     assert {path.name for path in tmp_path.iterdir()} == {
         "free_wave.png", "stator.png", "contact.png", "chain.png", "error_against_estimate.png",
@@ -162,14 +149,10 @@ QUICK = (
 )
 
 
-@pytest.mark.parametrize(
-    "omission", [each for each in OMISSIONS if each.part in QUICK], ids=lambda each: each.part
-)
+@pytest.mark.parametrize("omission", [each for each in OMISSIONS if each.part in QUICK], ids=lambda each: each.part)
 def test_the_answer_is_the_same_with_a_part_put_back(omission):
     first, second = omission.without(), omission.put_back()
-    assert first.values == pytest.approx(
-        second.values, rel=0, abs=omission.allowed * abs(second.values).max()
-    )
+    assert first.values == pytest.approx(second.values, rel=0, abs=omission.allowed * abs(second.values).max())
     assert first.unknowns != second.unknowns or np.any(first.values != second.values), "the two are one run"
 
 

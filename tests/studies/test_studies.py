@@ -11,17 +11,7 @@ from studies.refusal import SceneError
 from studies.results import MANIFEST
 from studies.scene import Scene
 from studies.scene.toml import document
-from studies.study import (
-    ALIASES,
-    STUDIES,
-    Finding,
-    Panel,
-    StudyRecord,
-    draw_study,
-    module,
-    question,
-    run_study,
-)
+from studies.study import ALIASES, STUDIES, Finding, Panel, StudyRecord, draw_study, module, question, run_study
 
 
 def quiet(text):
@@ -108,9 +98,7 @@ def test_the_paper_is_borne_out_but_for_the_damping_of_figure_7b(seed):
     _, text, record = seed
     contradicted = [finding for finding in record["findings"] if not finding["confirmed"]]
     assert len(record["findings"]) == 15
-    assert [finding["statement"] for finding in contradicted] == [
-        'Section IV: "A damped oscillation will occur."'
-    ]
+    assert [finding["statement"] for finding in contradicted] == ['Section IV: "A damped oscillation will occur."']
     assert text.count(": confirmed") == 14
 
 
@@ -189,13 +177,7 @@ def test_error_against_time_has_three_parts_whose_errors_are_stated(studied):
     assert list(record["panels"]) == [f"error_vs_time_{part}" for part in ("chain", "stator", "contact")]
     contact = record["panels"]["error_vs_time_contact"]
     rows = dict(zip(contact["curve"], contact["true_relative_error"], strict=True))
-    assert set(rows) == {
-        "burst, exact",
-        "burst, stepped",
-        "burst, averaged",
-        "steady, exact",
-        "steady, averaged",
-    }
+    assert set(rows) == {"burst, exact", "burst, stepped", "burst, averaged", "steady, exact", "steady, averaged"}
     assert max(rows.values()) < 1e-3
     assert rows["burst, stepped"] > 1e-9  # not the same computation as the converged answer
     assert [finding["confirmed"] for finding in record["findings"]] == [True] * 3
@@ -209,9 +191,7 @@ def test_a_study_answers_to_its_former_name(name):
 def test_what_the_contact_cannot_answer_is_no_defect_of_the_program(tmp_path, capsys):
     """Without friction no step is planned."""
     file = tmp_path / "smooth.toml"
-    file.write_text(
-        document(Scene.load("twente-contact").replace(slider={"friction_coefficient": 0.0}).to_table())
-    )
+    file.write_text(document(Scene.load("twente-contact").replace(slider={"friction_coefficient": 0.0}).to_table()))
     assert main(["study", "step_planner", str(file), "--quick", "--out", str(tmp_path / "out")]) == 3
     assert "defect" not in (said := capsys.readouterr().err)
     assert "runaway" in said

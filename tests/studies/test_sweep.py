@@ -149,9 +149,7 @@ def test_a_row_is_what_a_run_of_its_scene_finds(whole):
         for key in OVER:
             here = replaced(here, key, whole[key][point])
         (expected,) = run(Scene.from_table("", here), tolerance=1e-3).points
-        speed = max(
-            abs(expected["velocity_m_per_s"]), 2 * np.pi * 2.2e6 * whole["tangential_amplitude_m"][point] / 10
-        )
+        speed = max(abs(expected["velocity_m_per_s"]), 2 * np.pi * 2.2e6 * whole["tangential_amplitude_m"][point] / 10)
         allowed = 2 * (expected["relative_error"] + whole["relative_error"][point]) * speed + 1e-12
         assert abs(whole["velocity_m_per_s"][point] - expected["velocity_m_per_s"]) <= allowed
         assert (whole["regime"][point], whole["status"][point]) == (expected["regime"], "ok")
@@ -232,9 +230,7 @@ def test_the_stator_is_solved_once_for_each_frequency_and_geometry(tmp_path, mon
 
 def test_many_frequencies_of_a_plane_section_are_a_band():
     """A band gives what a run gives at each frequency by itself."""
-    found = sweep(
-        PLANE, {"drive.frequency": "2.17 MHz:2.22 MHz:6", "slider.position": [6.5e-3, 7e-3]}, tolerance=2e-2
-    )
+    found = sweep(PLANE, {"drive.frequency": "2.17 MHz:2.22 MHz:6", "slider.position": [6.5e-3, 7e-3]}, tolerance=2e-2)
     assert found.counts == {"ok": 12}
     columns = found.columns()
     table = PLANE
@@ -252,11 +248,7 @@ def test_a_stator_without_an_answer_costs_its_own_points_alone(monkeypatch):
 
     def failing(*given, frequency, **options):
         if frequency > 2.195e6:
-            raise (
-                fem.ConvergenceError("its error stays large")
-                if frequency < 2.205e6
-                else ZeroDivisionError("0/0")
-            )
+            raise (fem.ConvergenceError("its error stays large") if frequency < 2.205e6 else ZeroDivisionError("0/0"))
         return solved(*given, frequency=frequency, **options)
 
     monkeypatch.setattr(fem, "driven_wave", failing)
@@ -413,9 +405,7 @@ def test_a_full_disk_is_said_and_costs_nothing_that_was_kept(tmp_path):
     found = sweep("twente-contact", over, out=tmp_path / "s")
     columns = found.columns()
     assert found.counts == {"ok": 2000}
-    assert [row[3:] for row in kept] == [
-        tuple(columns[name][row[0]] for name in list(columns)[3:]) for row in kept
-    ]
+    assert [row[3:] for row in kept] == [tuple(columns[name][row[0]] for name in list(columns)[3:]) for row in kept]
 
 
 class Poisoned(Workers):
@@ -470,9 +460,7 @@ def test_processes_that_do_not_start_are_said_to(tmp_path):
         "from studies.sweeps import sweep\nsweep('twente-contact', {'slider.radius': [1e-3]}, workers=2)\n"
     )
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-    done = subprocess.run(
-        [sys.executable, script], capture_output=True, text=True, env=environment, timeout=100
-    )
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, env=environment, timeout=100)
     assert "RunError: the worker processes do not start" in done.stderr
 
 
@@ -481,9 +469,7 @@ def test_an_interrupt_from_the_terminal_stops_processes_and_keeps_points(tmp_pat
     # so many points that no machine is done with them before the interrupt
     over = {"slider.preload": "0.1 mN:10 mN:1000:log", "wave.normal_amplitude": "0.5 nm:20 nm:1000:log"}
     words = [part for key, text in over.items() for part in ("--over", f"{key}={text}")]
-    process = command(
-        "twente-contact", *words, "--workers", "2", "--out", str(tmp_path / "s"), start_new_session=True
-    )
+    process = command("twente-contact", *words, "--workers", "2", "--out", str(tmp_path / "s"), start_new_session=True)
     while not seen(tmp_path / "s"):
         time.sleep(0.1)
     os.killpg(process.pid, signal.SIGINT)
@@ -499,9 +485,7 @@ def test_a_worker_starts_deaf_to_interrupts():
     with closing(Processes(1)) as staff:
         pid = staff.submit(os.getpid).result()
         masks = dict(line.split(":") for line in Path(f"/proc/{pid}/status").read_text().splitlines())
-    assert (
-        int(masks["SigBlk"], 16) & 1 << signal.SIGINT - 1
-    )  # held back by who started it, from its first instruction
+    assert int(masks["SigBlk"], 16) & 1 << signal.SIGINT - 1  # held back by who started it, from its first instruction
     assert int(masks["SigIgn"], 16) & 1 << signal.SIGINT - 1
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
 
@@ -520,9 +504,7 @@ def test_a_worker_has_one_blas_thread_and_the_environment_stays(monkeypatch):
 @pytest.mark.slow
 def test_a_dask_cluster_gives_the_same_bits(whole, tmp_path):
     distributed = pytest.importorskip("distributed", reason="Dask is optional")
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
-    ) as cluster:
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
         found = sweep("twente-contact", OVER, workers=cluster.scheduler_address)
     assert found.columns() == whole
 
@@ -595,11 +577,7 @@ def test_a_tolerance_that_is_none_is_refused(tolerance):
 
 def test_a_store_with_gaps_is_filled_where_the_stator_s_axis_is_not_the_first(tmp_path):
     """Three loads, two frequencies, three voltages; five rows of both frequencies are lost."""
-    over = {
-        "slider.load": [0.0, 2e-6, 4e-6],
-        "drive.frequency": [2.18e6, 2.2e6],
-        "drive.voltage": [20.0, 60.0, 90.0],
-    }
+    over = {"slider.load": [0.0, 2e-6, 4e-6], "drive.frequency": [2.18e6, 2.2e6], "drive.voltage": [20.0, 60.0, 90.0]}
     whole = sweep(PLANE, over, tolerance=3e-2, out=tmp_path / "s").columns()
     with sqlite3.connect(tmp_path / "s" / FILE) as connection:
         connection.execute("delete from points where point in (1, 3, 8, 10, 17)")
@@ -647,12 +625,7 @@ def test_every_number_of_a_dataset_has_the_unit_of_its_name():
 def test_five_balls_in_phase_have_five_times_the_thrust_at_the_same_efficiency():
     """Mass, preload, and viscous dampers five times as large: each ball moves as the one did."""
     slider = PLANE["slider"] | {"preload": 0.9e-3, "mass": 0.089e-3}
-    five = {
-        "contacts": 5,
-        "mass": 5 * 0.089e-3,
-        "preload": 4.5e-3,
-        "damping": {"normal": 2.5, "tangential": 5e-4},
-    }
+    five = {"contacts": 5, "mass": 5 * 0.089e-3, "preload": 4.5e-3, "damping": {"normal": 2.5, "tangential": 5e-4}}
 
     def answers(changes):
         table = PLANE | {"slider": slider | changes}

@@ -31,14 +31,7 @@ def fading(place):
 
 def burst(duration, envelope=None):
     return contact.burst(
-        SLIDER,
-        BASE,
-        duration=duration,
-        after=0.01,
-        tolerance=1e-3,
-        samples=400,
-        method="stepped",
-        envelope=envelope,
+        SLIDER, BASE, duration=duration, after=0.01, tolerance=1e-3, samples=400, method="stepped", envelope=envelope
     )
 
 

@@ -45,12 +45,8 @@ def written(tmp_path_factory):
     file.write_text("normal_amplitude_m,velocity_m_per_s,error_m_per_s\n5e-9,0.03,0.001\n")
     short = ("stator.length=24 mm", "stator.thickness=2 mm", "transducer.0.center=8 mm",
              "transducer.0.period=0.98 mm")  # fmt: skip
-    motor = changed(
-        "twente-left", *short, "slider.position=17.123 mm", "drive.voltage=[1, 60]", "drive.burst=0.1 ms"
-    )
-    given = changed(
-        "twente-contact", "wave.burst=0.2 ms", "wave.normal_amplitude=[3e-9, 10e-9]", "slider.method=exact"
-    )
+    motor = changed("twente-left", *short, "slider.position=17.123 mm", "drive.voltage=[1, 60]", "drive.burst=0.1 ms")
+    given = changed("twente-contact", "wave.burst=0.2 ms", "wave.normal_amplitude=[3e-9, 10e-9]", "slider.method=exact")
     found = set()
     for scene in (motor, given, Scene.load("rayleigh")):
         record = run(scene, tolerance=1e-2)

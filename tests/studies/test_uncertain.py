@@ -61,9 +61,7 @@ def test_a_tolerance_of_the_level_moves_along_the_curve():
     """With 5 % on the amplitude alone the band is half the difference of the velocities 5 % above and below."""
     record = run(motor(("5.7 nm", "6 nm", "6.3 nm"), wave={"normal_amplitude": "5 %"}))
     below, point, above = record.velocity[0], record.points[1], record.velocity[2]
-    assert point["velocity_high_m_per_s"] - point["velocity_m_per_s"] == pytest.approx(
-        (above - below) / 2, rel=1e-6
-    )
+    assert point["velocity_high_m_per_s"] - point["velocity_m_per_s"] == pytest.approx((above - below) / 2, rel=1e-6)
 
 
 def test_where_the_answer_bends_the_band_holds_the_middle_and_both_ends(capsys):
@@ -82,27 +80,16 @@ def test_where_the_answer_bends_the_band_holds_the_middle_and_both_ends(capsys):
         assert point["velocity_low_m_per_s"] == pytest.approx(low, abs=1e-9)
         assert point["velocity_high_m_per_s"] == pytest.approx(high, rel=1e-3)
     assert record.uncertainty["bent"] == {"wave.normal_amplitude": 2}
-    assert "the answer is nonlinear within the tolerance of wave.normal_amplitude at 2 points" in answer(
-        record
-    )
+    assert "the answer is nonlinear within the tolerance of wave.normal_amplitude at 2 points" in answer(record)
     half = (ends[2, 1] - ends[2, 0]) / 2  # and where it does not, the band is half the difference
     assert record.points[2]["velocity_high_m_per_s"] - record.velocity[2] == pytest.approx(half, rel=1e-3)
 
 
 def test_a_value_with_its_tolerance_is_an_entry_of_the_block():
     """The tolerance takes the value's unit and the value the tolerance's."""
-    text = {
-        "preload": "0.8 +- 0.02 mN",
-        "mass": "89 mg ± 2",
-        "friction_coefficient": "0.08 +/- 0.02",
-        "load": "0 N",
-    }
+    text = {"preload": "0.8 +- 0.02 mN", "mass": "89 mg ± 2", "friction_coefficient": "0.08 +/- 0.02", "load": "0 N"}
     scene = Scene.load("twente-contact").replace(slider=text)
-    assert (scene.slider.preload, scene.slider.mass, scene.slider.friction_coefficient) == (
-        8e-4,
-        8.9e-5,
-        0.08,
-    )
+    assert (scene.slider.preload, scene.slider.mass, scene.slider.friction_coefficient) == (8e-4, 8.9e-5, 0.08)
     assert dict(scene.uncertain) == {
         "slider.preload": "+- 0.02 mN", "slider.mass": "+- 2 mg", "slider.friction_coefficient": "+- 0.02"
     }  # fmt: skip
@@ -158,9 +145,7 @@ def test_tolerances_without_a_slider_and_given_twice_are_refused():
         motor(slider={"preload": "1 %"}).replace(slider={"preload": "1 +- 0.1 mN"})
 
 
-@pytest.mark.parametrize(
-    "words", [["sweep", "--over", "slider.preload=1 mN,2 mN"], ["study", "regime_map", "--quick"]]
-)
+@pytest.mark.parametrize("words", [["sweep", "--over", "slider.preload=1 mN,2 mN"], ["study", "regime_map", "--quick"]])
 def test_what_draws_no_bands_says_so(words, tmp_path, capsys):
     scene = tmp_path / "motor.toml"
     scene.write_text(document(motor(slider={"preload": "+- 5 %"}).to_table()))

@@ -129,9 +129,7 @@ def test_the_exported_field_moves_the_surface_as_the_run_says(found, folder, tmp
     for axis, name in ((0, "section_tangential_m_per_V"), (2, "section_normal_m_per_V")):
         for part, key in enumerate(("real", "imag")):
             values = mesh.point_data[f"displacement_m_per_V_{key}"][top, axis]
-            assert np.interp(14.123e-3, x[order], values[order]) == pytest.approx(
-                wave[name][part], rel=1e-10, abs=0
-            )
+            assert np.interp(14.123e-3, x[order], values[order]) == pytest.approx(wave[name][part], rel=1e-10, abs=0)
     for name in ("strain_energy_J_per_m3_per_V2", "power_flow_W_per_m2_per_V2"):
         assert {name, f"{name}_pulse_real", f"{name}_pulse_imag"} <= set(mesh.point_data)
 
@@ -181,12 +179,8 @@ def test_in_time_the_drawn_wave_runs_and_its_crests_move_back(found):
 def test_colours_reach_from_end_to_end_of_the_field_and_say_it(found):
     drawn = picture_of(found, views(found), size=(1000, 700))
     ((start, stop),) = found.spans
-    outside = (found.field.x < start - 0.25 * found.wavelength) | (
-        found.field.x > stop + 0.25 * found.wavelength
-    )
-    assert (
-        abs(found.field.displacement[..., 2]).max() * 1e9 > 1.01 * drawn.shade.reach
-    )  # singular at the edges
+    outside = (found.field.x < start - 0.25 * found.wavelength) | (found.field.x > stop + 0.25 * found.wavelength)
+    assert abs(found.field.displacement[..., 2]).max() * 1e9 > 1.01 * drawn.shade.reach  # singular at the edges
     largest = abs(found.field.displacement[outside, :, 2]).max() * 1e9
     assert drawn.shade.limits == pytest.approx((-largest, largest), rel=1e-12)
     for number in (1, 2, 3):
@@ -207,9 +201,7 @@ def test_far_away_nodes_are_passed_over_and_none_is_averaged(found):
     lines, rows = np.searchsorted(field.x, far.x), np.abs(field.z[:, None] - far.z).argmin(axis=0)
     assert len(far.x) < 0.6 * len(field.x)
     np.testing.assert_array_equal(field.x[lines], far.x)
-    np.testing.assert_allclose(
-        far.displacement, field.displacement[np.ix_(lines, rows)][..., [0, 2]], rtol=1e-9
-    )
+    np.testing.assert_allclose(far.displacement, field.displacement[np.ix_(lines, rows)][..., [0, 2]], rtol=1e-9)
     assert np.diff(far.x)[:-1].min() >= 0.1e-3
 
 
@@ -222,9 +214,7 @@ def test_from_near_the_modes_give_the_lines_between(found):
     coarse = found.compute(span=(start, stop), per_wavelength=4000.0, energies=False)
     for k, axis in enumerate((0, 2)):
         expected = np.interp(near.x, coarse.x, coarse.displacement[:, -1, axis].real)
-        np.testing.assert_allclose(
-            near.displacement[:, -1, k].real, expected, atol=4e-6 * abs(expected).max()
-        )
+        np.testing.assert_allclose(near.displacement[:, -1, k].real, expected, atol=4e-6 * abs(expected).max())
 
 
 def test_the_enlarged_displacement_is_seen_and_its_factor_round(found):
@@ -267,9 +257,7 @@ def test_a_view_has_room_for_depth_and_ball(found, start, stop, whole):
     left, low, right, high = frame.box
     assert (right - left) * frame.pixel == pytest.approx(stop - start)
     assert drawn.plotter.renderers[1].camera.parallel_scale == pytest.approx(500 * (high - low) * frame.pixel)
-    assert drawn.plotter.renderers[1].viewport == pytest.approx(
-        (left / 1000, low / 500, right / 1000, high / 500)
-    )
+    assert drawn.plotter.renderers[1].viewport == pytest.approx((left / 1000, low / 500, right / 1000, high / 500))
     assert (frame.bottom == pytest.approx(found.field.z[0])) == whole
     assert (frame.top > 2 * found.radius) == whole
     assert frame.top > 0
@@ -289,9 +277,7 @@ def test_the_slider_s_view_holds_all_its_balls_and_no_empty_half(found, tmp_path
         assert saved.size == (400, 650 - int(low))
 
 
-@pytest.mark.parametrize(
-    ("span", "size"), [("wavelength", (1600, 1100)), ("slider", (720, 300)), (None, (1000, 700))]
-)
+@pytest.mark.parametrize(("span", "size"), [("wavelength", (1600, 1100)), ("slider", (720, 300)), (None, (1000, 700))])
 def test_captions_rulers_and_legend_do_not_collide(found, span, size):
     """Nothing is cut by the picture's edge; captions lie between the frames, colour bar and legend beside them."""
     shown = chosen_views(found, limits(found, span)) if span else views(found)
@@ -314,10 +300,7 @@ def test_captions_rulers_and_legend_do_not_collide(found, span, size):
         assert top <= low < high <= floor
     assert all(label in words_of(drawn.plotter) for label in ("6 of 6 fingers", "z (mm)"))
     (legend,) = (actor for actor in paper.GetViewProps() if actor.GetClassName() == "vtkLegendBoxActor")
-    assert [legend.GetEntryString(k) for k in range(legend.GetNumberOfEntries())] == [
-        "+ fingers",
-        "- fingers",
-    ]
+    assert [legend.GetEntryString(k) for k in range(legend.GetNumberOfEntries())] == ["+ fingers", "- fingers"]
     assert legend.GetPosition()[0] * size[0] > drawn.frames[0].box[2]
     assert ("1 wavelength, 13.63 to 14.62 mm" in words_of(drawn.plotter)) == (span == "wavelength")
 
@@ -384,9 +367,7 @@ def test_the_solid_carries_the_beam_over_its_whole_width(found):
     assert "on the surface" in words_of(drawn.plotter)
     assert np.asarray(drawn.plotter.screenshot(return_img=True)).std() > 5
     drawn.plotter.close()
-    with pytest.raises(
-        SceneError, match="--quantity must be one of u_x, u_y, u_z on the surface of the beam"
-    ):
+    with pytest.raises(SceneError, match="--quantity must be one of u_x, u_y, u_z on the surface of the beam"):
         picture_of(found, quantity="power_flow", **given)
 
 
@@ -448,9 +429,7 @@ def test_a_movie_as_mp4(tmp_path):
 def test_without_ffmpeg_the_sentence_says_what_to_install(monkeypatch, tmp_path):
     monkeypatch.setattr(shutil, "which", lambda name: None)
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    with pytest.raises(
-        RunError, match="ffmpeg, which is not installed: pip install imageio-ffmpeg, or name a"
-    ):
+    with pytest.raises(RunError, match="ffmpeg, which is not installed: pip install imageio-ffmpeg, or name a"):
         movie.ffmpeg()
 
 
@@ -523,9 +502,7 @@ def test_the_page_needs_nothing_from_elsewhere(page):
 
 def test_the_page_carries_the_field(page, found):
     meta = json.loads(re.search(r'<script id="meta"[^>]*>(.*?)</script>', page, re.S).group(1))
-    raw = gzip.decompress(
-        base64.b64decode(re.search(r'<script id="data"[^>]*>(.*?)</script>', page, re.S).group(1))
-    )
+    raw = gzip.decompress(base64.b64decode(re.search(r'<script id="data"[^>]*>(.*?)</script>', page, re.S).group(1)))
     arrays, offset = {}, 0
     for name, kind, length in meta["arrays"]:
         arrays[name] = np.frombuffer(raw, dtype=f"<{kind}", count=length, offset=offset)
@@ -549,31 +526,20 @@ def test_the_page_carries_the_field(page, found):
 def test_what_the_program_reads_is_installed_with_it():
     """Scenes, their reference and schema, templates and the marker of type hints are package data."""
     root = Path(__file__).parents[2]
-    patterns = tomllib.loads((root / "pyproject.toml").read_text())["tool"]["setuptools"]["package-data"][
-        "studies"
-    ]
+    patterns = tomllib.loads((root / "pyproject.toml").read_text())["tool"]["setuptools"]["package-data"]["studies"]
     read = {
-        path
-        for suffix in ("toml", "html", "csv", "c", "h", "msh")
-        for path in (root / "studies").rglob(f"*.{suffix}")
+        path for suffix in ("toml", "html", "csv", "c", "h", "msh") for path in (root / "studies").rglob(f"*.{suffix}")
     }
     read |= set((root / "studies" / "scenes" / "meshes").glob("*.py"))  # the scripts that draw the meshes
     assert len(read) > 5
-    read |= {
-        root / "studies" / name
-        for name in ("py.typed", "glossary.md", "scenes/README.md", "scenes/schema.json")
-    }
+    read |= {root / "studies" / name for name in ("py.typed", "glossary.md", "scenes/README.md", "scenes/schema.json")}
     assert read == {path for pattern in patterns for path in (root / "studies").glob(pattern)}
 
 
 def chromium_says(file, tmp_path):
     """What headless Chromium writes on the console of a page, without a network, and the page's last state."""
-    flags = (
-        "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking"
-    )
-    flags += (
-        " --disable-component-update --disable-sync --enable-unsafe-swiftshader --enable-logging=stderr --v=0"
-    )
+    flags = "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking"
+    flags += " --disable-component-update --disable-sync --enable-unsafe-swiftshader --enable-logging=stderr --v=0"
     flags += f" --virtual-time-budget=3000 --user-data-dir={tmp_path / 'profile'} --dump-dom"
     done = subprocess.run(
         [CHROMIUM, *flags.split(), file.as_uri()], capture_output=True, text=True, timeout=120, check=True
@@ -610,16 +576,12 @@ def test_a_time_series_is_the_field_at_its_instants(found, tmp_path):
 
 
 def test_a_table_of_the_field_is_one_row_a_node(found, tmp_path):
-    field_data.save(
-        found, tmp_path / "field.csv", span=(0.0135, 0.014), instants=0, progress=quiet, note=quiet
-    )
+    field_data.save(found, tmp_path / "field.csv", span=(0.0135, 0.014), instants=0, progress=quiet, note=quiet)
     table = np.genfromtxt(tmp_path / "field.csv", delimiter=",", names=True)
     field = found.compute(span=(0.0135, 0.014), energies=True)
     assert len(table) == field.potential.size
     np.testing.assert_array_equal(table["u_z_m_per_V_im"], field.displacement[..., 2].imag.ravel())
-    np.testing.assert_array_equal(
-        table["strain_energy_J_per_m3_per_V2"], field.densities.strain_energy.ravel()
-    )
+    np.testing.assert_array_equal(table["strain_energy_J_per_m3_per_V2"], field.densities.strain_energy.ravel())
     np.testing.assert_array_equal(table["z_m"][: len(field.z)], field.z)
 
 
@@ -637,9 +599,7 @@ def test_the_size_of_a_large_file_is_said_before_it_is_written(found, tmp_path, 
     field_data.save(found, tmp_path / name, **given)
     (sentence,) = said
     assert before == [[]]
-    size = sum(
-        path.stat().st_size for path in tmp_path.rglob("*") if path.suffix != ".pvd" and path.is_file()
-    )
+    size = sum(path.stat().st_size for path in tmp_path.rglob("*") if path.suffix != ".pvd" and path.is_file())
     field = found.compute(span=(0.0135, 0.0155), energies=False)
     assert sentence.startswith(
         f"writing about {field_data.expected_size(field, tmp_path / name, instants) / 1e6:.0f} MB"
@@ -752,12 +712,8 @@ def test_bad_options_are_refused_in_one_sentence(computed, tmp_path, monkeypatch
 
 def test_a_place_that_cannot_be_written_is_said(computed, tmp_path, found):
     with pytest.raises(SceneError, match="cannot write"):
-        view.view(
-            computed, Wanted(screenshot=str(tmp_path / "no" / "a.png"), size=(300, 200)), progress=quiet
-        )
+        view.view(computed, Wanted(screenshot=str(tmp_path / "no" / "a.png"), size=(300, 200)), progress=quiet)
     for option, file in (("movie", "a.gif"), ("data", "a.csv")):
-        wanted = Wanted(
-            **{option: str(tmp_path / "no" / file)}, frames=2, size=(300, 200), span=(13.5e-3, 14e-3)
-        )
+        wanted = Wanted(**{option: str(tmp_path / "no" / file)}, frames=2, size=(300, 200), span=(13.5e-3, 14e-3))
         with pytest.raises(SceneError, match=f"--{option} cannot write .*no/{file}': No such file"):
             view.view(computed, wanted, progress=quiet)

@@ -98,9 +98,7 @@ def test_hertz_pressure_is_hertz():
 
 def test_pressure_on_the_balls():
     four = ['slider.contacts=["-6 mm", "-2 mm", "2 mm", "6 mm"]', 'slider.ball="steel"', "slider.preload=5 N"]
-    said = only(
-        warnings_of(record("lithium-niobate-yz", *four)), "at rest", "1.5 GPa", "ISO 281", "larger balls"
-    )
+    said = only(warnings_of(record("lithium-niobate-yz", *four)), "at rest", "1.5 GPa", "ISO 281", "larger balls")
     pressure = (6 * 1.25 * 101.155e9**2 / (math.pi**3 * 0.5e-3**2)) ** (1 / 3)
     assert f"{pressure / 1e9:.3g} GPa at rest" in said
     assert warnings_of(record("lithium-niobate-yz", *four[:2], "slider.preload=1 N")) == ()
@@ -144,9 +142,7 @@ def test_stress_of_the_wave():
     c = fem.material("PZT-8").stiffness
     strain = 2 * np.pi * 2.2e6 / 2172.0 * 1.7e-10
     limit = 34e6 / ((c[0, 0] - c[0, 2] ** 2 / c[2, 2]) * strain)
-    found = [
-        text for text in warnings_of(record("twente", f"drive.voltage={1.01 * limit}")) if "stress" in text
-    ]
+    found = [text for text in warnings_of(record("twente", f"drive.voltage={1.01 * limit}")) if "stress" in text]
     only(tuple(found), "34 MPa", f"below {limit:.3g} V")
     assert not [t for t in warnings_of(record("twente", f"drive.voltage={0.99 * limit}")) if "stress" in t]
 
@@ -165,18 +161,12 @@ def test_off_resonance():
 def test_lossless_stator_with_reflecting_ends():
     said = warnings_of(record("lithium-niobate-yz", "stator.ends=free"))
     only(said, "lossless", "standing-wave ratio 236", "stator.mechanical_quality")
-    assert (
-        warnings_of(record("lithium-niobate-yz", "stator.ends=free", "stator.mechanical_quality=5000")) == ()
-    )
+    assert warnings_of(record("lithium-niobate-yz", "stator.ends=free", "stator.mechanical_quality=5000")) == ()
     assert warnings_of(record("twente", "stator.ends=free")) == ()
 
 
 def test_thin_plate():
-    said = only(
-        warnings_of(record("twente", transfer_length=0.15)),
-        "150 mm of the stator's 160 mm",
-        "5.1 wavelengths",
-    )
+    said = only(warnings_of(record("twente", transfer_length=0.15)), "150 mm of the stator's 160 mm", "5.1 wavelengths")
     assert "absorbing" in said
     assert warnings_of(record("twente", transfer_length=0.17)) == ()
     assert warnings_of(record("twente", "stator.bottom=absorbing", transfer_length=0.15)) == ()
@@ -217,14 +207,7 @@ def test_reversal_between_neighbouring_points():
 
 
 def test_all_points_stick(tmp_path, capsys):
-    words = [
-        "run",
-        "twente-contact",
-        "--set",
-        "wave.normal_amplitude=[1e-11, 2e-11]",
-        "--no-plot",
-        "--report",
-    ]
+    words = ["run", "twente-contact", "--set", "wave.normal_amplitude=[1e-11, 2e-11]", "--no-plot", "--report"]
     assert main([*words, "--out", str(tmp_path / "out")]) == 0
     said = capsys.readouterr()
     kept = json.loads((tmp_path / "out" / "run.json").read_text())
@@ -243,9 +226,7 @@ def test_a_run_without_warnings_has_no_such_block(tmp_path, capsys):
 
 
 def test_a_second_steady_motion_is_said_with_both_velocities():
-    found = run(
-        scene("twente-contact", "wave.normal_amplitude=10 nm", "slider.damping.normal=0"), tolerance=1e-3
-    )
+    found = run(scene("twente-contact", "wave.normal_amplitude=10 nm", "slider.damping.normal=0"), tolerance=1e-3)
     (point,) = found.points
     here, other = (f"{point[key] * 1e3:.4g}" for key in ("velocity_m_per_s", "other_velocity_m_per_s"))
     only(warnings_of(found), "goes on for ever", here, other, "slider.damping.normal")
@@ -264,20 +245,13 @@ def test_a_finite_aperture_that_the_section_leaves_out_is_said():
     """From a tenth of u_z."""
     small, large = ({"effect": "finite aperture", "quantity": "u_z", "size": size} for size in (-0.09, -0.11))
     assert warnings_of(replace(record("twente"), model_error=(small,))) == ()
-    only(
-        warnings_of(replace(record("twente"), model_error=(large,))),
-        "-11 % of u_z",
-        "stator.diffraction = true",
-    )
+    only(warnings_of(replace(record("twente"), model_error=(large,))), "-11 % of u_z", "stator.diffraction = true")
 
 
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        (
-            ["slider.radius=0.5"],
-            "slider.radius = 0.5 m means balls of 1 m on a stator whose surface is 0.035 m across",
-        ),
+        (["slider.radius=0.5"], "slider.radius = 0.5 m means balls of 1 m on a stator whose surface is 0.035 m across"),
         (["slider.radius=0.017"], None),
         (["slider.radius=0.018"], "slider.radius = 0.018 m"),
         (['slider.contacts=["0 mm", ["1.2 mm", "1.5 mm"], "-4 mm"]'], "1 and 2 are 1.921 mm apart"),
@@ -302,9 +276,7 @@ def test_radius_in_metres_of_a_given_wave():
 
 
 def test_node_at_the_centre_of_balls_beside_it():
-    found = run(
-        scene("lithium-niobate-128yx", 'slider.position="6 mm"', 'drive.voltage="60 V"'), tolerance=0.05
-    )
+    found = run(scene("lithium-niobate-128yx", 'slider.position="6 mm"', 'drive.voltage="60 V"'), tolerance=0.05)
     assert not found.shortfall
     assert any("u_z vanishes at the slider's centre" in each for each in found.warnings)
 
@@ -317,6 +289,5 @@ def test_no_answer_where_the_wave_has_a_node_under_every_ball():
     assert found.refused
     beside = ['slider.position="6.1 mm"', "slider.contacts=1"]
     assert (
-        "vanishes"
-        not in run(scene("lithium-niobate-128yx", *beside, 'drive.voltage="60 V"'), tolerance=0.05).shortfall
+        "vanishes" not in run(scene("lithium-niobate-128yx", *beside, 'drive.voltage="60 V"'), tolerance=0.05).shortfall
     )

@@ -49,9 +49,7 @@ def _direct(problem: Problem, *, order: int, edge_layers: int):
             segment_size=1.0,
         )
         driven = problem.transducers[0].name
-        wired = solve_circuit(
-            solution.admittances, solution.names, problem.transducers, driven, problem.frequency
-        )
+        wired = solve_circuit(solution.admittances, solution.names, problem.transducers, driven, problem.frequency)
         motion = solution.surface(np.array([problem.place]))[:, 0] @ wired.voltages
         return wired.admittance, motion, solution.unknowns
 
@@ -118,11 +116,7 @@ def _hp(order, edge_layers, element_size, **rest) -> dict:
 _FINE = {"absorber": 8.0, "stretch": 1 - 1j}
 # curve: what makes it ready, settings from coarse to fine, packages beyond the program's own
 CURVES = {
-    "high order, no edge layers": (
-        _direct,
-        tuple({"order": p, "edge_layers": 0} for p in (4, 5, 6)),
-        ("pypardiso",),
-    ),
+    "high order, no edge layers": (_direct, tuple({"order": p, "edge_layers": 0} for p in (4, 5, 6)), ("pypardiso",)),
     "high order, edge layers": (
         _direct,
         tuple({"order": p, "edge_layers": layers} for p, layers in ((4, 1), (5, 1), (6, 1))),

@@ -78,17 +78,13 @@ class Reference:
         import ngsolve as ng
 
         self.drawing, self.solids = drawing, solids
-        self._electrodes = [
-            f"electrode{k}" for k in range(len(drawing.electrodes))
-        ]  # NGSolve reads "+" as a pattern
+        self._electrodes = [f"electrode{k}" for k in range(len(drawing.electrodes))]  # NGSolve reads "+" as a pattern
         self.mesh = ng.Mesh(self._geometry().GenerateMesh(maxh=size))
         self.mesh.RefineHP(layers, factor=RATIO)
         self.axes = (0, 1, 2) if any(_couples_y(each) for each in solids.values()) else (0, 2)
         piezo = "|".join(name for name in self.mesh.GetMaterials() if self._solid(name).is_piezoelectric)
         displacement = ng.H1(self.mesh, order=order, complex=True, dirichlet="clamped")
-        potential = ng.H1(
-            self.mesh, order=order, complex=True, definedon=piezo, dirichlet="|".join(self._electrodes)
-        )
+        potential = ng.H1(self.mesh, order=order, complex=True, definedon=piezo, dirichlet="|".join(self._electrodes))
         self.space = ng.FESpace([displacement] * len(self.axes) + [potential])
         first = next(iter(solids.values()))
         self.stress = float(first.stiffness.max())
@@ -107,9 +103,7 @@ class Reference:
                 inner = [p for p in self.drawing.vertices if _lies_on((a, b), p)]
                 corners += [a, *sorted(inner, key=lambda p, a=a: _apart(a, p))]
             corners = [
-                p
-                for p, before in zip(corners, [corners[-1], *corners], strict=False)
-                if _apart(p, before) > SAME
+                p for p, before in zip(corners, [corners[-1], *corners], strict=False) if _apart(p, before) > SAME
             ]
             face = Face(Wire([Segment((*a, 0), (*b, 0)) for a, b in pairwise([*corners, corners[0]])]))
             face.faces.name = name
@@ -150,9 +144,7 @@ class Reference:
 
             one, other = strain(u), strain(v)
             terms = [
-                complex(solid.stiffness_lossy[i, j] / self.stress) * other[i] * one[j]
-                for i in other
-                for j in one
+                complex(solid.stiffness_lossy[i, j] / self.stress) * other[i] * one[j] for i in other for j in one
             ] + [-inertia * solid.density * a * b for a, b in zip(u, v, strict=True)]
             if solid.is_piezoelectric:
                 coupling = solid.coupling * self.potential / self.stress
@@ -178,8 +170,7 @@ class Reference:
         for name in names:
             one = ng.GridFunction(self.space)
             one.components[-1].Set(
-                self.mesh.BoundaryCF({name: 1.0}, default=0.0),
-                definedon=self.mesh.Boundaries("|".join(names)),
+                self.mesh.BoundaryCF({name: 1.0}, default=0.0), definedon=self.mesh.Boundaries("|".join(names))
             )
             load, gap, step = (one.vec.CreateVector() for _ in range(3))
             load.data = one.vec
@@ -216,34 +207,25 @@ class Reference:
         weights[[plus, minus]] = 0.5, -0.5
         others = [k for k in range(len(names)) if k not in (plus, minus)]
         if others:
-            weights[others] = np.linalg.solve(
-                self.matrix[np.ix_(others, others)], -(self.matrix[others] @ weights)
-            )
+            weights[others] = np.linalg.solve(self.matrix[np.ix_(others, others)], -(self.matrix[others] @ weights))
         charge = -0.5 * ((self.matrix[plus] - self.matrix[minus]) @ weights) * self.stress / self.potential**2
         u = np.zeros((2, len(places)), dtype=complex)
         for row, axis in enumerate((0, len(self.axes) - 1)):
             for column, (x, z) in enumerate(places):
                 at = self.mesh(x, z)
-                u[row, column] = sum(
-                    w * f.components[axis](at) for w, f in zip(weights, self.fields, strict=True)
-                )
+                u[row, column] = sum(w * f.components[axis](at) for w, f in zip(weights, self.fields, strict=True))
         return complex(2j * np.pi * self.frequency * aperture * charge), u / self.potential
 
 
 def _couples_y(solid) -> bool:
     """Whether u_y takes part in the section."""
     plane, across = [0, 2, 4], [3, 5]
-    return bool(
-        solid.stiffness[np.ix_(plane, across)].any() or (solid.coupling[np.ix_((0, 2), across)]).any()
-    )
+    return bool(solid.stiffness[np.ix_(plane, across)].any() or (solid.coupling[np.ix_((0, 2), across)]).any())
 
 
 FREQUENCY, APERTURE = 2.17e6, 10e-3
 LENGTH, THICKNESS = 8.0, 1.1
-RESOLUTIONS = {
-    "five grooves": (11, 10, 0.5),
-    "step": (10, 10, 0.5),
-}  # order, layers, size; others: 12, 12, 0.45
+RESOLUTIONS = {"five grooves": (11, 10, 0.5), "step": (10, 10, 0.5)}  # order, layers, size; others: 12, 12, 0.45
 SURFACE = {"step": -0.3}  # at the last place
 
 
@@ -252,10 +234,9 @@ def drawing_of(case: str) -> tuple[Drawing, dict]:
     fingers = [((1.325 + 0.5 * k, 0.0), (1.575 + 0.5 * k, 0.0)) for k in range(4)]
     electrodes = {"t+": fingers[::2], "t-": fingers[1::2]}
     solids = {"stator": rotated(material("PZT-4"), "Z")}
-    grooves = {
-        "groove": [(5.25, 0.25, 0.15)],
-        "five grooves": [(4.5 + 0.5 * k, 0.25, 0.1) for k in range(5)],
-    }.get(case, [])
+    grooves = {"groove": [(5.25, 0.25, 0.15)], "five grooves": [(4.5 + 0.5 * k, 0.25, 0.1) for k in range(5)]}.get(
+        case, []
+    )
     left, bottom = [(0.0, 0.0), (0.0, -THICKNESS)], (LENGTH, -THICKNESS)
     outline = [*left, bottom, (LENGTH, 0.0)]
     for x, width, depth in grooves[::-1]:

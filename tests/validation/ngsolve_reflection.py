@@ -41,18 +41,14 @@ def drawing_of(case: str) -> tuple[Drawing, float]:
 def sampled(case: str, *, order: int, layers: int, size: float):
     """Places left and right of the grooves, mm from their edges, and u_x and u_z there: (excitations, 2, places)."""
     drawing, extent = drawing_of(case)
-    solved = Reference(
-        drawing, {"stator": rotated(material("PZT-4"), "Z")}, order=order, layers=layers, size=size
-    )
+    solved = Reference(drawing, {"stator": rotated(material("PZT-4"), "Z")}, order=order, layers=layers, size=size)
     solved.solve(FREQUENCY)
     distance = np.linspace(CLEAR[0], SIDE - FINGERS[-1] - WIDTH - CLEAR[1], 81)
     places, motions = (-distance[::-1], distance), []
     for x, edge in zip(places, (SIDE, SIDE + extent), strict=True):
         at = [solved.mesh(float(each), -1e-9) for each in x + edge]
         motions.append(
-            np.array(
-                [[[f.components[c](p) for p in at] for c in (0, len(solved.axes) - 1)] for f in solved.fields]
-            )
+            np.array([[[f.components[c](p) for p in at] for c in (0, len(solved.axes) - 1)] for f in solved.fields])
         )
     return places, motions
 
@@ -101,30 +97,20 @@ def scattering(places, motions, waves: int = 5):
         into.append(left if side else right)
         out.append(right if side else left)
         static = np.linalg.lstsq(basis, motion[:, 0].T, rcond=None)[0][-1:]
-    into.append(
-        static
-    )  # a constant u_x: the flux of D through the plate, from the fingers left to those right
-    return (
-        k[:waves],
-        np.vstack(out) @ np.linalg.pinv(np.vstack(into)),
-        float(np.sqrt(np.mean(fit.fun**2) * 81)),
-    )
+    into.append(static)  # a constant u_x: the flux of D through the plate, from the fingers left to those right
+    return (k[:waves], np.vstack(out) @ np.linalg.pinv(np.vstack(into)), float(np.sqrt(np.mean(fit.fun**2) * 81)))
 
 
 def _wavenumbers(channels: list, step: float, waves: int) -> np.ndarray:
     """First guess for the waves to the right, largest first."""
     pencil = 40
-    columns = [
-        row[i : i + pencil] for rows in channels for row in rows for i in range(rows.shape[1] - pencil + 1)
-    ]
+    columns = [row[i : i + pencil] for rows in channels for row in rows for i in range(rows.shape[1] - pencil + 1)]
     columns += [column[::-1] for column in columns]  # x -> -x: k and -k stand together
     vectors = np.linalg.svd(np.array(columns).T, full_matrices=False)[0][:, : 2 * waves + 1]
     shift = np.linalg.lstsq(vectors[:-1], vectors[1:], rcond=None)[0]
     k = 1j * np.log(np.linalg.eigvals(shift)) / step
     right = k[k.real > 0.05]
-    return np.array(
-        [(each - k[np.argmin(abs(k + each))]) / 2 for each in sorted(right, key=lambda v: -v.real)]
-    )
+    return np.array([(each - k[np.argmin(abs(k + each))]) / 2 for each in sorted(right, key=lambda v: -v.real)])
 
 
 def main() -> None:
@@ -132,10 +118,7 @@ def main() -> None:
     for case in CASES:
         k, s, residual = scattering(*sampled(case, order=8, layers=7, size=0.5))
         n = len(k)
-        print(
-            f'"{case}": k {k[0]:.6f} rad/mm, R {s[0, 0]:.6f}, T {s[n, 0]:.6f}, residual {residual:.1e}',
-            flush=True,
-        )
+        print(f'"{case}": k {k[0]:.6f} rad/mm, R {s[0, 0]:.6f}, T {s[n, 0]:.6f}, residual {residual:.1e}', flush=True)
 
 
 if __name__ == "__main__":

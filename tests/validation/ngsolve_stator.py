@@ -146,9 +146,7 @@ class Peer:
         for weight, each in zip(weights, fields, strict=True):
             answer.vec.data += complex(weight) * each
         at = self.mesh(place / self.unit, -1e-12)
-        return complex(2j * np.pi * frequency * aperture * charge), np.array(
-            answer.components[0](at)
-        ) / self.potential
+        return complex(2j * np.pi * frequency * aperture * charge), np.array(answer.components[0](at)) / self.potential
 
     def _drives(self, driven: str) -> list[np.ndarray]:
         """Comb potentials of the driven voltage, then of every comb that floats."""
@@ -182,8 +180,7 @@ class Peer:
 
         one = ng.GridFunction(self.space)
         one.components[1].Set(
-            self.mesh.BoundaryCF({comb: 1.0}, default=0.0),
-            definedon=self.mesh.Boundaries("|".join(self.combs)),
+            self.mesh.BoundaryCF({comb: 1.0}, default=0.0), definedon=self.mesh.Boundaries("|".join(self.combs))
         )
         return one.vec
 

@@ -24,11 +24,7 @@ CUTS = (
     ("quartz (Bechmann)", "ST-X"),
 )
 BOTTOMS = ("free", "grounded", "clamped", "absorbing")
-SLOW = (
-    "PZT-5H",
-    "LiNbO3 (Kovacs)",
-    "quartz (Bechmann)",
-)  # absorbing bottoms here: minutes for a converged answer
+SLOW = ("PZT-5H", "LiNbO3 (Kovacs)", "quartz (Bechmann)")  # absorbing bottoms here: minutes for a converged answer
 KINDS = (("motor", 0.6), ("wave", 0.75), ("contact", 0.92), ("free", 1.0))  # cumulative shares
 TOLERANCES = (3e-2, 1e-2, 1e-2, 3e-3, 3e-3, 1e-3)
 LEVELS = (0.7, 1.15, 1.6, 4.0, 9.0)  # of the threshold
@@ -142,11 +138,7 @@ def _slider(rng, frequency: float) -> dict:
 def _given(rng) -> dict:
     frequency = _log(rng, 0.5e6, 50e6)
     return {
-        "wave": {
-            "frequency": frequency,
-            "normal_amplitude": [1e-9],
-            "tangential_ratio": rng.uniform(0.4, 1.2),
-        },
+        "wave": {"frequency": frequency, "normal_amplitude": [1e-9], "tangential_ratio": rng.uniform(0.4, 1.2)},
         "slider": _slider(rng, frequency) | {"method": "averaged"},
     }
 

@@ -15,10 +15,7 @@ __all__ = ["problem", "reference", "seconds_at"]
 
 SCENE = "twente"
 ENDS = ("free", "absorbing")
-LIMITS = {
-    "free": ((1e-3, 50.0), (1e-5, 30.0)),
-    "absorbing": ((1e-3, 20.0), (1e-5, 15.0)),
-}  # error, times sooner
+LIMITS = {"free": ((1e-3, 50.0), (1e-5, 30.0)), "absorbing": ((1e-3, 20.0), (1e-5, 15.0))}  # error, times sooner
 # NGSolve, order 11, 6 edge layers, elements of 0.6 wavelengths: `tests/benchmarks/stator_peers.py --reference`.
 # Against order 10, 5 layers, 0.7: 5e-7 in Y, 2e-7 in u; each layer divides the difference by more than 3.
 FREE_ENDS = (

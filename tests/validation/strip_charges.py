@@ -30,9 +30,7 @@ __all__ = ["StripCharges"]
 _POINTS = 20  # of a Gauss panel
 _PANEL = 5.0  # rad/m: poles keep 1.5 rad/m off the axis at Q = 1000
 _BEYOND = 1.25  # K over the shear wavenumber: the surface wave's is 1.1
-_ANGLE = (
-    np.pi / 6
-)  # of the slopes: a plate's evanescent modes lie at 78 to 90 degrees in hard PZT, not on one axis
+_ANGLE = np.pi / 6  # of the slopes: a plate's evanescent modes lie at 78 to 90 degrees in hard PZT, not on one axis
 _SMOOTH = 1e-3  # m, width of the Gaussian that takes 1 / k^2 out
 _SELF_REACH = 1500.0  # k a up to which G is integrated for a strip with itself; c / k beyond, error (k a)^-3
 
@@ -153,9 +151,7 @@ class StripCharges:
             k, weights = self._slope(distance - 2 * self.half_width, turn)
             response = self.plate.surface(k)[:, 2]
             bessel = self._bessel(k)
-            total += phase * (
-                bessel.T @ ((weights * response * np.exp(turn * 1j * k * distance))[:, None] * bessel)
-            )
+            total += phase * (bessel.T @ ((weights * response * np.exp(turn * 1j * k * distance))[:, None] * bessel))
         return total / (2 * np.pi) + self._smooth(distance)
 
     def _own(self) -> np.ndarray:
@@ -192,9 +188,7 @@ class StripCharges:
         nodes = np.cos(np.pi * (np.arange(3 * self.terms) + 0.5) / (3 * self.terms))
         basis = np.cos(np.outer(np.arccos(nodes), np.arange(self.terms))) / len(nodes)
         x = distance + self.half_width * (nodes[:, None] - nodes[None, :])
-        values = x / 2 * erf(x / (2 * _SMOOTH)) + _SMOOTH / np.sqrt(np.pi) * np.exp(
-            -((x / (2 * _SMOOTH)) ** 2)
-        )
+        values = x / 2 * erf(x / (2 * _SMOOTH)) + _SMOOTH / np.sqrt(np.pi) * np.exp(-((x / (2 * _SMOOTH)) ** 2))
         return -self._low * (basis.T @ values @ basis)
 
     @cached_property

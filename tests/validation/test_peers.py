@@ -54,9 +54,7 @@ def test_the_direct_contender_agrees():
 def test_the_peer_agrees(condense):
     pytest.importorskip("ngsolve", reason="NGSolve is the optional extra `peers`")
     posed = small_problem(thickness=THIN)
-    found = errors(
-        "NGSolve", posed, order=6, edge_layers=2, element_size=0.5, absorber=6.0, condense=condense
-    )
+    found = errors("NGSolve", posed, order=6, edge_layers=2, element_size=0.5, absorber=6.0, condense=condense)
     assert max(found) < 2e-3
 
 
@@ -64,9 +62,7 @@ def test_the_peer_solves_again_at_another_frequency():
     pytest.importorskip("ngsolve", reason="NGSolve is the optional extra `peers`")
     posed = small_problem("free")
     mesh = peer.PeerMesh(order=4, edge_layers=1, element_size=0.5)
-    one, other = (
-        peer.Peer(posed.stator, posed.transducers, wavelength=posed.wavelength, mesh=mesh) for _ in range(2)
-    )
+    one, other = (peer.Peer(posed.stator, posed.transducers, wavelength=posed.wavelength, mesh=mesh) for _ in range(2))
     one.solve(2.1e6, driven="left", place=posed.place)
     again, fresh = (each.solve(2.2e6, driven="left", place=posed.place) for each in (one, other))
     assert again[0] == pytest.approx(fresh[0], rel=1e-9)

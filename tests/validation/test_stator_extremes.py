@@ -76,10 +76,7 @@ def test_the_free_wave_of_a_plate_solves_lamb_s_equations(poisson, wavelengths, 
     except fem.ConvergenceError:
         assert tolerance < 1e-10 or poisson > 0.499  # refused, not wrong
         return
-    omega, sizes = (
-        2 * np.pi * FREQUENCY,
-        {"longitudinal": longitudinal, "shear": shear, "half_thickness": depth / 2},
-    )
+    omega, sizes = (2 * np.pi * FREQUENCY, {"longitudinal": longitudinal, "shear": shear, "half_thickness": depth / 2})
     pair = [wavenumbers(omega, symmetric=each, **sizes) for each in (True, False)]
     # two modes of nearly one velocity are one surface wave, of the mean wavenumber
     known = np.concatenate([*pair, [(pair[0][-1] + pair[1][-1]) / 2]])

@@ -116,9 +116,7 @@ def figure(record: Panel, ax):
         for index, row in enumerate(selected):
             colour, mark, size = STYLES[row["verdict"]]
             x = index / max(len(selected) - 1, 1)
-            ax.scatter(
-                x, line, color=colour, marker=mark, s=size if len(selected) < 40 else size / 3, zorder=3
-            )
+            ax.scatter(x, line, color=colour, marker=mark, s=size if len(selected) < 40 else size / 3, zorder=3)
         ax.plot([0, 1], [line, line], color="#dddddd", linewidth=0.8, zorder=1)
         for x, row, side in ((-0.02, selected[0], "right"), (1.02, selected[-1], "left"))[: len(selected)]:
             ax.text(x, line, f"{row['value']} {unit}".rstrip(), ha=side, va="center", fontsize="x-small")
@@ -158,9 +156,7 @@ def draw(record: StudyRecord, folder, *, progress: Callable[[str], None]) -> Non
         height = 0.3 * len(dict.fromkeys(panel.data["varied"])) + 1.6
         name = panel.name.replace(" ", "_")
         saved(folder / f"{name}.png", lambda ax, panel=panel: figure(panel, ax), size=(9.0, height))
-    saved(
-        folder / "error_against_estimate.png", lambda ax: against_estimate(record.panels, ax), size=(6.5, 5.5)
-    )
+    saved(folder / "error_against_estimate.png", lambda ax: against_estimate(record.panels, ax), size=(6.5, 5.5))
 
 
 def _row(case, outcome) -> dict:
@@ -168,12 +164,7 @@ def _row(case, outcome) -> dict:
     numbers = {name: getattr(outcome, name) for name in ("relative_error", "relative_estimate")}
     finite = {name: float(value) if math.isfinite(value) else None for name, value in numbers.items()}
     row = {"part": case.part, "varied": case.varied, "value": f"{case.value:g}", "unit": case.unit}
-    return row | {
-        "verdict": outcome.verdict,
-        **finite,
-        "seconds": float(outcome.seconds),
-        "guard": outcome.guard,
-    }
+    return row | {"verdict": outcome.verdict, **finite, "seconds": float(outcome.seconds), "guard": outcome.guard}
 
 
 def _panel(part: str, rows: list[dict]) -> Panel:
@@ -183,8 +174,7 @@ def _panel(part: str, rows: list[dict]) -> Panel:
 
 def _rows(panel: Panel) -> list[dict]:
     return [
-        dict(zip(COLUMNS, values, strict=True))
-        for values in zip(*(panel.data[name] for name in COLUMNS), strict=True)
+        dict(zip(COLUMNS, values, strict=True)) for values in zip(*(panel.data[name] for name in COLUMNS), strict=True)
     ]
 
 
@@ -199,9 +189,7 @@ def _ratio(row: dict) -> float | None:
 def _findings(rows: list[dict]) -> tuple[Finding, ...]:
     total = Counter(row["verdict"] for row in rows)
     wrong = [row for row in rows if row["verdict"] == "WRONG"]
-    worst = "; ".join(
-        f"{row['part']}, {row['varied']} {row['value']}: {row['guard'][:80]}" for row in wrong[:5]
-    )
+    worst = "; ".join(f"{row['part']}, {row['varied']} {row['value']}: {row['guard'][:80]}" for row in wrong[:5])
     held = [row for row in rows if row["relative_error"] is not None]
     counts = ", ".join(f"{total[verdict]} {verdict}" for verdict in VERDICTS)
     remark = f"{counts}; {len(held)} answers compared with a reference"

@@ -21,9 +21,7 @@ TOLERANCE, TIGHTER = 1e-3, (1e-5, 1e-4)
 SCENE: dict[str, Any] = {
     "title": "a small motor",
     "stator": {"material": "PZT-8", "length": 9e-3, "thickness": 0.7e-3, "width": 0.025, "ends": "absorbing"},
-    "transducer": [
-        {"name": "left", "center": 3e-3, "finger_pairs": 2, "metallisation": 0.5, "aperture": 0.02}
-    ],
+    "transducer": [{"name": "left", "center": 3e-3, "finger_pairs": 2, "metallisation": 0.5, "aperture": 0.02}],
     "drive": {"frequency": 2.2e6, "transducer": "left", "voltage": [15.0, 60.0]},
     "slider": {
         "position": 6e-3,
@@ -42,26 +40,14 @@ SIDES = tuple(
     for ends in ("absorbing", "free", "clamped")
     for bottom in ("free", "grounded", "clamped", "absorbing")
 )
-CUTS = (
-    ("LiNbO3 (Warner)", "YZ"),
-    ("LiNbO3 (Warner)", "128YX"),
-    ("quartz (Bechmann)", "ST-X"),
-    ("PZT-8", "X"),
-)
-LAWS = (
-    {"law": "hysteretic"},
-    {"reciprocal": True},
-    {"law": "hysteretic", "reciprocal": True},
-    {"stick_band": 1e-4},
-)
+CUTS = (("LiNbO3 (Warner)", "YZ"), ("LiNbO3 (Warner)", "128YX"), ("quartz (Bechmann)", "ST-X"), ("PZT-8", "X"))
+LAWS = ({"law": "hysteretic"}, {"reciprocal": True}, {"law": "hysteretic", "reciprocal": True}, {"stick_band": 1e-4})
 BALLS = (("PZT-8", "Z"), ("PZT-8", "X"), ("LiNbO3 (Warner)", "YZ"))
 
 
 def _changed(**blocks) -> dict:
     """Return the table of the scene with changed keys in its blocks; ``transducer`` changes the first transducer."""
-    table = {
-        key: value if key == "title" else _merged(value, blocks.get(key, {})) for key, value in SCENE.items()
-    }
+    table = {key: value if key == "title" else _merged(value, blocks.get(key, {})) for key, value in SCENE.items()}
     table["transducer"] = [SCENE["transducer"][0] | blocks.get("transducer", {})]
     return table
 
@@ -169,12 +155,8 @@ def _known(witness: str, table: dict, tolerance: float) -> list[float]:
         return _velocities(_tighter(table, tolerance))
     if witness == "divider":
         without_impedance = _tighter(_changed(), tolerance)
-        voltage_ratio = 1 / abs(
-            1 + table["drive"]["source_impedance"] * without_impedance.electrical["admittance_S"]
-        )
-        return _velocities(
-            _tighter(_driven(voltage=[v * voltage_ratio for v in SCENE["drive"]["voltage"]]), tolerance)
-        )
+        voltage_ratio = 1 / abs(1 + table["drive"]["source_impedance"] * without_impedance.electrical["admittance_S"])
+        return _velocities(_tighter(_driven(voltage=[v * voltage_ratio for v in SCENE["drive"]["voltage"]]), tolerance))
     if witness == "third":
         return _velocities(_tighter(_third(), tolerance))
     same = _velocities(_tighter(_changed(), tolerance))

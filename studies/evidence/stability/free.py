@@ -62,9 +62,7 @@ def judge(case: Case) -> Outcome:
     return judged(posed, tolerance)
 
 
-def _isotropic(
-    tolerance: float, *, poisson: float = 0.3, quality: float = math.inf
-) -> tuple[float, float, bool]:
+def _isotropic(tolerance: float, *, poisson: float = 0.3, quality: float = math.inf) -> tuple[float, float, bool]:
     """Return (error, estimate, True) for an isotropic half-space, see `verdict.judged`."""
     solid = fem.isotropic(
         name="isotropic", youngs_modulus=YOUNG, poisson_ratio=poisson, density=DENSITY, mechanical_quality=quality
@@ -79,9 +77,7 @@ def _isotropic(
 
 def _crystal(name: str, value: float, tolerance: float) -> tuple[float, float, bool]:
     material, orientation = CUTS[int(value)] if name == "cut" else CUTS[0]
-    solid = replace(
-        fem.rotated(fem.material(material), orientation), mechanical_quality=math.inf, dielectric_loss=0.0
-    )
+    solid = replace(fem.rotated(fem.material(material), orientation), mechanical_quality=math.inf, dielectric_loss=0.0)
     if name in ("stiffness", "density", "permittivity", "coupling"):
         solid = replace(solid, **{name: getattr(solid, name) * value})
     frequency = value if name == "frequency" else FREQUENCY

@@ -57,9 +57,7 @@ def _negatives(motor, frequency: float) -> int:
     """Return the number of negative eigenvalues on the line in mid-finger with clamped sides of the cell."""
     section = _section(motor)
     unit, transducer = section.length_unit, motor.transducers[0]
-    shape = FingerShape(
-        half_finger=transducer.finger_width / 2 / unit, half_gaps=(transducer.half_gap / unit,) * 2
-    )
+    shape = FingerShape(half_finger=transducer.finger_width / 2 / unit, half_gaps=(transducer.half_gap / unit,) * 2)
     rising, falling = half_cells(Condensation(section, frequency), shape, LEVELS[LEVEL])
     phi, lines = section.surface_dofs["phi"], rising.at
     left_part, right_part = (

@@ -109,9 +109,7 @@ def _quarters(rows):
     quarter = len(rows) // 4
     weight = np.sin(np.pi * (np.arange(quarter) + 0.5) / quarter) ** 4
     weight /= np.sum(weight)
-    return tuple(
-        float(weight @ part) for k in (2, 1) for part in (rows[quarter : 2 * quarter, k], rows[-quarter:, k])
-    )
+    return tuple(float(weight @ part) for k in (2, 1) for part in (rows[quarter : 2 * quarter, k], rows[-quarter:, k]))
 
 
 def _cycle_count(problem):

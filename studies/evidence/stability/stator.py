@@ -113,9 +113,7 @@ def _pairs(count: float) -> Motor:
     motor = small_motor()
     period = motor.transducers[0].period
     extent = (count + 1) * period
-    motor = motor.comb(finger_pairs=int(count), center=extent / 2 + period).section(
-        length=extent + 6 * period
-    )
+    motor = motor.comb(finger_pairs=int(count), center=extent / 2 + period).section(length=extent + 6 * period)
     return replace(motor, place=extent + 3 * period)
 
 
@@ -194,12 +192,7 @@ VARIED: dict[str, tuple[str, tuple, Callable[[float], Motor], str]] = {
     "mechanical quality, lossless": ("", (math.inf,), lambda _: _lossless(small_motor()), "finer"),
     "dielectric loss": ("", (0.0, 0.1, 1.0), _one("dielectric_loss"), "direct"),
     "metallisation": ("", (0.02, 0.1, 0.9), lambda share: small_motor().comb(metallisation=share), "direct"),
-    "metallisation, narrow gaps": (
-        "",
-        (0.98,),
-        lambda share: small_motor().comb(metallisation=share),
-        "finer",
-    ),
+    "metallisation, narrow gaps": ("", (0.98,), lambda share: small_motor().comb(metallisation=share), "finer"),
     "thickness, thin": ("wavelengths", (0.05, 0.1, 0.2), _thick, "direct"),
     "thickness": ("wavelengths", (0.35, 1.0, 2.0), _thick, "direct"),
     "thickness, thick": ("wavelengths", (10.0, 20.0, 100.0), _thick, "finer"),

@@ -36,9 +36,7 @@ def judged(posed: Callable[[], tuple[float, float, bool | str]], tolerance: floa
     """
     start_time = time.process_time()
 
-    def outcome(
-        verdict: str, guard: str = "", error: float = math.nan, estimate: float = math.nan
-    ) -> Outcome:
+    def outcome(verdict: str, guard: str = "", error: float = math.nan, estimate: float = math.nan) -> Outcome:
         return Outcome(
             verdict=verdict,
             guard=" ".join(guard.split()),

@@ -73,9 +73,7 @@ def _direct(motor, _) -> tuple[complex, np.ndarray]:
         segment_size=0.25,
         segment_layers=3,
     )
-    circuit = solve_circuit(
-        solution.admittances, solution.names, motor.transducers, motor.drive, motor.frequency
-    )
+    circuit = solve_circuit(solution.admittances, solution.names, motor.transducers, motor.drive, motor.frequency)
     return circuit.admittance, solution.surface(np.array([motor.place]))[:, 0] @ circuit.voltages
 
 
@@ -99,9 +97,7 @@ def _size(motor, _) -> tuple[complex, np.ndarray]:
         return replace(part, **{name: getattr(part, name) / factor for name in names})
 
     comb = scaled(transducer, "center", "period", "aperture")
-    ordinary = replace(
-        scaled(motor, "place"), stator=scaled(motor.stator, "length", "thickness"), transducers=(comb,)
-    )
+    ordinary = replace(scaled(motor, "place"), stator=scaled(motor.stator, "length", "thickness"), transducers=(comb,))
     return _direct(replace(ordinary, frequency=2.2e6), _)
 
 

@@ -33,15 +33,6 @@ from studies.export.reduced_motor.contact_spring import power, spring_share
 from studies.export.reduced_motor.force_tables import slip_force, traction_share
 from studies.export.reduced_motor.sticking import deformation
 
-__all__ = [
-    "advance",
-    "begin",
-    "deformation",
-    "power",
-    "riding",
-    "slip_force",
-    "spring_share",
-    "traction_share",
-]
+__all__ = ["advance", "begin", "deformation", "power", "riding", "slip_force", "spring_share", "traction_share"]
 # in the order of their C in one file
 MODULES = tuple("index contact_spring force_tables surface_wave bounce sticking sliding advance".split())

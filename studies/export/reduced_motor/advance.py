@@ -76,8 +76,7 @@ def advance(
             if state[index.STICKS] < 0.5:
                 done = duration - glide(p, tables, state, force, preload, duration - done)
             elif (
-                state[index.VELOCITY] == 0.0
-                and abs(state[index.FORCE] + force) <= 1e-12 * p[index.FRICTION] * preload
+                state[index.VELOCITY] == 0.0 and abs(state[index.FORCE] + force) <= 1e-12 * p[index.FRICTION] * preload
             ):
                 done = duration  # at rest
             else:

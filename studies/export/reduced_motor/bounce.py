@@ -85,10 +85,7 @@ def ride(p: Array, tables: Array, state: Array, drive: int, s: float, preload: f
 @compiled
 def settle(p: Array, state: Array, s: float) -> float:
     """Let the approach follow the wave at once where the bounce has decayed; return 1 while it persists."""
-    apart = (
-        abs(state[index.APPROACH] - state[index.RIDE])
-        + abs(state[index.APPROACH_RATE]) / state[index.BOUNCE_RATE]
-    )
+    apart = abs(state[index.APPROACH] - state[index.RIDE]) + abs(state[index.APPROACH_RATE]) / state[index.BOUNCE_RATE]
     state[index.BOUNCES] = 1.0
     if apart < p[index.DEAD_BOUNCE] * (abs(state[index.RIDE]) + s):
         state[index.APPROACH] = state[index.RIDE]

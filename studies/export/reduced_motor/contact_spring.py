@@ -35,9 +35,7 @@ def spring_force(p: Array, load: float, x: float) -> float:
     if load <= 0.0:
         return 0.0
     return (
-        p[index.FRICTION]
-        * load
-        * spring_share(x / (p[index.LIMIT_SLOPE] * rest_approach(p, load)), p[index.EXPONENT])
+        p[index.FRICTION] * load * spring_share(x / (p[index.LIMIT_SLOPE] * rest_approach(p, load)), p[index.EXPONENT])
     )
 
 

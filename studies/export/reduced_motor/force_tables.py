@@ -87,9 +87,7 @@ def traction_share(p: Array, tables: Array, drive: int, tau: float, side: int, s
 
 
 @compiled
-def friction_force(
-    p: Array, tables: Array, drive: int, h: float, s: float, load: float, side: int, v: float
-) -> float:
+def friction_force(p: Array, tables: Array, drive: int, h: float, s: float, load: float, side: int, v: float) -> float:
     """Return Q in N at the velocity v towards +x (side 1) or -x (side 0); `load` is <P>."""
     if load <= 0.0:
         return 0.0
@@ -129,9 +127,7 @@ def kept_share(p: Array, tables: Array, state: Array, drive: int, sign: float, n
         down = ratio(state[index.APPROACH], state[index.SURFACE]) * (rows - 1)
         j: int = node(down, rows)
         facing = p[index.FIRST_DRIVE + drive * index.DRIVE_SIZE + index.FACING]
-        i: int = (
-            int(p[index.FIRST_DRIVE + drive * index.DRIVE_SIZE + index.FORCES]) + (j - 1) * columns + k - 1
-        )
+        i: int = int(p[index.FIRST_DRIVE + drive * index.DRIVE_SIZE + index.FORCES]) + (j - 1) * columns + k - 1
         if sign * facing > 0.0:
             i = i + rows * columns
         before = facing * row_blend(tables, i, columns, down - j)

@@ -2,12 +2,7 @@
 
 from contact.jit.compiled import compiled
 from studies.export.reduced_motor import index
-from studies.export.reduced_motor.contact_spring import (
-    rest_approach,
-    spring_deformation,
-    spring_force,
-    spring_share,
-)
+from studies.export.reduced_motor.contact_spring import rest_approach, spring_deformation, spring_force, spring_share
 from studies.export.reduced_motor.force_tables import bounded, mean_load, stick_limit
 from studies.export.reduced_motor.index import Array
 

@@ -24,9 +24,7 @@ def change_drive(p: Array, state: Array, drive: int, level: float) -> float:
         first = state[base + index.CHANGES + 1]
         second = state[base + index.CHANGES + 3]
         weight = abs(first) + abs(second)
-        when = (
-            abs(first) * state[base + index.CHANGES] + abs(second) * state[base + index.CHANGES + 2]
-        ) / weight
+        when = (abs(first) * state[base + index.CHANGES] + abs(second) * state[base + index.CHANGES + 2]) / weight
         state[base + index.CHANGES + 2] = when
         state[base + index.CHANGES + 3] = first + second
         while i < 2 * index.ENTRIES - 2:

@@ -6,16 +6,7 @@ LENGTH, LEFT, RIGHT, DEPTH, HEIGHT, SIZE = 0.95, 0.35, 0.6, 0.06, 2.0, 0.5
 
 gmsh.initialize()
 gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
-corners = [
-    (0, -HEIGHT),
-    (LENGTH, -HEIGHT),
-    (LENGTH, 0),
-    (RIGHT, 0),
-    (RIGHT, -DEPTH),
-    (LEFT, -DEPTH),
-    (LEFT, 0),
-    (0, 0),
-]
+corners = [(0, -HEIGHT), (LENGTH, -HEIGHT), (LENGTH, 0), (RIGHT, 0), (RIGHT, -DEPTH), (LEFT, -DEPTH), (LEFT, 0), (0, 0)]
 points = [gmsh.model.geo.addPoint(x, z, 0, SIZE) for x, z in corners]
 lines = [gmsh.model.geo.addLine(points[k], points[(k + 1) % 8]) for k in range(8)]
 body = gmsh.model.geo.addPlaneSurface([gmsh.model.geo.addCurveLoop(lines)])

@@ -6,16 +6,7 @@ LENGTH, LEFT, RIGHT, THICK, HEIGHT, SIZE = 1.0, 0.35, 0.65, 0.1, 2.0, 0.5
 
 gmsh.initialize()
 gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
-corners = [
-    (0, -HEIGHT),
-    (LENGTH, -HEIGHT),
-    (LENGTH, 0),
-    (RIGHT, 0),
-    (LEFT, 0),
-    (0, 0),
-    (LEFT, THICK),
-    (RIGHT, THICK),
-]
+corners = [(0, -HEIGHT), (LENGTH, -HEIGHT), (LENGTH, 0), (RIGHT, 0), (LEFT, 0), (0, 0), (LEFT, THICK), (RIGHT, THICK)]
 points = [gmsh.model.geo.addPoint(x, z, 0, SIZE) for x, z in corners]
 below = [gmsh.model.geo.addLine(points[k], points[(k + 1) % 6]) for k in range(6)]
 above = [gmsh.model.geo.addLine(points[a], points[b]) for a, b in ((4, 6), (6, 7), (7, 3))]

@@ -11,9 +11,7 @@ from fem.discretize.error_estimate import LEVELS
 from fem.waveguide.grating import grating
 
 
-@pytest.mark.parametrize(
-    ("detuning", "coupling"), [(3.0, -1.0), (-0.5, -1.0), (0.3, -2.0), (1e-9, -1e-9), (-2, -2)]
-)
+@pytest.mark.parametrize(("detuning", "coupling"), [(3.0, -1.0), (-0.5, -1.0), (0.3, -2.0), (1e-9, -1e-9), (-2, -2)])
 def test_the_equations_of_coupled_modes(detuning, coupling):
     system = np.zeros((3, 3), dtype=complex)
     system[:2] = 1j * np.array([[-detuning, coupling, 1.0], [-coupling, detuning, -1.0]])
@@ -29,9 +27,7 @@ def test_the_edges_of_the_stop_band_by_legendre_functions(metallisation):
     assert stop_band_edges(metallisation) == pytest.approx(((1 - cos) / 2, even), rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    "metallisation", [0.3, *(pytest.param(each, marks=pytest.mark.slow) for each in (0.5, 0.7))]
-)
+@pytest.mark.parametrize("metallisation", [0.3, *(pytest.param(each, marks=pytest.mark.slow) for each in (0.5, 0.7))])
 def test_the_stop_band_is_that_of_a_meshed_grating(metallisation):
     """The closed form is of first order in dv/v, 2.4 % here."""
     solid = fem.rotated(fem.material("LiNbO3 (Warner)"), "YZ")
@@ -44,9 +40,7 @@ def test_the_stop_band_is_that_of_a_meshed_grating(metallisation):
 
 def test_the_frequency_and_the_height_of_the_largest_wave_are_those_of_the_driven_stator():
     solid = fem.rotated(fem.material("LiNbO3 (Warner)"), "YZ")
-    stator = fem.Stator(
-        solid=solid, length=20e-3, thickness=1e-3, bottom="absorbing", ends="absorbing", above="none"
-    )
+    stator = fem.Stator(solid=solid, length=20e-3, thickness=1e-3, bottom="absorbing", ends="absorbing", above="none")
     transducer = fem.Transducer(
         name="a", center=4.5e-3, finger_pairs=20, period=0.3445754e-3, metallisation=0.5, aperture=5e-3,
         termination="open", pattern=None, split=False,
@@ -57,9 +51,7 @@ def test_the_frequency_and_the_height_of_the_largest_wave_are_those_of_the_drive
     assert best == pytest.approx(9.81e6, rel=2e-3)
 
     def meshed(frequency):
-        solution = fem.solve_driven(
-            stator, (transducer,), frequency=frequency, drive="a", resolution=fem.LEVELS[0]
-        )
+        solution = fem.solve_driven(stator, (transducer,), frequency=frequency, drive="a", resolution=fem.LEVELS[0])
         return abs(fem.surface_of(solution).rayleigh_motion(13e-3)[1])
 
     peak, middle = (meshed(frequency) for frequency in (best, 10e6))

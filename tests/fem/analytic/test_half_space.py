@@ -39,9 +39,7 @@ def shear_velocity(poisson_ratio):
 
 def oracle(solid, surface):
     components = [COMPONENT[name] for name in fields(solid)]
-    return SurfaceProblem(
-        solid.stiffness, solid.coupling, solid.permittivity, solid.density, components, surface
-    )
+    return SurfaceProblem(solid.stiffness, solid.coupling, solid.permittivity, solid.density, components, surface)
 
 
 @pytest.mark.parametrize(
@@ -70,9 +68,7 @@ def test_isotropic_profile(poisson_ratio):
     assert np.abs(displacement[:, 2] - u_z).max() < 1e-11
     assert not np.any(displacement[:, 1])
     assert not np.any(potential)
-    assert rayleigh(glass(poisson_ratio)).surface_ratio == pytest.approx(
-        surface_ratio(poisson_ratio), rel=1e-11
-    )
+    assert rayleigh(glass(poisson_ratio)).surface_ratio == pytest.approx(surface_ratio(poisson_ratio), rel=1e-11)
 
 
 @pytest.mark.parametrize("surface", SURFACES)
@@ -145,9 +141,7 @@ def test_published_values(name, orientation, velocity, spread, k2, k2_spread):
     assert abs(coupling(solid) - k2) <= k2_spread
 
 
-@pytest.mark.parametrize(
-    ("name", "orientation"), [("LiNbO3 (Kovacs)", "128YX"), ("quartz (Bechmann)", "ST-X")]
-)
+@pytest.mark.parametrize(("name", "orientation"), [("LiNbO3 (Kovacs)", "128YX"), ("quartz (Bechmann)", "ST-X")])
 def test_third_displacement_of_the_rotated_cuts(name, orientation):
     """|u_y/u_z| is about 0.06 on 128YX and 0.1 on ST-X."""
     expected = {"128YX": 0.06, "ST-X": 0.1}[orientation]
@@ -198,10 +192,7 @@ def test_profile_meets_the_surface_and_the_equations(surface):
     tilt = (fields_at[2] - fields_at[0]) / (2 * h)
     inertia = (k * wave.velocity) ** 2 * problem.inertia @ fields_at[1]
     balance = (
-        -(k**2) * problem.xx @ fields_at[1]
-        - 1j * k * (problem.xz + problem.zx) @ tilt
-        + problem.zz @ bend
-        + inertia
+        -(k**2) * problem.xx @ fields_at[1] - 1j * k * (problem.xz + problem.zx) @ tilt + problem.zz @ bend + inertia
     )
     assert np.abs(balance).max() < 1e-5 * np.abs(inertia).max()
     assert np.abs(wave.profile(60.0)[0]).max() < 1e-6
@@ -209,10 +200,7 @@ def test_profile_meets_the_surface_and_the_equations(surface):
 
 @settings(deadline=None, max_examples=30)
 @given(
-    case=st.sampled_from(CUTS),
-    stress=st.floats(1e-6, 1e6),
-    density=st.floats(1e-3, 1e3),
-    field=st.floats(1e-4, 1e4),
+    case=st.sampled_from(CUTS), stress=st.floats(1e-6, 1e6), density=st.floats(1e-3, 1e3), field=st.floats(1e-4, 1e4)
 )
 def test_units_do_not_matter(case, stress, density, field):
     """Velocity scales as sqrt(stress/density); open and metallised do not know the unit of potential."""
@@ -246,9 +234,7 @@ def test_weak_coupling_is_a_square_law():
     uncoupled = replace(solid, coupling=np.zeros((3, 6)))
     velocity = rayleigh(uncoupled).velocity
     assert rayleigh(weak[1], "open").velocity == pytest.approx(velocity, rel=1e-5)
-    assert rayleigh(replace(solid, coupling=solid.coupling * 1e-9)).velocity == pytest.approx(
-        velocity, rel=1e-13
-    )
+    assert rayleigh(replace(solid, coupling=solid.coupling * 1e-9)).velocity == pytest.approx(velocity, rel=1e-13)
     assert fields(uncoupled) == ("ux", "uz")
 
 
@@ -269,9 +255,7 @@ def test_a_leaky_cut_is_refused():
 
 
 def test_unknown_surface_is_refused():
-    with pytest.raises(
-        ValueError, match="surface must be one of vacuum, open, metallised or free, got 'gold'"
-    ):
+    with pytest.raises(ValueError, match="surface must be one of vacuum, open, metallised or free, got 'gold'"):
         rayleigh(material("PZT-4"), "gold")
     with pytest.raises(ValueError, match="depth must be 0 or positive"):
         rayleigh(material("PZT-4")).profile(-1.0)

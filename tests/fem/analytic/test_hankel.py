@@ -11,9 +11,7 @@ from fem.analytic.hankel import scaled_hankel
 @pytest.mark.parametrize(("smallest", "largest"), [(1e-4, 300.0), (30.0, 40.0)])
 def test_the_functions_are_those_of_scipy(order, smallest, largest):
     rng = np.random.default_rng(0)
-    logarithm = rng.uniform(np.log(smallest), np.log(largest), 2000) + 1j * rng.uniform(
-        -np.pi, np.pi / 4, 2000
-    )
+    logarithm = rng.uniform(np.log(smallest), np.log(largest), 2000) + 1j * rng.uniform(-np.pi, np.pi / 4, 2000)
     z = np.exp(logarithm)
     np.testing.assert_allclose(scaled_hankel(order, z), hankel2e(order, z), rtol=1e-12)
 

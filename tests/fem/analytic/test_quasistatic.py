@@ -28,9 +28,7 @@ def test_without_coupling_the_permittivity_is_the_geometric_mean():
     coupling = np.zeros((3, 6))
     coupling[2, 2] = 1e-7
     permittivity = [[30.0, 0.0, 7.0], [0.0, 11.0, 0.0], [7.0, 0.0, 20.0]]
-    solid = anisotropic(
-        name="weak", stiffness=table, coupling=coupling, permittivity=permittivity, density=5e3
-    )
+    solid = anisotropic(name="weak", stiffness=table, coupling=coupling, permittivity=permittivity, density=5e3)
     expected = np.sqrt(30.0 * 20.0 - 49.0) * VACUUM_PERMITTIVITY
     assert surface_permittivity(solid, "open") == pytest.approx(expected, rel=1e-10)
     assert surface_permittivity(solid) == pytest.approx(expected + VACUUM_PERMITTIVITY, rel=1e-10)
@@ -91,9 +89,7 @@ def test_a_driven_comb_on_weakly_coupled_quartz():
     solid = lossless("quartz (Bechmann)", "ST-X")
     stator = plate(solid, length=30.0, thickness=2.0, bottom="absorbing", above="vacuum")
     row = replace(
-        comb(stator, "a", 8.0, finger_pairs=6),
-        period=automatic_period(solid, 1.03 * FREQUENCY, 0.4),
-        metallisation=0.4,
+        comb(stator, "a", 8.0, finger_pairs=6), period=automatic_period(solid, 1.03 * FREQUENCY, 0.4), metallisation=0.4
     )
     theory = transducer_estimate(solid, row)
     place = 0.75 * stator.length
@@ -117,9 +113,7 @@ def test_capacitance_of_a_pattern_at_low_frequency(pattern):
 def test_power_of_the_wave_is_what_the_source_gives():
     """G |V|^2 / 2 = two waves of omega eps |phi|^2 / (4 dv/v) per metre of aperture."""
     solid = rotated(material("LiNbO3 (Kovacs)"), "128YX")
-    row = Transducer(
-        name="a", center=1.0, finger_pairs=5, period=1e-4, metallisation=0.3, aperture=2e-3, split=True
-    )
+    row = Transducer(name="a", center=1.0, finger_pairs=5, period=1e-4, metallisation=0.3, aperture=2e-3, split=True)
     theory = transducer_estimate(solid, row)
     at = np.array([3.7e7, 3.9e7, 4.05e7])
     potential = abs(theory.potential) * theory.normal(at)
@@ -135,8 +129,6 @@ def test_static_ends_of_fingers(name):
     values = [surface_permittivity(rotated(solid, (each, 0.0, 0.0))) for each in degrees[:-1]]
     permittivity = CubicSpline(np.radians(degrees), [*values, values[0]], bc_type="periodic")
     expected = fem_finger_ends.end_excess(
-        lambda k_x, k_y: permittivity(np.arctan2(k_y, k_x)) * np.hypot(k_x, k_y),
-        metallisation=0.5,
-        length=6.0,
+        lambda k_x, k_y: permittivity(np.arctan2(k_y, k_x)) * np.hypot(k_x, k_y), metallisation=0.5, length=6.0
     )
     assert end_excess(solid) == pytest.approx(expected, rel=0.15)

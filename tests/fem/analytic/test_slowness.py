@@ -23,9 +23,7 @@ def test_curvature_is_the_published_one(cut, name, curvature, spread):
 def test_power_flow_of_a_generic_cut_is_that_of_the_velocity():
     """tan(angle) = v' / v, M. G. Cohen, J. Appl. Phys. 38 (1967) 3821; the other way for the wave to the left."""
     solid = fem.rotated(fem.material("LiNbO3 (Kovacs)"), (10.0, 38.0, 15.0))
-    before, here, after = (
-        fem.rayleigh(fem.rotated(solid, (turn, 0.0, 0.0))).velocity for turn in (-0.1, 0.0, 0.1)
-    )
+    before, here, after = (fem.rayleigh(fem.rotated(solid, (turn, 0.0, 0.0))).velocity for turn in (-0.1, 0.0, 0.1))
     slope = (after - before) / here / np.radians(0.2)
     assert abs(slope) > 0.02
     curve = fem.Slowness.of_half_space(solid, 10e6)

@@ -15,12 +15,7 @@ def test_it_is_the_closed_form_of_an_isotropic_solid():
 @pytest.mark.parametrize(
     ("name", "surface", "value", "digits"),
     [
-        (
-            "LiNbO3 (Kovacs)",
-            "vacuum",
-            2.5078e-12,
-            5e-4,
-        ),  # the values leave u_y out, which this cut couples weakly
+        ("LiNbO3 (Kovacs)", "vacuum", 2.5078e-12, 5e-4),  # the values leave u_y out, which this cut couples weakly
         ("LiNbO3 (Kovacs)", "metallised", 2.9527e-12, 7e-4),
         ("LiNbO3 (Warner)", "vacuum", 2.3129e-12, 3e-3),
         ("PZT-8", "vacuum", 4.8674e-12, 2e-5),
@@ -57,10 +52,6 @@ def test_springs_shift_the_wave_by_the_root_of_rayleighs_function():
 def test_springs_on_128yx():
     # Published with K_t = 0.844 K_n and without u_y, which couples where the shift reaches the bulk waves' limit
     cut = fem.rotated(fem.material("LiNbO3 (Kovacs)"), "128YX")
-    for normal, exact, digits in (
-        (1e12, -2.7557e-4, 3e-4),
-        (1e13, -2.7411e-3, 4e-4),
-        (5e13, -1.2833e-2, 2e-3),
-    ):
+    for normal, exact, digits in ((1e12, -2.7557e-4, 3e-4), (1e13, -2.7411e-3, 4e-4), (5e13, -1.2833e-2, 2e-3)):
         assert fem.spring_shift(cut, normal, 0.844 * normal, 9.61e6) == pytest.approx(exact, rel=digits)
     assert fem.spring_shift(cut, 6e13, 6e13, 9.61e6) is None  # a shear-horizontal wave is left

@@ -25,10 +25,7 @@ MIDDLE, WIDTH = STATOR.length / 2, STATOR.length
 LEFT = comb(STATOR, "a", 8.0, finger_pairs=2, aperture=4e-3)
 RIGHT = comb(STATOR, "b", 31.0, aperture=3e-3)
 FRONT = replace(
-    comb(STATOR, "c", 20.0, finger_pairs=1, aperture=3e-3),
-    center_y=-MIDDLE / 2,
-    angle=np.pi / 2,
-    termination=200.0,
+    comb(STATOR, "c", 20.0, finger_pairs=1, aperture=3e-3), center_y=-MIDDLE / 2, angle=np.pi / 2, termination=200.0
 )
 PLACES = MIDDLE + np.array([-2e-3, 1e-3, 4e-3]), np.array([0.0, 1.3e-3, -1.9e-3])
 
@@ -91,9 +88,7 @@ def test_coupling_is_a_sum_of_hankel_functions():
     modes = solve_ports(STATOR, (LEFT,), frequency=FREQUENCY, resolution=resolution).modes
     plan = LEFT, replace(FRONT, angle=1.1)
     charges = [
-        ElectrodeCharges(
-            x=7e-3 + each.center * np.array([-0.04, 0.01, 0.03]), charge=np.array(q), finger=np.arange(3)
-        )
+        ElectrodeCharges(x=7e-3 + each.center * np.array([-0.04, 0.01, 0.03]), charge=np.array(q), finger=np.arange(3))
         for each, q in zip(plan, ([1e-9, -3e-9, 2e-9j], [2e-9, 1e-9j, -1e-9]), strict=True)
     ]
     origins = tuple(7e-3 + 0.0 * each.center for each in plan)
@@ -163,9 +158,7 @@ def test_side_by_side_transducers_are_two_rows():
     _, u_y, u_z = found.motion(PLACES[0], 0.0)
     assert abs(u_y).max() < 1e-9 * abs(u_z).max()
     one = crossed(pair[0])
-    np.testing.assert_allclose(
-        found.motion(*PLACES)[2], one.motion(*PLACES)[2] + one.motion(PLACES[0], -PLACES[1])[2]
-    )
+    np.testing.assert_allclose(found.motion(*PLACES)[2], one.motion(*PLACES)[2] + one.motion(PLACES[0], -PLACES[1])[2])
 
 
 def test_many_places_at_an_oblique_angle_are_interpolated():
@@ -200,10 +193,7 @@ def test_a_place_on_the_surface():
 @pytest.mark.parametrize(
     ("transducers", "message"),
     [
-        (
-            (LEFT, replace(FRONT, center_y=0.0, center=LEFT.center)),
-            "off those of 'a': they overlap on the surface",
-        ),
+        ((LEFT, replace(FRONT, center_y=0.0, center=LEFT.center)), "off those of 'a': they overlap on the surface"),
         ((LEFT, replace(FRONT, center_y=-0.499 * WIDTH)), "got fingers from y = "),
         ((LEFT, replace(FRONT, center=1e-3)), "got fingers from x = "),
         ((LEFT, replace(LEFT, center_y=6e-3)), "names must differ"),

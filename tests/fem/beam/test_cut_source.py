@@ -32,13 +32,9 @@ def test_modes_at_each_lateral_wavenumber_are_the_rotated_ones():
     expected = turned.motion(left, y)
     np.testing.assert_allclose(solved.motion(left, y), expected, atol=5e-3 * abs(expected).max())
     lateral = np.array([-0.3, 0.1, 0.3]) * turned.source.wavenumbers[turned.source.surface].mean().real
-    np.testing.assert_allclose(
-        solved.surface_wavenumbers(lateral), turned.surface_wavenumbers(lateral), rtol=3e-7
-    )
+    np.testing.assert_allclose(solved.surface_wavenumbers(lateral), turned.surface_wavenumbers(lateral), rtol=3e-7)
     expected = turned.surface_mode.motion(right, y)
-    np.testing.assert_allclose(
-        solved.surface_mode.motion(right, y), expected, atol=1e-3 * abs(expected).max()
-    )
+    np.testing.assert_allclose(solved.surface_mode.motion(right, y), expected, atol=1e-3 * abs(expected).max())
 
 
 @pytest.fixture(scope="module")
@@ -81,11 +77,7 @@ def test_stated_error_of_an_integral_that_ends_too_early(ceramic, monkeypatch):
     assert np.all(off < 1.5 * stated)
 
 
-CUTS = {
-    "128YX": ("LiNbO3 (Kovacs)", "128YX"),
-    "YZ": ("LiNbO3 (Warner)", "YZ"),
-    "ST-X": ("quartz (Bechmann)", "ST-X"),
-}
+CUTS = {"128YX": ("LiNbO3 (Kovacs)", "128YX"), "YZ": ("LiNbO3 (Warner)", "YZ"), "ST-X": ("quartz (Bechmann)", "ST-X")}
 
 
 def test_a_mode_missed_at_one_node_is_in_the_stated_error(monkeypatch):
@@ -120,10 +112,7 @@ def test_side_faces_by_half_of_the_basis(name):
 def test_response_of_the_reduced_basis(name):
     """Fields at the surface of loads there, at wave vectors of its own disc, against the whole section."""
     source = beam_in(lossless(*CUTS[name]), thickness=np.inf, length=14.0, pairs=1, order=5).source
-    whole, surface = (
-        _Polynomials.of(source.section, source.frequency, source.wavenumber),
-        _surface(source.section),
-    )
+    whole, surface = (_Polynomials.of(source.section, source.frequency, source.wavenumber), _surface(source.section))
     loads = np.eye(source.section.size)[:, surface]
     for along, lateral in ((0.93, 0.2), (-0.4, 0.7), (0.1, 0.03)):
         k = source.wavenumber * np.array([along * source.section.length_unit, lateral]) * (1 + 0.07j)
@@ -173,9 +162,7 @@ def test_response_of_the_half_space():
         frequency=source.frequency,
     )
     turn = 1 + 0.07j
-    vectors = (
-        source.wavenumber * turn * np.array([(0.93, 0.2), (-0.4, 0.7), (0.5, 0.0), (0.1, 0.03), (0.01, 0.3)])
-    )
+    vectors = source.wavenumber * turn * np.array([(0.93, 0.2), (-0.4, 0.7), (0.5, 0.0), (0.1, 0.03), (0.01, 0.3)])
     expected = abs(field.response(*vectors.T, turn))
     unit = source.section.length_unit
     found = abs(np.array([source.reduced.response(along * unit, lateral) for along, lateral in vectors]))
@@ -244,9 +231,7 @@ def test_slowness_curvature_is_the_published_one(name, gamma):
 
 def test_slowness_curve_passes_smoothly_through_the_axis():
     """A generic cut, whose power flows at an angle: the curve at -k_y is that of the waves to the other side."""
-    beam = beam_in(
-        lossless("LiNbO3 (Kovacs)", (10.0, 38.0, 15.0)), thickness=np.inf, length=14.0, pairs=1, order=5
-    )
+    beam = beam_in(lossless("LiNbO3 (Kovacs)", (10.0, 38.0, 15.0)), thickness=np.inf, length=14.0, pairs=1, order=5)
     step = 0.01 * beam.source.wavenumber
     before, here, after, further = beam.surface_wavenumbers(step * np.arange(-1, 3)).real
     slope = (after - before) / (2 * step)

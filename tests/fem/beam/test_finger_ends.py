@@ -102,17 +102,9 @@ def test_reciprocity_of_charges_that_vary_along_the_fingers():
     """Two transducers of unequal apertures, beside one another, with unequal numbers of fingers."""
     stator = fem.Stator(solid=SOLID, length=0.05, thickness=2e-3, ends="absorbing")
     one = fem.Transducer(
-        name="a",
-        center=0.01,
-        finger_pairs=2,
-        period=PERIOD,
-        metallisation=0.5,
-        aperture=8 * PERIOD,
-        pattern="+-+0",
+        name="a", center=0.01, finger_pairs=2, period=PERIOD, metallisation=0.5, aperture=8 * PERIOD, pattern="+-+0"
     )
-    other = replace(
-        one, name="b", center=0.03, center_y=2e-3, aperture=5 * PERIOD, finger_pairs=1, pattern=None
-    )
+    other = replace(one, name="b", center=0.03, center_y=2e-3, aperture=5 * PERIOD, finger_pairs=1, pattern=None)
     fields = solve_driven(stator, (one, other), frequency=2.2e6, drive="a", resolution=LEVELS[1]).fields
     found = with_apertures(fields)
     assert len(found.sheets[0]) != len(found.sheets[1])

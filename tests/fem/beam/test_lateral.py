@@ -15,7 +15,4 @@ def test_integrand_with_a_cusp(y):
     found = np.sum(rule.weights * np.exp(-rule.nodes * x) * np.cos(rule.nodes * y)).real
     assert abs(found / exact - 1) < 2e-3
     plain = lateral_rule(15e3, 10e-3, evanescent(1e3, x))
-    assert (
-        abs(np.sum(plain.weights * np.exp(-plain.nodes * x) * np.cos(plain.nodes * y)).real / exact - 1)
-        > 0.03
-    )
+    assert abs(np.sum(plain.weights * np.exp(-plain.nodes * x) * np.cos(plain.nodes * y)).real / exact - 1) > 0.03

@@ -18,12 +18,8 @@ CUTS = {"128YX": ("LiNbO3 (Kovacs)", 10e6, 0.396e-3), "YZ": ("LiNbO3 (Warner)", 
 def beam_and_field(cut: str, pairs: int, aperture: float, x, y):
     """A transducer of a half-space at 10 mm; the oracle's motion at places."""
     name, frequency, period = CUTS[cut]
-    stator = fem.Stator(
-        solid=fem.rotated(fem.material(name), cut), length=0.07, thickness=np.inf, ends="absorbing"
-    )
-    one = fem.Transducer(
-        name="a", center=0.01, finger_pairs=pairs, period=period, metallisation=0.5, aperture=aperture
-    )
+    stator = fem.Stator(solid=fem.rotated(fem.material(name), cut), length=0.07, thickness=np.inf, ends="absorbing")
+    one = fem.Transducer(name="a", center=0.01, finger_pairs=pairs, period=period, metallisation=0.5, aperture=aperture)
     solved = solve_driven(stator, (one,), frequency=frequency, drive="a", resolution=LEVELS[1])
     beam = surface_beam(wave_of(solved))
     beam = replace(beam, wave=replace(beam.wave, relative_error=1e-5))  # the oracle has its charges

@@ -130,9 +130,7 @@ def test_fingers_on_their_electrodes_are_the_transducer(solved):
     joined = np.zeros((n + ports, n + 2))
     joined[:n, :n] = np.eye(n)
     joined[n:, n:] = np.tile(np.eye(2), (2, 1))
-    np.testing.assert_allclose(
-        joined.T @ fingers.matrix @ joined, row.matrix, atol=1e-11 * abs(row.matrix).max()
-    )
+    np.testing.assert_allclose(joined.T @ fingers.matrix @ joined, row.matrix, atol=1e-11 * abs(row.matrix).max())
     sides = joined @ solved.sides(0)
     medium, unit = solved.fields.section.solid, solved.fields.section.length_unit
     charges = electrode_charges(solved, 0)

@@ -35,9 +35,7 @@ def test_lumps_keep_charge_dipole_and_spread_of_any_finger():
         for near in (places < 6e-4, places > 6e-4):
             mine = both.x < 6e-4 if near[0] else both.x > 6e-4
             expected = np.sum(both.charge[mine] * both.x[mine] ** power)
-            np.testing.assert_allclose(
-                np.sum(lumps[near] * places[near] ** power), expected, rtol=1e-9, atol=1e-14
-            )
+            np.testing.assert_allclose(np.sum(lumps[near] * places[near] ** power), expected, rtol=1e-9, atol=1e-14)
 
 
 def test_an_open_reflector_in_the_beam():
@@ -57,9 +55,7 @@ def test_an_open_reflector_in_the_beam():
 def test_an_aperture_below_half_a_wavelength_is_refused():
     short = comb(STATOR, "a", 6.0, finger_pairs=2, aperture=0.45e-3)
     wave = wave_of(solution(STATOR, (short,)))
-    with pytest.raises(
-        InputError, match=r"transducer 'a'.aperture must be at least half a wavelength, 0.000"
-    ):
+    with pytest.raises(InputError, match=r"transducer 'a'.aperture must be at least half a wavelength, 0.000"):
         surface_beam(wave)
     with pytest.raises(InputError, match="half a wavelength"):
         port_admittance(STATOR, (short,), frequency=FREQUENCY, tolerance=0.1, finite_apertures=True)
@@ -123,9 +119,7 @@ def test_a_band_falls_back_where_the_reduced_model_fails(monkeypatch):
 
     again = Band(model=Failing(band.model), relative_error=1e-2, admittance_error=1e-2)
     x = np.array([4e-3, 12e-3])
-    np.testing.assert_allclose(
-        again.wave(FREQUENCY, "a").motion(x), band.wave(FREQUENCY, "a").motion(x), rtol=1e-2
-    )
+    np.testing.assert_allclose(again.wave(FREQUENCY, "a").motion(x), band.wave(FREQUENCY, "a").motion(x), rtol=1e-2)
 
 
 def test_images_in_both_side_faces():
@@ -207,9 +201,7 @@ def test_nodal_charges_have_the_totals_and_moments_of_each_finger(pattern):
         assert len(sheets) > 1
         for sheet, charge in zip(sheets, (charges.charge, *(q for _, q in charges.steps)), strict=True):
             charged = np.flatnonzero([sign in "+-" for sign in transducer.signs])
-            for finger in np.delete(
-                np.unique(charges.finger), charged
-            ):  # open strips: polarised, without net charge
+            for finger in np.delete(np.unique(charges.finger), charged):  # open strips: polarised, without net charge
                 own = charge[charges.finger == finger]
                 assert abs(own.sum()) < 1e-9 * abs(own).sum()
             for finger, total, moment in zip(
@@ -222,6 +214,4 @@ def test_nodal_charges_have_the_totals_and_moments_of_each_finger(pattern):
                 arms = charges.x[own] - (charges.x[own][0] + charges.x[own][-1]) / 2
                 scale = abs(charge).max()
                 np.testing.assert_allclose(charge[own].sum(), total, rtol=1e-9, atol=1e-9 * scale)
-                np.testing.assert_allclose(
-                    charge[own] @ arms, moment, rtol=1e-7, atol=1e-9 * scale * arms[-1]
-                )
+                np.testing.assert_allclose(charge[own] @ arms, moment, rtol=1e-7, atol=1e-9 * scale * arms[-1])

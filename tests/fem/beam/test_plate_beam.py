@@ -22,9 +22,7 @@ def test_far_beside_the_aperture_of_a_floating_plate():
     frequency, period, aperture, thickness = 9.6e6, 0.363e-3, 8.4e-3, 0.548e-3
     solid = replace(fem.rotated(fem.material("LiNbO3 (Warner)"), "YZ"), mechanical_quality=25.0)
     stator = fem.Stator(solid=solid, length=0.07, thickness=thickness, ends="absorbing")
-    one = fem.Transducer(
-        name="a", center=0.01, finger_pairs=9, period=period, metallisation=0.5, aperture=aperture
-    )
+    one = fem.Transducer(name="a", center=0.01, finger_pairs=9, period=period, metallisation=0.5, aperture=aperture)
     solved = solve_driven(stator, (one,), frequency=frequency, drive="a", resolution=LEVELS[1])
     beam = surface_beam(wave_of(solved))
     beam = replace(beam, wave=replace(beam.wave, relative_error=1e-5))  # the oracle has its charges
@@ -60,9 +58,7 @@ def test_waves_that_grow_on_the_contour(monkeypatch):
     frequency = 9.6e6
     solid = lossless("quartz (Bechmann)", "ST-X")
     period = fem.rayleigh(solid, "open").velocity / frequency
-    stator = fem.Stator(
-        solid=solid, length=100 * period, thickness=2.14 * period, ends="absorbing", bottom="grounded"
-    )
+    stator = fem.Stator(solid=solid, length=100 * period, thickness=2.14 * period, ends="absorbing", bottom="grounded")
     one = fem.Transducer(
         name="a", center=10 * period, finger_pairs=4, period=period, metallisation=0.5, aperture=9.9 * period
     )

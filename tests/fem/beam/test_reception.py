@@ -19,12 +19,9 @@ def test_coupling_of_two_apertures_is_a_double_integral_of_a_hankel_function():
     lateral = np.subtract.outer(receiver / 2 * y, sender / 2 * other)
     mean = outer / 2 @ (hankel2(0, k * np.hypot(distance, lateral)) @ (inner * sender / 2))
     expected = k / 2 * mean * np.exp(1j * k * distance)
-    assert aperture_coupling(np.array([k]), sender, receiver, distance)[0] == pytest.approx(
-        expected, rel=1e-7
-    )
+    assert aperture_coupling(np.array([k]), sender, receiver, distance)[0] == pytest.approx(expected, rel=1e-7)
     images = [
-        hankel2(0, k * np.hypot(distance, lateral + number * 6e-3)) @ (inner * sender / 2)
-        for number in range(-90, 91)
+        hankel2(0, k * np.hypot(distance, lateral + number * 6e-3)) @ (inner * sender / 2) for number in range(-90, 91)
     ]
     expected = k / 2 * (outer / 2 @ sum(images)) * np.exp(1j * k * distance)
     found = aperture_coupling(np.array([k]), sender, receiver, distance, 6e-3)[0]

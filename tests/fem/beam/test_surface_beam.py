@@ -128,18 +128,13 @@ def test_far_field_follows_the_aperture():
     """At 0.2 m the surface wave alone is left; over the angle it is W sinc(k W sin / 2) T(k cos) over the axis's."""
     beam = section_charges(beam_of(lossless("PZT-8", "Z"), thickness=np.inf, aperture=3e-3, length=600.0))
     surface = beam.wave.solution.fields.modes.rayleigh[0]
-    k = (
-        float(beam.wave.solution.fields.modes.wavenumbers[surface].real)
-        / beam.wave.solution.fields.section.length_unit
-    )
+    k = float(beam.wave.solution.fields.modes.wavenumbers[surface].real) / beam.wave.solution.fields.section.length_unit
     charges = beam.charges[0]
     middle = 0.5 * (charges.x[0] + charges.x[-1])
     angles = np.radians([0.0, 3.0, 6.0, 9.0, 14.0])
     distance = 0.2
     normal = beam.motion(middle + distance * np.cos(angles), distance * np.sin(angles))[2]
-    expected = np.sinc(k * np.sin(angles) * 3e-3 / (2 * np.pi)) * charges.transform(
-        k * np.cos(angles), middle
-    )
+    expected = np.sinc(k * np.sin(angles) * 3e-3 / (2 * np.pi)) * charges.transform(k * np.cos(angles), middle)
     np.testing.assert_allclose(abs(normal / normal[0]), abs(expected / expected[0]), atol=1e-3)
 
 

@@ -64,9 +64,7 @@ def test_halving_a_column_changes_little(depth):
     n = depth.size
     modes = guided_modes(depth, FREQUENCY)
     slow = np.abs(modes.wavenumbers) < 8.0
-    lines_ = np.concatenate(
-        [modes.right[:, slow], modes.right[:, slow] * np.exp(-0.2j * modes.wavenumbers[slow])]
-    )
+    lines_ = np.concatenate([modes.right[:, slow], modes.right[:, slow] * np.exp(-0.2j * modes.wavenumbers[slow])])
     whole = condensed(depth, FREQUENCY, width=0.2, electrode=None)
     half = condensed(depth, FREQUENCY, width=0.1, electrode=None)
     ours = joined(half, half).matrix[: 2 * n, : 2 * n] @ lines_
@@ -85,10 +83,7 @@ def test_row_of_bare_columns_is_a_stretch(depth):
         step = np.exp(-1j * modes.wavenumbers[slow] * block.width)
         both = np.concatenate([modes.right[:, slow], modes.right[:, slow] * step])
         expected = np.concatenate([-modes.right_flux[:, slow], modes.right_flux[:, slow] * step])
-        assert (
-            np.abs(block.matrix[: 2 * n, : 2 * n] @ both - expected).max()
-            < tolerance * np.abs(block.matrix).max()
-        )
+        assert np.abs(block.matrix[: 2 * n, : 2 * n] @ both - expected).max() < tolerance * np.abs(block.matrix).max()
 
 
 def test_mirrored_half_is_the_other_half():

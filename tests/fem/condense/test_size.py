@@ -57,9 +57,7 @@ def test_memory_of_the_blocks_is_that_of_their_arrays():
         solved = solution(plate(solid), row, layers=1)
         size = stator_size(plate(solid), row, frequency=FREQUENCY, resolution=solved.fields.resolution)
         assert size.complex == (solid is PZT)
-        assert size.block_bytes == pytest.approx(
-            _bytes(solved.fields.network.scatterers[0].piece), rel=0.3, abs=0
-        )
+        assert size.block_bytes == pytest.approx(_bytes(solved.fields.network.scatterers[0].piece), rel=0.3, abs=0)
 
 
 def _bytes(block):

@@ -139,9 +139,7 @@ def lateral_growth(solid, share: float) -> float:
     wavenumber = 2 * np.pi * FREQUENCY * depth.length_unit / rayleigh(stator.solid, "open").velocity
     second, first, adjoint, zeroth = depth.lateral_matrices(FREQUENCY, share * wavenumber)
     k, shapes = companion_modes(second, 1j * (first - adjoint), zeroth)
-    assert (
-        abs(abs(k.real) / wavenumber - np.sqrt(1 - share**2)).min() < 0.03
-    )  # the surface wave is among them
+    assert abs(abs(k.real) / wavenumber - np.sqrt(1 - share**2)).min() < 0.03  # the surface wave is among them
     return largest_growth(k, shapes, first @ shapes - 1j * (second @ shapes) * k)
 
 

@@ -96,9 +96,7 @@ def test_tables_are_the_constitutive_law(name, orientation, losses):
     stress = np.einsum("ijkl,kl->ij", c, strain) + np.einsum("kij,k->ij", e, tilt)
     flux = np.einsum("ikl,kl->i", e, strain) - solid.permittivity_lossy @ tilt
     expected = np.sum(test_strain * stress) + test_tilt @ flux
-    ours = (
-        v_x @ body.xx @ u_x + v_x @ body.xz @ u_z + v_z @ body.xz.T @ u_x + v_z @ body.zz @ u_z
-    ) * body.stress_unit
+    ours = (v_x @ body.xx @ u_x + v_x @ body.xz @ u_z + v_z @ body.xz.T @ u_x + v_z @ body.zz @ u_z) * body.stress_unit
     assert ours == pytest.approx(expected, rel=1e-12)
     assert np.allclose(body.inertia, [solid.density / body.stress_unit] * 3 + [0.0], rtol=1e-15)
 

@@ -89,9 +89,7 @@ def test_shipped_lithium_niobate_is_within_its_stated_error(rest):
         name="left", center=6e-3, finger_pairs=20, period=0.402e-3, metallisation=0.5, aperture=9e-3
     )
     place = 0.024
-    wave = driven_wave(
-        stator, (transducer,), frequency=FREQUENCY, drive="left", tolerance=1e-3, places=(place,)
-    )
+    wave = driven_wave(stator, (transducer,), frequency=FREQUENCY, drive="left", tolerance=1e-3, places=(place,))
     admittance, motion = exact(stator, transducer, np.array([place]), panels=1600)
     assert 1e-5 < wave.relative_error < 1e-3
     assert motion_difference(wave.motion([place]), motion) < 1.5 * wave.relative_error

@@ -31,12 +31,9 @@ def test_unknowns(bottom, above):
     assert np.all(body[1:, [0, 2, 3]] >= 0)
     assert np.array_equal(
         body[0, [0, 3]] >= 0,
-        {
-            "free": [True, True],
-            "grounded": [True, False],
-            "clamped": [False, True],
-            "absorbing": [False, False],
-        }[bottom],
+        {"free": [True, True], "grounded": [True, False], "clamped": [False, True], "absorbing": [False, False]}[
+            bottom
+        ],
     )
     assert np.all(gap[:, :3] == -1)
     assert np.all(gap[:, 3] >= 0)
@@ -82,11 +79,7 @@ def test_matrices_of_a_stretch_are_those_of_scikit_fem(solid, rest):
         basis = Basis(MeshLine(ends), ElementLinePp(order), intorder=2 * order)
         mass, stiff, slope = (
             BilinearForm(form).assemble(basis).toarray()
-            for form in (
-                lambda u, v, _: u * v,
-                lambda u, v, _: u.grad[0] * v.grad[0],
-                lambda u, v, _: v * u.grad[0],
-            )
+            for form in (lambda u, v, _: u * v, lambda u, v, _: u.grad[0] * v.grad[0], lambda u, v, _: v * u.grad[0])
         )
         chosen = np.arange(depth.surface + 1) if below else np.arange(depth.surface, len(nodes))
         to_nodal = np.linalg.inv(basis.probes(nodes[chosen][None]).toarray())
@@ -94,8 +87,7 @@ def test_matrices_of_a_stretch_are_those_of_scikit_fem(solid, rest):
         for row, name in enumerate(part.fields):
             for column, other in enumerate(part.fields):
                 rows, columns = (
-                    depth.dofs[chosen, FIELD_COLUMN[word]] if word in part.fields else None
-                    for word in (name, other)
+                    depth.dofs[chosen, FIELD_COLUMN[word]] if word in part.fields else None for word in (name, other)
                 )
                 keep = np.ix_(rows >= 0, columns >= 0)
                 at = np.ix_(rows[rows >= 0], columns[columns >= 0])

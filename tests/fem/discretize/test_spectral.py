@@ -18,10 +18,7 @@ ORDERS = (1, 2, 3, 4, 5, 8, 13, 20)
         (4, [-np.sqrt(3 / 7), 0.0, np.sqrt(3 / 7)]),
         (
             5,
-            [
-                sign * np.sqrt((7 + other * 2 * np.sqrt(7)) / 21)
-                for sign, other in ((-1, 1), (-1, -1), (1, -1), (1, 1))
-            ],
+            [sign * np.sqrt((7 + other * 2 * np.sqrt(7)) / 21) for sign, other in ((-1, 1), (-1, -1), (1, -1), (1, 1))],
         ),
     ],
 )

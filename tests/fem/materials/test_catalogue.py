@@ -23,10 +23,7 @@ NIOBATES = {
     # c11, c12, c13, c14, c33, c44; e15, e22, e31, e33; eps11, eps33; density
     "LiNbO3 (Warner)": (203, 53, 75, 9, 245, 60, 3.7, 2.5, 0.2, 1.3, 44, 29, 4700),
     "LiNbO3 (Ogi)": (199.5, 55.27, 67.67, 8.70, 235.2, 59.48, 3.65, 2.39, 0.31, 1.72, 45.05, 26.2, 4640),
-    "LiNbO3 (Kovacs)": (
-        *(198.39, 54.72, 65.13, 7.88, 227.9, 59.65),
-        *(3.69, 2.42, 0.30, 1.77, 45.6, 26.3, 4628),
-    ),
+    "LiNbO3 (Kovacs)": (*(198.39, 54.72, 65.13, 7.88, 227.9, 59.65), *(3.69, 2.42, 0.30, 1.77, 45.6, 26.3, 4628)),
 }
 # c11, c12, c13, c14, c33, c44; e11, e14; eps11, eps33 in F/m; density
 QUARTZ = (86.74, 6.99, 11.91, -17.91, 107.2, 57.94, 0.171, -0.0406, 3.921e-11, 4.103e-11, 2649)
@@ -49,9 +46,7 @@ def stiffness_tensor(table: np.ndarray) -> np.ndarray:
     tensor = np.empty((3, 3, 3, 3))
     for row, (i, j) in enumerate(VOIGT):
         for column, (k, m) in enumerate(VOIGT):
-            tensor[i, j, k, m] = tensor[j, i, k, m] = tensor[i, j, m, k] = tensor[j, i, m, k] = table[
-                row, column
-            ]
+            tensor[i, j, k, m] = tensor[j, i, k, m] = tensor[i, j, m, k] = tensor[j, i, m, k] = table[row, column]
     return tensor
 
 

@@ -32,10 +32,7 @@ def changed(table, place, value):
             {"stiffness": changed(PZT.stiffness, (0, 2), 7.4e10)},
             r"stiffness must be symmetric; entries \(1, 3\) and \(3, 1\) are 7\.4e\+10 and 7\.43e\+10 Pa",
         ),
-        (
-            {"stiffness": changed(PZT.stiffness, (1, 3), np.nan)},
-            r"stiffness must be finite; entry \(2, 4\) is nan Pa",
-        ),
+        ({"stiffness": changed(PZT.stiffness, (1, 3), np.nan)}, r"stiffness must be finite; entry \(2, 4\) is nan Pa"),
         ({"stiffness": np.eye(3)}, r"stiffness must be a table of 6 rows of 6 numbers \(Pa\), .*\(3, 3\)"),
         ({"stiffness": [[1, 2], [3]]}, r"stiffness must be a table of 6 rows of 6 numbers \(Pa\)"),
         ({"coupling": np.zeros((6, 3))}, r"coupling must be a table of 3 rows of 6 numbers \(C/m2\)"),

@@ -68,9 +68,7 @@ def test_invariants_stay(solid, orientation):
     c, d = turned.stiffness, solid.stiffness
     assert c[:3, :3].sum() == pytest.approx(d[:3, :3].sum(), rel=1e-12)
     assert np.diag(c) @ weights == pytest.approx(np.diag(d) @ weights, rel=1e-12)
-    assert np.sum(turned.coupling**2 * weights) == pytest.approx(
-        np.sum(solid.coupling**2 * weights), rel=1e-12
-    )
+    assert np.sum(turned.coupling**2 * weights) == pytest.approx(np.sum(solid.coupling**2 * weights), rel=1e-12)
     assert np.linalg.eigvalsh(turned.permittivity / VACUUM_PERMITTIVITY) == pytest.approx(
         np.linalg.eigvalsh(solid.permittivity / VACUUM_PERMITTIVITY), rel=1e-12
     )

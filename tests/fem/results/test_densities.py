@@ -110,9 +110,7 @@ def test_mean_and_pulse_make_the_instant():
         growth = 0.5 * (rate[..., :3, :] + np.swapaxes(rate[..., :3, :], -1, -2))
         current = np.einsum("ijk,...jk->...i", coupling, growth) - rate[..., 3, :] @ solid.permittivity
         velocity = (1j * OMEGA * values[..., :3] * turn).real
-        flow = (values[..., 3] * turn).real[..., None] * current - np.einsum(
-            "...ij,...j->...i", stress, velocity
-        )
+        flow = (values[..., 3] * turn).real[..., None] * current - np.einsum("...ij,...j->...i", stress, velocity)
         told = found.strain_energy + (found.strain_energy_pulse * turn**2).real
         np.testing.assert_allclose(told, energy, rtol=1e-12)
         told = found.power_flow + (found.power_flow_pulse * turn**2).real

@@ -71,9 +71,7 @@ def test_potential_is_continuous(case):
     jump = []
     for index in range(3, len(field.x) - 1):
         nodes, at = field.x[index - 3 : index], field.x[index]
-        weights = [
-            np.prod([(at - other) / (node - other) for other in nodes if other != node]) for node in nodes
-        ]
+        weights = [np.prod([(at - other) / (node - other) for other in nodes if other != node]) for node in nodes]
         jump.append(abs(weights @ phi[index - 3 : index] - phi[index]) / np.abs(weights).sum())
     jump = np.array(jump)
     at_border = [int(np.searchsorted(field.x, border + 1e-12)) - 3 for border in borders]
@@ -172,18 +170,11 @@ def test_between_nodes_the_elements_polynomials_hold():
     order, ends = 4, np.array([-3.0, -1.0, -0.4, 0.0])
     z = line_nodes(ends, order)
     field = WaveField(
-        x=np.zeros(1),
-        z=z,
-        displacement=np.zeros((1, 13, 3)),
-        potential=np.zeros((1, 13)),
-        frequency=1.0,
-        order=order,
+        x=np.zeros(1), z=z, displacement=np.zeros((1, 13, 3)), potential=np.zeros((1, 13)), frequency=1.0, order=order
     )
 
     def broken(at):
-        return (
-            at**4 + np.where(at > -1, 5 * (at + 1) ** 3, 0.0) - np.where(at > -0.4, 9 * (at + 0.4) ** 2, 0.0)
-        )
+        return at**4 + np.where(at > -1, 5 * (at + 1) ** 3, 0.0) - np.where(at > -0.4, 9 * (at + 0.4) ** 2, 0.0)
 
     np.testing.assert_allclose(field.depth_basis(z), np.eye(13), atol=1e-13)
     heights = np.linspace(-3, 0, 101)

@@ -107,9 +107,7 @@ def test_standing_wave_ratio():
 def test_an_amplitude_that_no_stator_reaches_is_refused(wave):
     """Beyond a micrometre per volt a motion is an artefact: refused wherever it is asked for, not passed on."""
     grown = [
-        replace(piece, right=1e7 * piece.right, left=1e7 * piece.left)
-        if isinstance(piece, UniformSegment)
-        else piece
+        replace(piece, right=1e7 * piece.right, left=1e7 * piece.left) if isinstance(piece, UniformSegment) else piece
         for piece in wave.pieces
     ]
     loud, at = replace(wave, pieces=tuple(grown)), 0.5 * (wave.pieces[2].start + wave.pieces[2].stop)

@@ -43,9 +43,7 @@ def test_band_follows_the_full_solution(case):
     """Reduced and interpolated against solved afresh on the same discretisation, within the tolerance."""
     block, pair, middle = made(case)
     low, high = 0.97 * middle, 1.03 * middle
-    problem = BandProblem(
-        stator=block, transducers=pair, limits=(low, high), drive="a", tolerance=1e-3, places=PLACES
-    )
+    problem = BandProblem(stator=block, transducers=pair, limits=(low, high), drive="a", tolerance=1e-3, places=PLACES)
     model = project(problem, solve_at_nodes(problem, LEVELS[1]), 5e-6)
     assert model.section.size < 0.8 * model.section.full.size
     for frequency in (low, 1.017 * middle):
@@ -82,9 +80,7 @@ def test_the_reduction_takes_what_the_discretisation_leaves(monkeypatch, of_leve
     monkeypatch.setattr("fem.solve.band.project", lambda problem, nodes, truncation: truncation)
     reached = iter([(7e-4, 0.0), (4e-4, 0.0), (1.5e-4, 0.0), (1e-5, 0.0)])
     monkeypatch.setattr("fem.solve.band._errors", lambda *rest: next(reached))
-    problem = BandProblem(
-        stator=None, transducers=(), limits=(1.0, 2.0), drive="a", tolerance=1e-3, places=PLACES
-    )
+    problem = BandProblem(stator=None, transducers=(), limits=(1.0, 2.0), drive="a", tolerance=1e-3, places=PLACES)
     _, of_motion, _ = _reduced(problem, None, [], 1.0, 1e-3 - of_levels)
     assert of_motion == (7e-4, 4e-4, 1.5e-4)[projections - 1]
     assert of_levels + of_motion <= 1e-3 or of_levels > 1e-3
@@ -146,17 +142,13 @@ STATED = {
 }
 
 
-@pytest.mark.parametrize(
-    "name", ["absorbing ends", pytest.param("resonant, free ends", marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("name", ["absorbing ends", pytest.param("resonant, free ends", marks=pytest.mark.slow)])
 def test_stated_errors_hold_at_the_worst_frequency(name):
     """Against a finer level at three frequencies of an 8 % band: at most twice the stated error, nor far below it."""
     stator, tolerance = STATED[name]
     row, at = (comb(stator, "a", 2.0, finger_pairs=3, period=1.02),), np.array([0.7 * stator.length])
     low, high = 0.96 * FREQUENCY, 1.04 * FREQUENCY
-    band = frequency_band(
-        stator, row, lowest=low, highest=high, drive="a", tolerance=tolerance, places=tuple(at)
-    )
+    band = frequency_band(stator, row, lowest=low, highest=high, drive="a", tolerance=tolerance, places=tuple(at))
     finer = LEVELS[LEVELS.index(band.model.resolution) + 1]
     errors = []
     for frequency in np.linspace(low, high, 3):
@@ -177,12 +169,8 @@ def test_a_band_that_misses_its_tolerance_says_so(monkeypatch):
     monkeypatch.setattr("fem.solve.band.MAX_ROUNDS", 1)
     stator = plate(cut("PZT-8", "Z", quality=5000.0, loss=1e-3), length=8.0, thickness=0.6, ends="free")
     row = (comb(stator, "a", 2.0, finger_pairs=2),)
-    with pytest.raises(
-        ConvergenceError, match=r"in the band is known to .* only, 1\.0e-02 was asked"
-    ) as said:
-        frequency_band(
-            stator, row, lowest=0.97 * FREQUENCY, highest=1.03 * FREQUENCY, drive="a", tolerance=1e-2
-        )
+    with pytest.raises(ConvergenceError, match=r"in the band is known to .* only, 1\.0e-02 was asked") as said:
+        frequency_band(stator, row, lowest=0.97 * FREQUENCY, highest=1.03 * FREQUENCY, drive="a", tolerance=1e-2)
     assert said.value.reached.relative_error > 1e-2
     assert said.value.reached.wave(FREQUENCY, "a").relative_error == said.value.reached.relative_error
 
@@ -192,9 +180,7 @@ def central(request):
     """A band of a stator whose transducer stands in its middle, made without places; the full solution inside it."""
     stator = plate(cut("PZT-8", "Z", quality=100.0), length=6.0, thickness=0.6, ends=request.param)
     row = (comb(stator, "a", 3.0, finger_pairs=2), comb(stator, "b", 1.4, pattern="+o"))
-    band = frequency_band(
-        stator, row, lowest=0.98 * FREQUENCY, highest=1.02 * FREQUENCY, drive="a", tolerance=5e-3
-    )
+    band = frequency_band(stator, row, lowest=0.98 * FREQUENCY, highest=1.02 * FREQUENCY, drive="a", tolerance=5e-3)
     full = solve_driven(stator, row, frequency=1.007 * FREQUENCY, drive="a", resolution=band.model.resolution)
     return band.wave(1.007 * FREQUENCY, "a"), wave_of(full)
 
@@ -218,9 +204,7 @@ def test_a_band_gives_the_interior_and_the_power(central):
     assert np.all(np.diff(field.x) > 0)
     assert abs(field.displacement[:, -1, [0, 2]] - surface.T).max() < 1e-3 * abs(surface).max()
     for of in ("displacement", "potential"):
-        at_bottom = np.array(
-            [np.interp(exact.x, field.x, getattr(field, of)[:, 0].reshape(len(field.x), -1)[:, -1])]
-        )
+        at_bottom = np.array([np.interp(exact.x, field.x, getattr(field, of)[:, 0].reshape(len(field.x), -1)[:, -1])])
         wanted = getattr(exact, of)[:, 0].reshape(len(exact.x), -1)[:, -1]
         assert abs(at_bottom - wanted).max() < 2e-2 * abs(wanted).max()
     assert wave.power.dissipated == pytest.approx(full.power.dissipated, rel=1e-3)

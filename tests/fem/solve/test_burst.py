@@ -220,9 +220,7 @@ def test_free_ends_send_echoes_at_their_time(stators):
     speed = stators["free"][3].wave(FREQUENCY, drive="a").phase_velocity
     echo = (place + row.center - 2.5 * row.period) / speed  # the nearest finger's
     common = np.linspace(0, 50e-6, 2000)
-    values = [
-        np.interp(common, each.time, each.normal) / abs(absorbing.steady_normal) for each in (free, absorbing)
-    ]
+    values = [np.interp(common, each.time, each.normal) / abs(absorbing.steady_normal) for each in (free, absorbing)]
     apart = abs(values[0] - values[1])
     assert apart[common < 0.8 * echo].max() < 0.1
     assert apart[common > echo].max() > 0.3

@@ -26,9 +26,7 @@ def answer(name):
     stator, tolerance = STATORS[name]
     transducer = comb(stator, "a", 2.0, finger_pairs=2)
     place = 0.75 * stator.length
-    wave = driven_wave(
-        stator, (transducer,), frequency=FREQUENCY, drive="a", tolerance=tolerance, places=(place,)
-    )
+    wave = driven_wave(stator, (transducer,), frequency=FREQUENCY, drive="a", tolerance=tolerance, places=(place,))
     return stator, transducer, place, wave
 
 
@@ -74,12 +72,7 @@ def test_only_a_singular_corner_is_graded():
         lowest = np.cumsum(heights(bottom, ends))[:3]
         assert lowest[1:] * CORNER_RATIO == pytest.approx(lowest[:-1], rel=1e-12)
     plain = heights("free", "absorbing")
-    for bottom, ends in (
-        ("free", "free"),
-        ("clamped", "clamped"),
-        ("clamped", "absorbing"),
-        ("grounded", "free"),
-    ):
+    for bottom, ends in (("free", "free"), ("clamped", "clamped"), ("clamped", "absorbing"), ("grounded", "free")):
         assert np.array_equal(heights(bottom, ends), plain)
     half_space = heights("free", "absorbing", np.inf)
     assert np.array_equal(heights("free", "clamped", np.inf), half_space)

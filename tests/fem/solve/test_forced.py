@@ -28,8 +28,7 @@ def forces_at(stator, *places):
     """Forces in turn along z and x; places in wavelengths."""
     unit = stator.thickness / 0.8
     return tuple(
-        LineForce(name=f"f{k}", position=place * unit, component="zx"[k % 2])
-        for k, place in enumerate(places)
+        LineForce(name=f"f{k}", position=place * unit, component="zx"[k % 2]) for k, place in enumerate(places)
     )
 
 
@@ -87,9 +86,7 @@ def test_a_bare_stator_answers_as_a_segment_without_end():
     x = np.linspace(0.1, 5.9, 40) * stator.thickness / 0.8
     for k, each in enumerate(forces):
         found = surface_of(forced_solution(fields, np.eye(2)[k])).motion(x)
-        exact = np.array(
-            [force_response(fields.modes, each.component).motion(at - each.position) for at in x]
-        )
+        exact = np.array([force_response(fields.modes, each.component).motion(at - each.position) for at in x])
         assert abs(found - exact.T).max() < 1e-11 * abs(exact).max()
 
 
@@ -158,10 +155,7 @@ def test_the_current_per_newton_is_the_velocity_per_volt():
     force = LineForce(name="f", position=place, component="z", amplitude=3.0 - 4.0j)
     received = forced_wave(stator, row, (force,), **given).circuit.currents[0]
     velocity = (
-        2j
-        * np.pi
-        * FREQUENCY
-        * driven_wave(stator, row, drive="a", **given | {"places": (place,)}).motion(place)[1]
+        2j * np.pi * FREQUENCY * driven_wave(stator, row, drive="a", **given | {"places": (place,)}).motion(place)[1]
     )
     assert received == pytest.approx(velocity * force.amplitude * row[0].aperture, rel=1e-3)
 

@@ -39,10 +39,7 @@ def test_two_faces_split_the_wave():
     solid = lossless("PZT-8", "Z")
     expected = rayleigh(solid, "open").velocity
     off = [
-        abs(
-            free_wave(plate(solid, thickness=thick), frequency=FREQUENCY, tolerance=1e-10).velocity / expected
-            - 1
-        )
+        abs(free_wave(plate(solid, thickness=thick), frequency=FREQUENCY, tolerance=1e-10).velocity / expected - 1)
         for thick in (2.5, 3.0, 3.5)
     ]
     assert off[2] < off[1] / 2 < off[0] / 4
@@ -73,9 +70,7 @@ def test_profile_decays_like_the_half_spaces():
 
 def test_attenuation_is_the_losses():
     """An isotropic solid with one Q for all moduli: k (1 - i/2Q) to first order."""
-    solid = isotropic(
-        name="glass", youngs_modulus=7.31e10, poisson_ratio=0.2, density=2203.0, mechanical_quality=400.0
-    )
+    solid = isotropic(name="glass", youngs_modulus=7.31e10, poisson_ratio=0.2, density=2203.0, mechanical_quality=400.0)
     wave = free_wave(plate(solid, thickness=4.0), frequency=FREQUENCY, tolerance=1e-8)
     k = 2 * np.pi * FREQUENCY / wave.velocity
     assert wave.attenuation == pytest.approx(k / 800.0, rel=1e-4)

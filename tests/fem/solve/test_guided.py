@@ -185,9 +185,7 @@ def curvature(solid) -> float:
 def half_space_curvature(solid) -> float:
     """The same from the velocity v(theta) without a mesh: v''/v at theta = 0, where v' = 0."""
     step = 0.8
-    middle, near, far = (
-        rayleigh(rotated(solid, (factor * step, 0.0, 0.0)), "vacuum").velocity for factor in (0, 1, 2)
-    )
+    middle, near, far = (rayleigh(rotated(solid, (factor * step, 0.0, 0.0)), "vacuum").velocity for factor in (0, 1, 2))
     second = (2 * (near - middle) * 16 - 2 * (far - middle)) / 12
     return float(second / middle / np.radians(step) ** 2)
 

@@ -21,9 +21,7 @@ PAIR = (comb(STATOR, "a", 1.6, finger_pairs=2), comb(STATOR, "b", 5.2, period=0.
 
 
 def level(number, stator, transducers, *, drive="a"):
-    return wave_of(
-        solve_driven(stator, transducers, frequency=FREQUENCY, drive=drive, resolution=LEVELS[number])
-    )
+    return wave_of(solve_driven(stator, transducers, frequency=FREQUENCY, drive=drive, resolution=LEVELS[number]))
 
 
 @cache
@@ -63,10 +61,7 @@ def test_answer_carries_its_error_cost_and_power():
 
 
 def test_an_infinite_tolerance_is_the_coarsest_level_without_an_error():
-    wave, coarse = (
-        driven_wave(STATOR, PAIR, frequency=FREQUENCY, drive="a", tolerance=np.inf),
-        level(0, STATOR, PAIR),
-    )
+    wave, coarse = (driven_wave(STATOR, PAIR, frequency=FREQUENCY, drive="a", tolerance=np.inf), level(0, STATOR, PAIR))
     assert wave.relative_error == wave.admittance_error == np.inf
     assert wave.admittance == pytest.approx(coarse.admittance, rel=1e-12)
     assert abs(wave.admittance / known(3).admittance - 1) < 0.2
@@ -123,9 +118,7 @@ def test_error_estimate_is_honest(name):
     finest = level(5, stator, (transducer,))
     at = np.array([0.75 * stator.length])
     for tolerance in (1e-2, 3e-3 if name.startswith("clamped") else 1e-3):
-        wave = driven_wave(
-            stator, (transducer,), frequency=FREQUENCY, drive="a", tolerance=tolerance, places=tuple(at)
-        )
+        wave = driven_wave(stator, (transducer,), frequency=FREQUENCY, drive="a", tolerance=tolerance, places=tuple(at))
         assert motion_difference(wave.motion(at), finest.motion(at)) < 2 * wave.relative_error
         assert abs(wave.admittance / finest.admittance - 1) < 2 * wave.admittance_error
 
@@ -149,9 +142,7 @@ def test_levels_and_expectations_match():
 
 
 def drive(stator=STATOR, transducers=PAIR, **changes):
-    return driven_wave(
-        stator, transducers, **({"frequency": FREQUENCY, "drive": "a", "tolerance": 1e-2} | changes)
-    )
+    return driven_wave(stator, transducers, **({"frequency": FREQUENCY, "drive": "a", "tolerance": 1e-2} | changes))
 
 
 @pytest.mark.parametrize(
@@ -186,9 +177,7 @@ def test_an_impossible_tolerance_is_refused(monkeypatch):
     monkeypatch.setattr("fem.discretize.error_estimate.LEVELS", LEVELS[:2])
     monkeypatch.setattr("fem.discretize.error_estimate.EXPECTED", EXPECTED[:2])
     stator = plate(SOLID, length=2.0, thickness=0.15)
-    with pytest.raises(
-        ConvergenceError, match=r"is known to \d\.\de-\d+ only, 1\.0e-14 was asked for: ask for less"
-    ):
+    with pytest.raises(ConvergenceError, match=r"is known to \d\.\de-\d+ only, 1\.0e-14 was asked for: ask for less"):
         drive(stator, (comb(stator, "a", 1.0),), tolerance=1e-14)
 
 
@@ -196,14 +185,10 @@ def test_units_do_not_matter():
     """A stator a thousand times larger at a thousandth of the frequency: the same admittance, for equal aperture."""
     small = drive()
     scale = 1000.0
-    large_stator = Stator(
-        solid=SOLID, length=STATOR.length * scale, thickness=STATOR.thickness * scale, ends="free"
-    )
+    large_stator = Stator(solid=SOLID, length=STATOR.length * scale, thickness=STATOR.thickness * scale, ends="free")
     large: tuple[Transducer, ...] = tuple(
         replace(each, center=each.center * scale, period=each.period * scale) for each in PAIR
     )
     other = drive(large_stator, large, frequency=FREQUENCY / scale)
     assert other.admittance * scale == pytest.approx(small.admittance, rel=1e-9)
-    assert other.motion(0.5 * large_stator.length) == pytest.approx(
-        small.motion(0.5 * STATOR.length), rel=1e-8
-    )
+    assert other.motion(0.5 * large_stator.length) == pytest.approx(small.motion(0.5 * STATOR.length), rel=1e-8)

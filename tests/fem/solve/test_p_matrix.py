@@ -54,9 +54,7 @@ def test_lossless_power_is_conserved(stator, frequency, load):
     a, volt = rng.normal(size=size) + 1j * rng.normal(size=size), 40.0 - 25.0j
     b = found.scattering @ a + found.excitation * volt
     current = found.detection @ a + found.admittance * volt
-    assert np.sum(abs(b) ** 2) == pytest.approx(
-        np.sum(abs(a) ** 2) + (volt * current.conjugate()).real, rel=1e-10
-    )
+    assert np.sum(abs(b) ** 2) == pytest.approx(np.sum(abs(a) ** 2) + (volt * current.conjugate()).real, rel=1e-10)
     out = found.loaded(load) @ a if load else found.scattering @ a
     lost = 0.0
     if load and np.isfinite(load):
@@ -72,9 +70,7 @@ def test_a_cascade_of_all_modes_is_the_stator():
     stator, frequency = CASES[1]
     left = replace(ROW, name="a", center=3e-3)
     right = replace(ROW, name="b", center=11e-3, finger_pairs=2, period=0.9e-3)
-    whole = solve_ports(
-        replace(stator, length=14e-3), (left, right), frequency=frequency, resolution=LEVELS[1]
-    )
+    whole = solve_ports(replace(stator, length=14e-3), (left, right), frequency=frequency, resolution=LEVELS[1])
     parts = [lone(stator, row, frequency, 1, True) for row in (left, right)]
     distance = right.center - left.center - (parts[0].length + parts[1].length) / 2
     found = cascade_admittance(parts, [distance])
@@ -132,9 +128,7 @@ FEWER = 1.15  # connected strips: N of them exchange charge across N - 1 gaps, a
 def strips():
     """Bloch waves of open and connected strips on 128YX, and |S11| and |S21| of a number of them on a thick plate."""
     thick = plate("LiNbO3 (Kovacs)", "128YX", thickness=2e-3)
-    cell = cell_parameters(
-        replace(thick, thickness=np.inf).solid, period=0.4e-3, metallisation=0.5, tolerance=5e-2
-    )
+    cell = cell_parameters(replace(thick, thickness=np.inf).solid, period=0.4e-3, metallisation=0.5, tolerance=5e-2)
 
     def sizes(kind, number, frequency):
         row = replace(ROW, period=0.4e-3, finger_pairs=number // 2, pattern=kind * number)

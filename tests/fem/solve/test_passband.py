@@ -5,23 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem import (
-    Stator,
-    Transducer,
-    automatic_period,
-    best_frequency,
-    best_period,
-    material,
-    port_admittance,
-    rotated,
-)
+from fem import Stator, Transducer, automatic_period, best_frequency, best_period, material, port_admittance, rotated
 from fem.discretize.error_estimate import LEVELS
 from fem.solve.passband import MANY_PAIRS, surface_power
 from fem.waveguide.port_fields import solve_ports
 
-KUROSAWA = Stator(
-    solid=rotated(material("LiNbO3 (Kovacs)"), "128YX"), length=60e-3, thickness=1e-3, ends="absorbing"
-)
+KUROSAWA = Stator(solid=rotated(material("LiNbO3 (Kovacs)"), "128YX"), length=60e-3, thickness=1e-3, ends="absorbing")
 ROW = Transducer(name="t", center=20e-3, finger_pairs=21, period=0.4e-3, metallisation=0.5, aperture=9e-3)
 CUTS = (
     ("PZT-8", "Z", 2.2e6, 5e-3),
@@ -78,9 +67,7 @@ def test_no_other_period_radiates_more(cut, pairs):
     plate of PIC181 take 0.0013 more at a period 2e-3 shorter, in plate modes; all others of ten and more below 0.001.
     """
     name, orientation, frequency, thickness = cut
-    stator = Stator(
-        solid=rotated(material(name), orientation), length=1.0, thickness=thickness, ends="absorbing"
-    )
+    stator = Stator(solid=rotated(material(name), orientation), length=1.0, thickness=thickness, ends="absorbing")
     row = replace(ROW, finger_pairs=pairs)
     found = best_period(stator, row, frequency)
     near = found * (1 + np.array([0.0, -0.15, -0.04, 0.04, 0.15]) / pairs)
@@ -99,8 +86,7 @@ def test_length_and_aperture_of_the_stator_do_not_matter():
 
 
 @pytest.mark.parametrize(
-    ("solid", "cut", "pairs"),
-    [("LiNbO3 (Kovacs)", "128YX", 8), pytest.param("PZT-8", "Z", 10, marks=pytest.mark.slow)],
+    ("solid", "cut", "pairs"), [("LiNbO3 (Kovacs)", "128YX", 8), pytest.param("PZT-8", "Z", 10, marks=pytest.mark.slow)]
 )
 def test_no_other_frequency_radiates_more(solid, cut, pairs):
     """A scan a level finer at a fixed period, and the way back: the period of that frequency is a little shorter.
@@ -115,9 +101,7 @@ def test_no_other_frequency_radiates_more(solid, cut, pairs):
     length = (pairs + 4) * row.period
     alone = replace(stator, length=length)
     own = replace(row, center=length / 2, aperture=1.0)
-    power = [
-        surface_power(solve_ports(alone, (own,), frequency=float(f), resolution=LEVELS[1])) for f in scan
-    ]
+    power = [surface_power(solve_ports(alone, (own,), frequency=float(f), resolution=LEVELS[1])) for f in scan]
     assert power[0] >= 0.9999 * max(power)
     assert 0.05 < pairs**2 * (1 - best_period(stator, row, found) / row.period) < 0.3
 

@@ -14,9 +14,7 @@ from fem.solve.passband import surface_power
 from fem.waveguide.port_fields import solve_ports
 
 ROW = Transducer(name="t", center=0.05, finger_pairs=2, period=1e-3, metallisation=0.5, aperture=0.02)
-CERAMIC, QUARTZ = (
-    rotated(material(name), cut) for name, cut in (("PZT-8", "Z"), ("quartz (Bechmann)", "ST-X"))
-)
+CERAMIC, QUARTZ = (rotated(material(name), cut) for name, cut in (("PZT-8", "Z"), ("quartz (Bechmann)", "ST-X")))
 
 
 def power_at(stator, row, frequency, period):

@@ -30,9 +30,7 @@ def test_it_is_reciprocal_and_passive(one):
 def test_a_driven_stator_is_its_circuit(one):
     """Two sources behind an impedance: V = (1 + z Y)^-1 S, to the error of both."""
     sources, z = {"a": 1.0, "b": 0.5j}, 40.0 - 10.0j
-    wave = driven_wave(
-        STATOR, ROW, frequency=FREQUENCY, drive=Drive(sources=sources, impedance=z), tolerance=1e-2
-    )
+    wave = driven_wave(STATOR, ROW, frequency=FREQUENCY, drive=Drive(sources=sources, impedance=z), tolerance=1e-2)
     voltages = np.linalg.solve(np.eye(2) + z * one.matrix, list(sources.values()))
     assert wave.circuit.voltages == pytest.approx(voltages, rel=2e-2)
 

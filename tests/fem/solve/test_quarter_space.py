@@ -49,11 +49,7 @@ def quarter_space(tmp_path, poisson_ratio, *, width, depth, quality=QUALITY):
     path = rectangle(tmp_path / "corner.msh", width, depth, size=0.5, groups=("left", "bottom"))
     piece = MeshPiece(name="corner", mesh=read_mesh(path, wavelength), position=wavelength)
     stator = Stator(
-        solid=solid,
-        length=(1 + width) * wavelength,
-        thickness=depth * wavelength,
-        ends="free",
-        pieces=(piece,),
+        solid=solid, length=(1 + width) * wavelength, thickness=depth * wavelength, ends="free", pieces=(piece,)
     )
     return stator, 2 * np.pi / wavelength / np.sqrt(1 + 1j / quality)
 
@@ -133,12 +129,8 @@ def test_the_corner_passes_the_rayleigh_wave_down_the_wall(tmp_path, poisson_rat
     values, by_x, by_z, inside = wall.recover(shapes + modes.left @ sent).at(at)
     assert inside.all()
     own = tuple(each[:, [0, 2]].T for each in (values, by_x / unit, by_z / unit))
-    up, downwards = (
-        rayleigh_at_a_wall(poisson_ratio, wavenumber, inwards * unit, down * unit, way) for way in (-1, 1)
-    )
-    passed = (reciprocity(stator.solid, own, up) @ measure) / (
-        reciprocity(stator.solid, downwards, up) @ measure
-    )
+    up, downwards = (rayleigh_at_a_wall(poisson_ratio, wavenumber, inwards * unit, down * unit, way) for way in (-1, 1))
+    passed = (reciprocity(stator.solid, own, up) @ measure) / (reciprocity(stator.solid, downwards, up) @ measure)
     assert abs(passed / at_corner) == pytest.approx(REFLECTED_AND_PASSED[poisson_ratio][1], abs=5e-5)
 
 

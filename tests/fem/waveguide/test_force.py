@@ -22,12 +22,7 @@ def modes_of(solid, frequency=5e6):
 
 @pytest.mark.parametrize(
     ("name", "cut"),
-    [
-        ("PZT-8", "Z"),
-        ("LiNbO3 (Kovacs)", "128YX"),
-        ("LiNbO3 (Warner)", "128YX"),
-        ("quartz (Bechmann)", "ST-X"),
-    ],
+    [("PZT-8", "Z"), ("LiNbO3 (Kovacs)", "128YX"), ("LiNbO3 (Warner)", "128YX"), ("quartz (Bechmann)", "ST-X")],
 )
 def test_the_surface_wave_of_a_normal_force_is_gamma(name, cut):
     """U_z = -i Gamma F: Gamma from the radiation impedances against the derivative of the surface impedance."""
@@ -58,9 +53,7 @@ def test_the_power_of_a_force_leaves_as_waves():
     line = response.line
     carried = -0.5 * omega * unit * np.imag(np.conj(line) @ modes.impedance_sum @ line)
     assert given == pytest.approx(carried, rel=1e-10)
-    surface = (
-        abs(response.surface_wave[1]) ** 2 * omega / (4 * wave_compliance(lossless("PZT-8", "Z"), "open"))
-    )
+    surface = abs(response.surface_wave[1]) ** 2 * omega / (4 * wave_compliance(lossless("PZT-8", "Z"), "open"))
     assert 0.3 * given < 2 * surface < given
 
 

@@ -119,9 +119,7 @@ def test_a_finite_reflector_sends_back_tanh_of_its_fingers(sign):
     band = made.stop_band(open_fingers=sign == "o")
     stator = plate(solid, length=60.0, bottom="absorbing", thickness=2.0, frequency=band.middle)
     sender = replace(comb(stator, "a", 5.0, frequency=band.middle, finger_pairs=2), period=PERIOD)
-    mirror = replace(
-        comb(stator, "b", 35.0, frequency=band.middle, finger_pairs=12, pattern=24 * sign), period=PERIOD
-    )
+    mirror = replace(comb(stator, "b", 35.0, frequency=band.middle, finger_pairs=12, pattern=24 * sign), period=PERIOD)
     solution = solve_driven(stator, (sender, mirror), frequency=band.middle, drive="a", resolution=LEVELS[0])
     between = wave_of(solution).pieces[2]
     mode = between.rayleigh[0]
@@ -161,10 +159,4 @@ def test_a_stop_band_s_numbers_are_of_its_edges():
 )
 def test_what_is_no_grating_is_refused(name, period, metallisation, words):
     with pytest.raises(ValueError, match=words):
-        grating(
-            lossless(name, "Z"),
-            period=period,
-            metallisation=metallisation,
-            above="none",
-            resolution=LEVELS[0],
-        )
+        grating(lossless(name, "Z"), period=period, metallisation=metallisation, above="none", resolution=LEVELS[0])

@@ -119,9 +119,7 @@ def test_lossless_modes_carry_power_each_for_itself(travelling):
     assert np.all(np.abs(cross - np.diag(np.diag(cross))) <= 1e-9 * size)
 
 
-@pytest.mark.parametrize(
-    "solid", [lossless("PZT-4", "X"), cut("quartz (Bechmann)", "ST-X")], ids=["X", "ST-X"]
-)
+@pytest.mark.parametrize("solid", [lossless("PZT-4", "X"), cut("quartz (Bechmann)", "ST-X")], ids=["X", "ST-X"])
 def test_symmetry_only_saves_time(solid):
     """The half-size problem linear in k^2 and the full companion problem give the same modes and ends."""
     half = section(plate(solid, thickness=1.3), layers=1)
@@ -182,9 +180,7 @@ def test_surface_mode_under_vacuum_is_slower():
     for above in ("none", "vacuum"):
         depth = section(plate(solid, thickness=np.inf, above=above), order=9)
         modes = guided_modes(depth, FREQUENCY)
-        velocities.append(
-            2 * np.pi * FREQUENCY * depth.length_unit / modes.wavenumbers[modes.rayleigh[0]].real
-        )
+        velocities.append(2 * np.pi * FREQUENCY * depth.length_unit / modes.wavenumbers[modes.rayleigh[0]].real)
     expected = rayleigh(solid, "vacuum").velocity / rayleigh(solid, "open").velocity
     assert velocities[1] / velocities[0] - 1 == pytest.approx(expected - 1, rel=1e-4)
 
@@ -202,11 +198,7 @@ def test_thick_plate_has_a_pair_of_surface_modes():
 NU = 0.31
 GLASS = isotropic(name="glass", youngs_modulus=7.31e10, poisson_ratio=NU, density=2203.0)
 SHEAR = float(np.sqrt(7.31e10 / (2 * (1 + NU)) / 2203.0))
-PLATE = {
-    "longitudinal": SHEAR * np.sqrt(2 * (1 - NU) / (1 - 2 * NU)),
-    "shear": SHEAR,
-    "half_thickness": 0.7e-3,
-}
+PLATE = {"longitudinal": SHEAR * np.sqrt(2 * (1 - NU) / (1 - 2 * NU)), "shear": SHEAR, "half_thickness": 0.7e-3}
 BACKWARD = 2.945  # omega h / c_S between the minimum of S1 and its cut-off
 
 
@@ -225,9 +217,7 @@ def test_plate_modes_solve_the_rayleigh_lamb_equation(number):
     omega = number * SHEAR / PLATE["half_thickness"]
     frequency = omega / (2 * np.pi)
     stator = Stator(solid=GLASS, length=1.0, thickness=2 * PLATE["half_thickness"], ends="absorbing")
-    depth = discretise(
-        stator, Resolution(order=12, edge_layers=0), wavelength=SHEAR / frequency, surface_scale=np.inf
-    )
+    depth = discretise(stator, Resolution(order=12, edge_layers=0), wavelength=SHEAR / frequency, surface_scale=np.inf)
     modes = guided_modes(depth, frequency)
     travels = np.abs(modes.wavenumbers.imag) < 1e-7 * np.abs(modes.wavenumbers)
     found = np.sort(modes.wavenumbers[travels].real) / depth.length_unit
@@ -252,10 +242,7 @@ def test_long_waves_in_fine_layers_raise_no_warning():
     depth = section(stator, order=8, layers=3, frequency=slow, scale=1e-4)
     modes = guided_modes(depth, slow)
     assert np.all(np.isfinite(modes.right_impedance))
-    assert (
-        np.abs(modes.right_impedance @ depth.constant_potential).max()
-        < 1e-5 * np.abs(modes.right_impedance).max()
-    )
+    assert np.abs(modes.right_impedance @ depth.constant_potential).max() < 1e-5 * np.abs(modes.right_impedance).max()
     propagating = modes.propagating
     flux = modes.right_flux[:, propagating]
     missed = np.abs(modes.right_impedance @ modes.right[:, propagating] - flux).max(axis=0)
@@ -269,9 +256,7 @@ def test_finest_level_keeps_the_fluxes_of_slow_modes():
     stator came out wrong by 6e-3 where 8e-4 was stated.
     """
     solid = cut("PZT-4", "X", quality=1e4)
-    stator = Stator(
-        solid=solid, length=0.0177, thickness=1.194e-3, bottom="clamped", ends="clamped", above="vacuum"
-    )
+    stator = Stator(solid=solid, length=0.0177, thickness=1.194e-3, bottom="clamped", ends="clamped", above="vacuum")
     frequency = 2429119.16
     depth = section(stator, order=10, layers=5, frequency=frequency, scale=0.1)
     modes = guided_modes(depth, frequency)

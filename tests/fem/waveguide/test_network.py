@@ -55,9 +55,7 @@ def test_ends_hold_what_they_say(guided, ends, side):
     """Free: no nodal flux of the whole field; clamped: no displacement, no flux of D."""
     depth = guided.section
     slow = np.flatnonzero((np.abs(guided.wavenumbers) < 12.0) & (guided.wavenumbers != 0))
-    arriving, leaving = ((guided.left, guided.left_flux), (guided.right, guided.right_flux))[
-        :: 1 if side == 0 else -1
-    ]
+    arriving, leaving = ((guided.left, guided.left_flux), (guided.right, guided.right_flux))[:: 1 if side == 0 else -1]
     back = end_reflection(guided, ends, side, slow)
     shape, flux = (there[:, slow] + here @ back for there, here in zip(arriving, leaving, strict=True))
     electric = np.setdiff1d(np.arange(depth.size), depth.mechanical)
@@ -123,9 +121,6 @@ def test_distant_ends_matter_to_rounding_only_with_loss():
 def test_reciprocity_between_plain_ends_on_a_fine_level(ends, bottom):
     """1e-9 by the modes' own fluxes, 17 times that at a resonance."""
     stator = plate(cut("PZT-4", "Z"), length=9.0, ends=ends, bottom=bottom)
-    row = (
-        comb(stator, "a", 1.5, finger_pairs=2, metallisation=0.45),
-        comb(stator, "b", 7.3, metallisation=0.55),
-    )
+    row = (comb(stator, "a", 1.5, finger_pairs=2, metallisation=0.45), comb(stator, "b", 7.3, metallisation=0.55))
     admittances = solution(stator, row, order=9, layers=4).fields.admittances
     assert abs(admittances - admittances.T).max() < 1e-11 * abs(admittances).max()

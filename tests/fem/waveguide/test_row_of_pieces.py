@@ -34,9 +34,7 @@ def solutions(stator, row, place, columns):
     bare = repeated(condensed(section, FREQUENCY, width=0.1, electrode=None), columns)
     piece = replace(with_ports(bare, []), floating_potential=section.floating_potential)
     for between in ((), ((place, piece),)):
-        pieces = CondensedPieces(
-            between=between, ends=(stator.ends,) * 2, start=0.0, stop=stator.length / unit
-        )
+        pieces = CondensedPieces(between=between, ends=(stator.ends,) * 2, start=0.0, stop=stator.length / unit)
         fields = joined_fields(stator, row, transducers, modes=modes, resolution=LEVEL, pieces=pieces)
         yield driven_solution(fields, "a")
 
