@@ -120,6 +120,8 @@ def _dispatch(words: list[str]) -> int:
         top.print_help()
         return 0
     try:
+        if getattr(arguments, "out", None) == "":
+            raise SceneError("--out", "must be the name of a directory or file, got ''")
         return arguments.function(arguments)
     except SceneError as error:
         raise refused(error, arguments) from None

@@ -11,6 +11,10 @@ LIFTED = 0.999  # relative to the weight; a preload contains the weight, so that
 MAX_USUAL_LENGTH = 1.0  # m; a longer stator is probably a unit error
 MAX_USUAL_RADIUS = 0.02  # m; limit for the radius of a ball in a scene without a stator
 MAX_USUAL_FRICTION = 1.5  # dry contacts in air; only clean metals in vacuum exceed it
+USUAL_VELOCITIES = (
+    200.0,
+    20e3,
+)  # m/s, surface waves from soft polymers to diamond with a margin; beyond them a unit is wrong
 # Radius of the contact area at rest over the wavelength. Above it, the surface under a contact is not flat and not in
 # phase, as the contact model assumes.
 MAX_CONTACT_SHARE = 0.05
@@ -23,6 +27,7 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
     stator, slider = scene.stator, scene.slider
     if stator is not None and stator.length > MAX_USUAL_LENGTH:
         yield f"stator.length is {stator.length:g} m: a number without a unit is in m"
+    yield from _velocities(scene)
     if slider is None:
         return
     yield from _sizes(scene, slider)
@@ -44,6 +49,21 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
             f"contacts = {slider.contacts} means {slider.contacts} balls at one place, moved by the same wave: "
             'give their offsets along x instead, such as contacts = ["-5 mm", "5 mm"]'
         )
+
+
+def _velocities(scene: Scene) -> Iterator[str]:
+    """Yield a warning for each transducer whose period is not that of a surface wave at the drive's frequency."""
+    frequency = None if scene.drive is None else scene.drive.frequency
+    low, high = USUAL_VELOCITIES
+    for each in scene.transducer:
+        if not isinstance(frequency, float) or not isinstance(each.period, float):
+            continue
+        if not low <= (velocity := frequency * each.period) <= high:
+            yield (
+                f"drive.frequency, {frequency:g} Hz, and the period of transducer {each.name}, {each.period:g} m, mean "
+                f"a wave of {velocity:.3g} m/s, and surface waves have {low:g} to {high:g} m/s: a number without a "
+                "unit is in Hz or m"
+            )
 
 
 def _sizes(scene: Scene, slider: Slider) -> Iterator[str]:

@@ -76,6 +76,13 @@ def run(
         refuse_beyond(scene, distance)
     motor = averaged_motor(scene, progress=progress)
     numbers, direction = motor_numbers(motor)
+    reach = numbers.speed_per_level * (numbers.level - numbers.dead_zone) * settings.limit
+    if distance is not None and abs(distance) > reach:
+        raise SceneError(
+            "--target",
+            f"must be within {reach * 1e3:.4g} mm, which the motor travels at full speed in the time limit "
+            f"of {settings.limit:g} s (--loop limit=...), got {distance * 1e3:.4g} mm",
+        )
     if distance is None:
         distance = DEFAULT_TARGET * direction
         refuse_beyond(scene, distance)

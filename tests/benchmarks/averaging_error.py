@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from contact import ConvergenceError, Orbit, Slider, burst
-from contact.averaged import run as averaged
+from contact.averaged import burst as averaged
 
 FREQUENCY = 2.2e6
 

@@ -403,3 +403,13 @@ def test_an_interrupt_of_the_first_imports_is_a_sentence(call, monkeypatch):
     monkeypatch.undo()
     assert (status, out) == (130, "")
     assert err == "sawmotor: interrupted, nothing was written\n"
+
+
+@pytest.mark.parametrize(
+    "call", [["run", "twente-contact"], ["sweep", "twente-contact", "--over", "slider.mass=1e-4:2e-4:2"]]
+)
+def test_an_empty_name_of_the_results_is_refused(call, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main([*call, "--out", ""]) == 2
+    assert "--out must be the name of a directory or file, got ''" in capsys.readouterr().err
+    assert not any(tmp_path.iterdir())

@@ -144,7 +144,7 @@ def test_the_recovered_power_adds_up(recovered):
     assert 0 < each["recovery_ratio"] < 1
     text = answer(recovered)
     assert f"recovered       {100 * each['recovery_ratio']:.3g} % of the power" in text
-    assert f"the source gives 1/{each['power'] / each['power_net']:.4g} of it" in text
+    assert f"the source gives 1/{each['power'] / each['power_net']:.4g} of the power into the transducers" in text
     assert any("combiner is ideal" in line for line in recovered.left_out)
 
 

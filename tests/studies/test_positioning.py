@@ -255,6 +255,7 @@ def test_a_user_s_function_drives_the_motor(tmp_path, monkeypatch, capsys):
     [
         (["--target", "1 kg"], "--target must be a length"),
         (["--target", "0"], "--target must not be 0"),
+        (["--target", "-2"], "mm, which the motor travels at full speed in the time limit of 1 s"),
         (["--controller", "two_phas"], "--controller 'two_phas' does not exist; did you mean two_phase?"),
         (["--controller", "none.py:f"], "--controller 'none.py' is no file"),
         (["--controller", "broken.py:f"], "--controller 'broken.py' cannot be run: NameError"),

@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 
 import fem
@@ -91,7 +92,8 @@ def test_a_page_says_everything(contact, driven, pages):
 
 
 def test_the_picture_of_a_measurement_has_a_caption(contact):
-    trace = {"time_s": [0.0, 1e-3], "predicted_m_per_s": [0.0, 0.1], "measured_m_per_s": [0.0, 0.09]}
+    columns = {"time_s": [0.0, 1e-3], "predicted_m_per_s": [0.0, 0.1], "measured_m_per_s": [0.0, 0.09]}
+    trace = {key: np.array(column) for key, column in columns.items()}
     block = {"trace": trace, "file": "burst.csv", "quantity": "burst"}
     page = report(replace(contact, measured=block))
     assert 'alt="Measured values over computed ones."' in page

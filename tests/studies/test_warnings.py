@@ -275,6 +275,15 @@ def test_radius_in_metres_of_a_given_wave():
     assert "slider.radius is 0.5 m" in next(scene_warnings(scene("twente-contact", "slider.radius=0.5")))
 
 
+@pytest.mark.parametrize(("frequency", "warned"), [("9.6", True), ("9.6 MHz", False), ("90 MHz", True)])
+def test_a_frequency_that_no_surface_wave_of_the_period_has(frequency, warned):
+    from studies.chain.scene_warnings import scene_warnings
+
+    table = assigned(read_table("lithium-niobate-128yx"), f"drive.frequency={frequency}")
+    said = [each for each in scene_warnings(Scene.from_table("", table)) if "mean a wave" in each]
+    assert len(said) == warned
+
+
 def test_node_at_the_centre_of_balls_beside_it():
     found = run(scene("lithium-niobate-128yx", 'slider.position="6 mm"', 'drive.voltage="60 V"'), tolerance=0.05)
     assert not found.shortfall
