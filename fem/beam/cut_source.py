@@ -325,7 +325,8 @@ def _reduced(section: Section, frequency: float, wavenumber: float, singular: fl
         return size * scale * np.cos(angle) * section.length_unit, size * scale * np.sin(angle)
 
     trials = np.random.default_rng(0).uniform([SIZES[0], 0], [SIZES[1], np.pi], (TRIALS, 2))
-    count, refinements = int(np.ceil(3 + np.ptp(section.breakpoints))), 0
+    # with 3 instead of 5 the stated error of the shipped motor on YZ lithium niobate is ten times as large
+    count, refinements = int(np.ceil(5 + np.ptp(section.breakpoints))), 0
     vectors = [vector(*each) for each in _polar_grid(count)]
     while True:
         for each in vectors:
