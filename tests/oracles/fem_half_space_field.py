@@ -12,33 +12,15 @@ import math
 
 import numpy as np
 
-VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
+from tests.oracles.stroh_solid import StrohSolid
 
 
-class HalfSpaceField:
-    """Constants in SI, complex with loss: stiffness (6, 6), coupling e (3, 6), permittivity (3, 3), density."""
-
-    def __init__(self, *, stiffness, coupling, permittivity, density, frequency):
-        self.unit = abs(stiffness).max()
-        self.volt = np.sqrt(self.unit / abs(permittivity).max())
-        self.wavenumber = 2 * np.pi * frequency * np.sqrt(density / self.unit)
-        table = np.zeros((3, 3, 4, 4), dtype=complex)  # of derivatives a, b: rows and columns u_x, u_y, u_z, phi
-        for a in range(3):
-            for b in range(3):
-                for i in range(3):
-                    for k in range(3):
-                        table[a, b, i, k] = stiffness[VOIGT[i, a], VOIGT[k, b]] / self.unit
-                    table[a, b, i, 3] = coupling[b, VOIGT[i, a]] * self.volt / self.unit
-                    table[a, b, 3, i] = coupling[a, VOIGT[i, b]] * self.volt / self.unit
-                table[a, b, 3, 3] = -permittivity[a, b] * self.volt**2 / self.unit
-        self.table = table
+class HalfSpaceField(StrohSolid):
+    """The half-space of a `StrohSolid`."""
 
     def response(self, kx, ky, turn):
         """Motion and potential per force and charge on the surface, scaled alike, (n, 4, 4)."""
-        t, k = self.table, np.stack([kx, ky]) / self.wavenumber
-        plane = np.einsum("an,bn,abij->nij", k, k, t[:2, :2]) - np.diag([1.0, 1.0, 1.0, 0.0])
-        out, back = np.einsum("an,aij->nij", k, t[:2, 2]), np.einsum("an,aij->nij", k, t[2, :2])
-        inverse = np.linalg.inv(t[2, 2])
+        plane, out, back, inverse = self.blocks(kx, ky)
         stroh = np.zeros((len(kx), 8, 8), dtype=complex)
         stroh[:, :4, :4], stroh[:, :4, 4:] = -inverse @ back, inverse
         stroh[:, 4:, :4], stroh[:, 4:, 4:] = out @ inverse @ back - plane, -out @ inverse

@@ -11,40 +11,26 @@ exp(+i omega t), body at -h < z < 0, free faces, no field above or below (D_n = 
 import numpy as np
 from scipy.special import erfc
 
-VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
+from tests.oracles.stroh_solid import StrohSolid
+
 CUT_OFF, LATERAL = 2.4, 1.3  # largest k_x and k_y over the wavenumber given; the filters begin at 1.4 and 1.1
 DISC = 0.02, 0.14  # radii over the wavenumber given between which the disc fades out; no pole may lie inside
 RADII, ANGLES = 80, 160
 
 
-class PlateField:
-    """Constants in SI, complex with loss: stiffness (6, 6), coupling e (3, 6), permittivity (3, 3), density."""
+class PlateField(StrohSolid):
+    """The plate of a `StrohSolid`, whose constants and frequency are ``solid``."""
 
-    def __init__(self, *, stiffness, coupling, permittivity, density, thickness, frequency):
-        self.unit = abs(stiffness).max()
-        self.volt = np.sqrt(self.unit / abs(permittivity).max())
-        self.wavenumber = 2 * np.pi * frequency * np.sqrt(density / self.unit)
+    def __init__(self, *, thickness, **solid):
+        super().__init__(**solid)
         self.thickness = thickness * self.wavenumber
-        table = np.zeros((3, 3, 4, 4), dtype=complex)  # of derivatives a, b: rows and columns u_x, u_y, u_z, phi
-        for a in range(3):
-            for b in range(3):
-                for i in range(3):
-                    for k in range(3):
-                        table[a, b, i, k] = stiffness[VOIGT[i, a], VOIGT[k, b]] / self.unit
-                    table[a, b, i, 3] = coupling[b, VOIGT[i, a]] * self.volt / self.unit
-                    table[a, b, 3, i] = coupling[a, VOIGT[i, b]] * self.volt / self.unit
-                table[a, b, 3, 3] = -permittivity[a, b] * self.volt**2 / self.unit
-        self.table = table
 
     def response(self, kx, ky) -> np.ndarray:
         """u_x, u_y, u_z (m) and phi (V) at the top per charge (C/m2) there, (n, 4); wavenumbers real, rad/m.
 
         With w = (U, t / i), t the traction and D on planes z = const, w' = i N w.
         """
-        t, k = self.table, np.stack([kx, ky]) / self.wavenumber
-        plane = np.einsum("an,bn,abij->nij", k, k, t[:2, :2]) - np.diag([1.0, 1.0, 1.0, 0.0])
-        out, back = np.einsum("an,aij->nij", k, t[:2, 2]), np.einsum("an,aij->nij", k, t[2, :2])
-        inverse = np.linalg.inv(t[2, 2])
+        plane, out, back, inverse = self.blocks(kx, ky)
         # fields exp(-i k x): d_a = -i k_a; U' = A_zz^-1 (t + i k_a A_za U), t' = (...) U + i k_a A_az A_zz^-1 t
         stroh = np.zeros((len(kx), 8, 8), dtype=complex)
         stroh[:, :4, :4], stroh[:, :4, 4:] = inverse @ back, inverse
