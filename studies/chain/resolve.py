@@ -117,8 +117,8 @@ def pieces(scene: Scene) -> tuple:
         low, high = mesh.extent
         count, length = len(block.position), scene.stator.length
         if count > 1 and count * (high - low) > (1 + ROUNDED) * length:
-            rule = f"must leave room for every place: {count} of a mesh {(high - low) * 1e3:.6g} mm wide, on a stator"
-            raise SceneError(f"{path}.position", f"{rule} {length * 1e3:g} mm long")
+            rule = f"must name at most as many places as fit on the stator, {length * 1e3:g} mm long"
+            raise SceneError(f"{path}.position", f"{rule}, got {count} of a mesh {(high - low) * 1e3:.6g} mm wide")
         meshed += [
             fem.MeshPiece(name=block.label, mesh=mesh, position=place, solids=solids, electrodes=block.electrodes or ())
             for place in block.position

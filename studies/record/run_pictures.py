@@ -110,7 +110,11 @@ def velocity(record: "Record", ax):
     if "points" in record.measured:
         _measured(record, ax, scale)
     _power_axis(record, ax)
-    return finished(ax, unit, quantity("velocity_m_per_s").axis, record.scene.title, columns=3)
+    regimes, title = {point["regime"] for point in record.points if "regime" in point}, record.scene.title
+    alone = len(regimes) == len(ax.get_legend_handles_labels()[0]) == 1  # nothing for a legend to tell apart
+    if alone:
+        title = f"{title}\nevery point: {regimes.pop()}"
+    return finished(ax, unit, quantity("velocity_m_per_s").axis, title, columns=0 if alone else 3)
 
 
 def _power_axis(record: "Record", ax) -> None:
@@ -287,7 +291,7 @@ def pressure(record: "Record", ax):
     dots = ax.scatter(x * 1e3, y * 1e3, c=force * 1e3, s=size, marker="s", cmap="viridis", linewidths=0)
     ax.set_aspect("equal", adjustable="box")
     ax.figure.colorbar(dots, ax=ax, label=quantity("normal_force_N").axis)
-    title = f"{record.scene.title}: forces on the pillars{_at_last_level(record)}"
+    title = f"Forces on the pillars{_at_last_level(record)}"
     return finished(ax, quantity("offset_m").axis, quantity("y_m").axis, title, columns=0, grid=False)
 
 
