@@ -293,7 +293,7 @@ def test_a_target_the_other_way_is_refused_before_tables_and_ring_ups_are_comput
         stator={"length": "30 mm", "thickness": "1 mm", "diffraction": False},
         transducer={"left": {"finger_pairs": 2, "center": "6 mm"}}, slider={"position": "20 mm"},
     )  # fmt: skip
-    with pytest.raises(SceneError, match='--target must be negative, such as "-10 um": .*, got 2 um'):
+    with pytest.raises(SceneError, match=r'--target must be negative, such as "-10 um": .*, got 2 um'):
         positioning.run(short, target="2 um")
 
 
