@@ -17,7 +17,6 @@ import numpy as np
 import contact
 from studies.chain import bridge
 from studies.chain.bridge import DrivenContact
-from studies.chain.propagation import reference_speed
 from studies.record.plots import COLOURS, curve, finished, logarithmic, own
 from studies.record.quantities import quantity
 from studies.scene import Scene
@@ -111,7 +110,7 @@ def _worst(loaded, per_metre, amplitudes, states, checked: int) -> float:
     for i, j in moving[:: max(1, len(moving) // checked)][:checked]:
         orbits = bridge.scaled(per_metre, float(amplitudes[j]))
         full = contact.steady(loaded[i], orbits, tolerance=1e-6).velocity
-        differences.append(abs(full - states.velocity[i, j]) / reference_speed(full, orbits[:1]))
+        differences.append(abs(full - states.velocity[i, j]) / contact.reference_speed(full, orbits[:1]))
     return float(max(differences))
 
 

@@ -225,7 +225,7 @@ def _speeds(record: Record, driven: DrivenContact, rated: float) -> Any:
     point = next(each for each in record.points if each[record.level] == rated)
     # relative_error of a point refers to max(|v|, omega |u_x| / 10); convert it to |v|
     speed, omega = abs(point["velocity_m_per_s"]), 2.0 * np.pi * float(record.scene.frequency)
-    error = point["relative_error"] * max(speed, omega * point["tangential_amplitude_m"] / 10.0) / speed
+    error = point["relative_error"] * contact.speed_scale(speed, omega * point["tangential_amplitude_m"]) / speed
     scale, model = error / point["relative_error"] if error else 1.0, point.get("model_relative_error")
     yield Row("speed", "speed", speed, "m/s", error, "no load, steady", None if model is None else scale * model)
     unit, key = ("m", "amplitude_m") if record.scene.wave is not None else ("V", "voltage_V")

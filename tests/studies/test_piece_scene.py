@@ -286,7 +286,7 @@ def test_places_and_overlaps(plain):
     assert "must lie on the stator, 0 to 12 mm, got 11.5 to 12.5 mm" in refused(plain, position="11.5 mm")
     assert "must name different places" in refused(plain, position=["6 mm", "6 mm"])
     assert (
-        "piece.0.position must name at most as many places as fit on the stator, 12 mm long, got 1000000 of a mesh 1 mm wide"
+        "must name at most as many places as fit on the stator, 12 mm long, got 1000000 of a mesh 1 mm wide"
         in refused(plain, position="4 mm:11 mm:1000000")
     )
 
