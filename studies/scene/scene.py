@@ -25,25 +25,26 @@ class Scene(Block):
     """
 
     block: ClassVar[str] = ""
-    title: Annotated[str, TEXT, "Shown on results."] = ""
+    title: Annotated[str, TEXT, "Title of the results."] = ""
     stator: Annotated[Stator | Any, Within(Stator), "The block of material that carries the wave."] = None
     transducer: Annotated[
         tuple[Transducer, ...],
         Blocks(Transducer),
-        "The transducers on its surface; none: the free wave of the section is the result.",
+        "The transducers on the surface of the stator. Absent: the result is the free wave of the section.",
     ] = ()
     piece: Annotated[tuple[Piece, ...], Blocks(Piece), "Parts of the stator's section given as meshes."] = ()
     drive: Annotated[Drive | Any, Within(Drive), "The source; required with a stator."] = None
     wave: Annotated[Wave | Any, Within(Wave), "A given surface motion, instead of stator, transducers and drive."] = (
         None
     )
-    slider: Annotated[Slider | Any, Within(Slider), "The slider; absent: the wave is the result."] = None
+    slider: Annotated[Slider | Any, Within(Slider), "The slider. Absent: the result is the wave."] = None
     uncertain: Annotated[
         tuple | None,
         Uncertain(),
-        "Tolerances (95 %) of the scene's numbers, from which follow bands of the velocity: linear (half the"
-        " difference between the ends of each, added in quadrature) or sampled (percentiles of a Latin "
-        "hypercube). Without a method: linear, sampled where the answer bends and no stator is solved for it.",
+        "Tolerances (95 %) of numbers of the scene, for uncertainty intervals of the velocity. method: linear (half"
+        " of the difference between the ends of each tolerance, added in quadrature) or sampled (percentiles of a "
+        "Latin hypercube). Without method: sampled if the answer is nonlinear within a tolerance and no sample "
+        "needs a new solution of the stator, otherwise linear.",
     ] = None
 
     @classmethod
