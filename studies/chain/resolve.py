@@ -385,11 +385,10 @@ def refuse_endless_burst(scene: Scene, frequency: float) -> None:
         method = "hysteretic" if slider.remembers else "exact"
     longest = MAX_BURST_SECONDS / CYCLE_SECONDS[method] / frequency
     if scene.burst > longest:
-        block = "wave" if scene.wave is not None else "drive"
         cycles = scene.burst * frequency
         hours = cycles * CYCLE_SECONDS[method] / 3600
         rule = f"must be at most {longest:.3g} s: {cycles:.3g} cycles would take {hours:.3g} hours"
-        raise SceneError(f"{block}.burst", f"{rule}, got {scene.burst:g} s; the steady state needs no burst")
+        raise SceneError(f"{scene.source_key}.burst", f"{rule}, got {scene.burst:g} s; the steady state needs no burst")
 
 
 def _given(block, *names: str) -> dict:

@@ -35,12 +35,12 @@ def run(scene: Scene, *, points: int = 17, progress=None) -> Answered:
     driven = driven_contact(scene, pillars=True, progress=progress)
     resolved_scene, slider, lines = driven.scene, driven.slider, {}
     for level in driven.spread(1.05, LINES):
-        progress(f"load line: {driven.named(level)}")
+        progress(f"load line: {driven.scene.named(level)}")
         if resolved_scene.slider.pillars is not None:
-            lines[driven.named(level)] = PillarContact.of(driven).load_line(level, points)
+            lines[driven.scene.named(level)] = PillarContact.of(driven).load_line(level, points)
             continue
         line = contact.load_line(slider, driven.at(level), points=points, tolerance=1e-4)
-        lines[driven.named(level)] = line
+        lines[driven.scene.named(level)] = line
     if resolved_scene.slider.pillars is not None:
         slider = replace(slider, preload=resolved_scene.slider.preload)  # of all pillars
     # number of balls that one computed ball represents

@@ -1,7 +1,7 @@
 """A scene: its blocks, how it is read, checked and changed, and what follows from several blocks."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self
 
@@ -112,9 +112,38 @@ class Scene(Block):
         return bool(driven) and all(each.angle % 180 for each in driven)
 
     @property
+    def source(self) -> Drive | Wave | Any:
+        """The block that sets frequency, levels and burst: the drive, or the given wave."""
+        return self.drive if self.wave is None else self.wave
+
+    @property
+    def source_key(self) -> str:
+        """Key of that block."""
+        return "drive" if self.wave is None else "wave"
+
+    @property
+    def level_key(self) -> str:
+        """Key of the levels."""
+        return "drive.voltage" if self.wave is None else "wave.normal_amplitude"
+
+    @property
+    def level_column(self) -> str:
+        """Column of the levels in the points of a run."""
+        return "voltage_V" if self.wave is None else "normal_amplitude_m"
+
+    def named(self, level: float) -> str:
+        """Return a level with its unit."""
+        return f"{level:.4g} V" if self.wave is None else f"{level * 1e9:.4g} nm"
+
+    def with_source(self, **keys: Any) -> Self:
+        """Return the scene with some keys of its `source` replaced by values in SI units, not read again."""
+        changed: dict[str, Any] = {self.source_key: replace(self.source, **keys)}
+        return replace(self, **changed)
+
+    @property
     def levels(self) -> tuple[float, ...]:
         """Peak voltages in V, or given normal amplitudes in m; empty for a free wave."""
-        return self.wave.normal_amplitude if self.wave is not None else self.drive.levels
+        return self.drive.levels if self.wave is None else self.wave.normal_amplitude
 
     @property
     def driven_transducer(self) -> Transducer:
@@ -124,7 +153,7 @@ class Scene(Block):
     @property
     def frequency(self) -> float:
         """Of the drive or the given wave, in Hz; "center" must have been resolved."""
-        frequency = (self.wave or self.drive).frequency
+        frequency = self.source.frequency
         if isinstance(frequency, str):
             self.refuse("drive.frequency", f"must be a number in Hz here, got {frequency!r}")
         return frequency
@@ -132,7 +161,7 @@ class Scene(Block):
     @property
     def burst(self) -> float | Any:
         """Length of the driven interval in s; None for the steady state alone."""
-        return (self.wave or self.drive).burst
+        return self.source.burst
 
 
 def _unknown_solids(table: dict) -> Iterator[SceneError]:
