@@ -77,7 +77,7 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
 
             number = layout(slider)["x"].size
         contacts = len(set(slider.offsets))  # contacts at the same place move identically
-        facts = [f"{slider.law} law, {number} contact{'s' * (number > 1)}, {len(scene.levels)} {levels}"]
+        facts = [f"{slider.law} law, {_counted(number, 'contact')}, {len(scene.levels)} {levels}"]
         seconds += POINT * len(scene.levels) * contacts**CONTACTS
         if scene.burst is not None:
             facts.append(f"a burst of {scene.burst * scene.frequency:.4g} cycles of the wave at each")
@@ -160,7 +160,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
     finest, fingers = sizes[resolutions[-1]], sum(len(each.signs) for each in row)
     facts = (
         _stator_text(scene),
-        f"fingers: {fingers}, of {len(row)} transducer{'s' * (len(row) > 1)}, {finest.scatterers} different",
+        f"fingers: {fingers}, of {_counted(len(row), 'transducer')} of {_counted(finest.scatterers, 'kind')}",
         *(
             [f"{sections} sections, one for each row of parallel transducers; the sizes are those of the first"]
             if scene.crossed
@@ -194,6 +194,10 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
                 block_bytes + 5 * sizes[1].block_bytes,
             )
     return parts, left_out_options, operations, block_bytes
+
+
+def _counted(number: int, noun: str) -> str:
+    return f"{number} {noun}{'s' * (number != 1)}"
 
 
 def _level_sizes(size) -> dict:
