@@ -168,6 +168,13 @@ def one_pillar(slider: Slider):
     )  # fmt: skip
 
 
+def extent(slider: Slider) -> tuple[float, float]:
+    """Return the ends of the pillars along x on the stator, m."""
+    place, centre = layout(slider), slider.center[0]
+    half = place["diameter"] / 2
+    return centre + float((place["x"] - half).min()), centre + float((place["x"] + half).max())
+
+
 def strip_width(slider: Slider) -> float:
     """Return the width of the strip over which the pillars spread their load, m."""
     if slider.pillars.width is not None:
@@ -197,9 +204,7 @@ def check_pillars(scene: Scene) -> None:
     pillars_of(slider)
     if scene.stator is None:
         return
-    half = place["diameter"] / 2
-    centre, middle = slider.center
-    left, right = centre + float((place["x"] - half).min()), centre + float((place["x"] + half).max())
+    half, middle, (left, right) = place["diameter"] / 2, slider.center[1], extent(slider)
     if left < 0.0 or right > scene.stator.length:
         rule = f"must keep the pillars on the stator, 0 to {scene.stator.length:g} m"
         raise SceneError("slider.position", f"{rule}, got some from {left:g} to {right:g} m")
