@@ -166,6 +166,11 @@ class DrivenContact:
         """Normal amplitude |u_z| under the slider's centre for a level of 1, m."""
         return self.amplitudes[0]
 
+    def amplitudes_at(self, level: float) -> dict[str, float]:
+        """Return the columns of a point that say how far the surface moves under the slider's centre at a level."""
+        normal, tangential = self.amplitudes
+        return {"normal_amplitude_m": normal * level, "tangential_amplitude_m": tangential * level}
+
     @property
     def levels(self) -> tuple[float, ...]:
         """The scene's voltages in V or given amplitudes in m, above 0 and rising."""

@@ -11,6 +11,7 @@ import contact
 from studies.chain import pillars
 from studies.chain.bridge import DrivenContact
 from studies.chain.propagation import judged
+from studies.chain.tally import burst_values
 from studies.refusal import SceneError
 
 SENSITIVITY_STEP = 1e-3  # relative step of the amplitude
@@ -156,9 +157,7 @@ def pillar_point(driven: DrivenContact, level: float, tolerance: float, *, burst
     from_contact = motion.relative_error
     if bursting and driven.scene.burst is not None:
         trajectory = burst(body, level, motion, driven.scene.burst)
-        point["velocity_at_burst_end_m_per_s"] = trajectory.velocity_at_burst_end
-        point["displacement_m"] = float(np.trapezoid(trajectory.velocity, trajectory.time))
-        point["burst_method"] = trajectory.method
+        point |= burst_values(trajectory) | {"burst_method": trajectory.method}
         from_contact = max(from_contact, trajectory.relative_error)
     point["amplitude_sensitivity"] = sensitivity * fraction
     point |= judged(tolerance, from_stator, from_contact)

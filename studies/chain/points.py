@@ -10,7 +10,7 @@ import numpy as np
 import contact
 from studies.chain.bridge import DrivenContact
 from studies.chain.propagation import judged, velocity_sensitivities
-from studies.chain.tally import burst_tally, steady_tally
+from studies.chain.tally import burst_tally, burst_values, steady_tally
 from studies.refusal import SceneError
 from studies.scene import Scene
 
@@ -66,10 +66,8 @@ def slider_answer(driven: DrivenContact, *, tolerance: float, progress: Callable
     for number, level in enumerate(scene.levels, start=1):
         progress(f"contact: point {number} of {len(scene.levels)}{waiting if number == 1 else ''}")
         point = {} if scene.wave is not None else {"voltage_V": level}
-        for side, amplitude in zip(("normal", "tangential"), driven.amplitudes, strict=True):
-            point[f"{side}_amplitude_m"] = amplitude * level
         answer = point_answer(driven, level, tolerance)
-        point |= answer.values
+        point |= driven.amplitudes_at(level) | answer.values
         if not on_pillars:
             margin = threshold / level if level else math.inf
             point |= contact_load(driven.slider, driven.at(level), margin)
@@ -134,8 +132,7 @@ def _point_on_balls(driven: DrivenContact, level: float, tolerance: float, burst
         if driven.along is not None and driven.scene.slider.travel is not False:
             trajectory, moved = _along(driven, trajectory, level)
             values |= moved
-        values["velocity_at_burst_end_m_per_s"] = trajectory.velocity_at_burst_end
-        values["displacement_m"] = float(np.trapezoid(trajectory.velocity, trajectory.time))
+        values |= burst_values(trajectory)
         tally |= burst_tally(trajectory)
         from_stator += 0.0 if driven.ringing is None else driven.ringing.error
         if trajectory.relative_error > from_contact or status == "ok":
