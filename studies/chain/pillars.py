@@ -22,6 +22,7 @@ import numpy as np
 
 import contact
 import fem
+from studies.chain.slider_keys import slider_keys
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.pillars import SEED, read_pillars
@@ -144,15 +145,13 @@ def stiffnesses(slider: Slider, interaction: bool | None = None):
 def pillars_of(slider: Slider, interaction: bool | None = None):
     """Return the `contact.Pillars` of a resolved slider."""
     place, (k_n, k_t) = layout(slider), stiffnesses(slider, interaction)
-    try:
+    with slider_keys():
         return contact.Pillars(
             x=place["x"], y=place["y"], heights=place["heights"], normal_stiffness=k_n, tangential_stiffness=k_t,
             friction_coefficient=slider.friction_coefficient, preload=slider.preload_force,
             tangential_damping=slider.damping.tangential, tilt=slider.tilt, preload_at=slider.preload_at,
             load_height=slider.load_height, backing=slider.backing, curvature=slider.pillars.curvature,
         )  # fmt: skip
-    except contact.InputError as error:
-        raise SceneError(error.key.replace("pillars.", "slider.", 1), error.rule) from None
 
 
 def one_pillar(slider: Slider):

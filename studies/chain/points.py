@@ -10,6 +10,7 @@ import numpy as np
 import contact
 from studies.chain.bridge import DrivenContact
 from studies.chain.propagation import judged, velocity_sensitivities
+from studies.chain.slider_keys import slider_keys
 from studies.chain.tally import burst_tally, burst_values, steady_tally
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -59,7 +60,8 @@ def slider_answer(driven: DrivenContact, *, tolerance: float, progress: Callable
     summary: dict = {}
     threshold, waiting = math.inf, ""
     if not on_pillars:
-        _refusing(lambda: driven.slider)
+        with slider_keys():
+            driven.slider  # noqa: B018  the slider is built when it is first asked for
         summary, threshold = _summary(driven)
         waiting = "" if contact.kernels.ready() else f", compiling {contact.kernels.how_often()}"
     points, parts, trajectories, last = [], [], [], None
@@ -118,7 +120,8 @@ def _point_on_balls(driven: DrivenContact, level: float, tolerance: float, burst
     def steady(some: tuple):
         return contact.steady(driven.slider, some, tolerance=goal, method=method)
 
-    state = _refusing(lambda: steady(orbits))
+    with slider_keys():
+        state = steady(orbits)
     nearby = _nearby(driven.slider, state, steady)
     sensitivities = velocity_sensitivities(state.velocity, orbits, driven.stator_error, nearby)
     from_stator = driven.stator_error * math.hypot(*sensitivities)
@@ -269,13 +272,3 @@ def _method(scene: Scene, what: str, available: tuple[str, ...]) -> str:
         names = " or ".join(f'"{name}"' for name in available)
         raise SceneError("slider.method", f"must be {names} for {what}, got {wanted!r}")
     return "auto"
-
-
-def _refusing(call: Callable):
-    """Return the result of a call; convert a `contact.InputError` about the slider to a `SceneError`."""
-    try:
-        return call()
-    except contact.InputError as error:
-        if error.key.startswith("slider."):
-            raise SceneError(error.key, error.rule) from None
-        raise
