@@ -167,7 +167,7 @@ def driven_contact(
 
     Examples
     --------
-    >>> driven_contact("twente-contact").named(1e-8)
+    >>> driven_contact("twente-contact").scene.named(1e-8)
     '10 nm'
     """
     resolved_scene = resolved(Scene.load(scene))

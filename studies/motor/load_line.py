@@ -37,12 +37,12 @@ def run(scene: Scene, *, points: int = 17, tolerance: float = 1e-3, progress=Non
     driven = driven_contact(scene, tolerance=tolerance, pillars=True, progress=progress)
     resolved_scene, slider, lines = driven.scene, driven.slider, {}
     for level in driven.spread(1.05, LINES):
-        progress(f"load line: {driven.named(level)}")
+        progress(f"load line: {driven.scene.named(level)}")
         if resolved_scene.slider.pillars is not None:
-            lines[driven.named(level)] = PillarContact.of(driven).load_line(level, points)
+            lines[driven.scene.named(level)] = PillarContact.of(driven).load_line(level, points)
             continue
         line = contact.load_line(slider, driven.at(level), points=points, tolerance=0.1 * tolerance)
-        lines[driven.named(level)] = line
+        lines[driven.scene.named(level)] = line
     if resolved_scene.slider.pillars is not None:
         slider = replace(slider, preload=resolved_scene.slider.preload)  # of all pillars
     # number of balls that one computed ball represents

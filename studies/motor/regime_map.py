@@ -101,7 +101,7 @@ def _grid(driven: DrivenContact, per_metre: tuple, amplitudes: int, preloads: in
     release = contact.release_factor(driven.slider, per_metre)
     if not (np.isfinite(threshold) and np.isfinite(release) and threshold > 0.0):
         driven.scene.refuse(
-            driven.level_key, "must move the surface in both directions, so that the slider can start and part"
+            driven.scene.level_key, "must move the surface in both directions, so that the slider can start and part"
         )
     at = np.geomspace(min(0.4 * threshold, 0.8 * reach[0]), max(6.0 * release, 1.2 * reach[-1]), amplitudes)
     return at, driven.slider.preload * np.geomspace(0.08, 12.0, preloads), reach

@@ -64,7 +64,7 @@ def run(
     bursts = Steps.of(driven, progress=progress)
     steps, planned = {}, {}
     for level in levels:
-        name = driven.named(level)
+        name = driven.scene.named(level)
         progress(f"step planner: {name}")
         steps[name] = [bursts.step(level, number) for number in cycles]
         planned[name] = [bursts.reaching(level, size) for size in wanted]
@@ -81,7 +81,7 @@ def run(
                holds=all(abs(less.displacement) < size <= abs(enough.displacement) for size, less, enough in pairs),
                expected=f"{wanted[0]:g} m and up to a cycle's worth more",
                remark="; ".join(plan_texts + [bursts.sentence] * bool(bursts.sentence))),
-        *_growth([each for each in steps[driven.named(slowest)] if each.ring < RING * abs(each.displacement)],
+        *_growth([each for each in steps[driven.scene.named(slowest)] if each.ring < RING * abs(each.displacement)],
                  steady, bursts, slowest),
     ]  # fmt: skip
 

@@ -52,7 +52,7 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, tolerance: flo
     orbits = along.orbits(shifts)
     velocities, paths, speeds = {}, {}, {}
     for level in driven.spread(1.05, LINES):
-        name = driven.named(level)
+        name = driven.scene.named(level)
         progress(f"stroke: {name}")
         rows = averaged([(slider, each, 0.0, level) for each in orbits])
         velocities[name] = np.array([velocity for velocity, *_ in rows[:-1]]).reshape(count, WITHIN)
