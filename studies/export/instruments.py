@@ -15,7 +15,7 @@ from studies.chain.scan_prediction import placed, predicted_scan
 from studies.chain.scattering import band_frequencies, reference_impedance, scattering_matrix
 from studies.export.exported import Exported
 from studies.lab.csv_columns import csv_text
-from studies.lab.encoder import averaged, low_pass, travelled_distance
+from studies.lab.encoder import recorded, travelled_distance
 from studies.lab.scan import Scan, scan_csv, scan_uff
 from studies.refusal import SceneError
 from studies.report.explanation import band_seconds
@@ -259,11 +259,7 @@ def _trace(scene: Scene, recording: Recording, encoder: dict[str, float], tolera
     for more, head, curve in (
         (1, "position_m", travelled_distance(path.time, path.velocity)), (0, "velocity_m_per_s", path.velocity),
     ):  # fmt: skip
-        if "bandwidth" in encoder:
-            curve = low_pass(path.time, curve, encoder["bandwidth"])
-        if "sampling" in encoder:
-            curve = averaged(path.time, curve, encoder["sampling"], path.time)
-        columns[head] = recording.noisy(curve, more)
+        columns[head] = recording.noisy(recorded(path.time, curve, path.time, **encoder), more)
     filters = tuple(f"{name} {value:g} {'Hz' if name == 'bandwidth' else 's'}" for name, value in encoder.items())
     rows = {head: values[1:] for head, values in columns.items()}
     return csv_text(rows, (scene.title, *filters, *recording.remark))
