@@ -171,18 +171,9 @@ class DrivenContact:
         """The scene's voltages in V or given amplitudes in m, above 0 and rising."""
         return tuple(sorted({level for level in self.scene.levels if level > 0.0}))
 
-    @property
-    def level_key(self) -> str:
-        """Key of the levels in a scene."""
-        return "wave.normal_amplitude" if self.scene.wave is not None else "drive.voltage"
-
     def at(self, level: float) -> tuple:
         """Return the orbits at a voltage in V or a given amplitude in m."""
         return scaled(self.orbits, level)
-
-    def named(self, level: float) -> str:
-        """Return a level with its unit."""
-        return f"{level * 1e9:.4g} nm" if self.scene.wave is not None else f"{level:.4g} V"
 
     def above(self, factor: float) -> tuple[float, ...]:
         """Return the levels above a multiple of the threshold, where the slider starts to move; refuse if none is."""
@@ -190,8 +181,8 @@ class DrivenContact:
         moving = tuple(level for level in self.levels if level > threshold)
         if not moving:
             what = "the threshold" if factor == 1.0 else f"{factor:g} times the threshold"
-            rule = f"must hold a value above {what}, {self.named(threshold)}: nothing moves below"
-            self.scene.refuse(self.level_key, rule)
+            rule = f"must hold a value above {what}, {self.scene.named(threshold)}: nothing moves below"
+            self.scene.refuse(self.scene.level_key, rule)
         return moving
 
     def spread(self, factor: float, count: int) -> list[float]:

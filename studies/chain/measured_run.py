@@ -46,8 +46,8 @@ def scan_block(scene: Scene, scan, predicted) -> dict:
 def _trace(record: Record, measured: Measurement) -> dict:
     """Return a trace beside the trajectory of its level, moved in time to where it lies closest."""
     if not record.trajectories:
-        key = "wave.burst" if record.scene.wave is not None else "drive.burst"
-        raise SceneError("--measured", f'{measured.name!r} holds a burst: --set {key}="0.1 s" says how long it was')
+        setting = f'--set {record.scene.source_key}.burst="0.1 s"'
+        raise SceneError("--measured", f"{measured.name!r} holds a burst: {setting} says how long it was")
     levels = [level for level, _ in record.trajectories]
     wanted = measured.levels[0] if measured.levels else levels[-1]
     close = [k for k, level in enumerate(levels) if abs(level - wanted) <= 1e-9 * max(abs(wanted), abs(level))]

@@ -150,9 +150,8 @@ def pillar_point(driven: DrivenContact, level: float, tolerance: float, *, burst
     body = PillarContact.of(driven)
     motion = body.motion(level)
     point, trajectory = point_of(motion) | at_the_transducers(body, motion, level), None
-    wave, sensitivity = motion.wave, body.sensitivity(level, motion)
-    speed = max(abs(motion.velocity), wave.omega * abs(wave.ratio) * wave.amplitude / 10)
-    fraction = abs(motion.velocity) / speed
+    sensitivity = body.sensitivity(level, motion)
+    fraction = abs(motion.velocity) / motion.speed_scale
     from_stator = driven.stator_error * sensitivity * fraction
     from_contact = motion.relative_error
     if bursting and driven.scene.burst is not None:

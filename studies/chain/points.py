@@ -9,7 +9,7 @@ import numpy as np
 
 import contact
 from studies.chain.bridge import DrivenContact
-from studies.chain.propagation import judged, reference_speed, velocity_sensitivities
+from studies.chain.propagation import judged, velocity_sensitivities
 from studies.chain.tally import burst_tally, steady_tally
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -218,7 +218,7 @@ def _along(driven: DrivenContact, trajectory, level: float):
             "slider.travel = false for the velocity that the wave at the slider's place would give",
         )
     # assume that the relative error of averaging is the same for the change by travel as for the burst at one point
-    speed = reference_speed(trajectory.velocity_at_burst_end, trajectory.orbits)
+    speed = contact.reference_speed(trajectory.velocity_at_burst_end, trajectory.orbits)
     averaging_error = abs(travel.held_velocity[-1] - trajectory.velocity_at_burst_end) / speed
     with_change = with_travel(trajectory, travel)
     error = trajectory.answer.error + travel.error + averaging_error * abs(travel.change)

@@ -84,8 +84,7 @@ def run(
 def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None) -> Record:
     say = progress or LOGGER.info
     scene = resolve.resolved(scene)
-    has_slider = scene.slider is not None
-    predictor = Predictor(scene.to_table(), tolerance=tolerance, slider=has_slider, as_run=True, progress=say)
+    predictor = Predictor(scene.to_table(), tolerance=tolerance, as_run=True, progress=say)
     if scene.wave is not None:
         record = _given(scene, predictor)
     elif scene.transducer:

@@ -18,6 +18,7 @@ from studies.lab.csv_columns import csv_text
 from studies.lab.encoder import averaged, low_pass, travelled_distance
 from studies.lab.scan import Scan, scan_csv, scan_uff
 from studies.refusal import SceneError
+from studies.report.explanation import band_seconds
 from studies.scene import Scene
 from studies.scene.override import toml_value
 from studies.scene.quantity import si_value
@@ -146,6 +147,12 @@ def uff_files(scene: Scene, name: str, recording: Recording, *, tolerance: float
     return Exported(
         files={f"{name}.uff": content}, answer=_said(taken, remarks), pictures={"scan.png": lambda ax: _draw(taken, ax)}
     )
+
+
+def expected_seconds(scene: Scene, recording: Recording, tolerance: float) -> float:
+    """Return the expected time in s of what is recorded over a band of frequencies."""
+    resolved = passband.driven_scene(scene)
+    return band_seconds(resolved, _frequencies(resolved, recording.band), tolerance=tolerance)
 
 
 def touchstone_files(scene: Scene, name: str, recording: Recording, *, tolerance: float, progress) -> Exported:

@@ -48,8 +48,7 @@ class MeasurementPredictor(Predictor):
     def __init__(self, scene: Scene, *, tolerance: float = 1e-3, progress: Callable | None = None):
         if scene.wave is None and not scene.transducer:
             scene.refuse("transducer", "is missing: nothing drives the slider")
-        has_slider = scene.slider is not None
-        super().__init__(resolved(scene).to_table(), tolerance=tolerance, steps=1, progress=progress, slider=has_slider)
+        super().__init__(resolved(scene).to_table(), tolerance=tolerance, steps=1, progress=progress)
         self._fields: dict = {}  # of scans and networks that are known, by the stator and the data
         self._stage, self._total, self._done, self._told = "", 0, 0, 0.0
 

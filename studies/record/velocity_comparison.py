@@ -23,11 +23,11 @@ def refuse_incomparable(scene: "Scene", measured: Measurement) -> None:
         raise SceneError(OPTION, f"{measured.name!r} is a network analyser's: sawmotor study network draws it")
     if scene.slider is None:
         raise SceneError(OPTION, "needs a scene with a [slider]: there is no velocity to compare with")
-    level = "voltage_V" if scene.wave is None else "normal_amplitude_m"
+    level = scene.level_column
     if measured.quantity in ("burst", "position"):
         if scene.burst is None:
-            key = "wave.burst" if scene.wave is not None else "drive.burst"
-            raise SceneError(OPTION, f'{measured.name!r} holds a burst: --set {key}="0.1 s" says how long it was')
+            setting = f'--set {scene.source_key}.burst="0.1 s"'
+            raise SceneError(OPTION, f"{measured.name!r} holds a burst: {setting} says how long it was")
         return
     if measured.quantity != "velocity":
         raise SceneError(OPTION, f"must hold velocities against {level}, got a {measured.quantity}")
