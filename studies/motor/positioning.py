@@ -52,7 +52,7 @@ UNITS = {
 @study("twente-contact")
 def run(
     scene: Scene, *, target: str | float | None = None, controller: str = "two_phase", loop: list[str] | None = None,
-    cycles: tuple[int, ...] = CYCLES, progress=None,
+    cycles: tuple[int, ...] = CYCLES, tolerance: float = 1e-3, progress=None,
 ) -> Answered:  # fmt: skip
     """Return the moves to a target and back, and the steps of short bursts.
 
@@ -66,6 +66,8 @@ def run(
         ``KEY=VALUE`` of the loop or of the controller.
     cycles : tuple of int
         Lengths of the bursts whose steps are shown.
+    tolerance : float
+        Of the slider velocity, for the stator.
     """
     settings, make_controller = read_loop(loop or [], controller)
     distance = None
@@ -74,14 +76,14 @@ def run(
         if distance == 0.0:
             raise SceneError("--target", "must not be 0: that is where the slider stands")
         refuse_beyond(scene, distance)
-    first = first_drive(scene, progress=progress)
+    first = first_drive(scene, tolerance=tolerance, progress=progress)
     one_way = scene.wave is None and not other_drives(scene)
     direction = math.copysign(1.0, push(first.slider, first.at(max(first.levels))))
     if one_way and distance is not None and distance * direction < 0.0:
         sign, there = ("negative", "-10 um") if distance > 0.0 else ("positive", "10 um")
         rule = f'must be {sign}, such as "{there}": one transducer drives the slider that way alone'
         raise SceneError("--target", f"{rule}, got {distance * 1e6:.4g} um")
-    motor = averaged_motor(scene, first=first, progress=progress)
+    motor = averaged_motor(scene, tolerance=tolerance, first=first, progress=progress)
     numbers = motor_numbers(motor)
     reach = numbers.speed_per_level * (numbers.level - numbers.dead_zone) * settings.limit
     if distance is not None and abs(distance) > reach:
@@ -107,7 +109,7 @@ def run(
     error, _ = _difference(moves, coarse, settings)
     averaging = _difference(moves, motor.start(preload=settings.preload), settings)
     progress("positioning: steps of short bursts")
-    steps = short_bursts(scene, motor, cycles, progress)
+    steps = short_bursts(first, motor, cycles, progress)
     scatter = step_scatter(scene, motor, progress)
     findings = [
         *(judged(f"The slider comes to rest at the target ({name}).", "mean error at rest, m",

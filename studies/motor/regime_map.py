@@ -29,7 +29,9 @@ HALF_WAVE = math.gamma(1.25) / (2.0 * math.sqrt(math.pi) * math.gamma(1.75))  # 
 
 
 @study("twente-contact")
-def run(scene: Scene, *, amplitudes: int = 36, preloads: int = 28, checked: int = 12, progress=None) -> Answered:
+def run(
+    scene: Scene, *, amplitudes: int = 36, preloads: int = 28, checked: int = 12, tolerance: float = 1e-3, progress=None
+) -> Answered:
     """Return the map of regimes, the theoretical lines and the operating points.
 
     Parameters
@@ -38,8 +40,10 @@ def run(scene: Scene, *, amplitudes: int = 36, preloads: int = 28, checked: int 
         Number of grid points along each axis.
     checked : int
         Number of points that the event-driven method solves again.
+    tolerance : float
+        Of the slider velocity, for the stator.
     """
-    driven = driven_contact(scene, progress=progress)
+    driven = driven_contact(scene, tolerance=tolerance, progress=progress)
     resolved_scene, slider, per_metre = driven.scene, driven.slider, driven.at(1.0 / driven.amplitude)
     if slider.shape != "sphere" or slider.heights:
         resolved_scene.refuse("slider", "must stand on balls of equal height for a map of regimes")

@@ -43,8 +43,9 @@ HOLLOW = {"markersize": 5.0, "markerfacecolor": "white"}
 
 @study("twente-contact")
 def run(
-    scene: Scene, *, cycles: tuple[int, ...] = CYCLES, wanted: tuple[float, ...] = WANTED, lines: int = 4, progress=None
-) -> Answered:
+    scene: Scene, *, cycles: tuple[int, ...] = CYCLES, wanted: tuple[float, ...] = WANTED, lines: int = 4,
+    tolerance: float = 1e-3, progress=None,
+) -> Answered:  # fmt: skip
     """Return the steps of given numbers of cycles, and the numbers of cycles for given steps.
 
     Parameters
@@ -55,8 +56,10 @@ def run(
         Steps to plan, m.
     lines : int
         Largest number of levels of the scene.
+    tolerance : float
+        Of the slider velocity, for the stator.
     """
-    driven = driven_contact(scene, progress=progress)
+    driven = driven_contact(scene, tolerance=tolerance, progress=progress)
     levels = driven.spread(1.5, lines)
     bursts = Steps.of(driven, progress=progress)
     steps, planned = {}, {}

@@ -7,7 +7,10 @@ contacts at different places. An event-driven burst takes about 5e-5 s per cycle
 """
 
 import textwrap
+from dataclasses import replace
 from typing import Any
+
+import numpy as np
 
 import contact
 import fem
@@ -15,6 +18,7 @@ from studies.chain import resolve
 from studies.chain.left_out import left_out
 from studies.chain.points import SHARE
 from studies.chain.ring_up import RingUp
+from studies.chain.spectrum import groups
 from studies.chain.surface_motion import wanted_diffraction
 from studies.record.text import labelled, table
 from studies.refusal import RunError
@@ -107,6 +111,14 @@ def long_sweep(scene: Scene, *, tolerance: float, stators: int, points: int) -> 
     expected = plan(scene, tolerance=tolerance)["expected"]
     contacts = POINT * points if scene.burst is not None else AVERAGED_POINT * points
     return announced(stators * expected["stator_seconds"] + contacts)
+
+
+def band_seconds(scene: Scene, frequencies: np.ndarray, *, tolerance: float) -> float:
+    """Return the expected time in s of the admittances of a resolved scene at rising frequencies in Hz."""
+    plane = replace(scene, slider=None, stator=replace(scene.stator, diffraction=False))
+    one = plan(plane, tolerance=tolerance)["expected"]["stator_seconds"]
+    ports = sum(each.has_two_combs for each in scene.transducer) if resolve.diffracts(scene) else 1
+    return one * ports**2 * sum(BAND if len(group) > 1 else 1 for group in groups(scene, frequencies))
 
 
 def announced(expected: float, more: str = "") -> tuple[str, ...]:

@@ -22,6 +22,7 @@ from studies.lab.network import NetworkData, read_network
 from studies.record.plots import COLOURS, curve, finished, lines
 from studies.record.quantities import quantity
 from studies.refusal import SceneError
+from studies.report.explanation import band_seconds
 from studies.scene import Scene
 from studies.stator.network_deviation import deviations
 from studies.study import Answered, Panel, StudyRecord, judged, of_record, study
@@ -108,6 +109,12 @@ def run(
           for name, (one, several) in models.items()),
     )  # fmt: skip
     return panels, findings, [*_in_words(names, at, scattering, models), *answer]
+
+
+def expected_seconds(scene: Scene) -> float:
+    """Return about how long the study takes for a scene over its passband, s: the field, pictures and circuits."""
+    resolved = passband.driven_scene(scene)
+    return 5.0 + band_seconds(resolved, band_frequencies(resolved, None, None), tolerance=1e-3)
 
 
 def _in_words(names, at, scattering, models):

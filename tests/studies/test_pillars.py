@@ -484,7 +484,7 @@ def test_a_burst_reaches_the_steady_velocity_at_the_rate_of_the_mean_traction():
 def test_a_study_of_balls_says_that_it_knows_no_pillars():
     from studies.motor import regime_map
 
-    with pytest.raises(SceneError, match=r"slider.pillars are not known to this study"):
+    with pytest.raises(SceneError, match=r"slider.pillars are not known here"):
         regime_map.run(scene())
 
 
