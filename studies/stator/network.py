@@ -114,7 +114,7 @@ def run(
 def expected_seconds(scene: Scene) -> float:
     """Return about how long the study takes for a scene over its passband, s: the field, pictures and circuits."""
     resolved = passband.driven_scene(scene)
-    return 5.0 + band_seconds(resolved, band_frequencies(resolved, None, None), tolerance=1e-3)
+    return 5.0 + band_seconds(resolved, passband.band_frequencies(resolved, None, None), tolerance=1e-3)
 
 
 def _in_words(names, at, scattering, models):
