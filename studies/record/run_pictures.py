@@ -99,7 +99,7 @@ def velocity(record: "Record", ax):
         label = f"95 % of the tolerances ({record.uncertainty['method']})"
         ax.fill_between(*zip(*banded, strict=True), color=COLOURS["slip"], alpha=0.2, linewidth=0, label=label)
     for name, style in (("threshold", ":"), ("release", "--")):
-        limit = record.summary.get(f"{name}_{record.level.removeprefix('normal_')}")
+        limit = record.limit(name)
         if limit is not None and limit <= 1.2 * max(record.scene.levels):
             options = {"linestyle": style, "linewidth": 1, "label": f"{name} (theory)"}
             ax.axvline(limit * scale, color=COLOURS["line"], **options)
@@ -110,7 +110,11 @@ def velocity(record: "Record", ax):
     if "points" in record.measured:
         _measured(record, ax, scale)
     _power_axis(record, ax)
-    return finished(ax, unit, quantity("velocity_m_per_s").axis, record.scene.title, columns=3)
+    regimes, title = {point["regime"] for point in record.points if "regime" in point}, record.scene.title
+    alone = len(regimes) == len(ax.get_legend_handles_labels()[0]) == 1  # nothing for a legend to tell apart
+    if alone:
+        title = f"{title}\nevery point: {regimes.pop()}"
+    return finished(ax, unit, quantity("velocity_m_per_s").axis, title, columns=0 if alone else 3)
 
 
 def _power_axis(record: "Record", ax) -> None:
@@ -148,11 +152,11 @@ def trajectories(record: "Record", ax):
     """Draw v(t) of a burst at each level."""
     import matplotlib
 
-    unit, scale = ("nm", 1e9) if record.level == "normal_amplitude_m" else ("V", 1.0)
+    shown = quantity(record.level)
     colours = matplotlib.colormaps["cividis"]
     count = max(len(record.trajectories) - 1, 1)
     for index, (level, motion) in enumerate(record.trajectories):
-        label = f"{level * scale:g} {unit}" if index in (0, count) else None
+        label = f"{level * shown.scale:g} {shown.shown}" if index in (0, count) else None
         ax.plot(motion.time * 1e3, motion.velocity * 1e3, color=colours(index / count), linewidth=1, label=label)
     return finished(ax, quantity("time_s").axis, quantity("velocity_m_per_s").axis, record.scene.title)
 
@@ -287,7 +291,7 @@ def pressure(record: "Record", ax):
     dots = ax.scatter(x * 1e3, y * 1e3, c=force * 1e3, s=size, marker="s", cmap="viridis", linewidths=0)
     ax.set_aspect("equal", adjustable="box")
     ax.figure.colorbar(dots, ax=ax, label=quantity("normal_force_N").axis)
-    title = f"{record.scene.title}: forces on the pillars{_at_last_level(record)}"
+    title = f"Forces on the pillars{_at_last_level(record)}"
     return finished(ax, quantity("offset_m").axis, quantity("y_m").axis, title, columns=0, grid=False)
 
 
