@@ -226,10 +226,10 @@ class Equilibrium:
                 raise
             self.begin()
             left = self._iterate(active, side, useless=1)
-        height, *tilt, w = self.unknowns.tolist()
+        height, pitch, roll, found = self.unknowns.tolist()
         return Balance(
-            height=float(np.mean(self.rows)) if self.soft else height, tilt=tuple(tilt), w=w, traction=self.traction,
-            forces=self.forces, error=left * self.speed,
+            height=float(np.mean(self.rows)) if self.soft else height, tilt=(pitch, roll), w=found,
+            traction=self.traction, forces=self.forces, error=left * self.speed,
         )  # fmt: skip
 
     def _iterate(self, active, side, useless: int = 0) -> float:
