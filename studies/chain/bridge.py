@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 import contact
-from studies.chain.solved_stator import SolvedStator, places_of
+from studies.chain.solved_stator import SolvedStator
 from studies.record import Record
 from studies.scene import Scene
 from studies.scene.slider import Friction, LawText, Slider, Wave
@@ -130,7 +130,7 @@ class DrivenContact:
 
         ``motion``: of the surface, of which sliders on pillars need more than the orbits.
         """
-        places, slider = places_of(scene), scene.slider
+        places, slider = scene.places, scene.slider
         tangential, normal, _, _ = solved.at[places[0]]
         passing = None
         if slider is not None and slider.pillars is not None:
@@ -148,7 +148,7 @@ class DrivenContact:
         if record.scene.wave is not None:
             return cls.given(record.scene, record)
         motion = record.surface_motion
-        driven = cls.of_stator(record.scene, SolvedStator.of(motion, places_of(record.scene)), motion)
+        driven = cls.of_stator(record.scene, SolvedStator.of(motion, record.scene.places), motion)
         return replace(driven, stator_error=float(record.wave["relative_error"]), record=record)
 
     @cached_property
@@ -165,6 +165,11 @@ class DrivenContact:
     def amplitude(self) -> float:
         """Normal amplitude |u_z| under the slider's centre for a level of 1, m."""
         return self.amplitudes[0]
+
+    def amplitudes_at(self, level: float) -> dict[str, float]:
+        """Return the columns of a point that say how far the surface moves under the slider's centre at a level."""
+        normal, tangential = self.amplitudes
+        return {"normal_amplitude_m": normal * level, "tangential_amplitude_m": tangential * level}
 
     @property
     def levels(self) -> tuple[float, ...]:

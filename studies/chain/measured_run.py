@@ -11,6 +11,7 @@ from studies.lab.encoder import aligned, travelled_distance
 from studies.lab.measurement import Measurement
 from studies.record import Record
 from studies.record.scan_comparison import compared_scan
+from studies.record.velocity_comparison import deviations
 from studies.refusal import SceneError
 from studies.scene import Scene
 
@@ -62,13 +63,9 @@ def _trace(record: Record, measured: Measurement) -> dict:
     offset = aligned(time, values, path.time, curve)
     predicted = np.interp(time - offset, path.time, curve)
     unit = "m_per_s" if measured.quantity == "burst" else "m"
-    gap, size = values - predicted, float(np.max(np.abs(predicted))) or 1e-300
     return {
         "file": measured.name, "quantity": f"{measured.quantity} over time", "compared": len(time),
         "sign_of_prediction_given": unsigned, "time_offset_s": offset,
         "trace": {"time_s": time, f"measured_{unit}": values, f"predicted_{unit}": predicted},
-        f"rms_deviation_{unit}": float(np.sqrt(np.mean(gap**2))),
-        f"mean_deviation_{unit}": float(np.mean(gap)),
-        "rms_deviation_relative": float(np.sqrt(np.mean(gap**2))) / size,
-        "measured_over_predicted": float(np.sum(values * predicted) / max(np.sum(predicted**2), 1e-300)),
+        **deviations(values, predicted, unit),
     }  # fmt: skip

@@ -29,8 +29,7 @@ ELECTRICAL = ("frequency_Hz", "conductance_S", "susceptance_S", "power_W")
 
 def amplitudes(driven: DrivenContact) -> dict:
     """Return the amplitudes at a point and, for a stator, the admittance and power of the driven transducer."""
-    sizes = zip(AMPLITUDES, driven.amplitudes, strict=True)
-    outcomes, solved = {name: size * driven.level for name, size in sizes}, driven.solved
+    outcomes, solved = driven.amplitudes_at(driven.level), driven.solved
     if solved is None:
         return outcomes
     conductance, voltage = solved.admittance.real, abs(solved.electrode_voltage * driven.level)

@@ -24,7 +24,7 @@ from studies.chain.free_wave import free_wave_record
 from studies.chain.outcomes import FREE, also_asked, amplitudes
 from studies.chain.points import SHARE, SliderAnswer, slider_answer
 from studies.chain.ring_up import RingUp, ring_up
-from studies.chain.solved_stator import SolvedStator, at_one_volt, places_of, stator_alone
+from studies.chain.solved_stator import SolvedStator, at_one_volt, stator_alone
 from studies.chain.spectrum import response
 from studies.chain.steady import averaged_answers, rated, steady_answer
 from studies.chain.surface_motion import SurfaceMotion, solved_motion, surface_motion
@@ -343,7 +343,7 @@ class Predictor:
 
     def own_and_shared_places(self, scene: Scene) -> tuple[tuple, tuple]:
         """Return the places of a scene, and those that one solution of the stator serves."""
-        places = places_of(scene)
+        places = scene.places
         if scene.slider is None:
             return places, places
         # with all balls on the axis the section may stand for the wave, and knows no place off it

@@ -351,13 +351,11 @@ def refuse_gaps(scene: Scene) -> None:
     """Raise a SceneError if a contact lies on a meshed piece where this has no plain surface."""
     if scene.slider is None or not scene.piece:
         return
-    centre, reached = scene.slider.center[0], [(x, x) for x, _ in scene.slider.places]
+    reached = [(x, x) for x, _ in scene.slider.places]
     if scene.slider.pillars is not None:
-        from studies.chain.pillars import layout
+        from studies.chain.pillars import extent
 
-        place = layout(scene.slider)
-        half = place["diameter"] / 2
-        reached = [(centre + (place["x"] - half).min(), centre + (place["x"] + half).max())]
+        reached = [extent(scene.slider)]
     for each in pieces(scene):
         for (low, high), (left, right) in itertools.product(each.gaps, reached):
             if left < high and right > low:

@@ -191,6 +191,9 @@ def first_drive(
     SceneError, RunError
         If the scene has no slider, or the averaged motor does not take it.
     """
+    if scene.slider is not None and scene.slider.pillars is not None:
+        rule = "must be absent: tables over two ratios do not hold heights that scatter or a wave that the slider loads"
+        scene.refuse("slider.pillars", rule)
     if scene.slider is not None and scene.slider.heights:
         rule = "must be absent: the tables of the averaged motor take contacts of one height"
         scene.refuse("slider.heights", rule)

@@ -27,7 +27,7 @@ from studies.inverse.parameters import (
     TIME_OFFSET,
     WAVE_VELOCITY_FACTOR,
 )
-from studies.lab.encoder import averaged, low_pass, travelled_distance
+from studies.lab.encoder import recorded, travelled_distance
 from studies.lab.measurement import Measurement
 from studies.lab.network import NetworkData
 from studies.lab.scan import Scan
@@ -199,9 +199,5 @@ class MeasurementPredictor(Predictor):
         curve = prediction.velocity
         if measurement.quantity == "position":
             curve = travelled_distance(prediction.time, curve)
-        if BANDWIDTH in numbers:
-            curve = low_pass(prediction.time, curve, float(numbers[BANDWIDTH]))
-        at = np.array(measurement.time) - offset
-        if SAMPLING in numbers:
-            return averaged(prediction.time, curve, float(numbers[SAMPLING]), at)
-        return np.interp(at, prediction.time, curve)
+        encoder = {name: float(numbers[name]) for name in (BANDWIDTH, SAMPLING) if name in numbers}
+        return recorded(prediction.time, curve, np.array(measurement.time) - offset, **encoder)

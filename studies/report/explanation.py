@@ -86,7 +86,7 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
         if scene.burst is not None:
             facts.append(f"a burst of {scene.burst * scene.frequency:.4g} cycles of the wave at each")
         if not contact.kernels.ready():
-            facts.append(f"compilation of its kernels first, {contact.kernels.how_often()}: about {COMPILE:g} s")
+            facts.append(f"its kernels are compiled first, {contact.kernels.how_often()}: about {COMPILE:g} s")
             seconds += COMPILE
         parts.append({"name": "contact", "facts": facts})
     expected = {

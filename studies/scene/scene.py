@@ -146,6 +146,17 @@ class Scene(Block):
         return self.drive.levels if self.wave is None else self.wave.normal_amplitude
 
     @property
+    def contact_places(self) -> tuple[tuple[float, float], ...]:
+        """Places (x, y) of the contacts on the stator, m; without a slider, the middle of the stator."""
+        return ((self.stator.length / 2, 0.0),) if self.slider is None else self.slider.places
+
+    @property
+    def places(self) -> tuple[tuple[float, float], ...]:
+        """Places (x, y) in m at which the motion is computed: the slider's centre, then the contacts."""
+        first = () if self.slider is None else (self.slider.center,)
+        return tuple(dict.fromkeys((*first, *self.contact_places)))
+
+    @property
     def driven_transducer(self) -> Transducer:
         """The driven transducer; of several the first."""
         return next(each for each in self.transducer if each.name == self.drive.transducer)
