@@ -84,7 +84,7 @@ def test_a_slider_sticks_while_some_of_its_balls_slip(monkeypatch):
     """Balls on unlike orbits slip one after the other; the threshold is where the slider starts."""
     driven = DrivenContact.given(resolved(Scene.load("twente-contact")))
     unlike = replace(driven, orbits=(driven.orbits[0], driven.orbits[0].scaled(0.5)))
-    monkeypatch.setattr(regime_map, "driven_contact", lambda scene, progress: unlike)
+    monkeypatch.setattr(regime_map, "driven_contact", lambda scene, **options: unlike)
     assert regime_map.run(amplitudes=24, preloads=3, checked=1).findings[0].confirmed
 
 
@@ -128,7 +128,7 @@ def test_a_step_of_one_cycle_is_planned_and_what_goes_back_is_drawn(monkeypatch,
     driven = DrivenContact.given(resolved(Scene.load("twente-contact")))
     (orbit,) = driven.orbits
     unlike = replace(driven, orbits=(orbit, orbit.scaled(complex(np.exp(1j * np.deg2rad(degrees))))))
-    monkeypatch.setattr(step_planner, "driven_contact", lambda scene, progress: unlike)
+    monkeypatch.setattr(step_planner, "driven_contact", lambda scene, **options: unlike)
     monkeypatch.setattr(DrivenContact, "spread", lambda self, factor, count: [1e-8])
     record = step_planner.run(cycles=(8, 256), wanted=(size,), lines=1)
     assert record.findings[0].confirmed
