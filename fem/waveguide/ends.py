@@ -132,5 +132,5 @@ def end_walls(
     columns = {each: condensed(section, frequency, width=each, electrode=None) for each in widths}
     left, right = (reduce(joined, [columns[each] for each in row]) for row in (widths[::-1], widths))
     lines = np.arange(2 * section.size).reshape(2, -1)
-    held = section.mechanical if stator.ends == "clamped" else []
+    held = section.mechanical if stator.ends == "clamped" else np.zeros(0, dtype=int)
     return (closed(left, lines[1], np.delete(lines[0], held))[0], closed(right, lines[0], np.delete(lines[1], held))[0])
