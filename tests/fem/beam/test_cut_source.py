@@ -95,7 +95,7 @@ def test_a_mode_missed_at_one_node_is_in_the_stated_error(monkeypatch):
     assert off < 2 * stated
 
 
-@pytest.mark.parametrize("name", ["128YX", "YZ"])
+@pytest.mark.parametrize("name", ["128YX", pytest.param("YZ", marks=pytest.mark.slow)])
 def test_side_faces_by_half_of_the_basis(name):
     """What mirrors change, to a tenth of it."""
     beam = beam_in(lossless(*CUTS[name]), thickness=np.inf, length=14.0, pairs=1, order=5, aperture=2e-3)
