@@ -69,19 +69,28 @@ def places_for(aperture: float, count: int):
     return [BALL, *zip(x, y, strict=True)]
 
 
+def covered(found, places, motion):
+    """The row of the model budget and the numerical error cover |u_z| at 19 of 20 places, and twice them everywhere."""
+    x, y = np.transpose(places)
+    off = abs(abs(found.at(places)[2] / motion[2]) - 1)
+    stated = found.beam.charge_error(x, y) + found.beam.relative_error(x, y)
+    assert np.mean(off < stated) >= 0.8 if len(places) < 20 else np.mean(off < stated) >= 0.95
+    assert (off < 2 * stated).all()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("aperture", "thickness", "count", "admittance", "worst", "rms"),
     [
-        (0.02, 5e-3, 54, 4e-4, 5e-3, 2.2e-3),
-        (0.02, HALF_SPACE, 54, 4e-4, 5e-3, 2.2e-3),
-        (0.005, 5e-3, 10, 1.3e-3, 5e-3, 2.5e-3),
-        (0.003, 5e-3, 10, 2.0e-3, 5e-3, 3.5e-3),
-        (0.0015, 5e-3, 10, 4.5e-3, 6e-3, 4.5e-3),
+        (0.02, 5e-3, 54, 3e-4, 4.5e-3, 2e-3),
+        (0.02, HALF_SPACE, 54, 3e-4, 4.5e-3, 2e-3),
+        (0.005, 5e-3, 10, 7e-4, 4e-3, 2e-3),
+        (0.003, 5e-3, 10, 1.1e-3, 4e-3, 2.5e-3),
+        (0.0015, 5e-3, 10, 2.3e-3, 5e-3, 3e-3),
     ],
 )
 def test_one_transducer(aperture, thickness, count, admittance, worst, rms):
-    """Admittance; complex u_z and u_x over the section's |u_z|."""
+    """Admittance; complex u_z and u_x over the section's |u_z|; the stated errors cover the difference of |u_z|."""
     places = places_for(aperture, count)
     expected, motion = driven(aperture, thickness, places)
     settings = [f"transducer.0.aperture={aperture}"]
@@ -93,13 +102,14 @@ def test_one_transducer(aperture, thickness, count, admittance, worst, rms):
     off = abs(found.at(places) - motion) / section
     assert off.max() < worst
     assert np.sqrt(np.mean(off[2] ** 2)) < rms
+    covered(found, places, motion)
 
 
 @pytest.mark.slow
 def test_two_transducers_at_the_ball():
     """The second transducer floats: both of its electrodes are isolated.
 
-    What it reflects errs by a tenth; |u_z| at the ball agrees better by chance.
+    A tenth of the wave comes back from it; its charges, too, are approximate.
     """
     row, waves, combs = fingers(0.02), field(5e-3), np.array([np.tile([1.0, 0.0], 10), np.tile([0.0, 1.0], 10)])
     left, right = Pair(row, waves, 0.13, 80).charges(np.tile([0.5, -0.5], 10), combs)
@@ -109,8 +119,9 @@ def test_two_transducers_at_the_ball():
     motion = motion + waves.motion(x - 0.145, y, *row.point_charges(right))[:3]
     found = solved("twente", f"transducer.1.period={PERIOD}").surface_motion
     assert found.circuit.admittance == pytest.approx(current(left), rel=4e-4)
-    assert abs(found.at(places)[2] / motion[2] - 1).max() < 0.013
-    assert abs(found.at([BALL])[2, 0] / motion[2, 0]) == pytest.approx(1.0, abs=2e-3)
+    assert abs(found.at(places)[2] / motion[2] - 1).max() < 0.011
+    assert abs(found.at([BALL])[2, 0] / motion[2, 0] - 1) < 5e-3
+    covered(found, places, motion)
 
 
 @pytest.mark.slow
