@@ -46,7 +46,7 @@ def ceramic():
 
 
 def test_half_space_by_rotated_modes(ceramic):
-    """u_z is 3e-5 off and more with COARSER = 4, TILTED = 0.03 or 0.24, or DEPTH = 0.1."""
+    """u_z is 3e-5 off and more with SPACING_GROUNDED = 4, TILT_GROUNDED = 0.03 or 0.24, or DEPTH = 0.1."""
     beam, source = ceramic
     x = beam.charges[0].x[-1] + np.array([3e-3, 6e-3])[:, None]
     y = np.array([-1.2e-3, 0.0, 1.2e-3])
@@ -59,7 +59,7 @@ def test_artefacts_of_the_basis_that_grow_are_dropped(ceramic):
     """With vacuum above YZ lithium niobate one at 1.6 k grew by less than waves may, and more than doubled u_z."""
     source = ceramic[1]
     surface = source.wavenumber * source.section.length_unit
-    k, ones = surface * np.array([0.9 + 0.01j, 1.6 + 0.01j, 1.0 - 1e-6j]), np.ones((source.section.size, 3))
+    k, ones = surface * np.array([0.9 + 0.01j, 1.6 + 0.01j, 1.0 - 1e-6j]), np.ones((source.reduced.basis.shape[1], 3))
     poles = source._poles(k, ones, ones[:4], np.ones(3), source.wavenumber, 0.02 * surface)
     np.testing.assert_allclose(poles.wavenumbers.real, source.wavenumber * np.array([0.9, 1.0]))
 
