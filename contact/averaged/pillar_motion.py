@@ -358,8 +358,8 @@ class _Slider:
         touching = float(np.sum(weight[share > 0.0]))
         work, held = cycle.work(forces), equilibrium.w == 0.0
         motion = PillarMotion(
-            pillars=pillars, wave=wave, velocity=velocity, held=held, approach=float(np.mean(equilibrium.height)),
-            tilt=(equilibrium.pitch, equilibrium.roll), load=load, traction=equilibrium.traction, row_x=cycle.row_x,
+            pillars=pillars, wave=wave, velocity=velocity, held=held, approach=equilibrium.height,
+            tilt=equilibrium.tilt, load=load, traction=equilibrium.traction, row_x=cycle.row_x,
             forward=passed[0, :, 0], backward=passed[1, :, 0], exit_over_entry=complex(gone[0] / entry),
             reflected_over_entry=complex((back[0] - other) / entry),
             share_in_contact=touching / pillars.number, duty=float(np.sum(weight * share)) / max(touching, 1.0),
