@@ -22,6 +22,7 @@ _PUBLIC = {
     "averaged.pillars": "balls_of PassingWave Pillars",
     "choice": "Answer",
     "convergence_error": "ConvergenceError",
+    "drive": "reference_speed speed_scale",
     "envelope": "Envelope",
     "input_error": "InputError",
     "jit": "kernels",

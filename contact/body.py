@@ -58,6 +58,30 @@ def tilted(q, pitch, roll, x, y):
     return Coordinates(q.normal - pitch * x - roll * y, q.along)
 
 
+def height_under(means, load, height, close):
+    """Return the mean approach at which contacts carry a load, by Newton's method.
+
+    It converges from any approach that is too large, because the forces are convex in it. Load and approach may be
+    arrays.
+
+    Parameters
+    ----------
+    means : callable
+        Takes an approach and returns the force and its derivative.
+    load, height : float or ndarray
+        The load and an approach that is too large or right.
+    close : float
+        Largest step at which the search ends.
+    """
+    for _ in range(100):
+        force, rate = means(height)
+        step = (force - load) / rate
+        height = height - step
+        if np.max(np.abs(step)) < close:
+            break
+    return height
+
+
 @formula
 def approach_rate(u_z_rate, rate):
     """Return the rate of an approach; `rate` that of the coordinates."""

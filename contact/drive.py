@@ -5,7 +5,12 @@ from contact.orbit import Orbit
 
 def reference_speed(velocity: float, orbits: tuple[Orbit, ...]) -> float:
     """Return max(|v|, omega |u_x|/10) in m/s, the measure of velocity errors."""
-    return max(abs(velocity), max(o.omega * abs(o.tangential) for o in orbits) / 10.0)
+    return speed_scale(velocity, max(o.omega * abs(o.tangential) for o in orbits))
+
+
+def speed_scale(velocity: float, surface_speed: float) -> float:
+    """Return the `reference_speed` where the peak speed of the surface along x, omega |u_x| in m/s, is known."""
+    return max(abs(velocity), surface_speed / 10.0)
 
 
 def relative_to_reference(difference: float, velocity: float, orbits: tuple[Orbit, ...]) -> float:

@@ -115,7 +115,9 @@ def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
         _check_electrode_lines(piece, stator.solid)
         if stator.bottom != "free" and "bottom" not in piece.mesh.lines:
             raise InputError(
-                "piece", f"has no line group bottom, and stator.bottom is {stator.bottom}", owner=piece.name
+                "piece",
+                f"must have the line group bottom, as stator.bottom is {stator.bottom}, got none",
+                owner=piece.name,
             )
     for index, (end, inner) in enumerate(zip(placed.ends, (placed.start, placed.stop), strict=True)):
         if end is None:
@@ -129,7 +131,7 @@ def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
             )
         if not 0 < inner < stator.length:
             raise InputError(
-                "piece", f"begins beside the stator, 0 to {stator.length * 1e3:g} mm: {end.where}", owner=end.name
+                "piece", f"must lie on the stator, 0 to {stator.length * 1e3:g} mm, got {end.where}", owner=end.name
             )
     if placed.whole is None:
         _check_overlaps(placed, stator.length, transducers)
@@ -142,7 +144,7 @@ def _check_outer_end(piece: MeshPiece, index: int, length: float) -> None:
         raise InputError(
             "piece",
             f'has no line group {side} in its file "{piece.mesh.name}", which makes it the {side} end of the stator: '
-            f"it must end at x = {meant * 1e3:.6g} mm{' (stator.length)' if index else ''}, it ends at "
+            f"it must end at x = {meant * 1e3:.6g} mm{' (stator.length)' if index else ''}, got "
             f"{at * 1e3:.6g} mm",
             owner=piece.name,
         )
@@ -166,7 +168,7 @@ def _check_heights(piece: MeshPiece, thickness: float) -> None:
     if abs(height - thickness) <= SAME * thickness:
         raise InputError(
             "piece",
-            f"must end at the surface z = 0: the upper end of the group {side} is at z = {top * 1e3:.6g} mm",
+            f"must have the upper end of its group {side} at the surface z = 0, got z = {top * 1e3:.6g} mm",
             owner=piece.name,
         )
     raise InputError(
@@ -195,7 +197,7 @@ def _check_whole(piece: MeshPiece, stator: Stator, transducers: tuple[Transducer
     if max(abs(low), abs(high - length)) > SAME * length:
         refuse(
             "has no line group left or right, where a mesh meets the uniform stator; without them it must be the whole "
-            f"stator, 0 to {length * 1e3:.6g} mm, it reaches from {piece.where}"
+            f"stator, 0 to {length * 1e3:.6g} mm, got {piece.where}"
             f"{_unit_question(piece, high - low, length)}"
         )
     if len(stator.pieces) > 1:
@@ -207,7 +209,7 @@ def _check_whole(piece: MeshPiece, stator: Stator, transducers: tuple[Transducer
     if max(abs(bottom + thickness * 1e3), abs(top)) > SAME * thickness * 1e3:
         refuse(
             f"is the whole stator: its surface group stator must reach from z = -{thickness * 1e3:.6g} mm (minus "
-            f"stator.thickness) to 0, it reaches from {bottom:.6g} to {top:.6g} mm"
+            f"stator.thickness) to 0, got {bottom:.6g} to {top:.6g} mm"
             f"{_unit_question(piece, (top - bottom) * 1e-3, thickness)}"
         )
     if stator.ends != "free":
@@ -336,9 +338,7 @@ def _check_overlaps(placed: Placement, length: float, transducers: tuple[Transdu
         low, high = piece.extent
         if low < -room or high > length + room:
             raise InputError(
-                "piece",
-                f"must lie on the stator, 0 to {length * 1e3:g} mm, it reaches from {piece.where}",
-                owner=piece.name,
+                "piece", f"must lie on the stator, 0 to {length * 1e3:g} mm, got {piece.where}", owner=piece.name
             )
     spans.sort(key=lambda each: each[0])
     for (one, first), (other, second) in pairwise(spans):

@@ -90,7 +90,7 @@ def suggestion(word: str, known: Any) -> str | None:
             matches = [name for name in lowered if starts(name)]
             if len(matches) == 1:
                 return lowered[matches[0]]
-    close = get_close_matches(word, lowered, n=1, cutoff=0.5)
+    close = get_close_matches(word, lowered, n=1)
     return lowered[close[0]] if close else None
 
 

@@ -56,6 +56,7 @@ STUDIES = {
     "stability": ("evidence", 360),
     "left_out": ("evidence", 60),
 }
+COMMAND_OPTIONS = ("over", "band", "z0", "measured", "target", "controller", "loop", "tolerance")
 # former names of studies: each is a part of another now
 ALIASES = {"contact_error_vs_time": "error_vs_time", "fem_error_vs_time": "error_vs_time"}
 
@@ -166,7 +167,7 @@ def driven_contact(
 
     Examples
     --------
-    >>> driven_contact("twente-contact").named(1e-8)
+    >>> driven_contact("twente-contact").scene.named(1e-8)
     '10 nm'
     """
     resolved_scene = resolved(Scene.load(scene))
@@ -174,7 +175,8 @@ def driven_contact(
         resolved_scene.refuse("slider", "is missing: this study needs a slider")
     if resolved_scene.slider.pillars is not None and not pillars:
         resolved_scene.refuse(
-            "slider.pillars", "are not known to this study: run, sweep, fit, design, datasheet and load_line take them"
+            "slider.pillars",
+            "are not known here: run, sweep, fit, design, datasheet, load_line and sensitivity take them",
         )
     if resolved_scene.wave is not None:
         return DrivenContact.given(resolved_scene)
@@ -209,6 +211,8 @@ def expected_seconds(name: str, scene: str | None) -> float:
     _, seconds = STUDIES[ALIASES.get(name, name)]
     if scene is None or default is None:
         return seconds
+    if hasattr(module(name), "expected_seconds"):  # a study of its own number of solutions
+        return module(name).expected_seconds(Scene.load(scene))
     from studies.report.explanation import plan
 
     own, usual = (plan(Scene.load(each), tolerance=1e-3)["expected"]["seconds"] for each in (scene, default.default))
@@ -295,7 +299,9 @@ def run_study(
     )
     for option in options_of_study:
         if option not in taken:
-            raise SceneError(f"--{option}", f"is not taken by the study {name}")
+            own = [each for each in COMMAND_OPTIONS if each in taken]
+            rule = f", which takes --{', --'.join(own)}" if own else ", which takes no options"
+            raise SceneError(f"--{option}", f"is not taken by the study {name}{rule}")
     if scene is not None:
         if "scene" not in taken:
             raise SceneError("study", f"{name} has its own scenes and takes none")

@@ -16,8 +16,6 @@ from contact.averaged.pillar_cycle import PillarCycle
 from contact.convergence_error import ConvergenceError
 
 SAMPLES, FEWEST = 4, 32  # of a cycle: for each harmonic, and at least
-MEMORY = 16  # iterations that Anderson's method combines
-MAX_STEP = 0.3  # largest step of an iteration over the incident amplitude
 
 
 class OvertoneCycle(PillarCycle):
@@ -54,8 +52,6 @@ class OvertoneCycle(PillarCycle):
         m, n = self.turn.size, self.harmonics
         driving, opposing = np.zeros((m, n), complex), np.zeros((m, 1), complex)
         self.spectrum = Spectrum(driving.copy(), opposing.copy(), np.zeros((m, 2, n), complex))
-        self.approach = None  # of the last forces
-        self.history = []  # (opposing amplitudes, their steps) of the last iterations at this approach
         fundamental = self.forward, self.backward
         self.forward, self.backward = (driving, opposing) if self.forward_drives else (opposing, driving)
         self.forward[:, 0], self.backward[:, 0] = fundamental
@@ -77,8 +73,6 @@ class OvertoneCycle(PillarCycle):
     def forces(self, approach, w: float, side: float) -> MeanForces:
         """Follow the driving wave; return the forces at mean approaches in m and a velocity over omega in m."""
         self.evaluations += 1
-        if not np.array_equal(approach, self.approach):
-            self.approach, self.history = approach, []
         spectrum, incident = self.spectrum, np.zeros(self.harmonics, complex)
         driving, opposing = self._driving_and_opposing()
         spectrum.along[:], spectrum.against[:] = driving[self.downstream], opposing[self.downstream]
@@ -94,31 +88,28 @@ class OvertoneCycle(PillarCycle):
         driving[:] = spectrum.along[self.downstream]
         return forces_of(out, self.k_n, self.k_t)
 
-    def advance(self, forces: MeanForces, _slope=None) -> float:
-        """Update the opposing wave from the forces; return its change over the incident one.
+    @property
+    def waves(self):
+        """The amplitudes of the opposing wave."""
+        return self._driving_and_opposing()[1][:, 0]
+
+    @waves.setter
+    def waves(self, values):
+        self._driving_and_opposing()[1][:, 0] = values
+
+    def wave_step(self, forces: MeanForces, _slope=None):
+        """Return the step of the opposing wave towards the one that the forces leave.
 
         Contacts in touch are springs to it: the forces F of a row follow F_0 + S (U - U_0), where S is the sum of their
         normal stiffnesses, each times its share of the cycle. The rest shrinks by about ten times in each iteration.
         """
         column, m = (1 if self.forward_drives else 0), self.turn.size  # of the opposing wave in (U+, U-)
-        opposing, orbit = self._driving_and_opposing()[1][:, 0], self.driving_orbit
         normal, tangential = self.row_forces(forces)[..., 0].T
-        force = np.zeros((m, 2), complex)
-        amplitude = np.zeros((m, 2), complex)
+        force, amplitude = np.zeros((2, m, 2), complex)
         slope = np.zeros((m, 2, 2), complex)
-        force[:, column], amplitude[:, column] = normal + orbit * tangential, opposing
+        force[:, column], amplitude[:, column] = normal + self.driving_orbit * tangential, self.waves
         slope[:, column, column] = self.sums(forces.cycles[Each.SHARE] * self.k_n)
-        step = march(self.turn, force, slope, amplitude, self.g, self.incident)[:, column] - opposing
-        change = float(np.abs(step).max()) / max(self.wave.amplitude, 1e-300)
-        # D. G. Anderson, J. ACM 12 (1965) 547: combine the last iterations so that the step is smallest
-        self.history = [*self.history[1 - MEMORY :], (opposing.copy(), step)]
-        places, steps = (np.array(each).view(float) for each in zip(*self.history, strict=True))
-        moved, left = np.diff(places, axis=0), np.diff(steps, axis=0)
-        if len(left):
-            share = np.linalg.lstsq(left.T, steps[-1], rcond=1e-10)[0]
-            step = step - (share @ (moved + left)).view(complex)
-        opposing += step * min(1.0, MAX_STEP * self.wave.amplitude / max(float(np.abs(step).max()), 1e-300))
-        return change
+        return march(self.turn, force, slope, amplitude, self.g, self.incident)[:, column] - self.waves
 
     def tangent(self, *_):
         """Return None: the search uses the iteration of `advance` and no Newton step."""

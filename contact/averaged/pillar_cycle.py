@@ -23,7 +23,6 @@ from contact.problem import Problem
 
 SAME_ROW = 1e-9  # positions closer than this times the slider's length are equal up to rounding in the input
 STEP = 1e-7  # step of finite differences, relative to the incident amplitude
-MAX_STEP = 0.5  # largest change of the wave amplitudes in one Newton step, relative to the incident amplitude
 # The ratio Q_1/u_x is used as a stiffness only if |u_x| exceeds this fraction of its largest possible value.
 TANGENTIAL_SHARE = 0.3
 
@@ -73,8 +72,7 @@ class PillarCycle:
 
     def reset(self):
         """Set the amplitudes of the undisturbed wave."""
-        self.forward = self.wave.forward * self.turn
-        self.backward = self.wave.backward * self.turn.conj()
+        self.forward, self.backward = self.incident[0] * self.turn, self.incident[1] * self.turn.conj()
 
     def begin(self, forward, backward):
         """Set the amplitudes at the rows to those of an earlier search."""
@@ -117,22 +115,28 @@ class PillarCycle:
         out[Each.FRICTION] *= force * unit * c**2
         return forces_of(out, self.k_n * force, self.k_t * force * c)
 
-    def advance(self, forces: MeanForces, slope=None) -> float:
-        """Update the wave amplitudes for the forces; return the change over the incident amplitude.
+    @property
+    def waves(self):
+        """The amplitudes that are searched, complex, (k,): none without loading."""
+        return np.concatenate([self.forward, self.backward]) if self.g > 0.0 else np.empty(0, complex)
 
-        `slope` holds the derivatives of the rows' forces from `tangent`. The update is then a step of Newton's method,
-        limited to half the incident amplitude. If it is None, the forces are taken as proportional to the amplitudes.
+    @waves.setter
+    def waves(self, values):
+        if self.g > 0.0:
+            self.forward, self.backward = values.reshape(2, -1)
+
+    def wave_step(self, forces: MeanForces, slope=None):
+        """Return the step of `waves` towards the amplitudes that the forces leave.
+
+        `slope` holds the derivatives of the rows' forces from `tangent`. If it is None, the forces are taken as
+        proportional to the amplitudes.
         """
         if self.g == 0.0:
-            return 0.0
-        amplitude, size = np.stack([self.forward, self.backward], axis=1), max(self.wave.amplitude, 1e-300)
+            return np.empty(0, complex)
+        amplitude = np.stack([self.forward, self.backward], axis=1)
         used = self._proportional(forces) if slope is None else slope
-        step = march(self.turn, self._driving(forces), used, amplitude, self.g, self.incident) - amplitude
-        change = float(np.abs(step).max()) / size
-        if slope is not None and change > MAX_STEP:
-            step *= MAX_STEP / change
-        self.forward, self.backward = self.forward + step[:, 0], self.backward + step[:, 1]
-        return change
+        found = march(self.turn, self._driving(forces), used, amplitude, self.g, self.incident)
+        return (found - amplitude).T.ravel()
 
     def _proportional(self, forces):
         """Return the slope for forces P_1 = s_n u_z and Q_1 = s_t u_x, which is exact for sticking contacts."""
@@ -148,6 +152,8 @@ class PillarCycle:
 
     def tangent(self, approach, w: float, side: float, forces: MeanForces):
         """Return the derivatives of the rows' forces with respect to their amplitudes, shape (m, 4, 4); see `march`."""
+        if self.g == 0.0:
+            return None
         here, size = self._driving(forces).view(float), max(self.wave.amplitude, 1e-300)
         slope = np.empty((self.turn.size, 4, 4))
         kept = self.forward, self.backward

@@ -1,57 +1,89 @@
 r"""Averaged equilibrium of a slider on many contacts, coupled to the wave on which they act back.
 
-The unknowns are the mean approach H of the slider's plane, its tilts theta about y and psi about x, and the velocity v.
-They satisfy
+The unknowns are the mean approach H of the slider's plane, its tilts theta about y and psi about x, the velocity v, and
+the wave's amplitudes at the rows of contacts. They satisfy
 
-    sum <P> = F,  sum <P> x = F x_F,  sum <P> y = F y_F,  sum <Q> = load + R_t v.
+    sum <P> = F,  sum <P> x = F x_F,  sum <P> y = F y_F,  sum <Q> = load + R_t v,
 
-`pillar_cycle` computes the cycle means, including the weights. The contacts may differ in position, height, radius and
-stiffness. A load that acts at a height b above the surface tilts the slider: it shifts x_F by -b load/F.
+and the amplitudes are those that the contacts' first harmonics leave (`PillarCycle.wave_step`). The cycle means,
+including the weights, come from `PillarCycle` or `OvertoneCycle`. The contacts may differ in position, height, radius
+and stiffness. A load that acts at a height b above the surface tilts the slider: it shifts x_F by -b load/F.
 
 On a prescribed wave, `equilibrium` computes H first and then v. This is not possible here, because the wave amplitudes
-at the rows depend on v, and H, theta and psi depend on these amplitudes. Newton's method with Broyden updates therefore
-solves for all unknowns together. Each evaluation also iterates the amplitudes until their change is below `INNER` times
-the residual. If Newton's method fails, `equilibrium.balanced_speed` searches v alone. This search also detects a held
-slider: a contact that never slips at v = 0 depends on its history, so that sum <Q> has different limits for v -> 0 from
-the two sides. The slider is held if the load lies between these limits.
+at the rows depend on v, and H, theta and psi depend on these amplitudes. One iteration therefore changes all unknowns:
+each step is that of Newton's method for the slider at constant amplitudes, beside the step of the amplitudes at a
+constant place of the slider. What both leave out, Anderson's method learns from the last steps (J. ACM 12 (1965) 547).
 """
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from contact.averaged.cycle_mean import MeanForces
 from contact.averaged.pillar_cycle import PillarCycle
+from contact.body import height_under
 from contact.convergence_error import ConvergenceError
 from contact.law.normal import approach
 
 CLOSE = 1e-12  # tolerance of the scaled residuals and of the change of the wave amplitudes
-INNER = 1e-3  # the amplitudes are iterated until their change is below this times the residual
-MAX_STEPS, MAX_SWEEPS = 80, 200
-SLOW = 0.5  # ratio of successive changes above which the forces' derivatives are computed (anew)
-# For a wave of many periods or a sum of 10^5 forces, rounding keeps the change of the amplitudes above CLOSE. A change
-# below ROUNDING is accepted if it has not halved in STALE sweeps.
-ROUNDING, STALE = 1e-10, 12
-PATIENCE = 12  # the search stops if the residual does not fall to a third in this many steps, as at a kink (v = 0)
+# For a wave of many periods or a sum of 10^5 forces, rounding keeps the change of the amplitudes above CLOSE. Residuals
+# and changes below ROUNDING are accepted if they no longer fall.
+ROUNDING = 1e-11
 STEP = 1e-6  # of finite differences, of the scaled unknowns
-MAX_MOVE = 1.0  # of a scaled unknown in one step
+MAX_MOVE, MAX_WAVE = 1.0, 0.5  # of a scaled unknown, and of an amplitude over the incident one, in one step
+MEMORY = 16  # steps that Anderson's method combines
+# The derivatives are computed anew, where the residuals were smallest, if in PATIENCE steps the residuals do not fall
+# below FALL of what they were. USELESS: the search ends after so many times without progress.
+PATIENCE, FALL, USELESS, MAX_EVALUATIONS = 4, 0.3, 6, 2500
+# A step after which the residuals are larger, and above FAR, is taken SHORTER times as long instead: once, or up to
+# SHORTENINGS times by a careful search, which is one without progress at the last derivatives.
+FAR, SHORTER, SHORTENINGS = 0.3, 0.4, 7
+# The amplitudes are moved alone until their change is below START of the incident amplitude, and in a careful search
+# after each step until it is below INNER of the residuals; in at most WAIT evaluations. Where it does not fall to SLOW
+# of the last change, the derivatives of the forces in the amplitudes are computed.
+START, INNER, WAIT, SLOW = 0.1, 0.1, 12, 0.5
 HEIGHT, PITCH, ROLL, SPEED = range(4)
+
+
+class Anderson:
+    """Anderson's method: steps of an iteration improved by what the last ones have shown."""
+
+    def __init__(self):
+        self.places, self.steps = [], []
+
+    def step(self, place, step):
+        """Return a better step than `step` from a place."""
+        kept = min(MEMORY, step.size)
+        self.places, self.steps = [*self.places[-kept:], place], [*self.steps[-kept:], step]
+        if len(self.steps) == 1:
+            return step
+        moved, left = np.diff(self.places, axis=0), np.diff(self.steps, axis=0)
+        return step - np.linalg.lstsq(left.T, step, rcond=1e-10)[0] @ (moved + left)
+
+
+def _largest(values) -> float:
+    return float(np.max(np.abs(values), initial=0.0))
+
+
+def _solved(jacobian, right):
+    """Return the solution of a system of equations; raise if it is singular."""
+    try:
+        return np.linalg.solve(jacobian, right)
+    except np.linalg.LinAlgError:
+        raise ConvergenceError("not converged", "no pillar answers a change of the slider's height") from None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Balance:
     """Averaged equilibrium of a slider on pillars."""
 
-    height: float | np.ndarray  # H, m; one value per row with a soft backing
-    pitch: float  # rotation about y, rad; positive if the approach increases towards +x
-    roll: float  # rotation about x, rad; positive if the approach increases towards +y
+    height: float  # H, m; with a soft backing the mean over the rows
+    tilt: tuple[float, float]  # about y and x, rad; positive if the approach increases towards +x and +y
     w: float  # velocity over omega, m
-    side: float  # sign of the velocity, or of the motion before it if the velocity is zero
     traction: float  # sum <Q>, N
     forces: MeanForces = field(repr=False)
-    residual: float  # largest scaled residual
-    change: float  # last relative change of the wave's amplitudes
-    error: float  # estimated error of w, m, from the residuals and the last change
+    error: float  # estimated error of w, m, from the residuals and the last change of the amplitudes
 
 
 class Equilibrium:
@@ -63,180 +95,193 @@ class Equilibrium:
         # load on the slider, N, and place (x, y) at which it and the preload act together, m
         self.load, self.preload_at = 0.0, pillars.preload_at
         self.preload, self.friction = pillars.preload, pillars.friction_coefficient * pillars.preload
-        stiffness = float(np.sum(cycle.weight * cycle.k_n))
-        rest = float(approach(self.preload / stiffness, cycle.shape))
+        rest = float(approach(self.preload / float(np.sum(cycle.weight * cycle.k_n)), cycle.shape))
+        self.amplitude = max(wave.amplitude, 1e-300)
         self.length = max(wave.amplitude, rest)
         self.speed = max(abs(wave.orbit) * wave.amplitude, 1e-3 * self.length)
         self.arm = np.array([max(float(np.ptp(each)), 1e-300) / 2.0 for each in (pillars.x, pillars.y)])
         tilts = {"held": (), "pitch": (PITCH,), "free": (PITCH, ROLL)}[pillars.tilt]
         self.soft = pillars.backing == "soft"
-        self.plane = () if self.soft else (HEIGHT, *tilts)
+        self.plane = [] if self.soft else [HEIGHT, *tilts]
         self.scale = np.array([self.length, *(self.length / self.arm), self.speed])
-        share = cycle.sums(np.ones_like(cycle.x)) / pillars.number
-        self.row_load = self.preload * share
+        self.row_load = self.preload * cycle.sums(np.ones_like(cycle.x)) / pillars.number
         self.unknowns = np.zeros(4)
-        self.rows = np.zeros(cycle.turn.size)
-        if not self.soft:
-            start = rest - float(cycle.height.min())
-            self.unknowns[HEIGHT] = self._carrying(self.preload, start, lambda each: cycle.weight @ each)
+        self.rows = np.full(cycle.turn.size, -np.inf)  # H of each row with a soft backing
+        self.rest = rest - float(cycle.height.min())
+        self.begin()
         sign = abs(wave.forward) ** 2 - abs(wave.backward) ** 2
-        self.unknowns[SPEED] = -0.6 * wave.orbit.imag * sign / max(wave.amplitude, 1e-300)
-        self.residual = self.change = np.inf
-        self.forces: MeanForces | None = None
-        self.slope: np.ndarray | None = (
-            None  # derivatives of the rows' forces, used if fixed-point sweeps converge too slowly
-        )
+        self.unknowns[SPEED] = -0.6 * wave.orbit.imag * sign / self.amplitude
+        # of the amplitudes in a step of all unknowns: the root of the mean square counts
+        self.weight = 1.0 / math.sqrt(max(cycle.waves.size, 1))
+
+    def begin(self):
+        """Start from the undisturbed wave and the height of a slider that it carries without tilt."""
+        self.cycle.reset()
+        if not self.soft:
+            weight = self.cycle.weight
+            self.unknowns[HEIGHT] = self._carrying(self.preload, self.rest, lambda each: weight @ each)
+            self.unknowns[PITCH] = self.unknowns[ROLL] = 0.0
 
     def _carrying(self, load, heights, sums):
         """Return H at which the contacts carry a load in N without tilt, at the current wave amplitudes.
 
-        `sums` adds forces over all contacts, or over each row if every row has its own load and H. Newton's method
-        converges from any H that is too large, because <P> is convex in H.
+        `sums` adds forces over all contacts, or over each row if every row has its own load and H.
         """
-        for _ in range(100):
-            force, rate = (sums(each) for each in self.cycle.mean_normal(heights))
-            step = (force - load) / rate
-            heights = heights - step
-            if np.max(np.abs(step)) < 1e-13 * self.length:
-                break
-        return heights
+        return height_under(lambda each: map(sums, self.cycle.mean_normal(each)), load, heights, 1e-13 * self.length)
 
     def _row_heights(self):
         """Return H of each row under its share of the preload."""
         cycle = self.cycle
-        rest = approach(self.row_load / cycle.sums(cycle.k_n), cycle.shape)
-        heights = rest - np.minimum.reduceat(cycle.height, cycle.first)
-        if self.forces is not None:  # the last heights are better initial values if they are still too large
-            force = cycle.sums(next(cycle.mean_normal(self.rows)))
-            heights = np.where(force >= self.row_load, self.rows, heights)
-        return self._carrying(self.row_load, heights, cycle.sums)
+        above = approach(self.row_load / cycle.sums(cycle.k_n), cycle.shape)
+        above = above - np.minimum.reduceat(cycle.height, cycle.first)
+        # the last heights are better initial values if they are still too large
+        force = cycle.sums(next(cycle.mean_normal(self.rows)))
+        return self._carrying(self.row_load, np.where(force >= self.row_load, self.rows, above), cycle.sums)
 
-    def _evaluate(self, unknowns, side: float):
+    def _evaluate(self, side: float):
         """Return the residuals of the four equations over F, F arm, F arm and mu F, at the current wave amplitudes."""
-        cycle, pillars = self.cycle, self.cycle.pillars
+        cycle, y = self.cycle, self.unknowns
         if self.soft:
             self.rows = self._row_heights()
-        height = self.rows if self.soft else unknowns[HEIGHT]
-        w = unknowns[SPEED]
+        w = y[SPEED]
         side = side if w == 0.0 else np.sign(w)
-        self.place, self.moving = cycle.approaches(height, unknowns[PITCH], unknowns[ROLL]), (w, side)
-        forces = cycle.forces(self.place, w, side)
-        self.forces, P = forces, cycle.weight * forces.normal
-        self.traction = float(np.sum(cycle.weight * forces.tangential))
-        moments = [
-            np.sum(P * place) - self.preload * at for place, at in zip((cycle.x, cycle.y), self.preload_at, strict=True)
-        ]
-        excess = self.traction - self.load - pillars.tangential_damping * w * cycle.wave.omega
-        return np.array(
-            [
-                np.sum(P) / self.preload - 1.0, *(np.array(moments) / (self.preload * self.arm)),
-                excess / self.friction,
-            ]
-        )  # fmt: skip
+        self.place = cycle.approaches(self.rows if self.soft else y[HEIGHT], y[PITCH], y[ROLL])
+        self.moving, self.forces = (w, side), cycle.forces(self.place, w, side)
+        found, at = self._generalised(self.forces.normal, self.forces.tangential), np.array(self.preload_at)
+        self.traction = float(found[SPEED]) * self.friction
+        opposed = self.load + cycle.pillars.tangential_damping * w * cycle.wave.omega
+        return found - np.array([1.0, *(at / self.arm), opposed / self.friction])
 
-    def _settled(self, unknowns, side: float, active):
-        """Iterate the wave amplitudes until their change is below `INNER` times the residuals; return these."""
-        last, best, stale, self.at_rounding = np.inf, np.inf, 0, False
-        for _ in range(MAX_SWEEPS):
-            residual = self._evaluate(unknowns, side)[list(active)]
-            self.residual = float(np.max(np.abs(residual), initial=0.0))
-            self.change = self.cycle.advance(self.forces, self.slope)
-            if self.change <= max(0.1 * CLOSE, INNER * self.residual):
-                return residual
-            # the force of a contact that touches briefly is very sensitive to the amplitude, so that sweeps oscillate
-            if ROUNDING < self.change and self.change > SLOW * last:
-                self._evaluate(unknowns, side)
-                self.slope = self.cycle.tangent(self.place, *self.moving, self.forces)
-            best, stale = (self.change, 0) if self.change < 0.5 * best else (best, stale + 1)
-            self.at_rounding = self.change < ROUNDING and stale >= STALE
-            if self.at_rounding:
-                return residual
-            last = self.change
-        raise ConvergenceError(
-            "not converged", f"the wave below the pillars still changes by {self.change:.1e} a sweep"
-        )
+    def _generalised(self, normal, tangential):
+        """Return sum P, sum P x, sum P y and sum Q of forces per class, over F, F arm, F arm and mu F."""
+        cycle = self.cycle
+        P, Q = cycle.weight * normal, float(np.sum(cycle.weight * tangential))
+        moments = np.array([np.sum(P * cycle.x), np.sum(P * cycle.y)]) / (self.preload * self.arm)
+        return np.array([np.sum(P) / self.preload, *moments, Q / self.friction])
 
-    def _jacobian(self, unknowns, side, active, base):
-        """Return the derivatives of the residuals by finite differences at constant wave amplitudes."""
-        kept = self.cycle.forward.copy(), self.cycle.backward.copy()
-        base = self._evaluate(unknowns, side)[list(active)]
-        columns = []
-        for k in active:
-            step = STEP * self.scale[k]
-            if k == SPEED and unknowns[k] != 0.0:  # away from v = 0, where the residual has a kink
-                step *= np.sign(unknowns[k])
-            moved = unknowns.copy()
-            moved[k] += step
-            columns.append((self._evaluate(moved, side)[list(active)] - base) / (step / self.scale[k]))
-        self.cycle.forward, self.cycle.backward = kept
-        return np.array(columns).T
+    def _left(self, active, side, slope):
+        """Return the residuals and the step of the amplitudes, over the incident one."""
+        residual = self._evaluate(side)[active]
+        return residual, self.cycle.wave_step(self.forces, slope) / self.amplitude
+
+    def _newton_step(self):
+        """Return the derivatives of the forces in the amplitudes, and Newton's step of the amplitudes."""
+        slope = self.cycle.tangent(self.place, *self.moving, self.forces)
+        return slope, self.cycle.wave_step(self.forces, slope) / self.amplitude
+
+    def _step(self, moves, wave_step, method=None, place=None):
+        """Return a step of unknowns and amplitudes as a vector of `_place`, not too long; improved by a method."""
+        step = np.append(moves, self.weight * wave_step.view(float))
+        if method is not None:
+            step = method.step(place, step)
+        most = np.where(np.arange(step.size) < moves.size, MAX_MOVE, MAX_WAVE * self.weight)
+        return step / max(1.0, _largest(step / most))
+
+    def _place(self, active):
+        """Return the active unknowns and the wave's amplitudes as one scaled vector."""
+        waves = self.weight * self.cycle.waves / self.amplitude
+        return np.append(self.unknowns[active] / self.scale[active], waves.view(float))
+
+    def _go_to(self, place, active):
+        """Take unknowns and amplitudes from a vector of `_place`."""
+        n = len(active)
+        self.unknowns[active] = place[:n] * self.scale[active]
+        self.cycle.waves = place[n:].view(complex) * (self.amplitude / self.weight)
+
+    def _jacobian(self, active):
+        """Return the derivatives of the residuals at constant wave amplitudes, by differences of the contacts' forces.
+
+        H and tilts change the approach alone, so that one difference serves them.
+        """
+        cycle, here, (w, side), columns = self.cycle, self.forces, self.moving, np.zeros((4, 4))
+        if self.plane:
+            there = cycle.forces(self.place + STEP * self.length, w, side)
+            rise = [(new - old) / STEP for new, old in zip(there[:2], here[:2], strict=True)]
+            for k, arm in enumerate((1.0, cycle.x / self.arm[0], cycle.y / self.arm[1])):
+                columns[k] = self._generalised(*(arm * each for each in rise))
+        if SPEED in active:  # away from v = 0, where the residual has a kink
+            step = STEP * self.speed * (np.sign(w) or side or 1.0)
+            there, scale = cycle.forces(self.place, w + step, side), self.speed / step
+            columns[SPEED] = scale * (
+                self._generalised(there.normal, there.tangential) - self._generalised(here.normal, here.tangential)
+            )
+            columns[SPEED, SPEED] -= cycle.pillars.tangential_damping * cycle.wave.omega * self.speed / self.friction
+        return columns.T[np.ix_(active, active)]
 
     def solve(self, load: float, w: float | None = None, side: float = 0.0) -> Balance:
-        """Return the equilibrium under a load, or at a fixed velocity over omega if `w` is given."""
+        """Return the equilibrium under a load, or at a fixed velocity over omega if `w` is given.
+
+        `side`: sign of the motion before a velocity of zero.
+        """
         self.load, self.preload_at = load, self.cycle.pillars.preload_place(load)
-        active = self.plane if w is not None else (*self.plane, SPEED)
-        y = self.unknowns.copy()
-        if w is not None:
-            y[SPEED] = w
-        y = self._newton(y, side, active)
-        self.unknowns = y
+        active = list(self.plane)
         if w is None:
-            side = np.sign(y[SPEED])
+            active.append(SPEED)
+        else:
+            self.unknowns[SPEED] = w
+        try:
+            left = self._iterate(active, side)
+        except ConvergenceError:
+            if w is None:
+                raise
+            self.begin()
+            left = self._iterate(active, side, useless=1)
+        height, pitch, roll, found = self.unknowns.tolist()
         return Balance(
-            height=self.rows.copy() if self.soft else float(y[HEIGHT]), pitch=float(y[PITCH]), roll=float(y[ROLL]),
-            w=float(y[SPEED]), side=float(side), traction=self.traction, forces=self.forces, residual=self.residual,
-            change=self.change, error=self.error,
+            height=float(np.mean(self.rows)) if self.soft else height, tilt=(pitch, roll), w=found,
+            traction=self.traction, forces=self.forces, error=left * self.speed,
         )  # fmt: skip
 
-    def _newton(self, y, side, active):
-        """Return the unknowns at which the residuals vanish, by Newton's method with Broyden updates."""
-        residual = self._settled(y, side, active)
-        if not active:
-            self.error = self.change * self.scale[SPEED]
-            return y
-        index, jacobian, poor, sizes = list(active), None, 0, []
-        for _ in range(MAX_STEPS):
-            size = float(np.max(np.abs(residual)))
-            sizes.append(size)
-            if len(sizes) > PATIENCE and size > 0.3 * sizes[-PATIENCE]:
-                break
-            if size < CLOSE and (self.change < CLOSE or self.at_rounding):
-                self.error = self._left(jacobian, residual)
-                return y
-            if jacobian is None or poor > 2:
-                jacobian, poor = self._jacobian(y, side, active, residual), 0
-            try:
-                step = -np.linalg.solve(jacobian, residual)
-            except np.linalg.LinAlgError:
-                raise ConvergenceError("not converged", "no pillar answers a change of the slider's height") from None
-            step *= min(1.0, MAX_MOVE / float(np.max(np.abs(step))))
-            kept = self.cycle.forward.copy(), self.cycle.backward.copy()
-            for shorter in range(8):
-                moved = y.copy()
-                moved[index] += step * self.scale[index]
-                after = self._settled(moved, side, active)
-                touches = bool(self.forces.normal.any())  # without contact the residuals do not depend on H
-                if touches and (float(np.max(np.abs(after))) < size or size < 1e-9):
-                    break
-                if shorter < 7:
-                    step = 0.4 * step
-                    self.cycle.forward, self.cycle.backward = kept[0].copy(), kept[1].copy()
-            jacobian = jacobian + np.outer(after - residual - jacobian @ step, step) / (step @ step)
-            poor = poor + 1 if float(np.max(np.abs(after))) > 0.3 * size else 0
-            if shorter > 1:
-                jacobian = None
-            y, residual = moved, after
-        if float(np.max(np.abs(residual))) < 1e-9 and self.change < 1e-9:
-            self.error = self._left(jacobian, residual)
-            return y
+    def _iterate(self, active, side, useless: int = 0) -> float:
+        """Change the active unknowns and the amplitudes until residuals and steps vanish; return the last step."""
+        cycle, method = self.cycle, Anderson()
+        jacobian = slope = before = step = best = None
+        sizes, last, last_change, least, reached = [], np.inf, np.inf, np.inf, np.inf
+        waits = shorter = 0
+        most = cycle.evaluations + MAX_EVALUATIONS
+        while useless <= USELESS and cycle.evaluations < most:
+            residual, wave_step = self._left(active, side, slope)
+            size, change = _largest(residual), _largest(wave_step)
+            careful = useless > 0
+            settled = INNER * size if careful else (START if jacobian is None else np.inf)
+            waits = waits + 1 if change > max(ROUNDING, settled) else 0
+            if waits == WAIT and before is None:
+                self.begin()
+                slope = None
+                continue
+            lost = not self.forces.normal.any()  # without contact the residuals do not depend on H
+            if waits:
+                worse = careful and waits > WAIT
+            else:
+                worse = lost or size > max(last, 1e-9 if careful else max(FAR, change))
+            if step is not None and worse and shorter < (SHORTENINGS if careful or lost else 1):
+                step, shorter, waits = SHORTER * step, shorter + 1, 0
+                self._go_to(before + step, active)
+                continue
+            if waits:  # the amplitudes alone
+                if change > SLOW * last_change:
+                    slope, wave_step = self._newton_step()
+                last_change = change
+                self._go_to(self._place(active) + self._step(0.0 * residual, wave_step), active)
+                continue
+            sizes.append(max(size, change))
+            stale = len(sizes) > PATIENCE and sizes[-1] > FALL * sizes[-PATIENCE - 1]
+            if sizes[-1] < CLOSE or (careful and stale and sizes[-1] < ROUNDING):
+                return change + _largest(residual if jacobian is None else np.linalg.pinv(jacobian) @ residual)
+            if sizes[-1] < least:
+                least, best = sizes[-1], self._place(active)
+            elif stale:
+                self._go_to(best, active)
+                residual, _ = self._left(active, side, None)
+            if stale:
+                useless, reached = (0, least) if least < 0.9 * reached else (useless + 1, reached)
+                slope, wave_step = self._newton_step()
+            if stale or jacobian is None:
+                method, sizes, jacobian = Anderson(), [least], self._jacobian(active)
+            last, last_change, before, shorter = _largest(residual), change, self._place(active), 0
+            step = self._step(_solved(jacobian, -residual), wave_step, method, before)
+            self._go_to(before + step, active)
         raise ConvergenceError(
-            "not converged", f"height, tilts and velocity leave a residual of {self.residual:.1e} of the preload"
+            "not converged",
+            f"height, tilts, velocity and the wave leave a residual of {max(size, change):.1e} of the preload",
         )
-
-    def _left(self, jacobian, residual):
-        """Return the estimated error of w in m, from the last residuals and the last change of the amplitudes."""
-        if jacobian is None:
-            return max(self.residual, self.change) * self.scale[SPEED]
-        with np.errstate(all="ignore"):
-            left = float(np.max(np.abs(np.linalg.pinv(jacobian) @ residual)))
-        return (left + self.change) * self.scale[SPEED]

@@ -15,6 +15,7 @@ from contact.averaged.pillar_equilibrium import SPEED, Balance, Equilibrium
 from contact.averaged.pillars import PassingWave, Pillars
 from contact.codes import Status
 from contact.convergence_error import ConvergenceError
+from contact.drive import speed_scale
 from contact.input_error import InputError
 
 LOADED = 0.05  # loading number above which the slider acts back on the wave if `loading` is None
@@ -137,7 +138,7 @@ class PillarMotion:
     def speed_scale(self) -> float:
         """Reference speed of velocity errors, max(|v|, omega |u_x|/10), m/s."""
         wave = self.wave
-        return max(abs(self.velocity), wave.omega * abs(wave.orbit) * wave.amplitude / 10.0, 1e-300)
+        return max(speed_scale(self.velocity, wave.omega * abs(wave.orbit) * wave.amplitude), 1e-300)
 
     @property
     def exit_overtones(self) -> np.ndarray:
@@ -357,8 +358,8 @@ class _Slider:
         touching = float(np.sum(weight[share > 0.0]))
         work, held = cycle.work(forces), equilibrium.w == 0.0
         motion = PillarMotion(
-            pillars=pillars, wave=wave, velocity=velocity, held=held, approach=float(np.mean(equilibrium.height)),
-            tilt=(equilibrium.pitch, equilibrium.roll), load=load, traction=equilibrium.traction, row_x=cycle.row_x,
+            pillars=pillars, wave=wave, velocity=velocity, held=held, approach=equilibrium.height,
+            tilt=equilibrium.tilt, load=load, traction=equilibrium.traction, row_x=cycle.row_x,
             forward=passed[0, :, 0], backward=passed[1, :, 0], exit_over_entry=complex(gone[0] / entry),
             reflected_over_entry=complex((back[0] - other) / entry),
             share_in_contact=touching / pillars.number, duty=float(np.sum(weight * share)) / max(touching, 1.0),

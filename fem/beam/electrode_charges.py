@@ -235,7 +235,7 @@ def _node_charges(solution: Solution, piece: int, sides: np.ndarray) -> tuple[np
     """
     section, begin = solution.fields.section, left_edge(solution, piece)
     places, reactions, metal = [], [], []
-    for recovery, starts, own in solution.fields.network.scatterers[piece].recover(sides).kinds:
+    for recovery, starts, own in solution.fields.network.scatterers[piece].piece.recover(sides).kinds:
         column = recovery.column
         reaction = np.tensordot(column.surface_reactions, own, axes=1)  # (nodes, sheets, places)
         at = np.add.outer(gll_nodes(section.order) * column.width, starts) * section.length_unit

@@ -34,10 +34,15 @@ from fem.mesh.quads import conditions_of, quad_mesh
 # Elements of a mesh relative to those of the section, which are at most one wavelength long: half the size, one order
 # less, and one geometric layer more towards singular points.  The motion behind a groove then has the error 1.3e-3 at
 # level 1 and 1.6e-4 at level 2 (with the section's order and two more layers: 1.8e-3 and 2e-4), and that behind a plain
-# segment 8e-10 at level 3 (with two orders less: 2e-8).
+# segment 6e-10 at level 3.
 ELEMENT_SHARE = 0.5
 ORDERS_LESS = 1
 MORE_LAYERS = 1
+# A mesh whose elements are all smaller than this share of the largest allowed takes one order less still: elements of
+# 0.35 wavelengths and order 5 have the phase error of those of 0.5 wavelengths and order 6 (Ainsworth, SIAM J. Numer.
+# Anal. 42 (2004) 553, equation 3.7).  The motion behind a groove then errs by 6.5e-5 instead of 5.4e-5 at level 2 and
+# by 8e-6 instead of 7e-6 at level 3; that on a plain piece itself by 2e-8 instead of 9e-10.
+FINER_SHARE = 0.75
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -193,19 +198,12 @@ def assembled(
     unit = next(iter(sections.values())).length_unit if sections else slowest_wavelength(stator.solid, frequency)
     names = coupled_fields(stator.solid)
     solids = {"stator": stator.solid} | dict(piece.solids)
-    space = QuadSpace(
-        quad_mesh(
-            piece.mesh,
-            layers=resolution.edge_layers + MORE_LAYERS,
-            largest={
-                name: ELEMENT_SHARE * resolution.element_size * slowest_wavelength(solids[name], frequency)
-                for name in piece.mesh.solids
-            },
-            conditions=conditions_of(piece, stator.bottom),
-        ),
-        resolution.order - ORDERS_LESS,
-        unit,
-    )
+    share = ELEMENT_SHARE * resolution.element_size
+    largest = {name: share * slowest_wavelength(solids[name], frequency) for name in piece.mesh.solids}
+    layers, conditions = resolution.edge_layers + MORE_LAYERS, conditions_of(piece, stator.bottom)
+    mesh = quad_mesh(piece.mesh, layers=layers, largest=largest, conditions=conditions)
+    finer = all(mesh.size(name) <= FINER_SHARE * size for name, size in largest.items())
+    space = QuadSpace(mesh, resolution.order - ORDERS_LESS - finer, unit)
     if space.size * len(names) > MAX_UNKNOWNS:
         raise ConvergenceError(
             f'the piece "{piece.name}" has {space.size * len(names):.2g} unknowns at order {space.order}, at most '

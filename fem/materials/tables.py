@@ -150,11 +150,11 @@ def catalogue() -> dict[str, Solid]:
 
 
 def material(name: str) -> Solid:
-    """Return a solid of the catalogue in the crystal frame; a ValueError for another name offers the nearest."""
+    """Return a solid of the catalogue in the crystal frame; a ValueError for another name offers one like it."""
     solids = _solids()
     if name in solids:
         return solids[name]
     by_folded = {known.casefold(): known for known in solids}
-    close = get_close_matches(str(name).casefold(), by_folded, n=1, cutoff=0.0)
+    close = get_close_matches(str(name).casefold(), by_folded, n=1)
     nearest = f"; the nearest known one is {by_folded[close[0]]!r}" if close else ""
     raise InputError("material", f"must be in the catalogue ({', '.join(solids)}), got {name!r}{nearest}")

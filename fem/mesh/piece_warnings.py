@@ -10,9 +10,10 @@ NEAR_INTERFACE = 1 / 8  # wavelengths: at 0.12 the admittance errs by 1e-5, at a
 # An arc is drawn by at least ARC_VERTICES neighbouring vertices at which the boundary turns to the same side, by less
 # than MAX_TURN each.  A chamfer or a trapezoidal groove has two such vertices.
 ARC_VERTICES, MAX_TURN = 3, np.deg2rad(50)
-# Relative change of u_z over k^2 A, with k the wavenumber of the slowest bulk wave and A the area between an arc and
-# its edges: 0.09 to 0.43 behind three grooves whose bottom is an arc, drawn by 4, 8 and 16 edges
-# (tests/fem/test_pieces.py has one of them).
+# Relative change of the motion over k^2 A, with k the wavenumber of the slowest bulk wave and A the area between an arc
+# and its edges: 0.09 to 0.43 behind three grooves on PZT-4 whose bottom is an arc, drawn by 4, 8 and 16 edges
+# (tests/fem/test_pieces.py has one of them); 0.04 to 0.16 behind grooves 0.8 mm wide and 0.05 or 0.2 mm deep on PZT-5H
+# along X and on lithium niobate, 128YX and YZ.
 ARC_CHANGE = 0.5
 LEAST_ARC_CHANGE = 1e-6  # a smaller one is below the error of the finest discretisation
 

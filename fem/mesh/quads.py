@@ -50,6 +50,11 @@ class QuadMesh:
     lines: dict[str, np.ndarray] = field(repr=False)
     boundary: np.ndarray = field(repr=False)
 
+    def size(self, solid: str) -> float:
+        """Longest edge of a solid's quadrilaterals, m."""
+        corners = self.points[self.quads[self.solids == solid, :4]]
+        return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1).max())
+
 
 class _Quad(NamedTuple):
     """A quadrilateral while the mesh is split; its first vertex is the one that layers may gather at."""

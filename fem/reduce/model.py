@@ -19,7 +19,6 @@ from functools import partial
 
 import numpy as np
 
-from fem.circuit import Drive
 from fem.condense.columns import FingerColumns, LiftedHalf
 from fem.condense.piece import Blocks
 from fem.condense.reduced import RationalPiece
@@ -28,8 +27,8 @@ from fem.discretize.grading import Resolution
 from fem.discretize.spectral import lagrange_weights
 from fem.geometry import Stator, Transducer
 from fem.reduce.basis import WALL_WIDTH, ReducedSection, even_rows
-from fem.results.solution import Solution, driven_solution
-from fem.waveguide.ends import EndPieces, Wall, end_pieces
+from fem.waveguide.ends import Wall, end_walls
+from fem.waveguide.force import LineForce
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.port_fields import PortFields, Solve, joined_fields
 from fem.waveguide.row import PieceRow
@@ -53,7 +52,7 @@ class FullPieces:
     def __init__(self, model: "ReducedModel", frequency: float):
         self.model, self.frequency = model, frequency
         self._halves: dict[FingerShape, tuple[FingerColumns, FingerColumns]] = {}
-        self._ends: EndPieces | None = None
+        self._ends: tuple[Wall, Wall] | None = None
 
     def half_cell(self, shape: FingerShape, side: int, sides: np.ndarray) -> tuple[FingerColumns, np.ndarray]:
         """Return the rising (0) or falling (1) half of a finger's cell, and its sides from the reduced ones."""
@@ -69,8 +68,8 @@ class FullPieces:
         """Return the field in the columns beside the left (0) or right (1) end, from the reduced inner line."""
         model, full = self.model, self.model.section.full
         if self._ends is None:
-            self._ends = end_pieces(full, self.frequency, model.stator, model.resolution, width=WALL_WIDTH)
-        return self._ends.recover(side, model.section.lift(line))
+            self._ends = end_walls(full, self.frequency, model.stator, model.resolution, width=WALL_WIDTH)
+        return self._ends[side].recover(model.section.lift(line))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,14 +90,13 @@ class ReducedModel:
     pieces: dict[tuple, RationalPiece] = field(repr=False)  # distinct meshed pieces of the row
     piece_error: float  # relative error of their interpolation, of the fields on their interface lines
 
-    def port_fields(self, frequency: float, solve: Solve | None = None) -> PortFields:
-        """Solve for unit voltage at every port at a frequency of the band (Hz); a ValueError outside it.
+    def port_fields(
+        self, frequency: float, solve: Solve | None = None, forces: tuple[LineForce, ...] = ()
+    ) -> PortFields:
+        """Solve for unit voltage at every port at a frequency of the band (Hz).
 
-        ``solve``: as in `joined_fields`.
+        ``solve``, ``forces``: as in `joined_fields`.
         """
-        low, high = self.limits
-        if not low <= frequency <= high:
-            raise ValueError(f"frequency must lie in the band, {low:g} to {high:g} Hz, got {frequency!r} Hz")
         weights = lagrange_weights(self.nodes, (2 * np.pi * frequency) ** 2)
         full = FullPieces(self, frequency)
         make = Condensation(self.section, frequency)
@@ -116,12 +114,15 @@ class ReducedModel:
                 row, ends=tuple(walls), start=row.start + WALL_WIDTH * plain[0], stop=row.stop - WALL_WIDTH * plain[1]
             )
         return joined_fields(
-            self.stator, self.transducers, pieces, modes=modes, resolution=self.resolution, pieces=row, solve=solve
+            self.stator,
+            self.transducers,
+            pieces,
+            modes=modes,
+            resolution=self.resolution,
+            pieces=row,
+            solve=solve,
+            forces=forces,
         )
-
-    def solution(self, frequency: float, drive: str | Drive) -> Solution:
-        """Solve for a drive at a frequency of the band (Hz)."""
-        return driven_solution(self.port_fields(frequency), drive)
 
     def _cell(self, make, shape: FingerShape, weights: np.ndarray, full: FullPieces) -> FingerColumns:
         halves, section = self.half_cells[shape], self.section

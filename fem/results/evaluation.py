@@ -156,7 +156,7 @@ def recovered(solution: Solution, index: int):
     if index in ENDS:
         side = ENDS.index(index)
         return wall_of(solution, side).recover(end_line(solution, side))
-    return network.scatterers[index].recover(solution.sides(index))
+    return network.scatterers[index].piece.recover(solution.sides(index))
 
 
 def left_edge(solution: Solution, index: int) -> float:

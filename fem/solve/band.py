@@ -22,10 +22,11 @@ from fem.reduce.model import ReducedModel
 from fem.reduce.projection import BandProblem, NodeSolutions, project, solve_at_nodes
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
-from fem.results.solution import Solution, driven_solution
+from fem.results.solution import Solution, driven_solution, forced_solution
 from fem.solve.full_band import FullModel
 from fem.solve.harmonic import check_driven, driven_wave, solution_differences
 from fem.threads import one_blas_thread, side_by_side
+from fem.waveguide.force import LineForce
 from fem.waveguide.port_fields import PortFields, Solve, solve_ports
 
 # Singular values of the lines' fields below a share of the tolerance are dropped.  The share at the first attempt, at
@@ -92,14 +93,37 @@ class Band:
             side_by_side(lambda frequency: self._port_fields(float(frequency), solve).admittances, frequencies)
         )
 
-    def _port_fields(self, frequency: float, solve: Solve | None = None) -> PortFields:
+    def received(self, frequencies: np.ndarray, force: LineForce, drive: str | Drive) -> np.ndarray:
+        """Currents in A into the transducers, as in `port_names`, that a line force causes: (frequencies, ports).
+
+        The sources of ``drive`` have zero voltage; their impedances, and the other terminations, stay.  By reciprocity
+        the current into the driven transducer is the velocity at the force, per volt, times force and aperture.  It
+        errs as that: by `relative_error`, if the force stands at one of the places that the band was prepared for.
+        """
+
+        def at(frequency: float) -> np.ndarray:
+            fields = self._port_fields(float(frequency), forces=(force,))
+            return forced_solution(fields, np.array([force.amplitude]), drive).circuit.currents
+
+        return np.array(side_by_side(at, frequencies))
+
+    def _port_fields(
+        self, frequency: float, solve: Solve | None = None, forces: tuple[LineForce, ...] = ()
+    ) -> PortFields:
         """Fields of the reduced model or, if its few lines cannot represent the ends, of the full discretisation."""
-        model = self.model
+        model, (low, high) = self.model, self.limits
+        if not low <= frequency <= high:
+            raise InputError("frequency", f"must lie in the band, {low:g} to {high:g} Hz", frequency, "Hz")
         try:
-            return model.port_fields(frequency, solve)
+            return model.port_fields(frequency, solve, forces)
         except ConvergenceError:
             return solve_ports(
-                model.stator, model.transducers, frequency=frequency, resolution=model.resolution, solve=solve
+                model.stator,
+                model.transducers,
+                frequency=frequency,
+                resolution=model.resolution,
+                solve=solve,
+                forces=forces,
             )
 
 
@@ -312,7 +336,7 @@ def _errors(model: ReducedModel, problem: BandProblem, checks: list[_Check], wor
     """Errors of a reduced model's motion and admittance at the worst frequency of the band."""
     unamplified = []
     for check in checks:
-        solution = model.solution(check.solution.fields.frequency, problem.drive)
+        solution = driven_solution(model.port_fields(check.solution.fields.frequency), problem.drive)
         reduced = solution, surface_of(solution).motion(problem.places)
         differences = solution_differences(reduced, (check.solution, check.motion))
         amplification = min(check.here, worst / REDUCTION_SAFETY)

@@ -1,14 +1,14 @@
 """Ring-up and ring-down of the surface during and after a burst: complex envelope over time, from a frequency band.
 
-The source's voltage is cos(omega0 t + phase) from 0 to the burst's end and zero otherwise.  With the response H(f) per
-volt the surface moves as Re(U(t) exp(i omega0 t + i phase)),
+The source's voltage is cos(omega0 t) from 0 to the burst's end and zero otherwise.  With the response H(f) per volt the
+surface moves as Re(U(t) exp(i omega0 t)),
 
-    U(t) = S(t, phase) - S(t - duration, phase + omega0 duration),
+    U(t) = S(t, 0) - S(t - duration, omega0 duration),
     S(t, phase) = sum_k G_k H_k df [ (exp(i x t) - exp(-i x a)) / (i x) + exp(i x t - 2 i phase) / (i (x + 2 omega0)) ],
 
-x = 2 pi (f_k - f0).  S is the response to a voltage switched on at t = 0, its counter-rotating half included (which
-matters close to the switch), integrated in closed form from t = -a; the motion before -a is taken as zero.  S tends to
-H(f0), and f0 is one of the frequencies.
+x = 2 pi (f_k - f0).  S is the response to a voltage switched on at t = 0 at a phase, its counter-rotating half included
+(which matters close to the switch), integrated in closed form from t = -a; the motion before -a is taken as zero.  S
+tends to H(f0), and f0 is one of the frequencies.
 
 Two truncations cause errors.
 Band: the window G falls smoothly to zero at the band's ends, which rounds corners over a time of 1 / width and lets a
@@ -124,8 +124,11 @@ class _Spectrum:
         """Time between two instants of an envelope, s."""
         return 1 / (PER_BAND * (self.reach[0] + self.reach[1]))
 
-    def switched(self, first: float, count: int, phase: float, share: float = 1.0) -> np.ndarray:
-        """S at ``count`` instants from ``first`` on, one tick apart, shape (2, count); ``share`` narrows the band."""
+    def switched(self, first: float, count: int, phase: float = 0.0, share: float = 1.0) -> np.ndarray:
+        """S at ``count`` instants from ``first`` on, one tick apart, shape (2, count).
+
+        ``phase``: of the voltage when it is switched on, rad; ``share`` narrows the band.
+        """
         lead = LEAD / self.step
         last = (1 - LEAD) / self.step
         time = first + self.tick * np.arange(count)
@@ -169,7 +172,6 @@ def burst_response(
     frequency: float,
     duration: float,
     tolerance: float,
-    phase: float = 0.0,
     max_frequencies: int = MAX_FREQUENCIES,
 ) -> BurstEnvelope:
     """Envelope of the surface's motion at a place for a rectangular burst.
@@ -186,8 +188,6 @@ def burst_response(
         Hz, well inside the band.
     tolerance : float
         Of the aliased motion, relative to the steady amplitude.
-    phase : float
-        Of the voltage's cosine at the beginning, rad.
     max_frequencies : int
         Approximate number of frequencies after which the search ends with an error.
 
@@ -224,7 +224,7 @@ def burst_response(
         """Aliased part of the steady motion, estimated with steps twice as wide and at frequencies between them."""
         spectrum = fine[0]
         count = math.ceil((1 - LEAD) / (2 * spectrum.step * spectrum.tick))
-        change = abs(spectrum.switched(0.0, count, phase) - coarse[0].switched(0.0, count, phase)).max()
+        change = abs(spectrum.switched(0.0, count) - coarse[0].switched(0.0, count)).max()
         exact = motions(frequency + spectrum.probes())[:, :2].T
         steady = abs(spectrum.motion[0, spectrum.offsets == 0])[0]
         return (float(max(change, abs(spectrum.between(spectrum.probes()) - exact).max()) / steady),)
@@ -240,7 +240,7 @@ def burst_response(
             f"the surface still rings {1 / spectrum.step:.1e} s after the switch, by {error:.1e} of its amplitude: "
             "give the solid a mechanical_quality, or ask for less"
         )
-    return _envelope(duration, spectrum, place, phase, (error, response), len(known))
+    return _envelope(duration, spectrum, place, (error, response), len(known))
 
 
 def _refuse_endless(duration: float) -> None:
@@ -252,7 +252,6 @@ def _envelope(
     duration: float,
     spectrum: _Spectrum,
     place: float,
-    phase: float,
     errors: tuple[float, float],
     frequencies: int,
     share: float = 1.0,
@@ -262,21 +261,21 @@ def _envelope(
     span = np.arange(0.0, 1 / spectrum.step, spectrum.tick)
     during = int(np.count_nonzero(span < duration))
     time = np.append(span[:during], duration + span)
-    off = phase + 2 * np.pi * spectrum.frequency * duration
+    off = 2 * np.pi * spectrum.frequency * duration
 
     def burst(share: float) -> np.ndarray:
-        def switched(first: float, count: int, at: float):
+        def switched(first: float, count: int, at: float = 0.0):
             return spectrum.switched(first, count, at, share)
 
-        rise = switched(0.0, during, phase) - switched(-duration, during, off)
-        fall = switched(duration, len(span), phase) - switched(0.0, len(span), off)
+        rise = switched(0.0, during) - switched(-duration, during, off)
+        fall = switched(duration, len(span)) - switched(0.0, len(span), off)
         return np.concatenate((rise, fall), axis=1)
 
     whole, narrower = burst(share), burst(NARROWER * share)
     steady = spectrum.motion[:, spectrum.offsets == 0][:, 0]
     lead = LEAD / spectrum.step
-    before = spectrum.switched(-lead, math.ceil(lead / spectrum.tick), phase)[0]
-    start = spectrum.switched(0.0, len(span), phase)[0]
+    before = spectrum.switched(-lead, math.ceil(lead / spectrum.tick))[0]
+    start = spectrum.switched(0.0, len(span))[0]
     unsettled = np.flatnonzero(abs(start / steady[0] - 1) > 0.01)
     return BurstEnvelope(
         place=place,
@@ -293,5 +292,5 @@ def _envelope(
         step_error=errors[0],
         response_error=errors[1],
         frequencies=frequencies,
-        lasting=partial(_envelope, spectrum=spectrum, place=place, phase=phase, errors=errors, frequencies=frequencies),
+        lasting=partial(_envelope, spectrum=spectrum, place=place, errors=errors, frequencies=frequencies),
     )

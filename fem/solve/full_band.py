@@ -9,14 +9,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fem.circuit import Drive
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.geometry import Stator, Transducer
-from fem.input_error import InputError
 from fem.materials.christoffel import slowest_wavelength
 from fem.reduce.piece_band import WholePiece, piece_of_whole_stator
-from fem.results.solution import Solution, driven_solution
+from fem.waveguide.force import LineForce
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.port_fields import PortFields, Solve, joined_fields, solve_ports
 from fem.waveguide.row import PieceRow
@@ -35,22 +33,24 @@ class FullModel:
     # the mesh that is the whole stator, and its interpolation; None where every frequency is solved anew
     interpolation: tuple[PieceRow, WholePiece] | None = field(default=None, repr=False)
 
-    def port_fields(self, frequency: float, solve: Solve | None = None) -> PortFields:
-        """Solve for unit voltage at every port at a frequency of the band (Hz); ``solve``: as of `joined_fields`."""
-        low, high = self.limits
-        if not low <= frequency <= high:
-            raise InputError("frequency", f"must lie in the band, {low:g} to {high:g} Hz", frequency, "Hz")
+    def port_fields(
+        self, frequency: float, solve: Solve | None = None, forces: tuple[LineForce, ...] = ()
+    ) -> PortFields:
+        """Solve for unit voltage at every port at a frequency of the band (Hz).
+
+        ``solve``, ``forces``: as in `joined_fields`.
+        """
         stator, transducers, resolution = self.stator, self.transducers, self.resolution
         if self.interpolation is None:
-            return solve_ports(stator, transducers, frequency=frequency, resolution=resolution, solve=solve)
+            return solve_ports(
+                stator, transducers, frequency=frequency, resolution=resolution, solve=solve, forces=forces
+            )
         row, piece = self.interpolation
         modes = guided_modes(row.section, frequency)
         pieces = row.arranged(dict.fromkeys(row.assemblies, piece.at(frequency)), modes)
-        return joined_fields(stator, transducers, [], modes=modes, resolution=resolution, pieces=pieces, solve=solve)
-
-    def solution(self, frequency: float, drive: str | Drive) -> Solution:
-        """Solve for a drive at a frequency of the band (Hz)."""
-        return driven_solution(self.port_fields(frequency), drive)
+        return joined_fields(
+            stator, transducers, [], modes=modes, resolution=resolution, pieces=pieces, solve=solve, forces=forces
+        )
 
     def interpolated(self, potentials: np.ndarray, places: np.ndarray, tolerance: float) -> tuple["FullModel", float]:
         """Return the model of a stator of one mesh with its interpolation, and the relative error of that.

@@ -85,10 +85,8 @@ class PMatrix:
 
 
 @one_blas_thread
-def p_matrix(
-    stator: Stator, transducer: Transducer, *, frequency: float, tolerance: float, every_mode: bool = False
-) -> PMatrix:
-    """P-matrix of a transducer on a stator's section.
+def p_matrix(stator: Stator, transducer: Transducer, *, frequency: float, tolerance: float) -> PMatrix:
+    """P-matrix of a transducer on a stator's section, for the surface wave.
 
     Parameters
     ----------
@@ -100,8 +98,6 @@ def p_matrix(
         Hz.
     tolerance : float
         Of S and, relative, of p and Y.
-    every_mode : bool
-        All propagating modes instead of those of the surface wave.
 
     Returns
     -------
@@ -126,7 +122,7 @@ def p_matrix(
     row = replace(transducer, center=length / 2, termination="open")
 
     def at_level(resolution: Resolution) -> PMatrix:
-        return p_matrix_on_level(alone, row, frequency, resolution, every_mode)
+        return p_matrix_on_level(alone, row, frequency, resolution)
 
     refined = refine_stator(stator, at_level, differences=matrix_difference, tolerance=tolerance)
     result = replace(refined.answer, relative_error=refined.errors[0])
@@ -167,9 +163,12 @@ def cascade_admittance(parts: Sequence[PMatrix], distances: Sequence[float]) -> 
 
 
 def p_matrix_on_level(
-    stator: Stator, transducer: Transducer, frequency: float, resolution: Resolution, every_mode: bool
+    stator: Stator, transducer: Transducer, frequency: float, resolution: Resolution, *, every_mode: bool = False
 ) -> PMatrix:
-    """P-matrix on one discretisation of a lone transducer between absorbing ends."""
+    """P-matrix on one discretisation of a lone transducer between absorbing ends.
+
+    ``every_mode``: for all propagating modes, with which power is conserved, instead of the surface wave's.
+    """
 
     def port_modes(modes: GuidedModes) -> np.ndarray:
         return modes.propagating if every_mode else modes.rayleigh

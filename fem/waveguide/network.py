@@ -20,7 +20,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from fem.condense.piece import Blocks, Piece, Port, RecoveredField
+from fem.condense.piece import Blocks, Piece, Port
 from fem.input_error import InputError
 from fem.waveguide.ends import End, end_reflection, with_gauge
 from fem.waveguide.force import ForceResponse, force_response
@@ -40,10 +40,6 @@ class Scatterer:
     # shape (ports of the piece, ports of the network that determine them): potentials of the piece's ports for a unit
     # at each port of the network, +1/2 and -1/2 for a voltage, 1 and 1 for a mean
     potentials: np.ndarray
-
-    def recover(self, sides: np.ndarray) -> RecoveredField:
-        """Field inside for given lines and potentials of the electrodes."""
-        return self.piece.recover(sides)
 
     @cached_property
     def at(self) -> Blocks:

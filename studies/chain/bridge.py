@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 import contact
-from studies.chain.solved_stator import SolvedStator, places_of
+from studies.chain.solved_stator import SolvedStator
 from studies.record import Record
 from studies.scene import Scene
 from studies.scene.slider import Friction, LawText, Slider, Wave
@@ -130,7 +130,7 @@ class DrivenContact:
 
         ``motion``: of the surface, of which sliders on pillars need more than the orbits.
         """
-        places, slider = places_of(scene), scene.slider
+        places, slider = scene.places, scene.slider
         tangential, normal, _, _ = solved.at[places[0]]
         passing = None
         if slider is not None and slider.pillars is not None:
@@ -148,7 +148,7 @@ class DrivenContact:
         if record.scene.wave is not None:
             return cls.given(record.scene, record)
         motion = record.surface_motion
-        driven = cls.of_stator(record.scene, SolvedStator.of(motion, places_of(record.scene)), motion)
+        driven = cls.of_stator(record.scene, SolvedStator.of(motion, record.scene.places), motion)
         return replace(driven, stator_error=float(record.wave["relative_error"]), record=record)
 
     @cached_property
@@ -166,23 +166,19 @@ class DrivenContact:
         """Normal amplitude |u_z| under the slider's centre for a level of 1, m."""
         return self.amplitudes[0]
 
+    def amplitudes_at(self, level: float) -> dict[str, float]:
+        """Return the columns of a point that say how far the surface moves under the slider's centre at a level."""
+        normal, tangential = self.amplitudes
+        return {"normal_amplitude_m": normal * level, "tangential_amplitude_m": tangential * level}
+
     @property
     def levels(self) -> tuple[float, ...]:
         """The scene's voltages in V or given amplitudes in m, above 0 and rising."""
         return tuple(sorted({level for level in self.scene.levels if level > 0.0}))
 
-    @property
-    def level_key(self) -> str:
-        """Key of the levels in a scene."""
-        return "wave.normal_amplitude" if self.scene.wave is not None else "drive.voltage"
-
     def at(self, level: float) -> tuple:
         """Return the orbits at a voltage in V or a given amplitude in m."""
         return scaled(self.orbits, level)
-
-    def named(self, level: float) -> str:
-        """Return a level with its unit."""
-        return f"{level * 1e9:.4g} nm" if self.scene.wave is not None else f"{level:.4g} V"
 
     def above(self, factor: float) -> tuple[float, ...]:
         """Return the levels above a multiple of the threshold, where the slider starts to move; refuse if none is."""
@@ -190,8 +186,8 @@ class DrivenContact:
         moving = tuple(level for level in self.levels if level > threshold)
         if not moving:
             what = "the threshold" if factor == 1.0 else f"{factor:g} times the threshold"
-            rule = f"must hold a value above {what}, {self.named(threshold)}: nothing moves below"
-            self.scene.refuse(self.level_key, rule)
+            rule = f"must hold a value above {what}, {self.scene.named(threshold)}: nothing moves below"
+            self.scene.refuse(self.scene.level_key, rule)
         return moving
 
     def spread(self, factor: float, count: int) -> list[float]:

@@ -12,6 +12,7 @@ from studies.chain.ring_up import RingUp
 from studies.scene import Scene
 
 UNCOUPLED = "out-of-plane displacement: uncoupled in this orientation"
+NORMAL, TANGENTIAL = "viscous damping along z, R_n2", "viscous damping along x, R_t"
 
 
 def left_out(
@@ -48,8 +49,10 @@ def _free(scene: Scene) -> Iterator[tuple[bool, str]]:
     """Yield the neglected effects of a free wave, in a scene without transducers."""
     fields = fem.fields(resolve.solid(scene.stator))
     yield True, "electrodes: the scene has no transducer"
-    yield True, "elements along x: the wave is a mode of the section"
-    meshes = "meshed pieces: the free wave does not meet them; sawmotor study reflector computes what they reflect"
+    yield True, "finite elements along x: the wave is a mode of the section through the depth"
+    meshes = (
+        "meshed pieces: the free wave is that of the plain stator; sawmotor study reflector computes their reflections"
+    )
     yield bool(scene.piece), meshes
     yield "uy" not in fields, UNCOUPLED
     yield "phi" not in fields, "electric potential: the solid is not piezoelectric in this orientation"
@@ -62,12 +65,15 @@ def _driven(scene: Scene) -> Iterator[tuple[bool, str]]:
     symmetric = fem.medium(stator.solid, names).parity is not None
     thin = stator.thickness * scene.frequency < _surface_speed(stator)
     yield "uy" not in names, UNCOUPLED
-    yield symmetric, "half of the guided-mode problem: x -> -x is a symmetry of this orientation"
-    yield stator.above == "none", "field in the vacuum above: D_n = 0 on the bare surface"
-    yield thin, "a Rayleigh wave: the plate is thinner than a wavelength, and its mode is a plate mode"
+    yield (
+        symmetric,
+        "half of the guided modes: they follow from the others, as x -> -x is a symmetry of this orientation",
+    )
+    yield stator.above == "none", "electric field in the vacuum above: D_n = 0 on the bare surface"
+    yield thin, "a Rayleigh wave: the plate is thinner than a wavelength, so that the wave is a plate mode"
     whole = resolve.whole_stator(scene).placement.whole
-    yield whole is None, "elements in the uniform segments: sums of guided modes are used there"
-    yield True, "interior field: only the motion of the surface is computed"
+    yield whole is None, "finite elements in the uniform segments: the field there is a sum of guided modes"
+    yield True, "the field inside the stator: only the motion of the surface is computed"
 
 
 def _surface_speed(stator) -> float:
@@ -85,12 +91,12 @@ def _diffraction(scene: Scene, beam: bool, reason: str) -> Iterator[tuple[bool, 
         why = reason or f"stator.diffraction {setting}"
         yield True, f"diffraction: the wave is that of the plane section ({why})"
         return
-    where = "the interior field" if scene.driven_obliquely else "surface.csv and the interior field"
+    where = "the field inside" if scene.driven_obliquely else "surface.csv and the field inside"
     burst, reflects = scene.burst is not None and scene.slider is not None, scene.stator.ends != "absorbing"
     anisotropic = len(scene.transducer) > 1 and not fem.isotropic_about_normal(resolve.solid(scene.stator))
-    between = "spreading between the transducers: in this cut they receive as in the plane section"
-    returning = "spreading of the waves that return to the transducers: their circuit is that of the plane section"
-    yield True, f"diffraction in {where}: they are those of the plane section; --field adds surface_map.csv"
+    between = "beam spreading between the transducers: in this cut, reception is that of plane waves"
+    returning = "beam spreading of the waves that return to the transducers: their circuit is that of the plane section"
+    yield True, f"diffraction in {where}: plane waves are assumed there; --field adds surface_map.csv, with diffraction"
     yield burst, "diffraction in the shape of the burst's ring-up: that of the plane section is used"
     yield scene.crossed, "scattering of a beam by the metal of a transducer that it crosses"
     yield reflects, returning
@@ -101,9 +107,9 @@ def _recovery(scene: Scene) -> Iterator[tuple[bool, str]]:
     """Yield the neglected effects in the circuit that recovers power."""
     recovery = scene.drive.recovery
     if recovery is not None:
-        diodes = "harmonics of the rectifier and the voltage drop of its diodes: a resistance for sinusoidal current"
+        diodes = "harmonics of the rectifier and voltage drop of its diodes: it is taken as a resistance"
         yield recovery.rectifier is not None, diodes
-        yield (recovery.circulation, "phase errors and reflections in the return path: its combiner is ideal")
+        yield (recovery.circulation, "phase errors and reflections in the return path: the combiner is ideal")
 
 
 def _ring_up(slider, ringing: RingUp | None, trajectories) -> Iterator[tuple[bool, str]]:
@@ -119,7 +125,10 @@ def _ring_up(slider, ringing: RingUp | None, trajectories) -> Iterator[tuple[boo
     bursts = f"{without_ring_up} of {count} bursts, which are computed on a steady wave"
     yield without_ring_up > 0, f"the burst's ring-up ({ringing.sentence}) in {bursts}"
     several_places = not isinstance(slider.contacts, int) and len(slider.offsets) > 1
-    yield several_places, "the burst's ring-up under each ball: that at the slider's centre is used for all"
+    yield (
+        several_places,
+        "differences of the burst's ring-up between the balls: that at the slider's centre is used for all",
+    )
 
 
 def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
@@ -132,21 +141,27 @@ def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
         yield from _pillars(scene)
         return
     merged_contacts = slider.contacts - 1 if isinstance(slider.contacts, int) else 0
-    yield merged_contacts > 0, f"{merged_contacts} of {slider.contacts} contacts: in phase they move as one"
+    yield (
+        merged_contacts > 0,
+        f"{merged_contacts} of {slider.contacts} contacts: all move in phase, and one of them is computed",
+    )
     no_transient = "motion from rest: without a burst, the periodic state is computed directly"
     yield scene.burst is None, no_transient
-    yield not slider.remembers, f"contact memory: the law is {slider.law}, Q depends on z, x and slip alone"
-    reaction = "the tangential spring's reaction on the normal motion: reciprocal is false"
+    yield (
+        not slider.remembers,
+        f"memory of the contact: in the {slider.law} law, the friction force depends on the present motion only",
+    )
+    reaction = "reaction of the tangential spring on the normal motion: slider.reciprocal is false"
     yield not slider.reciprocal, reaction
-    for key, force in (("contact", "R_n1"), ("normal", "R_n2"), ("tangential", "R_t")):
-        yield getattr(slider.damping, key) == 0, f"{force}: slider.damping.{key} is zero"
+    for key, damper in (("contact", "damping in the contact, R_n1"), ("normal", NORMAL), ("tangential", TANGENTIAL)):
+        yield getattr(slider.damping, key) == 0, f"{damper}: slider.damping.{key} is zero"
     if scene.stator is not None:
         from studies.chain.moduli import direction_dependence
 
         sizes = direction_dependence(resolve.solid(scene.stator))
         yield bool(sizes), f"the contact's dependence on direction: {sizes}"
         fixed = scene.burst is not None and slider.travel is False
-        yield fixed, "the slider's travel along the wave field: slider.travel is false"
+        yield fixed, "change of the wave along the slider's travel: slider.travel is false"
     yield True, "the slider's reaction on the wave"
 
 
@@ -154,17 +169,20 @@ def _pillars(scene: Scene) -> Iterator[tuple[bool, str]]:
     """Yield the neglected effects in a slider on pillars."""
     slider = scene.slider
     known_compliance = scene.wave is None or scene.wave.compliance is not None
-    yield True, "the slider's bounce and vibration: it is too heavy to follow the wave within a cycle"
+    yield True, "bounce and vibration of the slider: it is too heavy to follow the wave within a cycle"
     yield (scene.burst is None, "motion from rest: without a burst, the averaged equilibrium is computed directly")
     yield not known_compliance, "the slider's reaction on the wave: wave.compliance is absent"
     yield (known_compliance and slider.loading is False, "the slider's reaction on the wave: slider.loading is false")
     if known_compliance and slider.loading is not False:
         overtones = "overtones that run back" if slider.loading == "harmonics" else "overtones of the wave"
-        yield True, f"{overtones}, and scattering by pillars into other waves; sizes in model_error"
-        yield scene.stator is not None, "reflection by the transducers of the wave that the slider reflects"
+        yield True, f"{overtones}, and scattering by pillars into other waves: see model_error for their sizes"
+        yield (
+            scene.stator is not None,
+            "second reflections: the transducers reflect no part of the wave that the slider has reflected",
+        )
     yield (
         not slider.pillars.interaction,
         "stiffening of pillars by their neighbours: slider.pillars.interaction is false",
     )
     yield slider.pillars.height is None, "the pillars' own compliance: slider.pillars.height is absent"
-    yield slider.damping.tangential == 0, "R_t: slider.damping.tangential is zero"
+    yield slider.damping.tangential == 0, f"{TANGENTIAL}: slider.damping.tangential is zero"

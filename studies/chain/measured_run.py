@@ -11,6 +11,7 @@ from studies.lab.encoder import aligned, travelled_distance
 from studies.lab.measurement import Measurement
 from studies.record import Record
 from studies.record.scan_comparison import compared_scan
+from studies.record.velocity_comparison import deviations
 from studies.refusal import SceneError
 from studies.scene import Scene
 
@@ -46,8 +47,8 @@ def scan_block(scene: Scene, scan, predicted) -> dict:
 def _trace(record: Record, measured: Measurement) -> dict:
     """Return a trace beside the trajectory of its level, moved in time to where it lies closest."""
     if not record.trajectories:
-        key = "wave.burst" if record.scene.wave is not None else "drive.burst"
-        raise SceneError("--measured", f'{measured.name!r} holds a burst: --set {key}="0.1 s" says how long it was')
+        setting = f'--set {record.scene.source_key}.burst="0.1 s"'
+        raise SceneError("--measured", f"{measured.name!r} holds a burst: {setting} says how long it was")
     levels = [level for level, _ in record.trajectories]
     wanted = measured.levels[0] if measured.levels else levels[-1]
     close = [k for k, level in enumerate(levels) if abs(level - wanted) <= 1e-9 * max(abs(wanted), abs(level))]
@@ -62,13 +63,9 @@ def _trace(record: Record, measured: Measurement) -> dict:
     offset = aligned(time, values, path.time, curve)
     predicted = np.interp(time - offset, path.time, curve)
     unit = "m_per_s" if measured.quantity == "burst" else "m"
-    gap, size = values - predicted, float(np.max(np.abs(predicted))) or 1e-300
     return {
         "file": measured.name, "quantity": f"{measured.quantity} over time", "compared": len(time),
         "sign_of_prediction_given": unsigned, "time_offset_s": offset,
         "trace": {"time_s": time, f"measured_{unit}": values, f"predicted_{unit}": predicted},
-        f"rms_deviation_{unit}": float(np.sqrt(np.mean(gap**2))),
-        f"mean_deviation_{unit}": float(np.mean(gap)),
-        "rms_deviation_relative": float(np.sqrt(np.mean(gap**2))) / size,
-        "measured_over_predicted": float(np.sum(values * predicted) / max(np.sum(predicted**2), 1e-300)),
+        **deviations(values, predicted, unit),
     }  # fmt: skip

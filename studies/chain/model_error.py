@@ -113,8 +113,8 @@ def _wavelength(record: Record) -> float:
 
 def _aperture(record: Record) -> Rows:
     """Yield the largest effect at the contacts on u_z of the finite aperture or, in a beam model, of the side faces."""
-    motion, slider, block = record.surface_motion, record.scene.slider, record.scene.stator
-    places = [(block.length / 2, 0.0)] if slider is None else list(slider.places)
+    motion, block = record.surface_motion, record.scene.stator
+    places = record.scene.contact_places
     if record.scene.piece:
         # a meshed piece has no guided modes to test; compare with the extents of the transducers
         spans = [each.extent for each in resolve.transducers(record.scene)]
@@ -178,9 +178,9 @@ def _finger_ends(record: Record) -> Rows:
     The section, and a beam at a covered point, take the charge as uniform. Other beams represent it by steps or by the
     static charge at the finger ends; the remaining error is yielded.
     """
-    driven, motion, slider = record.scene.driven_transducer, record.surface_motion, record.scene.slider
+    driven, motion = record.scene.driven_transducer, record.surface_motion
     beam, effect, ceramic = motion.beam, "charge at the finger ends", "in lead zirconate titanate"
-    places = [(record.scene.stator.length / 2, 0.0)] if slider is None else list(slider.places)
+    places = record.scene.contact_places
     if beam is None or any(motion.covered(place) for place in places):
         yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
         return

@@ -1,5 +1,6 @@
 """Quantities of a sweep point other than the velocity: amplitudes, power, thresholds, thrust, efficiency."""
 
+from collections.abc import Iterable
 from contextlib import suppress
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 import contact
 from studies.chain.bridge import DrivenContact
 from studies.chain.points import contact_load, half_thrust
+from studies.refusal import SceneError
 
 RISE = 1.0 - 0.36787944117144233  # fraction 1 - 1/e of the final velocity, which defines the start-up time
 
@@ -19,15 +21,27 @@ ALSO = {
     "step": ("step_m",),
     "efficiency": ("contact_efficiency", "motor_efficiency"),
 }
+OF_PILLARS = ("thrust", "efficiency")  # of ALSO, what is known of a slider on pillars
 FREE = ("phase_velocity_m_per_s", "surface_ratio", "attenuation_per_m")
 AMPLITUDES = ("normal_amplitude_m", "tangential_amplitude_m")
 ELECTRICAL = ("frequency_Hz", "conductance_S", "susceptance_S", "power_W")
 
 
+def keywords(columns: Iterable[str]) -> tuple[str, ...]:
+    """Return the keywords of ``ALSO`` that request columns of a sweep, each once; the velocity needs none.
+
+    Examples
+    --------
+    >>> keywords(["velocity_m_per_s", "threshold_factor", "thrust_N", "release_factor"])
+    ('limits', 'thrust')
+    """
+    asked = [word for column in columns for word, requested in ALSO.items() if column in requested]
+    return tuple(dict.fromkeys(asked))
+
+
 def amplitudes(driven: DrivenContact) -> dict:
     """Return the amplitudes at a point and, for a stator, the admittance and power of the driven transducer."""
-    sizes = zip(AMPLITUDES, driven.amplitudes, strict=True)
-    outcomes, solved = {name: size * driven.level for name, size in sizes}, driven.solved
+    outcomes, solved = driven.amplitudes_at(driven.level), driven.solved
     if solved is None:
         return outcomes
     conductance, voltage = solved.admittance.real, abs(solved.electrode_voltage * driven.level)
@@ -43,6 +57,8 @@ def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict, *, a
     """
     if not also or "velocity_m_per_s" not in answer:
         return answer
+    if driven.scene.slider.pillars is not None:
+        return answer | _of_pillars(also, driven, answer["velocity_m_per_s"])
     slider, orbits = driven.slider, driven.at(driven.level)
     if "limits" in also:
         factors = contact.threshold_factor(slider, orbits), contact.release_factor(slider, orbits)
@@ -68,6 +84,31 @@ def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict, *, a
             if power > 0.0:
                 answer["motor_efficiency"] = power_out * mass_ratio / power
     return answer
+
+
+def refuse_of_pillars(also: Iterable[str]) -> None:
+    """Raise a SceneError for a keyword of ``ALSO`` that has no answer for a slider on pillars."""
+    for word in also:
+        if word not in OF_PILLARS:
+            raise SceneError("also", f"must be of {', '.join(OF_PILLARS)} for a slider on pillars, got {word!r}")
+
+
+def _of_pillars(also: Iterable[str], driven: DrivenContact, velocity: float) -> dict:
+    """Return thrust and efficiency of all pillars on the wave that they load; without motion both are 0."""
+    from studies.chain.pillar_points import PillarContact
+
+    refuse_of_pillars(also)
+    thrust, power, efficiency = 0.0, 0.0, 0.0
+    if velocity != 0.0:
+        line = PillarContact.of(driven).load_line(driven.level, points=3)  # without load, half of the stall, the stall
+        thrust, power, efficiency = line.blocked_thrust, float(line.power[1]), float(line.efficiency[1])
+    values = {"thrust_N": thrust}
+    if "efficiency" in also:
+        values["contact_efficiency"] = efficiency
+        electrical = amplitudes(driven).get("power_W", 0.0)
+        if electrical > 0.0:
+            values["motor_efficiency"] = power / electrical
+    return values
 
 
 def start_up_time(

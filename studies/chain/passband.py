@@ -1,16 +1,20 @@
-"""The passband of a scene's driven transducer: the frequencies that a study computes, and a closed-form estimate."""
+"""The frequencies of a study, given as a band or from the passband of the driven transducer, and an estimate of it."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 import fem
 from studies.chain import resolve
+from studies.refusal import SceneError
 from studies.scene import Scene
+from studies.scene.ranges import read_range
 
 LOBES = 1.5  # bandwidths 1/N either side of the middle: the main lobe and half of its neighbours
 MAX_HALF_BAND = 0.45  # over the middle frequency, for transducers of few fingers
 MAX_FREQUENCIES = 2000  # that a study takes by default
+DEFAULT_COUNT, MAX_ASKED = 401, 100_000  # frequencies of a network: by default, and at most
 
 
 def driven_scene(scene: str | Path | Scene) -> Scene:
@@ -19,11 +23,6 @@ def driven_scene(scene: str | Path | Scene) -> Scene:
     if not loaded.transducer:
         loaded.refuse("transducer", "is missing: the study drives one")
     return resolve.resolved(loaded)
-
-
-def place(scene: Scene) -> tuple[float, float]:
-    """Return where the motion is evaluated, x and y in m: under the slider, or in the middle of the stator."""
-    return (scene.stator.length / 2, 0.0) if scene.slider is None else scene.slider.center
 
 
 def waves_return(scene: Scene) -> bool:
@@ -44,6 +43,19 @@ def frequencies(scene: Scene, count: int | None, least: int = 2):
         ripples = 2 * half / (velocity / (2 * scene.stator.length)) if waves_return(scene) else 0.0
         count = int(np.clip(np.ceil(4 * ripples) + 1, least, max(least, MAX_FREQUENCIES)))
     return np.linspace(middle - half, middle + half, count)
+
+
+def band_frequencies(scene: Scene, band: Any = None, count: int | None = None) -> np.ndarray:
+    """Return the frequencies in Hz of START:STOP:N (MHz without a unit), or of the driven transducer's passband."""
+    if band is None:
+        return frequencies(scene, count, DEFAULT_COUNT)
+    if not isinstance(band, str):
+        return np.asarray(band, dtype=float)
+    result = read_range("--band", band, "Hz", bare=1e6)
+    if not (0 < result.low < result.high and 2 <= result.count <= MAX_ASKED):
+        rule = f"must rise from START above 0 to STOP in 2 to {MAX_ASKED} values, got {band!r}"
+        raise SceneError("--band", rule)
+    return np.array(result.values)
 
 
 def group_delay(at, transfer, way: float):

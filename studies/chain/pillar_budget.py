@@ -36,6 +36,7 @@ ADHESION = 0.05  # J/m^2: work of adhesion of clean oxides in air
 MAX_COMPARED = 20_000  # largest number of pillars for which the motion is computed again with interaction
 LOAD = "load of the slider on the wave"
 OVERTONES = "overtones of the wave under the pillars"
+MARGIN = "the margin to bulk waves (it leaks from 100 % on)"
 Rows = Iterator[tuple[str, str, float, str]]
 
 
@@ -81,7 +82,7 @@ def pillar_rows(record: Record) -> Rows:
     mean_radius = float(pillars.layout(slider)["diameter"].mean()) / 2
     pull_off = math.sqrt(8 * math.pi * mean_radius**3 * slider.effective_modulus * ADHESION) * motion.pillars.number
     how = f"pull-off of flat punches, {ADHESION:g} J/m^2; a roughness of some nm removes it"
-    yield "adhesion, if the pillars were perfectly flat", "the preload", pull_off / slider.preload_force, how
+    yield "adhesion of perfectly flat pillars", "the preload", pull_off / slider.preload_force, how
 
 
 def _compliance(body, motion, slider, level) -> Rows:
@@ -131,7 +132,7 @@ def leak(record: Record, motion) -> Rows:
     # known only modulo 2 pi.
     advance = motion.loading_number / (motion.wave.wavenumber * length)
     how = f"the load makes the wave faster by {100 * advance:.2g} %, bulk waves begin at {100 * margin:.2g} %"
-    yield "leak into bulk waves", "the limit of bound waves", advance / margin, how
+    yield "speed-up of the wave by its load", MARGIN, advance / margin, how
     wave, stiffness_ratio = (
         motion.wave,
         float(np.mean(motion.pillars.tangential_stiffness / motion.pillars.normal_stiffness)),
@@ -167,7 +168,7 @@ def pillar_warnings(record: Record) -> Iterator[str]:
     `studies.chain.warnings` covers effects that change the velocity; this function covers the other effects.
     """
     for row in record.model_error:
-        if row["quantity"] == "the limit of bound waves" and row["size"] >= 1.0:
+        if row["quantity"] == MARGIN and row["size"] >= 1.0:
             yield f"the loaded wave leaks into bulk waves ({row['source']}): more or shorter strips, or less preload"
         if row["quantity"] == "the preload" and row["size"] >= 0.1:
             yield f"model error: {row['effect']} would add {100 * row['size']:.3g} % of the preload ({row['source']})"

@@ -1,7 +1,6 @@
 """The points of a run with a slider on pillars: velocity, wave, powers and contact ratios at each level of drive."""
 
 import math
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -11,7 +10,8 @@ import contact
 from studies.chain import pillars
 from studies.chain.bridge import DrivenContact
 from studies.chain.propagation import judged
-from studies.refusal import SceneError
+from studies.chain.slider_keys import slider_keys
+from studies.chain.tally import burst_values
 
 SENSITIVITY_STEP = 1e-3  # relative step of the amplitude
 HOPS = 0.999  # mean fraction of the cycle in contact below which the motion counts as intermittent
@@ -51,12 +51,12 @@ class PillarContact:
         ``load`` in N replaces the load of the scene; ``near`` is a similar motion, used as a warm start.
         """
         load = self.driven.scene.slider.load if load is None else load
-        with _keys_of_the_scene():
+        with slider_keys():
             return contact.pillar_motion(self.pillars, self.at(level), load=load, loading=self.loading, near=near)
 
     def load_line(self, level: float, points: int):
         """Return the `contact.PillarLoadLine` at a level."""
-        with _keys_of_the_scene():
+        with slider_keys():
             return contact.pillar_load_line(self.pillars, self.at(level), points=points, loading=self.loading)
 
     def sensitivity(self, level: float, motion) -> float:
@@ -66,16 +66,6 @@ class PillarContact:
             return 0.0
         other = self.motion(level * (1.0 + SENSITIVITY_STEP), near=motion).velocity
         return abs(other - velocity) / (SENSITIVITY_STEP * abs(velocity))
-
-
-@contextmanager
-def _keys_of_the_scene():
-    """Turn the contact's bad input into that of the scene's own keys."""
-    try:
-        yield
-    except contact.InputError as error:
-        key = error.key.replace("pillars.", "slider.", 1)
-        raise SceneError(key if "." in key else f"slider.{key}", error.rule) from None
 
 
 def pillar_velocity(driven: DrivenContact, level: float) -> float:
@@ -150,16 +140,13 @@ def pillar_point(driven: DrivenContact, level: float, tolerance: float, *, burst
     body = PillarContact.of(driven)
     motion = body.motion(level)
     point, trajectory = point_of(motion) | at_the_transducers(body, motion, level), None
-    wave, sensitivity = motion.wave, body.sensitivity(level, motion)
-    speed = max(abs(motion.velocity), wave.omega * abs(wave.ratio) * wave.amplitude / 10)
-    fraction = abs(motion.velocity) / speed
+    sensitivity = body.sensitivity(level, motion)
+    fraction = abs(motion.velocity) / motion.speed_scale
     from_stator = driven.stator_error * sensitivity * fraction
     from_contact = motion.relative_error
     if bursting and driven.scene.burst is not None:
         trajectory = burst(body, level, motion, driven.scene.burst)
-        point["velocity_at_burst_end_m_per_s"] = trajectory.velocity_at_burst_end
-        point["displacement_m"] = float(np.trapezoid(trajectory.velocity, trajectory.time))
-        point["burst_method"] = trajectory.method
+        point |= burst_values(trajectory) | {"burst_method": trajectory.method}
         from_contact = max(from_contact, trajectory.relative_error)
     point["amplitude_sensitivity"] = sensitivity * fraction
     point |= judged(tolerance, from_stator, from_contact)

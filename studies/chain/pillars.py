@@ -22,6 +22,7 @@ import numpy as np
 
 import contact
 import fem
+from studies.chain.slider_keys import slider_keys
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.pillars import SEED, read_pillars
@@ -144,15 +145,13 @@ def stiffnesses(slider: Slider, interaction: bool | None = None):
 def pillars_of(slider: Slider, interaction: bool | None = None):
     """Return the `contact.Pillars` of a resolved slider."""
     place, (k_n, k_t) = layout(slider), stiffnesses(slider, interaction)
-    try:
+    with slider_keys():
         return contact.Pillars(
             x=place["x"], y=place["y"], heights=place["heights"], normal_stiffness=k_n, tangential_stiffness=k_t,
             friction_coefficient=slider.friction_coefficient, preload=slider.preload_force,
             tangential_damping=slider.damping.tangential, tilt=slider.tilt, preload_at=slider.preload_at,
             load_height=slider.load_height, backing=slider.backing, curvature=slider.pillars.curvature,
         )  # fmt: skip
-    except contact.InputError as error:
-        raise SceneError(error.key.replace("pillars.", "slider.", 1), error.rule) from None
 
 
 def one_pillar(slider: Slider):
@@ -166,6 +165,13 @@ def one_pillar(slider: Slider):
         contact_damping=slider.damping.contact, normal_damping=slider.damping.normal / number,
         tangential_damping=slider.damping.tangential / number, shape="punch",
     )  # fmt: skip
+
+
+def extent(slider: Slider) -> tuple[float, float]:
+    """Return the ends of the pillars along x on the stator, m."""
+    place, centre = layout(slider), slider.center[0]
+    half = place["diameter"] / 2
+    return centre + float((place["x"] - half).min()), centre + float((place["x"] + half).max())
 
 
 def strip_width(slider: Slider) -> float:
@@ -197,9 +203,7 @@ def check_pillars(scene: Scene) -> None:
     pillars_of(slider)
     if scene.stator is None:
         return
-    half = place["diameter"] / 2
-    centre, middle = slider.center
-    left, right = centre + float((place["x"] - half).min()), centre + float((place["x"] + half).max())
+    half, middle, (left, right) = place["diameter"] / 2, slider.center[1], extent(slider)
     if left < 0.0 or right > scene.stator.length:
         rule = f"must keep the pillars on the stator, 0 to {scene.stator.length:g} m"
         raise SceneError("slider.position", f"{rule}, got some from {left:g} to {right:g} m")

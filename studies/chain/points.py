@@ -9,8 +9,9 @@ import numpy as np
 
 import contact
 from studies.chain.bridge import DrivenContact
-from studies.chain.propagation import judged, reference_speed, velocity_sensitivities
-from studies.chain.tally import burst_tally, steady_tally
+from studies.chain.propagation import judged, velocity_sensitivities
+from studies.chain.slider_keys import slider_keys
+from studies.chain.tally import burst_tally, burst_values, steady_tally
 from studies.refusal import SceneError
 from studies.scene import Scene
 
@@ -59,17 +60,16 @@ def slider_answer(driven: DrivenContact, *, tolerance: float, progress: Callable
     summary: dict = {}
     threshold, waiting = math.inf, ""
     if not on_pillars:
-        _refusing(lambda: driven.slider)
+        with slider_keys():
+            driven.slider  # noqa: B018  the slider is built when it is first asked for
         summary, threshold = _summary(driven)
         waiting = "" if contact.kernels.ready() else f", compiling {contact.kernels.how_often()}"
     points, parts, trajectories, last = [], [], [], None
     for number, level in enumerate(scene.levels, start=1):
         progress(f"contact: point {number} of {len(scene.levels)}{waiting if number == 1 else ''}")
         point = {} if scene.wave is not None else {"voltage_V": level}
-        for side, amplitude in zip(("normal", "tangential"), driven.amplitudes, strict=True):
-            point[f"{side}_amplitude_m"] = amplitude * level
         answer = point_answer(driven, level, tolerance)
-        point |= answer.values
+        point |= driven.amplitudes_at(level) | answer.values
         if not on_pillars:
             margin = threshold / level if level else math.inf
             point |= contact_load(driven.slider, driven.at(level), margin)
@@ -120,7 +120,8 @@ def _point_on_balls(driven: DrivenContact, level: float, tolerance: float, burst
     def steady(some: tuple):
         return contact.steady(driven.slider, some, tolerance=goal, method=method)
 
-    state = _refusing(lambda: steady(orbits))
+    with slider_keys():
+        state = steady(orbits)
     nearby = _nearby(driven.slider, state, steady)
     sensitivities = velocity_sensitivities(state.velocity, orbits, driven.stator_error, nearby)
     from_stator = driven.stator_error * math.hypot(*sensitivities)
@@ -134,8 +135,7 @@ def _point_on_balls(driven: DrivenContact, level: float, tolerance: float, burst
         if driven.along is not None and driven.scene.slider.travel is not False:
             trajectory, moved = _along(driven, trajectory, level)
             values |= moved
-        values["velocity_at_burst_end_m_per_s"] = trajectory.velocity_at_burst_end
-        values["displacement_m"] = float(np.trapezoid(trajectory.velocity, trajectory.time))
+        values |= burst_values(trajectory)
         tally |= burst_tally(trajectory)
         from_stator += 0.0 if driven.ringing is None else driven.ringing.error
         if trajectory.relative_error > from_contact or status == "ok":
@@ -218,7 +218,7 @@ def _along(driven: DrivenContact, trajectory, level: float):
             "slider.travel = false for the velocity that the wave at the slider's place would give",
         )
     # assume that the relative error of averaging is the same for the change by travel as for the burst at one point
-    speed = reference_speed(trajectory.velocity_at_burst_end, trajectory.orbits)
+    speed = contact.reference_speed(trajectory.velocity_at_burst_end, trajectory.orbits)
     averaging_error = abs(travel.held_velocity[-1] - trajectory.velocity_at_burst_end) / speed
     with_change = with_travel(trajectory, travel)
     error = trajectory.answer.error + travel.error + averaging_error * abs(travel.change)
@@ -272,13 +272,3 @@ def _method(scene: Scene, what: str, available: tuple[str, ...]) -> str:
         names = " or ".join(f'"{name}"' for name in available)
         raise SceneError("slider.method", f"must be {names} for {what}, got {wanted!r}")
     return "auto"
-
-
-def _refusing(call: Callable):
-    """Return the result of a call; convert a `contact.InputError` about the slider to a `SceneError`."""
-    try:
-        return call()
-    except contact.InputError as error:
-        if error.key.startswith("slider."):
-            raise SceneError(error.key, error.rule) from None
-        raise

@@ -13,7 +13,7 @@ import math
 import time
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -24,7 +24,7 @@ from studies.chain.free_wave import free_wave_record
 from studies.chain.outcomes import FREE, also_asked, amplitudes
 from studies.chain.points import SHARE, SliderAnswer, slider_answer
 from studies.chain.ring_up import RingUp, ring_up
-from studies.chain.solved_stator import SolvedStator, at_one_volt, places_of, stator_alone
+from studies.chain.solved_stator import SolvedStator, at_one_volt, stator_alone
 from studies.chain.spectrum import response
 from studies.chain.steady import averaged_answers, rated, steady_answer
 from studies.chain.surface_motion import SurfaceMotion, solved_motion, surface_motion
@@ -45,6 +45,17 @@ BAND_SHARE = 0.1
 STEPS = 3  # accuracies of the stator, the first included
 
 
+@dataclass(frozen=True, kw_only=True)
+class Shared:
+    """What one solution of the stator, or of a band of them, serves."""
+
+    # (x, y) in m that it is evaluated at, for all contacts that stand on some of them
+    places: tuple[tuple[float, float], ...] = ()
+    # lowest and highest frequency in Hz, if there are enough of them to interpolate over a band
+    limits: tuple[float, ...] = ()
+    slider: bool | None = None  # whether it drives sliders; None: if the scene has one before it is changed
+
+
 class Predictor:
     """Answers of one scene with some of its keys changed.
 
@@ -54,14 +65,10 @@ class Predictor:
         The scene's TOML document.
     tolerance : float
         Of the velocity, over its reference speed.
-    places : sequence of (float, float)
-        Places (x, y) in m that one solution of the stator is evaluated at, for all contacts that stand on some of them.
-    limits : (float, float), optional
-        Lowest and highest frequency in Hz, where enough frequencies are asked for to interpolate over a band.
+    shared : Shared
+        What the solutions of the stator are used for.
     coarse : bool
         True takes the stator's coarsest discretisation.
-    slider : bool
-        Whether the scenes have a slider.
     steps : int
         Number of accuracies that the stator may be solved with, each ten times the one before; 1: no finer stator.
     as_run : bool
@@ -71,18 +78,18 @@ class Predictor:
     """
 
     def __init__(
-        self, table: dict, *, tolerance: float, places: Sequence[tuple] = (), limits: Sequence[float] = (),
-        coarse: bool = False, slider: bool = True,
+        self, table: dict, *, tolerance: float, shared: Shared = Shared(), coarse: bool = False,
         steps: int = STEPS, as_run: bool = False, progress: Callable[[str], None] | None = None,
     ) -> None:  # fmt: skip
         rules = {name: key.rule for name, key in keys_of(Scene).items()}
         for key in table:
             if key not in rules:
                 raise SceneError(key, "is no key of a scene")
-        self.table, self.tolerance, self.coarse, self.slider = table, tolerance, coarse, slider
+        self.table, self.tolerance, self.coarse = table, tolerance, coarse
+        self.slider = "slider" in table if shared.slider is None else shared.slider
         self.steps, self.as_run = 1 if coarse else steps, as_run
         self.free = "wave" not in table and not table.get("transducer")
-        self.places, self.limits, self.progress = tuple(places), limits, progress or LOGGER.info
+        self.places, self.limits, self.progress = shared.places, shared.limits, progress or LOGGER.info
         self.seconds = 0.0  # spent on stators
         self._rules, self._count = rules, 0
         self._answers: dict[tuple, SolvedStator | Exception] = {}
@@ -95,9 +102,8 @@ class Predictor:
     def of_record(cls, record: Record, *, progress: Callable[[str], None] | None = None) -> "Predictor":
         """Return the predictor of a run's scene, its stator known, without the scene's burst and [uncertain] block."""
         scene = replace(record.scene, uncertain=None)
-        name = "wave" if scene.wave is not None else "drive"
         if scene.burst is not None:
-            scene = replace(scene, **{name: replace(getattr(scene, name), burst=None)})
+            scene = scene.with_source(burst=None)
         predictor = cls(scene.to_table(), tolerance=record.tolerance, steps=1, progress=progress)
         predictor.take(record)
         return predictor
@@ -270,7 +276,7 @@ class Predictor:
                 driven = self.contact(changes, step)
                 if len(driven.scene.levels) != 1:
                     count = len(driven.scene.levels)
-                    raise SceneError(driven.level_key, f"must be one value at a point, got {count}")
+                    raise SceneError(driven.scene.level_key, f"must be one value at a point, got {count}")
                 ready[at] = driven
             except Exception as error:
                 answers[at] = _without_answer(error)
@@ -337,7 +343,7 @@ class Predictor:
 
     def own_and_shared_places(self, scene: Scene) -> tuple[tuple, tuple]:
         """Return the places of a scene, and those that one solution of the stator serves."""
-        places = places_of(scene)
+        places = scene.places
         if scene.slider is None:
             return places, places
         # with all balls on the axis the section may stand for the wave, and knows no place off it

@@ -10,13 +10,10 @@ import cmath
 from collections.abc import Callable
 from dataclasses import replace
 
+import contact
+
 MAX_AXIS_RATIO = 1e3  # larger over smaller amplitude up to which the smaller's error grows
 MIN_STEP = 1e-4  # relative; a difference over a smaller step would measure the contact solver's rounding
-
-
-def reference_speed(velocity: float, orbits: tuple) -> float:
-    """Return max(|v|, omega |u_x| / 10) in m/s, which errors of the velocity are relative to."""
-    return max(abs(velocity), *(orbit.omega * abs(orbit.tangential) / 10 for orbit in orbits))
 
 
 def judged(tolerance: float, of_stator: float, of_contact: float, status: str = "ok") -> dict:
@@ -45,7 +42,7 @@ def velocity_sensitivities(
     solve : callable
         Returns the steady velocity of other orbits, m/s.
     """
-    speed = reference_speed(velocity, orbits)
+    speed = contact.reference_speed(velocity, orbits)
     if relative_error == 0 or speed == 0:
         return 0.0, 0.0, 0.0
     step = max(relative_error, MIN_STEP)

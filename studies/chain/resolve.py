@@ -117,8 +117,8 @@ def pieces(scene: Scene) -> tuple:
         low, high = mesh.extent
         count, length = len(block.position), scene.stator.length
         if count > 1 and count * (high - low) > (1 + ROUNDED) * length:
-            rule = f"must leave room for every place: {count} of a mesh {(high - low) * 1e3:.6g} mm wide, on a stator"
-            raise SceneError(f"{path}.position", f"{rule} {length * 1e3:g} mm long")
+            rule = f"must name at most as many places as fit on the stator, {length * 1e3:g} mm long"
+            raise SceneError(f"{path}.position", f"{rule}, got {count} of a mesh {(high - low) * 1e3:.6g} mm wide")
         meshed += [
             fem.MeshPiece(name=block.label, mesh=mesh, position=place, solids=solids, electrodes=block.electrodes or ())
             for place in block.position
@@ -351,13 +351,11 @@ def refuse_gaps(scene: Scene) -> None:
     """Raise a SceneError if a contact lies on a meshed piece where this has no plain surface."""
     if scene.slider is None or not scene.piece:
         return
-    centre, reached = scene.slider.center[0], [(x, x) for x, _ in scene.slider.places]
+    reached = [(x, x) for x, _ in scene.slider.places]
     if scene.slider.pillars is not None:
-        from studies.chain.pillars import layout
+        from studies.chain.pillars import extent
 
-        place = layout(scene.slider)
-        half = place["diameter"] / 2
-        reached = [(centre + (place["x"] - half).min(), centre + (place["x"] + half).max())]
+        reached = [extent(scene.slider)]
     for each in pieces(scene):
         for (low, high), (left, right) in itertools.product(each.gaps, reached):
             if left < high and right > low:
@@ -385,11 +383,10 @@ def refuse_endless_burst(scene: Scene, frequency: float) -> None:
         method = "hysteretic" if slider.remembers else "exact"
     longest = MAX_BURST_SECONDS / CYCLE_SECONDS[method] / frequency
     if scene.burst > longest:
-        block = "wave" if scene.wave is not None else "drive"
         cycles = scene.burst * frequency
         hours = cycles * CYCLE_SECONDS[method] / 3600
         rule = f"must be at most {longest:.3g} s: {cycles:.3g} cycles would take {hours:.3g} hours"
-        raise SceneError(f"{block}.burst", f"{rule}, got {scene.burst:g} s; the steady state needs no burst")
+        raise SceneError(f"{scene.source_key}.burst", f"{rule}, got {scene.burst:g} s; the steady state needs no burst")
 
 
 def _given(block, *names: str) -> dict:

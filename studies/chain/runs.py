@@ -23,7 +23,7 @@ from studies.chain.model_error import with_model_error
 from studies.chain.points import SHARE, SliderAnswer
 from studies.chain.predictor import Predictor
 from studies.chain.ring_up import RingUp
-from studies.chain.solved_stator import SolvedStator, places_of, stator_alone
+from studies.chain.solved_stator import SolvedStator, stator_alone
 from studies.chain.surface_motion import SurfaceMotion
 from studies.chain.warnings import warnings_of
 from studies.record import Record
@@ -84,8 +84,7 @@ def run(
 def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None) -> Record:
     say = progress or LOGGER.info
     scene = resolve.resolved(scene)
-    has_slider = scene.slider is not None
-    predictor = Predictor(scene.to_table(), tolerance=tolerance, slider=has_slider, as_run=True, progress=say)
+    predictor = Predictor(scene.to_table(), tolerance=tolerance, as_run=True, progress=say)
     if scene.wave is not None:
         record = _given(scene, predictor)
     elif scene.transducer:
@@ -117,7 +116,7 @@ def _given(scene: Scene, predictor: Predictor) -> Record:
 def _driven(scene: Scene, predictor: Predictor) -> Record:
     """Return the record of a driven stator: the motion of its surface, then the contact under a slider."""
     start_time, tolerance = time.perf_counter(), predictor.tolerance
-    places, ringing, seconds = places_of(scene), None, {}
+    places, ringing, seconds = scene.places, None, {}
     if scene.slider is None:
         motion = predictor.motion(stator_alone(scene), places, tolerance)
         blocks = amplitude_blocks(scene, motion, places[0], tolerance)
@@ -157,7 +156,7 @@ def _with_contact(scene: Scene, predictor: Predictor) -> tuple[SurfaceMotion, Sl
 
     The stator is solved in up to ROUNDS rounds, until it is as accurate as the velocity needs.
     """
-    stator, places, seconds = stator_alone(scene), places_of(scene), 0.0
+    stator, places, seconds = stator_alone(scene), scene.places, 0.0
     motion = predictor.motion(stator, places, SHARE * predictor.tolerance)
     ringing = predictor.ring_up(DrivenContact.of_stator(scene, SolvedStator.of(motion, places), motion))
 

@@ -31,7 +31,7 @@ def placed(scene: Scene, scan: Scan, option: str = "--measured") -> Scan:
     """
     if scene.stator is None or not scene.transducer:
         raise SceneError(option, f"{scan.name!r} is a vibrometer's scan: it needs a scene with a driven stator")
-    x, y = passband.place(scene)
+    x, y = scene.places[0]
     complete = replace(scan, x=np.where(np.isnan(scan.x), x, scan.x), y=np.where(np.isnan(scan.y), y, scan.y))
     length, half = scene.stator.length, scene.stator.width / 2
     for name, places, low, high in (("x", complete.x, 0.0, length), ("y", complete.y, -half, half)):

@@ -11,14 +11,12 @@ from studies.chain.spectrum import port_admittances
 from studies.refusal import SceneError, needed
 from studies.scene import Scene
 from studies.scene.quantity import si_value
-from studies.scene.ranges import is_number, read_range
+from studies.scene.ranges import is_number
 
 if TYPE_CHECKING:
     import skrf
 
 LOGGER = logging.getLogger("studies.network")
-MAX_FREQUENCIES = 100_000
-DEFAULT_COUNT = 401
 
 
 def network(
@@ -56,7 +54,7 @@ def network(
     library = needed("skrf", "network")
     resolved = passband.driven_scene(scene)
     reference = reference_impedance(z0)
-    at = band_frequencies(resolved, band)
+    at = passband.band_frequencies(resolved, band)
     names, _, scattering = scattering_matrix(resolved, at, reference, tolerance, LOGGER.info)
     result = library.Network(
         frequency=library.Frequency.from_f(at, unit="hz"), s=scattering, z0=reference, name=resolved.title or "network"
@@ -79,16 +77,3 @@ def reference_impedance(z0: str | float) -> float:
     if not reference > 0:
         raise SceneError("--z0", f"must be a positive resistance, got {z0!r} ohm")
     return reference
-
-
-def band_frequencies(scene: Scene, band: Any = None, count: int | None = None) -> np.ndarray:
-    """Return the frequencies in Hz of START:STOP:N (MHz without a unit), or of the driven transducer's passband."""
-    if band is None:
-        return passband.frequencies(scene, count, DEFAULT_COUNT)
-    if not isinstance(band, str):
-        return np.asarray(band, dtype=float)
-    result = read_range("--band", band, "Hz", bare=1e6)
-    if not (0 < result.low < result.high and 2 <= result.count <= MAX_FREQUENCIES):
-        rule = f"must rise from START above 0 to STOP in 2 to {MAX_FREQUENCIES} values, got {band!r}"
-        raise SceneError("--band", rule)
-    return np.array(result.values)

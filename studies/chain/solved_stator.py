@@ -49,16 +49,6 @@ class SolvedStator:
         )
 
 
-def places_of(scene: Scene) -> tuple[tuple[float, float], ...]:
-    """Return the places (x, y) in m at which a scene needs the motion: its slider's centre, then its contacts.
-
-    Without a slider it is the middle of the stator.
-    """
-    if scene.slider is None:
-        return ((scene.stator.length / 2, 0.0),)
-    return tuple(dict.fromkeys((scene.slider.center, *scene.slider.places)))
-
-
 def stator_alone(scene: Scene) -> Scene:
     """Return the stator of a resolved scene alone, at 1 V and without burst."""
     alone = {name: getattr(scene, name) for name in ("stator", "transducer", "piece")}

@@ -81,16 +81,25 @@ def response(
     return Response(limits=(lowest, highest), bands=tuple(bands), alone=alone)
 
 
-def port_admittances(scene: Scene, frequencies, tolerance: float, progress: Callable[[str], None]):
-    """Return the ``fem.PortAdmittance`` of a resolved scene over rising frequencies in Hz, as a run has it at one."""
+def groups(scene: Scene, frequencies: np.ndarray) -> list[np.ndarray]:
+    """Return rising frequencies in Hz as the bands that `port_admittances` solves, or each by itself."""
     block, row = resolve.whole_stator(scene), resolve.section_row(scene)
     edges = _edges(frequencies[0], frequencies[-1])[1:-1]
-    groups = np.split(frequencies, np.searchsorted(frequencies, edges))
-    if len(frequencies) <= MAX_SINGLE * len(groups) or not _takes_bands(block, row, ()):
-        groups = np.split(frequencies, len(frequencies))
-    parts = []
-    for group in groups:
-        progress(f"stator: {len(group)} frequencies from {group[0] / 1e6:.5g} MHz")
+    bands = np.split(frequencies, np.searchsorted(frequencies, edges))
+    if len(frequencies) <= MAX_SINGLE * len(bands) or not _takes_bands(block, row, ()):
+        return np.split(frequencies, len(frequencies))
+    return bands
+
+
+def port_admittances(scene: Scene, frequencies, tolerance: float, progress: Callable[[str], None]):
+    """Return the ``fem.PortAdmittance`` of a resolved scene over rising frequencies in Hz, as a run has it at one."""
+    parts: list = []
+    done = 0
+    for group in groups(scene, frequencies):
+        last = done + len(group)
+        which = f"frequency {last}" if len(group) == 1 else f"frequencies {done + 1} to {last}"
+        progress(f"stator: {which} of {len(frequencies)}, from {group[0] / 1e6:.5g} MHz")
+        done = last
         try:
             parts.append(resolve.port_admittance(scene, group, tolerance))
         except fem.ConvergenceError as error:

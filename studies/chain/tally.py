@@ -6,6 +6,8 @@ wave cycle; those of a burst over its whole length, if it was followed event by 
 
 import math
 
+import numpy as np
+
 EVENTS = ("contact", "release", "stick_to_slip", "slip_to_stick", "reversal", "graze")
 
 
@@ -24,6 +26,12 @@ def steady_tally(state) -> dict:
     if state.regime != "stick":  # there the wave does no work to compare with
         tally["ledger_relative_residual"] = state.ledger.relative_residual
     return tally
+
+
+def burst_values(trajectory) -> dict[str, float]:
+    """Return the columns of a point for the motion of a slider in a burst."""
+    displacement = float(np.trapezoid(trajectory.velocity, trajectory.time))
+    return {"velocity_at_burst_end_m_per_s": trajectory.velocity_at_burst_end, "displacement_m": displacement}
 
 
 def burst_tally(trajectory) -> dict:

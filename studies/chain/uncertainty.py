@@ -98,8 +98,8 @@ def velocities_at(
     known = {point[record.level]: point.get("velocity_m_per_s") for point in record.points}
     missing = [level for level in dict.fromkeys(levels) if level not in known]
     if missing:
-        key = "wave.normal_amplitude" if record.scene.wave is not None else "drive.voltage"
-        answers = Predictor.of_record(record, progress=progress).answers([{key: level} for level in missing])
+        changes = [{record.scene.level_key: level} for level in missing]
+        answers = Predictor.of_record(record, progress=progress).answers(changes)
         known |= {level: answer.get("velocity_m_per_s") for level, answer in zip(missing, answers, strict=True)}
     return [known[level] for level in levels]
 
@@ -130,7 +130,7 @@ def _sampled(numbers: tuple[Tolerance, ...], count: int) -> list[dict[str, float
 
 def _answers(predictor: Predictor, record: Record, changes: list[dict]) -> np.ndarray:
     """Return the answers in the order of `_centre` for each set of changed numbers; NaN for missing answers."""
-    key = "wave.normal_amplitude" if record.scene.wave is not None else "drive.voltage"
+    key = record.scene.level_key
     levels = [point[record.level] for point in record.points]
     points, tops, factors = [], [], []
     top = max(levels) or 1.0

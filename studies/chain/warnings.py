@@ -220,7 +220,7 @@ def _contact(record: Record, driven: DrivenContact) -> Iterator[str]:
 
 def _points(record: Record, driven: DrivenContact) -> Iterator[str]:
     """Yield warnings about a change of direction between neighbouring points and about a slider that always sticks."""
-    omega, unit = 2 * math.pi * record.wave["frequency_Hz"], _unit(record)
+    omega, named = 2 * math.pi * record.wave["frequency_Hz"], record.scene.named
     moving = [
         (point[record.level], velocity)
         for point in record.points
@@ -229,19 +229,15 @@ def _points(record: Record, driven: DrivenContact) -> Iterator[str]:
     for (low, before), (high, after) in pairwise(moving):
         if before * after < 0:
             yield (
-                f"the slider reverses its direction between {low:.3g} and {high:.3g} {unit} ({before * 1e3:.3g} and "
-                f"{after * 1e3:.3g} mm/s): give {driven.level_key} more values between them"
+                f"the slider reverses its direction between {named(low)} and {named(high)} ({before * 1e3:.3g} and "
+                f"{after * 1e3:.3g} mm/s): give {record.scene.level_key} more values between them"
             )
     if record.at_rest:  # the only answer is the threshold, whose error is that of the wave
         known = record.wave.get("relative_error")
-        threshold = record.summary.get("threshold_amplitude_m" if unit == "m" else "threshold_voltage_V")
-        starts = "" if threshold is None else f"; it starts at {driven.named(threshold)}"
+        threshold = record.limit("threshold")
+        starts = "" if threshold is None else f"; it starts at {named(threshold)}"
         accuracy = "" if known is None else f"; the relative error of the wave under the slider is {known:.1e}"
         yield f"the slider sticks at every point, so that neither a velocity nor its error is given{starts}{accuracy}"
-
-
-def _unit(record: Record) -> str:
-    return "m" if record.scene.wave is not None else "V"
 
 
 def _other_motion(record: Record, _driven: DrivenContact) -> Iterator[str]:
@@ -251,7 +247,7 @@ def _other_motion(record: Record, _driven: DrivenContact) -> Iterator[str]:
         return
     point, damping = several[-1], record.scene.slider.damping
     here, other = (f"{point[key] * 1e3:.4g}" for key in ("velocity_m_per_s", "other_velocity_m_per_s"))
-    level = f"{point[record.level]:.3g} {_unit(record)}"
+    level = record.scene.named(point[record.level])
     where = f"at {len(several)} of {len(record.points)} points (at {level}: {here} and {other} mm/s)"
     if damping.normal == damping.contact == 0:
         yield (

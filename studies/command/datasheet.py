@@ -3,7 +3,7 @@
 import argparse
 
 from studies.command.options import add_shared
-from studies.command.output import committed_pictures, print_answer, results_of, warn
+from studies.command.output import committed_pictures, print_answer, results_of, warn, warn_of_scene
 from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.progress import Progress
 
@@ -24,6 +24,7 @@ def call(arguments: argparse.Namespace) -> int:
     from studies.results.content import write_json
 
     tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
+    warned = warn_of_scene(scene)
     with results_of(arguments, "datasheet", "-datasheet") as (result, out), Progress() as progress:
         sheet = computed(scene, tolerance=tolerance, progress=progress)
         if result is not None:
@@ -32,5 +33,5 @@ def call(arguments: argparse.Namespace) -> int:
             with committed_pictures(result):
                 (result.folder / "datasheet.html").write_text(page(sheet), encoding="utf-8")
     print_answer(arguments, sheet.to_dict(), f"{sheet}\nresults  {out}")
-    warn(sheet.record.warnings)
+    warn(each for each in sheet.record.warnings if each not in warned)
     return 0

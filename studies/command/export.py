@@ -129,6 +129,7 @@ def names_file(out: Path, arguments: argparse.Namespace, scene: Scene) -> bool:
 def exported(arguments: argparse.Namespace, scene: Scene, name: str, *, tolerance: float, progress) -> Exported:
     """Return what a call of the command exports, nothing written; options that a format does not take are refused."""
     from studies.export import instruments, mask_files, simulators
+    from studies.report.explanation import announced
 
     calls: dict[str, Callable[..., Exported]] = {
         "fmu": simulators.fmu_files, "c": simulators.c_files, "gds": mask_files.gds_files, "dxf": mask_files.dxf_files,
@@ -138,7 +139,10 @@ def exported(arguments: argparse.Namespace, scene: Scene, name: str, *, toleranc
     taken = checked(arguments)
     options: dict[str, Any] = {key: value for key in taken if (value := getattr(arguments, key)) not in (None, [])}
     if arguments.format in ("uff", "csv", "touchstone"):
-        options = {"recording": instruments.Recording(**options)}
+        recording = instruments.Recording(**options)
+        options = {"recording": recording}
+        if arguments.format == "touchstone" or recording.scan == "frequency":
+            say(announced(instruments.expected_seconds(scene, recording, tolerance)))
     return calls[arguments.format](scene, name, tolerance=tolerance, progress=progress, **options)
 
 

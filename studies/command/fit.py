@@ -29,6 +29,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="KEY=LOW:HIGH",
         help="a number to be fitted; also amplitude_per_volt (m/V, given wave), amplitude_factor (computed)",
     )
+    parser.add_argument(
+        "--next",
+        action=argparse.BooleanOptionalAction,
+        default=None,
+        help="rank further measurements; the default, but of a slider on pillars, where it doubles the time",
+    )
     add_shared(parser, "--voltage", "--set", "--tolerance")
     parser.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-fit)")
     parser.add_argument("--json", action="store_true", help="fit.json on stdout; files only with --out")
@@ -46,7 +52,9 @@ def call(arguments: argparse.Namespace) -> int:
     measurements = [read_measurement(file, tuple(settings)) for file, *settings in arguments.data]
     parameters = [read_parameter(text) for text in arguments.free]
     with results_of(arguments, "fit", "-fit") as (result, out), Progress() as progress, blas_on_one_thread():
-        result_of_fit = fitted(scene, measurements, parameters, tolerance=tolerance, progress=progress)
+        result_of_fit = fitted(
+            scene, measurements, parameters, tolerance=tolerance, next_measurements=arguments.next, progress=progress
+        )
         if result is not None:
             write_fit(result_of_fit, result.folder)
             result.commit()

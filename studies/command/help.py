@@ -4,7 +4,7 @@ import argparse
 import re
 from importlib.resources import files
 
-from studies.refusal import SceneError, nearest
+from studies.refusal import SceneError, resembling
 
 HELP = "what a word of the output means, or without one the words that are explained"
 ENTRY = re.compile(r"^- \*\*(?P<word>[^*]+)\*\*: (?P<text>.*?)(?=^- \*\*|\Z)", re.MULTILINE | re.DOTALL)
@@ -28,14 +28,14 @@ def meaning(word: str) -> str:
     Raises
     ------
     SceneError
-        For a word that no entry has, with the nearest one.
+        For a word that no entry has, with one that resembles it.
     """
     known, key = entries(), word.strip().lower()
     several = [name for name in known if key == name.lower()] or [
         name for name in known if key in re.split(r"\W+", name.lower()) or (" " in key and key in name.lower())
     ]
     if not several:
-        raise SceneError("help", f"knows no word {word!r}{nearest(key, known)} (sawmotor help lists them)")
+        raise SceneError("help", f"knows no word {word!r}{resembling(key, known)} (sawmotor help lists the words)")
     return "\n".join(f"{name}: {known[name]}" for name in several)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from studies.refusal import InterruptedRunError
 from studies.results import Origin, ResultDirectory, result_directory
-from studies.scene import scene_path, shipped_scenes
+from studies.scene import Scene, scene_path, shipped_scenes
 
 
 def origin_of(kind: str, scene: str) -> Origin:
@@ -63,3 +63,12 @@ def say(sentences) -> None:
 def warn(warnings) -> None:
     """Say warnings on stderr."""
     say(f"warning: {each}" for each in warnings)
+
+
+def warn_of_scene(scene: Scene) -> tuple[str, ...]:
+    """Say the warnings about a scene before anything is computed from it, and return them."""
+    from studies.chain.scene_warnings import scene_warnings
+
+    warnings = tuple(scene_warnings(scene))
+    warn(warnings)
+    return warnings

@@ -5,7 +5,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 
 from studies.command.options import add_shared
-from studies.command.output import committed_pictures, print_answer, results_of, say, warn
+from studies.command.output import committed_pictures, print_answer, results_of, say, warn, warn_of_scene
 from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.progress import Progress
 from studies.refusal import SceneError
@@ -71,6 +71,7 @@ def call(arguments: argparse.Namespace) -> int:
             raise SceneError(f"--{option}", "needs a directory to go to: give --out, or leave --json out")
     if arguments.field and not scene.transducer:
         raise SceneError("--field", "keeps the field of a driven stator, and this scene has no [[transducer]]")
+    warned = warn_of_scene(scene)
     say(long_wait(scene, tolerance=tolerance))
     with ExitStack() as stack:
         result, out = stack.enter_context(results_of(arguments, "run", ""))
@@ -101,7 +102,7 @@ def call(arguments: argparse.Namespace) -> int:
                     if drawing is not None:
                         drawing.draw(record, result.folder)
     print_answer(arguments, whole, f"{answer(record)}\nresults         {out}")
-    warn(record.warnings)
+    warn(each for each in record.warnings if each not in warned)
     say([record.shortfall] if record.shortfall else [])
     if arguments.plot:
         show(*pictures(record).values())

@@ -37,7 +37,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="KEY=VALUE",
         help='positioning: sensor, period, preload, load and gains, e.g. resolution="1 nm"; once for each',
     )
-    add_shared(parser, "--tolerance")
+    parser.add_argument(
+        "--tolerance",
+        metavar="T",
+        help="bound of the relative error of the last quantity; of the studies of a SCENE all take it but dispersion, "
+        "gallery, error_vs_time and calibration",
+    )
     parser.add_argument("--quick", action="store_true", help="a small version of it, to see what it gives: no evidence")
     parser.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-study[-SCENE])")
 
@@ -46,7 +51,7 @@ def call(arguments: argparse.Namespace) -> int:
     """Run a study, or list them with their questions."""
     from studies.record.text import labelled
     from studies.report.explanation import announced
-    from studies.study import STUDIES, draw_study, expected_seconds, module, question, run_study
+    from studies.study import COMMAND_OPTIONS, STUDIES, draw_study, expected_seconds, module, question, run_study
 
     if arguments.name is None:
         print("\n".join(labelled([(name, question(name)) for name in STUDIES], 2 + max(map(len, STUDIES)))))
@@ -73,8 +78,8 @@ def call(arguments: argparse.Namespace) -> int:
             over=read_axes(arguments.over),
             options={
                 name: value
-                for name in ("band", "z0", "measured", "target", "controller", "loop", "tolerance")
-                if (value := getattr(arguments, name)) is not None
+                for name in COMMAND_OPTIONS
+                if name != "over" and (value := getattr(arguments, name)) is not None
             },
             quick=arguments.quick,
         )

@@ -21,6 +21,7 @@ from multiprocessing import get_context
 
 import numpy as np
 
+import contact
 from studies.chain import run as run_chain
 from studies.record.plots import COLOURS, finished
 from studies.refusal import RunError, SceneError
@@ -141,7 +142,7 @@ def _pairs(first, finer) -> list[tuple[float, float]]:
         if "relative_error" not in one or "relative_error" not in other:
             continue
         if "velocity_m_per_s" in one:
-            speed = max(abs(other["velocity_m_per_s"]), omega * other["tangential_amplitude_m"] / 10)
+            speed = contact.speed_scale(other["velocity_m_per_s"], omega * other["tangential_amplitude_m"])
             true = abs(one["velocity_m_per_s"] - other["velocity_m_per_s"]) / speed
         else:
             true = abs(one["normal_amplitude_m"] / other["normal_amplitude_m"] - 1)

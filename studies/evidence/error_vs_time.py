@@ -19,7 +19,6 @@ from pathlib import Path
 import contact
 from studies.chain import bridge
 from studies.chain import run as run_chain
-from studies.chain.propagation import reference_speed
 from studies.chain.resolve import resolved
 from studies.evidence.own_process import alone, peak_memory
 from studies.record.plots import finished
@@ -119,11 +118,10 @@ def _chain(source: str, tolerance: float) -> dict:
     def work() -> dict:
         record = run_chain(scene, tolerance=tolerance)
         velocity = [point["velocity_m_per_s"] for point in record.points]
-        # the reference speed, max(|v|, omega |u_x|/10), that stated errors are relative to
-        surface = [2 * math.pi * scene.frequency * p["tangential_amplitude_m"] / 10 for p in record.points]
+        surface = [2 * math.pi * scene.frequency * p["tangential_amplitude_m"] for p in record.points]
         return {
             "values": velocity,
-            "scales": [max(abs(v), u) for v, u in zip(velocity, surface, strict=True)],
+            "scales": list(map(contact.speed_scale, velocity, surface)),
             "stated": record.error["relative"],
             "unknowns": record.surface_wave.unknowns,
             "motion": (record.wave["tangential_m_per_V"], record.wave["normal_m_per_V"]),
@@ -163,7 +161,8 @@ def _contact(source: str, tolerance: float, kind: str, method: str, motion) -> d
                 slider, orbit, duration=duration, after=0.0, tolerance=tolerance, samples=2, method=method
             )
             velocity = answer.velocity_at_burst_end
-        return {"values": [velocity], "scales": [reference_speed(velocity, (orbit,))], "stated": answer.relative_error}
+        scale = contact.reference_speed(velocity, (orbit,))
+        return {"values": [velocity], "scales": [scale], "stated": answer.relative_error}
 
     try:
         return _measured(work)

@@ -112,8 +112,9 @@ class AveragedMotor:
     @property
     def load(self) -> float:
         """Load of the scene as a force along +x on the real slider, N: against the first drive's motion."""
-        way = contact.mean_traction(replace(self.slider, load=0.0), self.orbits_at(self.levels[-1]), np.zeros(1))[0]
-        return -float(np.copysign(self.slider.load, way)) * self.share + 0.0
+        return (
+            -float(np.copysign(self.slider.load, push(self.slider, self.orbits_at(self.levels[-1])))) * self.share + 0.0
+        )
 
     def orbits_at(self, level: float) -> tuple:
         """Return the contacts' orbits at a level of the first drive."""
@@ -175,9 +176,38 @@ class MotorState:
         return replace(self, numbers=self.numbers.copy())
 
 
+def push(slider: contact.Slider, orbits: tuple) -> float:
+    """Return the mean force of the wave along +x on a slider at rest without a load, N."""
+    return float(contact.mean_traction(replace(slider, load=0.0), orbits, np.zeros(1))[0])
+
+
+def first_drive(
+    scene: Scene, *, tolerance: float = 1e-3, progress: Callable[[str], None] = lambda text: None
+) -> DrivenContact:
+    """Return the contact with the scene's own drive, from which `averaged_motor` goes on.
+
+    Raises
+    ------
+    SceneError, RunError
+        If the scene has no slider, or the averaged motor does not take it.
+    """
+    if scene.slider is not None and scene.slider.pillars is not None:
+        rule = "must be absent: tables over two ratios do not hold heights that scatter or a wave that the slider loads"
+        scene.refuse("slider.pillars", rule)
+    if scene.slider is not None and scene.slider.heights:
+        rule = "must be absent: the tables of the averaged motor take contacts of one height"
+        scene.refuse("slider.heights", rule)
+    driven = driven_contact(scene, tolerance=tolerance, progress=progress)
+    if driven.slider.friction is not None:
+        rule = "must be a number without a law of one's own: the tables of the averaged motor take one coefficient"
+        scene.refuse("slider.friction_coefficient", rule)
+    return driven
+
+
 def averaged_motor(
-    scene: str | Scene, *, tolerance: float = 1e-3, progress: Callable[[str], None] = lambda text: None
-) -> AveragedMotor:
+    scene: str | Scene, *, tolerance: float = 1e-3, first: DrivenContact | None = None,
+    progress: Callable[[str], None] = lambda text: None,
+) -> AveragedMotor:  # fmt: skip
     """Return the averaged motor of a scene with a slider, its stator solved with each of its drives.
 
     Parameters
@@ -187,6 +217,8 @@ def averaged_motor(
         transducer, if the scene has two and drives one of them.
     tolerance : float
         Of the slider velocity, for the stator.
+    first : DrivenContact, optional
+        The `first_drive` of the scene, where it is known.
 
     Raises
     ------
@@ -194,17 +226,11 @@ def averaged_motor(
         If the scene has no slider, its contacts differ in height, or averaging does not apply to it.
     """
     scene = Scene.load(scene)
-    if scene.slider is not None and scene.slider.heights:
-        rule = "must be absent: the tables of the averaged motor take contacts of one height"
-        scene.refuse("slider.heights", rule)
-    driven = driven_contact(scene, tolerance=tolerance, progress=progress)
+    driven = first or first_drive(scene, tolerance=tolerance, progress=progress)
     slider = driven.slider
-    if slider.friction is not None:
-        rule = "must be a number without a law of one's own: the tables of the averaged motor take one coefficient"
-        scene.refuse("slider.friction_coefficient", rule)
     left_out = ["the wave is that at the initial position of the slider: its variation along the way is not included"]
     drives = [_drive(driven, progress, left_out)]
-    for other in _other_scenes(scene):
+    for other in other_drives(scene):
         drives.append(_drive(driven_contact(other, tolerance=tolerance, progress=progress), progress, left_out))
     if driven.scene.wave is not None:
         opposite = tuple(orbit.mirrored() for orbit in driven.orbits)
@@ -248,7 +274,7 @@ def averaged_motor(
     )
 
 
-def _other_scenes(scene: Scene) -> list[Scene]:
+def other_drives(scene: Scene) -> list[Scene]:
     """Return the scene with its other transducer driven, where there is just one other."""
     if scene.wave is not None or scene.crossed or scene.drive.sources is not None or len(scene.transducer) != 2:
         return []
@@ -372,7 +398,7 @@ def _steady(slider, drive: Drive, levels) -> list[tuple[float, float, float, flo
             if error.status != "near the threshold":
                 raise
             continue  # held, or too slow to judge the tables by
-        scale = max(abs(float(mean.velocity)), 0.1 * max(each.omega * abs(each.tangential) for each in orbits))
+        scale = contact.reference_speed(float(mean.velocity), orbits)
         if not mean.held:
             known.append((level, float(mean.velocity), float(mean.first_order), scale))
     return known

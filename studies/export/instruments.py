@@ -12,12 +12,13 @@ import numpy as np
 
 from studies.chain import passband, resolve
 from studies.chain.scan_prediction import placed, predicted_scan
-from studies.chain.scattering import band_frequencies, reference_impedance, scattering_matrix
+from studies.chain.scattering import reference_impedance, scattering_matrix
 from studies.export.exported import Exported
 from studies.lab.csv_columns import csv_text
-from studies.lab.encoder import averaged, low_pass, travelled_distance
+from studies.lab.encoder import recorded, travelled_distance
 from studies.lab.scan import Scan, scan_csv, scan_uff
 from studies.refusal import SceneError
+from studies.report.explanation import band_seconds
 from studies.scene import Scene
 from studies.scene.override import toml_value
 from studies.scene.quantity import si_value
@@ -148,6 +149,12 @@ def uff_files(scene: Scene, name: str, recording: Recording, *, tolerance: float
     )
 
 
+def expected_seconds(scene: Scene, recording: Recording, tolerance: float) -> float:
+    """Return the expected time in s of what is recorded over a band of frequencies."""
+    resolved = passband.driven_scene(scene)
+    return band_seconds(resolved, _frequencies(resolved, recording.band), tolerance=tolerance)
+
+
 def touchstone_files(scene: Scene, name: str, recording: Recording, *, tolerance: float, progress) -> Exported:
     """Return NAME.sNp, the S-parameters of all transducers with two combs, in the scene's order."""
     import fem
@@ -204,7 +211,7 @@ def _points(scene: Scene, kind: str, band) -> Scan:
     import fem
 
     wavelength = fem.rayleigh(resolve.solid(scene.stator), "open").velocity / scene.frequency
-    driven, (place, middle) = scene.driven_transducer, passband.place(scene)
+    driven, (place, middle) = scene.driven_transducer, scene.places[0]
     half = driven.half_length + CLEAR * wavelength
     ahead = 1.0 if place >= driven.place[0] else -1.0
     first = driven.place[0] + ahead * half
@@ -232,7 +239,7 @@ def _points(scene: Scene, kind: str, band) -> Scan:
 
 def _frequencies(scene: Scene, band: str | None) -> np.ndarray:
     """Return the frequencies of a band in Hz; without one those of the passband."""
-    return passband.frequencies(scene, None, FREQUENCIES) if band is None else band_frequencies(scene, band)
+    return passband.frequencies(scene, None, FREQUENCIES) if band is None else passband.band_frequencies(scene, band)
 
 
 def _trace(scene: Scene, recording: Recording, encoder: dict[str, float], tolerance: float, progress) -> str:
@@ -252,11 +259,7 @@ def _trace(scene: Scene, recording: Recording, encoder: dict[str, float], tolera
     for more, head, curve in (
         (1, "position_m", travelled_distance(path.time, path.velocity)), (0, "velocity_m_per_s", path.velocity),
     ):  # fmt: skip
-        if "bandwidth" in encoder:
-            curve = low_pass(path.time, curve, encoder["bandwidth"])
-        if "sampling" in encoder:
-            curve = averaged(path.time, curve, encoder["sampling"], path.time)
-        columns[head] = recording.noisy(curve, more)
+        columns[head] = recording.noisy(recorded(path.time, curve, path.time, **encoder), more)
     filters = tuple(f"{name} {value:g} {'Hz' if name == 'bandwidth' else 's'}" for name, value in encoder.items())
     rows = {head: values[1:] for head, values in columns.items()}
     return csv_text(rows, (scene.title, *filters, *recording.remark))

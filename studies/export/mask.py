@@ -14,6 +14,7 @@ from math import cos, radians, sin
 
 import numpy as np
 
+import fem
 from studies.chain import resolve
 from studies.refusal import SceneError, nearest, needed
 from studies.scene import Scene
@@ -25,6 +26,7 @@ LAYERS = {"fingers": 1, "busbars": 2, "pads": 3, "marks": 10, "outline": 20}
 COMBS = {"+": "plus", "-": "minus", "o": "open"}
 # in periods: largest default side of a pad; distance of a pad from the edge of the chip
 PAD_PERIODS, CLEAR_PERIODS = 4.0, 0.5
+SHOWN_SPANS = 3  # of what meshed pieces draw, in the warning
 MAX_COORDINATE = 2**31 - 1  # largest coordinate of a GDSII file, in units of its precision
 GDS_PRECISION = 1e-9  # m
 
@@ -94,6 +96,7 @@ class Mask:
     shift: float  # largest displacement of a corner in x or y by snapping, m
     width_error: float  # largest change of a finger width by snapping, m
     gap: float  # smallest distance of neighbouring fingers after snapping, m
+    left_out: str = ""  # a sentence on what meshed pieces draw and the mask does not
 
 
 def mask(scene: Scene, sizes: Sizes | None = None) -> Mask:
@@ -109,7 +112,8 @@ def mask(scene: Scene, sizes: Sizes | None = None) -> Mask:
     if not scene.transducer:
         scene.refuse("transducer", "is missing: a mask draws transducers")
     resolved = resolve.resolved(scene)
-    for said in resolve.whole_stator(resolved).other_fingers(resolve.transducers(resolved)):
+    stator = resolve.whole_stator(resolved)
+    for said in stator.other_fingers(resolve.transducers(resolved)):
         raise SceneError("transducer", f"must have the fingers of the mesh, as a mask follows the block: {said}")
     length, width = resolved.stator.length, resolved.stator.width
     exact = [each for block in resolved.transducer for each in _transducer(block, sizes, length, width)]
@@ -124,8 +128,21 @@ def mask(scene: Scene, sizes: Sizes | None = None) -> Mask:
     return Mask(
         title=resolved.title or "untitled", polygons=tuple(polygons), grid=sizes.grid,
         transducers=tuple(block.name for block in resolved.transducer), length=length, width=width, shift=max(shifts),
-        **_finger_errors(resolved.transducer, polygons),
+        left_out=_left_out(stator), **_finger_errors(resolved.transducer, polygons),
     )  # fmt: skip
+
+
+def _left_out(stator: fem.Stator) -> str:
+    """Return a sentence on the grooves, strips and electrodes of meshed pieces, which have no extent along y."""
+    combs = () if stator.placement.whole is None else ("+", "-", "o")  # of a whole stator's mesh they are drawn
+    spans = [f"{low * 1e3:.5g} to {high * 1e3:.5g} mm" for each in stator.pieces for low, high in each.gaps]
+    electrodes = [name for each in stator.pieces for name in each.mesh.electrodes
+                  if not each.connection(name).endswith(combs)]  # fmt: skip
+    if not (spans or electrodes):
+        return ""
+    shown = ", ".join(spans[:SHOWN_SPANS] + ["..."] * (len(spans) > SHOWN_SPANS))
+    parts = [f"grooves and strips ({shown})"] * bool(spans) + [f"electrodes ({len(electrodes)})"] * bool(electrodes)
+    return f"the mask leaves out {' and '.join(parts)} of meshed pieces: a scene states no extent along y of them"
 
 
 def _transducer(block: Transducer, sizes: Sizes, length: float, width: float) -> Iterator[Polygon]:

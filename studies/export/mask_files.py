@@ -32,8 +32,9 @@ def _exported(drawn: Mask, files, scene: Scene, tolerance: float, progress) -> E
                  f"{widening:g} nm; narrowest gap {drawn.gap * 1e6:.4g} um"),
     )  # fmt: skip
     return Exported(
-        files=files, answer=answer, pictures={"mask.png": lambda ax: _picture(drawn, scene, ax, tolerance, progress)}
-    )
+        files=files, answer=answer, pictures={"mask.png": lambda ax: _picture(drawn, scene, ax, tolerance, progress)},
+        remarks=(drawn.left_out,) * bool(drawn.left_out),
+    )  # fmt: skip
 
 
 def _picture(drawn: Mask, scene: Scene, ax, tolerance: float, progress) -> None:

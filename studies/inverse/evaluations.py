@@ -83,10 +83,7 @@ class Evaluations:
         return [self.rows[self.known[own]] for own in values]
 
     def _read(self, first: int) -> None:
-        cursor = self.store.connection.execute("select * from points where point >= ? order by point", (first,))
-        names = [entry[0] for entry in cursor.description]
-        for row in cursor.fetchmany(len(self.asked) - first):
-            evaluation = dict(zip(names, row, strict=True))
+        for evaluation in self.store.rows(first, len(self.asked)):
             (expected,) = self.asked.values([evaluation["point"]])
             if tuple(evaluation[key] for key in self.question.keys) != expected:
                 raise RunError(

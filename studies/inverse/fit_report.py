@@ -60,7 +60,9 @@ def fit_answer(fit: "Fit") -> str:
         for name, gains in fit.informs:
             known = [f"{key} ({gain:.3g} times narrower)" for key, gain in gains.items() if gain > INFORMED]
             notes.append(("informs", f"{name}: {', '.join(known) or 'none of the numbers'}"))
-    for candidate in fit.candidates[:SHOWN_CANDIDATES]:
+    if fit.candidates is None:
+        notes.append(("measure next", "not computed: it would double the time of the fit (--next asks for it)"))
+    for candidate in (fit.candidates or ())[:SHOWN_CANDIDATES]:
         gain = f"{candidate.key} from {100 * candidate.before:.3g} % to {100 * candidate.after:.3g} %"
         notes.append(("measure next", f"{candidate.name}: {gain}"))
     title = fit.problem.predictor.table.get("title", "") or "no title"

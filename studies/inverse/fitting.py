@@ -37,6 +37,7 @@ def fit(
     parameters: list | dict,
     *,
     tolerance: float = 1e-3,
+    next_measurements: bool | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Fit:
     """Fit free numbers of a scene to measurements.
@@ -52,6 +53,9 @@ def fit(
         ``vary`` is held at its value.
     tolerance : float
         Of the velocity, for the stator.
+    next_measurements : bool, optional
+        Whether further measurements are ranked; by default not for a slider on pillars, whose motions are solved one by
+        one.
     progress : callable, optional
         Told what is being done.
 
@@ -81,13 +85,15 @@ def fit(
     )
     free = problem.parameters
     problem = replace(problem, measurements=_signed(problem))
+    if next_measurements is None:
+        next_measurements = not problem.predictor.one_by_one
     degrees = problem.points - len(free)
     if degrees < (1 if estimated else 0):
         raise SceneError("parameters", f"asks for {len(free)} numbers from {problem.points} measured values")
     minima = problem.minima()
     for _ in range(4):
         try:
-            return replace(_explored(problem, minima, degrees, estimated), fixed=fixed)
+            return replace(_explored(problem, minima, degrees, estimated, next_measurements), fixed=fixed)
         except BetterMinimumError as minimum:
             minima = [problem.minimum(minimum.x), *minima]
     raise RunError(
@@ -119,8 +125,8 @@ def prepared(
     return Problem(predictor=predictor, parameters=free, measurements=tuple(curves)), fixed, estimated
 
 
-def _explored(problem: Any, minima: Any, degrees: Any, estimated: Any) -> Fit:
-    """Return the fit about its least minimum: directions, profiles, next measurements."""
+def _explored(problem: Any, minima: Any, degrees: int, estimated: bool, next_measurements: bool) -> Fit:
+    """Return the fit about its least minimum: directions, profiles and, if asked for, next measurements."""
     if estimated:
         scale = math.sqrt(minima[0][1] / degrees) or 1e-9
         problem = replace(problem, measurements=tuple(each.scattered(scale) for each in problem.measurements))
@@ -146,19 +152,21 @@ def _explored(problem: Any, minima: Any, degrees: Any, estimated: Any) -> Fit:
         tried = problem, [(best, least), *rivals], j
         ends[parameter.key] = (_outermost(*tried, -1.0, step, allowed), _outermost(*tried, 1.0, step, allowed))
     directions += _open_directions(problem, best, ends, lost)
-    problem.predictor.begin("fit: next measurements")
-    informs = _informed(problem, slopes, information)
+    candidates = None
+    if next_measurements:
+        problem.predictor.begin("fit: next measurements")
+        candidates = tuple(ranked(problem, best, information))
     sizes, count = np.sqrt(np.diag(covariance)), len(problem.parameters)
     return Fit(
         problem=problem, inner=best, chi2=least, degrees_of_freedom=degrees, ends=ends,
         deviation=problem.measurements[0].deviations[0] if estimated else None,
         directions=tuple(directions), correlation=(covariance / np.outer(sizes, sizes))[:count, :count],
         rivals=tuple(problem.numbers(x) for x, _ in rivals), covariance=covariance,
-        candidates=tuple(ranked(problem, best, information)), informs=informs,
+        candidates=candidates, informs=_informed(problem, slopes),
     )  # fmt: skip
 
 
-def _informed(problem: Problem, slopes: Any, information: Any) -> tuple[tuple[str, dict[str, float]], ...]:
+def _informed(problem: Problem, slopes: Any) -> tuple[tuple[str, dict[str, float]], ...]:
     """Return, for each measurement, how far it alone narrows each number: the range's width over the width then.
 
     A width is the standard deviation with the other numbers free; the ranges are a weak prior.

@@ -27,7 +27,7 @@ from studies.inverse.parameters import (
     TIME_OFFSET,
     WAVE_VELOCITY_FACTOR,
 )
-from studies.lab.encoder import averaged, low_pass, travelled_distance
+from studies.lab.encoder import recorded, travelled_distance
 from studies.lab.measurement import Measurement
 from studies.lab.network import NetworkData
 from studies.lab.scan import Scan
@@ -48,8 +48,7 @@ class MeasurementPredictor(Predictor):
     def __init__(self, scene: Scene, *, tolerance: float = 1e-3, progress: Callable | None = None):
         if scene.wave is None and not scene.transducer:
             scene.refuse("transducer", "is missing: nothing drives the slider")
-        has_slider = scene.slider is not None
-        super().__init__(resolved(scene).to_table(), tolerance=tolerance, steps=1, progress=progress, slider=has_slider)
+        super().__init__(resolved(scene).to_table(), tolerance=tolerance, steps=1, progress=progress)
         self._fields: dict = {}  # of scans and networks that are known, by the stator and the data
         self._stage, self._total, self._done, self._told = "", 0, 0, 0.0
 
@@ -200,9 +199,5 @@ class MeasurementPredictor(Predictor):
         curve = prediction.velocity
         if measurement.quantity == "position":
             curve = travelled_distance(prediction.time, curve)
-        if BANDWIDTH in numbers:
-            curve = low_pass(prediction.time, curve, float(numbers[BANDWIDTH]))
-        at = np.array(measurement.time) - offset
-        if SAMPLING in numbers:
-            return averaged(prediction.time, curve, float(numbers[SAMPLING]), at)
-        return np.interp(at, prediction.time, curve)
+        encoder = {name: float(numbers[name]) for name in (BANDWIDTH, SAMPLING) if name in numbers}
+        return recorded(prediction.time, curve, np.array(measurement.time) - offset, **encoder)

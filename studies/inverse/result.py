@@ -34,7 +34,8 @@ class Fit:
     rivals: tuple[dict[str, float], ...]
     correlation: np.ndarray  # of the free numbers, the ranges as a weak prior
     covariance: np.ndarray  # of all x, likewise
-    candidates: tuple[Candidate, ...]  # next measurements, the most useful first
+    # next measurements, the most useful first; None where they were not asked for
+    candidates: tuple[Candidate, ...] | None = None
     # by measurement: how many times narrower than its range each number is by this measurement alone
     informs: tuple[tuple[str, dict[str, float]], ...] = ()
     fixed: tuple[Parameter, ...] = ()  # held at their values
@@ -114,12 +115,13 @@ class Fit:
             "degrees_of_freedom": self.degrees_of_freedom,
             "correlation": self.correlation.tolist(),
             "informs": [{"measurement": name, "times_narrower": gains} for name, gains in self.informs],
-            "next_measurements": [
+        }  # fmt: skip
+        if self.candidates is not None:
+            whole["next_measurements"] = [
                 {"measurement": each.name, "narrows": each.key, "relative_deviation_before": each.before,
                  "relative_deviation_after": each.after}
                 for each in self.candidates
-            ],
-        }  # fmt: skip
+            ]  # fmt: skip
         more = {"other_minima": list(self.rivals), "probability": self.probability,
                 "estimated_standard_deviation": self.deviation}  # fmt: skip
         return whole | {key: value for key, value in more.items() if value not in (None, [])}

@@ -2,39 +2,42 @@
 
 Method: d ln(answer) / d ln(parameter) for every positive parameter of the resolved scene (a preload of "weight" becomes
 a force, which stays constant when the mass changes), at the largest voltage or amplitude. The derivatives are
-extrapolated differences, each with its error; the step is the fifth root of the accuracy of the answer. The
-elasticities of the velocity are also computed by the implicit function theorem in the averaged equilibrium. Start-up
-times are those of the averaged motion, because a difference of two exact starts would take 100 times as long. The study
-also states the change of the answer for 1 % more and 1 % less of the parameter. Near a resonance, or where the phase of
-a wave changes, these differ from the elasticity and from each other, and the study says so. Parameters of the stator
-take six solutions each, with an accuracy of 1e-2. Expected: both methods agree to a few (f_n/f)^2; the elasticities
-satisfy the scaling law of the contact, preload + E* - friction coefficient = 0; a common change of all parameters
-without effect changes nothing. Run time: 10 s; for twente with its stator 90 s of one processor.
+extrapolated differences, each with its error; the step is the fifth root of the accuracy of the answer. Of a slider on
+pillars, velocity, thrust and efficiency are known. For balls, the elasticities of the velocity are also computed by the
+implicit function theorem in the averaged equilibrium. Start-up times are those of the averaged motion, because a
+difference of two exact starts would take 100 times as long. The study also states the change of the answer for 1 % more
+and 1 % less of the parameter. Near a resonance, or where the phase of a wave changes, these differ from the elasticity
+and from each other, and the study says so. Parameters of the stator take six solutions each, with an accuracy of 1e-2.
+Expected: both methods agree to a few (f_n/f)^2; the elasticities satisfy the scaling law of the contact, preload + E* -
+friction coefficient = 0; a common change of all parameters without effect changes nothing. Run time: 10 s; for twente
+with its stator 90 s of one processor.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 import contact
+from studies.chain.outcomes import OF_PILLARS, keywords
+from studies.chain.pillars import layout
 from studies.inverse.prediction import MeasurementPredictor
 from studies.record.plots import COLOURS, finished
 from studies.refusal import RunError, SceneError
+from studies.report.explanation import plan
 from studies.scene import Scene
 from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
 
-QUICK = {"outcomes": ("velocity", "threshold")}
+QUICK = {"outcomes": ("velocity",)}
 # accuracy of each answer: that of rounding, or the tolerance that it is solved to
 ACCURACY = {"velocity": 1e-11, "threshold": 1e-13, "release": 1e-13, "thrust": 1e-11, "efficiency": 1e-8,
             "start-up time": 1e-6}  # fmt: skip
-# column of each answer, and the word that asks for it
+# column of each answer
 ANSWERS = {
-    "velocity": ("velocity_m_per_s", ()), "threshold": ("threshold_factor", ("limits",)),
-    "release": ("release_factor", ("limits",)), "thrust": ("thrust_N", ("thrust",)),
-    "efficiency": ("contact_efficiency", ("efficiency",)), "start-up time": ("start_up_time_s", ("start-up",)),
+    "velocity": "velocity_m_per_s", "threshold": "threshold_factor", "release": "release_factor", "thrust": "thrust_N",
+    "efficiency": "contact_efficiency", "start-up time": "start_up_time_s",
 }  # fmt: skip
 STATOR_ACCURACY = 1e-9  # of a stator's answers against each other on the same mesh
 STATOR_STEP, PHASE_STEP = 1e-3, 2e-4  # of the logarithms of its numbers
@@ -47,29 +50,33 @@ SIDE = 0.01  # change of a number to either side, beside its elasticity
 BENDS = 0.2  # difference of both sides, over the larger, from which the study says that the answer bends
 SILENT_STEP = 0.02  # by which the numbers without effect are changed together
 AGREEMENT = 1e-2  # of both ways, of the largest elasticity
+# Moves of a number, and those of a number of the stator: of the elasticity, and 1 % to both sides
+MOVES, STATOR_MOVES = 8, 6
+# CPU seconds of all answers for one move, of balls, of any pillars and of each pillar, and of the rest (one x86_64 core
+# of 2026)
+BALLS_SECONDS, PILLARS_SECONDS, PILLAR_SECONDS, OTHER_SECONDS = 0.1, 0.2, 1e-4, 4.0
 
 
 @study("twente-contact")
-def run(
-    scene: Scene, *, outcomes: tuple[str, ...] = tuple(ACCURACY), tolerance: float = 1e-2, progress=None
-) -> Answered:
+def run(scene: Scene, *, outcomes: tuple[str, ...] | None = None, tolerance: float = 1e-2, progress=None) -> Answered:
     """Return the elasticities of a motor.
 
     Parameters
     ----------
-    outcomes : tuple of str
-        Of velocity, threshold, release, thrust, efficiency and start-up time.
+    outcomes : tuple of str, optional
+        Of velocity, threshold, release, thrust, efficiency and start-up time; by default all that the slider has.
     tolerance : float
         Of the velocity, for the stator.
     """
     predictor = MeasurementPredictor(scene, tolerance=tolerance, progress=progress)
     level = max(predictor.contact({}).scene.levels)
-    slopes = {name: elasticities(predictor, name, level, progress) for name in outcomes}
+    slopes = elasticities(predictor, _of_slider(predictor) if outcomes is None else outcomes, level, progress)
+    changes = both_sides(predictor, tuple(name for name, rows in slopes.items() if rows), level)
     title, findings, panels = predictor.table.get("title", ""), [], []
     for name, rows in slopes.items():
         findings += _without_effect(predictor, name, rows, level)
-        keys = [*numbers(predictor), *(["level"] if name not in LIMITS else [])] if rows else []
-        sides = both_sides(predictor, name, level, tuple(keys))
+        sides = changes.get(name, {})
+        keys = list(sides)
         order = [key for key, _ in sorted(rows.items(), key=lambda item: -abs(item[1][0]))]
         panels.append(
             Panel(name=name.replace(" ", "_").replace("-", "_"), title=f"{title}: {name}", data={
@@ -79,7 +86,7 @@ def run(
                 "bends": [[key, *sides[key]] for key in keys if _bends(*sides[key])], "level": level, "outcome": name,
             })
         )  # fmt: skip
-    if "velocity" in slopes:
+    if "velocity" in slopes and not predictor.one_by_one:
         findings += _checks(predictor, slopes["velocity"], level)
     return panels, findings, [line for panel in panels for line in _in_words(panel.data)]
 
@@ -101,65 +108,116 @@ def _positive(value: Any, path: str = "") -> Iterator[str]:
         yield from _positive(each, f"{path}.{key}" if path else key)
 
 
+def expected_seconds(scene: Scene) -> float:
+    """Return about how long the study takes for a scene, s: the stator's solutions, and the contact's answers."""
+    predictor = MeasurementPredictor(scene)
+    stator = plan(scene, tolerance=1e-2)["expected"]["stator_seconds"] if scene.transducer else 0.0
+    keys = numbers(predictor)
+    moved = sum(predictor.needs_stator(key) for key in keys)
+    point = BALLS_SECONDS
+    if predictor.one_by_one:
+        point = PILLARS_SECONDS + PILLAR_SECONDS * layout(predictor.scene({}).slider)["x"].size
+    return OTHER_SECONDS + STATOR_MOVES * moved * (stator + point) + MOVES * (len(keys) + 1 - moved) * point
+
+
+def _of_slider(predictor: MeasurementPredictor) -> tuple[str, ...]:
+    """Return the names of the answers that the slider has."""
+    pillars = predictor.one_by_one
+    return tuple(name for name, column in ANSWERS.items() if not pillars or {*keywords([column])} <= {*OF_PILLARS})
+
+
+def _together(predictor: MeasurementPredictor, outcomes: Sequence[str]) -> list[tuple[float, tuple[str, ...]]]:
+    """Return pairs of an accuracy and the names of the answers that have it, which one question gives."""
+    known = _of_slider(predictor)
+    for name in outcomes:
+        if name not in known:
+            raise SceneError("outcomes", f"must be of {', '.join(known)} for this slider, got {name!r}")
+    groups: dict[float, list[str]] = {}
+    for name in outcomes:
+        groups.setdefault(ACCURACY["velocity" if predictor.one_by_one else name], []).append(name)
+    return [(accuracy, tuple(names)) for accuracy, names in groups.items()]
+
+
+def _keys(predictor: MeasurementPredictor, names: Iterable[str]) -> list[str]:
+    """Return the keys that answers may depend on; the limits are relative to the level."""
+    return [*numbers(predictor), *([] if set(names) <= set(LIMITS) else ["level"])]
+
+
 def elasticities(
-    predictor: MeasurementPredictor, outcome: str, level: float, progress: Callable[[str], None] = print
-) -> dict[str, tuple[float, float]]:
-    """Return {key: (d ln outcome / d ln number, its error)}, the level itself as "level".
+    predictor: MeasurementPredictor, outcomes: Sequence[str], level: float, progress: Callable[[str], None] = print
+) -> dict[str, dict[str, tuple[float, float]]]:
+    """Return {outcome: {key: (d ln outcome / d ln number, its error)}}, the level itself as "level".
 
     ``level``: voltage in V or given normal amplitude in m.
     """
-    if outcome not in ACCURACY:
-        raise SceneError("outcomes", f"must be of {', '.join(ACCURACY)}, got {outcome!r}")
-    slopes: dict[str, tuple[float, float]] = {}
-    (centre,) = _answers(predictor, outcome, level, [{}])
-    if not np.isfinite(centre) or centre == 0.0:
-        return {}
-    for key in [*numbers(predictor), *(["level"] if outcome not in LIMITS else [])]:
-        progress(f"{outcome}: {key}")
-        moved = key != "level" and predictor.needs_stator(key)
-        accuracy = max(ACCURACY[outcome], STATOR_ACCURACY if moved else 0.0)
-        step = accuracy**0.2 if not moved else PHASE_STEP if key.endswith(PHASED) else STATOR_STEP
-        widths = step / np.array([1.0, 2.0] if moved else [1.0, 2.0, 4.0])
-        factors = np.exp(np.concatenate([widths, -widths])).tolist()
-        values = _answers(predictor, outcome, level, [{key: factor} for factor in factors]) / centre
-        if not np.all(values > 0.0):  # no answer, such as for a value that the scene refuses
-            continue
-        up, down = np.split(np.log(values), 2)
-        table = ((up - down) / (2.0 * widths)).tolist()
-        for power in (4.0, 16.0)[: len(table) - 1]:  # Richardson extrapolation in the square of the step
-            change = (table[-1] - table[-2]) / (power - 1.0)
-            table = [(power * fine - coarse) / (power - 1.0) for coarse, fine in pairwise(table)]
-        slopes[key] = (float(table[0]), float(abs(change) + 8.0 * accuracy / step))
+    slopes: dict[str, dict[str, tuple[float, float]]] = {name: {} for name in outcomes}
+    for accuracy, names in _together(predictor, outcomes):
+        centre = _answers(predictor, names, level, [{}])[0]
+        for key in _keys(predictor, names) if np.any(centre > 0.0) else ():
+            progress(f"{', '.join(names)}: {key}")
+            moved = key != "level" and predictor.needs_stator(key)
+            within = max(accuracy, STATOR_ACCURACY if moved else 0.0)
+            step = within**0.2 if not moved else PHASE_STEP if key.endswith(PHASED) else STATOR_STEP
+            widths = step / np.array([1.0, 2.0] if moved else [1.0, 2.0, 4.0])
+            factors = np.exp(np.concatenate([widths, -widths])).tolist()
+            values, errors = _answers(predictor, names, level, [{key: factor} for factor in factors])
+            for name, column, start in zip(names, values.T, centre[0], strict=True):
+                # no slope without an answer, such as for a value that the scene refuses
+                if start > 0.0 and np.all(column > 0.0):
+                    error = within if name in LIMITS else max(within, *errors)
+                    slopes[name][key] = _slope(np.log(column / start), widths, error)
     return slopes
 
 
+def _slope(logarithms: np.ndarray, widths: np.ndarray, accuracy: float) -> tuple[float, float]:
+    """Return the derivative and its error from values at +widths and -widths, each half of the one before."""
+    up, down = np.split(logarithms, 2)
+    table = ((up - down) / (2.0 * widths)).tolist()
+    for power in (4.0, 16.0)[: len(table) - 1]:  # Richardson extrapolation in the square of the step
+        change = (table[-1] - table[-2]) / (power - 1.0)
+        table = [(power * fine - coarse) / (power - 1.0) for coarse, fine in pairwise(table)]
+    return float(table[0]), float(abs(change) + 8.0 * accuracy / widths[0])
+
+
 def both_sides(
-    predictor: MeasurementPredictor, outcome: str, level: float, keys: tuple[str, ...]
-) -> dict[str, tuple[float | None, float | None]]:
-    """Return {key: relative change of the answer for 1 % more and 1 % less of the number}; None where it has none."""
-    moves = [{key: factor} for key in keys for factor in (1.0 + SIDE, 1.0 - SIDE)]
-    centre, *values = _answers(predictor, outcome, level, [{}, *moves])
-    changes = [float(each / centre - 1.0) if math.isfinite(each) else None for each in values]
-    return dict(zip(keys, zip(changes[0::2], changes[1::2], strict=True), strict=True))
+    predictor: MeasurementPredictor, outcomes: Sequence[str], level: float
+) -> dict[str, dict[str, tuple[float | None, float | None]]]:
+    """Return {outcome: {key: relative change for 1 % more and 1 % less of the number}}; None where it has none."""
+    sides: dict[str, dict[str, tuple[float | None, float | None]]] = {name: {} for name in outcomes}
+    for _, names in _together(predictor, outcomes):
+        keys = _keys(predictor, names)
+        moves = [{key: factor} for key in keys for factor in (1.0 + SIDE, 1.0 - SIDE)]
+        centre, *values = _answers(predictor, names, level, [{}, *moves])[0]
+        for name, start, column in zip(names, centre, np.transpose(values), strict=True):
+            changes = [float(each / start - 1.0) if math.isfinite(each) else None for each in column]
+            sides[name] = dict(zip(keys, zip(changes[0::2], changes[1::2], strict=True), strict=True))
+    return sides
 
 
-def _answers(predictor: MeasurementPredictor, outcome: str, level: float, many: list[dict[str, float]]) -> np.ndarray:
-    """Return an answer for each set of factors by key, "level" among the keys; NaN where there is none.
+def _answers(
+    predictor: MeasurementPredictor, names: Sequence[str], level: float, many: list[dict[str, float]]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return answers for sets of factors by key, (m, n), and the velocities' numerical errors over |v|, (m,).
 
-    A stator that cannot be solved raises RunError: a number must not be missing in silence.
+    "level" may be among the keys; an answer is NaN where there is none.  An averaged state has no numerical error.  A
+    stator that cannot be solved raises RunError: a number must not be missing in silence.
     """
-    column, also = ANSWERS[outcome]
+    columns = [ANSWERS[name] for name in names]
     level_key = "wave.normal_amplitude" if predictor.given_wave else "drive.voltage"
     changes = [
         {key: float(predictor.value(key) or 0.0) * factor for key, factor in factors.items() if key != "level"}
         | {level_key: level * factors.get("level", 1.0)}
         for factors in many
     ]
-    rows = predictor.answers(changes, also, tolerance=ACCURACY[outcome], averaged=True)
-    for row in rows:
+    rows = predictor.answers(changes, keywords(columns), tolerance=ACCURACY[names[0]], averaged=True)
+    errors = np.zeros(len(rows))
+    for k, row in enumerate(rows):
         if "relative_error" not in row and not row.get("refused"):
             raise RunError(row["status"])
-    return np.abs([row.get(column, math.nan) for row in rows])
+        if row.get("numerical_error") and row["velocity_m_per_s"]:
+            speed, orbits = row["velocity_m_per_s"], predictor.contact(changes[k]).at(level)
+            errors[k] = row["numerical_error"] * contact.reference_speed(speed, orbits) / abs(speed)
+    return np.abs([[row.get(column, math.nan) for column in columns] for row in rows]), errors
 
 
 def _without_effect(predictor: MeasurementPredictor, outcome: str, rows: dict, level: float) -> list[Finding]:
@@ -167,9 +225,9 @@ def _without_effect(predictor: MeasurementPredictor, outcome: str, rows: dict, l
     silent = [key for key, (value, _) in rows.items() if abs(value) < NO_EFFECT and key != "level"]
     if not silent:
         return []
-    before, after = _answers(predictor, outcome, level, [{}, dict.fromkeys(silent, 1.0 + SILENT_STEP)])
+    (before, after), _ = _answers(predictor, (outcome,), level, [{}, dict.fromkeys(silent, 1.0 + SILENT_STEP)])
     allowed = 1.5 * SILENT_STEP * NO_EFFECT * len(silent)
-    change = abs(float(np.log(after / before)))
+    change = abs(float(np.log(after[0] / before[0])))
     return [
         judged(f"Without effect on the {outcome}: {', '.join(silent)}.",
                        f"relative change if all of them grow by {100 * SILENT_STEP:g} %", change, high=allowed,

@@ -14,8 +14,6 @@ FREQUENCIES = {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6}
 DISPLACEMENTS = {"m": 1.0, "um": 1e-6, "nm": 1e-9, "pm": 1e-12}
 VELOCITIES = {"m_per_s": 1.0, "mm_per_s": 1e-3, "um_per_s": 1e-6}
 VOLTAGES = {"V": 1.0}
-LENGTHS = {"m": 1.0, "nm": 1e-9}
-SPEEDS = {"m_per_s": 1.0, "mm_per_s": 1e-3}
 PHASES = {"rad": 1.0, "deg": np.pi / 180.0}
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
 
@@ -88,12 +86,9 @@ class CsvColumns:
         return np.array([self._number(k, at) for k in range(len(self.rows))]) * units[unit], unit
 
     def known(self, noun: str, units: dict[str, float]) -> tuple[float, ...] | None:
-        """Return the column ``noun_unit`` in SI units, or None if the file has none."""
-        for unit, factor in units.items():
-            if f"{noun}_{unit}" in self.names:
-                at = self.names.index(f"{noun}_{unit}")
-                return tuple(self._number(row, at) * factor for row in range(len(self.rows)))
-        return None
+        """Return the `column` as numbers, or None where it has none of the units: other columns are not refused."""
+        column = self.column(noun, units) if any(f"{noun}_{unit}" in self.names for unit in units) else None
+        return None if column is None else tuple(column[0].tolist())
 
     def deviation(self, nouns: tuple[str, ...], units: dict[str, float]) -> tuple[float, ...] | None:
         """Return the first of the columns ``nouns`` that exists, in SI units, or None; it must be positive."""

@@ -43,6 +43,23 @@ def averaged(time: np.ndarray, values: np.ndarray, span: float, at: np.ndarray) 
     return (until(at) - until(at - span)) / span
 
 
+def recorded(
+    time: np.ndarray,
+    values: np.ndarray,
+    at: np.ndarray,
+    *,
+    bandwidth: float | None = None,
+    sampling: float | None = None,
+) -> np.ndarray:
+    """Return what an encoder records of a curve at some instants, after its filter and its averaging if it has them.
+
+    ``bandwidth``: of `low_pass`, Hz; ``sampling``: the span of `averaged`, s.
+    """
+    if bandwidth is not None:
+        values = low_pass(time, values, bandwidth)
+    return np.interp(at, time, values) if sampling is None else averaged(time, values, sampling, at)
+
+
 def aligned(time: np.ndarray, measured: np.ndarray, at: np.ndarray, predicted: np.ndarray) -> float:
     """Return the time offset in s that fits a trace best to a prediction (least squares).
 

@@ -15,7 +15,7 @@ recognised here and read by `scan` and `network`.
 
 from pathlib import Path
 
-from studies.lab.csv_columns import DISPLACEMENTS, LENGTHS, SPEEDS, TIMES, VOLTAGES, CsvColumns
+from studies.lab.csv_columns import DISPLACEMENTS, TIMES, VELOCITIES, VOLTAGES, CsvColumns
 from studies.lab.measurement import Measurement
 from studies.lab.network import TOUCHSTONE, read_network
 from studies.lab.scan import UFF_ENDINGS, Scan, is_scan, scan_of_columns, scan_of_uff
@@ -41,8 +41,8 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
     if is_scan(table.path, table.names):
         return measured_scan(scan_of_columns(table))
     position = table.column("position", DISPLACEMENTS | {"mm": 1e-3})
-    voltage, amplitude = table.known("voltage", VOLTAGES), table.known("normal_amplitude", LENGTHS)
-    velocity, time = table.known("velocity", SPEEDS), table.known("time", TIMES)
+    voltage, amplitude = table.known("voltage", VOLTAGES), table.known("normal_amplitude", DISPLACEMENTS)
+    velocity, time = table.known("velocity", VELOCITIES), table.known("time", TIMES)
     level_key = "voltage_V" if voltage is not None else "normal_amplitude_m" if amplitude is not None else ""
     levels = voltage or amplitude or ()
     if min(levels, default=0.0) < 0.0:
@@ -67,11 +67,11 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
         hint = ": a head is a name and its unit, such as x_mm or u_z_real_pm" if bracketed else ""
         raise SceneError(option, f"{str(path)!r} must have the columns {wanted}; got {', '.join(table.names)}{hint}")
     if quantity == "amplitude":
-        deviations = table.deviation(("normal_amplitude_standard_deviation",), LENGTHS)
+        deviations = table.deviation(("normal_amplitude_standard_deviation",), DISPLACEMENTS)
     elif quantity == "position":
-        deviations = table.deviation(("position_standard_deviation",), LENGTHS)
+        deviations = table.deviation(("position_standard_deviation",), DISPLACEMENTS)
     else:
-        deviations = table.deviation(("error", "velocity_standard_deviation"), SPEEDS)
+        deviations = table.deviation(("error", "velocity_standard_deviation"), VELOCITIES)
     return Measurement(
         name=Path(path).name, quantity=quantity, level_key=level_key, levels=tuple(levels), time=time or (),
         values=values, deviations=deviations,

@@ -39,7 +39,14 @@ PANELS = {
 
 
 @study("twente-contact")
-def run(scene: Scene, *, over: dict | None = None, counts: tuple[int, int] = (28, 22), progress=None) -> Answered:
+def run(
+    scene: Scene,
+    *,
+    over: dict | None = None,
+    counts: tuple[int, int] = (28, 22),
+    tolerance: float = 1e-3,
+    progress=None,
+) -> Answered:
     """Return the maps, the lines of threshold and release, and the point of the scene.
 
     Parameters
@@ -48,6 +55,8 @@ def run(scene: Scene, *, over: dict | None = None, counts: tuple[int, int] = (28
         Two keys of numbers and their values, as for a sweep.
     counts : tuple of int
         Numbers of levels and of preloads, if ``over`` is None.
+    tolerance : float
+        Of the slider velocity.
     """
     resolved_scene = resolved(scene)
     if resolved_scene.slider is None:
@@ -66,7 +75,8 @@ def run(scene: Scene, *, over: dict | None = None, counts: tuple[int, int] = (28
     def report(count, kept, failed, cost):
         progress(f"design map: {kept} of {count} points, {failed} failed")
 
-    points = sweep(table, {y_key: y, x_key: x}, also=("limits", "thrust", "efficiency"), progress=report)
+    words = ("limits", "thrust", "efficiency")
+    points = sweep(table, {y_key: y, x_key: x}, tolerance=tolerance, also=words, progress=report)
     failed = f"{points.failed} of {points.points} points have no answer"
     columns, shape = points.columns(), (len(y), len(x))
     grid = {

@@ -91,7 +91,8 @@ def run(
     duration = float(f"{LONG * largest / acceleration:.2g}")
     options = {"duration": duration, "after": duration, "tolerance": 1e-3, "samples": 1500}
     bursts = tuple(
-        (driven.named(level), contact.burst(slider, driven.at(level), **options)) for level in dict.fromkeys(voltages)
+        (driven.scene.named(level), contact.burst(slider, driven.at(level), **options))
+        for level in dict.fromkeys(voltages)
     )
     studies = (regime_map, admittance) if maps else ()
     return Gallery(

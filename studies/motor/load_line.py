@@ -24,23 +24,25 @@ LINES = 4
 
 
 @study("twente-contact")
-def run(scene: Scene, *, points: int = 17, progress=None) -> Answered:
+def run(scene: Scene, *, points: int = 17, tolerance: float = 1e-3, progress=None) -> Answered:
     """Return load lines and efficiencies.
 
     Parameters
     ----------
     points : int
         Number of loads of each line.
+    tolerance : float
+        Of the slider velocity.
     """
-    driven = driven_contact(scene, pillars=True, progress=progress)
+    driven = driven_contact(scene, tolerance=tolerance, pillars=True, progress=progress)
     resolved_scene, slider, lines = driven.scene, driven.slider, {}
     for level in driven.spread(1.05, LINES):
-        progress(f"load line: {driven.named(level)}")
+        progress(f"load line: {driven.scene.named(level)}")
         if resolved_scene.slider.pillars is not None:
-            lines[driven.named(level)] = PillarContact.of(driven).load_line(level, points)
+            lines[driven.scene.named(level)] = PillarContact.of(driven).load_line(level, points)
             continue
-        line = contact.load_line(slider, driven.at(level), points=points, tolerance=1e-4)
-        lines[driven.named(level)] = line
+        line = contact.load_line(slider, driven.at(level), points=points, tolerance=0.1 * tolerance)
+        lines[driven.scene.named(level)] = line
     if resolved_scene.slider.pillars is not None:
         slider = replace(slider, preload=resolved_scene.slider.preload)  # of all pillars
     # number of balls that one computed ball represents

@@ -26,7 +26,7 @@ import numpy as np
 
 import contact
 from studies.chain import resolve
-from studies.export.averaged_motor import AveragedMotor, averaged_motor, ring_speed
+from studies.export.averaged_motor import AveragedMotor, averaged_motor, first_drive, other_drives, push, ring_speed
 from studies.motor.controllers import MotorNumbers, controller
 from studies.motor.followed_motor import STEPS, FollowedMotor
 from studies.motor.position_loop import Drives, Loop, Move, moved, replayed
@@ -52,7 +52,7 @@ UNITS = {
 @study("twente-contact")
 def run(
     scene: Scene, *, target: str | float | None = None, controller: str = "two_phase", loop: list[str] | None = None,
-    cycles: tuple[int, ...] = CYCLES, progress=None,
+    cycles: tuple[int, ...] = CYCLES, tolerance: float = 1e-3, progress=None,
 ) -> Answered:  # fmt: skip
     """Return the moves to a target and back, and the steps of short bursts.
 
@@ -66,6 +66,8 @@ def run(
         ``KEY=VALUE`` of the loop or of the controller.
     cycles : tuple of int
         Lengths of the bursts whose steps are shown.
+    tolerance : float
+        Of the slider velocity, for the stator.
     """
     settings, make_controller = read_loop(loop or [], controller)
     distance = None
@@ -74,8 +76,15 @@ def run(
         if distance == 0.0:
             raise SceneError("--target", "must not be 0: that is where the slider stands")
         refuse_beyond(scene, distance)
-    motor = averaged_motor(scene, progress=progress)
-    numbers, direction = motor_numbers(motor)
+    first = first_drive(scene, tolerance=tolerance, progress=progress)
+    one_way = scene.wave is None and not other_drives(scene)
+    direction = math.copysign(1.0, push(first.slider, first.at(max(first.levels))))
+    if one_way and distance is not None and distance * direction < 0.0:
+        sign, there = ("negative", "-10 um") if distance > 0.0 else ("positive", "10 um")
+        rule = f'must be {sign}, such as "{there}": one transducer drives the slider that way alone'
+        raise SceneError("--target", f"{rule}, got {distance * 1e6:.4g} um")
+    motor = averaged_motor(scene, tolerance=tolerance, first=first, progress=progress)
+    numbers = motor_numbers(motor)
     reach = numbers.speed_per_level * (numbers.level - numbers.dead_zone) * settings.limit
     if distance is not None and abs(distance) > reach:
         raise SceneError(
@@ -86,13 +95,6 @@ def run(
     if distance is None:
         distance = DEFAULT_TARGET * direction
         refuse_beyond(scene, distance)
-    one_way = len(motor.drives) == 1
-    if one_way and distance * direction < 0.0:
-        sign = "negative" if distance > 0 else "positive"
-        there = f"{-distance * 1e6:g} um"
-        raise SceneError(
-            "--target", f'must be {sign}, such as "{there}": one transducer drives the slider that way alone'
-        )
     progress("positioning: the way there and back")
     state = FollowedMotor(motor, preload=settings.preload)
     drives = Drives(
@@ -107,7 +109,7 @@ def run(
     error, _ = _difference(moves, coarse, settings)
     averaging = _difference(moves, motor.start(preload=settings.preload), settings)
     progress("positioning: steps of short bursts")
-    steps = short_bursts(scene, motor, cycles, progress)
+    steps = short_bursts(first, motor, cycles, progress)
     scatter = step_scatter(scene, motor, progress)
     findings = [
         *(judged(f"The slider comes to rest at the target ({name}).", "mean error at rest, m",
@@ -181,23 +183,22 @@ def refuse_beyond(scene: Scene, distance: float) -> None:
         raise SceneError("--target", f"{rule}, got {distance * 1e3:.4g} mm")
 
 
-def motor_numbers(motor: AveragedMotor) -> tuple[MotorNumbers, float]:
-    """Return the motor parameters of a controller, and the sign of the velocity under the first drive."""
+def motor_numbers(motor: AveragedMotor) -> MotorNumbers:
+    """Return the motor parameters of a controller."""
     slider, drive, level = motor.slider, motor.drives[0], motor.levels[-1]
-    orbits = tuple(orbit.scaled(level) for orbit in drive.orbits)
-    push = float(contact.mean_traction(replace(slider, load=0.0), orbits, np.zeros(1))[0])
+    orbits = motor.orbits_at(level)
+    force = push(slider, orbits)
     dead_zone_level = float(contact.threshold_factor(slider, drive.orbits))
-    if push == 0.0 or dead_zone_level >= level:
+    if force == 0.0 or dead_zone_level >= level:
         raise SceneError(
             "drive.voltage", f"must reach above the threshold, {dead_zone_level:.4g} {motor.unit}, got {level:.4g}"
         )
     steady = abs(float(contact.mean_motion(slider, orbits).velocity))
-    numbers = MotorNumbers(
-        level=level, dead_zone=dead_zone_level, acceleration=abs(push) / slider.mass,
+    return MotorNumbers(
+        level=level, dead_zone=dead_zone_level, acceleration=abs(force) / slider.mass,
         braking=slider.friction_coefficient * slider.preload / slider.mass, delay=drive.settling,
         speed_per_level=steady / (level - dead_zone_level),
     )  # fmt: skip
-    return numbers, math.copysign(1.0, push)
 
 
 def _panels(motor: AveragedMotor, moves: dict[str, Move], steps: dict) -> list[Panel]:

@@ -17,7 +17,6 @@ import numpy as np
 import contact
 from studies.chain import bridge
 from studies.chain.bridge import DrivenContact
-from studies.chain.propagation import reference_speed
 from studies.record.plots import COLOURS, curve, finished, logarithmic, own
 from studies.record.quantities import quantity
 from studies.scene import Scene
@@ -30,7 +29,9 @@ HALF_WAVE = math.gamma(1.25) / (2.0 * math.sqrt(math.pi) * math.gamma(1.75))  # 
 
 
 @study("twente-contact")
-def run(scene: Scene, *, amplitudes: int = 36, preloads: int = 28, checked: int = 12, progress=None) -> Answered:
+def run(
+    scene: Scene, *, amplitudes: int = 36, preloads: int = 28, checked: int = 12, tolerance: float = 1e-3, progress=None
+) -> Answered:
     """Return the map of regimes, the theoretical lines and the operating points.
 
     Parameters
@@ -39,8 +40,10 @@ def run(scene: Scene, *, amplitudes: int = 36, preloads: int = 28, checked: int 
         Number of grid points along each axis.
     checked : int
         Number of points that the event-driven method solves again.
+    tolerance : float
+        Of the slider velocity, for the stator.
     """
-    driven = driven_contact(scene, progress=progress)
+    driven = driven_contact(scene, tolerance=tolerance, progress=progress)
     resolved_scene, slider, per_metre = driven.scene, driven.slider, driven.at(1.0 / driven.amplitude)
     if slider.shape != "sphere" or slider.heights:
         resolved_scene.refuse("slider", "must stand on balls of equal height for a map of regimes")
@@ -98,7 +101,7 @@ def _grid(driven: DrivenContact, per_metre: tuple, amplitudes: int, preloads: in
     release = contact.release_factor(driven.slider, per_metre)
     if not (np.isfinite(threshold) and np.isfinite(release) and threshold > 0.0):
         driven.scene.refuse(
-            driven.level_key, "must move the surface in both directions, so that the slider can start and part"
+            driven.scene.level_key, "must move the surface in both directions, so that the slider can start and part"
         )
     at = np.geomspace(min(0.4 * threshold, 0.8 * reach[0]), max(6.0 * release, 1.2 * reach[-1]), amplitudes)
     return at, driven.slider.preload * np.geomspace(0.08, 12.0, preloads), reach
@@ -111,7 +114,7 @@ def _worst(loaded, per_metre, amplitudes, states, checked: int) -> float:
     for i, j in moving[:: max(1, len(moving) // checked)][:checked]:
         orbits = bridge.scaled(per_metre, float(amplitudes[j]))
         full = contact.steady(loaded[i], orbits, tolerance=1e-6).velocity
-        differences.append(abs(full - states.velocity[i, j]) / reference_speed(full, orbits[:1]))
+        differences.append(abs(full - states.velocity[i, j]) / contact.reference_speed(full, orbits[:1]))
     return float(max(differences))
 
 

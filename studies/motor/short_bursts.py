@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 import contact
+from studies.chain.bridge import DrivenContact
 from studies.chain.predictor import Predictor
 from studies.chain.resolve import resolved
 from studies.chain.solved_stator import of_stator
@@ -13,19 +14,18 @@ from studies.chain.steps import Steps
 from studies.export.averaged_motor import AveragedMotor
 from studies.scene import Scene
 from studies.scene.keys import LEVELS, tolerances
-from studies.study import driven_contact
 
 DRAWS = 24  # number of random motors within the tolerances, for the scatter
 SCATTER_CYCLES = 100
 
 
-def short_bursts(scene: Scene, motor: AveragedMotor, cycles: tuple[int, ...], progress) -> dict:
+def short_bursts(driven: DrivenContact, motor: AveragedMotor, cycles: tuple[int, ...], progress) -> dict:
     """Return the steps of short bursts at the largest level, from the exact contact model and from the averaged motor.
 
     The keys are columns over ``cycles``, the elastic deformation of the contacts in m, and the largest ``difference``
     between the steps of both models in m.
     """
-    bursts = Steps.of(driven_contact(scene, progress=progress), progress=progress)
+    bursts = Steps.of(driven, progress=progress)
     level, drive = motor.levels[-1], motor.drives[0]
     frequency = drive.orbits[0].frequency
     decay_time = 0.0 if drive.response is None else drive.response_step * len(drive.response)

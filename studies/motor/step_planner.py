@@ -43,8 +43,9 @@ HOLLOW = {"markersize": 5.0, "markerfacecolor": "white"}
 
 @study("twente-contact")
 def run(
-    scene: Scene, *, cycles: tuple[int, ...] = CYCLES, wanted: tuple[float, ...] = WANTED, lines: int = 4, progress=None
-) -> Answered:
+    scene: Scene, *, cycles: tuple[int, ...] = CYCLES, wanted: tuple[float, ...] = WANTED, lines: int = 4,
+    tolerance: float = 1e-3, progress=None,
+) -> Answered:  # fmt: skip
     """Return the steps of given numbers of cycles, and the numbers of cycles for given steps.
 
     Parameters
@@ -55,13 +56,15 @@ def run(
         Steps to plan, m.
     lines : int
         Largest number of levels of the scene.
+    tolerance : float
+        Of the slider velocity, for the stator.
     """
-    driven = driven_contact(scene, progress=progress)
+    driven = driven_contact(scene, tolerance=tolerance, progress=progress)
     levels = driven.spread(1.5, lines)
     bursts = Steps.of(driven, progress=progress)
     steps, planned = {}, {}
     for level in levels:
-        name = driven.named(level)
+        name = driven.scene.named(level)
         progress(f"step planner: {name}")
         steps[name] = [bursts.step(level, number) for number in cycles]
         planned[name] = [bursts.reaching(level, size) for size in wanted]
@@ -78,7 +81,7 @@ def run(
                holds=all(abs(less.displacement) < size <= abs(enough.displacement) for size, less, enough in pairs),
                expected=f"{wanted[0]:g} m and up to a cycle's worth more",
                remark="; ".join(plan_texts + [bursts.sentence] * bool(bursts.sentence))),
-        *_growth([each for each in steps[driven.named(slowest)] if each.ring < RING * abs(each.displacement)],
+        *_growth([each for each in steps[driven.scene.named(slowest)] if each.ring < RING * abs(each.displacement)],
                  steady, bursts, slowest),
     ]  # fmt: skip
 

@@ -26,7 +26,7 @@ CLEAR = 0.5  # least distance from the fingers in wavelengths
 
 
 @study("twente")
-def run(scene: Scene, *, count: int = 240, duration: float = 0.3, progress=None) -> Answered:
+def run(scene: Scene, *, count: int = 240, duration: float = 0.3, tolerance: float = 1e-3, progress=None) -> Answered:
     """Return amplitude and steady velocity against the position of the slider, and the motion of a travelling slider.
 
     Parameters
@@ -35,8 +35,10 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, progress=None)
         Number of positions.
     duration : float
         Duration of the motion along the field, s.
+    tolerance : float
+        Of the slider velocity.
     """
-    driven = driven_contact(scene, progress=progress)
+    driven = driven_contact(scene, tolerance=tolerance, progress=progress)
     if driven.record is None:
         driven.scene.refuse("wave", "must be absent: along a given wave every place is alike")
     resolved_scene, slider, motion = driven.scene, driven.slider, driven.record.surface_motion
@@ -50,7 +52,7 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, progress=None)
     orbits = along.orbits(shifts)
     velocities, paths, speeds = {}, {}, {}
     for level in driven.spread(1.05, LINES):
-        name = driven.named(level)
+        name = driven.scene.named(level)
         progress(f"stroke: {name}")
         rows = averaged([(slider, each, 0.0, level) for each in orbits])
         velocities[name] = np.array([velocity for velocity, *_ in rows[:-1]]).reshape(count, WITHIN)
@@ -74,7 +76,7 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, progress=None)
             "finite_aperture": motion.beam is not None,
         }),
     )  # fmt: skip
-    steady, expected = velocities[name], contact.steady(slider, driven.at(level), tolerance=1e-4).velocity
+    steady, expected = velocities[name], contact.steady(slider, driven.at(level), tolerance=0.1 * tolerance).velocity
     fastest = abs(steady[np.isfinite(steady)]).max()
     findings = (
         judged("At the position in the scene, the velocity is that of the run.",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from studies.record.quantities import described
+from studies.record.quantities import described, quantity
 from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, SceneError, nearest, needed
 from studies.results import Origin, result_directory
 from studies.results.content import plain, provenance
@@ -113,7 +113,11 @@ class Record:
     @property
     def level(self) -> str:
         """Key of the points that says how hard the motor is driven."""
-        return "normal_amplitude_m" if self.scene.wave is not None else "voltage_V"
+        return self.scene.level_column
+
+    def limit(self, name: str) -> float | None:
+        """Return the level at the "threshold" or the "release"; None where there is none."""
+        return self.summary.get(f"{name}_{self.level.removeprefix('normal_')}")
 
     @property
     def surface_wave(self) -> Any:
@@ -329,9 +333,9 @@ class Record:
     def _in_short(self) -> list[str]:
         parts = []
         if self.points:
-            unit, scale = ("V", 1.0) if self.level == "voltage_V" else ("nm", 1e9)
-            levels = [point[self.level] * scale for point in self.points]
-            parts.append(f"{len(levels)} points, {min(levels):.4g} to {max(levels):.4g} {unit}")
+            level = quantity(self.level)
+            levels = [point[self.level] * level.scale for point in self.points]
+            parts.append(f"{len(levels)} points, {min(levels):.4g} to {max(levels):.4g} {level.shown}")
             speeds = [1e3 * point["velocity_m_per_s"] for point in self.points if "velocity_m_per_s" in point]
             if speeds:
                 parts.append(f"velocity {min(speeds):.4g} to {max(speeds):.4g} mm/s")

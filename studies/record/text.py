@@ -218,11 +218,12 @@ def comparison(block: dict):
         return
     if "trace" in block:
         yield "measured", f"{block['compared']} instants of {block['file']} compared, {block['quantity']}"
+        if "measured_over_predicted" not in block:
+            yield "", "no motion is predicted"
+            return
         yield "", f"deviation {100 * block['rms_deviation_relative']:.3g} % rms of the largest predicted"
-        yield (
-            "",
-            f"measured / predicted {block['measured_over_predicted']:.4g}, begins at {block['time_offset_s']:.4g} s",
-        )
+        ratio = f"measured / predicted {block['measured_over_predicted']:.4g}"
+        yield "", f"{ratio}, begins at {block['time_offset_s']:.4g} s"
         return
     rms, mean = (block[f"{kind}_deviation_m_per_s"] * 1e3 for kind in ("rms", "mean"))
     relative = block.get("rms_deviation_relative")

@@ -23,16 +23,31 @@ def refuse_incomparable(scene: "Scene", measured: Measurement) -> None:
         raise SceneError(OPTION, f"{measured.name!r} is a network analyser's: sawmotor study network draws it")
     if scene.slider is None:
         raise SceneError(OPTION, "needs a scene with a [slider]: there is no velocity to compare with")
-    level = "voltage_V" if scene.wave is None else "normal_amplitude_m"
+    level = scene.level_column
     if measured.quantity in ("burst", "position"):
         if scene.burst is None:
-            key = "wave.burst" if scene.wave is not None else "drive.burst"
-            raise SceneError(OPTION, f'{measured.name!r} holds a burst: --set {key}="0.1 s" says how long it was')
+            setting = f'--set {scene.source_key}.burst="0.1 s"'
+            raise SceneError(OPTION, f"{measured.name!r} holds a burst: {setting} says how long it was")
         return
     if measured.quantity != "velocity":
         raise SceneError(OPTION, f"must hold velocities against {level}, got a {measured.quantity}")
     if measured.level_key != level:
         raise SceneError(OPTION, f"must have the column {level} for this scene, got {measured.level_key}")
+
+
+def deviations(measured: np.ndarray, predicted: np.ndarray, unit: str) -> dict[str, float]:
+    """Return how far measured values lie from predicted ones, both in a unit that the columns are named with.
+
+    ``measured_over_predicted`` is the ratio by least squares; like the relative deviation, it is absent if all
+    predictions are 0.
+    """
+    gap, largest = measured - predicted, float(np.max(np.abs(predicted)))
+    rms = float(np.sqrt(np.mean(gap**2)))
+    columns = {f"rms_deviation_{unit}": rms, f"mean_deviation_{unit}": float(np.mean(gap))}
+    if largest > 0.0:
+        columns["rms_deviation_relative"] = rms / largest
+        columns["measured_over_predicted"] = float(np.sum(measured * predicted) / np.sum(predicted**2))
+    return columns
 
 
 def compared(measured: Measurement, predicted: list[float | None]) -> dict:
@@ -68,21 +83,15 @@ def compared(measured: Measurement, predicted: list[float | None]) -> dict:
         if answered[k]:
             point["predicted_m_per_s"] = float(expected[k])
         points.append(point)
-    gap = (velocity - expected)[answered]
-    rms, largest = float(np.sqrt(np.mean(gap**2))), float(abs(expected).max())
     block = {
         "file": measured.name,
         "points": points,
         "compared": int(answered.sum()),
         "sign_of_prediction_given": unsigned,
-        "rms_deviation_m_per_s": rms,
-        "mean_deviation_m_per_s": float(gap.mean()),
+        **deviations(velocity[answered], expected[answered], "m_per_s"),
     }
-    if largest > 0:
-        block["rms_deviation_relative"] = rms / largest
-        block["measured_over_predicted"] = float(np.sum(velocity * expected) / np.sum(expected**2))
     if measured.deviations is not None:
-        ratios = gap / np.array(measured.deviations)[answered]
+        ratios = (velocity - expected)[answered] / np.array(measured.deviations)[answered]
         block["within_one_error"] = int(np.sum(abs(ratios) <= 1))
         block["chi_square_per_point"] = float(np.mean(ratios**2))
     return block

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from studies.chain.moduli import direction_dependence
 from studies.chain.resolve import solid
+from studies.record.quantities import quantity
 from studies.report.intermediate import si
 from studies.scene import Scene
 from studies.scene.blocks import Stator
@@ -28,10 +29,11 @@ def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
         yield "piece", [f"{piece.label}: its x = 0 at {places} mm"]
     yield "frequency", [f"{scene.frequency / 1e6:g} MHz"]
     if scene.levels:
-        name, factor, unit = ("voltage", 1, "V") if scene.wave is None else ("amplitude", 1e9, "nm")
-        low, high = (f"{level * factor:g}" for level in (min(scene.levels), max(scene.levels)))
+        shown = quantity(scene.level_column)
+        low, high = (f"{level * shown.scale:g}" for level in (min(scene.levels), max(scene.levels)))
         several = f"{len(scene.levels)} values, {low} to {high}"
-        yield name, [f"{several if len(scene.levels) > 1 else high} {unit}"]
+        name = "voltage" if scene.wave is None else "amplitude"
+        yield name, [f"{several if len(scene.levels) > 1 else high} {shown.shown}"]
     if scene.slider is not None:
         slider = scene.slider
         moduli = f"E* {slider.effective_modulus / 1e9:.4g} GPa, G* {slider.tangential_modulus / 1e9:.4g} GPa"

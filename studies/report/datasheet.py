@@ -21,6 +21,7 @@ from studies.chain.pillar_points import PillarContact
 from studies.chain.pillar_points import burst as pillar_burst
 from studies.chain.steps import Steps
 from studies.record import Record
+from studies.record.quantities import quantity
 from studies.record.text import sentences
 from studies.refusal import RunError
 from studies.report.intermediate import si
@@ -93,7 +94,7 @@ class Datasheet:
         """Return the datasheet as a table of text, as `sawmotor datasheet` prints it."""
         groups = {group: [row.texts() for row in self.rows if row.group == group] for group in GROUPS}
         name, value = (max(len(row[key]) for rows in groups.values() for row in rows) for key in ("name", "value"))
-        lines = [f"{self.record.scene.title}: rated at {self.driven.named(self.rated)} peak"]
+        lines = [f"{self.record.scene.title}: rated at {self.driven.scene.named(self.rated)} peak"]
         for group, rows in groups.items():
             lines += ["", GROUPS[group]]
             lines += [
@@ -107,12 +108,13 @@ class Datasheet:
 
     def __repr__(self) -> str:
         """Return title, rated level and velocity on one line."""
-        title, speed = self.record.scene.title or "untitled", self.rows[0]
-        return f"Datasheet({title!r}, {self.driven.named(self.rated)}, {speed.name} {si(speed.value, speed.unit, 4)})"
+        scene, speed = self.record.scene, self.rows[0]
+        title, rated = scene.title or "untitled", scene.named(self.rated)
+        return f"Datasheet({title!r}, {rated}, {speed.name} {si(speed.value, speed.unit, 4)})"
 
     def to_dict(self) -> dict:
         """Return the contents of datasheet.json: title, rated level, rows and model error."""
-        level = "amplitude_m" if self.record.scene.wave is not None else "voltage_V"
+        level = self.record.level.removeprefix("normal_")
         rows = [{key: value for key, value in row._asdict().items() if value not in (None, "")} for row in self.rows]
         whole = {"title": self.record.scene.title, f"rated_{level}": self.rated, "rows": rows}
         return whole | ({"model_error": self.record.model_error} if self.record.model_error else {})
@@ -143,10 +145,7 @@ def datasheet(
     scene = Scene.load(scene)
     if scene.slider is None:
         scene.refuse("slider", "is missing: a datasheet is of a whole motor")
-    block = "wave" if scene.wave is not None else "drive"
-    record = run(
-        replace(scene, **{block: replace(getattr(scene, block), burst=None)}), tolerance=tolerance, progress=say
-    )
+    record = run(scene.with_source(burst=None), tolerance=tolerance, progress=say)
     if record.shortfall:
         raise RunError(record.shortfall)
     driven = DrivenContact.of_run(record)
@@ -158,7 +157,7 @@ def datasheet(
         answer = (_of_pillars if on_pillars else _of_balls)(driven, rated, levels, say)
     except contact.ConvergenceError as error:
         raise RunError(f"the datasheet is incomplete: {' '.join(str(error).split())}") from None
-    line = answer["lines"][driven.named(rated)]
+    line = answer["lines"][driven.scene.named(rated)]
     rows = (
         *_speeds(record, driven, rated),
         *answer.pop("rows"),
@@ -172,15 +171,15 @@ def datasheet(
 def _of_balls(driven: DrivenContact, rated: float, levels: list[float], say: Any) -> dict:
     """Return load lines, start and stop, steps, and the rows on forces and positioning of a slider on balls."""
     say("load lines")
-    options = {"points": LOADS, "tolerance": CONTACT_TOLERANCE}
-    lines = {driven.named(level): contact.load_line(driven.slider, driven.at(level), **options) for level in levels}
+    options, named = {"points": LOADS, "tolerance": CONTACT_TOLERANCE}, driven.scene.named
+    lines = {named(level): contact.load_line(driven.slider, driven.at(level), **options) for level in levels}
     say("start and stop")
     start_stop = _start_stop(driven, rated)
     say("steps")
     bursts = Steps.of(driven, progress=say)
     steps = tuple(bursts.reaching(rated, size)[1] for size in STEPS)
     balls = driven.scene.slider.preload_force / driven.slider.preload
-    rows = (*_forces(driven, rated, lines[driven.named(rated)], balls), *_positioning(bursts, rated, steps, start_stop))
+    rows = (*_forces(driven, rated, lines[named(rated)], balls), *_positioning(bursts, rated, steps, start_stop))
     return {"lines": lines, "start_stop": start_stop, "steps": steps, "balls": balls, "rows": rows}
 
 
@@ -188,8 +187,8 @@ def _of_pillars(driven: DrivenContact, rated: float, levels: list[float], say: A
     """Return the fields of `_of_balls` for a slider on pillars, without steps, because its bounce is not modelled."""
     body, slider = PillarContact.of(driven), driven.scene.slider
     say("load lines")
-    lines = {driven.named(level): body.load_line(level, LOADS) for level in levels}
-    line = lines[driven.named(rated)]
+    lines = {driven.scene.named(level): body.load_line(level, LOADS) for level in levels}
+    line = lines[driven.scene.named(rated)]
     say("start and stop")
     free, holding_force = line.motions[0], slider.static_coefficient * slider.preload_force
     start_stop = pillar_burst(body, rated, free, LONG * abs(free.velocity) / (holding_force / slider.mass))
@@ -207,7 +206,7 @@ def _moving_levels(record: Record, driven: DrivenContact) -> list[float]:
     """Return the levels at which a slider on pillars moves; refuse if there is none."""
     moving = sorted({each[record.level] for each in record.points if each.get("velocity_m_per_s")})
     if not moving:
-        record.scene.refuse(driven.level_key, "must hold a value at which the slider moves")
+        record.scene.refuse(driven.scene.level_key, "must hold a value at which the slider moves")
     return moving
 
 
@@ -225,16 +224,16 @@ def _speeds(record: Record, driven: DrivenContact, rated: float) -> Any:
     point = next(each for each in record.points if each[record.level] == rated)
     # relative_error of a point refers to max(|v|, omega |u_x| / 10); convert it to |v|
     speed, omega = abs(point["velocity_m_per_s"]), 2.0 * np.pi * float(record.scene.frequency)
-    error = point["relative_error"] * max(speed, omega * point["tangential_amplitude_m"] / 10.0) / speed
+    error = point["relative_error"] * contact.speed_scale(speed, omega * point["tangential_amplitude_m"]) / speed
     scale, model = error / point["relative_error"] if error else 1.0, point.get("model_relative_error")
     yield Row("speed", "speed", speed, "m/s", error, "no load, steady", None if model is None else scale * model)
-    unit, key = ("m", "amplitude_m") if record.scene.wave is not None else ("V", "voltage_V")
+    unit = quantity(record.level).unit
     for name, event, factor_of in (
         ("threshold", "starts to move", contact.threshold),
         ("release", "leaves the surface in every cycle", contact.release),
     ):
-        if f"{name}_{key}" in record.summary:
-            value, condition = record.summary[f"{name}_{key}"], f"the slider {event}"
+        value, condition = record.limit(name), f"the slider {event}"
+        if value is not None:
             factor = factor_of(driven.slider, driven.orbits)
             error = driven.stator_error + (factor.error / factor.value if factor.error else 0.0)
             yield Row("speed", name, value, unit, error, condition, record.error.get("model"))

@@ -24,7 +24,7 @@ def page(sheet: Datasheet) -> str:
     return rendered(
         TEMPLATE,
         title=record.scene.title or "A motor",
-        rated=sheet.driven.named(sheet.rated),
+        rated=sheet.driven.scene.named(sheet.rated),
         record=record,
         groups={title: [row.texts() for row in sheet.rows if row.group == group] for group, title in GROUPS.items()},
         pictures=[{"data": as_uri(draw, size=PICTURE), "caption": caption} for draw, caption in drawn],
@@ -58,5 +58,5 @@ def start_and_stop(sheet: Datasheet, ax):
     ax.axvline(motion.duration * 1e3, color=COLOURS["line"], linestyle=":", linewidth=1, label="drive off")
     label = f"{SETTLED:.0%} of the speed"
     ax.axhline(settled_velocity, color=COLOURS["stick"], linestyle="--", linewidth=1, label=label)
-    title = f"start and stop at {sheet.driven.named(sheet.rated)}"
+    title = f"start and stop at {sheet.driven.scene.named(sheet.rated)}"
     return finished(ax, quantity("time_s").axis, quantity("velocity_m_per_s").axis, title)

@@ -7,7 +7,10 @@ contacts at different places. An event-driven burst takes about 5e-5 s per cycle
 """
 
 import textwrap
+from dataclasses import replace
 from typing import Any
+
+import numpy as np
 
 import contact
 import fem
@@ -15,6 +18,7 @@ from studies.chain import resolve
 from studies.chain.left_out import left_out
 from studies.chain.points import SHARE
 from studies.chain.ring_up import RingUp
+from studies.chain.spectrum import groups
 from studies.chain.surface_motion import wanted_diffraction
 from studies.record.text import labelled, table
 from studies.refusal import RunError
@@ -77,10 +81,10 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
 
             number = layout(slider)["x"].size
         contacts = len(set(slider.offsets))  # contacts at the same place move identically
-        facts = [f"{slider.law} law; contacts: {number}, {levels}: {len(scene.levels)}"]
+        facts = [f"{slider.law} law, {_counted(number, 'contact')}, {len(scene.levels)} {levels}"]
         seconds += POINT * len(scene.levels) * contacts**CONTACTS
         if scene.burst is not None:
-            facts.append(f"burst: {scene.burst * scene.frequency:.4g} cycles of the wave at each of them")
+            facts.append(f"a burst of {scene.burst * scene.frequency:.4g} cycles of the wave at each")
         if not contact.kernels.ready():
             facts.append(f"its kernels are compiled first, {contact.kernels.how_often()}: about {COMPILE:g} s")
             seconds += COMPILE
@@ -107,6 +111,14 @@ def long_sweep(scene: Scene, *, tolerance: float, stators: int, points: int) -> 
     expected = plan(scene, tolerance=tolerance)["expected"]
     contacts = POINT * points if scene.burst is not None else AVERAGED_POINT * points
     return announced(stators * expected["stator_seconds"] + contacts)
+
+
+def band_seconds(scene: Scene, frequencies: np.ndarray, *, tolerance: float) -> float:
+    """Return the expected time in s of the admittances of a resolved scene at rising frequencies in Hz."""
+    plane = replace(scene, slider=None, stator=replace(scene.stator, diffraction=False))
+    one = plan(plane, tolerance=tolerance)["expected"]["stator_seconds"]
+    ports = sum(each.has_two_combs for each in scene.transducer) if resolve.diffracts(scene) else 1
+    return one * ports**2 * sum(BAND if len(group) > 1 else 1 for group in groups(scene, frequencies))
 
 
 def announced(expected: float, more: str = "") -> tuple[str, ...]:
@@ -136,11 +148,11 @@ def explanation(plan: dict) -> str:
         rows += [(part["name"], lines), ("", [""])]
     rows += [
         ("left out", [line for each in plan["left_out"] for line in textwrap.wrap(each, WIDTH)]),
-        ("error", [f"at most {plan['tolerance']:.1e} is required"]),
-        ("expected time", [f"{expected['seconds']:.2g} s within a factor of {TIME_WITHIN:g}, without bursts: counted "
-                           f"operations at {SPEED:.1e} per second"]),
-        ("expected memory", [f"{expected['bytes'] / 1e6:.0f} MB within a factor of {MEMORY_WITHIN:g}, without "
-                             "pictures"]),
+        ("error", [f"at most {plan['tolerance']:.1e}, as required by the tolerance"]),
+        ("expected time", [f"{expected['seconds']:.2g} s without bursts, within a factor of {TIME_WITHIN:g} (number of "
+                           f"operations over {SPEED:.1e} per second)"]),
+        ("expected memory", [f"{expected['bytes'] / 1e6:.0f} MB without pictures, within a factor of "
+                             f"{MEMORY_WITHIN:g}"]),
     ]  # fmt: skip
     title = plan["title"] or "no title"
     return "\n".join([title, "what a run would compute; nothing has been computed", "", *labelled(rows)])
@@ -160,15 +172,15 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
     finest, fingers = sizes[resolutions[-1]], sum(len(each.signs) for each in row)
     facts = (
         _stator_text(scene),
-        f"transducers: {len(row)}, different ones: {finest.scatterers}, fingers in all: {fingers}",
+        f"fingers: {fingers}, of {_counted(len(row), 'transducer')} of {_counted(finest.scatterers, 'kind')}",
         *(
-            [f"sections, one for each row of parallel transducers: {sections}; the first is described"]
+            [f"{sections} sections, one for each row of parallel transducers; the sizes are those of the first"]
             if scene.crossed
             else ()
         ),
-        "two discretisations, the second for the error; one more if their difference exceeds the tolerance",
-        f"fields {', '.join(finest.section.solid.fields)}; {'complex' if finest.complex else 'real'} arithmetic in "
-        "the pieces, guided modes between them",
+        "two discretisations, whose difference is the error; a third if it exceeds the tolerance",
+        f"fields {', '.join(finest.section.solid.fields)}; finite elements under the fingers, in "
+        f"{'complex' if finest.complex else 'real'} arithmetic, and guided modes between them",
     )
     parts = [{"name": "stator", "facts": facts, "levels": [_level_sizes(sizes[k]) for k in resolutions]}]
     operations, block_bytes = (
@@ -179,7 +191,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
     refusal = resolve.default_refusal(stator, slider.places) if diffraction is None else ""
     has_beam = diffraction is not False and not refusal
     if has_beam:
-        how = "guided modes at every wavenumber across the aperture, under the slider"
+        how = "guided modes at every wavenumber across the aperture, evaluated under the slider"
         parts.append({"name": "beam", "facts": [how]})
         operations += BEAM if fem.isotropic_about_normal(stator.solid) else CUT_BEAM
     left_out_options = {"beam": has_beam, "reason": refusal}
@@ -187,13 +199,17 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
         covered = any(abs(slider.center[0] - each.place[0]) <= each.half_length for each in scene.transducer)
         if not covered:
             left_out_options["ringing"] = RingUp(error=0.0)
-            how = "response over a band, with as many frequencies as the ring-up needs; its time is the least certain"
+            how = "frequency response over a band; the number of frequencies, and so the time, is not known in advance"
             parts.append({"name": "ring-up", "facts": [how]})
             operations, block_bytes = (
                 operations + BAND * _operations(sizes[1]),
                 block_bytes + 5 * sizes[1].block_bytes,
             )
     return parts, left_out_options, operations, block_bytes
+
+
+def _counted(number: int, noun: str) -> str:
+    return f"{number} {noun}{'s' * (number != 1)}"
 
 
 def _level_sizes(size) -> dict:

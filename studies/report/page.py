@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 
 from studies.record import Record, plots, run_pictures
-from studies.record.text import points_table, sentences
+from studies.record.text import percent, points_table
 from studies.report import energies
 from studies.report.intermediate import intermediate_numbers, si
 from studies.results.content import provenance
@@ -45,7 +45,7 @@ def rendered(template: str, **values) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.globals["si"] = si
+    environment.globals |= {"si": si, "percent": percent}
     written = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
     return environment.get_template(template).render(written=written, **values)
 
@@ -65,7 +65,6 @@ def report(record: Record) -> str:
         pictures=_pictures(record),
         numbers=intermediate_numbers(record),
         balances=energies.balances(record),
-        model_error=sentences(record),
         provenance=provenance() | {"machine": _machine()},
         scene=document(scene.to_table()),
     )

@@ -10,6 +10,7 @@ import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from os.path import lexists
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,7 +22,6 @@ from studies.results.manifest import (
     WORK,
     Origin,
     digest,
-    exists,
     files_below,
     free_name,
     named,
@@ -67,7 +67,7 @@ class ResultDirectory:
                 move(source, place)
         except BaseException:
             for source, place in reversed(away + into):
-                if exists(place) and not exists(source):
+                if lexists(place) and not lexists(source):
                     place.rename(source)
             write_manifest(self.target, former)
             _recover(self.target)
@@ -86,7 +86,7 @@ class ResultDirectory:
         replaced, foreign = [], []
         for name in sorted(new | stale):
             place = self.target / name
-            if not exists(place):
+            if not lexists(place):
                 continue
             ours = name in former and place.is_file() and not place.is_symlink()
             if ours and digest(place) == former[name]:
@@ -193,7 +193,7 @@ def _recover(target: Path) -> None:
     """Put back what a commit that did not end had moved away."""
     for name in files_below(target / FORMER):
         place = target / name
-        if exists(place):
+        if lexists(place):
             place = free_name(place)
         place.parent.mkdir(parents=True, exist_ok=True)
         (target / FORMER / name).rename(place)

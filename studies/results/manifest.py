@@ -8,6 +8,7 @@ import hashlib
 import json
 import os
 from dataclasses import dataclass
+from os.path import lexists
 from pathlib import Path
 
 MANIFEST, LOCK = ".sawmotor.json", ".sawmotor.lock"
@@ -69,15 +70,10 @@ def files_below(folder: Path) -> list[str]:
     return sorted(each.relative_to(folder).as_posix() for each in files)
 
 
-def exists(place: Path) -> bool:
-    """Return whether there is a file, a folder or a link, also one that leads nowhere."""
-    return place.exists() or place.is_symlink()
-
-
 def free_name(place: Path) -> Path:
     """Return a name that is free beside a file: velocity.former.csv, velocity.former-2.csv, ..."""
     number, other = 1, place.with_name(f"{place.stem}.former{place.suffix}")
-    while exists(other):
+    while lexists(other):
         number += 1
         other = place.with_name(f"{place.stem}.former-{number}{place.suffix}")
     return other

@@ -25,16 +25,20 @@ class PiezoelectricSolid(Block):
     """A table of constants in the crystal frame; Voigt order 11 22 33 23 13 12, engineering shear strain."""
 
     block: ClassVar[str] = "stator.material"
-    name: Annotated[str, TEXT, "Name shown on results."] = "user's table"
-    stiffness: Annotated[tuple, matrix(6, 6), "Stiffness at constant electric field c^E, in Pa."]
+    name: Annotated[str, TEXT, "Name of the material in results."] = "user's table"
+    stiffness: Annotated[tuple, matrix(6, 6), "Stiffness at constant electric field, c^E, in Pa."]
     coupling: Annotated[tuple, matrix(3, 6), "Piezoelectric stress constants e, in C/m^2."]
-    permittivity: Annotated[tuple, matrix(3, 3), "Permittivity at constant strain eps^S, relative to that of vacuum."]
-    density: Annotated[float, Quantity("kg/m^3"), "Density."]
+    permittivity: Annotated[tuple, matrix(3, 3), "Permittivity at constant strain, eps^S, relative to that of vacuum."]
+    density: Annotated[float, Quantity("kg/m^3"), "Mass density."]
     mechanical_quality: Annotated[
-        float | None, Quantity(), "Mechanical quality factor Q: c (1 + i/Q). Absent: no mechanical loss."
+        float | None,
+        Quantity(),
+        "Mechanical quality factor Q: the stiffness is c (1 + i/Q). Absent: no mechanical loss.",
     ] = None
     dielectric_loss: Annotated[
-        float | None, Quantity(zero=True), "Loss tangent: eps (1 - i tan delta). Absent: no dielectric loss."
+        float | None,
+        Quantity(zero=True),
+        "Loss tangent tan delta: the permittivity is eps (1 - i tan delta). Absent: no dielectric loss.",
     ] = None
 
 
@@ -43,12 +47,12 @@ class IsotropicSolid(Block):
     """An isotropic solid; no electric field is solved for."""
 
     block: ClassVar[str] = "stator.material"
-    name: Annotated[str, TEXT, "Name shown on results."] = "user's isotropic solid"
+    name: Annotated[str, TEXT, "Name of the material in results."] = "user's isotropic solid"
     youngs_modulus: Annotated[float, Quantity("Pa"), "Young's modulus."]
     poisson_ratio: Annotated[float, Quantity(negative=True, below=0.5), "Poisson's ratio, above -1."]
-    density: Annotated[float, Quantity("kg/m^3"), "Density."]
+    density: Annotated[float, Quantity("kg/m^3"), "Mass density."]
     mechanical_quality: Annotated[
-        float | None, Quantity(), "Mechanical quality factor Q: c (1 + i/Q). Absent: no loss."
+        float | None, Quantity(), "Mechanical quality factor Q: the stiffness is c (1 + i/Q). Absent: no loss."
     ] = None
 
     def check_stable(self) -> Any:
@@ -72,49 +76,56 @@ class Stator(Block):
     material: Annotated[
         str | PiezoelectricSolid | IsotropicSolid,
         TEXT | Within(PiezoelectricSolid, IsotropicSolid),
-        "A name of the catalogue below, or a table of constants.",
+        "Name of a material of the catalogue below, or a table of material constants.",
     ]
     orientation: Annotated[
         str | tuple,
         ORIENTATION,
-        "Z: poled along the normal; X: poled along x; a crystal cut; or Euler angles in degrees (z-x-z, passive).",
+        "Z: poled along the surface normal; X: poled along x; YZ, 128YX, ST-X: crystal cuts; or three Euler angles "
+        "in degrees (z-x-z, passive).",
     ] = "Z"
-    length: Annotated[float, Quantity("m"), "Along x, the direction of propagation."]
+    length: Annotated[float, Quantity("m"), "Length along x, the direction of propagation."]
     thickness: Annotated[
-        float | str, Quantity("m") | choice("half-space"), "Along z; half-space: exactly absorbing below."
+        float | str,
+        Quantity("m") | choice("half-space"),
+        "Thickness along z. half-space: unbounded below, with an exactly absorbing boundary.",
     ]
     width: Annotated[
-        float, Quantity("m"), "Along y. Drawn, compared with the apertures, and the distance of the side faces."
+        float, Quantity("m"), "Width along y: limit for apertures and contacts, and distance between the side faces."
     ]
     bottom: Annotated[
         str,
         choice("free", "grounded", "clamped", "absorbing"),
-        "free: no traction, D_n = 0; grounded: no traction, phi = 0; clamped: u = 0, D_n = 0; or no reflection.",
+        "Boundary condition of the bottom. free: no traction, D_n = 0; grounded: no traction, phi = 0; clamped: u ="
+        " 0, D_n = 0; absorbing: no reflection.",
     ] = "free"
     ends: Annotated[
         str,
         choice("absorbing", "free", "clamped"),
-        "absorbing: the section continues without end; free: no traction, D_n = 0; clamped: u = 0, D_n = 0.",
+        "Boundary condition of both ends in x. absorbing: no reflection; free: no traction, D_n = 0; clamped: u = "
+        "0, D_n = 0.",
     ]
     above: Annotated[
-        str, choice("none", "vacuum"), "none: D_n = 0 on the bare surface; vacuum: the field above is solved for."
+        str,
+        choice("none", "vacuum"),
+        "Electric field above the surface. none: neglected, D_n = 0 on the bare surface; vacuum: included.",
     ] = "none"
     diffraction: Annotated[
         bool | None,
         FLAG,
-        "true: the finite aperture spreads the beam; false: plane section. Absent: true under a slider with "
-        "absorbing ends, and wherever a ball lies beside the axis, if it can be computed.",
+        "true: the beam of the finite aperture spreads; false: plane waves. Absent: true if the scene has a slider,"
+        " the beam can be computed, and either the ends absorb or a contact lies beside the axis.",
     ] = None
     sides: Annotated[
         str,
         choice("absorbing", "mirror"),
-        "Side faces y = +-width/2 under diffraction. absorbing: none; mirror: they reflect everything.",
+        "Side faces y = +-width/2 in the beam model. absorbing: no reflection; mirror: total reflection.",
     ] = "absorbing"
     mechanical_quality: Annotated[
-        float | None, Quantity(), "Mechanical quality factor Q in place of the material's own."
+        float | None, Quantity(), "Mechanical quality factor Q. Absent: that of the material."
     ] = None
     dielectric_loss: Annotated[
-        float | None, Quantity(zero=True), "Loss tangent in place of the material's own; 0: lossless."
+        float | None, Quantity(zero=True), "Loss tangent. Absent: that of the material. 0: lossless."
     ] = None
 
     @property
@@ -136,41 +147,47 @@ class Transducer(Block):
     """Two interleaved combs of fingers on the surface; the block is given once for each transducer."""
 
     block: ClassVar[str] = "transducer"
-    name: Annotated[str, TEXT, "Name by which the drive refers to it."]
+    name: Annotated[str, TEXT, "Name of the transducer, to which [drive] refers."]
     center: Annotated[
         float | tuple[float, float],
         place(),
-        "Middle of its fingers, from the stator's left end, or [x, y], y from the stator's middle line.",
+        "Position of the middle of the fingers: x from the left end of the stator, or [x, y] with y from its middle"
+        " line.",
     ]
-    finger_pairs: Annotated[int, Count(100_000), "Number of periods: 10 pairs are 20 fingers."]
+    finger_pairs: Annotated[int, Count(100_000), "Number of periods; 10 pairs are 20 fingers."]
     period: Annotated[
         float | str,
         Quantity("m") | choice("auto", "half-space"),
-        "Length of two fingers and two gaps, one wavelength; auto: that of the strongest surface wave per "
-        "volt at drive.frequency, for these fingers alone; half-space: part metallised, without reflections.",
+        "Length of one period, two fingers and two gaps, which is one wavelength. auto: computed for the strongest "
+        "surface wave per volt at drive.frequency, for this transducer alone; half-space: from the velocity under a"
+        " partly metallised surface, without reflections.",
     ] = "auto"
     metallisation: Annotated[
-        float, Quantity(below=1.0), "Width of a finger over the pitch (finger and gap), 0.001 to 0.999."
+        float, Quantity(below=1.0), "Width of a finger over the pitch (finger and gap), from 0.001 to 0.999."
     ]
     aperture: Annotated[
-        float, Quantity("m"), "Overlap of the fingers along y, at most the stator's width; scales the admittance."
+        float,
+        Quantity("m"),
+        "Overlap of the fingers along y, at most stator.width. The admittance is proportional to it.",
     ]
     termination: Annotated[
         str | float | complex,
         impedance("open", "short"),
-        "When it is not the driven one. open: no net charge on either comb; short: both combs are one conductor.",
+        "Electrical load of a transducer that is not driven. open: no net charge on either electrode; short: both "
+        "electrodes connected; or an impedance.",
     ] = "open"
     pattern: Annotated[
         str | None,
         signs("+-0o"),
-        "One sign per finger, from left to right: + and - the combs, 0 left out, o an open strip. Absent: + - + - ...",
+        "One sign for each finger, from left to right: + and - for the two electrodes, 0 for a finger left out, o "
+        "for an open strip. Absent: + - + - ...",
     ] = None
-    split: Annotated[bool, FLAG, "true: four fingers per period, + + - -, instead of two."] = False
+    split: Annotated[bool, FLAG, "true: four fingers in each period, + + - -, instead of two."] = False
     angle: Annotated[
         float,
         Quantity("deg", negative=True),
-        "By which it is turned about the surface normal, from x towards y. Turned transducers, and those "
-        "beside the middle line, need a solid isotropic about z, absorbing ends and sides, and diffraction.",
+        "Rotation about the surface normal, from x towards y. A rotated transducer, or one beside the middle line, "
+        "requires a solid isotropic about z, absorbing ends and sides, and diffraction.",
     ] = 0.0
 
     def check_width(self) -> Any:
@@ -224,31 +241,32 @@ class Piece(Block):
     """A part of the section given as a mesh: a groove, a strip, an end, or all of it; one block for each file."""
 
     block: ClassVar[str] = "piece"
-    name: Annotated[str | None, TEXT, "Name in messages. Absent: that of the file."] = None
+    name: Annotated[str | None, TEXT, "Name of the piece in messages. Absent: the name of the file."] = None
     file: Annotated[
         str,
         TEXT,
-        "gmsh file, format 2.2 or 4.1, in the plane (x, z), z = 0 the surface; from the scene's folder on. "
-        "Triangles and quadrilaterals of order 1 or 2, whose curved edges are kept. Without the line groups left "
-        "and right it is the whole stator, and its electrodes are the fingers of the transducers.",
+        "Mesh of gmsh, format 2.2 or 4.1, in the plane (x, z) with the surface at z = 0. The path is relative to "
+        "the folder of the scene. Triangles and quadrilaterals of order 1 or 2; curved edges are kept. A mesh "
+        "without the line groups left and right is the whole stator, and its electrodes are the fingers of the "
+        "transducers.",
     ]
-    length_unit: Annotated[str, choice(*LENGTHS), "Unit of the file's coordinates, which has none."]
+    length_unit: Annotated[str, choice(*LENGTHS), "Unit of the coordinates in the file, which does not state it."]
     position: Annotated[
         tuple[float, ...],
         Listed(Quantity("m", negative=True), ranged=True),
-        "Where the file's x = 0 lies, from the stator's left end; several: a list or a range.",
+        "Place of the file's x = 0, from the left end of the stator; several places are a list or a range.",
     ]
     materials: Annotated[
         tuple | None,
         SOLIDS,
-        'Solids of the surface groups other than "stator": a name of the catalogue or a table, in the '
-        "stator's orientation.",
+        'Material of each surface group other than "stator": a name of the catalogue or a table, in the orientation'
+        " of the stator.",
     ] = None
     electrodes: Annotated[
         tuple | None,
         CONNECTIONS,
-        "What the line groups electrode:NAME are connected to: floating (also those not named here), "
-        'grounded, or a comb of a transducer such as "left+".',
+        "Connection of each line group electrode:NAME: floating (also those not named here), grounded, or an "
+        'electrode of a transducer such as "left+".',
     ] = None
 
     @property
@@ -269,7 +287,9 @@ class Element(Block):
     shunt_C: Annotated[float | None, Quantity("F"), "Capacitance across the line."] = None
     shunt_R: Annotated[float | None, Quantity("ohm"), "Resistance across the line."] = None
     Q: Annotated[
-        float | None, Quantity(), "Quality of an inductance or a capacitance at drive.frequency. Absent: lossless."
+        float | None,
+        Quantity(),
+        "Quality factor of the inductance or capacitance at drive.frequency. Absent: lossless.",
     ] = None
 
     def check_one(self) -> Any:
@@ -294,27 +314,27 @@ class Recovery(Block):
     """A receiving transducer whose load keeps the power, or feeds it back to the source in phase."""
 
     block: ClassVar[str] = "drive.recovery"
-    receiver: Annotated[str, TEXT, "Name of the transducer that receives; the load is its termination."]
+    receiver: Annotated[str, TEXT, "Name of the transducer that receives; the load replaces its termination."]
     load: Annotated[
         str | float | complex,
         impedance("matched"),
-        "Across its electrodes; matched: the conjugate of the impedance that they show, at drive.frequency.",
+        "Impedance of the load. matched: the complex conjugate of the transducer's impedance at drive.frequency.",
     ] = "matched"
     rectifier: Annotated[
         float | None,
         Quantity("ohm"),
-        "Instead of load: the resistance behind a full bridge with a capacitor, which is 8 / pi^2 of it.",
+        "Resistance behind a full-bridge rectifier with a capacitor, instead of load; the load is then 8/pi^2 of it.",
     ] = None
     efficiency: Annotated[
         float,
         Quantity(),
-        "Power returned over power in the load, of rectifier and return path; above 1 with an amplifier in it.",
+        "Returned power over the power in the load, due to rectifier and return path; above 1 with an amplifier.",
     ] = 1.0
     circulation: Annotated[
         bool,
         FLAG,
-        "true: an ideal combiner adds the returned power to the source's, in phase; drive.voltage or power "
-        "is that of both together, so that the motion is the same and the source gives less.",
+        "true: an ideal combiner adds the returned power in phase to that of the source. drive.voltage or "
+        "drive.power is that of both together: the motion is unchanged, and the source supplies less.",
     ] = False
 
     def check_load(self) -> Any:
@@ -337,44 +357,48 @@ class Drive(Block):
     frequency: Annotated[
         float | str,
         Quantity("Hz") | choice("center"),
-        "Frequency of the source; center: that of the strongest surface wave per volt, for the driven "
-        "fingers alone (needs a given period).",
+        "Frequency of the source. center: the frequency of the strongest surface wave per volt, for the driven "
+        "transducer alone; its period must be a number.",
     ]
     transducer: Annotated[
         str | None,
         TEXT,
-        "Name of the driven transducer; required when the scene has transducers, unless sources are given.",
+        "Name of the driven transducer; required if the scene has transducers, unless sources is given.",
     ] = None
     sources: Annotated[
         tuple[tuple[str, complex], ...] | None,
         SOURCES,
-        "Amplitude and phase of the source at each driven transducer, relative to the voltage; where given, "
-        "it counts instead of transducer.",
+        "Amplitude and phase of the source at each driven transducer, relative to the voltage; replaces transducer.",
     ] = None
     voltage: Annotated[
         tuple[float, ...] | None,
         Listed(Quantity("V", zero=True), ranged=True),
-        "Peak voltage of the source, one value or a list; it or power is required when the scene has transducers.",
+        "Peak voltage of the source, one value or several. If the scene has transducers, voltage or power is required.",
     ] = None
     power: Annotated[
         tuple[float, ...] | None,
         Listed(Quantity("W", zero=True), ranged=True),
-        "Instead of voltage: what the sources can give to matched loads, V^2 / (8 R) each with source_impedance R.",
+        "Available power of the sources, instead of voltage: V^2/(8 R) for each, where R is the resistance of "
+        "source_impedance.",
     ] = None
-    burst: Annotated[float | None, Quantity("s"), "Length of the driven interval. Absent: the steady state only."] = (
-        None
-    )
-    source_impedance: Annotated[float | complex, impedance(), "Impedance between each source and its transducer."] = 0.0
+    burst: Annotated[
+        float | None,
+        Quantity("s"),
+        "Duration of the drive; the slider starts from rest. Absent: the steady state only.",
+    ] = None
+    source_impedance: Annotated[
+        float | complex,
+        impedance(),
+        "Impedance between each source and its transducer: a resistance or [resistance, reactance].",
+    ] = 0.0
     match: Annotated[
         str | tuple,
         choice("none", "auto") | Blocks(Element, least=1),
-        "Network between each source and its transducer: the lossless L-section of least stored energy that "
-        "delivers all available power at drive.frequency (auto), or elements from the source on, such as [{ "
-        'series_L = "2.6 uH", Q = 80 }, { shunt_C = "1 nF" }].',
+        "Matching network between each source and its transducer. auto: the lossless L-section of least stored "
+        "energy that delivers all available power at drive.frequency; or its elements, from the source on, such as "
+        '[{ series_L = "2.6 uH", Q = 80 }, { shunt_C = "1 nF" }].',
     ] = "none"
-    recovery: Annotated[
-        Recovery | None, Within(Recovery), "What becomes of the power that another transducer receives."
-    ] = None
+    recovery: Annotated[Recovery | None, Within(Recovery), "Use of the power that another transducer receives."] = None
 
     def check_power(self) -> Any:
         if self.power is None:

@@ -24,24 +24,30 @@ class Pillars(Block):
     """The flat-topped pillars of a slider, instead of its radius, contacts and heights."""
 
     block: ClassVar[str] = "slider.pillars"
-    diameter: Annotated[float | Any, Quantity("m"), "Of each pillar."] = None
-    height: Annotated[float | None, Quantity("m"), "Of each pillar, which makes it softer. Absent: rigid pillars."] = (
-        None
-    )
+    diameter: Annotated[
+        float | Any, Quantity("m"), "Diameter of each pillar; required unless the file has the column diameter_m."
+    ] = None
+    height: Annotated[
+        float | None, Quantity("m"), "Height of each pillar, which adds compliance. Absent: rigid pillars."
+    ] = None
     pitch: Annotated[
-        float | tuple[float, float] | None, PAIR, "Distance of neighbours, one value or [along the wave, across]."
+        float | tuple[float, float] | None,
+        PAIR,
+        "Distance between the centres of neighbours: one value or [along the wave, across].",
     ] = None
     rows: Annotated[
-        int | Any, Count(MAX_PILLARS), "Number along the wave; required with pitch unless area is given."
+        int | Any, Count(MAX_PILLARS), "Number of pillars along the wave; required with pitch unless area is given."
     ] = None
-    columns: Annotated[int | Any, Count(MAX_PILLARS), "Number across; likewise."] = None
+    columns: Annotated[
+        int | Any, Count(MAX_PILLARS), "Number of pillars across the wave; required with pitch unless area is given."
+    ] = None
     area: Annotated[
         float | tuple[float, float] | None,
         PAIR,
-        "Instead of rows and columns: the face that the pillars fill, one value or [along, across].",
+        "Area filled with pillars, instead of rows and columns: one side length or [along the wave, across].",
     ] = None
     height_scatter: Annotated[
-        float, Quantity("m", zero=True), "Standard deviation of the heights, normally distributed."
+        float, Quantity("m", zero=True), "Standard deviation of the heights, which are normally distributed."
     ] = 0.0
     seed: Annotated[
         int | None,
@@ -50,28 +56,35 @@ class Pillars(Block):
             lambda value: type(value) is int and 0 <= value < 2**63,
             {"type": "integer", "minimum": 0},
         ),
-        "Of the random heights. Absent: one is chosen and stated.",
+        "Seed of the random heights. Absent: 2003.",
     ] = None
     file: Annotated[
         str | None,
         TEXT,
-        "Instead of pitch, rows, columns, area, scatter and seed: a CSV, from the scene's folder, with "
-        "columns x_m, y_m (from the slider's centre), height_m (how much further it stands out towards the "
-        "stator) and, optional, diameter_m.",
+        "CSV file with one pillar in each row, instead of pitch, rows, columns, area, height_scatter and seed; the "
+        "path is relative to the folder of the scene. Columns: x_m and y_m from the slider's centre, height_m "
+        "(projection towards the stator) and optionally diameter_m.",
     ] = None
     width: Annotated[
         float | None,
         Quantity("m"),
-        "Of the strip over which the pillars spread their load on the wave. Absent: their extent across and a pitch.",
+        "Width of the strip over which the pillars' forces act on the wave. Absent: the extent of the pillars "
+        "across the wave plus one pitch.",
     ] = None
     curvature: Annotated[
-        float, Quantity("1/m", negative=True), "Of the slider's face; positive: its middle stands out."
+        float, Quantity("1/m", negative=True), "Curvature of the slider's face; positive if the middle projects."
     ] = 0.0
-    interaction: Annotated[bool, FLAG, "true: neighbours stiffen each other, relative to the mean plane."] = False
+    interaction: Annotated[bool, FLAG, "true: the elastic interaction of neighbours is included."] = False
     youngs_modulus: Annotated[
-        float | Any, Quantity("Pa"), "Of the pillars. Absent: that of slider.ball, or of silicon."
+        float | Any,
+        Quantity("Pa"),
+        "Young's modulus of the pillars. Absent: that of slider.ball, otherwise of silicon.",
     ] = None
-    poisson_ratio: Annotated[float | Any, Quantity(negative=True, below=0.5), "Of the pillars, likewise."] = None
+    poisson_ratio: Annotated[
+        float | Any,
+        Quantity(negative=True, below=0.5),
+        "Poisson's ratio of the pillars. Absent: that of slider.ball, otherwise of silicon.",
+    ] = None
 
     def check_layout(self):
         if self.file is not None:

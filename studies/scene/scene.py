@@ -1,7 +1,7 @@
 """A scene: its blocks, how it is read, checked and changed, and what follows from several blocks."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self
 
@@ -25,25 +25,26 @@ class Scene(Block):
     """
 
     block: ClassVar[str] = ""
-    title: Annotated[str, TEXT, "Shown on results."] = ""
+    title: Annotated[str, TEXT, "Title of the results."] = ""
     stator: Annotated[Stator | Any, Within(Stator), "The block of material that carries the wave."] = None
     transducer: Annotated[
         tuple[Transducer, ...],
         Blocks(Transducer),
-        "The transducers on its surface; none: the free wave of the section is the result.",
+        "The transducers on the surface of the stator. Absent: the result is the free wave of the section.",
     ] = ()
     piece: Annotated[tuple[Piece, ...], Blocks(Piece), "Parts of the stator's section given as meshes."] = ()
     drive: Annotated[Drive | Any, Within(Drive), "The source; required with a stator."] = None
     wave: Annotated[Wave | Any, Within(Wave), "A given surface motion, instead of stator, transducers and drive."] = (
         None
     )
-    slider: Annotated[Slider | Any, Within(Slider), "The slider; absent: the wave is the result."] = None
+    slider: Annotated[Slider | Any, Within(Slider), "The slider. Absent: the result is the wave."] = None
     uncertain: Annotated[
         tuple | None,
         Uncertain(),
-        "Tolerances (95 %) of the scene's numbers, from which follow bands of the velocity: linear (half the"
-        " difference between the ends of each, added in quadrature) or sampled (percentiles of a Latin "
-        "hypercube). Without a method: linear, sampled where the answer bends and no stator is solved for it.",
+        "Tolerances (95 %) of numbers of the scene, for uncertainty intervals of the velocity. method: linear (half"
+        " of the difference between the ends of each tolerance, added in quadrature) or sampled (percentiles of a "
+        "Latin hypercube). Without method: sampled if the answer is nonlinear within a tolerance and no sample "
+        "needs a new solution of the stator, otherwise linear.",
     ] = None
 
     @classmethod
@@ -111,9 +112,49 @@ class Scene(Block):
         return bool(driven) and all(each.angle % 180 for each in driven)
 
     @property
+    def source(self) -> Drive | Wave | Any:
+        """The block that sets frequency, levels and burst: the drive, or the given wave."""
+        return self.drive if self.wave is None else self.wave
+
+    @property
+    def source_key(self) -> str:
+        """Key of that block."""
+        return "drive" if self.wave is None else "wave"
+
+    @property
+    def level_key(self) -> str:
+        """Key of the levels."""
+        return "drive.voltage" if self.wave is None else "wave.normal_amplitude"
+
+    @property
+    def level_column(self) -> str:
+        """Column of the levels in the points of a run."""
+        return "voltage_V" if self.wave is None else "normal_amplitude_m"
+
+    def named(self, level: float) -> str:
+        """Return a level with its unit."""
+        return f"{level:.4g} V" if self.wave is None else f"{level * 1e9:.4g} nm"
+
+    def with_source(self, **keys: Any) -> Self:
+        """Return the scene with some keys of its `source` replaced by values in SI units, not read again."""
+        changed: dict[str, Any] = {self.source_key: replace(self.source, **keys)}
+        return replace(self, **changed)
+
+    @property
     def levels(self) -> tuple[float, ...]:
         """Peak voltages in V, or given normal amplitudes in m; empty for a free wave."""
-        return self.wave.normal_amplitude if self.wave is not None else self.drive.levels
+        return self.drive.levels if self.wave is None else self.wave.normal_amplitude
+
+    @property
+    def contact_places(self) -> tuple[tuple[float, float], ...]:
+        """Places (x, y) of the contacts on the stator, m; without a slider, the middle of the stator."""
+        return ((self.stator.length / 2, 0.0),) if self.slider is None else self.slider.places
+
+    @property
+    def places(self) -> tuple[tuple[float, float], ...]:
+        """Places (x, y) in m at which the motion is computed: the slider's centre, then the contacts."""
+        first = () if self.slider is None else (self.slider.center,)
+        return tuple(dict.fromkeys((*first, *self.contact_places)))
 
     @property
     def driven_transducer(self) -> Transducer:
@@ -123,7 +164,7 @@ class Scene(Block):
     @property
     def frequency(self) -> float:
         """Of the drive or the given wave, in Hz; "center" must have been resolved."""
-        frequency = (self.wave or self.drive).frequency
+        frequency = self.source.frequency
         if isinstance(frequency, str):
             self.refuse("drive.frequency", f"must be a number in Hz here, got {frequency!r}")
         return frequency
@@ -131,7 +172,7 @@ class Scene(Block):
     @property
     def burst(self) -> float | Any:
         """Length of the driven interval in s; None for the steady state alone."""
-        return (self.wave or self.drive).burst
+        return self.source.burst
 
 
 def _unknown_solids(table: dict) -> Iterator[SceneError]:

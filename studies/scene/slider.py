@@ -18,21 +18,23 @@ class Wave(Block):
     """A given surface motion: u_z and, a quarter period from it, u_x, which at the crest moves towards +x."""
 
     block: ClassVar[str] = "wave"
-    frequency: Annotated[float, Quantity("Hz"), "Frequency of the motion."]
+    frequency: Annotated[float, Quantity("Hz"), "Frequency of the surface motion."]
     normal_amplitude: Annotated[
-        tuple[float, ...], Listed(Quantity("m", zero=True), ranged=True), "Peak of u_z, one value or a list."
+        tuple[float, ...], Listed(Quantity("m", zero=True), ranged=True), "Peak of u_z, one value or several."
     ]
-    tangential_ratio: Annotated[float, Quantity(), "|u_x| / |u_z|."]
-    burst: Annotated[float | None, Quantity("s"), "Length of the driven interval. Absent: the steady state only."] = (
-        None
-    )
+    tangential_ratio: Annotated[float, Quantity(), "Amplitude ratio |u_x|/|u_z|."]
+    burst: Annotated[
+        float | None, Quantity("s"), "Duration of the wave; the slider starts from rest. Absent: the steady state only."
+    ] = None
     wavelength: Annotated[
         float | None,
         Quantity("m"),
-        "Of the wave, which then runs towards -x; for pillars at different places along it.",
+        "Wavelength of the wave, which runs towards -x; required for pillars at different positions along x.",
     ] = None
     compliance: Annotated[
-        float | None, Quantity("1/Pa"), "Gamma of the surface: G_zz = Gamma/(k - k_R); for pillars that load the wave."
+        float | None,
+        Quantity("1/Pa"),
+        "Compliance Gamma of the surface, G_zz = Gamma/(k - k_R); required for pillars that load the wave.",
     ] = None
 
 
@@ -44,13 +46,17 @@ class Damping(Block):
     contact: Annotated[
         float,
         Quantity("s/m", zero=True),
-        "Hunt-Crossley coefficient chi: a force chi P dz/dt while in contact (R_n1 of Feenstra and Breedveld).",
+        "Hunt-Crossley coefficient chi: the force chi P dz/dt during contact (R_n1 of Feenstra and Breedveld).",
     ] = 0.0
     normal: Annotated[
-        float, Quantity("N s/m", zero=True), "Viscous, on the slider's normal velocity (R_n2 of the same)."
+        float,
+        Quantity("N s/m", zero=True),
+        "Viscous damping of the slider's velocity along z (R_n2 of Feenstra and Breedveld).",
     ] = 0.0
     tangential: Annotated[
-        float, Quantity("N s/m", zero=True), "Viscous, on the slider's velocity along x (R_t of the same)."
+        float,
+        Quantity("N s/m", zero=True),
+        "Viscous damping of the slider's velocity along x (R_t of Feenstra and Breedveld).",
     ] = 0.0
 
 
@@ -59,25 +65,25 @@ class Friction(Block):
     """A friction coefficient that depends on slip speed, contact pressure, or both: a table instead of a number."""
 
     block: ClassVar[str] = "slider.friction_coefficient"
-    static: Annotated[float, Quantity(), "Coefficient at rest, and where the pressure is far below pressure."]
+    static: Annotated[float, Quantity(), "Coefficient at rest and at low pressure."]
     sliding: Annotated[
         float | None,
         Quantity(zero=True),
-        "Coefficient at slip speeds far above speed: static falls to it as exp(-w/speed).",
+        "Coefficient at high slip speed w: mu = sliding + (static - sliding) exp(-w/speed). Requires speed.",
     ] = None
     speed: Annotated[
-        float | None, Quantity("m/s"), "Of slip, over which the excess falls by a factor e; with sliding."
+        float | None, Quantity("m/s"), "Slip speed over which the difference decays by a factor e. Requires sliding."
     ] = None
     high_pressure: Annotated[
         float | None,
         Quantity(),
-        "Static coefficient at mean pressures p far above pressure: static goes to it as 1/(1 + p/pressure),"
-        " sliding in proportion.",
+        "Static coefficient at high mean pressure p: static approaches it as 1/(1 + p/pressure), and sliding "
+        "changes in proportion. Requires pressure.",
     ] = None
     pressure: Annotated[
         float | None,
         Quantity("Pa"),
-        "Mean pressure of a contact at which half of the difference is left; with high_pressure.",
+        "Mean contact pressure at which half of the difference remains. Requires high_pressure.",
     ] = None
 
     def check_pairs(self) -> Any:
@@ -94,11 +100,12 @@ class LawText(Block):
     """A tangential law of one's own, with its text, as a resolved scene keeps it."""
 
     block: ClassVar[str] = "slider.law"
-    name: Annotated[str, TEXT, "Of the file that it came from."]
+    name: Annotated[str, TEXT, "Name of the file."]
     source: Annotated[
         str,
         Plain("the text of a file", lambda value: isinstance(value, str) and value != "", {"type": "string"}),
-        "Its text: Python that defines sliding(approach, normal_force, slip_speed, contact) in SI units.",
+        "Content of the file: Python code that defines sliding(approach, normal_force, slip_speed, contact) in SI "
+        "units.",
     ]
 
     def __str__(self) -> Any:
@@ -137,95 +144,108 @@ class Slider(Block):
     position: Annotated[
         float | tuple[float, float] | Any,
         place(),
-        "Of its centre, from the stator's left end, or [x, y], y from the middle of the apertures; required "
-        "with a stator, absent with a given wave.",
+        "Position of the slider's centre: x from the left end of the stator, or [x, y] with y from the middle line."
+        " Required with a stator; absent with a given wave.",
     ] = None
     shape: Annotated[
         str,
         choice("sphere", "punch"),
-        "Of each contact. punch: a rigid flat cylindrical projection, P = 2 a E* z, which slips as a whole.",
+        "Shape of each contact. sphere: a ball; punch: a rigid flat cylinder, P = 2 a E* z, which slips as a whole.",
     ] = "sphere"
     radius: Annotated[float | Any, Quantity("m"), "Radius of each ball or punch; required without pillars."] = None
     mass: Annotated[float, Quantity("kg"), "Mass of the whole slider."]
     contacts: Annotated[
         int | tuple[float | tuple[float, float], ...] | None,
         Count(10_000) | Listed(place(negative=True), distinct=True),
-        "Places of the balls from the slider's centre, as a list of x or [x, y]; or a number of balls that "
-        "all stand at its centre; required without pillars.",
+        "Positions of the balls relative to the slider's centre: a list of x or [x, y]; or the number of balls, all"
+        " at the centre. Required without pillars.",
     ] = None
     heights: Annotated[
         tuple[float, ...] | None,
         Listed(Quantity("m", negative=True)),
-        "How much further each contact stands out towards the stator, one per place in contacts; absent: all alike.",
+        "Distance by which each contact projects towards the stator, one value for each position in contacts. "
+        "Absent: all equal.",
     ] = None
     preload: Annotated[
-        float | str, Quantity("N", zero=True) | choice("weight"), "Total normal force, the weight included."
+        float | str,
+        Quantity("N", zero=True) | choice("weight"),
+        "Total normal force, including the weight of the slider. weight: mass times gravity.",
     ]
-    gravity: Annotated[float, Quantity("m/s^2", zero=True), 'Used by preload = "weight".'] = 9.81
+    gravity: Annotated[
+        float, Quantity("m/s^2", zero=True), 'Acceleration of gravity; used only if preload is "weight".'
+    ] = 9.81
     load: Annotated[
-        float, Quantity("N", zero=True), "Constant force against the direction in which the unloaded slider moves."
+        float, Quantity("N", zero=True), "Constant force opposite to the direction in which the unloaded slider moves."
     ] = 0.0
     friction_coefficient: Annotated[
         float | Friction,
         Quantity(zero=True) | Within(Friction),
-        "Coulomb's coefficient mu of ball and stator, or a table of how it depends on slip speed and "
-        'pressure, such as { static = 0.3, sliding = 0.15, speed = "0.05 m/s" }.',
+        "Coulomb's coefficient mu of ball and stator, or a table of its dependence on slip speed and pressure, such"
+        ' as { static = 0.3, sliding = 0.15, speed = "0.05 m/s" }.',
     ]
     effective_modulus: Annotated[
-        float | Any, Quantity("Pa"), "E* of the pair, 1/E* = sum of (1 - nu^2)/E; required unless ball is given."
+        float | Any, Quantity("Pa"), "E* of the two bodies, 1/E* = sum of (1 - nu^2)/E; required unless ball is given."
     ] = None
     tangential_modulus: Annotated[
-        float | Any, Quantity("Pa"), "G* of the pair, 1/G* = sum of (2 - nu)/G; required unless ball is given."
+        float | Any, Quantity("Pa"), "G* of the two bodies, 1/G* = sum of (2 - nu)/G; required unless ball is given."
     ] = None
     ball: Annotated[
-        str | None, TEXT, 'Instead of both moduli: the material of the balls, such as "steel"; not with a given wave.'
+        str | None,
+        TEXT,
+        'Material of the balls, such as "steel", from which both moduli follow; not with a given wave.',
     ] = None
     law: Annotated[
         str | LawText,
         choice("elastic", "hysteretic") | LawFile() | Within(LawText),
-        "Tangential law. elastic: eq. 2 of Feenstra and Breedveld; hysteretic: Mindlin-Deresiewicz, with "
-        "memory; or a file of Python with a law of one's own (contact/README.md).",
+        "Tangential contact law. elastic: eq. 2 of Feenstra and Breedveld; hysteretic: Mindlin and Deresiewicz, "
+        "with memory; or a Python file with a user's law (contact/README.md).",
     ] = "elastic"
     reciprocal: Annotated[
-        bool, FLAG, "true: the tangential spring acts back on the normal motion, which closes the energy balance."
+        bool, FLAG, "true: the tangential spring also acts on the normal motion, so that energy is conserved."
     ] = False
     stick_band: Annotated[
-        float, Quantity("m/s", zero=True), "Slip slower than this counts as sticking (DV of Feenstra and Breedveld)."
+        float,
+        Quantity("m/s", zero=True),
+        "Slip speed below which the contact is taken to stick (DV of Feenstra and Breedveld).",
     ] = 0.0
-    method: Annotated[str, choice("auto", "exact", "stepped", "averaged"), "How the slider's motion is integrated."] = (
-        "auto"
-    )
+    method: Annotated[
+        str,
+        choice("auto", "exact", "stepped", "averaged"),
+        "Integration of the slider's motion. exact: from event to event; stepped: fixed time steps; averaged: over "
+        "cycles of the wave; auto: chosen by error and cost.",
+    ] = "auto"
     travel: Annotated[
         bool | None,
         FLAG,
-        "Whether the orbits change with the slider's place during a burst. Absent: true where it travels "
-        "more than a tenth of a wavelength.",
+        "true: in a burst the wave's amplitude changes with the slider's position; false: it stays that at "
+        "slider.position. Absent: true if the slider travels more than a tenth of a wavelength.",
     ] = None
-    damping: Annotated[Damping, Within(Damping), "Losses of the slider's motion."] = Damping()
+    damping: Annotated[Damping, Within(Damping), "Damping of the slider's motion."] = Damping()
     pillars: Annotated[
-        Pillars | Any, Within(Pillars), "Flat pillars, thousands of them, instead of radius, contacts and heights."
+        Pillars | Any, Within(Pillars), "Flat pillars, up to a million, instead of radius, contacts and heights."
     ] = None
     tilt: Annotated[
         str,
         choice("held", "pitch", "free"),
-        "Of a slider on pillars. held: not at all; pitch: about y; free: about both axes.",
+        "Rotations of a slider on pillars. held: none; pitch: about y; free: about x and y.",
     ] = "held"
     preload_at: Annotated[
-        tuple[float, float], PLACE, "Where the preload acts on a slider on pillars, [x, y] from its centre."
+        tuple[float, float], PLACE, "Point of action of the preload on a slider on pillars, [x, y] from its centre."
     ] = (0.0, 0.0)
     load_height: Annotated[
-        float, Quantity("m", zero=True), "Height above the surface at which the load pulls a slider on pillars."
+        float, Quantity("m", zero=True), "Height above the surface at which the load acts on a slider on pillars."
     ] = 0.0
     backing: Annotated[
         str,
         choice("rigid", "soft"),
-        "Of pillars. rigid: one plane; soft: every row along the wave bears the same pressure.",
+        "Support of the pillars. rigid: their bases stay in one plane; soft: each row along the wave carries the "
+        "same pressure.",
     ] = "rigid"
     loading: Annotated[
         bool | str | None,
         FLAG | choice("harmonics"),
-        "Whether pillars act back on the wave. Absent: where the loading number is above 0.05. harmonics: also with "
-        "the overtones of the wave that they make.",
+        "true: pillars change the wave; false: they do not; harmonics: they change it and generate its overtones. "
+        "Absent: true if the loading number exceeds 0.05.",
     ] = None
 
     def check_contacts(self) -> Any:

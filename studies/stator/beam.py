@@ -48,7 +48,7 @@ def run(
     """
     row_scene = whole = passband.driven_scene(scene)
     scan = None if measured is None else scan_file(whole, measured, "place")
-    row_scene, place = resolve.first_row(row_scene, passband.place(row_scene))
+    row_scene, place = resolve.first_row(row_scene, row_scene.places[0])
     transducers, driven = resolve.transducers(row_scene), resolve.driven(row_scene)
     section = replace(row_scene, stator=replace(row_scene.stator, diffraction=False))
     try:

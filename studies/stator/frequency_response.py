@@ -41,7 +41,7 @@ def run(
     """
     resolved = passband.driven_scene(scene)
     scan = None if measured is None else scan_file(resolved, measured, "frequency")
-    place, at = passband.place(resolved)[0], passband.frequencies(resolved, count, 161)
+    place, at = resolved.places[0][0], passband.frequencies(resolved, count, 161)
     driven = resolved.driven_transducer
     prepared = response(resolved, at[0], at[-1], places=(place,), tolerance=tolerance, progress=progress)
     progress(f"stator: {len(at)} frequencies")

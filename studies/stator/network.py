@@ -16,12 +16,13 @@ import numpy as np
 import fem
 from studies.chain import passband, resolve
 from studies.chain.scan_prediction import refuse_other_range
-from studies.chain.scattering import band_frequencies, reference_impedance, scattering_matrix
+from studies.chain.scattering import reference_impedance, scattering_matrix
 from studies.chain.spectrum import driving_point
 from studies.lab.network import NetworkData, read_network
 from studies.record.plots import COLOURS, curve, finished, lines
 from studies.record.quantities import quantity
 from studies.refusal import SceneError
+from studies.report.explanation import band_seconds
 from studies.scene import Scene
 from studies.stator.network_deviation import deviations
 from studies.study import Answered, Panel, StudyRecord, judged, of_record, study
@@ -61,7 +62,7 @@ def run(
     """
     resolved = passband.driven_scene(scene)
     reference = reference_impedance(z0)
-    at = band_frequencies(resolved, band, count)
+    at = passband.band_frequencies(resolved, band, count)
     lab_file = None
     if measured is not None:  # what is wrong with the file is said before anything is solved
         number = sum(each.has_two_combs for each in resolved.transducer)
@@ -108,6 +109,12 @@ def run(
           for name, (one, several) in models.items()),
     )  # fmt: skip
     return panels, findings, [*_in_words(names, at, scattering, models), *answer]
+
+
+def expected_seconds(scene: Scene) -> float:
+    """Return about how long the study takes for a scene over its passband, s: the field, pictures and circuits."""
+    resolved = passband.driven_scene(scene)
+    return 5.0 + band_seconds(resolved, passband.band_frequencies(resolved, None, None), tolerance=1e-3)
 
 
 def _in_words(names, at, scattering, models):

@@ -9,7 +9,7 @@ import os
 import time
 from functools import lru_cache
 
-from studies.chain.predictor import Predictor
+from studies.chain.predictor import Predictor, Shared
 from studies.sweeps.plan import Question
 
 
@@ -39,10 +39,8 @@ def solved_points(
 @lru_cache(2)
 def _predictor(question: Question) -> Predictor:
     """Return the predictor of a question, the same for all batches that a process is given."""
-    return Predictor(
-        question.table, tolerance=question.tolerance, places=question.places, limits=question.frequencies,
-        coarse=question.coarse, slider=question.has_slider,
-    )  # fmt: skip
+    shared = Shared(places=question.places, limits=question.frequencies, slider=question.has_slider)
+    return Predictor(question.table, tolerance=question.tolerance, shared=shared, coarse=question.coarse)
 
 
 def _kept(value):

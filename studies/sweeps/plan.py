@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.chain.outcomes import ALSO, AMPLITUDES, ELECTRICAL, FREE
+from studies.chain.outcomes import ALSO, AMPLITUDES, ELECTRICAL, FREE, refuse_of_pillars
 from studies.chain.predictor import Predictor
 from studies.chain.solved_stator import PLACE_KEYS, of_stator
 from studies.refusal import SceneError
@@ -146,6 +146,8 @@ def designed(table: dict, over, *, tolerance, also=()) -> Design:
     for word in also:
         if word not in ALSO:
             raise SceneError("also", f"must be of {', '.join(ALSO)}, got {word!r}")
+    if "pillars" in table.get("slider", {}):
+        refuse_of_pillars(also)
     axes = []
     for part in over if isinstance(over, list) else [over or {}]:
         axes += [axis(key, values) for key, values in part.items()] if isinstance(part, dict) else [point_axis(part)]

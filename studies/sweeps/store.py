@@ -14,7 +14,8 @@ import json
 import os
 import socket
 import sqlite3
-from contextlib import contextmanager, nullcontext
+from collections.abc import Iterator
+from contextlib import closing, contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -56,13 +57,17 @@ class Store:
 
     def columns(self) -> dict[str, list]:
         """Return the rows in the order of their points, as columns, also after `close`; None for no value."""
-        with sqlite3.connect(self.path) if self.path else nullcontext(self.connection) as connection:
-            cursor = connection.execute("select * from points order by point")
-            names = [entry[0] for entry in cursor.description]
-            columns = dict(zip(names, map(list, zip(*cursor, strict=True)), strict=True))
-        if self.path:
-            connection.close()
-        return columns
+        with closing(sqlite3.connect(self.path)) if self.path else nullcontext(self.connection) as connection:
+            rows = connection.execute("select * from points order by point")
+            return dict(zip(_names(rows), map(list, zip(*rows, strict=True)), strict=True))
+
+    def rows(self, first: int, end: int) -> Iterator[dict]:
+        """Yield the rows of the points from a first one up to an end, which is not included, as values by name."""
+        rows = self.connection.execute(
+            "select * from points where point >= ? and point < ? order by point", (first, end)
+        )
+        names = _names(rows)
+        yield from (dict(zip(names, row, strict=True)) for row in rows.fetchall())
 
     def close(self) -> None:
         """Close the file and give the lock back; what is in memory stays."""
@@ -159,6 +164,10 @@ def _owner(folder: Path) -> str:
     except sqlite3.Error:
         return ""
     return "" if owner is None else f", {json.loads(owner[0])},"
+
+
+def _names(cursor: sqlite3.Cursor) -> list[str]:
+    return [entry[0] for entry in cursor.description]
 
 
 def _stored(value):

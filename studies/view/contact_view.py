@@ -103,7 +103,7 @@ def contact_moments(record: Record, *, level: float | None, progress: Callable[[
     except contact.ConvergenceError as error:
         raise RunError(" ".join(str(error).split())) from None
     motion_text = f"slider at {speed:.4g} mm/s" if speed else "slider held at rest"
-    return moments(history), f"{scene.title}: {driven.named(level)}, {motion_text}"
+    return moments(history), f"{scene.title}: {driven.scene.named(level)}, {motion_text}"
 
 
 def film_contact(history, title: str, count: int, file, *, rate: float, dpi: float = 100) -> None:

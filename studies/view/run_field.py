@@ -150,9 +150,7 @@ def _driven(record: Record, progress) -> RunField:
     scene, motion = record.scene, motion_again(record, progress=progress)
     wave, crossed = motion.wave, motion.beam if isinstance(motion.beam, fem.CrossedBeam) else None
     rows = resolve.transducers(scene) if crossed is None else crossed.rows[0].transducers
-    slider = scene.slider
-    below = [(scene.stator.length / 2, 0.0)] if slider is None else [slider.center, *slider.places]
-    places = tuple(dict.fromkeys(map(motion.in_section, below)))
+    places = tuple(dict.fromkeys(map(motion.in_section, scene.places)))
 
     whole = resolve.whole_stator(scene).placement.whole
 

@@ -57,7 +57,7 @@ def marched(slider, passing, motion, count, samples=512):
 def test_the_overtones_are_those_of_time_steps_and_fft(monkeypatch):
     # Oracle: plain steps, of first order in q; what runs back is left out of both
     monkeypatch.setattr(overtone_cycle, "SAMPLES", 32)
-    monkeypatch.setattr(overtone_cycle.OvertoneCycle, "advance", lambda self, *_: self.backward.fill(0.0) or 0.0)
+    monkeypatch.setattr(overtone_cycle.OvertoneCycle, "wave_step", lambda self, *_: -self.waves)
     slider = grid(8, 3, pitch=90e-6, heights=scatter(24, 8e-9, 12), preload=0.12)
     passing = wave(strip_width=1e-4)
     motion = module._motion(slider, passing, 0.0, True, pillar_motion(slider, passing), 6)

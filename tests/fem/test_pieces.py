@@ -25,6 +25,7 @@ from fem.results.evaluation import surface_of
 from fem.results.field import wave_field
 from fem.results.files import write_vtu
 from fem.results.power_balance import power_balance
+from fem.results.solution import driven_solution
 from fem.solve.band import frequency_band
 from fem.solve.forced import forced_wave
 from fem.solve.harmonic import driven_wave, motion_difference, solve_driven
@@ -83,13 +84,16 @@ def test_a_meshed_plain_stretch_is_invisible(tmp_path, name, orientation, sides,
     """Two pieces of plain stator as irregular triangles change neither motion nor admittance; all of it balances.
 
     The piece's interface does not conform to the section's line: only the L2 projection keeps this (sampling at the
-    nodes errs by 3e-2).
+    nodes errs by 3e-2).  On a piece itself the motion has the error of its polynomials, 2e-8 of the largest.
     """
     stator = plate(cut(name, orientation, quality=200), length=9.0, **sides)
     path = rectangle(tmp_path / "plain.msh", 0.9, 0.8, size=0.3)
     plain, meshed = _solved(stator), _solved(_with_pieces(stator, path, (3.6, 5.2)))
     size = abs(_motion(plain)).max()
-    assert abs(_motion(meshed) - _motion(plain)).max() < bound * size
+    change = abs(_motion(meshed) - _motion(plain)).max(axis=0) / size
+    on_pieces = np.array([3.6 <= place <= 4.5 or 5.2 <= place <= 6.1 for place in PLACES])
+    assert change[~on_pieces].max() < bound
+    assert change[on_pieces].max() < max(bound, 3e-8)
     before, after = plain.fields.admittances, meshed.fields.admittances
     assert abs(after - before).max() < bound * abs(before).max()
     assert abs(after - after.T).max() < 1e-11 * abs(after).max()
@@ -346,8 +350,8 @@ def test_reflection_of_a_groove_and_of_a_row(tmp_path):
     assert abs(nothing.transmission) == pytest.approx(1, abs=1e-6)
     assert abs(one.reflection) > 0.03
     turn = np.exp(-2j * np.pi * 1.1 * unit / one.wavelength)  # over the plain mesh and the gap behind it
-    assert both.reflection == pytest.approx(one.reflection * turn**2, abs=1e-6)
-    assert both.transmission == pytest.approx(one.transmission * turn, abs=1e-6)
+    assert both.reflection == pytest.approx(one.reflection * turn**2, abs=2e-6)
+    assert both.transmission == pytest.approx(one.transmission * turn, abs=2e-6)
     for each in (one, both, two):
         assert abs(each.scattering - each.scattering.T).max() < 1e-9
         assert np.linalg.norm(each.scattering[:, 0]) <= 1 + 1e-9
@@ -493,7 +497,7 @@ def test_a_band_of_a_whole_stator(tmp_path):
         assert abs(wave.admittance / exact.circuit.admittance - 1) < band.admittance_error
         moved = surface_of(exact).motion(np.array(places))
         assert motion_difference(wave.motion(np.array(places)), moved) < band.relative_error
-    anew = replace(band.model, interpolation=None).solution(2.188e6, "a")
+    anew = driven_solution(replace(band.model, interpolation=None).port_fields(2.188e6), "a")
     moved = surface_of(anew).motion(np.array(places))
     assert motion_difference(wave.motion(np.array(places)), moved) < 5e-3
     assert abs(wave.admittance / anew.circuit.admittance - 1) < 1e-5

@@ -48,6 +48,23 @@ def test_a_run_prints_its_answer_and_leaves_its_files(call, tmp_path):
     assert names == [MANIFEST, "run.json", "scene.toml", "velocity.csv"]
 
 
+def test_warnings_about_a_scene_come_before_its_run_and_once(call):
+    status, _, err = call("run", "rayleigh", "--set", "stator.length=2", "--set", "drive.frequency=1e-12", "--no-plot")
+    assert status == 3
+    lines = [line for line in err.splitlines() if line.startswith("sawmotor: ")]
+    assert lines[0] == "sawmotor: warning: stator.length is 2 m: a number without a unit is in m"
+    assert "wavenumbers are known to" in lines[1]
+    status, _, err = call("run", "rayleigh", "--set", "stator.length=2", "--no-plot")
+    assert status == 0
+    assert err.count("a number without a unit is in m") == 1
+
+
+def test_only_what_resembles_is_suggested(call):
+    assert "did you mean" not in call("help", "nonsense")[2]
+    assert "nearest" not in call("wave", "nosuch")[2]
+    assert "the nearest known one is 'PZT-8'" in call("wave", "PZT8")[2]
+
+
 def test_a_run_says_what_it_replaced_and_leaves_other_files(call, tmp_path):
     call(*CONTACT, "--no-plot", "--out", "here")
     (tmp_path / "here" / "notes.md").write_text("mine")

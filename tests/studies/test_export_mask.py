@@ -2,6 +2,7 @@
 
 import math
 from functools import cache
+from importlib.resources import files
 from itertools import combinations
 
 import numpy as np
@@ -183,3 +184,16 @@ def test_the_command_writes_one_file_beside_its_layers(tmp_path, monkeypatch, ca
     assert "36 fingers, 6 busbars, 6 pads" in capsys.readouterr().out
     assert main(["export", "rayleigh", "--format", "gds"]) == 2
     assert "transducer is missing" in capsys.readouterr().err
+
+
+def test_a_mask_says_which_grooves_and_electrodes_of_meshed_pieces_it_leaves_out(tmp_path, capsys):
+    block = {"file": str(files("studies") / "scenes/meshes/strip.msh"), "length_unit": "mm"}
+    strips = Scene.load("reflector").replace(
+        piece=[block | {"position": ["26 mm", "29 mm"], "materials": {"strip": "aluminium"}}]
+    )
+    said = "the mask leaves out grooves and strips (26.35 to 26.65 mm, 29.35 to 29.65 mm) and electrodes (2) of meshed"
+    assert mask(strips).left_out.startswith(said)
+    assert drawn("twente").left_out == ""
+    assert main(["export", "reflector", "--format", "dxf", "--no-plot", "--out", str(tmp_path / "mask")]) == 0
+    said = " ".join(capsys.readouterr().err.split())
+    assert "leaves out grooves and strips (26.35 to 26.6 mm, 27.85 to 28.1 mm, 29.35 to 29.6 mm, ...) of" in said

@@ -397,3 +397,8 @@ def test_the_surface_amplitude_is_in_the_unit_of_the_drive():
     _, state = run([(1e-3, AMPLITUDE, 0.0)])
     assert state.surface_amplitude == pytest.approx(AMPLITUDE, rel=1e-12)
     assert math.isclose(motor().preload, 0.089e-3 * 9.80665, rel_tol=1e-3)
+
+
+def test_pillars_are_refused_with_the_reason_before_anything_is_solved():
+    with pytest.raises(SceneError, match=r"slider.pillars must be absent: tables over two ratios do not hold heights"):
+        averaged_motor(Scene.load("silicon-slider"))

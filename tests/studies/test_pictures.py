@@ -260,3 +260,20 @@ def test_run_plot_shows_what_the_run_draws(tmp_path, monkeypatch, capsys):
     (ax,) = pyplot.gcf().axes
     assert ax.get_ylabel() == "slider velocity (mm/s)"
     pyplot.close("all")
+
+
+@pytest.mark.parametrize(
+    ("levels", "title"), [(["8 nm", "10 nm"], "every point: intermittent"), (["0.5 nm", "10 nm"], None)]
+)
+def test_a_legend_stands_only_where_it_tells_regimes_apart(levels, title):
+    scene = Scene.load("twente-contact").replace(wave={"normal_amplitude": levels})
+    record = replace(run(scene, tolerance=1e-2), summary={})  # without the lines of threshold and release
+    _, ax = new_figure(7.0, 4.3)
+    pictures(record)["velocity"](ax)
+    legend = ax.get_legend()
+    if title is None:
+        assert [each.get_text() for each in legend.get_texts()] == ["stick", "intermittent"]
+        assert ax.get_title() == scene.title
+    else:
+        assert legend is None
+        assert ax.get_title() == f"{scene.title}\n{title}"

@@ -185,11 +185,11 @@ def test_pillars_on_a_mesh_are_refused(tmp_path):
 
 
 WHOLE_FAULTS = {
-    "place": ({"position": "1 mm"}, "without them it must be the whole stator, 0 to 8 mm, it reaches from 1 to 9 mm"),
+    "place": ({"position": "1 mm"}, "without them it must be the whole stator, 0 to 8 mm, got 1 to 9 mm"),
     "length": ({"stator": {"length": "8 m"}}, r"is the file's length unit m\?"),
     "thickness": (
         {"stator": {"thickness": "1 mm"}},
-        r"must reach from z = -1 mm \(minus stator.thickness\) to 0, it reaches from -1.1 to 0 mm",
+        r"must reach from z = -1 mm \(minus stator.thickness\) to 0, got -1.1 to 0 mm",
     ),
     "ends": ({"stator": {"ends": "absorbing"}}, "stator.ends must be free with piece \"chip\".*got 'absorbing'"),
     "comb": (
@@ -283,10 +283,10 @@ def test_places_and_overlaps(plain):
     assert 'piece "plain" (3.375 to 4.375 mm) touches the transducer "t" (1.625 to 3.375 mm)' in words
     words = refused(plain, position=["6 mm", "6.5 mm"])
     assert 'piece "plain" (6 to 7 mm) overlaps the piece "plain" (6.5 to 7.5 mm)' in words
-    assert "must lie on the stator, 0 to 12 mm, it reaches from 11.5 to 12.5 mm" in refused(plain, position="11.5 mm")
+    assert "must lie on the stator, 0 to 12 mm, got 11.5 to 12.5 mm" in refused(plain, position="11.5 mm")
     assert "must name different places" in refused(plain, position=["6 mm", "6 mm"])
     assert (
-        "piece.0.position must leave room for every place: 1000000 of a mesh 1 mm wide, on a stator 12 mm long"
+        "must name at most as many places as fit on the stator, 12 mm long, got 1000000 of a mesh 1 mm wide"
         in refused(plain, position="4 mm:11 mm:1000000")
     )
 
@@ -295,10 +295,10 @@ def test_an_end_piece_ends_where_the_stator_does(tmp_path):
     end = rectangle(tmp_path / "end.msh", 1.0, 1.1, size=0.5, groups=("left", "bottom"))
     assert (
         'piece.0 ("end") has no line group right in its file "end", which makes it the right end of the stator: it '
-        "must end at x = 12 mm (stator.length), it ends at 6 mm" in refused(end, position="5 mm")
+        "must end at x = 12 mm (stator.length), got 6 mm" in refused(end, position="5 mm")
     )
     lost = rectangle(tmp_path / "lost.msh", 1.0, 1.1, size=0.5, groups=("right", "bottom"))
-    assert "it must end at x = 0 mm, it ends at 6 mm" in refused(lost, position="6 mm")
+    assert "it must end at x = 0 mm, got 6 mm" in refused(lost, position="6 mm")
     assert '"end" (5 to 6 mm) and "end" (7 to 8 mm) are both the right end, as the line group right is absent' in (
         refused(end, position=["5 mm", "7 mm"])
     )

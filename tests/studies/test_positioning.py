@@ -10,7 +10,7 @@ import pytest
 
 import contact
 from studies.__main__ import main
-from studies.export.averaged_motor import averaged_motor, ring_speed
+from studies.export.averaged_motor import averaged_motor, push, ring_speed
 from studies.motor import positioning
 from studies.motor.controllers import CONTROLLERS, Command, MotorNumbers, Reading, controller
 from studies.motor.followed_motor import FollowedMotor
@@ -27,7 +27,7 @@ def motor():
 
 @cache
 def numbers():
-    return positioning.motor_numbers(motor())
+    return positioning.motor_numbers(motor()), math.copysign(1.0, push(motor().slider, orbits(12e-9)))
 
 
 def orbits(level):
@@ -285,6 +285,16 @@ def test_a_target_beyond_the_stator_is_refused(tmp_path, monkeypatch, capsys):
     with pytest.raises(SceneError, match="must keep the slider"):
         positioning.refuse_beyond(Scene.load("twente"), -61e-3)
     positioning.refuse_beyond(Scene.load("twente"), -50e-3)
+
+
+def test_a_target_the_other_way_is_refused_before_tables_and_ring_ups_are_computed(monkeypatch):
+    monkeypatch.setattr(positioning, "averaged_motor", lambda *_, **__: pytest.fail("the motor was computed first"))
+    short = Scene.load("twente-left").replace(
+        stator={"length": "30 mm", "thickness": "1 mm", "diffraction": False},
+        transducer={"left": {"finger_pairs": 2, "center": "6 mm"}}, slider={"position": "20 mm"},
+    )  # fmt: skip
+    with pytest.raises(SceneError, match=r'--target must be negative, such as "-10 um": .*, got 2 um'):
+        positioning.run(short, target="2 um")
 
 
 def test_a_controller_that_answers_nonsense_is_refused(tmp_path):

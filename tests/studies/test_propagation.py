@@ -4,8 +4,9 @@ import math
 
 import pytest
 
+import contact
 from contact import Orbit
-from studies.chain.propagation import MIN_STEP, reference_speed, velocity_sensitivities
+from studies.chain.propagation import MIN_STEP, velocity_sensitivities
 
 ORBIT = Orbit(frequency=2.2e6, normal=3e-9 + 0j, tangential=-2.1e-9j)
 SPEED = 2 * math.pi * 2.2e6 * 2.1e-9 / 10
@@ -17,8 +18,8 @@ def velocity_error(velocity, orbits, error, solve):
 
 
 def test_reference_speed_is_the_larger_of_slider_and_tenth_of_surface():
-    assert reference_speed(-1.0, (ORBIT,)) == 1.0
-    assert reference_speed(0.0, (ORBIT, ORBIT.scaled(0.5))) == pytest.approx(SPEED, rel=1e-14)
+    assert contact.reference_speed(-1.0, (ORBIT,)) == 1.0
+    assert contact.reference_speed(0.0, (ORBIT, ORBIT.scaled(0.5))) == pytest.approx(SPEED, rel=1e-14)
 
 
 @pytest.mark.parametrize("power", [1, 5, 20])

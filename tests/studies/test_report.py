@@ -10,6 +10,7 @@ import pytest
 import fem
 from studies.__main__ import main
 from studies.chain import run
+from studies.record.text import percent
 from studies.report.energies import balances
 from studies.report.intermediate import intermediate_numbers, si
 from studies.report.page import report
@@ -89,6 +90,15 @@ def test_a_page_says_everything(contact, driven, pages):
         for point in record.points:
             assert f"{point['velocity_m_per_s'] * 1e3:.5g}" in page
         assert f"sawmotor run scene.toml --tolerance {record.tolerance}" in page
+
+
+def test_effects_that_the_model_leaves_out_are_rows_of_a_table(driven, pages):
+    cells = Page(pages["driven"]).text
+    assert driven.model_error
+    for each in driven.model_error:
+        assert each["effect"] in cells
+        assert each["source"] in cells
+    assert f'<td class="figures">{percent(driven.model_error[0]["size"])}</td>' in pages["driven"]
 
 
 def test_the_picture_of_a_measurement_has_a_caption(contact):

@@ -1,6 +1,8 @@
 """Studies: each is listed, runs through its command and draws; what they must find is found."""
 
 import json
+from inspect import signature
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -195,3 +197,26 @@ def test_what_the_contact_cannot_answer_is_no_defect_of_the_program(tmp_path, ca
     assert main(["study", "step_planner", str(file), "--quick", "--out", str(tmp_path / "out")]) == 3
     assert "defect" not in (said := capsys.readouterr().err)
     assert "runaway" in said
+
+
+def test_the_help_names_the_studies_of_a_scene_that_take_no_tolerance(capsys):
+    assert main(["study", "--help"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    taken = {name: signature(module(name).run).parameters for name in STUDIES}
+    without = [name for name, own in taken.items() if "scene" in own and "tolerance" not in own]
+    assert f"all take it but {', '.join(without[:-1])} and {without[-1]}" in said
+
+
+def test_a_tolerance_is_the_stator_s_and_the_contact_s():
+    """A coarser one changes the load line by less than itself."""
+    fine, loose = (
+        module("load_line").run("twente-contact", points=3, tolerance=each).panels[0].data["value"]["20 nm"]
+        for each in (1e-4, 1e-1)
+    )
+    assert list(fine) != list(loose)
+    assert fine == pytest.approx(loose, rel=0.1)
+
+
+def test_an_option_that_a_study_does_not_take_is_refused_with_those_that_it_takes():
+    with pytest.raises(SceneError, match="--band is not taken by the study load_line, which takes --tolerance"):
+        run_study("load_line", None, Path(), progress=print, options={"band": "1:2:3"})

@@ -17,7 +17,7 @@ import pytest
 import threadpoolctl
 
 from studies.chain import predictor, run
-from studies.chain.predictor import Predictor
+from studies.chain.predictor import Predictor, Shared
 from studies.refusal import RunError, SceneError
 from studies.report.explanation import long_sweep
 from studies.scene import Scene, read_table
@@ -550,7 +550,7 @@ def test_driven_points_are_those_of_a_run(over):
 
 def test_a_ball_beside_the_axis_changes_no_other_point():
     """Where all balls lie on the axis the section may stand for the wave, whatever other points ask for."""
-    predictor = Predictor(PLANE, tolerance=1e-2, places=((0.007, 0.0), (0.007, 0.004)))
+    predictor = Predictor(PLANE, tolerance=1e-2, shared=Shared(places=((0.007, 0.0), (0.007, 0.004))))
     length = predictor.scene({}).stator.length
     for y, expected in ((0.0, {0.0}), (0.004, {0.0, 0.004})):
         moved = predictor.scene({"slider.position": [0.007, y], "slider.contacts": 1})

@@ -199,8 +199,8 @@ def test_reversal_between_neighbouring_points():
         )
 
     found = warnings_of(record("twente", points=moving(-0.01, -0.02, 0.015, 0.02)))
-    only(found, "between 20 and 30 V", "-20 and 15 mm/s", "more values")
-    only(warnings_of(record("twente", points=moving(-0.01, 0.0, 0.02))), "between 10 and 30 V")
+    only(found, "between 20 V and 30 V", "-20 and 15 mm/s", "more values")
+    only(warnings_of(record("twente", points=moving(-0.01, 0.0, 0.02))), "between 10 V and 30 V")
     assert warnings_of(record("twente", points=moving(-0.01, 0.0, -0.02))) == ()
     creeping = 0.009 * 2 * math.pi * 2.2e6 * 1e-9
     assert warnings_of(record("twente", points=moving(creeping, -0.02))) == ()

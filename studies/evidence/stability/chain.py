@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+import contact
 from studies.chain import run
 from studies.evidence.stability.case import Case, Outcome, cases_of
 from studies.evidence.stability.verdict import NoWitness, judged
@@ -187,7 +188,7 @@ def _worst(record, known: list[float]) -> tuple[float, float]:
     omega = 2 * math.pi * record.scene.frequency
     errors = []
     for point, truth in zip(record.points, known, strict=True):
-        scale = max(abs(truth), omega * point["tangential_amplitude_m"] / 10)
+        scale = contact.speed_scale(truth, omega * point["tangential_amplitude_m"])
         difference = abs(point["velocity_m_per_s"] - truth)
         errors.append((difference / scale if scale > 0 else difference, point["relative_error"]))
     return max(errors, key=lambda pair: pair[0] - 2 * pair[1])

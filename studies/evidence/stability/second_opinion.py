@@ -13,11 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+import contact
 from contact.answers.methods import rest_problem, stepped_refusals
 from contact.answers.steady import SteadyState
 from contact.body import normal_amplitude, tangential_amplitude
 from contact.convergence_error import ConvergenceError
-from contact.drive import reference_speed, towards_plus
+from contact.drive import towards_plus
 from contact.events.collocation import collocation
 from contact.events.motion import Motion
 from contact.stepping.time_stepping import steps
@@ -72,7 +73,7 @@ def second_opinion(state: SteadyState) -> SecondOpinion:
     unit = problem.speed
     begin = np.zeros(3 + len(driven))
     begin[0], begin[2] = -state.height / problem.length, side * state.velocity / unit
-    reference = reference_speed(state.velocity, driven) / unit
+    reference = contact.reference_speed(state.velocity, driven) / unit
     stepped = not stepped_refusals(slider, problem, STEPS[0])
     resolutions = STEPS if stepped else NODES
     cycles = STEPPED_CYCLES if stepped else _cycle_count(problem)

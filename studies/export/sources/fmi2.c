@@ -14,7 +14,6 @@ typedef struct {
 
 typedef struct {
     Motor motor;
-    double time;
     Log log;
     void *environment;
     char name[128];
@@ -25,6 +24,8 @@ static Status failed(Instance *instance, const char *message) {
         instance->log(instance->environment, instance->name, ERROR, "logStatusError", "%s", message);
     return ERROR;
 }
+
+static Status told(Instance *instance, const char *message) { return message ? failed(instance, message) : OK; }
 
 EXPORT const char *fmi2GetTypesPlatform(void) { return "default"; }
 EXPORT const char *fmi2GetVersion(void) { return "2.0"; }
@@ -57,7 +58,7 @@ EXPORT Status fmi2SetDebugLogging(void *instance, int on, size_t count, const ch
 EXPORT Status fmi2SetupExperiment(void *instance, int has_tolerance, double tolerance, double start, int has_stop,
     double stop) {
     (void)has_tolerance; (void)tolerance; (void)has_stop; (void)stop;
-    ((Instance *)instance)->time = start;
+    ((Instance *)instance)->motor.time = start;
     return OK;
 }
 
@@ -65,33 +66,24 @@ EXPORT Status fmi2EnterInitializationMode(void *instance) { (void)instance; retu
 
 EXPORT Status fmi2ExitInitializationMode(void *given) {
     Instance *instance = given;
-    return motor_begin(&instance->motor) ? failed(instance, "preload must be positive") : OK;
+    return told(instance, motor_begin(&instance->motor));
 }
 
 EXPORT Status fmi2Terminate(void *instance) { (void)instance; return OK; }
 
 EXPORT Status fmi2Reset(void *given) {
-    Instance *instance = given;
-    motor_reset(&instance->motor);
-    instance->time = 0.0;
+    motor_reset(&((Instance *)given)->motor);
     return OK;
 }
 
 EXPORT Status fmi2GetReal(void *given, const unsigned references[], size_t count, double values[]) {
     Instance *instance = given;
-    for (size_t k = 0; k < count; k++)
-        if (references[k] == V_STICKS || motor_get(&instance->motor, references[k], instance->time, values + k))
-            return failed(instance, "fmi2GetReal: no such variable");
-    return OK;
+    return told(instance, motor_read(&instance->motor, references, count, values));
 }
 
 EXPORT Status fmi2SetReal(void *given, const unsigned references[], size_t count, const double values[]) {
     Instance *instance = given;
-    for (size_t k = 0; k < count; k++)
-        if (motor_set(&instance->motor, references[k], values[k]))
-            return failed(instance, "an input is impossible: preload must be positive, the drive zero or positive "
-                                    "where there is but one, and a parameter is set before the simulation begins");
-    return OK;
+    return told(instance, motor_write(&instance->motor, references, count, values));
 }
 
 EXPORT Status fmi2GetBoolean(void *given, const unsigned references[], size_t count, int values[]) {
@@ -105,24 +97,18 @@ EXPORT Status fmi2GetBoolean(void *given, const unsigned references[], size_t co
 
 EXPORT Status fmi2DoStep(void *given, double now, double step, int no_return) {
     Instance *instance = given;
-    Motor *motor = &instance->motor;
     (void)no_return;
-    int reason = sawmotor_advance(&motor->state, motor->drive, motor->load, motor->preload, step);
-    if (reason) return failed(instance, reason == 1 ? "an input is impossible" : "the motion is not finite");
-    instance->time = now + step;
-    return OK;
+    return told(instance, motor_step(&instance->motor, now, step));
 }
 
 EXPORT Status fmi2GetFMUstate(void *instance, void **state) {
-    if (!*state && !(*state = malloc(sizeof(Instance)))) return ERROR;
-    memcpy(*state, instance, sizeof(Instance));
+    if (!*state && !(*state = malloc(sizeof(Motor)))) return ERROR;
+    memcpy(*state, &((Instance *)instance)->motor, sizeof(Motor));
     return OK;
 }
 
 EXPORT Status fmi2SetFMUstate(void *given, void *state) {
-    Instance *instance = given;
-    instance->motor = ((Instance *)state)->motor;
-    instance->time = ((Instance *)state)->time;
+    ((Instance *)given)->motor = *(Motor *)state;
     return OK;
 }
 

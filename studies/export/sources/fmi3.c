@@ -9,7 +9,6 @@ typedef void (*Log)(void *environment, Status status, const char *category, cons
 
 typedef struct {
     Motor motor;
-    double time;
     Log log;
     void *environment;
 } Instance;
@@ -18,6 +17,8 @@ static Status failed(Instance *instance, const char *message) {
     if (instance && instance->log) instance->log(instance->environment, ERROR, "logStatusError", message);
     return ERROR;
 }
+
+static Status told(Instance *instance, const char *message) { return message ? failed(instance, message) : OK; }
 
 EXPORT const char *fmi3GetVersion(void) { return "3.0"; }
 
@@ -61,42 +62,33 @@ EXPORT void fmi3FreeInstance(void *instance) { free(instance); }
 EXPORT Status fmi3EnterInitializationMode(void *instance, bool has_tolerance, double tolerance, double start,
     bool has_stop, double stop) {
     (void)has_tolerance; (void)tolerance; (void)has_stop; (void)stop;
-    ((Instance *)instance)->time = start;
+    ((Instance *)instance)->motor.time = start;
     return OK;
 }
 
 EXPORT Status fmi3ExitInitializationMode(void *given) {
     Instance *instance = given;
-    return motor_begin(&instance->motor) ? failed(instance, "preload must be positive") : OK;
+    return told(instance, motor_begin(&instance->motor));
 }
 
 EXPORT Status fmi3Terminate(void *instance) { (void)instance; return OK; }
 
 EXPORT Status fmi3Reset(void *given) {
-    Instance *instance = given;
-    motor_reset(&instance->motor);
-    instance->time = 0.0;
+    motor_reset(&((Instance *)given)->motor);
     return OK;
 }
 
 EXPORT Status fmi3GetFloat64(void *given, const uint32_t references[], size_t count, double values[], size_t size) {
     Instance *instance = given;
     if (size != count) return failed(instance, "every variable is one number");
-    for (size_t k = 0; k < count; k++)
-        if (references[k] == V_STICKS || motor_get(&instance->motor, references[k], instance->time, values + k))
-            return failed(instance, "fmi3GetFloat64: no such variable");
-    return OK;
+    return told(instance, motor_read(&instance->motor, references, count, values));
 }
 
 EXPORT Status fmi3SetFloat64(void *given, const uint32_t references[], size_t count, const double values[],
     size_t size) {
     Instance *instance = given;
     if (size != count) return failed(instance, "every variable is one number");
-    for (size_t k = 0; k < count; k++)
-        if (motor_set(&instance->motor, references[k], values[k]))
-            return failed(instance, "an input is impossible: preload must be positive, the drive zero or positive "
-                                    "where there is but one, and a parameter is set before the simulation begins");
-    return OK;
+    return told(instance, motor_write(&instance->motor, references, count, values));
 }
 
 EXPORT Status fmi3GetBoolean(void *given, const uint32_t references[], size_t count, bool values[], size_t size) {
@@ -111,28 +103,23 @@ EXPORT Status fmi3GetBoolean(void *given, const uint32_t references[], size_t co
 EXPORT Status fmi3DoStep(void *given, double now, double step, bool no_return, bool *event, bool *terminate,
     bool *early, double *last) {
     Instance *instance = given;
-    Motor *motor = &instance->motor;
     (void)no_return;
     if (event) *event = false;
     if (terminate) *terminate = false;
     if (early) *early = false;
-    int reason = sawmotor_advance(&motor->state, motor->drive, motor->load, motor->preload, step);
-    if (last) *last = reason ? now : now + step;
-    if (reason) return failed(instance, reason == 1 ? "an input is impossible" : "the motion is not finite");
-    instance->time = now + step;
-    return OK;
+    const char *message = motor_step(&instance->motor, now, step);
+    if (last) *last = message ? now : now + step;
+    return told(instance, message);
 }
 
 EXPORT Status fmi3GetFMUState(void *instance, void **state) {
-    if (!*state && !(*state = malloc(sizeof(Instance)))) return ERROR;
-    memcpy(*state, instance, sizeof(Instance));
+    if (!*state && !(*state = malloc(sizeof(Motor)))) return ERROR;
+    memcpy(*state, &((Instance *)instance)->motor, sizeof(Motor));
     return OK;
 }
 
 EXPORT Status fmi3SetFMUState(void *given, void *state) {
-    Instance *instance = given;
-    instance->motor = ((Instance *)state)->motor;
-    instance->time = ((Instance *)state)->time;
+    ((Instance *)given)->motor = *(Motor *)state;
     return OK;
 }
 
@@ -145,23 +132,20 @@ EXPORT Status fmi3FreeFMUState(void *instance, void **state) {
 
 EXPORT Status fmi3SerializedFMUStateSize(void *instance, void *state, size_t *size) {
     (void)instance; (void)state;
-    *size = sizeof(Motor) + sizeof(double);
+    *size = sizeof(Motor);
     return OK;
 }
 
 EXPORT Status fmi3SerializeFMUState(void *instance, void *state, uint8_t bytes[], size_t size) {
-    Instance *from = state;
-    if (size < sizeof(Motor) + sizeof(double)) return failed(instance, "too little room for the state");
-    memcpy(bytes, &from->motor, sizeof(Motor));
-    memcpy(bytes + sizeof(Motor), &from->time, sizeof(double));
+    if (size < sizeof(Motor)) return failed(instance, "too little room for the state");
+    memcpy(bytes, state, sizeof(Motor));
     return OK;
 }
 
 EXPORT Status fmi3DeserializeFMUState(void *instance, const uint8_t bytes[], size_t size, void **state) {
-    if (size < sizeof(Motor) + sizeof(double)) return failed(instance, "these bytes are no state of this FMU");
-    if (!*state && !(*state = calloc(1, sizeof(Instance)))) return ERROR;
-    memcpy(&((Instance *)*state)->motor, bytes, sizeof(Motor));
-    memcpy(&((Instance *)*state)->time, bytes + sizeof(Motor), sizeof(double));
+    if (size < sizeof(Motor)) return failed(instance, "these bytes are no state of this FMU");
+    if (!*state && !(*state = calloc(1, sizeof(Motor)))) return ERROR;
+    memcpy(*state, bytes, sizeof(Motor));
     return OK;
 }
 

@@ -1,4 +1,4 @@
-/* The variables of both FMI versions, by value reference. */
+/* What both FMI versions share: a motor at its time, and its variables by value reference. */
 #include <stdlib.h>
 #include <string.h>
 #include "motor.h"
@@ -14,7 +14,7 @@ enum { V_TIME, V_DRIVE, V_LOAD, V_PRELOAD, V_POSITION, V_VELOCITY, V_AMPLITUDE, 
 
 typedef struct {
     sawmotor_state state;
-    double drive, load, preload, start;
+    double drive, load, preload, start, time;
     int begun;
 } Motor;
 
@@ -24,14 +24,9 @@ static void motor_reset(Motor *motor) {
     motor->preload = SAWMOTOR_PRELOAD;
 }
 
-static int motor_begin(Motor *motor) {
-    motor->begun = 1;
-    return sawmotor_start(&motor->state, motor->preload, motor->load);
-}
-
-static int motor_get(const Motor *motor, unsigned reference, double time, double *value) {
+static int motor_get(const Motor *motor, unsigned reference, double *value) {
     switch (reference) {
-    case V_TIME: *value = time; return 0;
+    case V_TIME: *value = motor->time; return 0;
     case V_DRIVE: *value = motor->drive; return 0;
     case V_LOAD: *value = motor->load; return 0;
     case V_PRELOAD: *value = motor->preload; return 0;
@@ -57,4 +52,32 @@ static int motor_set(Motor *motor, unsigned reference, double value) {
     case V_START: if (motor->begun) return 1; motor->start = value; return 0;
     default: return 1;
     }
+}
+
+/* The following return why a call fails, or NULL. */
+static const char *motor_begin(Motor *motor) {
+    motor->begun = 1;
+    return sawmotor_start(&motor->state, motor->preload, motor->load) ? "preload must be positive" : NULL;
+}
+
+static const char *motor_read(const Motor *motor, const unsigned references[], size_t count, double values[]) {
+    for (size_t k = 0; k < count; k++)
+        if (references[k] == V_STICKS || motor_get(motor, references[k], values + k))
+            return "no such variable of real numbers";
+    return NULL;
+}
+
+static const char *motor_write(Motor *motor, const unsigned references[], size_t count, const double values[]) {
+    for (size_t k = 0; k < count; k++)
+        if (motor_set(motor, references[k], values[k]))
+            return "an input is impossible: preload must be positive, the drive zero or positive where there is but "
+                   "one, and a parameter is set before the simulation begins";
+    return NULL;
+}
+
+static const char *motor_step(Motor *motor, double now, double step) {
+    int reason = sawmotor_advance(&motor->state, motor->drive, motor->load, motor->preload, step);
+    if (reason) return reason == 1 ? "an input is impossible" : "the motion is not finite";
+    motor->time = now + step;
+    return NULL;
 }

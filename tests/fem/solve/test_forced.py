@@ -7,6 +7,7 @@ import pytest
 
 from fem.analytic.half_space import rayleigh
 from fem.analytic.wave_compliance import wave_compliance
+from fem.circuit import Drive
 from fem.discretize.grading import Resolution
 from fem.input_error import InputError
 from fem.mesh.piece import MeshPiece
@@ -14,6 +15,7 @@ from fem.mesh.section_mesh import read_mesh
 from fem.results.evaluation import surface_of
 from fem.results.power_balance import power_balance
 from fem.results.solution import driven_solution, forced_solution
+from fem.solve.band import frequency_band
 from fem.solve.forced import forced_wave
 from fem.solve.harmonic import driven_wave
 from fem.waveguide.force import LineForce, force_response
@@ -158,6 +160,25 @@ def test_the_current_per_newton_is_the_velocity_per_volt():
         2j * np.pi * FREQUENCY * driven_wave(stator, row, drive="a", **given | {"places": (place,)}).motion(place)[1]
     )
     assert received == pytest.approx(velocity * force.amplitude * row[0].aperture, rel=1e-3)
+
+
+@pytest.mark.parametrize("component", ["x", "z"])
+def test_a_band_receives_as_it_sends(component):
+    """Current per newton against velocity per volt, through one reduced model: reciprocity to its projection."""
+    stator = plate(cut("PZT-8", "Z", quality=150.0), length=9.0)
+    row = (
+        comb(stator, "a", 2.0, finger_pairs=2, termination="short"),
+        comb(stator, "b", 7.3, finger_pairs=2, termination=50.0),
+    )
+    place = 4.6 * stator.thickness / 0.8
+    drive = Drive(sources={"a": 1.0}, impedance=20.0)
+    given = {"lowest": 0.98 * FREQUENCY, "highest": 1.02 * FREQUENCY, "tolerance": 1e-2, "places": (place,)}
+    band = frequency_band(stator, row, drive=drive, **given)
+    at = np.array([0.985, 1.0, 1.017]) * FREQUENCY
+    received = band.received(at, LineForce(name="f", position=place, component=component), drive)[:, 0]
+    motion = np.array([each.motion(place)["xz".index(component)] for each in band.waves(at, drive)])
+    velocity = 2j * np.pi * at * motion
+    assert received == pytest.approx(velocity * row[0].aperture, rel=1e-6)
 
 
 def test_a_force_under_a_transducer_is_refused():

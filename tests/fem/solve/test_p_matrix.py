@@ -17,7 +17,7 @@ def lone(stator, row, frequency, level=0, every_mode=False):
     """P-matrix on one discretisation."""
     length = (len(row.signs) + 4) * row.pitch
     alone, own = replace(stator, length=length, ends="absorbing"), replace(row, center=length / 2)
-    return p_matrix_on_level(alone, own, frequency, LEVELS[level], every_mode)
+    return p_matrix_on_level(alone, own, frequency, LEVELS[level], every_mode=every_mode)
 
 
 def plate(name, cut, *, quality=np.inf, loss=0.0, bottom="free", thickness=0.6e-3):
