@@ -36,7 +36,7 @@ ADHESION = 0.05  # J/m^2: work of adhesion of clean oxides in air
 MAX_COMPARED = 20_000  # largest number of pillars for which the motion is computed again with interaction
 LOAD = "load of the slider on the wave"
 OVERTONES = "overtones of the wave under the pillars"
-MARGIN = "the margin to bulk waves, into which it leaks from 100 % on"
+MARGIN = "the margin to bulk waves (it leaks from 100 % on)"
 Rows = Iterator[tuple[str, str, float, str]]
 
 

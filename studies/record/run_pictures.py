@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -81,23 +81,20 @@ def draw_run(record: "Record", folder: Path) -> None:
 def velocity(record: "Record", ax):
     """Draw steady velocity against voltage or amplitude, by regime, with threshold and release."""
     unit, scale = quantity(record.level).axis, quantity(record.level).scale
+    axes = record.level, "velocity_m_per_s"
     for regime, mark in MARKS.items():
         points = [point for point in record.points if point.get("regime") == regime]
         if points:
-            at = [point[record.level] * scale for point in points]
-            speeds = [point["velocity_m_per_s"] * 1e3 for point in points]
-            ax.plot(at, speeds, mark, color=COLOURS[regime], label=regime)
+            ax.plot(*_shown(points, *axes), mark, color=COLOURS[regime], label=regime)
     missed = [point for point in record.points if point.get("relative_error", 0.0) > record.tolerance]
     if missed:
-        at = [point[record.level] * scale for point in missed]
-        speeds = [point["velocity_m_per_s"] * 1e3 for point in missed]
         ring = {"markersize": 11, "fillstyle": "none", "color": COLOURS["line"]}
-        ax.plot(at, speeds, "o", label=f"error above {record.tolerance:g}", **ring)
-    banded = sorted((p[record.level] * scale, p["velocity_low_m_per_s"] * 1e3, p["velocity_high_m_per_s"] * 1e3)
-                    for p in record.points if "velocity_low_m_per_s" in p)  # fmt: skip
+        ax.plot(*_shown(missed, *axes), "o", label=f"error above {record.tolerance:g}", **ring)
+    banded = sorted((p for p in record.points if "velocity_low_m_per_s" in p), key=lambda point: point[record.level])
     if banded:
         label = f"95 % of the tolerances ({record.uncertainty['method']})"
-        ax.fill_between(*zip(*banded, strict=True), color=COLOURS["slip"], alpha=0.2, linewidth=0, label=label)
+        band = _shown(banded, record.level, "velocity_low_m_per_s", "velocity_high_m_per_s")
+        ax.fill_between(*band, color=COLOURS["slip"], alpha=0.2, linewidth=0, label=label)
     for name, style in (("threshold", ":"), ("release", "--")):
         limit = record.limit(name)
         if limit is not None and limit <= 1.2 * max(record.scene.levels):
@@ -115,6 +112,11 @@ def velocity(record: "Record", ax):
     if alone:
         title = f"{title}\nevery point: {regimes.pop()}"
     return finished(ax, unit, quantity("velocity_m_per_s").axis, title, columns=0 if alone else 3)
+
+
+def _shown(points, *keys: str) -> list[Any]:
+    """Return columns of points in the units in which they are drawn."""
+    return [[point[key] * quantity(key).scale for point in points] for key in keys]
 
 
 def _power_axis(record: "Record", ax) -> None:
@@ -143,7 +145,7 @@ def _measured(record: "Record", ax, scale: float) -> None:
     at, speeds = zip(*sorted(known.items()), strict=True)
     curve(ax, [x * scale for x in at], [v * 1e3 for v in speeds], "-", "line", "predicted")
     bars = [point["error_m_per_s"] * 1e3 for point in points] if "error_m_per_s" in points[0] else None
-    at, speeds = zip(*((p[record.level] * scale, p["velocity_m_per_s"] * 1e3) for p in points), strict=True)
+    at, speeds = _shown(points, record.level, "velocity_m_per_s")
     style = {"markersize": 5, "markerfacecolor": "none", "capsize": 3, "label": "measured"}
     ax.errorbar(at, speeds, yerr=bars, fmt="D", color=COLOURS["second"], **style)
 
@@ -243,13 +245,12 @@ def profile(record: "Record", ax):
 
 def errors(record: "Record", ax):
     """Draw the estimated error of each point, with what was asked for."""
-    unit, scale = quantity(record.level).axis, quantity(record.level).scale
     known = [point for point in record.points if point.get("relative_error")]
-    at, sizes = zip(*((p[record.level] * scale, p["relative_error"]) for p in known), strict=True)
+    at, sizes = _shown(known, record.level, "relative_error")
     curve(ax, at, sizes, "o", "slip", "estimated error", size=5.0)
     ax.axhline(record.tolerance, color=COLOURS["line"], linestyle="--", linewidth=1, label="asked for")
     ax.set_yscale("log")
-    return finished(ax, unit, quantity("relative_error").axis, record.scene.title)
+    return finished(ax, quantity(record.level).axis, quantity("relative_error").axis, record.scene.title)
 
 
 def _at_last_level(record: "Record") -> str:
