@@ -270,9 +270,9 @@ def test_the_wave_pays_for_friction_and_thrust_and_no_more(name):
 
 def test_newtons_step_is_exact_where_contacts_stick():
     # Linear springs: one step from any amplitudes leads to those that the sweeps find
-    from contact.averaged.pillar_motion import _Slider
+    from contact.averaged.pillar_slider import PillarSlider
 
-    slider = _Slider(
+    slider = PillarSlider(
         grid(30, 1, friction_coefficient=50.0, preload=30 * 1.8e6 * 60e-9), wave(backward=6e-9j, strip_width=2e-4), True
     )
     rest = slider.rest(1.0)
