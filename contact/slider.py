@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from contact import bounds
+from contact.body import height_under
 from contact.codes import Shape, Tangential
 from contact.input_error import InputError
 from contact.law import elastic, hysteretic, normal
@@ -211,17 +212,17 @@ class Slider:
         if not self.heights:
             return float(normal.approach(target / contacts, shape))
         heights = self.offsets(contacts)
-        # Newton's method on a convex sum converges from above. Both initial guesses are upper bounds: one takes all
-        # heights equal to the smallest, the other only the contact with the largest height.
+        # both initial guesses are upper bounds: one takes all heights equal to the smallest, the other only the contact
+        # with the largest height
         h = float(min(normal.approach(target / contacts, shape) - min(heights),
                       normal.approach(target, shape) - max(heights)))  # fmt: skip
-        for _ in range(100):
-            excess = float(np.sum(normal.load(h + heights, shape))) - target
-            slope = float(np.sum(normal.slope(h + heights, shape)))
-            if not excess > 1e-16 * target or slope == 0.0:
-                break
-            h -= excess / slope
-        return h
+        if target == 0.0:
+            return h
+
+        def sums(height):
+            return tuple(float(np.sum(each(height + heights, shape))) for each in (normal.load, normal.slope))
+
+        return float(height_under(sums, target, h, 1e-15 * (abs(h) + float(np.max(np.abs(heights))))))
 
     def least_friction(self, contacts: int) -> float:
         """Return the least friction force in N of slipping contacts under the preload at speeds up to 10 m/s."""

@@ -35,7 +35,7 @@ class PillarCycle:
 
     def __init__(self, pillars: Pillars, wave: PassingWave, loading: bool):
         self.pillars, self.wave, self.shape = pillars, wave, SHAPES.index(pillars.shape)
-        self.g = wave.compliance / wave.strip_width if loading else 0.0
+        self.g = wave.compliance_per_width if loading else 0.0
         x, y = pillars.x, pillars.y
         heights = pillars.heights - 0.5 * pillars.curvature * (x**2 + y**2)
         across = y if pillars.tilt == "free" else np.zeros_like(y)

@@ -268,6 +268,11 @@ class PassingWave:
         """Amplitude of the larger of both waves, m."""
         return max(abs(self.forward), abs(self.backward))
 
+    @property
+    def compliance_per_width(self) -> float:
+        """Gamma/w, 1/(Pa m); 0 where Gamma is not known."""
+        return self.compliance / self.strip_width if self.compliance > 0.0 else 0.0
+
     def power(self, amplitude: complex) -> float:
         """Return the power in W of one wave of this amplitude within the strip; 0 where Gamma is not known."""
         if self.compliance == 0.0:

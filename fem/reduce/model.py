@@ -27,7 +27,7 @@ from fem.discretize.grading import Resolution
 from fem.discretize.spectral import lagrange_weights
 from fem.geometry import Stator, Transducer
 from fem.reduce.basis import WALL_WIDTH, ReducedSection, even_rows
-from fem.waveguide.ends import EndPieces, Wall, end_pieces
+from fem.waveguide.ends import Wall, end_walls
 from fem.waveguide.force import LineForce
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.port_fields import PortFields, Solve, joined_fields
@@ -52,7 +52,7 @@ class FullPieces:
     def __init__(self, model: "ReducedModel", frequency: float):
         self.model, self.frequency = model, frequency
         self._halves: dict[FingerShape, tuple[FingerColumns, FingerColumns]] = {}
-        self._ends: EndPieces | None = None
+        self._ends: tuple[Wall, Wall] | None = None
 
     def half_cell(self, shape: FingerShape, side: int, sides: np.ndarray) -> tuple[FingerColumns, np.ndarray]:
         """Return the rising (0) or falling (1) half of a finger's cell, and its sides from the reduced ones."""
@@ -68,8 +68,8 @@ class FullPieces:
         """Return the field in the columns beside the left (0) or right (1) end, from the reduced inner line."""
         model, full = self.model, self.model.section.full
         if self._ends is None:
-            self._ends = end_pieces(full, self.frequency, model.stator, model.resolution, width=WALL_WIDTH)
-        return self._ends.recover(side, model.section.lift(line))
+            self._ends = end_walls(full, self.frequency, model.stator, model.resolution, width=WALL_WIDTH)
+        return self._ends[side].recover(model.section.lift(line))
 
 
 @dataclass(frozen=True, kw_only=True)

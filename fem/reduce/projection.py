@@ -21,7 +21,7 @@ from fem.reduce.model import HalfCell, ReducedModel
 from fem.reduce.piece_band import piece_of_row
 from fem.results.solution import Solution, driven_solution
 from fem.threads import side_by_side
-from fem.waveguide.ends import end_pieces
+from fem.waveguide.ends import end_walls
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.port_fields import joined_fields
 from fem.waveguide.row import PieceRow
@@ -100,8 +100,8 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
         halves = {shape: half_cells(make, shape, resolution) for shape in shapes}
         walls = fields = solution = None
         if stator.ends != "absorbing":
-            ends = end_pieces(section, frequency, stator, resolution, width=WALL_WIDTH)
-            walls = np.stack([ends.matrix(side) for side in (0, 1)])
+            ends = end_walls(section, frequency, stator, resolution, width=WALL_WIDTH)
+            walls = np.stack([end.matrix for end in ends])
         if index in solved:
             modes = guided_modes(section, frequency)
             port_fields = joined_fields(

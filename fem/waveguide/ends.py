@@ -11,9 +11,9 @@ from functools import reduce
 
 import numpy as np
 
-from fem.condense.columns import FingerColumns, condensed
+from fem.condense.columns import condensed
 from fem.condense.join import joined
-from fem.condense.piece import Blocks, RecoveredField
+from fem.condense.piece import Piece, RecoveredField
 from fem.discretize.grading import CORNER_RATIO, Resolution, graded
 from fem.discretize.section import Section
 from fem.geometry import Stator
@@ -89,43 +89,40 @@ def end_reflection(modes: GuidedModes, ends: End, side: int, arriving: np.ndarra
     return -np.linalg.solve(leave, arrive[:, arriving])
 
 
-@dataclass(frozen=True, kw_only=True)
-class EndPieces:
-    """Superelements of columns of elements at both free or clamped ends."""
+def closed(piece: Piece, near: np.ndarray, far: np.ndarray, impedance=0.0) -> tuple[Wall, np.ndarray]:
+    """Piece whose far line is terminated, as an end of the stator.
 
-    section: Section
-    superelements: tuple[FingerColumns, FingerColumns] = field(repr=False)  # of the left and the right end
-    clamped: bool
+    Parameters
+    ----------
+    piece : Piece
+    near, far : ndarray of int
+        Numbers in its matrix A of the unknowns of the line that meets the stator, and of those of the other line that
+        are not held at zero.
+    impedance : ndarray or float
+        X of what lies behind the far line; 0 if that is free.
 
-    def _lines(self, side: int) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers in the superelement of the outer line's unknowns that are not clamped, and of the inner line's."""
-        at, numbers = Blocks(self.section.size), np.arange(2 * self.section.size)
-        left, right = numbers[at.left], numbers[at.right]
-        outer, inner = (left, right) if side == 0 else (right, left)
-        return np.delete(outer, self.section.mechanical) if self.clamped else outer, inner
+    Returns
+    -------
+    Wall
+    ndarray
+        T = -(A_ff - X)^-1 A_fn, the far line from the near one; the wall's matrix is A_nn + A_nf T.
+    """
+    matrix = piece.matrix
+    line = -np.linalg.solve(matrix[np.ix_(far, far)] - impedance, matrix[np.ix_(far, near)])
+    inner = matrix[np.ix_(near, near)] + matrix[np.ix_(near, far)] @ line
 
-    def _outer(self, side: int) -> np.ndarray:
-        """Matrix from the unknowns of the inner line to those of the outer line."""
-        piece, (outer, inner) = self.superelements[side].matrix, self._lines(side)
-        return -np.linalg.solve(piece[np.ix_(outer, outer)], piece[np.ix_(outer, inner)])
+    def recover(values: np.ndarray) -> RecoveredField:
+        sides = np.zeros(len(matrix), dtype=complex)
+        sides[near], sides[far] = values, line @ values
+        return piece.recover(sides)
 
-    def matrix(self, side: int) -> np.ndarray:
-        """Outward nodal flux on the inner line per unknown there, shape (n, n)."""
-        piece, (outer, inner) = self.superelements[side].matrix, self._lines(side)
-        return piece[np.ix_(inner, inner)] + piece[np.ix_(inner, outer)] @ self._outer(side)
-
-    def recover(self, side: int, line: np.ndarray) -> RecoveredField:
-        """Field in the columns for given unknowns of the inner line."""
-        outer, inner = self._lines(side)
-        out = np.zeros(len(self.superelements[side].matrix), dtype=complex)
-        out[inner] = line
-        out[outer] = self._outer(side) @ line
-        return self.superelements[side].recover(out)
+    wall = Wall(matrix=0.5 * (inner + inner.T), recover=recover, floating_potential=piece.floating_potential)
+    return wall, line
 
 
-def end_pieces(
+def end_walls(
     section: Section, frequency: float, stator: Stator, resolution: Resolution, *, width: float
-) -> EndPieces:
+) -> tuple[Wall, Wall]:
     """Condense columns beside both ends, graded towards corners where a clamped face meets a free one.
 
     ``width`` of an end piece in length units; the stator's ends are free or clamped.
@@ -133,11 +130,7 @@ def end_pieces(
     layers = resolution.edge_layers if "clamped" in (stator.ends, stator.bottom) else 0
     widths = graded(width, layers, largest=width / END_COLUMNS, ratio=CORNER_RATIO)
     columns = {each: condensed(section, frequency, width=each, electrode=None) for each in widths}
-    return EndPieces(
-        section=section,
-        superelements=(
-            reduce(joined, [columns[each] for each in widths[::-1]]),
-            reduce(joined, [columns[each] for each in widths]),
-        ),
-        clamped=stator.ends == "clamped",
-    )
+    left, right = (reduce(joined, [columns[each] for each in row]) for row in (widths[::-1], widths))
+    lines = np.arange(2 * section.size).reshape(2, -1)
+    held = section.mechanical if stator.ends == "clamped" else np.zeros(0, dtype=int)
+    return (closed(left, lines[1], np.delete(lines[0], held))[0], closed(right, lines[0], np.delete(lines[1], held))[0])

@@ -15,7 +15,7 @@ from fem.discretize.section import Section
 from fem.geometry import Stator
 from fem.mesh.piece import MeshPiece
 from fem.mesh.placement import is_step
-from fem.waveguide.ends import Beyond, End, Wall
+from fem.waveguide.ends import Beyond, End, Wall, closed
 from fem.waveguide.modes import GuidedModes, guided_modes
 
 
@@ -105,26 +105,12 @@ def _step(piece: MeshPiece, side: int, stator: Stator, modes: GuidedModes, resol
     other = discretise(behind, resolution, wavelength=section.length_unit, surface_scale=np.inf)
     outside = guided_modes(other, frequency)
     assembly = assembled(piece, _frame(stator), {near: section, far: other}, frequency=frequency, resolution=resolution)
-    whole = assembly.condensed(frequency)
-    own = {near: slice(0, section.size), far: slice(section.size, None)}
-    if side == 0:
-        own = {far: slice(0, other.size), near: slice(other.size, None)}
-    matrix = whole.matrix
+    first, second = np.split(np.arange(section.size + other.size), [other.size if side == 0 else section.size])
+    lines = (second, first) if side == 0 else (first, second)
     impedance = outside.left_impedance if side == 0 else outside.right_impedance
-    inner = matrix[own[far], own[far]] - impedance
-    line = -np.linalg.solve(inner, matrix[own[far], own[near]])
-    closed = matrix[own[near], own[near]] + matrix[own[near], own[far]] @ line
-
-    def recover(near_line: np.ndarray):
-        parts = {near: near_line, far: line @ near_line}
-        return whole.recover(np.concatenate([parts["left"], parts["right"]]))
-
-    return Wall(
-        matrix=0.5 * (closed + closed.T),
-        recover=recover,
-        floating_potential=whole.floating_potential,
-        beyond=Beyond(modes=outside, place=piece.interface(far)[0] / section.length_unit, far_line=line),
-    )
+    wall, line = closed(assembly.condensed(frequency), *lines, impedance)
+    place = piece.interface(far)[0] / section.length_unit
+    return replace(wall, beyond=Beyond(modes=outside, place=place, far_line=line))
 
 
 def _frame(stator: Stator) -> Stator:

@@ -35,8 +35,9 @@ UNIFORM_CHARGE = 0.05
 # finger pair. Measured on PZT-8, rms over 80 points: 0.9 to 1.1 % with 2 to 10 pairs, 4.7 % with 30
 # (tests/fem/beam/test_finger_ends.py).
 UNEVEN_CHARGE, UNEVEN_PER_PAIR = 0.01, 0.0016
-# Change of |u_z| by the vacuum over its share of the permittivity times K2: 2.4 in twente-left, 4.0 in twente, 1.3 in
-# lithium-niobate-128yx, 3.4 in lithium-niobate-yz (sawmotor run SCENE --set stator.above=vacuum).
+# Change of |u_z| by the vacuum over its share of the permittivity times K2, the largest measured: 2.4 in twente-left,
+# 4.0 in twente, 1.3 in lithium-niobate-128yx, 3.4 in lithium-niobate-yz (sawmotor run SCENE --set
+# stator.above=vacuum).
 VACUUM_FACTOR = 4.0
 ALUMINIUM, FILM = 2700.0, 100e-9  # density in kg/m3 and thickness in m of the electrodes
 

@@ -27,6 +27,18 @@ AMPLITUDES = ("normal_amplitude_m", "tangential_amplitude_m")
 ELECTRICAL = ("frequency_Hz", "conductance_S", "susceptance_S", "power_W")
 
 
+def keywords(columns: Iterable[str]) -> tuple[str, ...]:
+    """Return the keywords of ``ALSO`` that request columns of a sweep, each once; the velocity needs none.
+
+    Examples
+    --------
+    >>> keywords(["velocity_m_per_s", "threshold_factor", "thrust_N", "release_factor"])
+    ('limits', 'thrust')
+    """
+    asked = [word for column in columns for word, requested in ALSO.items() if column in requested]
+    return tuple(dict.fromkeys(asked))
+
+
 def amplitudes(driven: DrivenContact) -> dict:
     """Return the amplitudes at a point and, for a stator, the admittance and power of the driven transducer."""
     outcomes, solved = driven.amplitudes_at(driven.level), driven.solved

@@ -7,8 +7,10 @@ A pillar of radius a, height h, cross-section A = pi a^2 and second moment I = p
 (Johnson, *Contact Mechanics*, eq. 3.36 and section 7.2; Timoshenko's beam between two faces that stay parallel). The
 neighbours' dents lower the mean plane of a square grid, so that a punch is stiffer relative to it: f = 1 - 2.4830 a/p
 for point loads (lattice sum), which holds up to a/p = 0.1; beyond, f comes from the table `NEIGHBOURS` (boundary
-elements, +-1 %). The tangential compliance averaged over directions falls off as the normal one, with the same factor
-in the point loads' limit.
+elements, +-1 %). For point loads the factor of k_t is the same: a force Q along x moves the surface by
+u_x = Q ((1 - nu) + nu cos^2 theta)/(2 pi G r) (Cerruti; Johnson, section 3.6), whose sum over a square grid is that of
+Q (2 - nu)/(4 pi G r), because cos^2 theta is 1/2 in the mean. Over the pillar's own Q/(8 a G*) this is the same share
+as that of the normal forces, whatever nu is. Beyond a/p = 0.1, and for unequal pitches, this is an assumption.
 
 A given [wave], whose surface points move towards +x at its crests, runs towards -x (retrograde motion).
 """

@@ -11,22 +11,18 @@ from studies.scene.keys import rule_at
 from studies.scene.quantity import si_value
 from studies.scene.ranges import is_number
 
-# goal: column of a point (or two, the first that it has), what the sweep is asked for, whether less is better
+# goal: column of a point (or two, the first that it has), whether less is better
 GOALS = {
-    "velocity": (("velocity_m_per_s",), "", False),
-    "thrust": (("thrust_N",), "thrust", False),
-    "efficiency": (("motor_efficiency", "contact_efficiency"), "efficiency", False),
-    "step_resolution": (("step_m",), "step", True),
+    "velocity": (("velocity_m_per_s",), False),
+    "thrust": (("thrust_N",), False),
+    "efficiency": (("motor_efficiency", "contact_efficiency"), False),
+    "step_resolution": (("step_m",), True),
 }
-# what a constraint may name beside keys of the scene: column, what the sweep is asked for
+# column of what a constraint may name beside keys of the scene
 BOUNDED = {
-    "velocity": ("velocity_m_per_s", ""),
-    "thrust": ("thrust_N", "thrust"),
-    "contact_pressure": ("contact_pressure_Pa", "pressure"),
-    "stick_margin": ("stick_margin", "pressure"),
-    "normal_amplitude": ("normal_amplitude_m", ""),
-    "power_W": ("power_W", ""),
-}
+    "velocity": "velocity_m_per_s", "thrust": "thrust_N", "contact_pressure": "contact_pressure_Pa",
+    "stick_margin": "stick_margin", "normal_amplitude": "normal_amplitude_m", "power_W": "power_W",
+}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +31,6 @@ class Constraint:
 
     text: str
     column: str
-    also: str
     upper: bool
     bound: float
 
@@ -67,15 +62,15 @@ def read_constraint(text: str) -> Constraint:
     name, sign, value = match.groups()
     bound: float | str | tuple
     if name in BOUNDED:
-        column, also = BOUNDED[name]
+        column = BOUNDED[name]
         unit = quantity(column).unit.removeprefix("1")
         bound = float(value) if is_number(value) else si_value(f"constraints {name}", value, unit)
     elif "." in name:
-        column, also, bound = name, "", rule_at(name).read(name, float(value) if is_number(value) else value)
+        column, bound = name, rule_at(name).read(name, float(value) if is_number(value) else value)
         if isinstance(bound, tuple):
             bound = bound[0]
     else:
         raise SceneError(f"constraints {name}", f"is no outcome and no key of a scene{nearest(name, BOUNDED)}")
     if isinstance(bound, bool) or not isinstance(bound, (int, float)) or not math.isfinite(bound):
         raise SceneError(f"constraints {name}", f"must be compared with a number, got {shown(value)}")
-    return Constraint(text=" ".join(text.split()), column=column, also=also, upper=sign == "<=", bound=float(bound))
+    return Constraint(text=" ".join(text.split()), column=column, upper=sign == "<=", bound=float(bound))

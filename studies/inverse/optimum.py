@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from studies.chain.outcomes import keywords
 from studies.inverse.evaluations import Evaluations, Options, planned
 from studies.inverse.goals import GOALS, read_constraint, read_variable
 from studies.inverse.parameters import ranges
@@ -112,8 +113,8 @@ def design(
         raise SceneError("variables", "is required: KEY=LOW:HIGH")
     if budget < 4 * len(variables) + 8:
         raise SceneError("evaluations", f"must be at least {4 * len(variables) + 8}, got {budget}")
-    also = {GOALS[goal][1] for goal in goals} | {each.also for each in constraints}
-    plan = planned(table, tuple(variables), also=tuple(sorted(also - {""})), tolerance=options.tolerance)
+    also = keywords([*(column for goal in goals for column in GOALS[goal][0]), *(each.column for each in constraints)])
+    plan = planned(table, tuple(variables), also=tuple(sorted(also)), tolerance=options.tolerance)
     search = {"goals": goals, "subject": [each.text for each in constraints], "evaluations": budget,
               "seed": options.seed, "ranges": [[each.key, each.low, each.high] for each in variables]}  # fmt: skip
     shared = plan, search, options, progress or LOGGER.info

@@ -62,7 +62,7 @@ class Search:
 
     def goal(self, row: dict, goal: str) -> float:
         """Return the quantity of a goal so that larger is better; 0 where a point has no answer."""
-        columns, _, less = GOALS[goal]
+        columns, less = GOALS[goal]
         value = next((abs(row[name]) for name in columns if row.get(name) is not None), 0.0)
         return value if not less else (1.0 / value if value > 0.0 else 0.0)
 

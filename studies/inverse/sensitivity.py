@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 import contact
-from studies.chain.outcomes import OF_PILLARS
+from studies.chain.outcomes import OF_PILLARS, keywords
 from studies.chain.pillars import layout
 from studies.inverse.prediction import MeasurementPredictor
 from studies.record.plots import COLOURS, finished
@@ -34,11 +34,10 @@ QUICK = {"outcomes": ("velocity",)}
 # accuracy of each answer: that of rounding, or the tolerance that it is solved to
 ACCURACY = {"velocity": 1e-11, "threshold": 1e-13, "release": 1e-13, "thrust": 1e-11, "efficiency": 1e-8,
             "start-up time": 1e-6}  # fmt: skip
-# column of each answer, and the word that asks for it
+# column of each answer
 ANSWERS = {
-    "velocity": ("velocity_m_per_s", ()), "threshold": ("threshold_factor", ("limits",)),
-    "release": ("release_factor", ("limits",)), "thrust": ("thrust_N", ("thrust",)),
-    "efficiency": ("contact_efficiency", ("efficiency",)), "start-up time": ("start_up_time_s", ("start-up",)),
+    "velocity": "velocity_m_per_s", "threshold": "threshold_factor", "release": "release_factor", "thrust": "thrust_N",
+    "efficiency": "contact_efficiency", "start-up time": "start_up_time_s",
 }  # fmt: skip
 STATOR_ACCURACY = 1e-9  # of a stator's answers against each other on the same mesh
 STATOR_STEP, PHASE_STEP = 1e-3, 2e-4  # of the logarithms of its numbers
@@ -123,7 +122,8 @@ def expected_seconds(scene: Scene) -> float:
 
 def _of_slider(predictor: MeasurementPredictor) -> tuple[str, ...]:
     """Return the names of the answers that the slider has."""
-    return tuple(name for name, (_, also) in ANSWERS.items() if not predictor.one_by_one or {*also} <= {*OF_PILLARS})
+    pillars = predictor.one_by_one
+    return tuple(name for name, column in ANSWERS.items() if not pillars or {*keywords([column])} <= {*OF_PILLARS})
 
 
 def _together(predictor: MeasurementPredictor, outcomes: Sequence[str]) -> list[tuple[float, tuple[str, ...]]]:
@@ -202,14 +202,14 @@ def _answers(
     "level" may be among the keys; an answer is NaN where there is none.  An averaged state has no numerical error.  A
     stator that cannot be solved raises RunError: a number must not be missing in silence.
     """
-    also = tuple(dict.fromkeys(word for name in names for word in ANSWERS[name][1]))
+    columns = [ANSWERS[name] for name in names]
     level_key = "wave.normal_amplitude" if predictor.given_wave else "drive.voltage"
     changes = [
         {key: float(predictor.value(key) or 0.0) * factor for key, factor in factors.items() if key != "level"}
         | {level_key: level * factors.get("level", 1.0)}
         for factors in many
     ]
-    rows = predictor.answers(changes, also, tolerance=ACCURACY[names[0]], averaged=True)
+    rows = predictor.answers(changes, keywords(columns), tolerance=ACCURACY[names[0]], averaged=True)
     errors = np.zeros(len(rows))
     for k, row in enumerate(rows):
         if "relative_error" not in row and not row.get("refused"):
@@ -217,7 +217,7 @@ def _answers(
         if row.get("numerical_error") and row["velocity_m_per_s"]:
             speed, orbits = row["velocity_m_per_s"], predictor.contact(changes[k]).at(level)
             errors[k] = row["numerical_error"] * contact.reference_speed(speed, orbits) / abs(speed)
-    return np.abs([[row.get(ANSWERS[name][0], math.nan) for name in names] for row in rows]), errors
+    return np.abs([[row.get(column, math.nan) for column in columns] for row in rows]), errors
 
 
 def _without_effect(predictor: MeasurementPredictor, outcome: str, rows: dict, level: float) -> list[Finding]:

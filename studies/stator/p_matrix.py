@@ -20,6 +20,7 @@ from studies.record.plots import COLOURS, curve, lines
 from studies.record.quantities import quantity
 from studies.refusal import RunError
 from studies.scene import Scene
+from studies.stator.reflector import from_the_left
 from studies.study import Answered, Panel, judged, of_record, study
 
 QUICK = {"count": 3, "tolerance": 0.2}
@@ -107,16 +108,12 @@ def _of_pieces(title: str, at: np.ndarray, pieces: list[fem.Reflector]) -> tuple
     matrices = {name: [each.pieces[k][1] for each in pieces] for k, (name, _) in enumerate(pieces[0].pieces)}
     if len(pieces[0].places) > 1:
         matrices["all pieces together"] = [each.row for each in pieces]
-    panels = []
-    for k, (name, own) in enumerate(matrices.items()):
-        half = len(own[0].scattering) // 2
-        data = {
-            "frequency_Hz": at,
-            "reflection": np.array([abs(each.scattering[0, 0]) for each in own]),
-            "transmission": np.array([abs(each.scattering[half, 0]) for each in own]),
-        }
-        panels.append(Panel(name=f"piece_{k}", title=f"{title}: {name}", data=data))
-    return tuple(panels)
+    return tuple(
+        Panel(name=f"piece_{k}", title=f"{title}: {name}", data={
+            key: abs(values) for key, values in from_the_left(at, [each.scattering for each in own]).items()
+        })
+        for k, (name, own) in enumerate(matrices.items())
+    )  # fmt: skip
 
 
 @of_record

@@ -5,6 +5,8 @@ Method: the pieces between semi-infinite uniform segments, joined to the guided 
 power than arrives. Run time: about 1 s for each frequency and file.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 import fem
@@ -46,7 +48,6 @@ def run(scene: Scene, *, count: int = 11, tolerance: float = 1e-3, progress=None
     center = answers[len(answers) // 2]
     panels, answer, matrices = [], [], [each.scattering for each in answers if each.scattering is not None]
     if matrices:
-        m = len(matrices[0]) // 2
         data = {
             "frequency_Hz": at,
             "reflection": np.array([each.reflection for each in answers]),
@@ -62,12 +63,8 @@ def run(scene: Scene, *, count: int = 11, tolerance: float = 1e-3, progress=None
         ]
         for index, (name, _) in enumerate(center.pieces if len(stator.placement.between) > 1 else ()):
             own = [each.pieces[index][1].scattering for each in answers]
-            data = {
-                "frequency_Hz": at,
-                "reflection": np.array([each[0, 0] for each in own]),
-                "transmission": np.array([each[m, 0] for each in own]),
-                "scattered_share": np.array([1 - np.sum(abs(each[:, 0]) ** 2) for each in own]),
-            }
+            scattered = np.array([1 - np.sum(abs(each[:, 0]) ** 2) for each in own])
+            data = from_the_left(at, own) | {"scattered_share": scattered}
             panels.append(Panel(name=f"piece_{index}", title=f"{resolved.title}: {name} alone", data=data))
             answer.append((f"{name} alone", f"reflection {abs(own[len(own) // 2][0, 0]):.4f}"))
     for index, (name, reflection) in enumerate(center.ends):
@@ -86,6 +83,13 @@ def run(scene: Scene, *, count: int = 11, tolerance: float = 1e-3, progress=None
                    high=1 + tolerance, expected="at most 1"),
         ]  # fmt: skip
     return tuple(panels), tuple(findings), answer
+
+
+def from_the_left(at: np.ndarray, matrices: Sequence[np.ndarray]) -> dict[str, np.ndarray]:
+    """Return what scattering matrices over frequencies (Hz) make of the surface wave from the left, for a panel."""
+    half = len(matrices[0]) // 2
+    reflection, transmission = (np.array([each[row, 0] for each in matrices]) for row in (0, half))
+    return {"frequency_Hz": at, "reflection": reflection, "transmission": transmission}
 
 
 @of_record

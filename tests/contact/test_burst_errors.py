@@ -33,7 +33,7 @@ def compared(number, longest):
     return found, tolerance
 
 
-@pytest.mark.parametrize("numbers", [range(0, 5), range(10, 15), range(20, 25)])
+@pytest.mark.parametrize("numbers", [pytest.param(range(0, 5), marks=pytest.mark.slow), range(10, 15), range(20, 25)])
 def test_stated_errors_hold_where_they_are_aimed_at(numbers):
     for number in numbers:
         found, tolerance = compared(number, 4500)

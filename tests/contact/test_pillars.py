@@ -171,7 +171,11 @@ def test_the_loaded_wave_leaves_as_independent_programs_say(monkeypatch):
 
 @pytest.mark.parametrize(
     ("K", "first_order", "exact"),
-    [(1e12, -2.757e-4, -2.7557e-4), (1e13, -2.757e-3, -2.7411e-3), (5e13, -1.379e-2, -1.2833e-2)],
+    [
+        pytest.param(1e12, -2.757e-4, -2.7557e-4, marks=pytest.mark.slow),
+        pytest.param(1e13, -2.757e-3, -2.7411e-3, marks=pytest.mark.slow),
+        (5e13, -1.379e-2, -1.2833e-2),
+    ],
 )
 def test_springs_to_a_heavy_slider_advance_the_wave(K, first_order, exact):
     # dk = -Gamma (K_n + r^2 K_t), K per area, K_t = 0.844 K_n; at 10 wavelengths' length and never slipping. The rows
@@ -266,9 +270,9 @@ def test_the_wave_pays_for_friction_and_thrust_and_no_more(name):
 
 def test_newtons_step_is_exact_where_contacts_stick():
     # Linear springs: one step from any amplitudes leads to those that the sweeps find
-    from contact.averaged.pillar_motion import _Slider
+    from contact.averaged.pillar_slider import PillarSlider
 
-    slider = _Slider(
+    slider = PillarSlider(
         grid(30, 1, friction_coefficient=50.0, preload=30 * 1.8e6 * 60e-9), wave(backward=6e-9j, strip_width=2e-4), True
     )
     rest = slider.rest(1.0)

@@ -6,6 +6,7 @@ import pytest
 from contact import pillar_load_line, pillar_motion, pillar_traction
 from contact.averaged import overtone_cycle
 from contact.averaged import pillar_motion as module
+from contact.averaged.pillar_equilibrium import Equilibrium
 from tests.contact.test_pillars import LENGTH, SCENES, gaussian, grid, scatter, wave
 
 K = 2.0 * np.pi / LENGTH
@@ -75,9 +76,9 @@ def test_one_harmonic_in_finer_samples_is_the_closed_form(monkeypatch):
         closed, errors = pillar_motion(slider, passing, load=0.01), []
         for samples in (64, 128, 256):
             monkeypatch.setattr(overtone_cycle, "FEWEST", samples)
-            cycle, slide = overtone_cycle.OvertoneCycle, module._Slider(slider, passing, True)
+            cycle, slide = overtone_cycle.OvertoneCycle, module.PillarSlider(slider, passing, True)
             slide.cycle = cycle(slider, passing, True, 1)
-            slide.equilibrium = module.Equilibrium(slide.cycle)
+            slide.equilibrium = Equilibrium(slide.cycle)
             slide.begin_at(closed)
             found = slide.motion(slide.under(closed.load), closed.load)
             errors.append(abs(found.velocity / closed.velocity - 1.0))

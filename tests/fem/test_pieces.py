@@ -72,8 +72,8 @@ def _motion(solution):
     [
         # on 128YX, below, with the same sides
         pytest.param("PZT-4", "Z", {"ends": "absorbing", "bottom": "free"}, 1e-8, marks=pytest.mark.slow),
-        ("PZT-4", "Z", {"ends": "free", "bottom": "grounded"}, 1e-8),
-        ("PZT-5H", "X", {"ends": "absorbing", "bottom": "clamped"}, 1e-8),
+        pytest.param("PZT-4", "Z", {"ends": "free", "bottom": "grounded"}, 1e-8, marks=pytest.mark.slow),
+        pytest.param("PZT-5H", "X", {"ends": "absorbing", "bottom": "clamped"}, 1e-8, marks=pytest.mark.slow),
         # the line is graded towards the clamped bottom: 7e-5 where the projection is tested with functions held there
         ("PZT-4", "Z", {"ends": "free", "bottom": "clamped"}, 1e-8),
         # one element through 0.8 wavelengths: the section's own error
@@ -191,6 +191,7 @@ def test_pieces_against_ngsolve(tmp_path, case):
     assert power_balance(solved).residual < 1e-10
 
 
+@pytest.mark.slow
 def test_slender_elements_at_corners_are_halved(tmp_path):
     """A groove's mesh with elements 16 times as long as wide at the corner is as exact as an even one.
 
@@ -480,6 +481,7 @@ def test_a_grounded_electrode_takes_no_net_charge_from_the_transducers(tmp_path)
     assert abs(one - other).max() < 1e-9 * abs(other).max()
 
 
+@pytest.mark.slow
 def test_a_band_of_a_whole_stator(tmp_path):
     """Between a few condensations the mesh is interpolated, motion and interior too, to a tenth of the tolerance.
 
@@ -573,6 +575,7 @@ def test_the_sagitta_of_a_coarsely_drawn_arc_is_stated(tmp_path):
     assert true < stated[0] - stated[1] < 10 * true
 
 
+@pytest.mark.slow
 def test_the_vertices_of_an_arc_need_fewer_layers(tmp_path, monkeypatch):
     """Two layers of three at vertices that turn by 13 degrees: the motion of all layers; with none it is not."""
     row = (Transducer(name="a", center=2.5e-3, finger_pairs=2, period=1e-3, metallisation=0.5, aperture=1e-2),)

@@ -11,6 +11,7 @@ def dielectric(ratio):
     return lambda k_x, k_y: np.hypot(k_x, ratio * k_y)
 
 
+@pytest.mark.slow
 def test_more_functions_along_and_longer_fingers():
     short = end_excess(dielectric(1.0), metallisation=0.5, length=4.0, along=20)
     finer = end_excess(dielectric(1.0), metallisation=0.5, length=4.0, along=40)
@@ -19,6 +20,7 @@ def test_more_functions_along_and_longer_fingers():
     assert longer == pytest.approx(finer, rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_stretched_plane_is_isotropic():
     found, plain = (end_excess(dielectric(each), metallisation=0.4, length=6.0) for each in (1.6, 1.0))
     assert found == pytest.approx(1.6 * plain, rel=0.01)

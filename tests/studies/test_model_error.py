@@ -92,7 +92,10 @@ def test_closed_forms_of_the_seed(motor):
 
 @pytest.mark.parametrize("name", ["twente-left", "lithium-niobate-yz"])
 def test_vacuum_put_back(name):
-    """What it does to |u_z| beside two pairs of fingers is the row to a factor of 2, or 4 below it."""
+    """What it does to |u_z| beside two pairs of fingers is 1.19 and 0.93 of the row, at the worst of three places.
+
+    With VACUUM_FACTOR = 3 it is 1.6 of the row, with 5 at most 0.74 of it on lithium niobate.
+    """
     scene = Scene.load(name)
     ((_, _, size, _),) = _vacuum(SimpleNamespace(scene=scene))
     x, motions = np.array([1.0, 2.3, 4.0]), []
@@ -102,7 +105,7 @@ def test_vacuum_put_back(name):
         unit = solved.fields.section.length_unit
         motions.append(abs(wave_of(solved).motion((5.5 + x) * unit)[1]))
     changes = abs(motions[1] / motions[0] - 1)
-    assert 0.25 * size < changes.max() < 2 * size
+    assert 0.8 * size < changes.max() < 1.3 * size
 
 
 def test_electrode_mass_against_rayleigh_energy(motor):

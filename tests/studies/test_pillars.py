@@ -143,6 +143,20 @@ def test_a_load_on_the_wave_that_is_not_computed_and_decides_leaves_no_answer():
     assert loaded.points[-1]["wave_power_out_W"] > 0.0
 
 
+@pytest.mark.parametrize("nu", [0.0, 0.17, 0.45])
+def test_neighbours_stiffen_pillars_along_the_surface_as_cerrutis_forces_do(nu):
+    # Explicit sum over 401 x 401 point forces on a grid of pitch 1, less the mean of the same load over its square, in
+    # units of the compliance of a punch of radius a alone, (2 - nu)/(8 a G)
+    n, a = np.arange(-200, 201), 0.06
+    x, y = np.meshgrid(n, n)
+    r = np.hypot(x, y)
+    r[200, 200] = math.inf
+    of_points = np.sum((1.0 - nu) / r + nu * x**2 / r**3)
+    of_the_mean = (1.0 - nu / 2.0) * 4.0 * n.size * math.asinh(1.0)
+    found = 1.0 + (of_points - of_the_mean) / (2.0 * math.pi) * 8.0 * a / (2.0 - nu)
+    assert found == pytest.approx(pillars.neighbours(a), abs=6e-5)  # 4.6e-5 by the finite square
+
+
 def test_neighbours_stiffen_pillars():
     # Closed form of the lattice and values by boundary elements
     assert 1 / pillars.neighbours(0.05) == pytest.approx(1.13, rel=0.011)

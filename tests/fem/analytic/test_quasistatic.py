@@ -121,7 +121,14 @@ def test_power_of_the_wave_is_what_the_source_gives():
     np.testing.assert_allclose(theory.conductance(at) / 2, 2 * carried * row.aperture, rtol=1e-12)
 
 
-@pytest.mark.parametrize("name", ["PZT-8 Z", "LiNbO3 (Kovacs) 128YX", "LiNbO3 (Warner) YZ"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param("PZT-8 Z", marks=pytest.mark.slow),
+        "LiNbO3 (Kovacs) 128YX",
+        pytest.param("LiNbO3 (Warner) YZ", marks=pytest.mark.slow),
+    ],
+)
 def test_static_ends_of_fingers(name):
     """Boundary elements in the plane, with the permittivity of every direction and the vacuum above."""
     table, orientation = name.rsplit(" ", 1)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import fresnel
 
-from fem.beam.cut_source import _Polynomials, _Reduced, _surface, cut_source
+from fem.beam.cut_source import TILT, _Polynomials, _Reduced, _surface, cut_source
 from fem.beam.surface_beam import surface_beam
 from tests.fem.stators import comb, cut, lossless, plate, solution, wave_of
 from tests.oracles.fem_half_space_field import HalfSpaceField
@@ -46,7 +46,7 @@ def ceramic():
 
 
 def test_half_space_by_rotated_modes(ceramic):
-    """u_z is 3e-5 off and more with COARSER = 4, TILTED = 0.03 or 0.24, or DEPTH = 0.1."""
+    """u_z is 3e-5 off and more with SPACING_GROUNDED = 4, TILT_GROUNDED = 0.03 or 0.24, or DEPTH = 0.1."""
     beam, source = ceramic
     x = beam.charges[0].x[-1] + np.array([3e-3, 6e-3])[:, None]
     y = np.array([-1.2e-3, 0.0, 1.2e-3])
@@ -59,7 +59,7 @@ def test_artefacts_of_the_basis_that_grow_are_dropped(ceramic):
     """With vacuum above YZ lithium niobate one at 1.6 k grew by less than waves may, and more than doubled u_z."""
     source = ceramic[1]
     surface = source.wavenumber * source.section.length_unit
-    k, ones = surface * np.array([0.9 + 0.01j, 1.6 + 0.01j, 1.0 - 1e-6j]), np.ones((source.section.size, 3))
+    k, ones = surface * np.array([0.9 + 0.01j, 1.6 + 0.01j, 1.0 - 1e-6j]), np.ones((source.reduced.basis.shape[1], 3))
     poles = source._poles(k, ones, ones[:4], np.ones(3), source.wavenumber, 0.02 * surface)
     np.testing.assert_allclose(poles.wavenumbers.real, source.wavenumber * np.array([0.9, 1.0]))
 
@@ -95,7 +95,7 @@ def test_a_mode_missed_at_one_node_is_in_the_stated_error(monkeypatch):
     assert off < 2 * stated
 
 
-@pytest.mark.parametrize("name", ["128YX", "YZ"])
+@pytest.mark.parametrize("name", ["128YX", pytest.param("YZ", marks=pytest.mark.slow)])
 def test_side_faces_by_half_of_the_basis(name):
     """What mirrors change, to a tenth of it."""
     beam = beam_in(lossless(*CUTS[name]), thickness=np.inf, length=14.0, pairs=1, order=5, aperture=2e-3)
@@ -119,6 +119,20 @@ def test_response_of_the_reduced_basis(name):
         expected = np.linalg.solve(whole.operator(*k), loads)[surface]
         off = abs(source.reduced.response(*k) - expected).max(axis=0) / abs(expected).max(axis=0)
         assert off.max() < 1e-3
+
+
+def test_stated_error_of_the_basis():
+    """At 60 wave vectors of waves the basis errs by 8e-6 at most; 2e-6 was stated from 5 trials of all SIZES."""
+    source = beam_in(lossless(*CUTS["128YX"]), thickness=np.inf, length=14.0, pairs=1, order=5).source
+    whole, surface = (_Polynomials.of(source.section, source.frequency, source.wavenumber), _surface(source.section))
+    loads, errors = np.eye(source.section.size)[:, surface], []
+    for size, angle in np.random.default_rng(1).uniform([0.35, 0], [1.2, np.pi], (60, 2)):
+        k = size * source.wavenumber * np.exp(1j * TILT) * np.array([np.cos(angle), np.sin(angle)])
+        k[0] *= source.section.length_unit
+        expected = np.linalg.solve(whole.operator(*k), loads)[surface]
+        off = abs(source.reduced.response(*k) - expected).max(axis=0) / abs(expected).max(axis=0)
+        errors.append(off.max())
+    assert max(errors) < source.error < 10 * max(errors)
 
 
 def test_basis_of_the_skimming_waves():

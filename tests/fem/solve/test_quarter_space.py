@@ -64,6 +64,7 @@ def test_the_corner_reflects_the_rayleigh_wave(tmp_path, poisson_ratio):
     assert abs(at_corner) == pytest.approx(REFLECTED_AND_PASSED[poisson_ratio][0], abs=2e-5)
 
 
+@pytest.mark.slow
 def test_loss_common_to_both_moduli_does_not_change_the_corner(tmp_path):
     """Amplitude and phase: the waves of both directions are scaled alike, whatever the loss."""
     at_corner = []

@@ -117,7 +117,14 @@ def test_distant_ends_matter_to_rounding_only_with_loss():
     assert ports[1] == pytest.approx(ports[2], rel=1e-9)
 
 
-@pytest.mark.parametrize(("ends", "bottom"), [("free", "clamped"), ("clamped", "clamped"), ("free", "free")])
+@pytest.mark.parametrize(
+    ("ends", "bottom"),
+    [
+        ("free", "clamped"),  # where the reciprocity was off by 3e-9
+        pytest.param("clamped", "clamped", marks=pytest.mark.slow),
+        pytest.param("free", "free", marks=pytest.mark.slow),
+    ],
+)
 def test_reciprocity_between_plain_ends_on_a_fine_level(ends, bottom):
     """1e-9 by the modes' own fluxes, 17 times that at a resonance."""
     stator = plate(cut("PZT-4", "Z"), length=9.0, ends=ends, bottom=bottom)
