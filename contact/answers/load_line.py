@@ -169,7 +169,7 @@ def _full_stall(slider, orbits, near):
 
     A secant through the last two loads that move extrapolates to zero velocity. The next load lies a little below that
     estimate (`APPROACH`), because a load above the stall gives no slope. Where the secant fails - the slider is held or
-    dragged back, or the velocity does not fall - the bracket is bisected.
+    is dragged back without limit, or the velocity does not fall - the bracket is bisected.
 
     `low` has been seen to move. `high` is first the averaged load plus twice its error, which is not verified, or the
     static friction, above which the contacts cannot hold the slider; later it is a load that has been seen to stall.

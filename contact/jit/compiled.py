@@ -57,7 +57,7 @@ def compiled(function):
 
 
 def summed(function):
-    """Return the function, compiled with permission to reorder its sums, so that they vectorise; a decorator."""
+    """Return the function, compiled so that its sums may be reordered and vectorised; a decorator."""
     return function if _PLAIN else Kernel(function, {"reassoc", "nsz"})
 
 

@@ -148,8 +148,8 @@ class SurfaceBeam:
         size = abs(fine[[0, 2]]).max(axis=0)
         largest = float(size.max())
         second, fourth = (abs(fine - each).max(axis=0) / largest for each in (half, quarter))
-        # e_2^2 / e_4, see `relative_error`.  e_4 is raised to e_2, so that the estimate is at most e_2, and limited to 1,
-        # so that a quarter of the nodes, where they are useless, does not make it small.
+        # e_2^2 / e_4, see `relative_error`.  e_4 is raised to e_2, so that the estimate is at most e_2, and limited to 1:
+        # if a quarter of the nodes is far too few, a huge e_4 must not make the estimate small.
         rule = second**2 / np.clip(fourth, np.maximum(second, TINY), 1.0) * largest / size
         rule = rule + abs(fine - narrow).max(axis=0) / size
         if self.faces is not None:  # the static part of the reflection depends on |k_y|
