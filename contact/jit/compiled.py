@@ -111,9 +111,9 @@ class Kernel:
 
     def __init__(self, function, freedom=frozenset(), source=""):
         self.freedom = set(freedom)
-        # A named tuple can hold a function, such as a contact law. This word then represents it among the argument types
-        # that name the cached file. The digest of the folder covers functions of the package; ``source`` is the digest
-        # of the source of any other function.
+        # A named tuple can hold a function, such as a contact law. This word then represents it among the argument
+        # types that name the cached file. The digest of the folder covers functions of the package; ``source`` is the
+        # digest of the source of any other function.
         self.word = f"{function.__module__}.{function.__qualname__}{source}"
         self.function, self.__doc__, self.__name__ = function, function.__doc__, function.__name__
         self.__module__, self.__wrapped__ = function.__module__, function

@@ -148,7 +148,7 @@ class SurfaceBeam:
         size = abs(fine[[0, 2]]).max(axis=0)
         largest = float(size.max())
         second, fourth = (abs(fine - each).max(axis=0) / largest for each in (half, quarter))
-        # e_2^2 / e_4, see `relative_error`.  e_4 is raised to e_2, so that the estimate is at most e_2, and limited to 1:
+        # e_2^2 / e_4, see `relative_error`.  e_4 is raised to e_2, which bounds the estimate by e_2, and limited to 1:
         # if a quarter of the nodes is far too few, a huge e_4 must not make the estimate small.
         rule = second**2 / np.clip(fourth, np.maximum(second, TINY), 1.0) * largest / size
         rule = rule + abs(fine - narrow).max(axis=0) / size

@@ -137,8 +137,8 @@ def bases_of(
     """Orthonormal bases of both kinds of line, with equal numbers of vectors from every group of unknowns.
 
     ``groups`` are sets of unknowns from `parity_groups`; a basis vector is nonzero on one of them only.  Singular
-    values below ``truncation`` times the largest of the group are left out.  Both kinds of line keep the larger of the two
-    numbers of vectors, because both lines of a half cell must have the same size.
+    values below ``truncation`` times the largest of the group are left out.  Both kinds of line keep the larger of the
+    two numbers of vectors, because both lines of a half cell must have the same size.
     """
     size = len(line_fields[0])
     columns: tuple[list, list] = ([], [])
