@@ -50,7 +50,7 @@ NEIGHBOURS = (0.0, -1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0)
 # elements in three dimensions on PZT-8 (tests/validation/test_finite_fingers.py): 0.12 % rms of the section's |u_z|
 # with 20 wavelengths; 0.0087 periods with 1.5 and 0.0066 with 5.
 ACROSS_SHARE, END_PERIODS = 0.0015, 0.01
-# Part of the section's amplitude to which its error is at least relative.  At 144 places of twente and of twente-left the
+# Part of the section's amplitude to which its error is at least relative.  At 144 places of twente and twente-left the
 # error exceeds twice its estimate as often with 0.5 as with 1 (8 and 4 %, beside fingers and in minima), and more often
 # with 0 (9 and 6 %); the truth is the solution two levels finer.
 SECTION_SHARE = 0.5
