@@ -52,6 +52,7 @@ def pillar_motion(
     --------
     Ten thousand pillars of 20 um on 5 mm x 5 mm:
 
+    >>> import numpy as np
     >>> x, y = (each.ravel() for each in np.meshgrid(np.arange(100) * 50e-6 - 2.475e-3, np.arange(100) * 50e-6))
     >>> slider = Pillars(
     ...     x=x, y=y, normal_stiffness=1.8e6, tangential_stiffness=1.52e6, friction_coefficient=0.18, preload=30.0

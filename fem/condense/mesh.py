@@ -40,9 +40,10 @@ ORDERS_LESS = 1
 MORE_LAYERS = 1
 # A mesh whose elements are all smaller than this share of the largest allowed takes one order less still: elements of
 # 0.35 wavelengths and order 5 have the phase error of those of 0.5 wavelengths and order 6 (Ainsworth, SIAM J. Numer.
-# Anal. 42 (2004) 553, equation 3.7).  The motion behind a groove then errs by 6.5e-5 instead of 5.4e-5 at level 2 and
-# by 8e-6 instead of 7e-6 at level 3; that on a plain piece itself by 2e-8 instead of 9e-10.
-FINER_SHARE = 0.75
+# Anal. 42 (2004) 553, equation 3.7).  The motion behind a groove then errs by 6.5e-5 instead of 5.4e-5 at level 2.
+# On a plain piece itself it would err by 2e-8 instead of 9e-10 at level 3: sections of an order above FINER_ORDER keep
+# theirs.
+FINER_SHARE, FINER_ORDER = 0.75, 7
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -202,7 +203,8 @@ def assembled(
     largest = {name: share * slowest_wavelength(solids[name], frequency) for name in piece.mesh.solids}
     layers, conditions = resolution.edge_layers + MORE_LAYERS, conditions_of(piece, stator.bottom)
     mesh = quad_mesh(piece.mesh, layers=layers, largest=largest, conditions=conditions)
-    finer = all(mesh.size(name) <= FINER_SHARE * size for name, size in largest.items())
+    small = all(mesh.size(name) <= FINER_SHARE * size for name, size in largest.items())
+    finer = small and resolution.order <= FINER_ORDER
     space = QuadSpace(mesh, resolution.order - ORDERS_LESS - finer, unit)
     if space.size * len(names) > MAX_UNKNOWNS:
         raise ConvergenceError(

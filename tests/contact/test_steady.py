@@ -274,6 +274,16 @@ def test_a_load_beyond_friction_drags_the_slider_at_a_speed_in_closed_form(recip
     assert dragged.velocity == pytest.approx(-(s.load - friction) / 1e-5, rel=1e-12)
 
 
+@pytest.mark.parametrize(("without", "why"), [("friction_coefficient", "friction force"), ("preload", "preload")])
+@pytest.mark.parametrize("backward", [False, True])
+def test_without_friction_only_the_load_moves_the_slider_and_against_the_wave(without, why, backward):
+    wave = orbit(3e-9)
+    wave = replace(wave, tangential=-wave.tangential) if backward else wave
+    found = steady(slider(load=1e-4, tangential_damping=1e-3, **{without: 0.0}), wave, tolerance=1e-6)
+    assert found.velocity == pytest.approx(0.1 if backward else -0.1, rel=1e-12)
+    assert found.message == f"no {why}: closed form"
+
+
 @pytest.mark.parametrize("name", ["normal_damping", "tangential_damping"])
 def test_dampers_that_act_within_a_radian_of_the_wave_are_followed(name):
     found = steady(slider(**{name: 1e6}), orbit(3e-9), tolerance=1e-6)

@@ -84,16 +84,13 @@ def test_a_meshed_plain_stretch_is_invisible(tmp_path, name, orientation, sides,
     """Two pieces of plain stator as irregular triangles change neither motion nor admittance; all of it balances.
 
     The piece's interface does not conform to the section's line: only the L2 projection keeps this (sampling at the
-    nodes errs by 3e-2).  On a piece itself the motion has the error of its polynomials, 2e-8 of the largest.
+    nodes errs by 3e-2).
     """
     stator = plate(cut(name, orientation, quality=200), length=9.0, **sides)
     path = rectangle(tmp_path / "plain.msh", 0.9, 0.8, size=0.3)
     plain, meshed = _solved(stator), _solved(_with_pieces(stator, path, (3.6, 5.2)))
     size = abs(_motion(plain)).max()
-    change = abs(_motion(meshed) - _motion(plain)).max(axis=0) / size
-    on_pieces = np.array([3.6 <= place <= 4.5 or 5.2 <= place <= 6.1 for place in PLACES])
-    assert change[~on_pieces].max() < bound
-    assert change[on_pieces].max() < max(bound, 3e-8)
+    assert abs(_motion(meshed) - _motion(plain)).max() < bound * size
     before, after = plain.fields.admittances, meshed.fields.admittances
     assert abs(after - before).max() < bound * abs(before).max()
     assert abs(after - after.T).max() < 1e-11 * abs(after).max()

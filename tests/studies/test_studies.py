@@ -174,6 +174,21 @@ def test_the_stop_bands_are_drawn(cells):
     assert (cells.folder / "stop_bands.png").stat().st_size > 10_000
 
 
+def test_the_slider_of_the_stroke_travels_from_its_place_as_far_as_its_speed_says(studied, small):
+    panels = studied("stroke").record["panels"]
+    (moved,) = (each for name, each in panels.items() if name.endswith("velocity"))
+    half = moved["position_m"][1] - moved["position_m"][0]
+    for name, path in moved["path_m"].items():
+        speed = moved["path_velocity_m_per_s"][name]
+        assert path[0] == pytest.approx(small.slider.center[0], rel=1e-12)
+        time = 2e-3 / (len(path) - 1)  # of the small version, in equal steps
+        assert path[-1] - path[0] == pytest.approx(time * np.trapezoid(speed), rel=1e-4)
+        assert abs(path[-1] - path[0]) < half  # so that a position has one sign of the speed
+        low, mean, high = (moved[f"{key}_m_per_s"][name] for key in ("slowest", "velocity", "fastest"))
+        assert np.all(np.array(low) <= mean)
+        assert np.all(np.array(mean) <= high)
+
+
 def test_error_against_time_has_three_parts_whose_errors_are_stated(studied):
     record = studied("error_vs_time").record
     assert list(record["panels"]) == [f"error_vs_time_{part}" for part in ("chain", "stator", "contact")]

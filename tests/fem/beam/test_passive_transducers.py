@@ -113,8 +113,9 @@ def test_a_band_falls_back_where_the_reduced_model_fails(monkeypatch):
     class Failing:
         def __init__(self, model):
             self.stator, self.transducers, self.resolution = model.stator, model.transducers, model.resolution
+            self.limits = model.limits
 
-        def port_fields(self, frequency, solve=None):
+        def port_fields(self, frequency, solve=None, forces=()):
             raise ConvergenceError("too few lines")
 
     again = Band(model=Failing(band.model), relative_error=1e-2, admittance_error=1e-2)

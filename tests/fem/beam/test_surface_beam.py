@@ -148,6 +148,17 @@ def test_error_estimate_covers_the_rule(lossy, monkeypatch):
     assert np.all(abs(after - before).max(axis=0) <= np.maximum(stated, 1e-12) * abs(after).max(axis=0))
 
 
+def test_the_section_s_error_is_relative_to_half_of_its_amplitude_where_the_beam_is_weak(lossy):
+    """On the axis the error is the section's own, and outside the beam that of half the section's amplitude."""
+    x, y = lossy.charges[0].x[-1] + 5e-3, np.array([0.0, 6e-3])
+    none, some = (
+        replace(lossy, wave=replace(lossy.wave, relative_error=error)).relative_error(x, y) for error in (0.0, 1e-3)
+    )
+    amplitude = abs(lossy.wave.motion(x)).max() / abs(lossy.motion(x, y)[[0, 2]]).max(axis=0)
+    assert amplitude[0] < 2.0 < 4.0 < amplitude[1]
+    np.testing.assert_allclose((some - none) / 1e-3, [1.0, 0.5 * amplitude[1]], rtol=1e-9)
+
+
 def test_nodes_in_k_y_are_added_until_the_motion_is_resolved(lossy, monkeypatch):
     points = lossy.charges[0].x[-1] + np.array([2e-3, 12e-3]), np.array([0.0, 6e-3])
     before = lossy.motion(*points)

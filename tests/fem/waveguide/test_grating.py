@@ -143,6 +143,35 @@ def test_the_error_of_the_edges_holds_against_a_finer_answer():
     assert 0 < rough.grating_coupling < rough.coupling
 
 
+def test_cell_parameters_have_the_numbers_of_their_stop_bands_and_the_error_of_two_levels(monkeypatch):
+    """Edges known at each level: a finer level divides their error by six at least, so a fifth of the step is left."""
+    steps = {LEVELS[0]: 4e-3, LEVELS[1]: 1e-3, LEVELS[2]: 0.0}
+    solved = []
+
+    class Known:
+        def __init__(self, *given, resolution, **options):
+            self.step = steps[resolution]
+            solved.append(resolution)
+
+        def stop_band(self, open_fingers):
+            lower, upper = (1.0e6, 1.02e6) if open_fingers else (0.99e6, 1.0e6)
+            return StopBand(lower=lower, upper=upper + self.step * 0.02e6, pitch=PERIOD)
+
+        def capacitance(self):
+            return 3e-10
+
+    monkeypatch.setattr("fem.solve.cell_parameters.grating", Known)
+    solid = lossless("PZT-8", "Z")
+    found = cell_parameters(solid, period=PERIOD, metallisation=0.5, tolerance=3e-4)
+    assert tuple(solved) == LEVELS[:3]
+    assert found.relative_error == pytest.approx(1e-3 / 5, rel=1e-6)  # over the wider band's 20 kHz
+    assert found.capacitance == 3e-10
+    assert (found.shorted.velocity, found.open.velocity) == pytest.approx((1990.0, 2020.0), rel=1e-12)
+    assert found.grating_coupling == pytest.approx(2 * 30 / 2020, rel=1e-12)
+    free, metal = (rayleigh(solid, surface).velocity for surface in ("open", "metallised"))
+    assert found.coupling == pytest.approx(2 * (1 - metal / free), rel=1e-12)
+
+
 def test_a_stop_band_s_numbers_are_of_its_edges():
     band = StopBand(lower=0.97e6, upper=1.03e6, pitch=1e-3)
     assert (band.middle, band.velocity) == (1e6, 2e3)
