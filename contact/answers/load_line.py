@@ -171,8 +171,9 @@ def _full_stall(slider, orbits, near):
     estimate (`APPROACH`), because a load above the stall gives no slope. Where the secant fails - the slider is held or
     is dragged back without limit, or the velocity does not fall - the bracket is bisected.
 
-    `low` has been seen to move. `high` is first the averaged load plus twice its error, which is not verified, or the
-    static friction, above which the contacts cannot hold the slider; later it is a load that has been seen to stall.
+    `low` has been seen to move. `high` is first the averaged load plus twice its error, or the static
+    friction, above which the contacts cannot hold the slider; where the secant points beyond it, it is verified, and
+    raised if the slider still moves there. Later it is a load that has been seen to stall.
     """
     direction = np.sign(mean_motion(replace(slider, load=0.0), orbits).velocity)
     limit = slider.static_friction(len(orbits)) * (1.0 - 1e-12)
@@ -205,8 +206,13 @@ def _full_stall(slider, orbits, near):
             estimate, error = 0.5 * (low + high), 0.5 * (high - low)
         else:
             secant = latest[0] + latest[1] * (latest[0] - previous[0]) / (previous[1] - latest[1])
-            secant, error = min(max(secant, low), high), abs(secant - estimate)
-            estimate, previous = secant, (latest if latest[1] > 0.0 else previous)
+            if secant >= high and high < limit and velocity(high) > 0.0:  # the stall lies beyond the bracket
+                low, high = high, min(high + 2.0 * (high - near.value), limit)
+            if low < secant < high:
+                estimate, error = secant, abs(secant - estimate)
+            else:
+                estimate, error = 0.5 * (low + high), 0.5 * (high - low)
+            previous = latest if latest[1] > 0.0 else previous
         if min(error, 0.5 * (high - low)) < STALL_TOLERANCE * estimate:
             break
     error = min(error, 0.5 * (high - low)) + STALL_TOLERANCE * estimate

@@ -113,7 +113,6 @@ def mean_normal_force(problem, h, rule):
     for i in range(paths.height.size):
         a, z = normal_amplitude(paths, i), approach(paths, i, 0.0, Coordinates(-h, 0.0))
         if a != last_a or z != last_z:
-            force = rate = 0.0
             last_a, last_z = a, z
             force, rate = _load_means(z, a, rule, problem.shape)
         total += kappa * force

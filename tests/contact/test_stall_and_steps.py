@@ -2,11 +2,13 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from contact import (
+    Answer,
     ConvergenceError,
     Envelope,
     FallingFriction,
@@ -18,6 +20,7 @@ from contact import (
     steady,
     step,
 )
+from contact.answers import load_line as stalls
 from contact.answers import methods
 from contact.averaged.sweep_rows import STALL_ERROR
 from contact.drive import towards_plus
@@ -193,3 +196,18 @@ def test_stopping_takes_the_ring_down_and_the_braking():
     assert braking < 0.5 * ringing
     assert rung.stopping_time > ringing * 0.98
     assert rung.stopping == pytest.approx(rung.displacement - rung.during, rel=1e-12)
+
+
+@pytest.mark.parametrize("stall", [0.996, 1.0, 1.008, 1.05, 1.4])
+def test_the_bracket_of_the_stall_is_widened_where_the_slider_still_moves(monkeypatch, stall):
+    """The averaged load is 1.000 N with a stated error of 0.005 N; the velocity falls on a curve."""
+
+    def moving(body, orbits, tolerance):
+        left = (stall - body.load) * (1.0 + 0.3 * (stall - body.load))
+        return SimpleNamespace(velocity=max(left, 0.0), relative_error=0.0, message="")
+
+    monkeypatch.setattr(stalls, "steady", moving)
+    monkeypatch.setattr(stalls, "mean_motion", lambda body, orbits: SimpleNamespace(velocity=1.0))
+    body = replace(slider(), preload=100.0)
+    answer = stalls._full_stall(body, (orbit(5e-9),), Answer(value=1.0, error=0.005, reasons=()))
+    assert abs(answer.value - stall) <= answer.error < 2e-3 * stall
