@@ -1,8 +1,15 @@
 """The command ``sawmotor``, also ``python -m studies``.
 
-stdout carries the answer, stderr progress, warnings and refusals.  Exit codes: 0 an answer within its tolerance; 1 one
-that misses it, or is refused for its model error; 2 bad input; 3 no answer; 70 a defect of sawmotor, its traceback in
-the file that is named; 130 interrupted.  Nothing heavy is imported before a command asks for it.
+The answer is written to stdout; progress, warnings and refusals are written to stderr.  Exit codes:
+
+- 0: an answer within its tolerance,
+- 1: an answer that misses its tolerance, or is refused for its model error,
+- 2: bad input,
+- 3: no answer,
+- 70: a defect of sawmotor; the message names the file with the traceback,
+- 130: interrupted.
+
+Packages that are slow to import are imported only by the commands that need them.
 """
 
 import os
@@ -10,16 +17,16 @@ import signal
 import sys
 import threading
 
-# s that a process may take to end by itself after a signal, and more where it has workers
+# Seconds that a process may take to end by itself after a signal; with workers it waits for their current points.
 PATIENCE, PATIENCE_WITH_WORKERS = 1.2, 30.0
 
 
 def main(words: list[str] | None = None) -> int:
     """Run the command in ``sys.argv``, or of these words, and return its exit code."""
     returned = threading.Event()
-    try:  # nothing is imported before: an interrupt meanwhile is a sentence too
+    try:  # before any slow import, so that an interrupt during the imports also ends with a message
         if words is None:
-            signal.signal(signal.SIGTERM, _ended)  # as an interrupt: work files and locks are cleared away
+            signal.signal(signal.SIGTERM, _ended)  # handled as SIGINT, so that work files and locks are removed
             _watch_signals(returned)
         return _guarded(sys.argv[1:] if words is None else words)
     except KeyboardInterrupt:
@@ -33,12 +40,12 @@ def _ended(*_):
 
 
 def _watch_signals(returned: threading.Event) -> None:
-    """End the process soon after SIGINT or SIGTERM, also where Python waits for compiled code and runs no handler.
+    """End the process soon after SIGINT or SIGTERM, even while compiled code runs and delays Python's signal handlers.
 
-    A command that has ``returned`` in time ends nothing: the process may be another's, such as a notebook's.
-
-    The interpreter writes every signal to a pipe at once; a thread reads it, as compiled loops let other threads run,
-    and ends the process where it has not ended by itself. Files are replaced as a whole, so none is left half written.
+    The interpreter writes every signal to a pipe at once. A thread reads the pipe; it can run because compiled loops
+    release the GIL. If the process has not ended by itself after PATIENCE, the thread ends it. No file is left half
+    written, because files are replaced as a whole. If the command has ``returned`` in time, the process is left alone:
+    it may belong to another program, such as a notebook.
     """
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         return
@@ -62,7 +69,7 @@ def _watch_signals(returned: threading.Event) -> None:
 
 
 def _guarded(words: list[str]) -> int:
-    # many small dense problems: two threads of BLAS that wait for each other take ten times as long as one
+    # The dense problems are small: two BLAS threads that wait for each other take ten times as long as one.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):

@@ -165,7 +165,15 @@ def stall(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: float
 
 
 def _full_stall(slider, orbits, near):
-    """Return the load at which the full motion stalls, bracketed and extrapolated from smaller loads."""
+    """Return the load at which the full motion stalls, bracketed and extrapolated from smaller loads.
+
+    A secant through the last two loads that move extrapolates to zero velocity. The next load lies a little below that
+    estimate (`APPROACH`), because a load above the stall gives no slope. Where the secant fails - the slider is held or
+    is dragged back without limit, or the velocity does not fall - the bracket is bisected.
+
+    `low` has been seen to move. `high` is first the averaged load plus twice its error, which is not verified, or the
+    static friction, above which the contacts cannot hold the slider; later it is a load that has been seen to stall.
+    """
     direction = np.sign(mean_motion(replace(slider, load=0.0), orbits).velocity)
     limit = slider.static_friction(len(orbits)) * (1.0 - 1e-12)
 
@@ -174,7 +182,7 @@ def _full_stall(slider, orbits, near):
             state = steady(replace(slider, load=load), orbits, tolerance=STALL_TOLERANCE)
         except ConvergenceError as failed:
             if failed.status == "runaway":
-                return -math.inf
+                return -math.inf  # dragged back without limit: certainly beyond the stall
             raise
         if state.relative_error > STALL_TOLERANCE and state.velocity != 0.0:
             raise ConvergenceError("above tolerance", state.message)
@@ -182,23 +190,23 @@ def _full_stall(slider, orbits, near):
 
     reach = max(2.0 * near.error / near.value, 1e-3)
     high, low = min(near.value * (1.0 + reach), limit), near.value * (1.0 - reach)
-    before = low, velocity(low)
-    if before[1] <= 0.0:
+    previous = low, velocity(low)  # (load, velocity)
+    if previous[1] <= 0.0:
         raise ConvergenceError("held", "the full motion stalls far below the averaged load")
     estimate, error = near.value, near.error
     for _ in range(16):
         load = low + APPROACH * (estimate - low)
-        last = load, velocity(load)
-        if last[1] <= 0.0:
+        latest = load, velocity(load)
+        if latest[1] <= 0.0:
             high = load
         else:
             low = load
-        if math.isinf(last[1]) or last[1] == 0.0 or last[1] >= before[1]:
+        if math.isinf(latest[1]) or latest[1] == 0.0 or latest[1] >= previous[1]:
             estimate, error = 0.5 * (low + high), 0.5 * (high - low)
         else:
-            new = last[0] + last[1] * (last[0] - before[0]) / (before[1] - last[1])
-            new, error = min(max(new, low), high), abs(new - estimate)
-            estimate, before = new, (last if last[1] > 0.0 else before)
+            secant = latest[0] + latest[1] * (latest[0] - previous[0]) / (previous[1] - latest[1])
+            secant, error = min(max(secant, low), high), abs(secant - estimate)
+            estimate, previous = secant, (latest if latest[1] > 0.0 else previous)
         if min(error, 0.5 * (high - low)) < STALL_TOLERANCE * estimate:
             break
     error = min(error, 0.5 * (high - low)) + STALL_TOLERANCE * estimate

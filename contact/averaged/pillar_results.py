@@ -1,4 +1,4 @@
-"""What is known of a slider on pillars: its steady motion, and its load line."""
+"""Results for a slider on pillars: its steady motion, and its load line."""
 
 from dataclasses import dataclass, field
 

@@ -1,9 +1,10 @@
-r"""The height at which a heavy slider rides on a wave: the cycle mean of the normal forces is the preload.
+r"""Mean approach h of a heavy slider that rides on a wave: the cycle mean of the normal forces equals the preload.
 
-Such a slider does not answer within a cycle, so contact i has the approach z_i = h + h_i + Re(U_i exp(i omega t)) with
-one h. <p(z)> of a contact depends on its mean approach and on |u_z| alone. It is integrated over the arc in contact,
-phi = beta (1 - cos theta)/2, which makes the root at the end of the arc smooth: Gauss-Legendre is spectral. For a punch
-it is closed.
+A heavy slider does not move within a cycle. Contact i of height h_i then has the approach z_i = h + h_i + Re(U_i
+exp(i omega t)), with the same h for all contacts. The cycle mean of a contact's load, <p(z)>, depends only on its mean
+approach and on |u_z|. It is integrated over half of the phases in contact, 0 < phi < beta. With the substitution
+phi = beta (1 - cos theta)/2 the square root at the end of the arc becomes smooth, so that Gauss-Legendre quadrature in
+theta converges spectrally. For a flat punch the mean has a closed form.
 """
 
 from functools import cache
@@ -125,6 +126,7 @@ def riding(problem, rule):
     """Return the mean approach at which the cycle mean of sum P is the preload (safeguarded Newton)."""
     paths, target = problem.paths, problem.preload
     n = paths.height.size
+    # h lies above `low`, where no contact touches, and below `high`
     least, reach, low = np.inf, 0.0, np.inf
     for i in range(n):
         a = normal_amplitude(paths, i)

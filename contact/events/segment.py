@@ -78,7 +78,7 @@ class Plane(IntEnum):
     X = 5  # deformation
     P = 6  # elastic normal force
     Q = 7  # tangential force
-    BACK = 8  # reciprocal normal force
+    BACK = 8  # reciprocal normal force dW/dz, W the energy of the tangential spring (`law.elastic.spring`)
     FRONT = 9  # front of the slip annulus, `law.hysteretic`
     LEVEL = 10  # moment M of the memory there
 
@@ -292,11 +292,11 @@ def integrate(grid, state, nodes, segment):
 def _four(once, twice, j, slider):
     """Fill both integrals of both accelerations at four nodes, sum_k columns[k, j..j+3] acceleration[k].
 
-    Four is the processor's width, and the four sums of each step do not wait for each other.
+    A vector register holds four doubles. The sums are independent, so that no addition waits for another.
     """
     normal, tangential = slider[Row.NORMAL_ACCELERATION], slider[Row.TANGENTIAL_ACCELERATION]
     a0 = a1 = a2 = a3 = b0 = b1 = b2 = b3 = c0 = c1 = c2 = c3 = d0 = d1 = d2 = d3 = 0.0
-    # unsigned places: no check for negative ones stands between the four
+    # unsigned indices: with signed ones numba puts a test for negative indices between the four loads
     j0, j1, j2, j3 = np.uint64(j), np.uint64(j + 1), np.uint64(j + 2), np.uint64(j + 3)
     for k in range(normal.size):
         f, g = normal[k], tangential[k]
@@ -427,17 +427,17 @@ def next_length(segment, value, rate, trial):
 def roughness(problem, grid, nodes, segment, i, most):
     """Return the larger of the two highest Chebyshev coefficients of a contact's forces, times length over scale.
 
-    `most`: the largest normal force, for an impact without preload has its own scale.
+    `most`: the largest normal force on the segment. It sets the scale of an impact without preload.
     """
     own, tail, worst = nodes.contact, grid.tail, 0.0
-    push = max(problem.preload, 1e-3 * most) + 1e-300
-    pull = problem.friction * push + 1e-300
+    normal_scale = max(problem.preload, 1e-3 * most) + 1e-300
+    tangential_scale = problem.friction * normal_scale + 1e-300
     for r in range(2):
         ep, eq = 0.0, 0.0
         for k in range(own.shape[2]):
             ep += tail[r, k] * own[Plane.P, i, k]
             eq += tail[r, k] * own[Plane.Q, i, k]
-        worst = max(worst, segment.length * abs(ep) / push, segment.length * abs(eq) / pull)
+        worst = max(worst, segment.length * abs(ep) / normal_scale, segment.length * abs(eq) / tangential_scale)
     return worst
 
 

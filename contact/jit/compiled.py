@@ -57,7 +57,7 @@ def compiled(function):
 
 
 def summed(function):
-    """Return the function, compiled like the others, its sums in the order that suits the processor; a decorator."""
+    """Return the function, compiled so that its sums may be reordered and vectorised; a decorator."""
     return function if _PLAIN else Kernel(function, {"reassoc", "nsz"})
 
 
@@ -111,8 +111,9 @@ class Kernel:
 
     def __init__(self, function, freedom=frozenset(), source=""):
         self.freedom = set(freedom)
-        # Stands for the function in the name of a cached file where the function is a field of a named tuple. Functions
-        # of the package are part of its digest; those from elsewhere add the digest of their source.
+        # A named tuple can hold a function, such as a contact law. This word then represents it among the argument
+        # types that name the cached file. The digest of the folder covers functions of the package; ``source`` is the
+        # digest of the source of any other function.
         self.word = f"{function.__module__}.{function.__qualname__}{source}"
         self.function, self.__doc__, self.__name__ = function, function.__doc__, function.__name__
         self.__module__, self.__wrapped__ = function.__module__, function
@@ -214,8 +215,9 @@ class Native(Kernel):
                     vars(kernel).pop("_inner", None)
 
 
-# Every dispatcher for other kernels, for life: numba's types refer to them weakly and are found again by the address of
-# a function, so that of a user's law that is gone would be taken for a new one's ("underlying object has vanished")
+# Dispatchers for other kernels are kept until the process ends. Numba's types hold only weak references to them and are
+# looked up by the address of a function. A new law at the address of a deleted one would be given the dead type, with
+# the error "underlying object has vanished".
 _DISPATCHERS: list = []
 # kernels that numba's ordinary compiler compiles, and why
 ORDINARY: dict[str, str] = {}

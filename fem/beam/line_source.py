@@ -7,7 +7,8 @@ not grounded, k = 0 is a double pole,
 
     phi = s |x|,  u = s sgn(x) w,    (K0 - omega^2 M) w = (K1 - K1^T) 1,    s 1.(K2 1 + K1 w) = -q / 2,
 
-Its potential vanishes outside a transducer without net charge, but its u_x causes a near field in three dimensions.
+with 1 the constant potential.  The potentials of this pole cancel outside a transducer without net charge, but its u_x
+causes a near field in three dimensions.
 
 In a solid isotropic about z the response to a wave vector of length k at any angle is that at k_y = 0, rotated to the
 direction of the vector.  It depends only on k^2 = k_x^2 + k_y^2, so that the pole k_p moves to kappa_p = (k_p^2 -
@@ -175,6 +176,7 @@ def line_source(modes: GuidedModes) -> LineSource:
     products = (k[:, None] + k) * (left.T @ second @ right) + 1j * (left.T @ (first - first.T) @ right)
     norms = np.sqrt(np.diag(products))
     scale = charge_scale(section.solid)
+    # (products) a = -i q e.l, solved with products scaled to a unit diagonal
     received = np.linalg.solve(products / np.outer(norms, norms), section.lift(left)[at["phi"]] / norms)
     amplitudes = -1j * scale * received / norms
     surface = section.lift(right) * amplitudes

@@ -18,7 +18,8 @@ from fem.beam.line_source import KEPT, LOCAL, line_source
 from fem.geometry import Transducer, separation, turn
 from fem.waveguide.modes import GuidedModes
 
-LARGEST_DECAY = 300.0  # a mode is neglected if its decay from centre to centre has a larger exponent
+# A mode is neglected if its decay from centre to centre has a larger exponent.
+MAX_DECAY_EXPONENT = 300.0
 
 
 def mutual_admittance(
@@ -60,7 +61,9 @@ def mutual_admittance(
     source = line_source(modes)
     k = source.wavenumbers
     wavelength = 2 * np.pi / float(np.mean(k[source.surface].real))
-    kept = -k.imag * max(wavelength / LOCAL, distance / LARGEST_DECAY, gap / -np.log(KEPT)) < 1
+    # A mode is kept if its amplitude is more than exp(-LOCAL) after a wavelength, more than exp(-MAX_DECAY_EXPONENT)
+    # from centre to centre, and more than KEPT after the gap.
+    kept = -k.imag * max(wavelength / LOCAL, distance / MAX_DECAY_EXPONENT, gap / -np.log(KEPT)) < 1
     reach = abs(offset) + sum(float(abs((each.corners - each.corners.mean(axis=0)) @ across).max()) for each in plan)
     highest = float(np.sqrt((k**2).real.max()))
     rule = lateral_rule(highest, reach, evanescent(highest, max(gap, wavelength)))
@@ -68,15 +71,15 @@ def mutual_admittance(
     for number in np.flatnonzero(kept):
         contour = rule.conjugate if k[number].real < 0 else rule
         kappa = wavenumber_along(k[number], contour.nodes)
-        for side in (1, -1):
+        for side in (1, -1):  # both signs of k_t, half the weight each
             lateral = side * contour.nodes
             vector = np.outer(forward, kappa) + np.outer(across, lateral)
-            sent = [
+            transforms = [  # q_i^(k) and q_j^(-k)
                 own.plane_transform(sign * (turn(angle) @ vector), each.aperture, origin)
                 for sign, angle, each, origin, own in zip((1, -1), angles, plan, origins, charges, strict=True)
             ]
             phase = np.exp(-1j * (kappa * distance + lateral * offset))
             total += source.potential[number] * np.sum(
-                contour.weights / 2 * (k[number] / kappa) * sent[0] * sent[1] * phase
+                contour.weights / 2 * (k[number] / kappa) * transforms[0] * transforms[1] * phase
             )
     return complex(-2j * np.pi * modes.frequency * total)

@@ -153,6 +153,8 @@ class SurfaceBeam:
         size = abs(fine[[0, 2]]).max(axis=0)
         largest = float(size.max())
         second, fourth = (abs(fine - each).max(axis=0) / largest for each in (half, quarter))
+        # e_2^2 / e_4, see `relative_error`.  e_4 is raised to e_2, which bounds the estimate by e_2, and limited to 1:
+        # if a quarter of the nodes is far too few, a huge e_4 must not make the estimate small.
         rule = second**2 / np.clip(fourth, np.maximum(second, TINY), 1.0) * largest / size
         rule = rule + abs(fine - narrow).max(axis=0) / size
         if self.faces is not None:  # the static part of the reflection depends on |k_y|
@@ -360,9 +362,11 @@ class SurfaceBeam:
         uniform = lengths[:, None] * np.sinc(np.outer(lengths, lateral / (2 * np.pi)))
         total = np.zeros((RULES, 3, count), dtype=complex)
         for sign, factors in waves.signs:
+            # sheets centred on y = 0 have the same spectrum at both signs of k_y: the sum over the charges is done once
             if sent is None or centers.any():
                 sent = sent_by(uniform * np.exp(1j * sign * np.outer(centers, lateral)))
             phases = np.exp(-1j * sign * np.outer(lateral, lines))
+            # every second node has twice the weight; between mirrors the sum is exact and is not thinned
             half, quarter = (1, 1) if self.mirror_width is not None else (2, 4)
             rules = (1, weights), (half, half * weights), (quarter, quarter * weights), (1, narrow)
             for rule, (step, own) in enumerate(rules):
@@ -370,6 +374,7 @@ class SurfaceBeam:
                     total[rule] = total[0]
                     continue
                 weighted = factors[:, None] * sent[..., ::step] * own[::step]
+                # where most pairs (x, y) are requested, a matrix product for all pairs is cheaper than a sum per point
                 if len(sent) * len(lines) <= FULL_GRID * count:
                     total[rule] += (weighted @ phases[::step])[column, :, row].T
                 else:
@@ -489,7 +494,7 @@ def _sent(nodes: _Nodes, branch: Branch, places, spectra) -> np.ndarray:
     is_place = np.arange(len(at)) >= count
     arrived = np.zeros((len(along), len(spectra[0])), dtype=complex)
     steps: dict[int, np.ndarray] = {}
-    before, sends = 0.0, False
+    before, sends = 0.0, False  # position of the last stop; whether any charge lies upstream of it
     # Walk downstream from charge to charge.  The sort counts a charge at its own position in one direction only.
     for number in np.lexsort((side * is_place, at)):
         if sends and at[number] != before:
@@ -512,6 +517,8 @@ def _sources_beside(nodes: _Nodes, places, along) -> tuple[np.ndarray, np.ndarra
     All charges of a finger without any requested position on it are combined to one source at its centre, by the Taylor
     series of the exponentials about the centre.  ``along`` is signed by the direction of the branch.
     """
+    # A finger is combined if no requested position lies on it, provided that the series is accurate for the widest
+    # finger (MAX_PHASE).  `whole` marks the combined fingers, `single` the nodes of all others.
     fingers = Fingers.of(nodes.x, nodes.charge, nodes.finger)
     ordered = np.sort(places)
     whole = np.searchsorted(ordered, fingers.first) == np.searchsorted(ordered, fingers.last, side="right")

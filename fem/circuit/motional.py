@@ -84,7 +84,12 @@ def motional_model(frequency: np.ndarray, admittance: np.ndarray, branches: int 
     width = _width_at_half_maximum(f, y.real)
 
     def parts(parameters: np.ndarray):
-        """|i omega C0| at the middle and 1/R0; peak conductance 1/R, resonance and R/L of each branch (rad/s)."""
+        """Convert the unknowns of the fit to elements.
+
+        ``parameters``: logarithms of omega C0 at the peak of the conductance and of 1/R0 (S), then three per branch:
+        logarithm of 1/R (S), distance of the resonance from that peak in widths, and logarithm of R/L over the width.
+        Returns omega C0, 1/R0 and 1/R in S, resonances and R/L in rad/s: in the order 1/R, resonance, R/L.
+        """
         static, leak = np.exp(parameters[:2])
         peak, rate = np.exp(parameters[2::3]), 2 * np.pi * width * np.exp(parameters[4::3])
         return static, leak, peak, 2 * np.pi * (middle + parameters[3::3] * width), rate
@@ -98,6 +103,7 @@ def motional_model(frequency: np.ndarray, admittance: np.ndarray, branches: int 
         static, leak, peak, resonance, rate = (np.reshape(each, (-1, 1)) for each in parts(parameters))
         q = (omega - resonance**2 / omega) / rate
         branch = peak / (1 + 1j * q)
+        # q = (omega - omega_r^2 / omega) / (R/L), so that d q / d log(R/L) = -q; `q_by_place`: dq per width
         by_q = -1j * branch / (1 + 1j * q)
         q_by_place = -2 * resonance / (omega * rate) * 2 * np.pi * width
         terms = np.stack([branch, by_q * q_by_place, -by_q * q], axis=1).reshape(-1, len(f))

@@ -140,9 +140,11 @@ def rational_piece(piece: MeshedPiece, frame: np.ndarray, size: int, samples: li
     middle = count // 2
     change = np.eye(count)[[middle, *(j for j in range(count) if j != middle)]]
     change[1:, middle] = -1.0
+    # columns of `first` (middle node) and of `clamped` (differences): coefficients of the fields X_j, node after node
     first, clamped = np.split(np.kron(change, np.eye(kept)).T, [kept], axis=1)
     flat = inertia.reshape(count * kept, -1)
     clamped_inertia = clamped.T @ flat @ clamped
+    # unit diagonal before the singular values are compared, because nearby nodes give small differences
     scale = 1 / np.sqrt(abs(np.diag(clamped_inertia)) + np.finfo(float).tiny)
     _, values, right = np.linalg.svd(scale[:, None] * clamped_inertia * scale)
     independent = scale[:, None] * right.conj().T[:, values > ROUNDING * values.max(initial=0.0)]

@@ -87,15 +87,18 @@ class ReducedSection:
 
     @cached_property
     def _projected(self):
-        reference = 1e3 / self.length_unit  # Hz: inertia and stiffness of a comparable size
+        # Hz; at a speed of 1e3 m/s the wavelength is one length unit: inertia and stiffness are then comparable, and
+        # their difference loses few digits
+        reference = 1e3 / self.length_unit
         static, dynamic = (self.full.matrices(frequency) for frequency in (0.0, reference))
-        inertia = (dynamic[2] - static[2]) / (2 * np.pi * reference) ** 2
-        return tuple(self.basis.T @ part @ self.basis for part in (*static, inertia))
+        # the third matrix is K0 - omega^2 M, so that this quotient is -M
+        negative_mass = (dynamic[2] - static[2]) / (2 * np.pi * reference) ** 2
+        return tuple(self.basis.T @ part @ self.basis for part in (*static, negative_mass))
 
     def matrices(self, frequency: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Projected K2, K1, K0 - omega^2 M."""
-        second, first, static, inertia = self._projected
-        return second, first, static + (2 * np.pi * frequency) ** 2 * inertia
+        second, first, static, negative_mass = self._projected
+        return second, first, static + (2 * np.pi * frequency) ** 2 * negative_mass
 
 
 def parity_groups(section: Section, separate_potential: bool) -> list[np.ndarray]:
@@ -133,7 +136,9 @@ def bases_of(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Orthonormal bases of both kinds of line, with equal numbers of vectors from every group of unknowns.
 
-    Singular values below ``truncation`` times the largest are left out.
+    ``groups`` are sets of unknowns from `parity_groups`; a basis vector is nonzero on one of them only.  Singular
+    values below ``truncation`` times the largest of the group are left out.  Both kinds of line keep the larger of the
+    two numbers of vectors, because both lines of a half cell must have the same size.
     """
     size = len(line_fields[0])
     columns: tuple[list, list] = ([], [])
@@ -142,6 +147,7 @@ def bases_of(
         for part in line_fields:
             own = group[np.any(part[group], axis=1)]  # without a finger's potential, which is its electrode's
             real = np.hstack([part[own].real, part[own].imag]) / abs(part).max()
+            # R of real^T = Q R has the left singular vectors of `real` in its transpose, with far fewer columns
             vectors, values, _ = np.linalg.svd(np.asarray(np.linalg.qr(real.T, mode="r")).T)
             decompositions.append((own, vectors, values))
         count = max(int(np.sum(values > truncation * values[0])) for _, _, values in decompositions)
@@ -157,7 +163,8 @@ def containing(basis: np.ndarray, vector: np.ndarray) -> np.ndarray:
     """Rotate an orthonormal basis so that it contains a vector that it contains approximately.
 
     The constant potential is such a vector: represented to 4e-6 only, it leaves errors of 1e-8 in the reciprocity of
-    the ports.
+    the ports.  Let e be the unit vector and c the normalised coefficients B^T e.  Then B + (e - B c) c^T maps c to e,
+    changes no combination orthogonal to c, and has orthonormal columns.
     """
     unit = vector / np.linalg.norm(vector)
     inside = basis.T @ unit
@@ -205,6 +212,7 @@ def snapshots(
     modes, network, section = fields.modes, fields.network, fields.section
     gap_lines: list[np.ndarray] = _end_fields(modes, network.ends, amplitude)
     finger_lines: list[np.ndarray] = []
+    # A mode matters at a transducer if it survives the shortest gap on the way there (INCIDENT_SHARE).
     shortest = np.diff(network.segments, axis=1).min()
     incident = np.flatnonzero(abs(np.exp(-1j * modes.wavenumbers * shortest)) > INCIDENT_SHARE * amplitude)
     gap_lines += [modes.right[:, incident], modes.left[:, incident]]
@@ -213,6 +221,7 @@ def snapshots(
         incoming = np.zeros((at.ports.start, 2 * len(incident)), dtype=complex)
         incoming[at.left, : len(incident)] = modes.right[:, incident]
         incoming[at.right, len(incident) :] = modes.left[:, incident]
+        # columns: response to every incident mode with all potentials zero, then the fields of the unit excitations
         no_voltage = np.zeros((len(scatterer.potentials), incoming.shape[1]))
         scattered = np.concatenate([scatterer.sides(incoming, no_voltage), no_voltage])
         sides = np.hstack([scattered, section.solid.potential_unit * own_sides])

@@ -1,8 +1,9 @@
-"""A band of frequencies for stators that the reduced model cannot represent: with a step of thickness, or of one mesh.
+"""A band of frequencies for the two stators that the reduced model cannot represent.
 
-The discretisation is the finest that three frequencies of the band need to meet the tolerance.  A stator of one mesh is
-interpolated between a few condensations (`fem.reduce.piece_band`), unless it resonates too often in the band for that;
-then, and behind a step, every frequency takes the time of one full solution.
+One has a step of thickness; the other is a single mesh from end to end.  The discretisation is the finest that three
+frequencies of the band need to meet the tolerance.  A stator that is one mesh is interpolated between a few condensed
+matrices (`fem.reduce.piece_band`).  If it has too many resonances in the band for this, or has a step, every frequency
+takes the time of one full solution.
 """
 
 from dataclasses import dataclass, field, replace

@@ -137,6 +137,7 @@ def _of_row(stator: Stator, modes: GuidedModes, row: CondensedPieces) -> Reflect
         segments = network.solve(waves.modes).segments
         return of_segments(segments, waves, length=network.stop - network.start)
 
+    # pieces of equal contents are one object (`PieceRow`), by which their P-matrix is found again
     alone: dict[int, tuple[str, PMatrix]] = {}
     places = []
     for piece, (place, condensed) in zip(stator.placement.between, row.between, strict=True):
@@ -150,6 +151,7 @@ def _of_row(stator: Stator, modes: GuidedModes, row: CondensedPieces) -> Reflect
         reflected = wall.sent_back(modes, side, waves.modes)[waves.modes]
         outgoing, incident = (waves.right, waves.left) if side == 0 else (waves.left, waves.right)
         kind = "step" if is_step(piece, stator.thickness) else "end"
+        # from amplitudes of modes to those of the scaled surface waves, which in a plate are mixtures of two modes
         reflection = np.linalg.solve(outgoing, reflected @ incident)[0, 0]
         ends.append((f"{piece.name} ({kind})", complex(reflection)))
     surface = modes.wavenumbers[waves.modes].real.mean() / modes.section.length_unit

@@ -4,7 +4,7 @@ A piece (a transducer or a mesh) lies between two uniform segments, whose radiat
 known (modes.py).  With p the part of the field that travels to the right and q the part that travels to the left, the
 unknowns u of its two lines obey
 
-    (A - diag(X_left, X_right)) u = [-(X_right + X_left) p_in, -(X_left + X_right) q_in] - A_ports V,
+    (A - diag(X_left, X_right)) u = [-(X_right + X_left) p_in, -(X_left + X_right) q_in] - A_ports V,       (1)
 
 so that one factorisation gives the waves that it sends for each voltage and for each incident mode.  Along a segment of
 length l a mode changes by exp(-i k l).  Only modes that do not decay below double precision couple the pieces, so that
@@ -57,7 +57,7 @@ class Scatterer:
         return system
 
     def sides(self, incoming: np.ndarray, potentials: np.ndarray) -> np.ndarray:
-        """Unknowns of both lines, shape (2 n, m), for incident fields and potentials.
+        """Unknowns of both lines by equation (1), shape (2 n, m), for incident fields and potentials.
 
         ``incoming``, (2 n, m): field that travels right at the left line, then field that travels left at the right
         line; ``potentials``, (ports, m): of the piece's ports, scaled.
@@ -222,9 +222,12 @@ class Network:
         segments: list[_Segment] = []
         for index, (start, stop) in enumerate(self.segments):
             forces = self.forces_on(index)
+            # A force excites modes anew: they reach the nearest edge after a distance shorter than the segment.
             length = min([stop - start, *(abs(places[each] - edge) for each in forces for edge in (start, stop))])
             kept, way = self.survivors(length), stop - start
             semi_infinite = [absorbs[0] and index == 0, absorbs[1] and index == len(self.segments) - 1]
+            # No wave returns from an absorbing end: a piece beside it receives only the waves from outside and those of
+            # forces between the two.
             if any(semi_infinite):
                 kept = np.append(waves, np.setdiff1d(kept, waves)) if forces and not all(semi_infinite) else waves
                 way = 0.0
@@ -254,12 +257,13 @@ class Network:
             return self._solve_whole(waves)
         modes, ports, at = self.modes, len(self.ports), Blocks(self.modes.section.size)
         segments, excitations = self._coupled_segments(waves), len(self.ports) + 2 * len(waves)
+        # segments[-side] is the first segment (segments[0]) at the left end, side 0, and the last one at the right end
         sent_back = [self._sent_back(side, segments[-side].kept) for side in (0, 1)]
-        # segments[-side] is the first segment at the left end, side 0, and the last one at the right end, side 1
         elements = [self._end(side, segments[-side], sent_back[side], excitations) for side in (0, 1)]
         answers = []
         for scatterer, mine, before, after in zip(self.scatterers, self.numbers, segments, segments[1:], strict=False):
-            # columns: modes that arrive from the left, from the right, and the ports
+            # Columns of a scatterer's response: the m coupling modes that arrive from the left, those that arrive from
+            # the right (together `count`), and the ports that determine its potentials.
             m, count = len(before.kept), len(before.kept) + len(after.kept)
             incoming = np.zeros((2 * at.size, count + len(mine)), dtype=complex)
             incoming[at.left, :m] = modes.right[:, before.kept] * before.arriving("right")
@@ -267,6 +271,8 @@ class Network:
             potentials = np.zeros((len(scatterer.potentials), count + len(mine)))
             potentials[:, count:] = scatterer.potentials
             lines = scatterer.sides(incoming, potentials)
+            # What the piece sends is the field of its lines less the incoming part. The amplitudes of the coupling
+            # modes in it are the scattering matrix, first `count` columns, and the excitation by the ports.
             out = lines - incoming
             sent = np.concatenate([before.sent("left", out[at.left]), after.sent("right", out[at.right])])
             excitation = np.zeros((count, excitations), dtype=complex)
@@ -282,6 +288,7 @@ class Network:
             answers.append((np.concatenate([lines, potentials]), incoming))
         solved = solve_row(elements, outside=self._outside(segments, waves, excitations))
 
+        # Superposition: the responses above, weighted by the amplitudes that arrive and by one for the excited port.
         of_scatterers = elements[2:]  # the first two are the ends
         sides, arrived = [], []
         reactions = np.zeros((ports, excitations), dtype=complex)
@@ -347,7 +354,10 @@ class Network:
         )
 
     def _outside(self, segments: list[_Segment], waves: np.ndarray, excitations: int) -> np.ndarray | None:
-        """Amplitudes that arrive at pieces and ends directly from forces and from outside."""
+        """Amplitudes that arrive at pieces and ends directly from forces and from outside, (waves, excitations).
+
+        The columns are those of `solve`: all ports, then the waves from the left, then the waves from the right.
+        """
         if not (self.forces or len(waves)):
             return None
         outside = np.zeros((segments[-1].first + 2 * len(segments[-1].kept), excitations), dtype=complex)
@@ -358,6 +368,7 @@ class Network:
                 leftwards = segment.passed("left", place - segment.start) * force.left
                 outside[segment.right, number] = rightwards[segment.kept]
                 outside[segment.left, number] = leftwards[segment.kept]
+        # `kept` of a semi-infinite segment begins with ``waves``, so that entry `number` is wave `number`
         for number, column in enumerate(range(len(self.ports), len(self.ports) + len(waves))):
             outside[segments[0].right[number], column] = 1.0
             outside[segments[-1].left[number], column + len(waves)] = 1.0

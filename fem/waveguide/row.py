@@ -68,7 +68,7 @@ class PieceRow:
         return {key: assembly.condensed(frequency) for key, assembly in self.assemblies.items()}
 
     def arranged(self, condensed: dict, modes: GuidedModes) -> CondensedPieces:
-        """The row of pieces at the frequency of modes, from every different piece at that frequency."""
+        """The row of pieces at the frequency of ``modes``; ``condensed``: result of the method of this name."""
         stator, unit = self.stator, self.section.length_unit
         if not stator.pieces:
             return no_pieces(stator, unit)
@@ -98,19 +98,23 @@ def condensed_pieces(stator: Stator, modes: GuidedModes, resolution: Resolution)
 
 
 def _step(piece: MeshPiece, side: int, stator: Stator, modes: GuidedModes, resolution: Resolution) -> Wall:
-    """Step of thickness: the radiation impedance of the section behind it terminates the far line of the piece."""
+    """Step of thickness as a wall: the radiation impedance of the section behind it terminates the piece's far line.
+
+    The near line is the one towards the middle of the stator.  ``side``: 0 for the left end, 1 for the right.
+    """
     near, far = ("right", "left") if side == 0 else ("left", "right")
     section, frequency = modes.section.full, modes.frequency
     behind = replace(stator, thickness=piece.interface(far)[1], pieces=())
     other = discretise(behind, resolution, wavelength=section.length_unit, surface_scale=np.inf)
     outside = guided_modes(other, frequency)
     assembly = assembled(piece, _frame(stator), {near: section, far: other}, frequency=frequency, resolution=resolution)
-    first, second = np.split(np.arange(section.size + other.size), [other.size if side == 0 else section.size])
-    lines = (second, first) if side == 0 else (first, second)
+    # The condensed matrix has the left line first: at the left end (side 0) that is the far one, of size `other.size`.
+    left_line, right_line = np.split(np.arange(section.size + other.size), [other.size if side == 0 else section.size])
+    near_line, far_line = (right_line, left_line) if side == 0 else (left_line, right_line)
     impedance = outside.left_impedance if side == 0 else outside.right_impedance
-    wall, line = closed(assembly.condensed(frequency), *lines, impedance)
+    wall, far_from_near = closed(assembly.condensed(frequency), near_line, far_line, impedance)
     place = piece.interface(far)[0] / section.length_unit
-    return replace(wall, beyond=Beyond(modes=outside, place=place, far_line=line))
+    return replace(wall, beyond=Beyond(modes=outside, place=place, far_line=far_from_near))
 
 
 def _frame(stator: Stator) -> Stator:

@@ -65,6 +65,7 @@ def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict, *, a
         answer |= zip(ALSO["limits"], factors, strict=True)
     if "pressure" in also:
         answer |= contact_load(slider, orbits, contact.threshold_factor(slider, orbits))
+    # `driven.slider` is one part of the slider, with its share of the mass: totals are larger by the ratio of masses
     mass_ratio, thrust = driven.scene.slider.mass / slider.mass, answer.pop("thrust_N", None)
     with suppress(contact.ConvergenceError):
         if "step" in also:

@@ -133,10 +133,9 @@ def leak(record: Record, motion) -> Rows:
     advance = motion.loading_number / (motion.wave.wavenumber * length)
     how = f"the load makes the wave faster by {100 * advance:.2g} %, bulk waves begin at {100 * margin:.2g} %"
     yield "speed-up of the wave by its load", MARGIN, advance / margin, how
-    wave, stiffness_ratio = (
-        motion.wave,
-        float(np.mean(motion.pillars.tangential_stiffness / motion.pillars.normal_stiffness)),
-    )
+    wave, stiffnesses = motion.wave, motion.pillars
+    stiffness_ratio = float(np.mean(stiffnesses.tangential_stiffness / stiffnesses.normal_stiffness))
+    # springs per area whose first-order shift of the wavenumber, Gamma (K_n + |orbit|^2 K_t), is the pillars' advance
     normal_stiffness = advance * wave.wavenumber / (wave.compliance * (1 + abs(wave.orbit) ** 2 * stiffness_ratio))
     exact = fem.spring_shift(
         stator.solid, normal_stiffness, stiffness_ratio * normal_stiffness, wave.frequency, stator.bare_surface

@@ -1,9 +1,10 @@
-"""How an error of the surface motion becomes one of the slider's velocity: by solving the contact beside it.
+"""Propagation of an error of the surface motion to the slider's velocity, by solving the contact for changed orbits.
 
-The stator's relative error bounds the change of both complex amplitudes of an orbit, a common phase apart,
-which moves nothing, relative to the larger one.  Three changes of that size are tried - all amplitudes, the ratio of
-the two, their phase - and the changes of velocity that they make are added in quadrature.  Amplitudes are tried upwards
-and downwards: near the threshold one side may stick where the other slips.
+The stator's relative error bounds the error of both complex amplitudes of an orbit, relative to the larger one.  A
+common phase is excluded because the steady velocity does not depend on it.  Three changes of the size of the error
+are tried: of all amplitudes, of the ratio of the two, and of their phase difference.  The caller adds the resulting
+changes of velocity in quadrature.  All amplitudes are both raised and lowered, because near the threshold the slider
+may stick on one side and slip on the other.
 """
 
 import cmath
@@ -12,7 +13,9 @@ from dataclasses import replace
 
 import contact
 
-MAX_AXIS_RATIO = 1e3  # larger over smaller amplitude up to which the smaller's error grows
+# Larger over smaller amplitude of an orbit; of a more slender orbit the relative error of the smaller amplitude is
+# taken as at this ratio.
+MAX_AXIS_RATIO = 1e3
 MIN_STEP = 1e-4  # relative; a difference over a smaller step would measure the contact solver's rounding
 
 
@@ -57,7 +60,10 @@ def velocity_sensitivities(
 
 
 def _slenderness(orbit) -> float:
-    """Return the larger amplitude over the smaller: the error is relative to the larger, and both may err by it."""
+    """Return the larger amplitude over the smaller, at most MAX_AXIS_RATIO.
+
+    The error is relative to the larger amplitude, so that the relative error of the smaller one is this factor larger.
+    """
     small, large = sorted((abs(orbit.normal), abs(orbit.tangential)))
     return min(large / small, MAX_AXIS_RATIO) if small > 0 else 1.0
 

@@ -201,6 +201,12 @@ def needed_section_tolerance(
         Contribution of the ring-up to the stator's part of the velocity's error; a finer section does not reduce it.
     beam_share : float
         Fraction of the rest of this part that is the beam's own error; a finer section does not reduce it either.
+
+    Notes
+    -----
+    Let s be the largest stator part of the points that miss the tolerance t, r the ring-up's contribution and
+    b = beam_share (s - r) that of the beam.  The section contributes s - r - b, in proportion to its error.  It may
+    contribute (t - b) / 2 - r, because half of t - b is reserved for the contact.
     """
     parts = [stator for stator, contact in answer.parts if stator + contact > tolerance]
     if not parts or max(parts) <= ringing:

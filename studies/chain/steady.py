@@ -40,8 +40,8 @@ def steady_answers(
 def steady_answer(driven: DrivenContact, level: float, tolerance: float) -> dict:
     """Return the steady state of one contact at a level, solved as in a run.
 
-    ``numerical_error`` is the contact's part of its relative error, which does not cancel in a difference of two
-    answers as that of an averaged state does.
+    ``numerical_error`` is the contact's part of the relative error. It remains in a difference of two such answers,
+    whereas the error of averaging is nearly equal in both and cancels.
     """
     point, parts, *_ = point_answer(driven, level, tolerance, bursting=False)
     return rated(point, parts, tolerance) | {"numerical_error": parts[1]}

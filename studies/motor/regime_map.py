@@ -47,12 +47,13 @@ def run(
     resolved_scene, slider, per_metre = driven.scene, driven.slider, driven.at(1.0 / driven.amplitude)
     if slider.shape != "sphere" or slider.heights:
         resolved_scene.refuse("slider", "must stand on balls of equal height for a map of regimes")
-    own = slider.preload
-    if own == 0.0 or slider.static_coefficient == 0.0:
+    operating_preload = slider.preload
+    if operating_preload == 0.0 or slider.static_coefficient == 0.0:
         resolved_scene.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
     at, loads, reach = _grid(driven, per_metre, amplitudes, preloads)
     progress(f"regime map: {at.size * loads.size} steady states")
     loaded = [replace(slider, preload=float(preload)) for preload in loads]
+    # for each point (preload, amplitude): index of the slider, and 0, the only set of orbits
     which = np.stack([*np.indices((loads.size, 1))], axis=-1).repeat(at.size, axis=1)
     tiled = np.tile(at, (loads.size, 1))
     states = contact.steady_sweep(loaded, [per_metre], which=which, factors=tiled, wave_errors=[0.0])
@@ -63,9 +64,12 @@ def run(
         name: [question(s, per_metre) for s in loaded]
         for name, question in (("threshold", contact.threshold), ("release", contact.release))
     }
+    # hopping: at h = 0 the mean of max(cos, 0)^1.5 over a cycle carries the preload, of all contacts together
     lines = {name: np.array([factor.value for factor in line]) for name, line in factors.items()} | {
         "hopping": np.array([s.rest_approach(1) for s in loaded]) / (shares * HALF_WAVE) ** (2.0 / 3.0)
     }
+    # A point below the threshold sticks, one below the release slips, one below hopping is intermittent: `np.select`
+    # takes the first line, in this order, that the amplitude does not reach.
     below = [at[None, :] < line[:, None] for line in lines.values()]
     # a point within the error of a line may lie on either side
     error = np.array([factor.error / factor.value for factor in factors["release"]])[:, None]
@@ -89,7 +93,7 @@ def run(
     panel = Panel(name="regime_map", title=f"{resolved_scene.title}: regimes", data={
         "amplitude_m": at, "preload_N": loads, "kind": kind.tolist(),
         "velocity_m_per_s": [[v if np.isfinite(v) else None for v in row] for row in states.velocity.tolist()],
-        "lines_m": lines, "operating_amplitude_m": reach, "operating_preload_N": own,
+        "lines_m": lines, "operating_amplitude_m": reach, "operating_preload_N": operating_preload,
     })  # fmt: skip
     return (panel,), findings
 

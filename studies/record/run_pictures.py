@@ -166,9 +166,9 @@ def trajectories(record: "Record", ax):
 def surface(record: "Record", ax, *, curves: bool = False):
     """Draw |u_z| and |u_x| per volt along the surface, with transducers and slider.
 
-    Where the surface is many wavelengths long the ripple of a standing wave cannot be told apart: the range within
-    each wavelength is shaded, and a window shows the curves about the slider (without one, the middle); ``curves``
-    draws these alone.
+    The ripple of a standing wave cannot be resolved on a surface longer than MAX_WAVELENGTHS. The range within each
+    wavelength is then shaded, and an inset shows the curves near the slider, or in the middle without a slider. With
+    ``curves`` the curves are drawn along the whole surface whatever its length, for an axis that the caller limits.
     """
     columns, scene = record.surface, record.scene
     label, scale = quantity("x_m").axis, quantity("x_m").scale

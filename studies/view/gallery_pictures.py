@@ -209,7 +209,11 @@ def bars(rows, unit: str, x_label: str, title: str):
 
 
 def power_along(x, power, *, covered, fed: float, title: str):
-    """Draw the power (W per V^2) through each cross-section of the stator, with the transducers shaded."""
+    """Draw the power (W per V^2) through each cross-section of the stator, with the transducers shaded.
+
+    ``fed`` is the power in W per V^2 that the source gives. Half of it to each side is drawn for comparison, because a
+    bidirectional transducer radiates equally to both. ``covered``: spans in m of the transducers along x.
+    """
     figure, ax = new_figure(7.2, 3.4)
     curve(ax, x * MM, power * 1e3, "-", "slip", "through the section, mean of a cycle")
     for share, label in ((0.5e3, "half of what the source gives"), (-0.5e3, None)):
