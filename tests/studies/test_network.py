@@ -122,3 +122,18 @@ def test_other_studies_take_no_such_options(tmp_path):
 def test_the_command_hands_its_options_on(capsys):
     assert main(["study", "network", "twente", "--band", "2.3:2.1:5"]) == 2
     assert "--band must rise" in capsys.readouterr().err
+
+
+def test_the_smith_chart_has_the_circles_of_its_resistances_and_reactances(record):
+    """Resistance r: centre r/(1 + r), radius 1/(1 + r); reactance x: centre 1 + 1j/x, radius 1/|x| (Smith 1939)."""
+    from matplotlib.figure import Figure
+
+    lines = network.figure(record, Figure().add_subplot(), panel="smith").lines
+    grid = [each.get_xdata() + 1j * each.get_ydata() for each in lines if each.get_label().startswith("_")]
+    resistances, reactances = list(network.CIRCLES), [x for x in (*network.CIRCLES, *np.negative(network.CIRCLES)) if x]
+    arcs = [each for each in grid if abs(each.imag[0] - each.imag[-1]) > 1e-2]
+    assert len(arcs) == len(reactances)
+    for r, circle in zip(resistances, grid, strict=False):
+        np.testing.assert_allclose(abs(circle - r / (1 + r)), 1 / (1 + r), rtol=1e-12)
+    for x, arc in zip(reactances, arcs, strict=True):
+        np.testing.assert_allclose(abs(arc - 1 - 1j / x), 1 / abs(x), rtol=1e-9)

@@ -471,6 +471,7 @@ def test_an_interrupt_from_the_terminal_stops_processes_and_keeps_points(tmp_pat
     words = [part for key, text in over.items() for part in ("--over", f"{key}={text}")]
     process = command("twente-contact", *words, "--workers", "2", "--out", str(tmp_path / "s"), start_new_session=True)
     while not seen(tmp_path / "s"):
+        assert process.poll() is None, process.communicate()[1]
         time.sleep(0.1)
     os.killpg(process.pid, signal.SIGINT)
     _, err = process.communicate(timeout=300)
