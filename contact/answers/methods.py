@@ -128,14 +128,25 @@ def ring_down(slider, motion, envelope, *, longest=math.inf, samples=0, least=RI
     """
     frequency = motion.problem.omega / (2.0 * math.pi)
     number = shaped_steps(slider, motion.problem, least)
-    loud = np.flatnonzero(envelope.amplitude > SPENT * np.max(envelope.amplitude))
-    until = min(float(envelope.time[loud[-1]]) if loud.size else 0.0, longest)
-    cycles = max(0, math.ceil(until * frequency))
+    cycles = max(0, math.ceil(min(_spent(envelope), longest) * frequency))
     stride = max(1, cycles // samples) if samples else 1
     cycles -= cycles % stride
     shape = envelope.at(np.arange(cycles + 1) / frequency)
     rows = steps(motion.problem, motion.state, cycles, number, stride=stride, envelope=shape)
     return stride * np.arange(1, len(rows) + 1) / frequency, rows
+
+
+def _spent(envelope):
+    """Return the time in s at which an envelope has fallen to SPENT of its maximum for good, or its last time."""
+    level = SPENT * np.max(envelope.amplitude)
+    loud = np.flatnonzero(envelope.amplitude > level)
+    if loud.size == 0:
+        return 0.0
+    last = loud[-1]
+    if last + 1 == envelope.time.size:
+        return float(envelope.time[last])
+    ends = envelope.amplitude[last + 1], envelope.amplitude[last]
+    return float(np.interp(level, ends, (envelope.time[last + 1], envelope.time[last])))
 
 
 class Burst(NamedTuple):

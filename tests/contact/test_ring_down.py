@@ -55,6 +55,15 @@ def test_a_slow_end_carries_the_slider_on_and_it_still_stops():
     assert rung.velocity_at_burst_end == none.velocity_at_burst_end
 
 
+def test_a_fall_by_two_knots_is_that_by_many():
+    # a line from 1 to 0 falls to a thousandth of the maximum after 0.999 of its 300 cycles
+    ends = Envelope(time=[0.0, 300 / F], amplitude=[1.0, 0.0], phase=[0.0, 0.0])
+    t = np.linspace(0.0, 300 / F, 601)
+    two, many = after(ends), after(Envelope(time=t, amplitude=1.0 - t * F / 300, phase=np.zeros(601)))
+    assert two.rang == many.rang == pytest.approx(300 / F, rel=1e-12)
+    np.testing.assert_allclose(two.velocity, many.velocity, atol=1e-9 * np.max(abs(two.velocity)))
+
+
 def test_a_step_of_the_envelope_at_the_burst_end_is_seen_by_the_whole_way_too():
     # the same swell and fade as one envelope over a longer burst
     t = np.array([0.0, 400.0, 700.0, 1000.0]) / F
