@@ -95,9 +95,12 @@ class PillarCycle:
 
     def mean_normal(self, height):
         """Return <P> of each class in N and its derivative with respect to the approach in N/m, without tilt."""
+        return self.mean_loads(self.approaches(height, 0.0, 0.0))
+
+    def mean_loads(self, approach):
+        """Return <P> of each class in N and its derivative in N/m at mean approaches in m."""
         (u_z, _) = self.amplitudes()
-        own = height[self.row] if np.ndim(height) else height
-        return (self.k_n * each for each in mean_loads(own + self.height, abs(u_z)[self.row], self.shape))
+        return (self.k_n * each for each in mean_loads(approach, abs(u_z)[self.row], self.shape))
 
     def forces(self, approach, w: float, side: float) -> MeanForces:
         """Return the forces per class, without weights, at mean approaches in m and a velocity over omega in m."""

@@ -43,6 +43,9 @@ FAR, SHORTER, SHORTENINGS = 0.3, 0.4, 7
 # after each step until it is below INNER of the residuals; in at most WAIT evaluations. Where it does not fall to SLOW
 # of the last change, the derivatives of the forces in the amplitudes are computed.
 START, INNER, WAIT, SLOW = 0.1, 0.1, 12, 0.5
+# Most Newton steps of H and tilts under the normal forces alone; SOFT times the stiffnesses is added to each of them,
+# because a single pillar in contact does not hold the tilts.
+LEVELLINGS, SOFT = 60, 1e-9
 HEIGHT, PITCH, ROLL, SPEED = range(4)
 
 
@@ -67,11 +70,8 @@ def _largest(values) -> float:
 
 
 def _solved(jacobian, right):
-    """Return the solution of a system of equations; raise if it is singular."""
-    try:
-        return np.linalg.solve(jacobian, right)
-    except np.linalg.LinAlgError:
-        raise ConvergenceError("not converged", "no pillar answers a change of the slider's height") from None
+    """Return the shortest solution of a system of equations, which is singular if few pillars are in contact."""
+    return np.linalg.lstsq(jacobian, right, rcond=1e-12)[0]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,6 +121,36 @@ class Equilibrium:
             weight = self.cycle.weight
             self.unknowns[HEIGHT] = self._carrying(self.preload, self.rest, lambda each: weight @ each)
             self.unknowns[PITCH] = self.unknowns[ROLL] = 0.0
+            if len(self.plane) > 1:
+                self._level()
+
+    def _level(self):
+        """Take H and tilts at which the normal forces balance at the current amplitudes, or come close to it.
+
+        These forces are the derivatives of a convex potential of H and tilts. A Newton step is therefore halved until
+        the residual along it is at most half of what it was, or negative, as it is before the minimum.
+        """
+        active, cycle = self.plane, self.cycle
+        arms = np.stack([np.ones_like(cycle.x), cycle.x / self.arm[0], cycle.y / self.arm[1]])[active]
+        wanted = np.array([1.0, *(np.array(self.preload_at) / self.arm)])[active]
+
+        def residual_and_rates():
+            force, rate = cycle.mean_loads(cycle.approaches(*self.unknowns[:SPEED]))
+            rates = arms * (cycle.weight * rate) @ arms.T * (self.length / self.preload)
+            return arms @ (cycle.weight * force) / self.preload - wanted, rates
+
+        for _ in range(LEVELLINGS):
+            residual, rates = residual_and_rates()
+            if _largest(residual) < CLOSE:
+                return
+            start = self.unknowns[active]
+            step = np.linalg.solve(rates + SOFT * np.trace(rates) * np.eye(len(active)), -residual)
+            step /= max(1.0, _largest(step) / MAX_MOVE)
+            for _ in range(SHORTENINGS):
+                self.unknowns[active] = start + step * self.scale[active]
+                if residual_and_rates()[0] @ step <= -0.5 * (residual @ step):
+                    break
+                step = 0.5 * step
 
     def _carrying(self, load, heights, sums):
         """Return H at which the contacts carry a load in N without tilt, at the current wave amplitudes.
@@ -249,6 +279,10 @@ class Equilibrium:
                 self.begin()
                 slope = None
                 continue
+            if jacobian is None and len(self.plane) > 1 and not waits and careful:
+                self._level()
+                residual, wave_step = self._left(active, side, slope)
+                size, change = _largest(residual), _largest(wave_step)
             lost = not self.forces.normal.any()  # without contact the residuals do not depend on H
             if waits:
                 worse = careful and waits > WAIT

@@ -376,3 +376,24 @@ def test_a_wave_that_is_loaded_needs_its_compliance_and_width():
         wave(strip_width=None)
     with pytest.raises(ValueError, match=r"compliance .* is required where the slider loads the wave"):
         pillar_motion(grid(2, 2), wave(compliance=0.0), loading=True)
+
+
+@pytest.mark.parametrize("loading", [False, True])
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_few_pillars_of_unequal_height_balance(count, loading):
+    """The pitch of a slider on two pillars takes up their heights; on more, the forces and moments balance.
+
+    The heights differ by ten times the amplitude: at first one pillar alone touches, which does not hold the pitch.
+    """
+    given = {"preload": 0.6e-3 * count, "normal_stiffness": 2e6, "tangential_stiffness": 1.7e6, "tilt": "pitch"}
+    passing, apart = wave(forward=1e-9, strip_width=2e-4), 80e-6
+    level = pillar_motion(grid(count, 1, pitch=apart, **given), passing, loading=loading)
+    for seed in range(4):
+        heights = scatter(count, 10e-9, seed)
+        found = pillar_motion(grid(count, 1, pitch=apart, heights=heights, **given), passing, loading=loading)
+        forces, x = found.normal_force, (np.arange(count) - (count - 1) / 2) * apart
+        assert np.sum(forces) == pytest.approx(0.6e-3 * count, rel=1e-10)
+        assert abs(np.sum(forces * x)) < 1e-10 * np.sum(forces) * apart
+        if count == 2:
+            assert found.velocity == pytest.approx(level.velocity, rel=1e-9)
+            assert found.tilt[0] == pytest.approx(level.tilt[0] - np.diff(heights)[0] / apart, rel=1e-8)
