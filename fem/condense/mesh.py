@@ -7,6 +7,9 @@ electrode is equipotential: all its vertices share one unknown.  It is a port if
 transducer and zero if the electrode is grounded.  If the electrode floats, the unknown is eliminated with zero net
 charge.
 
+On a half-space the mesh is continued down to the section's absorbing layer (`fem.mesh.deepened`), and the layer by its
+own elements below the mesh (`fem.condense.layer_columns`).
+
 A piece with one interface is an end of the stator, and a piece without interfaces is the whole stator.  A piece whose
 far side meets the line of another section is a step, which the radiation impedance of that section terminates.
 """
