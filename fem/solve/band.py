@@ -23,7 +23,7 @@ from fem.reduce.model import ReducedModel
 from fem.reduce.projection import BandProblem, NodeSolutions, project, solve_at_nodes
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
-from fem.results.solution import Solution, driven_solution, forced_solution
+from fem.results.solution import Solution, driven_solution
 from fem.solve.full_band import FullModel
 from fem.solve.harmonic import check_driven, driven_wave, solution_differences
 from fem.threads import one_blas_thread, side_by_side
@@ -108,7 +108,7 @@ class Band:
 
         def at(frequency: float) -> np.ndarray:
             fields = self._port_fields(float(frequency), forces=(force,))
-            return forced_solution(fields, np.array([force.amplitude]), drive).circuit.currents
+            return driven_solution(fields, drive, np.array([force.amplitude])).circuit.currents
 
         return np.array(side_by_side(at, frequencies))
 
