@@ -96,11 +96,8 @@ def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
     """Raise an InputError if the pieces do not fit the stator, the transducers or each other."""
     if not stator.pieces:
         return
-    for key, allowed, value, fits in (
-        ("above", "none", stator.above, stator.above == "none"),
-    ):
-        if not fits:
-            raise InputError(f"stator.{key}", f"must be {allowed} with a meshed piece", value)
+    if stator.above != "none":
+        raise InputError("stator.above", "must be none with a meshed piece", stator.above)
     for piece in stator.pieces:
         _check_heights(piece, stator.depth)
     placed = stator.placement
