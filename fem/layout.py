@@ -158,7 +158,7 @@ def _check_heights(piece: MeshPiece, thickness: float) -> None:
                 owner=piece.name,
             )
     if np.isinf(thickness):
-        _check_foot(piece, tuple(lines))
+        _check_foot(piece, lines)
         return
     if not lines or any(piece.fits(side, thickness) for side in lines):
         return
@@ -177,18 +177,17 @@ def _check_heights(piece: MeshPiece, thickness: float) -> None:
     )
 
 
-def _check_foot(piece: MeshPiece, sides: tuple[str, ...]) -> None:
-    """Raise an InputError for a piece of a half-space that the program cannot continue downwards."""
+def _check_foot(piece: MeshPiece, lines: dict[str, tuple[float, float, float]]) -> None:
+    """Raise an InputError for a piece of a half-space, with these interfaces, that cannot be continued downwards."""
     mesh, depth = piece.mesh, piece.depth * 1e3
     rule = ""
-    if not sides:
+    if not lines:
         rule = (
             "must have the line group left or right where the bottom absorbs: a whole stator given as one mesh must be "
             "a plate with bottom free, grounded or clamped"
         )
-    for side in sides:
+    for side, (_, height, top) in lines.items():
         if not piece.fits(side, np.inf):
-            _, height, top = piece.interface(side)
             rule = (
                 f"must reach at its group {side} from the surface, z = 0, down to its lowest point, z = -{depth:.6g} mm"
                 f", as the bottom absorbs, got z = {top * 1e3:.6g} to {(top - height) * 1e3:.6g} mm"
