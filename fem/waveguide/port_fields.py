@@ -66,7 +66,7 @@ class PortFields:
     admittances: np.ndarray = field(repr=False)
     # shape (ports, forces and waves from outside): currents into the positive electrodes of shorted ports
     received: np.ndarray = field(repr=False)
-    # shape (forces, excitations): displacement in m under each force, along it
+    # shape (forces, excitations): displacement in m under each force, along it; none with finite apertures
     displacements: np.ndarray = field(repr=False)
     # coupling, waves: of `fem.waveguide.network.PortSolution`
     coupling: np.ndarray = field(repr=False)
@@ -246,7 +246,15 @@ def joined_fields(
         ends=pieces.ends,
         ports=ports
         + tuple(
-            Port(kind="force", name=each.name, component=each.component, place=each.position / unit) for each in forces
+            Port(
+                kind="force",
+                name=each.name,
+                component=each.component,
+                place=each.position / unit,
+                width=each.width / unit,
+                center=each.center_y / unit,
+            )
+            for each in forces
         ),
         numbers=tuple(numbers for _, _, numbers, _ in row),
     )
