@@ -231,7 +231,7 @@ class SurfaceBeam:
         if self.coarser is None:
             return None
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        reach = np.sqrt(self.near_distance * self._distances(x.ravel())).reshape(x.shape) / 2
+        reach = np.sqrt(self._near_distance * self._distances(x.ravel())).reshape(x.shape) / 2
         beside = y + np.multiply.outer(NEIGHBOURS, reach)
         if self.mirror_width is not None:
             beside = np.clip(beside, -self.mirror_width / 2, self.mirror_width / 2)
@@ -249,7 +249,7 @@ class SurfaceBeam:
         On YZ lithium niobate they are 0.06 to 6 times the motion, and 0.01 of it a wavelength or more before the
         fingers.
         """
-        near = abs(self.near_distance)
+        near = abs(self._near_distance)
         transducers = self.solution.fields.transducers
         beside = [(*each.extent, each.center_y, each.aperture) for each in transducers]
         beside += [(each.x[0], each.x[0], each.center, each.length) for strip in self.strips for each in [strip.sheet]]
@@ -319,7 +319,7 @@ class SurfaceBeam:
         shape, x, y = x.shape, x.ravel(), y.ravel()
         self._refuse(x, y)
         distance = self._distances(x)
-        group = np.searchsorted(np.divide(GROUPS, GROUPS[0]) * self.near_distance, distance)
+        group = np.searchsorted(np.divide(GROUPS, GROUPS[0]) * self._near_distance, distance)
         total = np.empty((RULES, 3, len(x)), dtype=complex)
         for number in set(group.tolist()):
             some = group == number
@@ -354,7 +354,7 @@ class SurfaceBeam:
         lines, row = np.unique(y, return_inverse=True)
         total = np.zeros((RULES, 3, len(x)), dtype=complex)
         for source, sheets, nodes in self._emitters:
-            for branch in source.branches(self._reach(y), distance, self.near_distance, self.mirror_width, spacing):
+            for branch in source.branches(self._reach(y), distance, self._near_distance, self.mirror_width, spacing):
                 total += self._inverse(
                     branch,
                     lambda spectra, nodes=nodes, branch=branch: _sent(nodes, branch, places, spectra),
@@ -451,7 +451,7 @@ class SurfaceBeam:
     def _spread(self, x: np.ndarray) -> np.ndarray:
         """Least ratio of the beam of a strip to the wave in the section: width over (wavelength times distance)^1/2."""
         ratios = [
-            each.sheet.length / np.sqrt(abs(self.near_distance) * np.maximum(abs(x - each.sheet.x[0]), TINY))
+            each.sheet.length / np.sqrt(abs(self._near_distance) * np.maximum(abs(x - each.sheet.x[0]), TINY))
             for each in self.strips
         ]
         return np.minimum(np.max(ratios, axis=0), 1.0)
@@ -461,7 +461,7 @@ class SurfaceBeam:
         rest = self.wave.motion(places)
         for source, sheets, nodes in self._section_emitters:
             ones = np.ones((len(sheets), 1))
-            sent = sum(_sent(nodes, branch, places, ones) for branch in source.plane(self.near_distance))[..., 0]
+            sent = sum(_sent(nodes, branch, places, ones) for branch in source.plane(self._near_distance))[..., 0]
             rest -= sent.T[[0, 2]]
         if self.faces is not None:
             plane, ones = self.faces.plane(_sources(self._section_charges)), np.ones((len(self.apertures), 1))
@@ -473,7 +473,7 @@ class SurfaceBeam:
         return rest
 
     @property
-    def near_distance(self) -> float:
+    def _near_distance(self) -> float:
         """One wavelength in m, the limit of the group of points nearest to the charges."""
         return GROUPS[0] * self.wave.phase_velocity / self.wave.frequency
 
@@ -708,10 +708,10 @@ def _received_from_strips(beam: SurfaceBeam) -> PortFields:
         alone = replace(beam, charges=(), apertures=(), centers=(), strips=(strip,)).surface_mode
         (emitter,) = alone._emitters
         plane = sum(
-            _sent(emitter.nodes, branch, places, np.ones((1, 1))) for branch in emitter.source.plane(beam.near_distance)
+            _sent(emitter.nodes, branch, places, np.ones((1, 1))) for branch in emitter.source.plane(beam._near_distance)
         )
         for index, (aperture, center) in enumerate(zip(beam.apertures, beam.centers, strict=True)):
-            s, weights = np.polynomial.legendre.leggauss(int(8 + 4 * aperture / abs(beam.near_distance)))
+            s, weights = np.polynomial.legendre.leggauss(int(8 + 4 * aperture / abs(beam._near_distance)))
             motion = alone.motion(places[index], center + aperture / 2 * s)[2]
             shares[index, column] = motion @ weights / 2 / plane[index, 2, 0]
     named = [index for index, each in enumerate(fields.transducers) if each.name in fields.names]
