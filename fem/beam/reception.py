@@ -241,14 +241,19 @@ def _solved(
     section = network.modes.section
     surface = network.modes.wavenumbers[network.modes.rayleigh].real.mean() / section.length_unit
     refuse_short_apertures(transducers, 2 * np.pi / surface)
-    gaps = [*np.diff(network.segments[1:-1], axis=1).ravel(), *(abs(gap) for _, _, gap in _ways_from_forces(network))]
-    kept = network.survivors(float(min(gaps))) if gaps else np.empty(0, int)
+    # Between transducers the waves that couple them are enough: what a force adds nearby decays before the next one.
+    between = np.diff(network.segments[1:-1], axis=1).ravel()
+    gaps = between if len(between) else [abs(gap) for _, _, gap in _ways_from_forces(network)]
+    kept = network.survivors(float(min(gaps))) if len(gaps) else np.empty(0, int)
     most = MAX_WAVES // max(2 * len(kept) * len(transducers), 1)
     lengths = []
     for each in transducers:
         fingers = max(sum(sign in "+-" for sign in each.signs), 1)
-        limit = {"most": min(MAX_UNKNOWNS, most * fingers)} if len(kept) else {}
+        limit = {} if len(transducers) == 1 else {"most": min(MAX_UNKNOWNS, most * fingers)}
         lengths.append(sheet_lengths(each, fineness, **limit))
+    if len(transducers) == 1:  # forces do not change the sheets: fewer of their waves are taken
+        slowest_decay = np.argsort(-network.modes.wavenumbers[kept].imag, kind="stable")
+        kept = np.sort(kept[slowest_decay[: MAX_WAVES // (2 * len(lengths[0]))]])
     travel = _travel(network, transducers, kept, lengths, own_apertures.mirror_width)
     responses, by_kind = [], {}
     for plain, transducer, own_lengths in zip(network.scatterers, transducers, lengths, strict=True):

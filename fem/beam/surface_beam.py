@@ -30,6 +30,7 @@ import numpy as np
 from fem.beam.cut_source import CutSource, cut_source
 from fem.beam.electrode_charges import MAX_PHASE, ChargeSheet, ElectrodeCharges, Fingers, electrode_charges
 from fem.beam.faces import Faces, faces, with_all_displacements
+from fem.beam.lateral import EVANESCENT
 from fem.beam.line_source import Branch, LineSource, Load, line_source
 from fem.beam.own_aperture import STEPS
 from fem.beam.reception import refuse_short_apertures, with_apertures
@@ -92,6 +93,10 @@ class SurfaceBeam:
         Length and centre of the fingers of each transducer along y, m.
     strips : tuple of Strip
         Forces, each with the response of the bare stator to it.
+    scattering_error : float
+        Relative error of the waves that transducers send in answer to forces.
+    received_error : float
+        Relative error of the currents that forces send into transducers at a voltage of zero.
     mirror_width : float or None
         Distance in m of two side faces that reflect like mirrors; None if the sides do not reflect.
     complete : bool
@@ -116,6 +121,8 @@ class SurfaceBeam:
     complete: bool = True
     faces: Faces | None = field(default=None, repr=False)
     strips: tuple["Strip", ...] = ()
+    scattering_error: float = 0.0
+    received_error: float = 0.0
 
     def motion(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
         """u_x, u_y and u_z in m per V, or in m under forces.
@@ -171,7 +178,8 @@ class SurfaceBeam:
         of_places = (self.wave.motion(places), self._beyond_the_modes(places))
         section, left_out = (abs(each).max(axis=0)[where.reshape(size.shape)] for each in of_places)
         left_out = np.maximum(left_out, self.source.error * section)
-        if self.strips:  # beams spread, and the waves of the section do not
+        if self.strips:
+            left_out = left_out + self._error_of_forces(np.broadcast_to(x, size.shape), y, size)
             section = section * self._spread(np.broadcast_to(x, size.shape))
         return fine, rule + (np.maximum(size, SECTION_SHARE * section) * self.wave.relative_error + left_out) / size
 
@@ -448,6 +456,20 @@ class SurfaceBeam:
         after = np.searchsorted(nodes, x).clip(1, max(len(nodes) - 1, 1))
         return np.minimum(abs(x - nodes[after - 1]), abs(x - nodes[np.minimum(after, len(nodes) - 1)]))
 
+    def _error_of_forces(self, x: np.ndarray, y, size: np.ndarray) -> np.ndarray:
+        """Errors in m by the waves that transducers scatter, and by the evanescent waves that end near a strip."""
+        near = np.min([abs(x - each.sheet.x[0]) for each in self.strips], axis=0)
+        error = size * np.exp(-EVANESCENT[0] * near / abs(self._near_distance))
+        if self.charges:
+            scattered = replace(self, strips=(), complete=False)
+            error = error + self.scattering_error * abs(scattered.motion(x, y)).max(axis=0)
+        return error
+
+    def _across(self, center: float, length: float) -> tuple[np.ndarray, np.ndarray]:
+        """Points across a strip of the surface in m, and weights of the mean over it."""
+        s, weights = np.polynomial.legendre.leggauss(int(8 + 4 * length / abs(self._near_distance)))
+        return center + length / 2 * s, weights / 2
+
     def _spread(self, x: np.ndarray) -> np.ndarray:
         """Least ratio of the beam of a strip to the wave in the section: width over (wavelength times distance)^1/2."""
         ratios = [
@@ -661,10 +683,12 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     if fields is not solution.fields:
         solution = _of_the_same_sources(solution, fields)
     beam = aperture_beam(wave, solution, mirror_width)
-    if not (sheets and transducers) or isotropic:
+    if not (sheets and transducers):
         return beam
-    received = _of_the_same_sources(solution, _received_from_strips(beam))
-    return replace(beam, solution=received, charges=_charges_of(received))
+    if not isotropic:
+        solution = _of_the_same_sources(solution, _scattering_of_strips(beam))
+        beam = replace(beam, solution=solution, charges=_charges_of(solution))
+    return _with_reciprocal_currents(beam)
 
 
 def _of_the_same_sources(solution: Solution, fields: PortFields) -> Solution:
@@ -695,8 +719,8 @@ def _sheets_of_forces(solution: Solution) -> list[ChargeSheet]:
     ]
 
 
-def _received_from_strips(beam: SurfaceBeam) -> PortFields:
-    """Fields in which each transducer receives the mean of every strip's beam over its aperture, at its centre.
+def _scattering_of_strips(beam: SurfaceBeam) -> PortFields:
+    """Fields in which each transducer answers the mean of every strip's beam over its aperture, at its centre.
 
     The section's answers to a force that is the same all along y are multiplied by the mean of the surface wave's u_z
     over its value at k_y = 0, on the bare surface.
@@ -705,15 +729,13 @@ def _received_from_strips(beam: SurfaceBeam) -> PortFields:
     places = np.array([each.center for each in fields.transducers])
     shares = np.ones((len(places), ports + len(beam.strips)), dtype=complex)
     for column, strip in enumerate(beam.strips, start=ports):
-        alone = replace(beam, charges=(), apertures=(), centers=(), strips=(strip,)).surface_mode
-        (emitter,) = alone._emitters
-        plane = sum(
-            _sent(emitter.nodes, branch, places, np.ones((1, 1))) for branch in emitter.source.plane(beam._near_distance)
-        )
+        unit = strip.sheet._replace(charge=np.ones(1))
+        alone = replace(beam, charges=(), apertures=(), centers=(), strips=(Strip(unit, strip.source),)).surface_mode
+        source, _, nodes = alone._emitters[0]
+        plane = sum(_sent(nodes, branch, places, np.ones((1, 1))) for branch in source.plane(beam._near_distance))
         for index, (aperture, center) in enumerate(zip(beam.apertures, beam.centers, strict=True)):
-            s, weights = np.polynomial.legendre.leggauss(int(8 + 4 * aperture / abs(beam._near_distance)))
-            motion = alone.motion(places[index], center + aperture / 2 * s)[2]
-            shares[index, column] = motion @ weights / 2 / plane[index, 2, 0]
+            y, weights = beam._across(center, aperture)
+            shares[index, column] = alone.motion(places[index], y)[2] @ weights / plane[index, 2, 0]
     named = [index for index, each in enumerate(fields.transducers) if each.name in fields.names]
     return replace(
         fields,
@@ -722,6 +744,37 @@ def _received_from_strips(beam: SurfaceBeam) -> PortFields:
             for owner, sides in zip(fields.owners, fields.sides, strict=True)
         ),
         received=fields.received * shares[named, ports:],
+    )
+
+
+def _with_reciprocal_currents(beam: SurfaceBeam) -> SurfaceBeam:
+    """Beam whose transducers receive, by reciprocity, what they send to the strips.
+
+    The current into a shorted port per newton is the velocity along the force, averaged over the strip, per volt at
+    the port.  The charges of `reception` take the waves of a strip at the centre of each finger's sheet alone, and miss
+    up to a tenth of the current where these arrive at an angle; the difference is the error of the scattered waves.
+    """
+    solution, fields = beam.solution, beam.solution.fields
+    forces = [each for each in fields.network.ports if each.kind == "force"]
+    received, errors = np.empty_like(fields.received), np.empty(fields.received.shape)
+    for row in range(len(fields.names)):
+        circuit = replace(solution.circuit, voltages=np.eye(len(fields.names))[row])
+        unit = replace(solution, circuit=circuit, forces=None)
+        sent = replace(beam, solution=unit, charges=_charges_of(unit), strips=(), complete=False)
+        for column, (force, strip) in enumerate(zip(forces, beam.strips, strict=True)):
+            y, weights = beam._across(strip.sheet.center, strip.sheet.length)
+            rules = sent._by_rules(strip.sheet.x[0], y)[:2]
+            fine, half = (each["xyz".index(force.component)] @ weights for each in rules)
+            received[row, column] = 2j * np.pi * fields.frequency * strip.sheet.length * fine
+            errors[row, column] = abs(half / fine - 1)
+    missed = abs(fields.received - received).max() / max(abs(received).max(), TINY)
+    solution = _of_the_same_sources(solution, replace(fields, received=received))
+    return replace(
+        beam,
+        solution=solution,
+        charges=_charges_of(solution),
+        scattering_error=float(missed),
+        received_error=float(errors.max() + beam.wave.relative_error),
     )
 
 
