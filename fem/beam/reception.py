@@ -25,6 +25,7 @@ Limits: the solid must be isotropic about z and the ends must absorb.  Otherwise
 to their own charges, as in the section.  Open strips always respond as in the section.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import combinations
@@ -42,7 +43,7 @@ from fem.input_error import InputError
 from fem.materials import isotropic_about_normal
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.network import Network, PortSolution, Scatterer, Sheet
-from fem.waveguide.port_fields import PortFields, Solve, connected
+from fem.waveguide.port_fields import PortFields, StatorRow
 from fem.waveguide.row_solver import Element, solve_row
 
 SHORTEST = 0.5  # least aperture over wavelength: shorter fingers are not line sources
@@ -134,16 +135,13 @@ def with_apertures(fields: PortFields, mirror_width: float | None = None, finene
     solve = aperture_solver(fields.stator, mirror_width, fineness)
     if solve is None or None in fields.owners or not fields.transducers:
         return fields
-    network, solution = solve(fields.network, fields.transducers)
-    return connected(
-        fields.stator, fields.transducers, network, solution, resolution=fields.resolution, owners=fields.owners
-    )
+    return solve(fields)
 
 
 def aperture_solver(
     stator: Stator, mirror_width: float | None = None, fineness: int = 0, limits: tuple[float, float] | None = None
-) -> Solve | None:
-    """Solver of a stator's network for finite apertures; None if the limits of this module are not met.
+) -> Callable[[StatorRow], PortFields] | None:
+    """Solver of a stator's row for finite apertures; None if the limits of this module are not met.
 
     ``limits``: lowest and highest frequency (Hz), if the solver will be called at many frequencies of a band.
     """
@@ -234,10 +232,9 @@ class _Response:
         return self.arriving @ np.tensordot(self.lengths / self.lengths[0], waves, axes=1)
 
 
-def _solved(
-    own_apertures: OwnApertures, network: Network, transducers: tuple[Transducer, ...], *, fineness: int
-) -> tuple[Network, PortSolution]:
-    """Network with one potential per finger, and the fields of its ports."""
+def _solved(own_apertures: OwnApertures, row: StatorRow, *, fineness: int) -> PortFields:
+    """Fields of the row's ports, with one potential per finger."""
+    network, transducers = row.network, row.transducers
     section = network.modes.section
     surface = network.modes.wavenumbers[network.modes.rayleigh].real.mean() / section.length_unit
     refuse_short_apertures(transducers, 2 * np.pi / surface)
@@ -293,7 +290,7 @@ def _solved(
         sheets=tuple(sheets),
         own_apertures=True,
     )
-    return network, solution
+    return replace(row, network=network).solved(solution)
 
 
 def _by_fingers(scatterer: Scatterer, signs: str) -> tuple[Scatterer, np.ndarray]:

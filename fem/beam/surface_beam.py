@@ -40,7 +40,7 @@ from fem.input_error import InputError
 from fem.materials import isotropic_about_normal
 from fem.results.driven_answer import SurfaceWave
 from fem.results.power_balance import PowerBalance, power_balance
-from fem.results.solution import Solution, driven_solution, forced_solution
+from fem.results.solution import Solution, driven_solution
 from fem.waveguide.port_fields import PortFields
 
 # Wavelengths from the charges: limits of the groups of points that share a quadrature rule in k_y.
@@ -681,21 +681,14 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
         raise BeamError("forces beside the middle line need absorbing sides")
     fields = with_apertures(solution.fields, mirror_width)
     if fields is not solution.fields:
-        solution = _of_the_same_sources(solution, fields)
+        solution = driven_solution(fields, solution.circuit.drive, solution.forces)
     beam = aperture_beam(wave, solution, mirror_width)
     if not (sheets and transducers):
         return beam
     if not isotropic:
-        solution = _of_the_same_sources(solution, _scattering_of_strips(beam))
+        solution = driven_solution(_scattering_of_strips(beam), solution.circuit.drive, solution.forces)
         beam = replace(beam, solution=solution, charges=_charges_of(solution))
     return _with_reciprocal_currents(beam)
-
-
-def _of_the_same_sources(solution: Solution, fields: PortFields) -> Solution:
-    """Solution of other fields with the sources or the forces of a solution."""
-    if solution.forces is None:
-        return driven_solution(fields, solution.circuit.drive)
-    return forced_solution(fields, solution.forces, solution.circuit.drive)
 
 
 def _sheets_of_forces(solution: Solution) -> list[ChargeSheet]:
@@ -768,7 +761,7 @@ def _with_reciprocal_currents(beam: SurfaceBeam) -> SurfaceBeam:
             received[row, column] = 2j * np.pi * fields.frequency * strip.sheet.length * fine
             errors[row, column] = abs(half / fine - 1)
     missed = abs(fields.received - received).max() / max(abs(received).max(), TINY)
-    solution = _of_the_same_sources(solution, replace(fields, received=received))
+    solution = driven_solution(replace(fields, received=received), solution.circuit.drive, solution.forces)
     return replace(
         beam,
         solution=solution,

@@ -1,41 +1,56 @@
-"""A directory that is written: a hidden work folder, from which ``commit`` moves the files into place.
+"""A directory of results: a command writes its files into a hidden work folder, and ``commit`` moves them into place.
 
-A commit replaces only files that the manifest lists and that are unchanged since.  Whatever else has the name of a new
-file, such as a table that was edited or a file from before there were manifests, is renamed
-(``velocity.former.csv``).  All other files stay.  ``run.json`` or ``study.json`` is moved last, so that a directory
-that has one is whole.
+One rename of the work folder decides a commit.  The moves that follow are completed after an interrupt, or by the next
+command that opens the directory if the process dies before.  The manifest lists every file that the program wrote, with
+its SHA-256.  Files that it lists and that are unchanged are replaced.  A file of anybody else that has the name of a
+new one, such as a table that was edited, is renamed (``velocity.former.csv``); all other files stay.  ``run.json`` or
+``study.json`` is removed first and moved last: the files of a directory that has one belong together.
 """
 
+import hashlib
+import json
+import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from os.path import lexists
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from studies.refusal import RunError, SceneError
-from studies.results.manifest import (
-    FORMER,
-    HIDDEN,
-    LOCK,
-    WORK,
-    Origin,
-    digest,
-    files_below,
-    free_name,
-    named,
-    origin_of,
-    read_manifest,
-    relative,
-    write_manifest,
-)
-
-if TYPE_CHECKING:
-    from filelock import FileLock
 
 MARKS = {"run.json": "run", "study.json": "study"}  # file whose presence makes a directory a result: kind
+MANIFEST, LOCK = ".sawmotor.json", ".sawmotor.lock"
+WORK, READY = ".sawmotor.work", ".sawmotor.ready"  # folders, present only while a program writes
+HIDDEN = {MANIFEST, LOCK, WORK, READY}
 NAMES_SHOWN = 6  # in a message
+
+
+@dataclass(frozen=True, kw_only=True)
+class Origin:
+    """What a result belongs to."""
+
+    kind: str  # "run", "study" or "export"
+    name: str  # of the scene or the study
+    source: Path | None = None  # the scene's file; None for a scene that ships
+
+    def described(self, folder: Path) -> dict:
+        """Return the origin in terms of JSON, the source relative to the directory of the result."""
+        if self.source is None:
+            return {"kind": self.kind, "name": self.name}
+        source = str(self.source.resolve())
+        with suppress(ValueError):  # on another drive it has no relative path
+            source = os.path.relpath(source, folder.resolve())
+        return {"kind": self.kind, "name": self.name, "source": source}
+
+
+def read_manifest(folder: Path) -> dict:
+    """Return kind, name, source and files (name: SHA-256) of the result in a folder; empty where there is none."""
+    with suppress(OSError, ValueError):
+        content = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+        if isinstance(content, dict) and isinstance(content.get("files"), dict):
+            return content
+    return {}
 
 
 @dataclass(kw_only=True)
@@ -51,81 +66,25 @@ class ResultDirectory:
 
     def commit(self) -> None:
         """Move all files of the work folder into place; the first commit replaces the former result."""
-        former = read_manifest(self.target)
-        new = {name: digest(self.folder / name) for name in files_below(self.folder)}
-        replaced, foreign = self._in_the_way(new, former.get("files", {}))
-        about = {"program": "sawmotor", **self.origin.described(self.target), "files": self._written | new}
-        renamed = {name: free_name(self.target / name) for name in foreign}
-        away = [(self.target / name, self.target / FORMER / name) for name in sorted(replaced, key=_marks_first)]
-        away += [(self.target / name, place) for name, place in renamed.items()]
-        into = [(self.folder / name, self.target / name) for name in reversed(sorted(new, key=_marks_first))]
-        try:
-            for source, place in away:
-                move(source, place)
-            write_manifest(self.target, about)
-            for source, place in into:
-                move(source, place)
-        except BaseException:
-            for source, place in reversed(away + into):
-                if lexists(place) and not lexists(source):
-                    place.rename(source)
-            write_manifest(self.target, former)
-            _recover(self.target)
-            raise
-        shutil.rmtree(self.target / FORMER, ignore_errors=True)
-        for name in replaced:
-            with suppress(OSError):  # a folder that is not empty stays
-                for folder in list(Path(name).parents)[:-1]:
-                    (self.target / folder).rmdir()
-        self._note(former, about, replaced, {name: place.name for name, place in renamed.items()})
-        self._written |= new
-
-    def _in_the_way(self, new: dict, former: dict) -> tuple[list[str], list[str]]:
-        """Return the files that the commit replaces, and those of other origin that it renames."""
-        stale = {} if self._written else former
-        replaced, foreign = [], []
-        for name in sorted(new | stale):
-            place = self.target / name
-            if not lexists(place):
-                continue
-            ours = name in former and place.is_file() and not place.is_symlink()
-            if ours and digest(place) == former[name]:
-                replaced.append(name)
-            elif name in new:
-                foreign.append(name)
-        return replaced, foreign
-
-    def _note(self, former: dict, about: dict, replaced: list[str], renamed: dict[str, str]) -> None:
-        if replaced and not self._written:
-            then, now = origin_of(former), origin_of(about)
-            of = "" if then == now else f" of {named(then)}"
+        first, former = not self._written, read_manifest(self.target)
+        self._written |= {name: _digest(self.folder / name) for name in _files_below(self.folder)}
+        about = {"program": "sawmotor", **self.origin.described(self.target), "files": self._written}
+        (self.folder / MANIFEST).write_text(json.dumps(about, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+        for name in self._written:  # whatever needs space or a permission comes before the decision
+            (self.target / name).parent.mkdir(parents=True, exist_ok=True)
+        self.folder.rename(self.target / READY)
+        replaced, renamed = _complete(self.target)
+        self.folder.mkdir()
+        if first and replaced:
+            of = "" if _origin(former) == _origin(about) else f" of {_named(former)}"
             self.notes.append(f"replaced the former result in {self.target}: {_listed(replaced)}{of}")
         if renamed:
             pairs = [f"{name} is now {kept}" for name, kept in renamed.items()]
             self.notes.append(f"kept in {self.target}, as sawmotor did not write them: {_listed(pairs)}")
-        known = {name.split("/")[0] for name in (*about["files"], *renamed.values())} | HIDDEN
+        known = {name.split("/")[0] for name in (*self._written, *renamed.values())} | HIDDEN
         others = sorted(each.name for each in self.target.iterdir() if each.name not in known)
-        if others and not self._written and (replaced or renamed):
+        if first and others and (replaced or renamed):
             self.notes.append(f"left as they were in {self.target}: {_listed(others)}")
-
-
-class DirectoryInUseError(Exception):
-    """Another process holds the lock."""
-
-
-def locked(file: Path) -> "FileLock":
-    """Return the held lock of a file, made if absent, until it is released or its process ends, however it ends.
-
-    Raises DirectoryInUseError if somebody else holds it, OSError if the file cannot be written.
-    """
-    from filelock import FileLock, Timeout  # brings asyncio along, 20 ms: a run with --json needs neither
-
-    lock = FileLock(file, timeout=0)
-    try:
-        lock.acquire()
-    except Timeout:
-        raise DirectoryInUseError(str(file)) from None
-    return lock
 
 
 @contextmanager
@@ -137,29 +96,33 @@ def result_directory(path: str | Path, origin: Origin, *, named_by_user: bool = 
     SceneError if the directory cannot be written or holds something that is no result; RunError if another run writes
     there, or if writing fails later, as on a full disk.
     """
+    from filelock import FileLock, Timeout  # brings asyncio along, 20 ms: a run with --json needs neither
+
     target = Path(path).absolute()
     made = [parent for parent in (target, *target.parents) if not parent.exists()]
     lock, lent = None, False
     try:
-        try:
-            _refuse_others(target, origin, named_by_user=named_by_user)
-            target = target.resolve()
-            target.mkdir(parents=True, exist_ok=True)
-            lock = locked(target / LOCK)
-            _recover(target)
-            shutil.rmtree(target / WORK, ignore_errors=True)
-            (target / WORK).mkdir()
-            lent = True
-            yield ResultDirectory(folder=target / WORK, target=target, origin=origin)
-        except DirectoryInUseError:
-            raise RunError(
-                f"another run is writing into {str(target)!r}: wait for it, or name another directory with --out"
-            ) from None
-        except OSError as error:
-            sentence = f"the result directory {str(path)!r} cannot be written: {error.strerror or error}"
-            raise (RunError(sentence) if lent else SceneError("", sentence)) from None
+        _refuse_others(target, origin, named_by_user=named_by_user)
+        target = target.resolve()
+        target.mkdir(parents=True, exist_ok=True)
+        lock = FileLock(target / LOCK, timeout=0)
+        lock.acquire()
+        _complete(target)
+        shutil.rmtree(target / WORK, ignore_errors=True)
+        (target / WORK).mkdir()
+        lent = True
+        yield ResultDirectory(folder=target / WORK, target=target, origin=origin)
+    except Timeout:
+        raise RunError(
+            f"another run is writing into {str(target)!r}: wait for it, or name another directory with --out"
+        ) from None
+    except OSError as error:
+        sentence = f"the result directory {str(path)!r} cannot be written: {error.strerror or error}"
+        raise (RunError(sentence) if lent else SceneError("", sentence)) from None
     finally:
-        if lock is not None:
+        if lock is not None and lock.is_locked:
+            with suppress(OSError):
+                _complete(target)  # of a commit that was interrupted
             shutil.rmtree(target / WORK, ignore_errors=True)
             (target / LOCK).unlink(missing_ok=True)
             lock.release()
@@ -168,13 +131,39 @@ def result_directory(path: str | Path, origin: Origin, *, named_by_user: bool = 
                 folder.rmdir()  # only if empty
 
 
+def _complete(target: Path) -> tuple[list[str], dict[str, str]]:
+    """Move what a commit has decided on into place; return the names it replaced, and new names of others' files."""
+    ready, former, new = target / READY, read_manifest(target), read_manifest(target / READY)
+    if not new:
+        return [], {}
+    waiting = [name for name in _files_below(ready) if name != MANIFEST]
+    stale = [name for name in former.get("files", {}) if name not in new["files"]]
+    replaced, renamed = [], {}
+    for name in sorted({*waiting, *stale}, key=lambda each: (each not in MARKS, each)):
+        place = target / name
+        if place.is_file() and not place.is_symlink() and _digest(place) == former.get("files", {}).get(name):
+            replaced.append(name)
+            if name in stale or name in MARKS:
+                place.unlink()
+        elif lexists(place) and name in waiting:
+            renamed[name] = place.rename(_free_name(place)).name
+    for name in [*sorted(waiting, key=MARKS.__contains__), MANIFEST]:
+        (ready / name).replace(target / name)
+    for folder in {folder for name in stale for folder in list(Path(name).parents)[:-1]}:
+        with suppress(OSError):  # a folder that is not empty stays
+            (target / folder).rmdir()
+    shutil.rmtree(ready)
+    return sorted(replaced), renamed
+
+
 def _refuse_others(target: Path, origin: Origin, *, named_by_user: bool) -> None:
     """Refuse a directory that holds no result, and as a default one that holds another's."""
     if not target.exists():
         return
     if not target.is_dir():
         raise SceneError("", f"the result directory {str(target)!r} cannot be written: a file of that name exists")
-    held, then = {each.name for each in target.iterdir()}, origin_of(read_manifest(target))
+    held = {each.name for each in target.iterdir()}
+    then = read_manifest(target / READY) or read_manifest(target)
     kinds = [kind for mark, kind in MARKS.items() if mark in held]
     if held - HIDDEN and not kinds and not then:
         raise SceneError(
@@ -182,35 +171,40 @@ def _refuse_others(target: Path, origin: Origin, *, named_by_user: bool) -> None
         )
     if named_by_user:
         return
-    if then and then != origin.described(target):
-        choice = f"--out {relative(target, Path.cwd())} replaces it, another --out keeps both"
-        raise SceneError("--out", f"is needed: {str(target)!r} holds {named(then)}; {choice}")
+    if then and _origin(then) != origin.described(target):
+        choice = f"--out {os.path.relpath(target)} replaces it, another --out keeps both"
+        raise SceneError("--out", f"is needed: {str(target)!r} holds {_named(then)}; {choice}")
     if not then and kinds and origin.kind not in kinds:
         raise SceneError("--out", f"is needed: {str(target)!r} holds the result of a {kinds[0]}")
 
 
-def _recover(target: Path) -> None:
-    """Put back what a commit that did not end had moved away."""
-    for name in files_below(target / FORMER):
-        place = target / name
-        if lexists(place):
-            place = free_name(place)
-        place.parent.mkdir(parents=True, exist_ok=True)
-        (target / FORMER / name).rename(place)
-    shutil.rmtree(target / FORMER, ignore_errors=True)
+def _origin(manifest: dict) -> dict:
+    return {key: manifest[key] for key in ("kind", "name", "source") if key in manifest}
 
 
-def move(source: Path, place: Path) -> None:
-    """Move a file, the folder that it goes to made if absent."""
-    place.parent.mkdir(parents=True, exist_ok=True)
-    source.rename(place)
-
-
-def _marks_first(name: str) -> tuple[bool, str]:
-    """Return a key to sort names by: marks move away first and, in reverse, into place last."""
-    return name not in MARKS, name
+def _named(manifest: dict) -> str:
+    source = f" (scene {manifest['source']}, relative to it)" if "source" in manifest else ""
+    return f"the {manifest.get('kind', 'result')} {manifest.get('name', '')}{source}"
 
 
 def _listed(names: list[str]) -> str:
     more = f" and {len(names) - NAMES_SHOWN} more" if len(names) > NAMES_SHOWN else ""
     return ", ".join(names[:NAMES_SHOWN]) + more
+
+
+def _files_below(folder: Path) -> list[str]:
+    return sorted(each.relative_to(folder).as_posix() for each in folder.rglob("*") if not each.is_dir())
+
+
+def _free_name(place: Path) -> Path:
+    """Return a name that is free beside a file: velocity.former.csv, velocity.former-2.csv, ..."""
+    number, other = 1, place.with_name(f"{place.stem}.former{place.suffix}")
+    while lexists(other):
+        number += 1
+        other = place.with_name(f"{place.stem}.former-{number}{place.suffix}")
+    return other
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

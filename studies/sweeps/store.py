@@ -20,10 +20,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from filelock import FileLock
+from filelock import FileLock, Timeout
 
 from studies.refusal import RunError, SceneError
-from studies.results import DirectoryInUseError, locked
 from studies.results.content import provenance
 from studies.sweeps.plan import Design
 
@@ -148,8 +147,10 @@ def _lock(folder: Path) -> FileLock:
         if folder.exists() and any(folder.iterdir()) and not (folder / LOCK).exists():
             raise SceneError("out", f"{str(folder)!r} holds something that is no sweep; name another directory")
         folder.mkdir(parents=True, exist_ok=True)
-        return locked(folder / LOCK)
-    except DirectoryInUseError:
+        lock = FileLock(folder / LOCK, timeout=0)
+        lock.acquire()
+        return lock
+    except Timeout:
         raise RunError(
             f"another sweep{_owner(folder)} is writing into {str(folder)!r}: wait for it, or name another directory"
         ) from None

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from contact import ConvergenceError, Envelope, burst
+from contact import ConvergenceError, Envelope, Orbit, burst, step
 from tests.contact.motors import orbit, slider
+from tests.oracles.contact_motion import Motor
 
 F = 2.2e6
 
@@ -77,3 +78,38 @@ def test_a_step_of_the_envelope_at_the_burst_end_is_seen_by_the_whole_way_too():
 def test_where_steps_do_not_apply_it_is_refused():
     with pytest.raises(ConvergenceError, match=r"an envelope cannot be followed by method stepped: .*stick_band"):
         after(fading(100 / F, 900 / F), slider(stick_band=1e-3), method="exact")
+
+
+@pytest.mark.parametrize(("contacts", "load"), [(1, 0.4), (2, 0.0)])
+def test_the_final_position_after_a_ring_down_is_the_independent_one_within_its_error(contacts, load):
+    # hopping balls, the second of them lower and a quarter of a period late
+    cycles, decay = 40, 5.0
+    rise, fall = np.arange(cycles + 1.0), np.arange(1.0, 14 * decay)
+    amplitude = np.append(1.0 - np.exp(-rise / decay), np.exp(-fall / decay))
+    heights = (0.0, -1e-9)[:contacts] if contacts > 1 else ()
+    s = slider(
+        mass=2e-4, preload=2e-3 * contacts, load=load * 0.2 * 2e-3 * contacts, friction_coefficient=0.2,
+        normal_damping=1.0, tangential_damping=0.2, heights=heights,
+    )  # fmt: skip
+    waves = tuple(
+        Orbit(frequency=F, normal=18e-9 * turn, tangential=-12e-9j * turn) for turn in (1.0, -1.0j)[:contacts]
+    )
+
+    def envelope(values):
+        return Envelope(time=np.arange(values.size) / F, amplitude=values, phase=np.zeros(values.size))
+
+    answer = step(
+        s, waves, cycles=cycles, envelope=envelope(amplitude[: cycles + 1]), after=envelope(amplitude[cycles:])
+    )
+    motor = Motor(
+        mass=s.mass, preload=s.preload, load=s.load, frequency=F, normal=tuple(w.normal for w in waves),
+        tangential=tuple(w.tangential for w in waves), radius=s.radius, E=s.effective_modulus, G=s.tangential_modulus,
+        normal_damping=1.0, tangential_damping=0.2, heights=heights, numbers=(0.2, 1.0, 1.0, 0.2, 1.0, np.inf),
+        times=tuple(np.arange(amplitude.size) / F), amplitude=tuple(amplitude), phase=(0.0,) * amplitude.size,
+    )  # fmt: skip
+    _, _, state = motor.run(amplitude.size - 1)
+    _, _, (_, y, _, _) = motor.run(600, every=600, state=state, silent=True)
+    share = np.sqrt(motor.rest_height() + motor.offsets)
+    final = y[-1] + share @ (y[3 : 3 + contacts] - motor.sheared()) / share.sum()
+    assert answer.displacement == pytest.approx(final, abs=answer.error)
+    assert answer.error < 2e-3 * abs(final)

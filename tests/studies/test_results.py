@@ -6,6 +6,7 @@ import stat
 import subprocess
 import sys
 import tomllib
+from hashlib import sha256
 from pathlib import Path
 
 import pytest
@@ -16,7 +17,7 @@ from studies.record.files import write_run
 from studies.refusal import RunError, SceneError
 from studies.report.drawing import Drawing
 from studies.results import MANIFEST, Origin, result_directory
-from studies.results.manifest import FORMER, LOCK, WORK
+from studies.results.directory import LOCK, READY, WORK
 from studies.scene import Scene, read_table
 
 ROOT = Path(__file__).parents[2]
@@ -108,38 +109,47 @@ def test_after_a_failure_nothing_is_left_and_the_former_result_stays(tmp_path):
 
 
 @pytest.mark.parametrize("moves", range(7))
-def test_an_interrupt_within_the_commit_changes_nothing(tmp_path, monkeypatch, moves):
-    from studies.results import directory
-
+def test_an_interrupt_within_the_commit_leaves_one_whole_result(tmp_path, monkeypatch, moves):
     written(tmp_path, {"run.json": "old", "velocity.csv": "old", "gone.csv": "old"})
     (tmp_path / "velocity.csv").write_text("edited")
     before = {path.name: path.read_text() for path in tmp_path.iterdir()}
-    original, left = directory.move, [moves]
+    left = [moves]
 
-    def move(*arguments):
-        if left[0] == 0:
-            raise KeyboardInterrupt
-        left[0] -= 1
-        original(*arguments)
+    def counted(original):
+        def move(*arguments):
+            left[0] -= 1
+            if left[0] == -1:
+                raise KeyboardInterrupt
+            return original(*arguments)
 
-    monkeypatch.setattr(directory, "move", move)
-    if moves < 6:  # two replaced, one kept aside, three new
+        return move
+
+    for name in ("rename", "replace"):
+        monkeypatch.setattr(Path, name, counted(getattr(Path, name)))
+    if moves < 6:  # the work folder, one kept aside, three new, the manifest
         with pytest.raises(KeyboardInterrupt):
             written(tmp_path, {"run.json": "new", "velocity.csv": "new", "scene.toml": "new"})
-        assert {path.name: path.read_text() for path in tmp_path.iterdir()} == before
     else:
         written(tmp_path, {"run.json": "new", "velocity.csv": "new", "scene.toml": "new"})
+    after = {path.name: path.read_text() for path in tmp_path.iterdir()}
+    if moves == 0:
+        assert after == before
+    else:
         assert contents(tmp_path) == ["run.json", "scene.toml", "velocity.csv", "velocity.former.csv"]
+        assert after["velocity.former.csv"] == "edited"
+        assert {after[name] for name in ("run.json", "scene.toml", "velocity.csv")} == {"new"}
 
 
-def test_what_a_killed_process_left_is_put_back(tmp_path):
-    written(tmp_path, {"run.json": "old"})
-    (tmp_path / FORMER).mkdir()
-    (tmp_path / "run.json").rename(tmp_path / FORMER / "run.json")
-    (tmp_path / WORK).mkdir()
-    (tmp_path / WORK / "run.json").write_text("half")
+def test_what_a_killed_process_left_is_completed(tmp_path):
+    """The rename of the work folder decides: what was not renamed is dropped, what was is moved into place."""
+    written(tmp_path, {"run.json": "old", "gone.csv": "old"})
+    for folder, text in ((WORK, "half"), (READY, "new")):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "run.json").write_text(text)
+    about = json.loads((tmp_path / MANIFEST).read_text()) | {"files": {"run.json": sha256(b"new").hexdigest()}}
+    (tmp_path / READY / MANIFEST).write_text(json.dumps(about))
     with result_directory(tmp_path, RUN):
-        assert (tmp_path / "run.json").read_text() == "old"
+        assert (tmp_path / "run.json").read_text() == "new"
     assert contents(tmp_path) == ["run.json"]
 
 
@@ -170,7 +180,7 @@ print("whole")
 
 
 def test_a_kill_at_any_move_of_a_commit_loses_nothing(tmp_path):
-    """After it the former result stands, or the new one does; what somebody edited stays in either case."""
+    """The next command leaves the former result or the new one; what somebody edited stays in either case."""
     old = {name: f"old {name}" for name in ("run.json", "velocity.csv", "surface.csv")}
     for moves in range(30):
         target = tmp_path / str(moves)
@@ -179,17 +189,22 @@ def test_a_kill_at_any_move_of_a_commit_loses_nothing(tmp_path):
         (target / "notes.md").write_text("mine too")
         words = [sys.executable, "-c", KILLED, str(target), str(moves)]
         done = subprocess.run(words, capture_output=True, text=True, cwd=ROOT)
-        with result_directory(target, RUN):  # what the dead process left is put back
-            pass
-        held = {name: (target / name).read_text() for name in contents(target)}
-        assert held["notes.md"] == "mine too"
-        assert "mine" in held.values()
-        assert held["run.json"] in ("old run.json", "new run.json")
-        if held["run.json"] == "new run.json":  # it is moved last: then the others are there
-            assert held["wave.png"] == "new wave.png"
-            assert held["velocity.csv"] == "new velocity.csv"
-        else:
-            assert held["surface.csv"] == "old surface.csv"
+        for reopened in (False, True):
+            if reopened:
+                with result_directory(target, RUN):  # completes what the dead process left
+                    pass
+            held = {path.name: path.read_text() for path in target.iterdir() if path.is_file()}
+            assert held["notes.md"] == "mine too"
+            assert "mine" in held.values()
+            if not reopened and "run.json" not in held:  # it is removed first and moved last
+                continue
+            if held["run.json"] == "new run.json":
+                assert held["wave.png"] == "new wave.png"
+                assert held["velocity.csv"] == "new velocity.csv"
+            else:
+                assert held["run.json"] == "old run.json"
+                assert held["surface.csv"] == "old surface.csv"
+                assert held["velocity.csv"] == "mine"
         if "whole" in done.stdout:
             break
         assert done.returncode == 9
