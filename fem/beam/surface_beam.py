@@ -760,7 +760,9 @@ def _with_reciprocal_currents(beam: SurfaceBeam) -> SurfaceBeam:
             fine, half = (each["xyz".index(force.component)] @ weights for each in rules)
             received[row, column] = 2j * np.pi * fields.frequency * strip.sheet.length * fine
             errors[row, column] = abs(half / fine - 1)
-    missed = abs(fields.received - received).max() / max(abs(received).max(), TINY)
+    missed = abs((fields.received - received) @ solution.forces).max() / max(
+        abs(received @ solution.forces).max(), TINY
+    )
     solution = driven_solution(replace(fields, received=received), solution.circuit.drive, solution.forces)
     return replace(
         beam,
