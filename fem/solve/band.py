@@ -182,7 +182,7 @@ def frequency_band(
         places=np.array(places or (stator.length / 2,)),
     )
     placed = stator.placement
-    steps = any(end is not None and is_step(end, stator.thickness) for end in placed.ends)
+    steps = any(end is not None and is_step(end, stator.depth) for end in placed.ends)
     attempt = _unreduced_attempt if steps or placed.whole is not None else _attempt
     level_share = (1 - REDUCTION_SHARE) * tolerance
     level_tolerance = tolerance
