@@ -129,10 +129,11 @@ class LineSource:
         on_surface = shapes[np.searchsorted(_shear_dofs(section), section.surface_dofs["uy"])]
         shear = -0.5j * load_scale(section.solid, "x") * on_surface**2 / wavenumbers
         none = np.zeros(len(shear))
-        both = {name: np.append(getattr(self, name), none) for name in ("tangential", "normal", "potential")}
         return replace(
             self,
-            **both,
+            tangential=np.append(self.tangential, none),
+            normal=np.append(self.normal, none),
+            potential=np.append(self.potential, none),
             surface=np.append(self.surface, none.astype(bool)),
             wavenumbers=np.append(self.wavenumbers, wavenumbers / section.length_unit),
             amplitudes=np.append(self.amplitudes, none),
@@ -237,7 +238,8 @@ def line_source(modes: GuidedModes, load: Load = "charge") -> LineSource:
     received = np.linalg.solve(products / np.outer(norms, norms), section.lift(left)[at[LOADED[load]]] / norms)
     amplitudes = -1j * scale * received / norms
     surface = section.lift(right) * amplitudes
-    static = slope = 0.0
+    static: complex = 0.0
+    slope: complex = 0.0
     if section.floating_potential and load != "z":
         unit_slope, motion = static_mode(modes)
         tangential = section.lift(motion)[at["ux"]]
