@@ -112,6 +112,18 @@ class SectionMesh:
         z = self.points[np.concatenate([each.nodes.ravel() for each in self.cells if each.solid == "stator"]), 1]
         return float(z.min()), float(z.max())
 
+    @property
+    def longest_edge(self) -> float:
+        """Length in m of the longest edge between two corners."""
+        return float(np.linalg.norm(np.diff(self.points[list(self.edges)], axis=1), axis=-1).max())
+
+    @cached_property
+    def foot(self) -> np.ndarray:
+        """Directed outer edges at the smallest z of the mesh, from left to right, shape (m, 2)."""
+        z, edges = self.points[:, 1], np.array(self.boundary)
+        low = (z[edges] <= z.min() + SAME * np.ptp(z)).all(axis=1)
+        return edges[low][np.argsort(self.points[edges[low, 0], 0])]
+
     def interface(self, side: str) -> tuple[float, float, float] | None:
         """Place x, height and upper end z of a vertical line of the interface, m; None where the piece is an end."""
         if side not in self.lines:

@@ -30,7 +30,7 @@ from fem.reduce.basis import WALL_WIDTH, ReducedSection, even_rows
 from fem.waveguide.ends import Wall, end_walls
 from fem.waveguide.force import LineForce
 from fem.waveguide.modes import guided_modes
-from fem.waveguide.port_fields import PortFields, Solve, joined_fields
+from fem.waveguide.port_fields import StatorRow, joined_row
 from fem.waveguide.row import PieceRow
 
 
@@ -86,41 +86,38 @@ class ReducedModel:
     nodes: np.ndarray = field(repr=False)  # omega^2 of the interpolation's nodes, (rad/s)^2
     # projected end pieces at the nodes, shape (nodes, 2, r, r); None for absorbing ends
     walls: np.ndarray | None = field(repr=False)
-    row: PieceRow = field(repr=False)
+    meshes: PieceRow = field(repr=False)
     pieces: dict[tuple, RationalPiece] = field(repr=False)  # distinct meshed pieces of the row
     piece_error: float  # relative error of their interpolation, of the fields on their interface lines
 
-    def port_fields(
-        self, frequency: float, solve: Solve | None = None, forces: tuple[LineForce, ...] = ()
-    ) -> PortFields:
-        """Solve for unit voltage at every port at a frequency of the band (Hz).
-
-        ``solve``, ``forces``: as in `joined_fields`.
-        """
+    def row(self, frequency: float, forces: tuple[LineForce, ...] = ()) -> StatorRow:
+        """Row at a frequency of the band (Hz), with line forces on the bare surface."""
         weights = lagrange_weights(self.nodes, (2 * np.pi * frequency) ** 2)
         full = FullPieces(self, frequency)
         make = Condensation(self.section, frequency)
         pieces = even_rows(make, self.transducers, lambda shape: self._cell(make, shape, weights, full))
         modes = guided_modes(self.section, frequency)
-        row = self.row.arranged({key: piece.at(frequency) for key, piece in self.pieces.items()}, modes)
+        arranged = self.meshes.arranged({key: piece.at(frequency) for key, piece in self.pieces.items()}, modes)
         if self.walls is not None:
-            plain = [isinstance(end, str) for end in row.ends]
+            plain = [isinstance(end, str) for end in arranged.ends]
             matrices = np.tensordot(weights, self.walls, axes=1)
             walls = [
-                Wall(matrix=matrix, recover=partial(full.end, side)) if plain[side] else row.ends[side]
+                Wall(matrix=matrix, recover=partial(full.end, side)) if plain[side] else arranged.ends[side]
                 for side, matrix in enumerate(matrices)
             ]
-            row = replace(
-                row, ends=tuple(walls), start=row.start + WALL_WIDTH * plain[0], stop=row.stop - WALL_WIDTH * plain[1]
+            arranged = replace(
+                arranged,
+                ends=tuple(walls),
+                start=arranged.start + WALL_WIDTH * plain[0],
+                stop=arranged.stop - WALL_WIDTH * plain[1],
             )
-        return joined_fields(
+        return joined_row(
             self.stator,
             self.transducers,
             pieces,
             modes=modes,
             resolution=self.resolution,
-            pieces=row,
-            solve=solve,
+            pieces=arranged,
             forces=forces,
         )
 

@@ -23,7 +23,7 @@ from fem.results.solution import Solution, driven_solution
 from fem.threads import side_by_side
 from fem.waveguide.ends import end_walls
 from fem.waveguide.modes import guided_modes
-from fem.waveguide.port_fields import joined_fields
+from fem.waveguide.port_fields import joined_row
 from fem.waveguide.row import PieceRow
 
 PIECE_SHARE = 0.3  # of the tolerance, for the interpolation of meshed pieces
@@ -104,14 +104,14 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
             walls = np.stack([end.matrix for end in ends])
         if index in solved:
             modes = guided_modes(section, frequency)
-            port_fields = joined_fields(
+            port_fields = joined_row(
                 stator,
                 transducers,
                 even_rows(make, transducers, lambda shape: make.joined(*halves[shape], 0)),
                 modes=modes,
                 resolution=resolution,
                 pieces=row.arranged(condensed, modes),
-            )
+            ).solved()
             fields = snapshots(port_fields, halves, AMPLITUDE_SHARE * problem.tolerance)
             solution = driven_solution(port_fields, problem.drive)
         matrices = {
@@ -165,7 +165,7 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
         },
         nodes=problem.nodes,
         walls=np.stack(walls) if walls else None,
-        row=nodes.row,
+        meshes=nodes.row,
         pieces={key: piece for key, (piece, _) in rational.items()},
         piece_error=max((error for _, error in rational.values()), default=0.0),
     )

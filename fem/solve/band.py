@@ -6,6 +6,7 @@ both by 1 / |1 - mu|, where mu is an eigenvalue of the segments' coupling (port_
 checked frequencies are therefore scaled to the sharpest resonance that the band can hold.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -22,12 +23,12 @@ from fem.reduce.model import ReducedModel
 from fem.reduce.projection import BandProblem, NodeSolutions, project, solve_at_nodes
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
-from fem.results.solution import Solution, driven_solution, forced_solution
+from fem.results.solution import Solution, driven_solution
 from fem.solve.full_band import FullModel
 from fem.solve.harmonic import check_driven, driven_wave, solution_differences
 from fem.threads import one_blas_thread, side_by_side
 from fem.waveguide.force import LineForce
-from fem.waveguide.port_fields import PortFields, Solve, solve_ports
+from fem.waveguide.port_fields import PortFields, StatorRow, stator_row
 
 # Singular values of the lines' fields below a share of the tolerance are dropped.  The share at the first attempt, at
 # the last one, and the factor from one attempt to the next:
@@ -84,14 +85,18 @@ class Band:
         """Surface motion at many frequencies of the band (Hz), in their order, side by side."""
         return side_by_side(lambda frequency: self.wave(float(frequency), drive), frequencies)
 
-    def admittances(self, frequencies: np.ndarray, solve: Solve | None = None) -> np.ndarray:
+    def admittances(
+        self, frequencies: np.ndarray, solve: Callable[[StatorRow], PortFields] = StatorRow.solved
+    ) -> np.ndarray:
         """Admittance matrix of all ports in S at frequencies of the band (Hz), shape (frequencies, ports, ports).
 
         ``solve`` replaces the solver of the section's network, for instance by `fem.beam.reception.aperture_solver`.
         """
-        return np.array(
-            side_by_side(lambda frequency: self._port_fields(float(frequency), solve).admittances, frequencies)
-        )
+
+        def at(frequency: float) -> np.ndarray:
+            return self._port_fields(float(frequency), solve=solve).admittances
+
+        return np.array(side_by_side(at, frequencies))
 
     def received(self, frequencies: np.ndarray, force: LineForce, drive: str | Drive) -> np.ndarray:
         """Currents in A into the transducers, as in `port_names`, that a line force causes: (frequencies, ports).
@@ -103,28 +108,25 @@ class Band:
 
         def at(frequency: float) -> np.ndarray:
             fields = self._port_fields(float(frequency), forces=(force,))
-            return forced_solution(fields, np.array([force.amplitude]), drive).circuit.currents
+            return driven_solution(fields, drive, np.array([force.amplitude])).circuit.currents
 
         return np.array(side_by_side(at, frequencies))
 
     def _port_fields(
-        self, frequency: float, solve: Solve | None = None, forces: tuple[LineForce, ...] = ()
+        self,
+        frequency: float,
+        forces: tuple[LineForce, ...] = (),
+        solve: Callable[[StatorRow], PortFields] = StatorRow.solved,
     ) -> PortFields:
         """Fields of the reduced model or, if its few lines cannot represent the ends, of the full discretisation."""
         model, (low, high) = self.model, self.limits
         if not low <= frequency <= high:
             raise InputError("frequency", f"must lie in the band, {low:g} to {high:g} Hz", frequency, "Hz")
         try:
-            return model.port_fields(frequency, solve, forces)
+            return solve(model.row(frequency, forces))
         except ConvergenceError:
-            return solve_ports(
-                model.stator,
-                model.transducers,
-                frequency=frequency,
-                resolution=model.resolution,
-                solve=solve,
-                forces=forces,
-            )
+            stator, row = model.stator, model.transducers
+            return solve(stator_row(stator, row, frequency=frequency, resolution=model.resolution, forces=forces))
 
 
 @one_blas_thread
@@ -180,7 +182,7 @@ def frequency_band(
         places=np.array(places or (stator.length / 2,)),
     )
     placed = stator.placement
-    steps = any(end is not None and is_step(end, stator.thickness) for end in placed.ends)
+    steps = any(end is not None and is_step(end, stator.depth) for end in placed.ends)
     attempt = _unreduced_attempt if steps or placed.whole is not None else _attempt
     level_share = (1 - REDUCTION_SHARE) * tolerance
     level_tolerance = tolerance
@@ -217,7 +219,7 @@ def _unreduced_attempt(problem: BandProblem, level_tolerance: float) -> tuple[Ba
     else:
         fields = (wave.solution.fields for wave in waves)
         here, worst = _closed_amplification(
-            [each if each.resolution == finest else model.port_fields(each.frequency) for each in fields]
+            [each if each.resolution == finest else model.row(each.frequency).solved() for each in fields]
         )
     growth = [max(1.0, worst / each / ESTIMATE_EXCESS) for each in here]
     level_error, admittance_error = (
@@ -336,7 +338,7 @@ def _errors(model: ReducedModel, problem: BandProblem, checks: list[_Check], wor
     """Errors of a reduced model's motion and admittance at the worst frequency of the band."""
     unamplified = []
     for check in checks:
-        solution = driven_solution(model.port_fields(check.solution.fields.frequency), problem.drive)
+        solution = driven_solution(model.row(check.solution.fields.frequency).solved(), problem.drive)
         reduced = solution, surface_of(solution).motion(problem.places)
         differences = solution_differences(reduced, (check.solution, check.motion))
         amplification = min(check.here, worst / REDUCTION_SAFETY)

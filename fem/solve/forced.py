@@ -17,11 +17,11 @@ from fem.input_error import InputError
 from fem.layout import check_layout
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
-from fem.results.solution import Solution, forced_solution
+from fem.results.solution import Solution, driven_solution
 from fem.solve.harmonic import motion_difference
 from fem.threads import one_blas_thread
 from fem.waveguide.force import LineForce
-from fem.waveguide.port_fields import solve_ports
+from fem.waveguide.port_fields import stator_row
 
 
 @one_blas_thread
@@ -88,8 +88,8 @@ def forced_wave(
     amplitudes = np.array([each.amplitude for each in forces])
 
     def at_level(resolution: Resolution) -> tuple[Solution, np.ndarray]:
-        fields = solve_ports(stator, transducers, frequency=frequency, resolution=resolution, forces=forces)
-        solution = forced_solution(fields, amplitudes, drive)
+        row = stator_row(stator, transducers, frequency=frequency, resolution=resolution, forces=forces)
+        solution = driven_solution(row.solved(), drive, amplitudes)
         return solution, surface_of(solution).motion(at)
 
     refined = refine_stator(

@@ -17,7 +17,7 @@ from fem.materials.christoffel import slowest_wavelength
 from fem.reduce.piece_band import WholePiece, piece_of_whole_stator
 from fem.waveguide.force import LineForce
 from fem.waveguide.modes import guided_modes
-from fem.waveguide.port_fields import PortFields, Solve, joined_fields, solve_ports
+from fem.waveguide.port_fields import StatorRow, joined_row, stator_row
 from fem.waveguide.row import PieceRow
 
 FIRST_NODES = 3  # of the interpolation: both limits and the middle of the band
@@ -34,24 +34,15 @@ class FullModel:
     # the mesh that is the whole stator, and its interpolation; None where every frequency is solved anew
     interpolation: tuple[PieceRow, WholePiece] | None = field(default=None, repr=False)
 
-    def port_fields(
-        self, frequency: float, solve: Solve | None = None, forces: tuple[LineForce, ...] = ()
-    ) -> PortFields:
-        """Solve for unit voltage at every port at a frequency of the band (Hz).
-
-        ``solve``, ``forces``: as in `joined_fields`.
-        """
+    def row(self, frequency: float, forces: tuple[LineForce, ...] = ()) -> StatorRow:
+        """Row at a frequency of the band (Hz), with line forces on the bare surface."""
         stator, transducers, resolution = self.stator, self.transducers, self.resolution
         if self.interpolation is None:
-            return solve_ports(
-                stator, transducers, frequency=frequency, resolution=resolution, solve=solve, forces=forces
-            )
-        row, piece = self.interpolation
-        modes = guided_modes(row.section, frequency)
-        pieces = row.arranged(dict.fromkeys(row.assemblies, piece.at(frequency)), modes)
-        return joined_fields(
-            stator, transducers, [], modes=modes, resolution=resolution, pieces=pieces, solve=solve, forces=forces
-        )
+            return stator_row(stator, transducers, frequency=frequency, resolution=resolution, forces=forces)
+        meshes, piece = self.interpolation
+        modes = guided_modes(meshes.section, frequency)
+        pieces = meshes.arranged(dict.fromkeys(meshes.assemblies, piece.at(frequency)), modes)
+        return joined_row(stator, transducers, [], modes=modes, resolution=resolution, pieces=pieces, forces=forces)
 
     def interpolated(self, potentials: np.ndarray, places: np.ndarray, tolerance: float) -> tuple["FullModel", float]:
         """Return the model of a stator of one mesh with its interpolation, and the relative error of that.

@@ -23,7 +23,7 @@ from fem.results.evaluation import surface_of
 from fem.results.power_balance import power_balance
 from fem.results.solution import Solution, driven_solution
 from fem.threads import one_blas_thread
-from fem.waveguide.port_fields import solve_ports
+from fem.waveguide.port_fields import stator_row
 
 
 @one_blas_thread
@@ -90,7 +90,8 @@ def solve_driven(
     stator: Stator, transducers: tuple[Transducer, ...], *, frequency: float, drive: str | Drive, resolution: Resolution
 ) -> Solution:
     """Solve a driven stator on one discretisation, at a frequency in Hz."""
-    return driven_solution(solve_ports(stator, transducers, frequency=frequency, resolution=resolution), drive)
+    row = stator_row(stator, transducers, frequency=frequency, resolution=resolution)
+    return driven_solution(row.solved(), drive)
 
 
 def check_driven(stator: Stator, transducers: tuple[Transducer, ...], frequency: float, tolerance: float) -> None:

@@ -30,7 +30,7 @@ from fem.geometry import Stator, Transducer
 from fem.threads import one_blas_thread
 from fem.waveguide.modes import GuidedModes, power
 from fem.waveguide.network import SegmentWaves
-from fem.waveguide.port_fields import solve_ports
+from fem.waveguide.port_fields import stator_row
 from fem.waveguide.row_solver import Element, solve_row
 from fem.waveguide.surface_modes import ONE_WAVE
 
@@ -169,18 +169,10 @@ def p_matrix_on_level(
 
     ``every_mode``: for all propagating modes, with which power is conserved, instead of the surface wave's.
     """
-
-    def port_modes(modes: GuidedModes) -> np.ndarray:
-        return modes.propagating if every_mode else modes.rayleigh
-
-    fields = solve_ports(
-        stator,
-        (transducer,),
-        frequency=frequency,
-        resolution=resolution,
-        solve=lambda network, _: (network, network.solve(port_modes(network.modes))),
-    )
-    waves = waves_of(fields.modes, port_modes(fields.modes), fields.section.solid.stress_unit * transducer.aperture)
+    row = stator_row(stator, (transducer,), frequency=frequency, resolution=resolution)
+    port_modes = row.modes.propagating if every_mode else row.modes.rayleigh
+    fields = row.solved(row.network.solve(port_modes))
+    waves = waves_of(row.modes, port_modes, row.section.solid.stress_unit * transducer.aperture)
     port = bool(fields.names)
     return of_segments(
         fields.segments,

@@ -29,7 +29,7 @@ from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
 from fem.threads import one_blas_thread
 from fem.waveguide.modes import GuidedModes, guided_modes, power
-from fem.waveguide.port_fields import PortFields, joined_fields, solve_ports
+from fem.waveguide.port_fields import PortFields, joined_row, stator_row
 
 MANY_PAIRS = 25  # finger pairs from which the finer level is used
 SCAN, STEP = 2.0, 0.2  # half-width of the scan and its step, over the relative width 1/N of the passband
@@ -94,7 +94,7 @@ def _best_period(stator: Stator, transducer: Transducer, frequency: float) -> fl
         condensation, modes = section_at(level)
         alone, row = _alone(stator, replace(transducer, period=period))
         pieces = transducer_superelements(condensation, alone, (row,), level)
-        return surface_power(joined_fields(alone, (row,), pieces, modes=modes, resolution=level))
+        return surface_power(joined_row(alone, (row,), pieces, modes=modes, resolution=level).solved())
 
     return _maximise(power_at, guess, transducer)
 
@@ -103,7 +103,7 @@ def _best_period(stator: Stator, transducer: Transducer, frequency: float) -> fl
 @one_blas_thread
 def _best_frequency(stator: Stator, transducer: Transducer) -> float:
     def power_at(frequency: float, level: Resolution) -> float:
-        return surface_power(solve_ports(stator, (transducer,), frequency=frequency, resolution=level))
+        return surface_power(stator_row(stator, (transducer,), frequency=frequency, resolution=level).solved())
 
     return _maximise(power_at, _guess(stator, transducer) / transducer.period, transducer)
 

@@ -14,7 +14,7 @@ from fem.input_error import InputError
 from fem.solve.band import frequency_band
 from fem.solve.harmonic import check_driven
 from fem.threads import one_blas_thread
-from fem.waveguide.port_fields import PortFields, solve_ports
+from fem.waveguide.port_fields import PortFields, StatorRow, stator_row
 
 BAND_ROUNDS = 3
 
@@ -96,7 +96,8 @@ def port_admittance(
     """
     frequencies = np.asarray(frequency, dtype=float)
     limits = (float(frequencies.min()), float(frequencies.max())) if frequencies.size > 1 else None
-    solve = aperture_solver(stator, mirror_width, limits=limits) if finite_apertures else None
+    apertures = aperture_solver(stator, mirror_width, limits=limits) if finite_apertures else None
+    solve = apertures or StatorRow.solved
     if frequencies.size > 1:
         return _over_band(stator, transducers, frequencies, tolerance, solve)
     (single,) = frequencies.reshape(-1).tolist()
@@ -104,7 +105,7 @@ def port_admittance(
     _check_ports(transducers)
 
     def at_level(resolution) -> PortFields:
-        return solve_ports(stator, transducers, frequency=single, resolution=resolution, solve=solve)
+        return solve(stator_row(stator, transducers, frequency=single, resolution=resolution))
 
     refined = refine_stator(stator, at_level, differences=_difference, tolerance=tolerance)
     fields, error = refined.answer, refined.errors[0]

@@ -150,7 +150,7 @@ def _of_row(stator: Stator, modes: GuidedModes, row: CondensedPieces) -> Reflect
             continue
         reflected = wall.sent_back(modes, side, waves.modes)[waves.modes]
         outgoing, incident = (waves.right, waves.left) if side == 0 else (waves.left, waves.right)
-        kind = "step" if is_step(piece, stator.thickness) else "end"
+        kind = "step" if is_step(piece, stator.depth) else "end"
         # from amplitudes of modes to those of the scaled surface waves, which in a plate are mixtures of two modes
         reflection = np.linalg.solve(outgoing, reflected @ incident)[0, 0]
         ends.append((f"{piece.name} ({kind})", complex(reflection)))

@@ -14,7 +14,7 @@ for the amplitudes of all waves together.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -98,6 +98,10 @@ class SegmentWaves:
     def left_at(self, modes: GuidedModes, x: float) -> np.ndarray:
         """Amplitudes of the waves to the left at a position, (modes, excitations)."""
         return np.exp(1j * modes.backwards * (self.stop - x))[:, None] * self.left
+
+    def weighted(self, weights: np.ndarray) -> "SegmentWaves":
+        """Amplitudes for sums of the excitations, ``weights`` of shape (excitations, ...)."""
+        return replace(self, right=self.right @ weights, left=self.left @ weights)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -452,6 +456,17 @@ class PortSolution:
     # each transducer's charge is that of its whole aperture, not of the shared beam
     own_apertures: bool = False
 
+    def weighted(self, weights: np.ndarray) -> "PortSolution":
+        """Fields for sums of the excitations, ``weights`` of shape (excitations, sums)."""
+        return replace(
+            self,
+            sides=tuple(each @ weights for each in self.sides),
+            incoming=tuple(each @ weights for each in self.incoming),
+            segments=tuple(tuple(part.weighted(weights) for part in parts) for parts in self.segments),
+            reactions=self.reactions @ weights,
+            sheets=tuple(tuple(sheet.weighted(weights) for sheet in own) for own in self.sheets),
+        )
+
 
 @dataclass(frozen=True, kw_only=True)
 class Sheet:
@@ -464,3 +479,8 @@ class Sheet:
     reactions: np.ndarray = field(repr=False)
     moments: np.ndarray = field(repr=False)
     dipoles: np.ndarray = field(repr=False)  # the part of the moments that the sides do not have
+
+    def weighted(self, weights: np.ndarray) -> "Sheet":
+        """Charges for sums of the excitations, ``weights`` of shape (excitations, sums)."""
+        parts = ("sides", "reactions", "moments", "dipoles")
+        return replace(self, **{name: getattr(self, name) @ weights for name in parts})

@@ -13,8 +13,7 @@ With Q the charge of the positive electrode per metre of aperture, I = i omega Q
 transducer causes in another, the aperture is the narrower of the two.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -29,51 +28,30 @@ from fem.geometry import Stator, Transducer, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
 from fem.waveguide.force import LineForce
 from fem.waveguide.modes import GuidedModes, guided_modes
-from fem.waveguide.network import Network, PortSolution, Scatterer, SegmentWaves, Sheet
+from fem.waveguide.network import Network, PortSolution, Scatterer
 from fem.waveguide.row import CondensedPieces, condensed_pieces, no_pieces
 
 # rad per slowest wavelength: the eigenproblem gives k^2, and below this |k| only its rounding error
 CUT_OFF = 1e-3
-# From a network and its transducers to the network whose ports were solved (perhaps with other ports), and its fields
-Solve = Callable[[Network, tuple[Transducer, ...]], tuple[Network, PortSolution]]
 PASSIVE = 1e-3  # negative conductance over the largest admittance that counts as the discretisation's error
 MAX_COLUMNS = 150_000  # finger-edge element columns of all transducers; about 1 min of condensation
 
 
 @dataclass(frozen=True, kw_only=True)
-class PortFields:
-    """Fields of a row for each of its excitations, the other ones at zero.
-
-    The excitations are 1 V at each port, then 1 N/m of each force, then a wave of amplitude 1 from outside.
-    """
+class StatorRow:
+    """A stator on one discretisation: the network to be solved, and which transducer each of its scatterers is."""
 
     stator: Stator
     transducers: tuple[Transducer, ...]  # from left to right
-    modes: GuidedModes  # of the uniform segments
     network: Network
     # of each scatterer of the network: number of its transducer, None for a meshed piece
     owners: tuple[int | None, ...]
     resolution: Resolution
-    names: tuple[str, ...]  # transducers that are ports, from left to right
-    # shape (2 n + 2, excitations): of each scatterer: left line, right line, potentials of the positive and
-    # negative electrode, or of every finger (fem.beam.reception), or of a piece's ports; scaled
-    sides: tuple[np.ndarray, ...] = field(repr=False)
-    # shape (2 n, excitations): incident part of the fields on its lines
-    incoming: tuple[np.ndarray, ...] = field(repr=False)
-    # before, between and after the scatterers: amplitudes of all modes, (n, excitations)
-    segments: tuple[tuple[SegmentWaves, ...], ...] = field(repr=False)
-    # shape (ports, ports): short-circuit admittance matrix in S, symmetric
-    admittances: np.ndarray = field(repr=False)
-    # shape (ports, forces and waves from outside): currents into the positive electrodes of shorted ports
-    received: np.ndarray = field(repr=False)
-    # shape (forces, excitations): displacement in m under each force, along it
-    displacements: np.ndarray = field(repr=False)
-    # coupling, waves: of `fem.waveguide.network.PortSolution`
-    coupling: np.ndarray = field(repr=False)
-    waves: np.ndarray = field(repr=False)
-    own_apertures: bool = False  # each transducer's charge is that of its whole aperture, not of the shared beam
-    # of each transducer: its charges along the fingers, per volt, scaled, dipoles in length units; or empty
-    sheets: tuple[tuple[Sheet, ...], ...] = field(default=(), repr=False)
+
+    @property
+    def modes(self) -> GuidedModes:
+        """Modes of the uniform segments."""
+        return self.network.modes
 
     @property
     def section(self) -> Section:
@@ -84,6 +62,71 @@ class PortFields:
     def frequency(self) -> float:
         """Frequency in Hz."""
         return self.modes.frequency
+
+    def solved(self, solution: PortSolution | None = None) -> "PortFields":
+        """Fields per volt at the ports, such that no transducer has a net charge.
+
+        ``solution``: fields per unit of potential at the ports of the network, and from outside; by default those of
+        `Network.solve`.
+        """
+        solution = solution or self.network.solve()
+        medium = self.section.solid
+        ports = [port for port in self.network.ports if port.kind != "force"]
+        by_name = {each.name: each for each in self.transducers}
+        apertures = np.array([by_name[port.name].aperture for port in ports])
+        widths = apertures[:, None] if solution.own_apertures else np.minimum.outer(apertures, apertures)
+        charge_unit = medium.stress_unit / medium.potential_unit
+        count, excitations = len(ports), solution.reactions.shape[1]
+        admittances = charge_admittances(
+            solution.reactions[:count, :count] * (charge_unit / medium.potential_unit), widths, self.frequency
+        )
+        voltage = np.array([port.kind == "voltage" for port in ports], dtype=bool)
+        names = tuple(port.name for port in ports if port.kind == "voltage")
+        uncharged = _uncharged(admittances, voltage)
+        between = (admittances @ uncharged)[voltage]
+        _refuse_a_source(between, names)
+        # columns: volts, then forces and waves from outside
+        weights = np.zeros((excitations, len(names) + excitations - count), dtype=complex)
+        weights[:count, : len(names)] = uncharged / medium.potential_unit
+        weights[count:, len(names) :] = np.eye(excitations - count)
+        if count < excitations and not voltage.all():
+            means = solution.reactions[np.flatnonzero(~voltage)]
+            own = np.linalg.solve(means[:, :count][:, ~voltage], means[:, count:])
+            weights[np.flatnonzero(~voltage), len(names) :] = -own
+        fields = solution.weighted(weights)
+        received = fields.reactions[np.flatnonzero(voltage), len(names) :] * charge_unit
+        return PortFields(
+            **vars(fields),
+            stator=self.stator,
+            transducers=self.transducers,
+            network=self.network,
+            owners=self.owners,
+            resolution=self.resolution,
+            names=names,
+            admittances=between,
+            received=charge_admittances(received, apertures[voltage, None], self.frequency),
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class PortFields(StatorRow, PortSolution):
+    """A row and its fields for each of its excitations, the other ones at zero; no transducer has a net charge.
+
+    The excitations are 1 V at each port, then 1 N/m of each force, then a wave of amplitude 1 from outside.  Potentials
+    of ``sides`` are those of a transducer's two electrodes, or of every finger (fem.beam.reception), or of a piece's
+    ports, scaled.
+    """
+
+    names: tuple[str, ...]  # transducers that are ports, from left to right
+    # shape (ports, ports): short-circuit admittance matrix in S, symmetric
+    admittances: np.ndarray = field(repr=False)
+    # shape (ports, forces and waves from outside): currents into the positive electrodes of shorted ports
+    received: np.ndarray = field(repr=False)
+
+    @property
+    def displacements(self) -> np.ndarray:
+        """Displacement in m under each force, along it, shape (forces, excitations)."""
+        return self.reactions[sum(port.kind != "force" for port in self.network.ports) :]
 
     @property
     def unknowns(self) -> int:
@@ -142,18 +185,16 @@ def electrode_potentials(transducer: Transducer, ports: tuple[Port, ...]) -> np.
     return np.array(columns).reshape(-1, 2).T
 
 
-def solve_ports(
+def stator_row(
     stator: Stator,
     transducers: tuple[Transducer, ...],
     *,
     frequency: float,
     resolution: Resolution,
-    solve: Solve | None = None,
     forces: tuple[LineForce, ...] = (),
-) -> PortFields:
-    """Solve a stator on one discretisation for unit voltage at every port, at a frequency in Hz.
+) -> StatorRow:
+    """Discretise and condense a stator at a frequency in Hz, with line forces on its bare surface.
 
-    ``solve``, ``forces``: as of `joined_fields`.
     A ConvergenceError says that there are too many fingers, or that a mode is at its cut-off.
     """
     transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
@@ -177,19 +218,12 @@ def solve_ports(
             "change the frequency by a part in 100000, or give the solid a mechanical_quality"
         )
     pieces = condensed_pieces(stator, modes, resolution)
-    return joined_fields(
-        stator,
-        transducers,
-        superelements,
-        modes=modes,
-        resolution=resolution,
-        pieces=pieces,
-        solve=solve,
-        forces=forces,
+    return joined_row(
+        stator, transducers, superelements, modes=modes, resolution=resolution, pieces=pieces, forces=forces
     )
 
 
-def joined_fields(
+def joined_row(
     stator: Stator,
     transducers: tuple[Transducer, ...],
     superelements: list[FingerColumns],
@@ -197,14 +231,13 @@ def joined_fields(
     modes: GuidedModes,
     resolution: Resolution,
     pieces: CondensedPieces | None = None,
-    solve: Solve | None = None,
     forces: tuple[LineForce, ...] = (),
-) -> PortFields:
-    """Solve the network of superelements, uniform segments and ends.
+) -> StatorRow:
+    """Join superelements, uniform segments and ends to a row.
 
     ``superelements``: one for each transducer from left to right, including its outer gaps; equal transducers share an
     object, and there are none if one mesh is the whole stator.  ``pieces``: meshed pieces and ends of the stator, by
-    default no pieces and plain ends; ``solve``: by default `Network.solve`; ``forces``: on the bare surface.
+    default no pieces and plain ends; ``forces``: on the bare surface.
     """
     section = modes.section
     unit, gaps, pieces = (
@@ -246,91 +279,20 @@ def joined_fields(
         ends=pieces.ends,
         ports=ports
         + tuple(
-            Port(kind="force", name=each.name, component=each.component, place=each.position / unit) for each in forces
+            Port(
+                kind="force",
+                name=each.name,
+                component=each.component,
+                place=each.position / unit,
+                width=each.width / unit,
+                center=each.center_y / unit,
+            )
+            for each in forces
         ),
         numbers=tuple(numbers for _, _, numbers, _ in row),
     )
-    network, solution = (network, network.solve()) if solve is None else solve(network, transducers)
     owners = tuple(owner for _, _, _, owner in row)
-    return connected(stator, transducers, network, solution, resolution=resolution, owners=owners)
-
-
-def connected(
-    stator: Stator,
-    transducers: tuple[Transducer, ...],
-    network: Network,
-    solution: PortSolution,
-    *,
-    resolution: Resolution,
-    owners: tuple[int | None, ...],
-) -> PortFields:
-    """Fields per volt at the ports, from those per unit of potential, such that no transducer has a net charge.
-
-    ``owners``: as in `PortFields`.
-    """
-    medium, modes = network.modes.section.solid, network.modes
-    ports = [port for port in network.ports if port.kind != "force"]
-    by_name = {each.name: each for each in transducers}
-    apertures = np.array([by_name[port.name].aperture for port in ports])
-    widths = apertures[:, None] if solution.own_apertures else np.minimum.outer(apertures, apertures)
-    charge_unit = medium.stress_unit / medium.potential_unit
-    count, excitations = len(ports), solution.reactions.shape[1]
-    admittances = charge_admittances(
-        solution.reactions[:count, :count] * (charge_unit / medium.potential_unit), widths, modes.frequency
-    )
-    voltage = np.array([port.kind == "voltage" for port in ports], dtype=bool)
-    names = tuple(port.name for port in ports if port.kind == "voltage")
-    uncharged = _uncharged(admittances, voltage)
-    between = (admittances @ uncharged)[voltage]
-    _refuse_a_source(between, names)
-    # columns: volts, then forces and waves from outside
-    weights = np.zeros((excitations, len(names) + excitations - count), dtype=complex)
-    weights[:count, : len(names)] = uncharged / medium.potential_unit
-    weights[count:, len(names) :] = np.eye(excitations - count)
-    if count < excitations and not voltage.all():
-        means = solution.reactions[np.flatnonzero(~voltage)]
-        own = np.linalg.solve(means[:, :count][:, ~voltage], means[:, count:])
-        weights[np.flatnonzero(~voltage), len(names) :] = -own
-    received = solution.reactions[np.flatnonzero(voltage)] @ weights[:, len(names) :]
-    currents = charge_admittances(received * charge_unit, apertures[voltage, None], modes.frequency)
-
-    def weighted(each: np.ndarray) -> np.ndarray:
-        return each @ weights
-
-    return PortFields(
-        stator=stator,
-        transducers=transducers,
-        modes=modes,
-        network=network,
-        owners=owners,
-        resolution=resolution,
-        names=names,
-        sides=tuple(weighted(each) for each in solution.sides),
-        incoming=tuple(weighted(each) for each in solution.incoming),
-        segments=tuple(
-            tuple(replace(part, right=weighted(part.right), left=weighted(part.left)) for part in parts)
-            for parts in solution.segments
-        ),
-        admittances=between,
-        received=currents,
-        displacements=weighted(solution.reactions[count:]),
-        coupling=solution.coupling,
-        waves=solution.waves,
-        own_apertures=solution.own_apertures,
-        sheets=tuple(
-            tuple(
-                replace(
-                    each,
-                    sides=weighted(each.sides),
-                    reactions=weighted(each.reactions),
-                    moments=weighted(each.moments),
-                    dipoles=weighted(each.dipoles),
-                )
-                for each in own
-            )
-            for own in solution.sheets
-        ),
-    )
+    return StatorRow(stator=stator, transducers=transducers, network=network, owners=owners, resolution=resolution)
 
 
 def _refuse_a_source(admittances: np.ndarray, names: tuple[str, ...]) -> None:

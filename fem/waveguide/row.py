@@ -57,7 +57,7 @@ class PieceRow:
         ]
         frame = _frame(stator)
         for piece, sections in on_lines:
-            if piece is None or is_step(piece, stator.thickness) or piece.contents in self.assemblies:
+            if piece is None or is_step(piece, stator.depth) or piece.contents in self.assemblies:
                 continue
             self.assemblies[piece.contents] = assembled(
                 piece, frame, sections, frequency=frequency, resolution=resolution
@@ -77,7 +77,7 @@ class PieceRow:
         for side, piece in enumerate(placed.ends):
             if piece is None:
                 continue
-            if is_step(piece, stator.thickness):
+            if is_step(piece, stator.depth):
                 ends[side] = _step(piece, side, stator, modes, self.resolution)
             else:
                 end = condensed[piece.contents]

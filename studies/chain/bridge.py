@@ -109,7 +109,8 @@ class DrivenContact:
     scene: Scene  # as resolved
     # Under the balls for a level of 1: 1 V of the source, or 1 m of given amplitude
     orbits: tuple = field(repr=False)
-    amplitudes: tuple[float, float]  # |u_z| and |u_x| under the slider's centre for a level of 1, m
+    # |u_z| and |u_x| for a level of 1, m: under the slider's centre; of a slider on pillars the rms over the pillars
+    amplitudes: tuple[float, float]
     stator_error: float = 0.0  # of the orbits, relative
     ringing: "RingUp | None" = None  # how the orbits grow during a burst
     # the waves under a slider on pillars per volt, a contact.PassingWave, and their misfit
@@ -132,14 +133,15 @@ class DrivenContact:
         """
         places, slider = scene.places, scene.slider
         tangential, normal, _, _ = solved.at[places[0]]
-        passing = None
+        amplitudes, passing = (abs(normal), abs(tangential)), None
         if slider is not None and slider.pillars is not None:
-            from studies.chain.slider_wave import stator_wave
+            from studies.chain.slider_wave import mean_amplitudes, stator_wave
 
             passing = stator_wave(scene, motion)
+            amplitudes = mean_amplitudes(slider, passing[0])
         return cls(
             scene=scene, orbits=() if slider is None else solved.orbits(slider.places), solved=solved, passing=passing,
-            amplitudes=(abs(normal), abs(tangential)), stator_error=max(solved.at[place][2] for place in places),
+            amplitudes=amplitudes, stator_error=max(solved.at[place][2] for place in places),
         )  # fmt: skip
 
     @classmethod
@@ -163,11 +165,11 @@ class DrivenContact:
 
     @property
     def amplitude(self) -> float:
-        """Normal amplitude |u_z| under the slider's centre for a level of 1, m."""
+        """Normal amplitude |u_z| of `amplitudes`, m."""
         return self.amplitudes[0]
 
     def amplitudes_at(self, level: float) -> dict[str, float]:
-        """Return the columns of a point that say how far the surface moves under the slider's centre at a level."""
+        """Return the columns of a point that say how far the surface moves under the slider at a level."""
         normal, tangential = self.amplitudes
         return {"normal_amplitude_m": normal * level, "tangential_amplitude_m": tangential * level}
 

@@ -47,6 +47,7 @@ NO_FRICTION = 1e-9
 Rows = Iterator[tuple]  # of values of `KEYS`
 SHARED = ("u_z", "velocity")  # quantities at the slider whose relative changes add up to the model error
 NO_ANSWER = 1.0  # smallest relative change for which the answer is refused
+LOADS = 5  # levels of a run at which the load on the wave is computed, 6 ms each; linear in the voltage between them
 NODE = 1e-6  # |u_z|/|u_x| below which u_z is a node: waves from both sides cancel
 # A first-order upper bound, which causes only a warning
 NEVER_DECISIVE = ("overtones of the wave under the pillars",)
@@ -55,20 +56,46 @@ KEYS = ("effect", "quantity", "size", "source", "unit")
 
 
 def model_error(record: Record) -> tuple[dict, ...]:
-    """Return the neglected effects of a run with a driven stator, as in run.json."""
-    rows: list[tuple] = []
-    if record.scene.slider is not None and record.scene.slider.pillars is not None:
+    """Return the neglected effects of a run with a driven stator, as in run.json.
+
+    An effect that depends on the level has its largest size over the points, or for a slider on pillars its size at the
+    largest level.
+    """
+    return _table(record, *_effects(record))
+
+
+def _effects(record: Record) -> tuple[tuple, list[tuple]]:
+    """Return the effects that do not depend on the level, and for each point those that do."""
+    always: list[tuple] = []
+    at_points: list[list[tuple]] = [[] for _ in record.points]
+    if _on_pillars(record):
         from studies.chain.pillar_budget import pillar_rows
 
-        rows += pillar_rows(record)
-    parts = (
-        ()
-        if record.surface_wave is None
-        else (_aperture, _finger_ends, _vacuum, _electrode_mass, _contact, _travel, _power)
-    )
-    for each in parts:
-        rows += each(record)
-    return tuple(dict(zip(KEYS, row, strict=False)) for row in rows if math.isfinite(row[2]))
+        for rows, point in zip(at_points, record.points, strict=True):
+            rows += pillar_rows(record, point[record.level])
+    if record.surface_wave is not None:
+        for each in (_aperture, _finger_ends, _vacuum, _electrode_mass, _contact, _power):
+            always += each(record)
+        for rows, point, load in zip(at_points, record.points, _load(record), strict=True):
+            rows += [*load, *_travel(record, point)]
+    return _finite(always), [_finite(rows) for rows in at_points]
+
+
+def _finite(rows: list[tuple]) -> tuple:
+    return tuple(row for row in rows if math.isfinite(row[2]))
+
+
+def _table(record: Record, always: tuple, at_points: list[tuple]) -> tuple[dict, ...]:
+    if _on_pillars(record):
+        of_points = list(max(zip(record.points, at_points, strict=True), key=lambda each: each[0][record.level])[1])
+    else:
+        of_points = sorted((row for rows in at_points for row in rows), key=lambda row: abs(row[2]))
+    largest = {row[0]: row for row in of_points}
+    return tuple(dict(zip(KEYS, row, strict=False)) for row in (*largest.values(), *always))
+
+
+def _on_pillars(record: Record) -> bool:
+    return record.scene.slider is not None and record.scene.slider.pillars is not None
 
 
 def with_model_error(record: Record) -> Record:
@@ -76,19 +103,24 @@ def with_model_error(record: Record) -> Record:
 
     The effects on u_z and on the velocity are added as if they all had the same sign. The ``model_relative_error`` of
     a point is the change of the velocity plus the change of u_z times ``amplitude_sensitivity`` (the relative change
-    of the velocity divided by the relative change of the wave amplitude). If one effect is as large as the quantity
-    itself, the answer is refused: the record gets a shortfall.
+    of the velocity divided by the relative change of the wave amplitude), with the sizes at that point. If one effect
+    is as large as the quantity itself, the answer is refused: the record gets a shortfall.
     """
-    rows = model_error(record)
-    shares = {quantity: sum(abs(row["size"]) for row in rows if row["quantity"] == quantity) for quantity in SHARED}
+    always, at_points = _effects(record)
+    rows = _table(record, always, at_points)
     if not rows:
         return record
-    points = tuple(
-        point | {"model_relative_error": shares["velocity"] + shares["u_z"] * point["amplitude_sensitivity"]}
-        if "amplitude_sensitivity" in point
-        else point
-        for point in record.points
-    )
+
+    def share(quantity: str, rows) -> float:
+        return sum(abs(size) for _, changed, size, *_ in rows if changed == quantity)
+
+    points = []
+    for point, own in zip(record.points, at_points, strict=True):
+        if "amplitude_sensitivity" in point:
+            velocity, u_z = share("velocity", always + own), share("u_z", always + own)
+            point = point | {"model_relative_error": float(velocity + u_z * point["amplitude_sensitivity"])}
+        points.append(point)
+    shares = {quantity: share(quantity, (row.values() for row in rows)) for quantity in SHARED}
     error = record.error | ({"model": sum(shares.values())} if record.error else {})
     decisive = [
         row
@@ -103,7 +135,7 @@ def with_model_error(record: Record) -> Record:
             f"({worst['effect']}); {100 * NO_ANSWER:g} % or more is refused"
         )
     refused = record.refused or bool(decisive)
-    return replace(record, model_error=rows, points=points, error=error, shortfall=shortfall, refused=refused)
+    return replace(record, model_error=rows, points=tuple(points), error=error, shortfall=shortfall, refused=refused)
 
 
 def _wavelength(record: Record) -> float:
@@ -268,19 +300,33 @@ def _contact(record: Record) -> Rows:
     radiated = stiffness * point_admittance(omega, shear, math.sqrt(shear / solid.density)) / omega
     effect, how = "radiation of a contact into the stator", "point load on an isotropic half-space, nu = 1/4"
     yield effect, "the contact's elastic force", radiated, how
-    moving = [point for point in record.points if point["normal_amplitude_m"] > 0]
+
+
+def _load(record: Record) -> list[list[tuple]]:
+    """Return the effect of the contacts' load on the wave at each point."""
+    slider = record.scene.slider
+    rows: list[list[tuple]] = [[] for _ in record.points]
+    if slider is None or slider.pillars is not None or not slider.preload_force > 0:
+        return rows
     tangential, _, normal = abs(record.surface_motion.at(list(slider.places)))
-    if moving and normal.max() >= NODE * tangential.max() and _amplitude_per_power(record) is not None:
-        how = "averaged equilibrium of the contacts on a wave that they load (elastic law)"
-        load = max(_loaded(record, point) for point in (moving[0], moving[-1]))
-        yield "load of the slider on the wave", "u_z", load, how
+    if normal.max() < NODE * tangential.max() or _amplitude_per_power(record) is None:
+        return rows
+    how = "averaged equilibrium of the contacts on a wave that they load (elastic law)"
+    voltages = np.unique([point["voltage_V"] for point in record.points if point["voltage_V"] > 0.0])
+    some = voltages[np.unique(np.linspace(0, voltages.size - 1, LOADS).round().astype(int))] if voltages.size else ()
+    sizes = _loaded(record, some)
+    for own, point in zip(rows, record.points, strict=True):
+        if point["voltage_V"] > 0.0:
+            size = float(np.interp(point["voltage_V"], some, sizes))
+            own.append(("load of the slider on the wave", "u_z", size, how))
+    return rows
 
 
-def _loaded(record: Record, point: dict) -> float:
-    """Return the relative change of a wave that passes below the slider, in a strip as wide as the aperture.
+def _loaded(record: Record, voltages) -> list[float]:
+    """Return the relative changes of a wave that passes below the slider, in a strip as wide as the aperture.
 
-    If the averaged equilibrium does not converge, return the loading number, which approximates the phase that the
-    contacts add to the wave.
+    If the averaged equilibrium does not converge, the change is the loading number, which approximates the phase that
+    the contacts add to the wave.
     """
     slider, stator = record.scene.slider, resolve.stator(record.scene.stator)
     body = bridge.contact_slider(slider)
@@ -294,26 +340,30 @@ def _loaded(record: Record, point: dict) -> float:
     balls = contact.balls_of(replace(body, preload=body.preload * count), offsets, weights=count)
     tangential, _, normal = abs(record.surface_motion.at(list(slider.places)))
     strongest = int(np.argmax(normal))  # the centre may be a node of the wave
-    wave = contact.PassingWave(
+    at_one_volt = contact.PassingWave(
         frequency=record.wave["frequency_Hz"],
         wavelength=_wavelength(record),
-        forward=float(normal[strongest]) * point["voltage_V"],
+        forward=float(normal[strongest]),
         ratio=float(tangential[strongest] / normal[strongest]),
         compliance=fem.wave_compliance(stator.solid, stator.bare_surface),
         strip_width=record.scene.driven_transducer.aperture,
     )  # fmt: skip
-    try:
-        return abs(contact.pillar_motion(balls, wave, loading=True).exit_over_entry - 1.0)
-    except contact.ConvergenceError:
-        return wave.loading_number(balls.preload)
+    changes, near = [], None
+    for voltage in voltages:
+        wave = replace(at_one_volt, forward=at_one_volt.forward * float(voltage))
+        try:
+            near = contact.pillar_motion(balls, wave, loading=True, near=near)
+            changes.append(abs(near.exit_over_entry - 1.0))
+        except contact.ConvergenceError:
+            changes.append(wave.loading_number(balls.preload))
+    return changes
 
 
-def _travel(record: Record) -> Rows:
+def _travel(record: Record, point: dict) -> Rows:
     scene, ratio = record.scene, record.wave["standing_wave_ratio"]
-    if scene.slider is None or scene.burst is None or any("travel_m" in point for point in record.points):
+    if scene.slider is None or scene.burst is None or "travel_m" in point:
         return
-    fastest = max((abs(point.get("velocity_m_per_s", 0.0)) for point in record.points), default=0.0)
-    if fastest * scene.burst > _wavelength(record) / 4:
+    if abs(point.get("velocity_m_per_s", 0.0)) * scene.burst > _wavelength(record) / 4:
         how = "standing-wave ratio, over a travel of more than a quarter of a wavelength"
         effect = "travel of the slider along the rippled field"
         yield effect, "u_z", (ratio - 1) / (ratio + 1), how

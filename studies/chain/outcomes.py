@@ -70,16 +70,21 @@ def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict, *, a
     with suppress(contact.ConvergenceError):
         if "step" in also:
             answer["step_m"] = abs(contact.step(slider, orbits, cycles=1).displacement)
-    with suppress(contact.ConvergenceError):
-        if {"thrust", "efficiency", "start-up"} & set(also):
-            if thrust is None:
-                thrust = max(contact.blocked_thrust(slider, orbits)[0], 0.0)
-            answer["thrust_N"] = thrust * mass_ratio
-        if "start-up" in also:
+    if not {"thrust", "efficiency", "start-up"} & set(also):
+        return answer
+    try:
+        thrust = max(contact.blocked_thrust(slider, orbits)[0], 0.0) if thrust is None else thrust
+    except contact.ConvergenceError:
+        return answer  # start-up and efficiency need the thrust
+    answer["thrust_N"] = thrust * mass_ratio
+    # each by itself: where one has no answer, the other stands
+    if "start-up" in also:
+        with suppress(contact.ConvergenceError):
             final = abs(answer["velocity_m_per_s"])
             time = start_up_time(slider, orbits, final, thrust, tolerance, averaged=averaged)
             answer |= {} if time is None else {"start_up_time_s": time}
-        if "efficiency" in also:
+    if "efficiency" in also:
+        with suppress(contact.ConvergenceError):
             power_out, answer["contact_efficiency"] = half_thrust(slider, orbits, thrust, tolerance)
             power = amplitudes(driven).get("power_W", 0.0)
             if power > 0.0:

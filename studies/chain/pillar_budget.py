@@ -1,4 +1,4 @@
-"""Estimates of the effects that the model of pillars on a loaded wave neglects, for one run at its largest level.
+"""Estimates of the effects that the model of pillars on a loaded wave neglects, at one level of a run.
 
 A size is a relative change of the velocity unless another quantity is named with it. The estimates hold to a factor of
 about 2. Sources:
@@ -40,12 +40,11 @@ MARGIN = "the margin to bulk waves (it leaks from 100 % on)"
 Rows = Iterator[tuple[str, str, float, str]]
 
 
-def pillar_rows(record: Record) -> Rows:
-    """Yield (effect, quantity, size, source) for each neglected effect of a run with pillars."""
-    driven = DrivenContact.of_run(record)
-    body, level = PillarContact.of(driven), max(record.scene.levels)
+def pillar_rows(record: Record, level: float) -> Rows:
+    """Yield (effect, quantity, size, source) for each neglected effect at a level of a run with pillars."""
     if level == 0.0:
         return
+    body = PillarContact.of(DrivenContact.of_run(record))
     try:
         motion = body.motion(level)
     except contact.ConvergenceError:

@@ -57,3 +57,15 @@ def stator_wave(scene: Scene, motion):
         strip_width=width,
     )  # fmt: skip
     return passing, misfit / passing.amplitude
+
+
+def mean_amplitudes(slider, wave) -> tuple[float, float]:
+    """Return the rms over the pillars of |u_z| and |u_x| in m of a `contact.PassingWave`, without the slider.
+
+    The amplitude at the slider's centre would depend on whether a standing wave has a node there.
+    """
+    turn = np.exp(-1j * wave.wavenumber * layout(slider)["x"])
+    forward, backward = wave.forward * turn, wave.backward / turn
+    normal, tangential = forward + backward, wave.orbit * forward + np.conj(wave.orbit) * backward
+    rms_normal, rms_tangential = (float(np.sqrt(np.mean(np.abs(each) ** 2))) for each in (normal, tangential))
+    return rms_normal, rms_tangential

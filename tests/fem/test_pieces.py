@@ -32,7 +32,7 @@ from fem.solve.harmonic import driven_wave, motion_difference, solve_driven
 from fem.solve.p_matrix import cascade_admittance, p_matrix
 from fem.solve.reflector import reflector
 from fem.waveguide.force import LineForce
-from fem.waveguide.port_fields import solve_ports
+from fem.waveguide.port_fields import stator_row
 from fem.waveguide.row import PieceRow
 from tests.fem.drawings import bevelled_end, chip, profile, rectangle
 from tests.fem.piece_references import REFERENCES, places
@@ -496,13 +496,13 @@ def test_a_band_of_a_whole_stator(tmp_path):
         assert abs(wave.admittance / exact.circuit.admittance - 1) < band.admittance_error
         moved = surface_of(exact).motion(np.array(places))
         assert motion_difference(wave.motion(np.array(places)), moved) < band.relative_error
-    anew = driven_solution(replace(band.model, interpolation=None).port_fields(2.188e6), "a")
+    anew = driven_solution(replace(band.model, interpolation=None).row(2.188e6).solved(), "a")
     moved = surface_of(anew).motion(np.array(places))
     assert motion_difference(wave.motion(np.array(places)), moved) < 5e-3
     assert abs(wave.admittance / anew.circuit.admittance - 1) < 1e-5
     assert len(band.model.interpolation[1].rational.nodes) < 10
     assert wave.power_residual < 1e-5
-    nodes = [solve_ports(stator, CHIP_ROW, frequency=f, resolution=LEVELS[0]) for f in (2.13e6, 2.17e6, 2.21e6)]
+    nodes = [stator_row(stator, CHIP_ROW, frequency=f, resolution=LEVELS[0]).solved() for f in (2.13e6, 2.17e6, 2.21e6)]
     at = nodes[0].network.scatterers[0].potentials
     samples = [PieceSample.of(each.network.scatterers[0].piece, at) for each in nodes]
     found = rational_piece(nodes[0].network.scatterers[0].piece, at, 0, samples).resonances
@@ -511,7 +511,10 @@ def test_a_band_of_a_whole_stator(tmp_path):
     peak = abs(square) ** 0.5 / 2 / np.pi
     width = peak * abs(square.imag / square)
     conductance = [
-        solve_ports(stator, CHIP_ROW, frequency=peak + more * width, resolution=LEVELS[0]).admittances[0, 0].real
+        stator_row(stator, CHIP_ROW, frequency=peak + more * width, resolution=LEVELS[0])
+        .solved()
+        .admittances[0, 0]
+        .real
         for more in (-1.0, 0.0, 1.0)
     ]
     assert conductance[0] < 0.7 * conductance[1] > conductance[2], conductance

@@ -154,7 +154,7 @@ def test_a_model_error_of_a_tenth_is_a_warning_and_one_of_the_whole_no_answer(mo
     from studies.chain.warnings import warnings_of
 
     for size, warned, refused in ((0.08, False, False), (0.13, True, False), (0.9, True, False), (1.2, True, True)):
-        monkeypatch.setattr(module, "_loaded", lambda record, point, size=size: size)
+        monkeypatch.setattr(module, "_loaded", lambda record, voltages, size=size: [size] * len(voltages))
         judged = with_model_error(replace(motor, warnings=(), model_error=()))
         said = [each for each in warnings_of(judged) if "load of the slider on the wave" in each]
         assert bool(said) == warned, size
@@ -179,3 +179,22 @@ def test_model_error_of_a_point_is_that_of_the_wave_times_the_sensitivity(motor)
     low, high = run(motor.scene.replace(drive={"voltage": voltages}), tolerance=0.05).velocity
     slope = (high - low) / (0.01 * point["velocity_m_per_s"])
     assert point["amplitude_sensitivity"] == pytest.approx(slope, rel=0.02)
+
+
+def test_the_model_error_of_a_point_does_not_depend_on_the_other_points(motor):
+    """Each of several voltages has the model error that a run at that voltage alone has."""
+    from studies.chain.model_error import with_model_error
+
+    slider = replace(motor.scene.slider, preload=3 * motor.scene.slider.preload)
+    scene = replace(motor.scene, slider=slider)
+    (point,) = motor.points
+    points = [point | {"voltage_V": voltage} for voltage in (0.0, 10.0, 30.0, 60.0)]
+    together = with_model_error(replace(motor, scene=scene, points=tuple(points))).points
+    alone = [with_model_error(replace(motor, scene=scene, points=(each,))).points[0] for each in points]
+    errors = [each["model_relative_error"] for each in together]
+    assert errors == pytest.approx([each["model_relative_error"] for each in alone], rel=1e-9)
+    assert errors[1] > errors[2] > 1.0001 * errors[3]  # a slider that is lifted off for longer loads the wave less
+    record = with_model_error(replace(motor, scene=scene, points=tuple(points)))
+    largest = next(row["size"] for row in record.model_error if row["effect"] == "load of the slider on the wave")
+    others = sum(abs(row["size"]) for row in record.model_error if row["quantity"] == "u_z") - largest
+    assert errors[1] / point["amplitude_sensitivity"] == pytest.approx(others + largest, rel=1e-9)

@@ -5,7 +5,7 @@ import pytest
 import skrf
 
 import fem
-from fem.waveguide.port_fields import solve_ports
+from fem.waveguide.port_fields import stator_row
 from studies import Scene
 from studies.__main__ import main
 from studies.chain.resolve import resolved, stator, transducers
@@ -54,7 +54,7 @@ def test_a_closed_lossless_stator_has_a_unitary_matrix():
     table = chip().to_table()
     table["stator"] |= {"mechanical_quality": 1e15, "dielectric_loss": 0, "ends": "free"}
     scene = resolved(Scene.from_table("", table))
-    ports = solve_ports(stator(scene.stator), transducers(scene), frequency=2.2e6, resolution=fem.LEVELS[0])
+    ports = stator_row(stator(scene.stator), transducers(scene), frequency=2.2e6, resolution=fem.LEVELS[0]).solved()
     unit = np.eye(2)
     s = np.linalg.solve(unit + 50 * ports.admittances, unit - 50 * ports.admittances)
     assert abs(np.linalg.svd(s, compute_uv=False) - 1).max() < 1e-12

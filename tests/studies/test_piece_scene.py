@@ -410,12 +410,6 @@ def test_files_that_are_no_mesh(tmp_path, plain):
 
 def test_what_a_piece_does_not_go_with(plain):
     assert "stator.diffraction must be false or absent with a [[piece]]" in refused(plain, {"diffraction": True})
-    assert "stator.thickness must be a length with a [[piece]], got 'half-space'" in refused(
-        plain, {"thickness": "half-space"}
-    )
-    assert "stator.bottom must be free, grounded or clamped with a [[piece]], got 'absorbing'" in refused(
-        plain, {"bottom": "absorbing"}
-    )
     assert "stator.above must be none with a meshed piece" in refused(plain, {"above": "vacuum"})
     end = {"ends": "absorbing", "bottom": "grounded"}
     resolved(scene(plain, end))

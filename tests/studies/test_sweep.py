@@ -16,7 +16,8 @@ import numpy as np
 import pytest
 import threadpoolctl
 
-from studies.chain import predictor, run
+import contact
+from studies.chain import outcomes, predictor, run
 from studies.chain.predictor import Predictor, Shared
 from studies.refusal import RunError, SceneError
 from studies.report.explanation import long_sweep
@@ -657,3 +658,19 @@ def test_the_expected_time_of_a_long_sweep_is_said():
     assert sentence.startswith("expected time: about")
     (sentence,) = long_sweep(scene, tolerance=1e-2, stators=1, points=10_000_000)
     assert "50 minutes" in sentence
+
+
+def test_an_outcome_without_an_answer_does_not_hide_the_others(monkeypatch):
+    def fails(*_args, **_options):
+        raise contact.ConvergenceError("not converged", "this outcome alone")
+
+    names = {"start_up_time": "start_up_time_s", "half_thrust": "contact_efficiency"}
+    wave = {"wave.normal_amplitude": 5e-9}
+    for function, column in names.items():
+        with monkeypatch.context() as patch:
+            patch.setattr(outcomes, function, fails)
+            (answer,) = Predictor(read_table("twente-contact"), tolerance=1e-2).answers(
+                [wave], ("thrust", "start-up", "efficiency")
+            )
+        assert answer["thrust_N"] > 0.0
+        assert {name for name in names.values() if name in answer} == set(names.values()) - {column}

@@ -49,7 +49,7 @@ def test_band_follows_the_full_solution(case):
     assert model.section.size < 0.8 * model.section.full.size
     for frequency in (low, 1.017 * middle):
         full = solve_driven(block, pair, frequency=frequency, drive="a", resolution=LEVELS[1])
-        reduced = driven_solution(model.port_fields(frequency), "a")
+        reduced = driven_solution(model.row(frequency).solved(), "a")
         assert reduced.circuit.admittance == pytest.approx(full.circuit.admittance, rel=3e-4)
         motion = surface_of(reduced).motion(PLACES)
         assert motion_difference(motion, surface_of(full).motion(PLACES)) < 1e-3
@@ -71,7 +71,7 @@ def test_a_reduced_basis_holds_the_constant_potential():
     basis, constant = model.section.basis, model.section.full.constant_potential
     assert basis.T @ basis == pytest.approx(np.eye(basis.shape[1]), abs=1e-12)
     assert basis @ (basis.T @ constant) == pytest.approx(constant, abs=1e-12)
-    ports = model.port_fields(1.01 * FREQUENCY).admittances
+    ports = model.row(1.01 * FREQUENCY).solved().admittances
     assert ports[0, 1] == pytest.approx(ports[1, 0], rel=1e-12)
 
 

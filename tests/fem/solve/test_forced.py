@@ -14,12 +14,12 @@ from fem.mesh.piece import MeshPiece
 from fem.mesh.section_mesh import read_mesh
 from fem.results.evaluation import surface_of
 from fem.results.power_balance import power_balance
-from fem.results.solution import driven_solution, forced_solution
+from fem.results.solution import driven_solution
 from fem.solve.band import frequency_band
 from fem.solve.forced import forced_wave
 from fem.solve.harmonic import driven_wave
 from fem.waveguide.force import LineForce, force_response
-from fem.waveguide.port_fields import solve_ports
+from fem.waveguide.port_fields import stator_row
 from tests.fem.drawings import rectangle
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate
 
@@ -36,7 +36,7 @@ def forces_at(stator, *places):
 
 def fields_of(stator, forces, row=None):
     row = row or (comb(stator, "a", 2.0, finger_pairs=2), comb(stator, "b", 6.5, termination=200.0 - 80.0j))
-    return solve_ports(stator, row, frequency=FREQUENCY, resolution=LEVEL, forces=forces)
+    return stator_row(stator, row, frequency=FREQUENCY, resolution=LEVEL, forces=forces).solved()
 
 
 ROWS = (
@@ -72,7 +72,7 @@ def test_forces_and_voltages_answer_each_other(solid, rest):
 def test_the_power_of_forces_balances(solid, rest):
     stator = plate(solid, length=9.0, **rest)
     fields = fields_of(stator, forces_at(stator, 0.3, 4.2, 8.6))
-    solved = forced_solution(fields, np.array([1.0, 0.4j, -0.7]), "a")
+    solved = driven_solution(fields, "a", np.array([1.0, 0.4j, -0.7]))
     balance = power_balance(solved)
     assert balance.loads == pytest.approx(0.5 * 200.0 * abs(solved.circuit.currents[1]) ** 2, rel=1e-9)
     assert balance.residual < 1e-9
@@ -84,10 +84,10 @@ def test_a_bare_stator_answers_as_a_segment_without_end():
     """Absorbing ends and no pieces: the motion is that of the plain segment, on both sides of each of two forces."""
     stator = plate(cut("PZT-8", "Z"), length=6.0)
     forces = forces_at(stator, 2.0, 3.1)
-    fields = solve_ports(stator, (), frequency=FREQUENCY, resolution=LEVEL, forces=forces)
+    fields = stator_row(stator, (), frequency=FREQUENCY, resolution=LEVEL, forces=forces).solved()
     x = np.linspace(0.1, 5.9, 40) * stator.thickness / 0.8
     for k, each in enumerate(forces):
-        found = surface_of(forced_solution(fields, np.eye(2)[k])).motion(x)
+        found = surface_of(driven_solution(fields, None, np.eye(2)[k])).motion(x)
         exact = np.array([force_response(fields.modes, each.component).motion(at - each.position) for at in x])
         assert abs(found - exact.T).max() < 1e-11 * abs(exact).max()
 
@@ -104,8 +104,8 @@ def test_a_plain_mesh_beside_a_force_changes_nothing(tmp_path):
     level = Resolution(order=8, edge_layers=2)
     motions = []
     for each in (stator, meshed):
-        fields = solve_ports(each, row, frequency=FREQUENCY, resolution=level, forces=force)
-        solved = forced_solution(fields, np.ones(1))
+        fields = stator_row(each, row, frequency=FREQUENCY, resolution=level, forces=force).solved()
+        solved = driven_solution(fields, None, np.ones(1))
         motions.append(surface_of(solved).motion(x))
         assert power_balance(solved).residual < 1e-9
     assert abs(motions[1] - motions[0]).max() < 1e-6 * abs(motions[0]).max()

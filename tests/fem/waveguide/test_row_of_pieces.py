@@ -17,7 +17,7 @@ from fem.results.field import wave_field
 from fem.results.power_balance import power_balance
 from fem.results.solution import driven_solution
 from fem.waveguide.modes import guided_modes
-from fem.waveguide.port_fields import joined_fields
+from fem.waveguide.port_fields import joined_row
 from fem.waveguide.row import CondensedPieces
 from tests.fem.stators import FREQUENCY, comb, cut, plate, wave_of
 
@@ -35,7 +35,7 @@ def solutions(stator, row, place, columns):
     piece = replace(with_ports(bare, []), floating_potential=section.floating_potential)
     for between in ((), ((place, piece),)):
         pieces = CondensedPieces(between=between, ends=(stator.ends,) * 2, start=0.0, stop=stator.length / unit)
-        fields = joined_fields(stator, row, transducers, modes=modes, resolution=LEVEL, pieces=pieces)
+        fields = joined_row(stator, row, transducers, modes=modes, resolution=LEVEL, pieces=pieces).solved()
         yield driven_solution(fields, "a")
 
 
