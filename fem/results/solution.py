@@ -20,7 +20,7 @@ class Solution:
     @cached_property
     def weights(self) -> np.ndarray:
         """Of each excitation of the fields: V, then N/m."""
-        silent = np.zeros(len(self.fields.displacements))
+        silent = np.zeros(self.fields.received.shape[1])
         return np.concatenate([self.circuit.voltages, silent if self.forces is None else self.forces])
 
     def sides(self, index: int) -> np.ndarray:
