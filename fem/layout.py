@@ -97,7 +97,8 @@ def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
     if not stator.pieces:
         return
     if stator.above != "none":
-        raise InputError("stator.above", "must be none with a meshed piece", stator.above)
+        rule = "must be none with a meshed piece, whose model error states the effect of the field above"
+        raise InputError("stator.above", rule, stator.above)
     for piece in stator.pieces:
         _check_heights(piece, stator.depth)
     placed = stator.placement
