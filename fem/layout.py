@@ -97,7 +97,8 @@ def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
     if not stator.pieces:
         return
     if stator.above != "none":
-        raise InputError("stator.above", "must be none with a meshed piece", stator.above)
+        rule = "must be none with a meshed piece, whose model error states the effect of the field above"
+        raise InputError("stator.above", rule, stator.above)
     for piece in stator.pieces:
         _check_heights(piece, stator.depth)
     placed = stator.placement
@@ -377,7 +378,9 @@ def _check_overlaps(placed: Placement, length: float, transducers: tuple[Transdu
         low, high = piece.extent
         if low < -room or high > length + room:
             raise InputError(
-                "piece", f"must lie on the stator, 0 to {length * 1e3:g} mm, got {piece.where}", owner=piece.name
+                "piece",
+                f"must lie on the stator, 0 to {length * 1e3:g} mm, got {piece.where}{_place_question(piece, length)}",
+                owner=piece.name,
             )
     spans.sort(key=lambda each: each[0])
     for (one, first), (other, second) in pairwise(spans):
@@ -391,6 +394,12 @@ def _check_overlaps(placed: Placement, length: float, transducers: tuple[Transdu
             raise InputError(
                 "piece", f"{here[0].removeprefix('piece ')} {_span(here[1])} {what} the {there[0]} {_span(there[1])}"
             )
+
+
+def _place_question(piece: MeshPiece, length: float) -> str:
+    """Return the question for a unit, if a piece stands far off the stator and its number of mm would lie on it."""
+    asked = 10 * length < piece.position <= 1e3 * length
+    return f': is "{piece.position:g} mm" meant? A number without a unit is in m' if asked else ""
 
 
 def _span(span: tuple[float, float]) -> str:

@@ -138,19 +138,27 @@ class LayerColumns:
         height, medium = section.heights[layer], section.media[layer]
         return element_matrix(medium, self.widths[column], height, section.order, angular)
 
+    def _kind(self, column: int, layer: int) -> tuple:
+        """Key of an element: elements with equal keys have equal matrices over their `numbers`."""
+        start, stop = self._foot[1][column]
+        return round(float(self.widths[column]), 12), layer, bool(start < stop)
+
     def condensed(self, frequency: float) -> tuple[list[np.ndarray], list[np.ndarray]]:
         """Matrix of every element over its `numbers`, and all its nodes from them, at a frequency in Hz."""
         sets = ElementSets(self.section.order, len(self.names))
-        matrices, nodes = [], []
+        done: dict[tuple, tuple[np.ndarray, np.ndarray]] = {}
         for column, layer in self.elements:
+            kind = self._kind(column, layer)
+            if kind in done:
+                continue
             own, back = schur(self._matrix(column, layer, frequency), sets.rim, sets.inside)
             on_rim = self._on_rim(column, layer)
             on_rim = np.eye(len(sets.rim)) if on_rim is None else on_rim
-            matrices.append(on_rim.T @ own @ on_rim)
             whole = np.empty((len(sets.rim) + len(sets.inside), on_rim.shape[1]), dtype=back.dtype)
             whole[sets.rim], whole[sets.inside] = on_rim, back @ on_rim
-            nodes.append(whole)
-        return matrices, nodes
+            done[kind] = on_rim.T @ own @ on_rim, whole
+        both = [done[self._kind(column, layer)] for column, layer in self.elements]
+        return [matrix for matrix, _ in both], [nodes for _, nodes in both]
 
     def _nodal(self, nodes: list[np.ndarray], skeleton: np.ndarray) -> Iterator[tuple[int, int, np.ndarray]]:
         """Column, layer and values at all nodes of every element."""

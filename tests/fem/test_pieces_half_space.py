@@ -108,6 +108,7 @@ def test_a_mesh_is_continued_to_a_depth(tmp_path, cells):
     assert (x.min(), x.max()) == (0.0, pytest.approx(0.9))
     assert deep.cells[-1].kind == ("quad" if cells == "triangle" else "quad8")
     assert len(deep.cells[-1].nodes) == 3 * 3
+    assert set(deep.lines) == {"left", "right"}  # the group bottom would be inside
     one, other = np.array(deep.boundary).T
     (x, z), (end, foot) = deep.points[one].T, deep.points[other].T
     assert 0.5 * np.sum(x * foot - end * z) == pytest.approx(0.9 * 1.7)
@@ -200,6 +201,15 @@ def test_a_shallow_groove_reflects_as_perturbation_theory_says(tmp_path, name, o
         assert abs(found.scattering - found.scattering.T).max() < 1e-11
     assert 2 * ratios[1] - ratios[0] == pytest.approx(1, abs=0.025)
     assert abs(ratios[1] - 1) < 0.6 * abs(ratios[0] - 1)
+
+
+@pytest.mark.parametrize(("drawn", "depth"), [(0.6, 2.0), (2.6, 2.6)])
+def test_the_section_is_as_deep_as_the_deepest_mesh(tmp_path, drawn, depth):
+    stator = _half_space(cut("PZT-4", "Z"))
+    mesh = _drawn(stator, rectangle(tmp_path / "plain.msh", 0.9, drawn, size=0.3))
+    unit = slowest_wavelength(stator.solid, 2.3e6)
+    section = discretise(_with_pieces(stator, mesh, (4.0,)), COARSE, wavelength=unit, surface_scale=np.inf)
+    assert section.breakpoints[section.bottom // section.order] == pytest.approx(-depth)
 
 
 def test_meshes_that_cannot_be_continued(tmp_path):
