@@ -178,9 +178,10 @@ class SurfaceBeam:
         of_places = (self.wave.motion(places), self._beyond_the_modes(places))
         section, left_out = (abs(each).max(axis=0)[where.reshape(size.shape)] for each in of_places)
         left_out = np.maximum(left_out, self.source.error * section)
-        if self.strips:
+        if self.strips:  # transducers receive less than in the section, where beams do not spread
+            spread = self._spread(np.broadcast_to(x, size.shape))
+            section, left_out = section * spread, left_out * spread
             left_out = left_out + self._error_of_forces(np.broadcast_to(x, size.shape), y, size)
-            section = section * self._spread(np.broadcast_to(x, size.shape))
         return fine, rule + (np.maximum(size, SECTION_SHARE * section) * self.wave.relative_error + left_out) / size
 
     @property
@@ -471,11 +472,13 @@ class SurfaceBeam:
         return center + length / 2 * s, weights / 2
 
     def _spread(self, x: np.ndarray) -> np.ndarray:
-        """Least ratio of the beam of a strip to the wave in the section: width over (wavelength times distance)^1/2."""
-        ratios = [
-            each.sheet.length / np.sqrt(abs(self._near_distance) * np.maximum(abs(x - each.sheet.x[0]), TINY))
-            for each in self.strips
-        ]
+        """Ratio of a strip's beam to its wave in the section: width over (wavelength times distance)^1/2, at most 1."""
+        wavelength = abs(self._near_distance)
+        ratios = []
+        for sheet in (each.sheet for each in self.strips):
+            distance = abs(x - sheet.x[0])
+            spread = sheet.length / np.sqrt(wavelength * np.maximum(distance, wavelength))
+            ratios.append(np.where(distance < wavelength, 1.0, spread))
         return np.minimum(np.max(ratios, axis=0), 1.0)
 
     def _beyond_the_modes(self, places) -> np.ndarray:
@@ -744,8 +747,9 @@ def _with_reciprocal_currents(beam: SurfaceBeam) -> SurfaceBeam:
     """Beam whose transducers receive, by reciprocity, what they send to the strips.
 
     The current into a shorted port per newton is the velocity along the force, averaged over the strip, per volt at
-    the port.  The charges of `reception` take the waves of a strip at the centre of each finger's sheet alone, and miss
-    up to a tenth of the current where these arrive at an angle; the difference is the error of the scattered waves.
+    the port.  The charges of `reception` take the waves of a strip at the centre of the transducer, as if their phase
+    fronts were straight along it.  The currents of these charges are 0.5 % off 12 wavelengths away, and 16 % off a
+    point 5 wavelengths away from fingers of 20; the difference is the error of the scattered waves.
     """
     solution, fields = beam.solution, beam.solution.fields
     forces = [each for each in fields.network.ports if each.kind == "force"]
