@@ -182,11 +182,6 @@ def _check_foot(piece: MeshPiece, lines: dict[str, tuple[float, float, float]]) 
     """Raise an InputError for a piece of a half-space, with these interfaces, that cannot be continued downwards."""
     mesh, depth = piece.mesh, piece.depth * 1e3
     rule = ""
-    if not lines:
-        rule = (
-            "must have the line group left or right where the bottom absorbs: a whole stator given as one mesh must be "
-            "a plate with bottom free, grounded or clamped"
-        )
     for side, (_, height, top) in lines.items():
         if not piece.fits(side, np.inf):
             rule = (
@@ -246,6 +241,7 @@ def _check_whole(piece: MeshPiece, stator: Stator, transducers: tuple[Transducer
             f"{len(stator.pieces)}"
         )
     bottom, top = (each * 1e3 for each in piece.mesh.depth_range)
+    thickness = piece.depth if stator.absorbs_below else thickness  # the program continues what is drawn
     if max(abs(bottom + thickness * 1e3), abs(top)) > SAME * thickness * 1e3:
         refuse(
             f"is the whole stator: its surface group stator must reach from z = -{thickness * 1e3:.6g} mm (minus "
