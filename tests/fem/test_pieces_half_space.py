@@ -131,6 +131,10 @@ def test_inertia_of_the_layer(tmp_path):
     slope = (ahead.matrix - behind.matrix) / (16 * np.pi**2 * 2.14e6 * step)
     assert abs(at.inertia(np.eye(2 * section.size)) + slope).max() < 1e-5 * abs(slope).max()
     assert not at.floating_potential  # phi is zero below the layer
+    layer = assembly.layer
+    faces = layer.held[(len(layer.widths) + 1) * section.bottom :].reshape(len(layer.widths), layer.layers, -1)
+    assert faces[:, 0].all()
+    assert not faces[:, 1:].any()
 
 
 @pytest.mark.slow
