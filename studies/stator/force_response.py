@@ -17,7 +17,7 @@ import numpy as np
 
 import fem
 from studies.chain import passband, resolve
-from studies.record.plots import PALETTE, lines
+from studies.record.plots import PALETTE, curve, lines
 from studies.refusal import RunError
 from studies.scene import Scene
 from studies.study import Answered, Panel, judged, of_record, study
@@ -78,7 +78,7 @@ def run(
         answer.append(("", f"{of_currents:.1e} of the currents into transducers at a voltage of zero"))
     panels = [Panel(name="along", title=f"{resolved.title}: u_z by 1 N at {asked.place[0] * 1e3:g} mm", data=data)]
     if band is not None:
-        panels.append(_over_the_band(asked, passband.band_frequencies(resolved, band), progress))
+        panels += _over_the_band(asked, passband.band_frequencies(resolved, band), progress)
     return panels, _reciprocity(asked, answers, progress), answer
 
 
@@ -163,24 +163,30 @@ class _Asked:
         return motion[2], error * abs(motion[[0, 2]]).max(axis=0) / abs(motion[2])
 
 
-def _over_the_band(asked: _Asked, at: np.ndarray, progress) -> Panel:
-    """Return the currents into all transducers per newton at frequencies in Hz."""
-    currents = {}
+def _over_the_band(asked: _Asked, at: np.ndarray, progress) -> list[Panel]:
+    """Return currents and voltages of all transducers per newton at frequencies in Hz; open ones have no current."""
+    sizes: dict[str, dict] = {"A": {"frequency_Hz": at}, "V": {"frequency_Hz": at}}
+    prepared = None if asked.spreads else _band(asked, at)
     for component, name in FORCES.items():
-        if asked.spreads:
-            answers = []
+        if prepared is None:
+            circuits = []
             for frequency in at:
                 progress(f"stator: force along {component} at {frequency / 1e6:.5g} MHz")
-                answers.append(asked.response(component, frequency).circuit)
-            names, values = answers[0].names, np.array([each.currents for each in answers])
+                circuits.append(asked.response(component, frequency).circuit)
         else:
-            prepared = _band(asked, at)
-            names = prepared.port_names
-            values = prepared.received(at, asked.force(component), resolve.drive(asked.scene))
-        for number, port in enumerate(names):
-            currents[f"{port}_{name}_A_per_N"] = values[:, number]
-    title = f"{asked.scene.title}: current per newton at {asked.place[0] * 1e3:g} mm"
-    return Panel(name="received", title=title, data={"frequency_Hz": at} | currents)
+            circuits = prepared.forced(at, asked.force(component), resolve.drive(asked.scene))
+        for number, port in enumerate(circuits[0].names):
+            for unit, field in (("A", "currents"), ("V", "voltages")):
+                values = np.array([getattr(each, field)[number] for each in circuits])
+                if abs(values).max() > ROUNDING:
+                    sizes[unit][f"{port}_{name}_{unit}_per_N"] = values
+    titles = {"A": ("currents", "current per newton"), "V": ("voltages", "voltage per newton")}
+    where = f"at {asked.place[0] * 1e3:g} mm"
+    return [
+        Panel(name=name, title=f"{asked.scene.title}: {what} {where}", data=sizes[unit])
+        for unit, (name, what) in titles.items()
+        if len(sizes[unit]) > 1
+    ]
 
 
 def _band(asked: _Asked, at: np.ndarray):
@@ -189,7 +195,7 @@ def _band(asked: _Asked, at: np.ndarray):
     try:
         return fem.frequency_band(
             resolve.whole_stator(scene), resolve.section_row(scene), lowest=float(at.min()), highest=float(at.max()),
-            drive=resolve.drive(scene), tolerance=asked.tolerance, places=asked.beside,
+            drive=resolve.drive(scene), tolerance=asked.tolerance, places=(asked.place[0],),
         )  # fmt: skip
     except fem.ConvergenceError as error:
         raise RunError(str(error)) from None
@@ -219,13 +225,18 @@ def _reciprocity(asked: _Asked, answers: dict, progress) -> tuple:
 def figure(record: Panel, ax):
     """Draw u_z along the stator, or the currents over frequency."""
     if "x_m" in record.data:
-        rows = [(f"{name}_m_per_N", "-", colour, f"force along {component}")
-                for (component, name), colour in zip(FORCES.items(), PALETTE, strict=False)]  # fmt: skip
-        return lines(ax, record, "x_m", rows, "normal_m_per_N")
-    keys = [key for key in record.data if key.endswith("_A_per_N")]
+        x = record.data["x_m"]
+        gap = int(np.argmax(np.diff(x))) + 1  # one wavelength either side of the force
+        for (component, name), colour in zip(FORCES.items(), PALETTE, strict=False):
+            motion = abs(record.data[f"{name}_m_per_N"]) * 1e9
+            for part, label in ((slice(0, gap), f"force along {component}"), (slice(gap, None), None)):
+                curve(ax, x[part] * 1e3, motion[part], "-", colour, label)
+        return lines(ax, record, "x_m", (), "normal_m_per_N")
+    (unit,) = {key.split("_")[-3] for key in record.data if key.endswith("_per_N")}
+    keys = [key for key in record.data if key.endswith("_per_N")]
     rows = [
         (key, "o-" if "_normal_" in key else "s--", PALETTE[number % len(PALETTE)],
-         key.removesuffix("_A_per_N").replace("_", ", "))
+         key.removesuffix(f"_{unit}_per_N").replace("_", ", "))
         for number, key in enumerate(keys)
     ]  # fmt: skip
-    return lines(ax, record, "frequency_Hz", rows, "current_A_per_N")
+    return lines(ax, record, "frequency_Hz", rows, {"A": "current_A_per_N", "V": "voltage_V_per_N"}[unit])

@@ -55,6 +55,15 @@ def test_the_current_per_newton_is_the_velocity_of_the_beam_per_volt(scene):
 
 def test_the_plane_section_takes_the_force_over_the_aperture(scene):
     plane = replace(scene, stator=replace(scene.stator, diffraction=False))
+    (left,) = plane.transducer
+    open_one = replace(left, name="open", center=12e-3, finger_pairs=1, termination="open")
+    record = run(replace(plane, transducer=(left, open_one)), band="2.2:2.21:2", count=8, tolerance=1e-2)
+    assert list(record.panel("currents").data)[1:] == ["left_normal_A_per_N", "left_tangential_A_per_N"]
+    voltages = record.panel("voltages").data
+    assert list(voltages)[1:] == ["open_normal_V_per_N", "open_tangential_V_per_N"]
+    assert dict(record.answer)["open"].endswith(
+        f"{abs(voltages['open_tangential_V_per_N'][0]) * 1e3:.4g} mV per newton along x"
+    )
     record = run(plane, band="2.2:2.21:2", count=8, tolerance=1e-2)
     said = dict(record.answer)
     assert said["method"] == "plane section: stator.diffraction is false"

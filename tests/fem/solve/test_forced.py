@@ -175,7 +175,8 @@ def test_a_band_receives_as_it_sends(component):
     given = {"lowest": 0.98 * FREQUENCY, "highest": 1.02 * FREQUENCY, "tolerance": 1e-2, "places": (place,)}
     band = frequency_band(stator, row, drive=drive, **given)
     at = np.array([0.985, 1.0, 1.017]) * FREQUENCY
-    received = band.received(at, LineForce(name="f", position=place, component=component), drive)[:, 0]
+    circuits = band.forced(at, LineForce(name="f", position=place, component=component), drive)
+    received = [each.currents[0] for each in circuits]
     motion = np.array([each.motion(place)["xz".index(component)] for each in band.waves(at, drive)])
     velocity = 2j * np.pi * at * motion
     assert received == pytest.approx(velocity * row[0].aperture, rel=1e-6)
