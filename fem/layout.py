@@ -92,15 +92,26 @@ def _check_names(transducers: tuple[Transducer, ...]) -> None:
         raise InputError("transducer", f"names must differ, got {', '.join(names)}")
 
 
-def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
-    """Raise an InputError if the pieces do not fit the stator, the transducers or each other."""
-    if not stator.pieces:
-        return
-    if stator.above != "none":
+def check_interfaces(stator: Stator) -> None:
+    """Check that the meshed pieces of a stator meet its section: as high, up to the surface, without field above.
+
+    Raises
+    ------
+    InputError
+        The message names the piece and what is drawn in mm.
+    """
+    if stator.pieces and stator.above != "none":
         rule = "must be none with a meshed piece, whose model error states the effect of the field above"
         raise InputError("stator.above", rule, stator.above)
     for piece in stator.pieces:
         _check_heights(piece, stator.depth)
+
+
+def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
+    """Raise an InputError if the pieces do not fit the stator, the transducers or each other."""
+    if not stator.pieces:
+        return
+    check_interfaces(stator)
     placed = stator.placement
     if placed.whole is not None:
         _check_whole(placed.whole, stator, transducers)
