@@ -74,10 +74,15 @@ class Stator:
         """True if no wave is reflected from the bottom."""
         return self.bottom == "absorbing" or not np.isfinite(self.thickness)
 
+    @property
+    def depth(self) -> float:
+        """Thickness in m; infinite also with an absorbing bottom, where every thickness stands for a half-space."""
+        return np.inf if self.absorbs_below else self.thickness
+
     @cached_property
     def placement(self) -> Placement:
         """Position of each meshed piece in the row of pieces, and both ends of the uniform part of the stator."""
-        return placement(self.pieces, length=self.length, thickness=self.thickness)
+        return placement(self.pieces, length=self.length, thickness=self.depth)
 
     def piece_warnings(self, frequency: float, transducers: tuple["Transducer", ...] = ()) -> tuple[str, ...]:
         """Warnings about the meshed pieces at a frequency in Hz, one sentence each."""

@@ -92,19 +92,26 @@ def _check_names(transducers: tuple[Transducer, ...]) -> None:
         raise InputError("transducer", f"names must differ, got {', '.join(names)}")
 
 
+def check_interfaces(stator: Stator) -> None:
+    """Check that the meshed pieces of a stator meet its section: as high, up to the surface, without field above.
+
+    Raises
+    ------
+    InputError
+        The message names the piece and what is drawn in mm.
+    """
+    if stator.pieces and stator.above != "none":
+        rule = "must be none with a meshed piece, whose model error states the effect of the field above"
+        raise InputError("stator.above", rule, stator.above)
+    for piece in stator.pieces:
+        _check_heights(piece, stator.depth)
+
+
 def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
     """Raise an InputError if the pieces do not fit the stator, the transducers or each other."""
     if not stator.pieces:
         return
-    for key, allowed, value, fits in (
-        ("above", "none", stator.above, stator.above == "none"),
-        ("thickness", "finite", "half-space", np.isfinite(stator.thickness)),
-        ("bottom", "free, grounded or clamped", stator.bottom, stator.bottom != "absorbing"),
-    ):
-        if not fits:
-            raise InputError(f"stator.{key}", f"must be {allowed} with a meshed piece", value)
-    for piece in stator.pieces:
-        _check_heights(piece, stator.thickness)
+    check_interfaces(stator)
     placed = stator.placement
     if placed.whole is not None:
         _check_whole(placed.whole, stator, transducers)
@@ -113,7 +120,7 @@ def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
         _check_materials(piece)
         _check_electrodes(piece, transducers, at_end=piece in placed.ends)
         _check_electrode_lines(piece, stator.solid)
-        if stator.bottom != "free" and "bottom" not in piece.mesh.lines:
+        if stator.bottom != "free" and not stator.absorbs_below and "bottom" not in piece.mesh.lines:
             raise InputError(
                 "piece",
                 f"must have the line group bottom, as stator.bottom is {stator.bottom}, got none",
@@ -122,7 +129,7 @@ def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
     for index, (end, inner) in enumerate(zip(placed.ends, (placed.start, placed.stop), strict=True)):
         if end is None:
             continue
-        if not is_step(end, stator.thickness):
+        if not is_step(end, stator.depth):
             _check_outer_end(end, index, stator.length)
         elif stator.ends != "absorbing":
             raise InputError(
@@ -162,6 +169,9 @@ def _check_heights(piece: MeshPiece, thickness: float) -> None:
                 f"the group covers {height * 1e3:.6g} of {border * 1e3:.6g} mm",
                 owner=piece.name,
             )
+    if np.isinf(thickness):
+        _check_foot(piece, lines)
+        return
     if not lines or any(piece.fits(side, thickness) for side in lines):
         return
     side, (_, height, top) = next(iter(lines.items()))
@@ -177,6 +187,42 @@ def _check_heights(piece: MeshPiece, thickness: float) -> None:
         f"is {thickness * 1e3:.6g} mm thick{_unit_question(piece, height, thickness)}",
         owner=piece.name,
     )
+
+
+def _check_foot(piece: MeshPiece, lines: dict[str, tuple[float, float, float]]) -> None:
+    """Raise an InputError for a piece of a half-space, with these interfaces, that cannot be continued downwards."""
+    mesh, depth = piece.mesh, piece.depth * 1e3
+    rule = ""
+    for side, (_, height, top) in lines.items():
+        if not piece.fits(side, np.inf):
+            rule = (
+                f"must reach at its group {side} from the surface, z = 0, down to its lowest point, z = -{depth:.6g} mm"
+                f", as the bottom absorbs, got z = {top * 1e3:.6g} to {(top - height) * 1e3:.6g} mm"
+            )
+    foot = mesh.foot
+    drawn = float(abs(np.diff(mesh.points[foot, 0], axis=1)).sum())
+    low, high = mesh.extent
+    if not rule and abs(drawn - (high - low)) > SAME * (high - low):
+        rule = (
+            "must have one straight horizontal lower side, below which the program continues the solid as the bottom "
+            f"absorbs: {drawn * 1e3:.6g} of {(high - low) * 1e3:.6g} mm lie at z = -{depth:.6g} mm"
+        )
+    solids = {mesh.cells[mesh.edges[tuple(edge)][0][0]].solid for edge in foot.tolist()} - {"stator"}
+    if not rule and solids:
+        rule = (
+            "must consist of the stator's own material at its lower side, which the program continues as the bottom "
+            f"absorbs, got {solids.pop()!r}"
+        )
+    if not rule:
+        at_foot = {frozenset(edge) for edge in foot.tolist()}
+        for name, own in mesh.lines.items():
+            if name != "bottom" and any(frozenset(edge) in at_foot for edge in own.tolist()):
+                rule = (
+                    "must have no other line group than bottom at its lower side, below which the program continues "
+                    f"the solid as the bottom absorbs, got {name!r}"
+                )
+    if rule:
+        raise InputError("piece", rule, owner=piece.name)
 
 
 def _unit_question(piece: MeshPiece, drawn: float, meant: float) -> str:
@@ -206,6 +252,7 @@ def _check_whole(piece: MeshPiece, stator: Stator, transducers: tuple[Transducer
             f"{len(stator.pieces)}"
         )
     bottom, top = (each * 1e3 for each in piece.mesh.depth_range)
+    thickness = piece.depth if stator.absorbs_below else thickness  # the program continues what is drawn
     if max(abs(bottom + thickness * 1e3), abs(top)) > SAME * thickness * 1e3:
         refuse(
             f"is the whole stator: its surface group stator must reach from z = -{thickness * 1e3:.6g} mm (minus "
@@ -338,7 +385,9 @@ def _check_overlaps(placed: Placement, length: float, transducers: tuple[Transdu
         low, high = piece.extent
         if low < -room or high > length + room:
             raise InputError(
-                "piece", f"must lie on the stator, 0 to {length * 1e3:g} mm, got {piece.where}", owner=piece.name
+                "piece",
+                f"must lie on the stator, 0 to {length * 1e3:g} mm, got {piece.where}{_place_question(piece, length)}",
+                owner=piece.name,
             )
     spans.sort(key=lambda each: each[0])
     for (one, first), (other, second) in pairwise(spans):
@@ -352,6 +401,12 @@ def _check_overlaps(placed: Placement, length: float, transducers: tuple[Transdu
             raise InputError(
                 "piece", f"{here[0].removeprefix('piece ')} {_span(here[1])} {what} the {there[0]} {_span(there[1])}"
             )
+
+
+def _place_question(piece: MeshPiece, length: float) -> str:
+    """Return the question for a unit, if a piece stands far off the stator and its number of mm would lie on it."""
+    asked = 10 * length < piece.position <= 1e3 * length
+    return f': is "{piece.position:g} mm" meant? A number without a unit is in m' if asked else ""
 
 
 def _span(span: tuple[float, float]) -> str:

@@ -47,6 +47,7 @@ STUDIES = {
     "cell_parameters": ("stator", 10),
     "p_matrix": ("stator", 15),
     "reflector": ("stator", 30),
+    "force_response": ("stator", 8),
     "network": ("stator", 15),
     "gallery": ("motor", 60),
     "published_motors": ("papers", 40),

@@ -1,4 +1,4 @@
-"""One BLAS thread, and an order in which the workers of a whole run never wait for the contact's compiler.
+"""One BLAS thread, two sets of tests, and an order in which no worker waits for the compiler of the contact.
 
 The matrices are small, and threads of several libraries in one process slow each other down.  In a fresh cache the
 kernels of the contact take about a minute of two processors.  Two processes of their own compile them while the workers
@@ -21,6 +21,7 @@ settings.load_profile("sawmotor")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 ROOT = Path(__file__).parents[1]
+THOROUGH = ROOT / "tests" / "thorough.txt"
 KERNEL_PARTS = ("events", "averages")  # of tests/kernels.py
 LONG = ("tests/studies/test_studies.py", "tests/test_documents.py")  # files: begun late, they would end alone
 # folders, the documentation's examples of the product last
@@ -75,6 +76,11 @@ def pytest_collection_finish():
     gc.enable()
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Put the tests of the field first, and long files before short ones."""
+    """Mark the tests that `pytest` alone leaves out; put those of the field first, long files before short ones."""
+    thorough = set(THOROUGH.read_text().splitlines())
+    for item in items:
+        if item.nodeid in thorough:
+            item.add_marker(pytest.mark.thorough)
     items.sort(key=lambda item: next(k for k, folder in enumerate(ORDER) if item.nodeid.startswith(folder)))

@@ -24,7 +24,7 @@ Surface = Literal["vacuum", "open", "metallised"]
 SURFACES: tuple[Surface, ...] = get_args(Surface)
 
 _DISPLACEMENTS = ("ux", "uy", "uz")
-_BELOW_LIMIT = 1e-9  # relative distance of the largest velocity that is searched from the limiting velocity
+BELOW_LIMIT = 1e-9  # relative distance of the largest velocity that is searched from the limiting velocity
 _ROOT_STEPS = 60
 
 
@@ -115,13 +115,13 @@ def rayleigh(solid: Solid, surface: str = "vacuum") -> HalfSpaceWave:
         If the cut has no subsonic wave with sagittal motion: what propagates is leaky or shear-horizontal.
     """
     surface = surface_named(surface)
-    names, body, limit = _bulk(solid)
-    unit = float(np.sqrt(1.0 / body.inertia[0]))  # m/s
-    impedance = SurfaceImpedance(body, surface)
-    top = np.arcsin(1.0 - _BELOW_LIMIT)
+    names, body, _ = _bulk(solid)
+    impedance, limit = surface_impedance(solid, surface)
+    unit = impedance.velocity_unit
+    top = np.arcsin(1.0 - BELOW_LIMIT)
     waves = int(np.sum(impedance.eigenvalues(limit * np.sin(top)) < 0))
     for index in range(waves):
-        angle = _root(lambda angle, i=index: impedance.eigenvalues(limit * np.sin(angle))[i], top)
+        angle = falling_root(lambda angle, i=index: impedance.eigenvalues(limit * np.sin(angle))[i], top)
         velocity = limit * np.sin(angle)
         amplitude = impedance.mode(velocity, index)
         displacement, potential = _expanded(amplitude, names, body.potential_unit)
@@ -147,6 +147,12 @@ def rayleigh(solid: Solid, surface: str = "vacuum") -> HalfSpaceWave:
     )
 
 
+def surface_impedance(solid: Solid, surface: str) -> tuple[SurfaceImpedance, float]:
+    """Return the impedance of a half-space and its limiting velocity over the impedance's ``velocity_unit``."""
+    _, body, limit = _bulk(solid)
+    return SurfaceImpedance(body, surface_named(surface)), limit
+
+
 def coupling(solid: Solid) -> float:
     """Return K2 = 2 (v_vacuum - v_metallised) / v_vacuum of a solid in the frame of the cut."""
     if "phi" not in fields(solid):
@@ -163,7 +169,7 @@ def _bulk(solid: Solid) -> tuple[tuple[str, ...], Medium, float]:
     return names, body, limiting_velocity(body)
 
 
-def _root(function, top: float) -> float:
+def falling_root(function, top: float) -> float:
     """Zero of a falling function on (0, top): bracketed, by the Anderson-Bjorck variant of regula falsi."""
     low, high = top / 2, top
     f_low, f_high = function(low), function(high)

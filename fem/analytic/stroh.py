@@ -34,13 +34,15 @@ _SIGN_STEPS = 60
 class SurfaceImpedance:
     """Surface impedance Z(v) of a lossless medium whose surface is under "vacuum", "open" or "metallised".
 
-    Velocities are in units of sqrt(stress_unit / rho).
+    Velocities are in units of sqrt(stress_unit / rho), ``velocity_unit`` in m/s; Z in ``stress_unit``, Pa.
     """
 
     def __init__(self, body: Medium, surface: str):
         # The softest modulus as the unit keeps N of order one for a nearly incompressible solid too.
         displaced = body.displaced
         softest = np.diag(body.zz)[displaced].min()
+        self.stress_unit = float(softest * body.stress_unit)
+        self.velocity_unit = float(np.sqrt(1.0 / body.inertia[0]))
         xx, xz, zz = body.xx / softest, body.xz / softest, body.zz / softest
         inverse = np.linalg.inv(zz)
         self.upper = -inverse @ xz.T

@@ -13,8 +13,7 @@ Compare Auld, *Acoustic Fields and Waves in Solids* II (1973), sections 10 and 1
 
 import numpy as np
 
-from fem.analytic.half_space import _BELOW_LIMIT, _bulk, _root, rayleigh, surface_named
-from fem.analytic.stroh import SurfaceImpedance
+from fem.analytic.half_space import BELOW_LIMIT, falling_root, rayleigh, surface_impedance
 from fem.materials import Solid
 
 # Step of the angle in the five-point derivative, which is accurate to 1e-11: steps of half and twice the size agree.
@@ -44,11 +43,8 @@ def wave_compliance(solid: Solid, surface: str = "vacuum") -> float:
     >>> print(f"{fem.wave_compliance(fem.material('PZT-8')):.4e}")
     4.8674e-12
     """
-    wave = rayleigh(solid, surface)
-    _, body, limit = _bulk(solid)
-    impedance = SurfaceImpedance(body, surface_named(surface))
-    unit = float(np.sqrt(1.0 / body.inertia[0]))
-    velocity = wave.velocity / unit
+    impedance, limit = surface_impedance(solid, surface)
+    velocity = rayleigh(solid, surface).velocity / impedance.velocity_unit
     index = int(np.argmin(np.abs(impedance.eigenvalues(velocity))))
     # lambda is analytic in the angle with v = limit sin(angle), up to the limiting velocity
     angle = np.arcsin(velocity / limit)
@@ -57,8 +53,7 @@ def wave_compliance(solid: Solid, surface: str = "vacuum") -> float:
     slope = (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * step) / (limit * np.cos(angle))
     amplitude = impedance.mode(velocity, index)[impedance.displaced]
     share = abs(amplitude[-1]) ** 2 / float(np.sum(np.abs(amplitude) ** 2))
-    softest = np.diag(body.zz)[body.displaced].min()
-    return float(-share / (slope * velocity) / (softest * body.stress_unit))
+    return float(-share / (slope * velocity) / impedance.stress_unit)
 
 
 def spring_shift(
@@ -94,11 +89,10 @@ def spring_shift(
     -2.7419e-03
     """
     velocity = rayleigh(solid, surface).velocity
-    _, body, limit = _bulk(solid)
-    impedance, unit = SurfaceImpedance(body, surface_named(surface)), float(np.sqrt(1.0 / body.inertia[0]))
-    stress = np.diag(body.zz)[body.displaced].min() * body.stress_unit
-    springs = np.zeros(int(body.displaced.sum()))
-    springs[[0, -1]] = tangential / stress, normal / stress
+    impedance, limit = surface_impedance(solid, surface)
+    unit = impedance.velocity_unit
+    springs = np.zeros(int(impedance.displaced.sum()))
+    springs[[0, -1]] = tangential / impedance.stress_unit, normal / impedance.stress_unit
 
     def sprung(scaled: float) -> np.ndarray:
         return impedance.stiff(scaled) + np.diag(springs * scaled * unit / (2.0 * np.pi * frequency))
@@ -106,10 +100,10 @@ def spring_shift(
     def lowest(scaled: float) -> float:
         return float(np.linalg.eigvalsh(sprung(scaled))[0])
 
-    top = limit * (1.0 - _BELOW_LIMIT)
+    top = limit * (1.0 - BELOW_LIMIT)
     if lowest(top) > 0.0:
         return None
-    root = _root(lowest, top)
+    root = falling_root(lowest, top)
     moved = np.abs(np.linalg.eigh(sprung(root))[1][:, 0]) ** 2
     if moved[0] + moved[-1] < 0.1:  # a shear-horizontal wave, on which springs along x and z hardly act
         return None

@@ -1,8 +1,8 @@
-"""Guided modes excited by a line of charge at any lateral wavenumber k_y, in any crystal cut.
+"""Guided modes excited by a line of charge or force at any lateral wavenumber k_y, in any crystal cut.
 
 With L(k) = k^2 K2 + i k (K1 - K1t) + K0 - omega^2 M at k_y (section.py), a line of charge q has the response
-u(k_x) = L(k_x)^-1 q e, where e is the unknown of the surface's potential.  With all eigenpairs k_p, v_p of both
-directions,
+u(k_x) = L(k_x)^-1 q e, where e is the unknown of the surface's potential, or of u_x or u_z for a force.  With all
+eigenpairs k_p, v_p of both directions,
 
     L(k)^-1 = sum_p v_p l_p^T / (k - k_p),    [V; V diag(k_p)] [l_p^T] = [0; K2^-1],
 
@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.beam.lateral import LateralRule, lateral_rule
-from fem.beam.line_source import KEPT, LOCAL, Branch, charge_scale
+from fem.beam.line_source import KEPT, LOADED, LOCAL, Branch, Load, load_scale
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
@@ -32,6 +32,7 @@ from fem.eigenproblem import companion_modes, even_odd_modes, opposite_modes
 from fem.waveguide.port_fields import PortFields
 from fem.waveguide.surface_modes import NEAR_HALF_SPACE, TWIN_MODES, TWIN_SHARE
 
+SURFACE_FIELDS = ("ux", "uy", "uz", "phi")
 # Lateral wavenumbers over the surface wave's wavenumber between which the integral is faded out.
 FADE = (0.8, 1.0)
 # Factor on both for a second, narrower integral; the change estimates the error by neglecting more oblique waves.
@@ -75,7 +76,7 @@ class _Poles(NamedTuple):
     """Modes of both directions at one k_y.
 
     ``wavenumbers`` (modes,) are in rad/m; ``right`` is True for modes that run to the right, ``surface`` for those of
-    the surface wave.  ``column`` and ``row`` (modes, 3): residues of u per charge and of the transposed response.
+    the surface wave.  ``column`` and ``row`` (modes, 3): residues of u per load and of the transposed response.
     """
 
     wavenumbers: np.ndarray
@@ -87,10 +88,12 @@ class _Poles(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class CutSource:
-    """Surface motion of the modes sent by 1 C/m on the line x = 0 of a section, at any lateral wavenumber.
+    """Surface motion of the modes sent by 1 C/m or 1 N/m on the line x = 0 of a section, at any lateral wavenumber.
 
     Attributes
     ----------
+    load : "charge", "x" or "z"
+        A charge, or a force along x or z.
     section : Section
         Section with all fields, but without the layers of elements for the finger edges.
     reduced : _Reduced
@@ -111,6 +114,7 @@ class CutSource:
     wavenumber: float
     surface_only: bool = False
     static: float = 0.0
+    load: Load = "charge"
     _spectra: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property
@@ -127,6 +131,10 @@ class CutSource:
     def rough(self) -> "CutSource":
         """The same source on half of the basis: accurate to 1e-3, at a fifth of the cost."""
         return replace(self, reduced=self.reduced.half, _spectra={})
+
+    def loaded(self, load: Load) -> "CutSource":
+        """Source of another load in the same section."""
+        return replace(self, load=load, _spectra={})
 
     def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
         """`LineSource.surface_wavenumbers`, at real lateral wavenumbers of either sign."""
@@ -198,8 +206,8 @@ class CutSource:
         """Select the forward modes that are not local, and identify the surface wave among them.
 
         A mode is right-going if its power flows to the right or, if it hardly propagates, if it decays to the right.
-        The field of a unit charge is sum_p v_p (l_p . e) / (k - k_p) (module docstring): ``column`` of the result has
-        u of v_p times phi of l_p.  ``row`` has phi of v_p times u of l_p, the transposed response.
+        The field of a unit load is sum_p v_p (l_p . e) / (k - k_p) (module docstring): ``column`` of the result has
+        u of v_p times l_p . e, of a charge phi of l_p.  ``row`` has v_p . e times u of l_p, the transposed response.
 
         The modes have wavenumbers ``k``, ``shapes`` in the reduced basis, left shapes ``left`` at the surface (4, m)
         and powers ``carried``.
@@ -223,18 +231,18 @@ class CutSource:
             share[some] /= 1 + (apart[some] / NEAR_HALF_SPACE) ** 2
             best = np.argmax(share)
             surface |= (share > TWIN_SHARE * share[best]) & (abs(k / k[best] - 1) < TWIN_MODES)
-        factors = np.ones((4, 1), dtype=complex)
+        factors = np.ones((len(left), 1), dtype=complex)
         if section.solid.mirror_y is not None:  # fields that change sign under y -> -y are scaled by i
             factors[section.solid.mirror_y] = 1j
         shapes, left = factors * (self.reduced.surface @ shapes), factors.conj() * left
-        scale = charge_scale(section.solid)
-        column, row = scale * shapes[:3] * left[3], scale * shapes[3] * left[:3]
+        scale, at = load_scale(section.solid, self.load), SURFACE_FIELDS.index(LOADED[self.load])
+        column, row = scale * shapes[:3] * left[at], scale * shapes[at] * left[:3]
         return _Poles(k[kept] / unit, right[kept], surface[kept], column.T[kept], row.T[kept])
 
 
 def _surface(section: Section) -> list[int]:
-    """Numbers of the unknowns u_x, u_y, u_z and phi at the surface."""
-    return [section.surface_dofs[name] for name in ("ux", "uy", "uz", "phi")]
+    """Numbers of the unknowns u_x, u_y, u_z and, in a piezoelectric solid, phi at the surface."""
+    return [section.surface_dofs[name] for name in SURFACE_FIELDS if name in section.surface_dofs]
 
 
 class _Polynomials(NamedTuple):
@@ -309,7 +317,7 @@ class _Reduced(NamedTuple):
             solve = opposite_modes if self.opposite else companion_modes
             k, shapes = solve(second, 1j * (first - adjoint), zeroth)
         shapes = shapes / np.linalg.norm(shapes, axis=0) / np.maximum(1.0, abs(k))
-        load = np.zeros((len(k), 4), dtype=complex)
+        load = np.zeros((len(k), len(self.surface)), dtype=complex)
         load[len(second) :] = np.linalg.solve(second, self.surface.T)
         left = np.linalg.solve(np.vstack([shapes, shapes * k]), load).T
         flux = first @ shapes - 1j * (second @ shapes) * k

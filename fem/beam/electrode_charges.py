@@ -151,16 +151,16 @@ def electrode_charges(solution: Solution, transducer: int) -> ElectrodeCharges:
     if not solution.fields.sheets:
         x, (charge,), finger = _node_charges(solution, piece, solution.sides(piece)[:, None])
         return ElectrodeCharges(x=x, charge=charge, finger=finger)
-    sheets, volts = solution.fields.sheets[transducer], solution.circuit.voltages
+    sheets, weights = solution.fields.sheets[transducer], solution.weights
     signs = solution.fields.transducers[transducer].signs.replace("0", "")
     # The first ``resolved`` sheets have nodal charges; a later one has only each finger's total and first moment, and
     # across each finger the distribution of the first sheet.  This is so on the driven transducer alone: on one that
     # receives, the distribution varies along the finger, and the wave that it reflects would be 7 % too small in
     # twente (tests/validation/test_finite_fingers.py).  Open strips ("o") have no such totals.
-    drives = len(solution.fields.transducers) == 1
+    drives = len(solution.fields.transducers) == 1 and solution.forces is None
     resolved = 1 if drives and "o" not in signs else len(sheets)
     x, charges, finger = _node_charges(
-        solution, piece, np.stack([sheet.sides @ volts for sheet in sheets[:resolved]], axis=-1)
+        solution, piece, np.stack([sheet.sides @ weights for sheet in sheets[:resolved]], axis=-1)
     )
     section = solution.fields.section
     charge_unit = -section.solid.stress_unit / section.solid.potential_unit
@@ -175,13 +175,13 @@ def electrode_charges(solution: Solution, transducer: int) -> ElectrodeCharges:
         if index < resolved:
             charge = charges[index].copy()
             # The nodal charges have the moments caused by the fields on the lines; ``dipoles`` are the other moments.
-            missing_moments = moment_unit * (sheet.dipoles @ volts)
+            missing_moments = moment_unit * (sheet.dipoles @ weights)
         else:
             charge = np.zeros(len(x), dtype=complex)
-            totals = charge_unit * (sheet.reactions @ volts)
+            totals = charge_unit * (sheet.reactions @ weights)
             charge[nodes] = profiles.shares * totals[number]
             # ``moments`` are the whole first moments, of which the profile of the first sheet has a part already.
-            missing_moments = moment_unit * (sheet.moments @ volts)
+            missing_moments = moment_unit * (sheet.moments @ weights)
             missing_moments = missing_moments - _sum_per_finger(number, charge[nodes] * profiles.lever_arms)
         charge[nodes] += profiles.unit_dipole * missing_moments[number]
         sheet_charges.append(charge)

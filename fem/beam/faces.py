@@ -29,7 +29,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.beam.lateral import LateralRule, evanescent, lateral_rule, wavenumber_along
-from fem.beam.line_source import KEPT, SIGNS, LineSource, charge_scale, static_mode
+from fem.beam.line_source import KEPT, SIGNS, LineSource, load_scale, shear_modes, static_mode
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.section import Section
 from fem.waveguide.ends import end_reflection
@@ -242,19 +242,19 @@ class _TurnedModes:
 def _turned_modes(fields: PortFields, source: LineSource) -> _TurnedModes:
     """Modes of a section with all displacements, from the sagittal modes of its solution at k_y = 0.
 
-    Sagittal modes are those of the solution.  The SH modes w solve (k^2 K2 + K0 - omega^2 M) w = 0 on the unknowns of
-    u_y alone.  The nodal flux at k_y is K1(k_y) v - i kappa K2 v with K1(k_y) = K1 + k_y K1', ``first`` and ``by_k_y``.
-    Inserting v of the module docstring and kappa^2 = k^2 - k_y^2 leaves, for each kind of unknown and of mode, a factor
-    1, kappa, k_y or kappa k_y times a fixed vector, ``flux``, and a part in k_y^2, ``by_square``.
+    Sagittal modes are those of the solution, the SH modes those of `shear_modes`.  The nodal flux at k_y is
+    K1(k_y) v - i kappa K2 v with K1(k_y) = K1 + k_y K1', ``first`` and ``by_k_y``.  Inserting v of the module docstring
+    and kappa^2 = k^2 - k_y^2 leaves, for each kind of unknown and of mode, a factor 1, kappa, k_y or kappa k_y times a
+    fixed vector, ``flux``, and a part in k_y^2, ``by_square``.
     """
-    plane, section = fields.modes, _with_all_displacements(fields)
-    second, first, _, zeroth = section.lateral_matrices(fields.frequency, 0.0)
+    plane, section = fields.modes, with_all_displacements(fields)
+    second, first, _, _ = section.lateral_matrices(fields.frequency, 0.0)
     by_k_y = section.lateral_matrices(fields.frequency, 1.0)[1] - first
     u_x, u_y, u_z, phi = (column[column >= 0] for column in section.dofs.T)
     tangential, _, normal, potential = (column[column >= 0] for column in plane.section.dofs.T)
-    squares, shear = np.linalg.eig(-np.linalg.solve(second[np.ix_(u_y, u_y)], zeroth[np.ix_(u_y, u_y)]))
+    of_shear, shear = shear_modes(section, fields.frequency)
     moving, count = plane.wavenumbers != 0, plane.section.size
-    k = np.append(plane.wavenumbers, np.sqrt(squares.astype(complex)))
+    k = np.append(plane.wavenumbers, of_shear)
     lines = plane.right / np.where(moving, k[:count], 1.0)
     even = plane.right.copy()
     sent = np.zeros(section.size, dtype=complex)
@@ -262,7 +262,7 @@ def _turned_modes(fields: PortFields, source: LineSource) -> _TurnedModes:
     if not moving.all():
         slope, motion = static_mode(plane)
         lines[:, ~moving], even[:, ~moving] = -1j * motion[:, None], plane.section.constant_potential[:, None]
-        sent[:count][~moving] = 1j * slope * charge_scale(section.solid)
+        sent[:count][~moving] = 1j * slope * load_scale(section.solid, "charge")
     shapes = np.zeros((section.size, section.size), dtype=complex)
     for of_field in (u_x, u_y):
         shapes[of_field, :count], shapes[of_field, count:] = lines[tangential], shear
@@ -296,12 +296,12 @@ def _turned_modes(fields: PortFields, source: LineSource) -> _TurnedModes:
     )
 
 
-def _with_all_displacements(fields: PortFields) -> Section:
+def with_all_displacements(fields: PortFields) -> Section:
     """Section of a solution with u_y as an additional unknown, which is uncoupled at k_y = 0."""
     return discretise(
         fields.stator,
         fields.resolution,
         wavelength=fields.section.length_unit,
-        surface_scale=min(each.finger_width / 2 for each in fields.transducers),
+        surface_scale=min((each.finger_width / 2 for each in fields.transducers), default=np.inf),
         lateral=True,
     )

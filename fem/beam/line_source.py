@@ -1,4 +1,4 @@
-"""Guided modes excited by a line of charge on the bare surface, and their dependence on the lateral wavenumber k_y.
+"""Guided modes excited by a line of charge or force on the bare surface, at any lateral wavenumber k_y.
 
 A surface charge q at x = 0 excites, to its right, -i q v_p (l_p . e) exp(-i k_p x) / (l_p . L'(k_p) v_p) in the guided
 mode v_p, with L(k) = k^2 K2 + i k (K1 - K1^T) + K0 - omega^2 M and e the unknown of the surface's potential.  The left
@@ -14,21 +14,33 @@ In a solid isotropic about z the response to a wave vector of length k at any an
 direction of the vector.  It depends only on k^2 = k_x^2 + k_y^2, so that the pole k_p moves to kappa_p = (k_p^2 -
 k_y^2)^(1/2).  Relative to k_y = 0, the residue of u_z is multiplied by k_p / kappa_p, that of u_x does not change, and
 that of u_y is k_y / kappa_p times that of u_x.
+
+A line force F (N/m) is a load on the unknown of u_x or u_z instead of that of the potential.  A normal force turns as a
+charge does.  A force along x has the part F kappa_p / k_p along the wave vector, which excites the same (sagittal)
+modes, and the part -F k_y / k_p across it, which excites shear-horizontal (SH) modes,
+
+    (k^2 K2 + K0 - omega^2 M) w = 0 on the unknowns of u_y,    u_t = -i F w_0^2 exp(-i k_p x) / (2 k_p w.K2 w),
+
+with w_0 the value at the surface.  The pole at k = 0 of a floating section then gives u_x = S |k_y| exp(-|k_y| |x|).
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from fem.beam.lateral import LateralRule, evanescent, lateral_rule, wavenumber_along
+from fem.discretize.section import FIELD_COLUMN, Section
 from fem.materials.medium import Medium
 from fem.waveguide.modes import GuidedModes
 
 LOCAL = 12.0  # a mode that decays by more than exp(-LOCAL) in a wavelength is a local field, not a part of the beam
 KEPT = 1e-12  # a mode is neglected if less than this fraction of its amplitude is left at the nearest point
+# What a source is: its unknown at the surface, and the field of a section that this is
+Load = Literal["charge", "x", "z"]
+LOADED = {"charge": "phi", "x": "ux", "z": "uz"}
 # With the symmetry y -> -y the waves at -k_y follow from those at k_y: signs of k_y and factors of u_x, u_y and u_z.
 SIGNS = ((1, np.ones(3)), (-1, np.array([1, -1, 1])))
 
@@ -58,31 +70,38 @@ class Branch(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class LineSource:
-    """Surface motion of the modes that 1 C/m on the line x = 0 excites to its right.
+    """Surface motion of the modes that a load of 1 C/m or 1 N/m on the line x = 0 excites to its right.
 
     Attributes
     ----------
+    load : "charge", "x" or "z"
+        A charge, or a force along x or z.
     surface : ndarray of bool, shape (modes,)
         True for the modes of the surface wave.
     wavenumbers : ndarray, shape (modes,)
         In rad/m, without k = 0.
     amplitudes : ndarray, shape (modes,)
-        Amplitudes per C/m of the modes as scaled in `GuidedModes`.
+        Amplitudes per unit of load of the modes as scaled in `GuidedModes`; of sagittal modes.
     tangential, normal : ndarray, shape (modes,)
-        u_x and u_z at the surface, m per C/m.
+        u_x and u_z at the surface, m per unit of load; 0 for SH modes.
+    shear : ndarray, shape (modes,)
+        Displacement of SH modes along a force that acts across their wave vector, m per N/m; 0 for sagittal modes.
     potential : ndarray, shape (modes,)
-        phi at the surface, V per C/m.
+        phi at the surface, V per unit of load.
     static : complex
-        u_x of the pole at k = 0, m per C/m; 0 if the section is grounded.
+        u_x of the pole at k = 0, m per C/m, of a force along x S of the module docstring, m2 per N/m; 0 if the section
+        is grounded, and of a normal force.
     slope : complex
-        phi / |x| of this pole, V/m per C/m.
+        phi / |x| of this pole, V/m per C/m; of charges.
     """
 
+    load: Load = "charge"
     surface: np.ndarray = field(repr=False)
     wavenumbers: np.ndarray = field(repr=False)
     amplitudes: np.ndarray = field(repr=False)
     tangential: np.ndarray = field(repr=False)
     normal: np.ndarray = field(repr=False)
+    shear: np.ndarray = field(repr=False)
     potential: np.ndarray = field(repr=False)
     static: complex
     slope: complex
@@ -100,9 +119,26 @@ class LineSource:
 
     def some(self, modes: np.ndarray) -> "LineSource":
         """Source with a selection of the modes, without the pole at k = 0."""
-        fields = ("surface", "wavenumbers", "amplitudes", "tangential", "normal", "potential")
+        fields = ("surface", "wavenumbers", "amplitudes", "tangential", "normal", "shear", "potential")
         kept = {name: getattr(self, name)[modes] for name in fields}
-        return LineSource(**kept, static=0.0, slope=0.0)
+        return replace(self, **kept, static=0.0, slope=0.0)
+
+    def with_shear(self, section: Section, frequency: float) -> "LineSource":
+        """Source of a force along x with the SH modes of the same section with all displacements."""
+        wavenumbers, shapes = shear_modes(section, frequency)
+        on_surface = shapes[np.searchsorted(_shear_dofs(section), section.surface_dofs["uy"])]
+        shear = -0.5j * load_scale(section.solid, "x") * on_surface**2 / wavenumbers
+        none = np.zeros(len(shear))
+        return replace(
+            self,
+            tangential=np.append(self.tangential, none),
+            normal=np.append(self.normal, none),
+            potential=np.append(self.potential, none),
+            surface=np.append(self.surface, none.astype(bool)),
+            wavenumbers=np.append(self.wavenumbers, wavenumbers / section.length_unit),
+            amplitudes=np.append(self.amplitudes, none),
+            shear=np.append(self.shear, shear),
+        )
 
     def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
         """Wavenumber along x of the surface wave at lateral wavenumbers, rad/m; in a plate the mean of both modes."""
@@ -126,13 +162,30 @@ class LineSource:
             if mirror_width is not None and contour is rule:  # the pole at k = 0, kappa = -i k_y
                 pole = np.zeros((3, 1, len(contour.nodes)), dtype=complex)
                 pole[0], pole[1] = self.static, 1j * self.static * (contour.nodes > 0)
+                pole = pole * contour.nodes if self.load == "x" else pole
                 along, motion = (np.vstack([along, -1j * contour.nodes]), np.concatenate([motion, pole], axis=1))
-            yield from _both_sides(contour, along, motion)
+            yield from self._both_sides(contour, along, motion)
 
     def plane(self, resolved: float) -> Iterator[Branch]:
         """The same modes at k_y = 0, for fields that do not depend on y: a rule of one node with weight 1."""
         rule = LateralRule(nodes=np.zeros(1), weights=np.ones(1))
-        yield from _both_sides(rule, *self._turned(self._lasting(0.0, resolved), rule.nodes))
+        yield from self._both_sides(rule, *self._turned(self._lasting(0.0, resolved), rule.nodes))
+
+    def static_motion(self, distance: np.ndarray, above: np.ndarray, below: np.ndarray) -> tuple:
+        """u_x and u_y in m of the pole at k = 0, where kappa = -i |k_y|, by a unit of load per metre of a sheet.
+
+        ``distance``: along x from the load, m; ``above``, ``below``: from the point to the sheet's ends along y, m.
+        The integral over k_y of a charge is a Laplace transform: sum of arctan(b / |x|) / pi for u_x and difference of
+        log(x^2 + b^2) / 2 pi for u_y, with b = ``above`` and ``below``.  That of a force is minus its slope in |x|.
+        """
+        squares = distance**2 + above**2, distance**2 + below**2
+        if self.load == "x":
+            inward = above / squares[0] + below / squares[1]
+            sideways = distance / squares[1] - distance / squares[0]
+        else:
+            inward = np.sign(distance) * (np.arctan2(above, abs(distance)) + np.arctan2(below, abs(distance)))
+            sideways = 0.5 * np.log(squares[0] / squares[1])
+        return inward * (self.static / np.pi), sideways * (self.static / np.pi)
 
     def _lasting(self, distance: float, resolved: float) -> np.ndarray:
         """True for modes that are neither decayed at a distance (m) nor local to the charge."""
@@ -143,24 +196,29 @@ class LineSource:
         """Modes at lateral wavenumbers (n,): kappa_p, shape (modes, n), and u of waves to the right, (3, modes, n)."""
         k = self.wavenumbers[modes, None]
         along = wavenumber_along(k, lateral)
-        tangential = np.broadcast_to(self.tangential[modes, None], along.shape)
-        return along, np.stack([tangential, tangential * (lateral / along), self.normal[modes, None] * (k / along)])
+        by_length = np.ones_like(along) if self.load == "x" else k / along  # with the part of a force along the vector
+        u_s, u_z = self.tangential[modes, None] * by_length, self.normal[modes, None] * by_length
+        u_t = -self.shear[modes, None] * lateral / along
+        cosine, sine = along / k, lateral / k
+        return along, np.stack([u_s * cosine - u_t * sine, u_s * sine + u_t * cosine, u_z])
+
+    def _both_sides(self, rule: LateralRule, along, motion) -> Iterator[Branch]:
+        """Waves to the right and their mirror images to the left: of a force along x, u_x is even in x, else odd."""
+        mirrored = np.array([1, -1, -1] if self.load == "x" else [-1, 1, 1])[:, None, None]
+        yield Branch(1, rule, along, motion, SIGNS)
+        yield Branch(-1, rule, along, motion * mirrored, SIGNS)
 
 
-def _both_sides(rule: LateralRule, along, motion) -> Iterator[Branch]:
-    """Waves to the right, and their mirror images to the left, in which u_x has the opposite sign."""
-    yield Branch(1, rule, along, motion, SIGNS)
-    yield Branch(-1, rule, along, motion * np.array([-1, 1, 1])[:, None, None], SIGNS)
-
-
-@lru_cache(maxsize=2)
-def line_source(modes: GuidedModes) -> LineSource:
-    """Response of the bare section to a line of charge.
+@lru_cache(maxsize=4)
+def line_source(modes: GuidedModes, load: Load = "charge") -> LineSource:
+    """Response of the bare section to a line of charge or force.
 
     Parameters
     ----------
     modes : GuidedModes
         Modes of a section with a potential and with the symmetry x -> -x.
+    load : "charge", "x" or "z"
+        A force along x excites SH modes at k_y != 0 too (`LineSource.with_shear`).
 
     Returns
     -------
@@ -175,27 +233,62 @@ def line_source(modes: GuidedModes) -> LineSource:
     # by 1e-8, amplify rounding to 1e-4, so that the products of different modes are kept.
     products = (k[:, None] + k) * (left.T @ second @ right) + 1j * (left.T @ (first - first.T) @ right)
     norms = np.sqrt(np.diag(products))
-    scale = charge_scale(section.solid)
+    scale = load_scale(section.solid, load)
     # (products) a = -i q e.l, solved with products scaled to a unit diagonal
-    received = np.linalg.solve(products / np.outer(norms, norms), section.lift(left)[at["phi"]] / norms)
+    received = np.linalg.solve(products / np.outer(norms, norms), section.lift(left)[at[LOADED[load]]] / norms)
     amplitudes = -1j * scale * received / norms
     surface = section.lift(right) * amplitudes
-    slope, motion = static_mode(modes) if section.floating_potential else (0.0, np.zeros(section.size))
+    static: complex = 0.0
+    slope: complex = 0.0
+    if section.floating_potential and load != "z":
+        unit_slope, motion = static_mode(modes)
+        tangential = section.lift(motion)[at["ux"]]
+        static = scale * unit_slope * tangential
+        if load == "x":
+            static *= tangential * section.length_unit
+        else:
+            slope = scale * unit_slope * section.solid.potential_unit / section.length_unit
     return LineSource(
+        load=load,
         surface=np.isin(moving, modes.rayleigh),
         wavenumbers=k / section.length_unit,
+        amplitudes=amplitudes,
         tangential=surface[at["ux"]],
         normal=surface[at["uz"]],
-        potential=surface[at["phi"]] * section.solid.potential_unit,
-        amplitudes=amplitudes,
-        static=scale * slope * section.lift(motion)[at["ux"]],
-        slope=scale * slope * section.solid.potential_unit / section.length_unit,
+        shear=np.zeros(len(k), dtype=complex),
+        potential=surface[at["phi"]] * section.solid.potential_unit if "phi" in at else np.zeros(len(k)),
+        static=static,
+        slope=slope,
     )
 
 
-def charge_scale(medium: Medium) -> float:
-    """Reaction in the section's scaled units that corresponds to a charge of 1 C/m."""
-    return -medium.potential_unit / medium.stress_unit
+def shear_modes(section: Section, frequency: float) -> tuple[np.ndarray, np.ndarray]:
+    """SH modes w of a section with all displacements in a solid isotropic about z.
+
+    They are scaled to w.K2 w = 1.
+
+    Returns
+    -------
+    wavenumbers : ndarray, shape (modes,)
+        Radians per length unit, to the right.
+    shapes : ndarray, shape (unknowns of u_y, modes)
+    """
+    second, _, _, zeroth = section.lateral_matrices(frequency, 0.0)
+    own = np.ix_(_shear_dofs(section), _shear_dofs(section))
+    squares, shapes = np.linalg.eig(-np.linalg.solve(second[own], zeroth[own]))
+    shapes = shapes / np.sqrt(np.sum(shapes * (second[own] @ shapes), axis=0).astype(complex))
+    return wavenumber_along(np.sqrt(squares.astype(complex)), np.zeros(1)), shapes
+
+
+def _shear_dofs(section: Section) -> np.ndarray:
+    """Unknowns of u_y, from the bottom up."""
+    column = section.dofs[:, FIELD_COLUMN["uy"]]
+    return column[column >= 0]
+
+
+def load_scale(medium: Medium, load: Load) -> float:
+    """Reaction in the section's scaled units that corresponds to a load of 1 C/m or 1 N/m."""
+    return -medium.potential_unit / medium.stress_unit if load == "charge" else 1 / medium.stress_unit
 
 
 def static_mode(modes: GuidedModes) -> tuple[complex, np.ndarray]:

@@ -73,6 +73,8 @@ def aperture_coupling(
     distance: float,
     mirror_width: float | None = None,
     offset: float = 0.0,
+    *,
+    tangential: bool = False,
 ) -> np.ndarray:
     """Mean of each mode's beam over the receiving aperture, relative to the wave in the section (B of the module).
 
@@ -88,6 +90,8 @@ def aperture_coupling(
         Distance of two reflecting side faces, m; both apertures must then be centred between them.
     offset : float
         Distance along y from the centre of one aperture to that of the other, m.
+    tangential : bool
+        Whether the sender is a force along x, of which the part kappa_p / k_p acts along the wave vector.
 
     Returns
     -------
@@ -100,7 +104,8 @@ def aperture_coupling(
     for some, one in ((wavenumbers.real >= 0, rule), (wavenumbers.real < 0, rule.conjugate)):
         k = wavenumbers[some, None]
         along = wavenumber_along(k, one.nodes)
-        waves = k / along * np.exp(-1j * (along - k) * distance) * (one.weights * np.cos(one.nodes * offset))
+        sent_at_angle = 1.0 if tangential else k / along
+        waves = sent_at_angle * np.exp(-1j * (along - k) * distance) * (one.weights * np.cos(one.nodes * offset))
         sent, received = (np.sinc(np.multiply.outer(each, one.nodes / (2 * np.pi))) for each in (sender, receiver))
         sent = sent * np.asarray(sender)[..., None]
         both = np.expand_dims(received, tuple(range(np.ndim(receiver), np.ndim(receiver) + np.ndim(sender)))) * sent
@@ -128,7 +133,7 @@ def with_apertures(fields: PortFields, mirror_width: float | None = None, finene
         ``fields`` itself is returned if the limits of this module are not met.
     """
     solve = aperture_solver(fields.stator, mirror_width, fineness)
-    if solve is None or None in fields.owners:
+    if solve is None or None in fields.owners or not fields.transducers:
         return fields
     return solve(fields)
 
@@ -233,14 +238,19 @@ def _solved(own_apertures: OwnApertures, row: StatorRow, *, fineness: int) -> Po
     section = network.modes.section
     surface = network.modes.wavenumbers[network.modes.rayleigh].real.mean() / section.length_unit
     refuse_short_apertures(transducers, 2 * np.pi / surface)
-    segments = network.segments[1:-1]
-    kept = network.survivors(float(np.diff(segments, axis=1).min())) if len(segments) else np.empty(0, int)
+    # Between transducers the waves that couple them are enough: what a force adds nearby decays before the next one.
+    between = np.diff(network.segments[1:-1], axis=1).ravel()
+    gaps = between if len(between) else [abs(gap) for _, _, gap in _ways_from_forces(network)]
+    kept = network.survivors(float(min(gaps))) if len(gaps) else np.empty(0, int)
     most = MAX_WAVES // max(2 * len(kept) * len(transducers), 1)
     lengths = []
     for each in transducers:
         fingers = max(sum(sign in "+-" for sign in each.signs), 1)
         limit = {} if len(transducers) == 1 else {"most": min(MAX_UNKNOWNS, most * fingers)}
         lengths.append(sheet_lengths(each, fineness, **limit))
+    if len(transducers) == 1:  # forces do not change the sheets: fewer of their waves are taken
+        slowest_decay = np.argsort(-network.modes.wavenumbers[kept].imag, kind="stable")
+        kept = np.sort(kept[slowest_decay[: MAX_WAVES // (2 * len(lengths[0]))]])
     travel = _travel(network, transducers, kept, lengths, own_apertures.mirror_width)
     responses, by_kind = [], {}
     for plain, transducer, own_lengths in zip(network.scatterers, transducers, lengths, strict=True):
@@ -261,7 +271,7 @@ def _solved(own_apertures: OwnApertures, row: StatorRow, *, fineness: int) -> Po
         )
         for each, own_volts, start, stop in zip(responses, volts, first, first[1:], strict=False)
     ]
-    solved = solve_row(elements, travel)
+    solved = solve_row(elements, travel, _from_forces(network, transducers, kept, lengths, own_apertures.mirror_width))
     sides, incoming, charges, sheets = [], [], [], []
     for each, own_volts, element in zip(responses, volts, elements, strict=True):
         weights = np.concatenate([solved.arriving[element.arrives], own_volts])
@@ -332,6 +342,54 @@ def _travel(
             block = block.reshape(len(lengths[receiver]), 2, m, len(lengths[sender]), 2, m)
             direction, each = int(sender > receiver), np.arange(m)  # direction: 0 to the right, 1 to the left
             block[:, direction, each, :, direction, each] = np.moveaxis(amplitudes * np.exp(-1j * phase), 2, 0)
+    return out
+
+
+def _ways_from_forces(network: Network) -> list[tuple[int, int, float]]:
+    """Return number of the port, number of the transducer and distance between them, for each force and transducer.
+
+    The distance is that to the nearest line of the transducer, length units; positive if it lies on the right.
+    """
+    edges = [(place, place + each.piece.width) for place, each in zip(network.places, network.scatterers, strict=True)]
+    places = [(number, network.ports[number].place) for number in network.forces]
+    return [
+        (number, index, left - place if left > place else right - place)
+        for number, place in places
+        for index, (left, right) in enumerate(edges)
+    ]
+
+
+def _from_forces(
+    network: Network,
+    transducers: tuple[Transducer, ...],
+    kept: np.ndarray,
+    lengths: list[np.ndarray],
+    mirror_width: float | None,
+) -> np.ndarray | None:
+    """Amplitudes that arrive directly from the strips of force, (waves, ports); None without a force.
+
+    The rows are those of `_travel`.  A force of a width w sends its waves as a sheet of charge of this length does.
+    """
+    if not network.forces:
+        return None
+    modes, unit, m = network.modes, network.modes.section.length_unit, len(kept)
+    first = np.cumsum([0, *(2 * m * len(each) for each in lengths)])
+    out = np.zeros((first[-1], len(network.ports)), dtype=complex)
+    for number, index, gap in _ways_from_forces(network):
+        port, force, own = network.ports[number], network.forces[number], lengths[index]
+        k, sent = (modes.wavenumbers, force.right) if gap > 0 else (-modes.backwards, force.left)
+        mean_beams = aperture_coupling(
+            k[kept] / unit,
+            port.width * unit,
+            own,
+            (abs(gap) + network.scatterers[index].piece.width / 2) * unit,
+            mirror_width,
+            transducers[index].center_y - port.center * unit,
+            tangential=port.component == "x",
+        )
+        amplitudes = np.linalg.solve(np.minimum.outer(own, own) / own[:, None], mean_beams)
+        block = out[first[index] : first[index + 1], number].reshape(len(own), 2, m)
+        block[:, int(gap < 0)] = amplitudes * (sent * np.exp(-1j * k * abs(gap)))[kept]
     return out
 
 

@@ -1,4 +1,4 @@
-"""Surface beam: motion of the surface in three dimensions, computed from the charges on fingers of finite length.
+"""Surface beam: motion of the surface in three dimensions, by the charges on fingers of finite length and by forces.
 
 The fingers end at y = +-W/2, and motions are per volt of the source.  The charge of a finger is a sum of sheets, each
 uniform over |y| < L_b / 2 (electrode_charges.py).  In a solid isotropic about z with absorbing ends there is one sheet
@@ -12,10 +12,12 @@ along y.  For every lateral wavenumber k_y the bare stator's response to the cha
 and those to the right of x contribute a similar sum over the modes that run to the left.  The contributions of all
 transducers add up, also between and under the fingers, because massless fingers scatter by their charges alone.  Free
 and clamped ends add the waves that they reflect at each k_y (faces.py).  On the axis y = 0, u_y vanishes by symmetry.
+A force on a strip |y - y_0| < W / 2 is a sheet of one node at x_j, whose modes are those that a force excites.
 
 Limits: the field is not resolved within a wavelength of the fingers' ends, because evanescent modes with a shorter
 range are cut off at the edge of the aperture.  A strongly coupled plate mode near its cut-off changes the charge all
-along short fingers (tests/fem/beam/test_volume.py).
+along short fingers (tests/fem/beam/test_volume.py).  In other cuts a transducer scatters the waves of a force as in
+the section, times the mean of the force's beam over its aperture; forces need absorbing ends.
 """
 
 from collections.abc import Sequence
@@ -27,16 +29,19 @@ import numpy as np
 
 from fem.beam.cut_source import CutSource, cut_source
 from fem.beam.electrode_charges import MAX_PHASE, ChargeSheet, ElectrodeCharges, Fingers, electrode_charges
-from fem.beam.faces import Faces, faces
-from fem.beam.line_source import Branch, LineSource, line_source
+from fem.beam.faces import Faces, faces, with_all_displacements
+from fem.beam.lateral import EVANESCENT
+from fem.beam.line_source import Branch, LineSource, Load, line_source
 from fem.beam.own_aperture import STEPS
 from fem.beam.reception import refuse_short_apertures, with_apertures
 from fem.circuit import Circuit
 from fem.geometry import Stator
+from fem.input_error import InputError
 from fem.materials import isotropic_about_normal
 from fem.results.driven_answer import SurfaceWave
 from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.solution import Solution, driven_solution
+from fem.waveguide.port_fields import PortFields
 
 # Wavelengths from the charges: limits of the groups of points that share a quadrature rule in k_y.
 GROUPS = (1.0, 8.0)
@@ -81,11 +86,17 @@ class SurfaceBeam:
     solution : Solution
         Voltages and currents if each transducer receives the mean of the beams over its aperture.
     source : LineSource or CutSource
-        Response of the bare stator to a line of charge.
+        Response of the bare stator to a line of charge; without transducers to the first force.
     charges : tuple of ElectrodeCharges
         One per transducer, from left to right.
     apertures, centers : tuple of float
         Length and centre of the fingers of each transducer along y, m.
+    strips : tuple of Strip
+        Forces, each with the response of the bare stator to it.
+    scattering_error : float
+        Relative error of the waves that transducers send in answer to forces.
+    received_error : float
+        Relative error of the currents that forces send into transducers at a voltage of zero.
     mirror_width : float or None
         Distance in m of two side faces that reflect like mirrors; None if the sides do not reflect.
     complete : bool
@@ -109,9 +120,12 @@ class SurfaceBeam:
     mirror_width: float | None = None
     complete: bool = True
     faces: Faces | None = field(default=None, repr=False)
+    strips: tuple["Strip", ...] = ()
+    scattering_error: float = 0.0
+    received_error: float = 0.0
 
     def motion(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
-        """u_x, u_y and u_z in m per V.
+        """u_x, u_y and u_z in m per V, or in m under forces.
 
         Parameters
         ----------
@@ -164,6 +178,10 @@ class SurfaceBeam:
         of_places = (self.wave.motion(places), self._beyond_the_modes(places))
         section, left_out = (abs(each).max(axis=0)[where.reshape(size.shape)] for each in of_places)
         left_out = np.maximum(left_out, self.source.error * section)
+        if self.strips:  # transducers receive less than in the section, where beams do not spread
+            spread = self._spread(np.broadcast_to(x, size.shape))
+            section, left_out = section * spread, left_out * spread
+            left_out = left_out + self._error_of_forces(np.broadcast_to(x, size.shape), y, size)
         return fine, rule + (np.maximum(size, SECTION_SHARE * section) * self.wave.relative_error + left_out) / size
 
     @property
@@ -182,7 +200,15 @@ class SurfaceBeam:
 
     @cached_property
     def power(self) -> PowerBalance:
-        """Power balance of the waves averaged over the apertures."""
+        """Power balance of the waves averaged over the apertures.
+
+        Raises
+        ------
+        BeamError
+            Under forces: the motion below a strip that gives its power is not resolved.
+        """
+        if self.strips:
+            raise BeamError("the power balance of forces on strips is not computed; that of `fem.forced_wave` is")
         if self.solution.fields is self.wave.solution.fields:
             return self.wave.power
         return power_balance(self.solution)
@@ -196,7 +222,7 @@ class SurfaceBeam:
         fields = self.wave.solution.fields
         for fineness in range(1, len(STEPS)):
             fewer = with_apertures(fields, self.mirror_width, fineness)
-            beam = aperture_beam(self.wave, Solution(fields=fewer, circuit=self.circuit), self.mirror_width)
+            beam = aperture_beam(self.wave, replace(self.solution, fields=fewer), self.mirror_width)
             if [len(each.steps) for each in beam.charges] != steps:
                 return beam
         return None
@@ -233,9 +259,12 @@ class SurfaceBeam:
         fingers.
         """
         near = abs(self._near_distance)
+        transducers = self.solution.fields.transducers
+        beside = [(*each.extent, each.center_y, each.aperture) for each in transducers]
+        beside += [(each.x[0], each.x[0], each.center, each.length) for strip in self.strips for each in [strip.sheet]]
         return isinstance(self.source, CutSource) and any(
-            each.extent[0] - near < x < each.extent[1] + near and abs(y - each.center_y) > each.aperture / 2 - near
-            for each in self.solution.fields.transducers
+            start - near < x < stop + near and abs(y - center) > length / 2 - near
+            for start, stop, center, length in beside
         )
 
     def with_side_faces(self, width: float | None) -> "SurfaceBeam":
@@ -245,7 +274,8 @@ class SurfaceBeam:
         """
         if width == self.mirror_width and self.source.rough is self.source:
             return self
-        return replace(self, mirror_width=width, source=self.source.rough)
+        strips = tuple(each._replace(source=each.source.rough) for each in self.strips)
+        return replace(self, mirror_width=width, source=self.source.rough, strips=strips)
 
     def with_longer_fingers(self, periods: float) -> "SurfaceBeam":
         """The same charges per length on fingers that are longer at both ends, by a part of their period."""
@@ -256,7 +286,8 @@ class SurfaceBeam:
     def surface_mode(self) -> "SurfaceBeam":
         """The same beam with the field of the surface wave alone."""
         returned = self.faces and self.faces.surface_mode
-        return replace(self, source=self.source.surface_mode, complete=False, faces=returned)
+        strips = tuple(each._replace(source=each.source.surface_mode) for each in self.strips)
+        return replace(self, source=self.source.surface_mode, complete=False, faces=returned, strips=strips)
 
     def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
         """Slowness curve: complex wavenumber along x of the surface wave at real lateral wavenumbers, rad/m.
@@ -273,12 +304,19 @@ class SurfaceBeam:
         return [sheet for charges, aperture, center in each for sheet in charges.sheets(aperture, center)]
 
     @cached_property
-    def _nodes(self) -> "_Nodes":
-        return _nodes_of(self._sheets)
+    def _emitters(self) -> list["_Emitter"]:
+        """What sends waves: the charges, then the forces."""
+        return self._emitting(self._sheets)
 
     @cached_property
-    def _section_nodes(self) -> "_Nodes":
-        return _nodes_of(self._section_charges)
+    def _section_emitters(self) -> list["_Emitter"]:
+        """The same in the section, with one sheet for each transducer."""
+        each = zip(self._section_charges, self.apertures, self.centers, strict=True)
+        return self._emitting([replace(own, steps=()).sheets(*at)[0] for own, *at in each])
+
+    def _emitting(self, sheets: list[ChargeSheet]) -> list["_Emitter"]:
+        charges = [_Emitter(self.source, sheets, _nodes_of(sheets))] if sheets else []
+        return charges + [_Emitter(each.source, [each.sheet], _nodes_of([each.sheet])) for each in self.strips]
 
     @cached_property
     def _section_charges(self) -> tuple[ElectrodeCharges, ...]:
@@ -324,10 +362,14 @@ class SurfaceBeam:
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
         total = np.zeros((RULES, 3, len(x)), dtype=complex)
-        for branch in self.source.branches(self._reach(y), distance, self._near_distance, self.mirror_width, spacing):
-            total += self._inverse(
-                branch, lambda spectra, branch=branch: _sent(self._nodes, branch, places, spectra), lines, column, row
-            )
+        for source, sheets, nodes in self._emitters:
+            for branch in source.branches(self._reach(y), distance, self._near_distance, self.mirror_width, spacing):
+                total += self._inverse(
+                    branch,
+                    lambda spectra, nodes=nodes, branch=branch: _sent(nodes, branch, places, spectra),
+                    sheets,
+                    (lines, column, row),
+                )
         return total
 
     def _returned(self, x, y, modes) -> np.ndarray:
@@ -336,15 +378,19 @@ class SurfaceBeam:
         lines, row = np.unique(y, return_inverse=True)
         reflected = self.faces.returned(self._reach(y), _sources(self._sheets), self.mirror_width)
         return self._inverse(
-            reflected, lambda spectra: reflected.spectra(places, self.wave.length, spectra, modes), lines, column, row
+            reflected,
+            lambda spectra: reflected.spectra(places, self.wave.length, spectra, modes),
+            self._sheets,
+            (lines, column, row),
         )
 
     def _reach(self, y) -> float:
-        """Largest distance along y from a point to the end of a finger, m."""
-        spans = np.subtract.outer(y, self.centers)
-        return float((abs(spans) + np.divide(self.apertures, 2)).max())
+        """Largest distance along y from a point to the end of a finger or of a strip, m."""
+        return max(
+            float(abs(y - each.center).max()) + each.length / 2 for emitter in self._emitters for each in emitter.sheets
+        )
 
-    def _inverse(self, waves, sent_by, lines, column, row) -> np.ndarray:
+    def _inverse(self, waves, sent_by, sheets, points) -> np.ndarray:
         """Inverse Fourier transform from k_y to y, shape (RULES, 3, points).
 
         A sheet of length W about y_0 has the spectrum s(k_y) = W sinc(k_y W / 2) exp(i k_y y_0), and
@@ -352,13 +398,15 @@ class SurfaceBeam:
             u(x, y) = sum over both signs of k_y and the nodes n of  w_n / 2  u^(x, k_y) exp(-i k_y y),
 
         where ``sent_by`` maps the spectra s of the sheets, (sheets, n), to the spectra u^ at the different x,
-        (places, 3, n).  Point number i has the x of index ``column[i]`` and the y ``lines[row[i]]``.  The sum is taken
-        by all nodes, every second, every fourth, and with the weights of the narrower integral.
+        (places, 3, n).  ``points``: lines, column and row; point number i has the x of index ``column[i]`` and the y
+        ``lines[row[i]]``.  The sum is taken by all nodes, every second, every fourth, and with the weights of the
+        narrower integral.
         """
-        count, sent = len(column), None
+        (lines, column, row), sent = points, None
+        count = len(column)
         lateral, weights = waves.rule.nodes, waves.rule.weights / 2
         narrow = None if np.all(waves.rule.share == 1.0) else weights * waves.rule.share
-        lengths, centers = (np.array([getattr(each, name) for each in self._sheets]) for name in ("length", "center"))
+        lengths, centers = (np.array([getattr(each, name) for each in sheets]) for name in ("length", "center"))
         uniform = lengths[:, None] * np.sinc(np.outer(lengths, lateral / (2 * np.pi)))
         total = np.zeros((RULES, 3, count), dtype=complex)
         for sign, factors in waves.signs:
@@ -386,30 +434,67 @@ class SurfaceBeam:
         return total
 
     def _local(self, x, y) -> np.ndarray:
-        """Part of the section's motion beyond the modes, within the aperture of the nearest transducer, (3, points)."""
+        """Part of the section's motion beyond the modes, within the width of the nearest emitter, (3, points).
+
+        Under forces it is that of the forces alone: a transducer receives less than in the section, where beams do not
+        spread.
+        """
         places, column = np.unique(x, return_inverse=True)
-        nodes = self._section_nodes
-        nearest = nodes.owner[abs(places[:, None] - nodes.x).argmin(axis=1)]
-        owner = nearest[column]
-        within = abs(y - np.array(self.centers)[owner]) < np.divide(self.apertures, 2)[owner]
+        sheets = [sheet for emitter in self._section_emitters for sheet in emitter.sheets]
+        apart = np.array([abs(np.subtract.outer(places, each.x)).min(axis=1) for each in sheets])
+        nearest = apart.argmin(axis=0)[column]
+        lengths, centers = (
+            np.array([getattr(each, name) for each in sheets])[nearest] for name in ("length", "center")
+        )
+        within = abs(y - centers) < lengths / 2
+        if self.strips:
+            within &= nearest >= len(self.charges)
         return np.insert(self._beyond_the_modes(places), 1, 0.0, axis=0)[:, column] * within
 
     def _distances(self, x) -> np.ndarray:
-        """Distance along x from each point to the nearest charge, m."""
-        nodes = self._nodes.x
-        after = np.searchsorted(nodes, x).clip(1, len(nodes) - 1)
-        return np.minimum(abs(x - nodes[after - 1]), abs(x - nodes[after]))
+        """Distance along x from each point to the nearest charge or force, m."""
+        nodes = np.sort(np.concatenate([emitter.nodes.x for emitter in self._emitters]))
+        after = np.searchsorted(nodes, x).clip(1, max(len(nodes) - 1, 1))
+        return np.minimum(abs(x - nodes[after - 1]), abs(x - nodes[np.minimum(after, len(nodes) - 1)]))
+
+    def _error_of_forces(self, x: np.ndarray, y, size: np.ndarray) -> np.ndarray:
+        """Errors in m by the waves that transducers scatter, and by the evanescent waves that end near a strip."""
+        near = np.min([abs(x - each.sheet.x[0]) for each in self.strips], axis=0)
+        error = size * np.exp(-EVANESCENT[0] * near / abs(self._near_distance))
+        if self.charges:
+            scattered = replace(self, strips=(), complete=False)
+            error = error + self.scattering_error * abs(scattered.motion(x, y)).max(axis=0)
+        return error
+
+    def _across(self, center: float, length: float) -> tuple[np.ndarray, np.ndarray]:
+        """Points across a strip of the surface in m, and weights of the mean over it."""
+        s, weights = np.polynomial.legendre.leggauss(int(8 + 4 * length / abs(self._near_distance)))
+        return center + length / 2 * s, weights / 2
+
+    def _spread(self, x: np.ndarray) -> np.ndarray:
+        """Ratio of a strip's beam to its wave in the section: width over (wavelength times distance)^1/2, at most 1."""
+        wavelength = abs(self._near_distance)
+        ratios = []
+        for sheet in (each.sheet for each in self.strips):
+            distance = abs(x - sheet.x[0])
+            spread = sheet.length / np.sqrt(wavelength * np.maximum(distance, wavelength))
+            ratios.append(np.where(distance < wavelength, 1.0, spread))
+        return np.minimum(np.max(ratios, axis=0), 1.0)
 
     def _beyond_the_modes(self, places) -> np.ndarray:
         """Motion of the section minus that of the modes at k_y = 0 by the same charges, shape (2, places)."""
-        nodes, source, ones = self._section_nodes, self.source, np.ones((len(self.apertures), 1))
-        sent = sum(_sent(nodes, branch, places, ones) for branch in source.plane(self._near_distance))[..., 0]
+        rest = self.wave.motion(places)
+        for source, sheets, nodes in self._section_emitters:
+            ones = np.ones((len(sheets), 1))
+            sent = sum(_sent(nodes, branch, places, ones) for branch in source.plane(self._near_distance))[..., 0]
+            rest -= sent.T[[0, 2]]
         if self.faces is not None:
-            plane = self.faces.plane(_sources(self._section_charges))
-            sent = sent + plane.spectra(places, self.wave.length, ones, self.faces.wanted)[..., 0]
-        to_the_left = np.append(0.0, np.cumsum(nodes.charge))[np.searchsorted(nodes.x, places, side="right")]
-        rest = self.wave.motion(places) - sent.T[[0, 2]]
-        rest[0] -= source.static * (2 * to_the_left - nodes.charge.sum())
+            plane, ones = self.faces.plane(_sources(self._section_charges)), np.ones((len(self.apertures), 1))
+            rest -= plane.spectra(places, self.wave.length, ones, self.faces.wanted)[..., 0].T[[0, 2]]
+        if self.charges:
+            nodes = self._section_emitters[0].nodes
+            to_the_left = np.append(0.0, np.cumsum(nodes.charge))[np.searchsorted(nodes.x, places, side="right")]
+            rest[0] -= self.source.static * (2 * to_the_left - nodes.charge.sum())
         return rest
 
     @property
@@ -418,25 +503,33 @@ class SurfaceBeam:
         return GROUPS[0] * self.wave.phase_velocity / self.wave.frequency
 
     def _static(self, x, y) -> np.ndarray:
-        """Field of the pole at k = 0, where kappa = -i |k_y|, in closed form, shape (3, points).
-
-        The integral over k_y of a charge at a distance X is a Laplace transform: with b = W/2 +- y, sum of
-        arctan(b / X) / pi for u_x and difference of log(X^2 + b^2) / 2 pi for u_y.
-        """
+        """Field of the pole at k = 0 in closed form (`LineSource.static_motion`), shape (3, points)."""
         out = np.zeros((3, len(x)), dtype=complex)
-        if self.source.static == 0:
-            return out
-        for sheet in self._sheets:
-            nodes, charge = sheet.lumps
-            for start in range(0, len(x), CHUNK):
-                some = slice(start, start + CHUNK)
-                distance = np.subtract.outer(x[some], nodes)
-                above, below = (sheet.length / 2 + sign * (y[some, None] - sheet.center) for sign in (1, -1))
-                inward = np.arctan2(above, abs(distance)) + np.arctan2(below, abs(distance))
-                sideways = 0.5 * np.log((distance**2 + above**2) / (distance**2 + below**2))
-                out[0, some] += (np.sign(distance) * inward) @ charge
-                out[1, some] += sideways @ charge
-        return out * (self.source.static / np.pi)
+        for source, sheets, _ in self._emitters:
+            for sheet in sheets if source.static else ():
+                nodes, charge = sheet.lumps
+                for start in range(0, len(x), CHUNK):
+                    some = slice(start, start + CHUNK)
+                    ends = (sheet.length / 2 + sign * (y[some, None] - sheet.center) for sign in (1, -1))
+                    inward, sideways = source.static_motion(np.subtract.outer(x[some], nodes), *ends)
+                    out[0, some] += inward @ charge
+                    out[1, some] += sideways @ charge
+        return out
+
+
+class Strip(NamedTuple):
+    """A force on a strip of the surface: a sheet of one node with N/m for its charge, and the stator's response."""
+
+    sheet: ChargeSheet
+    source: LineSource | CutSource
+
+
+class _Emitter(NamedTuple):
+    """Sheets that send waves by the same source, and their nodes."""
+
+    source: LineSource | CutSource
+    sheets: list[ChargeSheet]
+    nodes: "_Nodes"
 
 
 class _Nodes(NamedTuple):
@@ -533,14 +626,14 @@ def _sources_beside(nodes: _Nodes, places, along) -> tuple[np.ndarray, np.ndarra
 
 
 def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> SurfaceBeam:
-    """Field in three dimensions of a driven stator, from the section's solution.
+    """Field in three dimensions of a stator that voltages or forces drive, from the section's solution.
 
     Parameters
     ----------
     wave : SurfaceWave
-        Result of `fem.driven_wave`.  With free or clamped ends, or if the solid is not isotropic about z, the first
-        evaluation takes some seconds, because a problem is solved at every lateral wavenumber, and the transducers
-        receive as in the section.
+        Result of `fem.driven_wave`, or of `fem.forced_wave` for forces of finite width.  With free or clamped ends, or
+        if the solid is not isotropic about z, the first evaluation takes some seconds, because a problem is solved at
+        every lateral wavenumber, and the transducers receive each other's waves as in the section.
     mirror_width : float, optional
         Distance in m of two side faces that reflect like mirrors (u_y = 0, no shear traction).  By default the stator
         is infinitely wide.  A real stator has free faces, for which neither holds: the difference of both answers shows
@@ -553,44 +646,163 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     Raises
     ------
     BeamError
-        If the stator has meshed pieces, if its ends are free or clamped and the solid is not isotropic about z, if an
-        aperture exceeds ``mirror_width``, or if a transducer lies beside the line y = 0 although there are mirrors or
-        the solid is not isotropic about z.
+        If the stator has meshed pieces, if its ends are free or clamped and the solid is not isotropic about z or
+        forces act, if an aperture or a strip exceeds ``mirror_width``, or if a transducer lies beside the line y = 0
+        although there are mirrors or the solid is not isotropic about z, or a strip although there are mirrors.
     InputError
-        If an aperture is less than half a wavelength.
+        If an aperture is less than half a wavelength, or the width of a force is infinite.
+
+    Examples
+    --------
+    The beam of a normal force of 1 N on a strip of 2 mm, 30 mm away and on its axis:
+
+    >>> from fem import LineForce, Stator, forced_wave, isotropic, surface_beam
+    >>> glass = isotropic(name="glass", density=2500.0, youngs_modulus=70e9, poisson_ratio=0.25)
+    >>> block = Stator(solid=glass, length=60e-3, thickness=float("inf"), ends="absorbing")
+    >>> push = LineForce(name="tip", position=10e-3, amplitude=1 / 2e-3, width=2e-3)
+    >>> wave = forced_wave(block, (), (push,), frequency=2e6, tolerance=1e-3, places=(40e-3,))
+    >>> u_x, u_y, u_z = surface_beam(wave).motion(40e-3, 0.0)
+    >>> f"{abs(u_z) * 1e9:.2f} nm"
+    '0.96 nm'
     """
-    solution = wave.solution
-    refusal = beam_refusal(solution.fields.stator)
+    solution, forced = wave.solution, wave.solution.forces is not None
+    stator, transducers = solution.fields.stator, solution.fields.transducers
+    refusal = beam_refusal(stator)
+    if not refusal and forced and stator.ends != "absorbing":
+        refusal = f"the field of forces in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"
     if refusal:
         raise BeamError(refusal)
-    refuse_short_apertures(solution.fields.transducers, wave.phase_velocity / wave.frequency)
-    apertures = tuple(each.aperture for each in solution.fields.transducers)
-    if mirror_width is not None and not max(apertures) <= mirror_width < np.inf:
-        raise BeamError(
-            f"mirror_width must be at least the largest aperture, {max(apertures):g} m, got {mirror_width!r}"
-        )
-    isotropic = isotropic_about_normal(solution.fields.stator.solid)
-    centers = tuple(each.center_y for each in solution.fields.transducers)
-    if any(centers) and (mirror_width is not None or not isotropic):
+    refuse_short_apertures(transducers, wave.phase_velocity / wave.frequency)
+    sheets = _sheets_of_forces(solution)
+    widths = [each.aperture for each in transducers] + [each.length for each in sheets]
+    if mirror_width is not None and not max(widths) <= mirror_width < np.inf:
+        raise BeamError(f"mirror_width must be at least the largest aperture, {max(widths):g} m, got {mirror_width!r}")
+    isotropic = isotropic_about_normal(stator.solid)
+    if any(each.center_y for each in transducers) and (mirror_width is not None or not isotropic):
         raise BeamError("transducers beside the middle line need a solid isotropic about z and absorbing sides")
+    if any(each.center for each in sheets) and mirror_width is not None:
+        raise BeamError("forces beside the middle line need absorbing sides")
     fields = with_apertures(solution.fields, mirror_width)
     if fields is not solution.fields:
-        solution = driven_solution(fields, solution.circuit.drive)
-    return aperture_beam(wave, solution, mirror_width)
+        solution = driven_solution(fields, solution.circuit.drive, solution.forces)
+    beam = aperture_beam(wave, solution, mirror_width)
+    if not (sheets and transducers):
+        return beam
+    if not isotropic:
+        solution = driven_solution(_scattering_of_strips(beam), solution.circuit.drive, solution.forces)
+        beam = replace(beam, solution=solution, charges=_charges_of(solution))
+    return _with_reciprocal_currents(beam)
+
+
+def _sheets_of_forces(solution: Solution) -> list[ChargeSheet]:
+    """Strips of the forces of a solution, with N/m in place of charges."""
+    if solution.forces is None:
+        return []
+    unit, ports = solution.fields.section.length_unit, solution.fields.network.ports
+    forces = [each for each in ports if each.kind == "force"]
+    for each in forces:
+        if not np.isfinite(each.width):
+            raise InputError("force.width", "must be finite in three dimensions", each.width, "m", owner=each.name)
+    return [
+        ChargeSheet(
+            x=np.array([each.place * unit]),
+            charge=np.array([amplitude]),
+            finger=np.zeros(1, dtype=int),
+            length=each.width * unit,
+            center=each.center * unit,
+        )
+        for each, amplitude in zip(forces, solution.forces, strict=True)
+    ]
+
+
+def _scattering_of_strips(beam: SurfaceBeam) -> PortFields:
+    """Fields in which each transducer answers the mean of every strip's beam over its aperture, at its centre.
+
+    The section's answers to a force that is the same all along y are multiplied by the mean of the surface wave's u_z
+    over its value at k_y = 0, on the bare surface.
+    """
+    fields, ports = beam.solution.fields, len(beam.solution.fields.names)
+    places = np.array([each.center for each in fields.transducers])
+    shares = np.ones((len(places), ports + len(beam.strips)), dtype=complex)
+    for column, strip in enumerate(beam.strips, start=ports):
+        unit = strip.sheet._replace(charge=np.ones(1))
+        alone = replace(beam, charges=(), apertures=(), centers=(), strips=(Strip(unit, strip.source),)).surface_mode
+        source, _, nodes = alone._emitters[0]
+        plane = sum(_sent(nodes, branch, places, np.ones((1, 1))) for branch in source.plane(beam._near_distance))
+        for index, (aperture, center) in enumerate(zip(beam.apertures, beam.centers, strict=True)):
+            y, weights = beam._across(center, aperture)
+            shares[index, column] = alone.motion(places[index], y)[2] @ weights / plane[index, 2, 0]
+    named = [index for index, each in enumerate(fields.transducers) if each.name in fields.names]
+    return replace(
+        fields,
+        sides=tuple(
+            sides if owner is None else sides * shares[owner]
+            for owner, sides in zip(fields.owners, fields.sides, strict=True)
+        ),
+        received=fields.received * shares[named, ports:],
+    )
+
+
+def _with_reciprocal_currents(beam: SurfaceBeam) -> SurfaceBeam:
+    """Beam whose transducers receive, by reciprocity, what they send to the strips.
+
+    The current into a shorted port per newton is the velocity along the force, averaged over the strip, per volt at
+    the port.  The charges of `reception` take the waves of a strip at the centre of the transducer, as if their phase
+    fronts were straight along it.  The currents of these charges are 0.5 % off 12 wavelengths away, and 16 % off a
+    point 5 wavelengths away from fingers of 20; the difference is the error of the scattered waves.
+    """
+    solution, fields = beam.solution, beam.solution.fields
+    forces = [each for each in fields.network.ports if each.kind == "force"]
+    received, errors = np.empty_like(fields.received), np.empty(fields.received.shape)
+    for row in range(len(fields.names)):
+        circuit = replace(solution.circuit, voltages=np.eye(len(fields.names))[row])
+        unit = replace(solution, circuit=circuit, forces=None)
+        sent = replace(beam, solution=unit, charges=_charges_of(unit), strips=(), complete=False)
+        for column, (force, strip) in enumerate(zip(forces, beam.strips, strict=True)):
+            y, weights = beam._across(strip.sheet.center, strip.sheet.length)
+            rules = sent._by_rules(strip.sheet.x[0], y)[:2]
+            fine, half = (each["xyz".index(force.component)] @ weights for each in rules)
+            received[row, column] = 2j * np.pi * fields.frequency * strip.sheet.length * fine
+            errors[row, column] = abs(half / fine - 1)
+    missed = abs((fields.received - received) @ solution.forces).max() / max(
+        abs(received @ solution.forces).max(), TINY
+    )
+    solution = driven_solution(replace(fields, received=received), solution.circuit.drive, solution.forces)
+    return replace(
+        beam,
+        solution=solution,
+        charges=_charges_of(solution),
+        scattering_error=float(missed),
+        received_error=float(errors.max() + beam.wave.relative_error),
+    )
 
 
 def aperture_beam(wave: SurfaceWave, solution: Solution, mirror_width: float | None = None) -> SurfaceBeam:
-    """Beam of the charges of a solution; its circuit may be a part of a larger one (`crossed_beam`)."""
-    transducers, stator = solution.fields.transducers, solution.fields.stator
+    """Beam of the charges and forces of a solution; its circuit may be a part of a larger one (`crossed_beam`)."""
+    fields, transducers, stator = solution.fields, solution.fields.transducers, solution.fields.stator
     isotropic = isotropic_about_normal(stator.solid)
-    source = line_source(solution.fields.modes) if isotropic else cut_source(solution.fields)
+    general = None if isotropic else cut_source(fields)
+
+    def source(load: Load) -> LineSource | CutSource:
+        if general is not None:
+            return general.loaded(load)
+        own = line_source(fields.modes, load)
+        return own.with_shear(with_all_displacements(fields), fields.frequency) if load == "x" else own
+
+    forces = [each for each in fields.network.ports if each.kind == "force"] if solution.forces is not None else []
+    by_load = {load: source(load) for load in {each.component for each in forces}}
+    of_charges = source("charge") if transducers else next(iter(by_load.values()))
     return SurfaceBeam(
         wave=wave,
         solution=solution,
-        source=source,
-        faces=None if stator.ends == "absorbing" else faces(solution.fields, source),
+        source=of_charges,
+        faces=None if stator.ends == "absorbing" else faces(fields, of_charges),
         charges=_charges_of(solution),
         apertures=tuple(each.aperture for each in transducers),
         centers=tuple(each.center_y for each in transducers),
         mirror_width=mirror_width,
+        strips=tuple(
+            Strip(sheet, by_load[force.component])
+            for force, sheet in zip(forces, _sheets_of_forces(solution), strict=True)
+        ),
     )

@@ -2,16 +2,7 @@
 
 from fem.circuit.ladder import Element, Ladder, best_match, carried
 from fem.circuit.motional import MotionalModel, motional_model
-from fem.circuit.ports import (
-    Circuit,
-    Drive,
-    SourcePowers,
-    as_drive,
-    matched_load,
-    receiving_circuit,
-    rectifier_resistance,
-    solve_circuit,
-)
+from fem.circuit.ports import Circuit, Drive, SourcePowers, as_drive, matched_load, rectifier_resistance, solve_circuit
 from fem.circuit.touchstone import touchstone
 
 __all__ = [
@@ -26,7 +17,6 @@ __all__ = [
     "carried",
     "matched_load",
     "motional_model",
-    "receiving_circuit",
     "rectifier_resistance",
     "solve_circuit",
     "touchstone",

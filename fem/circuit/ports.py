@@ -147,10 +147,11 @@ def solve_circuit(
     admittances: np.ndarray,
     names: tuple[str, ...],
     transducers: tuple[Transducer, ...],
-    drive: str | Drive,
+    drive: str | Drive | None,
     frequency: float,
+    received: np.ndarray | None = None,
 ) -> Circuit:
-    """Solve for the voltages of all ports.
+    """Solve for the voltages of all ports: I = Y V, or I = Y V + I_received if they receive a current and send none.
 
     Parameters
     ----------
@@ -160,9 +161,13 @@ def solve_circuit(
         Transducers that are ports, in the matrix's order.
     transducers : tuple of Transducer
         All of them, with the terminations of those that are not driven.
-    drive : str or Drive
+    drive : str or Drive or None
+        With a received current its source voltages are set to zero; its impedances and ladders terminate their
+        transducers.
     frequency : float
         Hz, for the elements of a ladder.
+    received : ndarray, shape (ports,), optional
+        Current into each port while all are shorted, A.
 
     Returns
     -------
@@ -173,14 +178,24 @@ def solve_circuit(
     ValueError
         If a source's transducer does not exist or has one electrode only, or all voltages are zero.
     """
-    drive = as_drive(drive)
+    drive = None if drive is None else as_drive(drive)
     everyone = {transducer.name: transducer for transducer in transducers}
-    for name in drive.sources:
+    for name in drive.sources if drive else ():
         if name not in everyone:
             raise InputError("sources", f"must name transducers of the stator, {', '.join(everyone)}", name)
         if name not in names:
             raise InputError("sources", f"must name transducers that have two electrodes, but {name!r} has not")
-    voltages = _voltages(admittances, names, transducers, drive, frequency)
+    voltages = _voltages(admittances, names, transducers, drive, frequency, received)
+    if drive is None or received is not None:
+        return Circuit(
+            names=names,
+            voltages=voltages,
+            currents=admittances @ voltages + (0.0 if received is None else received),
+            sources=(),
+            aperture=min((each.aperture for each in transducers), default=1.0),
+            drive=drive,
+            network=SourcePowers(available=0.0, given=0.0, in_sources=0.0, in_ladders=0.0),
+        )
     currents = admittances @ voltages
     by_amplitude = sorted(drive.sources, key=lambda name: drive.sources[name] == 0)
     driven = [names.index(name) for name in by_amplitude]
@@ -194,38 +209,6 @@ def solve_circuit(
         aperture=everyone[by_amplitude[0]].aperture,
         drive=drive,
         network=_source_powers(drive, amplitudes, *into_ladders[1:]),
-    )
-
-
-def receiving_circuit(
-    admittances: np.ndarray,
-    names: tuple[str, ...],
-    transducers: tuple[Transducer, ...],
-    received: np.ndarray,
-    frequency: float,
-    drive: str | Drive | None = None,
-) -> Circuit:
-    """Solve for the voltages of ports that receive a current and send none: I = Y V + I_received.
-
-    Parameters
-    ----------
-    admittances, names, transducers, frequency
-        As for `solve_circuit`.
-    received : ndarray, shape (ports,)
-        Current into each port while all are shorted, A.
-    drive : str or Drive, optional
-        Its source voltages are set to zero; its impedances and ladders terminate their transducers.
-    """
-    terminating = None if drive is None else as_drive(drive)
-    voltages = _voltages(admittances, names, transducers, terminating, frequency, received)
-    return Circuit(
-        names=names,
-        voltages=voltages,
-        currents=admittances @ voltages + received,
-        sources=(),
-        aperture=min((each.aperture for each in transducers), default=1.0),
-        drive=terminating,
-        network=SourcePowers(available=0.0, given=0.0, in_sources=0.0, in_ladders=0.0),
     )
 
 

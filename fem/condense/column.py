@@ -99,7 +99,7 @@ def condensed_column(section: Section, frequency: float, *, width: float, electr
         tied = electrode_dofs(section, faces)
         skeleton = folded(skeleton, tied, at.ports.start + electrode)
         drop = drop[~np.isin(drop, tied)]
-    matrix, back = _schur(skeleton, np.arange(sides), drop)
+    matrix, back = schur(skeleton, np.arange(sides), drop)
     faces_from = np.zeros((len(skeleton) - sides, sides), dtype=back.dtype)
     faces_from[drop - sides] = back
     if electrode is not None:
@@ -131,7 +131,7 @@ def _skeleton(section: Section, width: float, frequency: float) -> tuple[np.ndar
         if kind not in done:
             sets = ElementSets(order, len(medium.fields))
             full = element_matrix(medium, width, height, order, angular)
-            done[kind], inside_from[kind] = _schur(full, sets.rim, sets.inside)
+            done[kind], inside_from[kind] = schur(full, sets.rim, sets.inside)
         dofs = element_dofs(section, element, faces)
         exists = np.flatnonzero(dofs >= 0)
         matrix[np.ix_(dofs[exists], dofs[exists])] += done[kind][np.ix_(exists, exists)]
@@ -179,7 +179,7 @@ def folded(matrix: np.ndarray, tied: np.ndarray, port: int) -> np.ndarray:
     return matrix
 
 
-def _schur(matrix, keep, drop):
+def schur(matrix, keep, drop):
     """Schur complement onto ``keep``, symmetrised against rounding, and the matrix from ``keep`` to ``drop``."""
     coupling = matrix[np.ix_(drop, keep)]
     kept = matrix[np.ix_(keep, keep)]

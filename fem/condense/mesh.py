@@ -7,16 +7,20 @@ electrode is equipotential: all its vertices share one unknown.  It is a port if
 transducer and zero if the electrode is grounded.  If the electrode floats, the unknown is eliminated with zero net
 charge.
 
+On a half-space the mesh is continued down to the section's absorbing layer (`fem.mesh.deepened`), and the layer by its
+own elements below the mesh (`fem.condense.layer_columns`).
+
 A piece with one interface is an end of the stator, and a piece without interfaces is the whole stator.  A piece whose
 far side meets the line of another section is a step, which the radiation impedance of that section terminates.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
 from fem.condense.fronts import Dissection, Factor
+from fem.condense.layer_columns import LayerColumns
 from fem.condense.mesh_field import MeshField, TopEdges
 from fem.condense.mesh_unknowns import MeshUnknowns
 from fem.condense.piece import Port
@@ -28,6 +32,7 @@ from fem.geometry import Stator
 from fem.materials import fields as coupled_fields
 from fem.materials.christoffel import slowest_wavelength
 from fem.materials.medium import Medium, medium, units
+from fem.mesh.deepened import deepened
 from fem.mesh.piece import MAX_UNKNOWNS, MeshPiece
 from fem.mesh.quads import conditions_of, quad_mesh
 
@@ -62,6 +67,7 @@ class MeshedPiece:
     unknowns: int  # of the mesh
     factor: Factor = field(repr=False)
     insides: list[np.ndarray] = field(repr=False)  # of every part of `Assembly.parts`: inside from rim
+    layer: list[np.ndarray] = field(repr=False)  # of every element of `Assembly.layer`: its nodes from its unknowns
     _last: dict = field(default_factory=dict, init=False, repr=False)
 
     def recover(self, sides: np.ndarray) -> MeshField:
@@ -90,13 +96,17 @@ class MeshedPiece:
     def inertia(self, sides: np.ndarray) -> np.ndarray:
         """X^T M X of the fields X for lines and ports (len(matrix), m), with A = K - omega^2 M; s^2/rad^2, (m, m)."""
         total = np.zeros((sides.shape[1],) * 2, dtype=self.matrix.dtype)
-        for own, elements, values in self.elements(self.skeleton(sides)):
+        skeleton = self.skeleton(sides)
+        for own, elements, values in self.elements(skeleton):
             mass = self.assembly.space.scalar_matrices(elements)[:, 4]
             for column in np.flatnonzero(own.inertia):
                 nodal = np.ascontiguousarray(values[:, :, column])
                 moved = (mass @ nodal.view(float)).view(nodal.dtype)  # real times complex: half the products
                 total += own.inertia[column] * (nodal.reshape(-1, len(total)).T @ moved.reshape(-1, len(total)))
-        return 0.5 * self.assembly.space.unit**2 * (total + total.T)
+        total = self.assembly.space.unit**2 * total
+        if self.assembly.layer is not None:
+            total = total + self.assembly.layer.inertia(self.layer, skeleton, self.frequency)
+        return 0.5 * (total + total.T)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -115,6 +125,7 @@ class Assembly:
     # shape (interface functions + ports, lines + ports): P, from the unknowns of the lines to those that are kept
     projection: np.ndarray = field(repr=False)
     grounded: bool  # whether a group or an electrode holds its potential
+    layer: LayerColumns | None = field(default=None, repr=False)  # absorbing layer below the mesh
 
     @property
     def floating_potential(self) -> bool:
@@ -145,6 +156,9 @@ class Assembly:
         order = np.concatenate([elements for _, elements, _ in self.parts])
         unknowns = [row for _, _, numbers in self.parts for row in self.numbers[numbers]]
         centers = mesh.points[mesh.quads[order, :4]].mean(axis=1)
+        if self.layer is not None:
+            unknowns += [self.numbers[numbers] for numbers in self.layer.numbers]
+            centers = np.concatenate([centers, self.layer.centers])
         return Dissection(unknowns=unknowns, centers=centers, kept=int(self.numbers.max()) + 1 - len(self.projection))
 
     def condensed(self, frequency: float) -> MeshedPiece:
@@ -158,6 +172,10 @@ class Assembly:
             insides.append(-np.linalg.solve(medium_block(scalars, tables, inner, inner), coupling))
             own_rim = medium_block(scalars, tables, rim, rim) + coupling.swapaxes(1, 2) @ insides[-1]
             outer += list(own_rim)
+        layer: list[np.ndarray] = []
+        if self.layer is not None:
+            own_rims, layer = self.layer.condensed(frequency)
+            outer += own_rims
         try:
             factor = self.dissection.factor(outer)
         except ConvergenceError:
@@ -181,26 +199,37 @@ class Assembly:
             unknowns=self.space.size * len(self.fields),
             factor=factor,
             insides=insides,
+            layer=layer,
         )
 
 
 def assembled(
-    piece: MeshPiece, stator: Stator, sections: dict[str, Section], *, frequency: float, resolution: Resolution
+    piece: MeshPiece,
+    stator: Stator,
+    section: Section,
+    sections: dict[str, Section],
+    *,
+    frequency: float,
+    resolution: Resolution,
 ) -> Assembly:
     """Assemble a meshed piece: its elements, boundary conditions and interfaces at one resolution.
 
-    ``sections``: the section at each side that has an interface; ``frequency`` in Hz limits the size of the elements.
+    ``section``: of the stator; ``sections``: the section at each side that has an interface; ``frequency`` in Hz limits
+    the size of the elements.
 
     Raises
     ------
     ConvergenceError
         If the mesh has more unknowns than can be solved for.
     """
-    unit = next(iter(sections.values())).length_unit if sections else slowest_wavelength(stator.solid, frequency)
+    unit = section.length_unit
     names = coupled_fields(stator.solid)
     solids = {"stator": stator.solid} | dict(piece.solids)
     share = ELEMENT_SHARE * resolution.element_size
     largest = {name: share * slowest_wavelength(solids[name], frequency) for name in piece.mesh.solids}
+    if stator.absorbs_below:
+        depth = -float(section.breakpoints[section.bottom // section.order]) * unit
+        piece = replace(piece, mesh=deepened(piece.mesh, depth, max(2 * largest["stator"], piece.mesh.longest_edge)))
     layers, conditions = resolution.edge_layers + MORE_LAYERS, conditions_of(piece, stator.bottom)
     mesh = quad_mesh(piece.mesh, layers=layers, largest=largest, conditions=conditions)
     small = all(mesh.size(name) <= FINER_SHARE * size for name, size in largest.items())
@@ -215,7 +244,8 @@ def assembled(
     for name in piece.mesh.solids:
         own = tuple(each for each in names if each != "phi" or solids[name].is_piezoelectric)
         media[name] = medium(solids[name], own, scales=units(stator.solid))
-    unknowns = MeshUnknowns(piece, stator, space, media, names)
+    layer = LayerColumns(section=section, space=space, names=names) if stator.absorbs_below else None
+    unknowns = MeshUnknowns(piece, stator, space, media, names, layer)
     sides = tuple(side for side in ("left", "right") if side in sections)
     numbers, projection = unknowns.numbered({side: sections[side] for side in sides})
     return Assembly(
@@ -229,4 +259,5 @@ def assembled(
         numbers=numbers,
         projection=projection,
         grounded=unknowns.grounded,
+        layer=layer,
     )

@@ -84,6 +84,8 @@ class MeshField:
             scalars = self.assembly.space.scalar_matrices(elements)
             forms = values.conj().swapaxes(1, 2)[:, None] @ (scalars @ values[:, None])
             total += float(np.einsum("mpij,ijp->", forms, tables).real)
+        if self.assembly.layer is not None:
+            total += self.assembly.layer.loss(self.piece.layer, self.skeleton, self.piece.frequency)
         return np.pi * self.piece.frequency * total
 
 

@@ -4,6 +4,7 @@ import numpy as np
 
 from fem.block_matrix import block_diagonal
 from fem.condense.interface import line_projection
+from fem.condense.layer_columns import LayerColumns
 from fem.condense.piece import Port
 from fem.discretize.quads import QuadSpace
 from fem.discretize.section import Section
@@ -20,9 +21,15 @@ class MeshUnknowns:
     """Unknowns on a piece's edges and vertices: fixed at zero, tied to an electrode, on an interface, or free."""
 
     def __init__(
-        self, piece: MeshPiece, stator: Stator, space: QuadSpace, media: dict[str, Medium], names: tuple[str, ...]
+        self,
+        piece: MeshPiece,
+        stator: Stator,
+        space: QuadSpace,
+        media: dict[str, Medium],
+        names: tuple[str, ...],
+        layer: LayerColumns | None = None,
     ):
-        self.space, self.names = space, names
+        self.space, self.names, self.layer = space, names, layer
         self.held = np.ones((space.skeleton, len(names)), dtype=bool)  # fixed at zero, or in no element
         for solid, own in media.items():
             numbers = np.unique(space.numbers[space.mesh.solids == solid][:, : space.rim])
@@ -33,6 +40,9 @@ class MeshUnknowns:
                 zero = [("phi" if name == "phi" else "u") in HELD[condition] for name in names]
                 self.held[np.unique(space.edge_numbers(lines[group]))] |= zero
                 self.grounded |= "phi" in names and condition == "grounded"
+        if layer is not None:
+            self.held = np.concatenate([self.held, layer.held])
+            self.grounded |= "phi" in names  # phi is zero below an absorbing layer
         electrodes = [name for name in piece.mesh.electrodes if "phi" in names]
         connections = [piece.connection(name) for name in electrodes]
         self.ports = tuple(Port(kind="voltage", name=each) for each in connections if each not in (FLOATING, GROUNDED))
@@ -68,6 +78,9 @@ class MeshUnknowns:
             )
             functions, parts = zip(*(by_field[name] for name in self.names), strict=True)
             own = np.concatenate([each * count + column for column, each in enumerate(functions)])
+            if self.layer is not None:  # its line is the section's own
+                unknowns, dofs = self.layer.line(side)
+                own, parts = np.append(own, unknowns), (*parts, np.eye(section.size)[dofs])
             interfaces.append(own)
             projections.append(np.concatenate(parts))
             free[own] = False

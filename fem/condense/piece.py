@@ -30,12 +30,16 @@ class Port:
         Of a force: along the surface, or normal to it.
     place : float
         Of a force, length units from the stator's left end.
+    width, center : float
+        Of a force that acts on a strip: its length along y and its middle, length units; infinite in a section.
     """
 
     kind: Literal["voltage", "mean", "force"]
     name: str = ""
     component: Literal["x", "z"] = "z"
     place: float = 0.0
+    width: float = float("inf")
+    center: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from fem.discretize.absorber import absorber
 from fem.discretize.grading import CORNER_RATIO, Resolution, bottom_corners, edge_layers, graded
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.geometry import Stator
+from fem.input_error import InputError
 from fem.materials import fields as coupled_fields
 from fem.materials.medium import medium, units, vacuum_medium
 
@@ -75,6 +76,16 @@ def discretise(
     if stator.absorbs_below:
         # Every thickness stands for the same half-space, but an absorbing layer near the surface causes errors of 1e-4.
         depth = min(max(depth, least_depth), MAX_DEPTH)
+        drawn = max(stator.pieces, key=lambda piece: piece.depth, default=None)
+        if drawn is not None and drawn.depth / unit > MAX_DEPTH * (1 + 1e-6):
+            raise InputError(
+                "piece",
+                f"must be drawn down to at most {MAX_DEPTH * unit * 1e3:.4g} mm ({MAX_DEPTH:g} wavelengths) where the "
+                "bottom absorbs, below which the program continues the solid by itself: it is drawn down to "
+                f"{drawn.depth * 1e3:.4g} mm",
+                owner=drawn.name,
+            )
+        depth = depth if drawn is None else max(depth, drawn.depth / unit)
     scale = surface_scale / unit
     top = min(max(scale, FINGER_SCALE), depth / 2, largest) if layers else min(depth, largest)
     layers = edge_layers(resolution, top, min(scale, top)) if layers else 0

@@ -14,6 +14,12 @@ import numpy as np
 from fem.input_error import InputError
 from fem.materials.solids import VACUUM_PERMITTIVITY, Solid, isotropic
 
+_TRIGONAL = """c11  c12 c13  c14  0   0
+               c12  c11 c13 -c14  0   0
+               c13  c13 c33   0   0   0
+               c14 -c14  0   c44  0   0
+                0    0   0    0  c44 c14
+                0    0   0    0  c14 c66"""
 # Constants of each symmetry class in the order of the tables below, and which of them stands where; "-" turns the sign,
 # c66 is (c11 - c12)/2.
 _CLASSES = {
@@ -31,24 +37,14 @@ _CLASSES = {
     ),
     "3m": (
         "c11 c12 c13 c14 c33 c44 e15 e22 e31 e33 eps11 eps33",
-        """c11  c12 c13  c14  0   0
-           c12  c11 c13 -c14  0   0
-           c13  c13 c33   0   0   0
-           c14 -c14  0   c44  0   0
-            0    0   0    0  c44 c14
-            0    0   0    0  c14 c66""",
+        _TRIGONAL,
         """  0    0   0   0  e15 -e22
            -e22  e22  0  e15  0    0
             e31  e31 e33  0   0    0""",
     ),
     "32": (
         "c11 c12 c13 c14 c33 c44 e11 e14 eps11 eps33",
-        """c11  c12 c13  c14  0   0
-           c12  c11 c13 -c14  0   0
-           c13  c13 c33   0   0   0
-           c14 -c14  0   c44  0   0
-            0    0   0    0  c44 c14
-            0    0   0    0  c14 c66""",
+        _TRIGONAL,
         """e11 -e11 0 e14   0    0
             0    0  0  0  -e14 -e11
             0    0  0  0    0    0""",

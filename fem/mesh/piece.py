@@ -82,7 +82,16 @@ class MeshPiece:
         line = self.mesh.interface(side)
         return None if line is None else (self.position + line[0], *line[1:])
 
+    @property
+    def depth(self) -> float:
+        """Depth of its lowest point below the surface, m."""
+        return -float(self.mesh.points[:, 1].min())
+
     def fits(self, side: str, thickness: float) -> bool:
-        """Whether an interface is as high as the stator and ends at its surface."""
+        """Whether an interface is as high as the stator and ends at its surface.
+
+        Where the stator is a half-space (infinite ``thickness``), it reaches down to the lowest point of the mesh.
+        """
         line = self.interface(side)
+        thickness = thickness if np.isfinite(thickness) else self.depth
         return line is not None and max(abs(line[1] - thickness), abs(line[2])) <= SAME * thickness

@@ -112,6 +112,18 @@ class SectionMesh:
         z = self.points[np.concatenate([each.nodes.ravel() for each in self.cells if each.solid == "stator"]), 1]
         return float(z.min()), float(z.max())
 
+    @property
+    def longest_edge(self) -> float:
+        """Length in m of the longest edge between two corners."""
+        return float(np.linalg.norm(np.diff(self.points[list(self.edges)], axis=1), axis=-1).max())
+
+    @cached_property
+    def foot(self) -> np.ndarray:
+        """Directed outer edges at the smallest z of the mesh, from left to right, shape (m, 2)."""
+        z, edges = self.points[:, 1], np.array(self.boundary)
+        low = (z[edges] <= z.min() + SAME * np.ptp(z)).all(axis=1)
+        return edges[low][np.argsort(self.points[edges[low, 0], 0])]
+
     def interface(self, side: str) -> tuple[float, float, float] | None:
         """Place x, height and upper end z of a vertical line of the interface, m; None where the piece is an end."""
         if side not in self.lines:
@@ -180,12 +192,10 @@ def _read(path: Path, unit: float) -> SectionMesh:
         raise MeshError("the file's third coordinate is not constant: a section has two, x and z")
     surfaces, lines = _grouped(file)
     used = np.unique(np.concatenate([cells.nodes.ravel() for cells in surfaces]))
-    lost = [name for name, nodes in lines.items() if not np.isin(nodes, used).all()]
-    if lost:
-        raise MeshError(
-            f"the line group {lost[0]} has lines that are no edge of an element: "
-            "gmsh writes only surfaces that are in a physical group"
-        )
+    for name, nodes in lines.items():
+        bare = nodes[~np.isin(nodes, used).all(axis=1)]
+        if len(bare):
+            raise MeshError(_no_element(name, points * unit, bare[0]))
     number = np.full(len(points), -1)
     number[used] = np.arange(len(used))
     points = points[used, :2] * unit
@@ -326,6 +336,14 @@ def _at(points: np.ndarray, nodes) -> str:
     return f"({x:.2f}, {z:.2f}) mm"
 
 
+def _no_element(name: str, points: np.ndarray, nodes) -> str:
+    """What is told of a group's line that no element touches: mostly the border of a hole."""
+    return (
+        f"no element has the line at {_at(points[:, :2], nodes)} of the group {name} as an edge: either the mesh has a "
+        "hole there (gmsh writes only surfaces that are in a physical group), or the line is none of the body's"
+    )
+
+
 def _corner_turns(corners: np.ndarray) -> np.ndarray:
     """Cross products of the two edges at each corner, shape (elements, corners)."""
     ahead, behind = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
@@ -353,8 +371,7 @@ def _check_topology(mesh: SectionMesh) -> None:
     for name, nodes in mesh.lines.items():
         for one, other in nodes.tolist():
             if (one, other) not in mesh.edges and (other, one) not in mesh.edges:
-                where = _at(mesh.points, [one, other])
-                raise MeshError(f"the line group {name} has a line at {where} that is no edge of an element")
+                raise MeshError(_no_element(name, mesh.points, [one, other]))
             key = min(one, other), max(one, other)
             if key in seen and seen[key] != name:
                 where = _at(mesh.points, [one, other])

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.circuit import Circuit, Drive, receiving_circuit, solve_circuit
+from fem.circuit import Circuit, Drive, solve_circuit
 from fem.waveguide.port_fields import PortFields
 
 
@@ -20,7 +20,7 @@ class Solution:
     @cached_property
     def weights(self) -> np.ndarray:
         """Of each excitation of the fields: V, then N/m."""
-        silent = np.zeros(len(self.fields.displacements))
+        silent = np.zeros(self.fields.received.shape[1])
         return np.concatenate([self.circuit.voltages, silent if self.forces is None else self.forces])
 
     def sides(self, index: int) -> np.ndarray:
@@ -32,18 +32,11 @@ class Solution:
         return self.fields.incoming[index] @ self.weights
 
 
-def driven_solution(fields: PortFields, drive: str | Drive) -> Solution:
-    """Weigh the ports' fields with the voltages of a circuit."""
-    circuit = solve_circuit(fields.admittances, fields.names, fields.transducers, drive, fields.frequency)
-    return Solution(fields=fields, circuit=circuit)
+def driven_solution(fields: PortFields, drive: str | Drive | None, forces: np.ndarray | None = None) -> Solution:
+    """Weigh the fields with the voltages that a circuit sets, or with forces and the voltages that these make.
 
-
-def forced_solution(fields: PortFields, forces: np.ndarray, drive: str | Drive | None = None) -> Solution:
-    """Weigh the fields with forces (N/m) and with the voltages that they make across the terminations.
-
-    ``drive``: as of `fem.circuit.receiving_circuit`.
+    ``forces``: N/m of each; the source voltages of ``drive`` are then zero (`fem.circuit.solve_circuit`).
     """
-    circuit = receiving_circuit(
-        fields.admittances, fields.names, fields.transducers, fields.received @ forces, fields.frequency, drive
-    )
+    received = None if forces is None else fields.received @ forces
+    circuit = solve_circuit(fields.admittances, fields.names, fields.transducers, drive, fields.frequency, received)
     return Solution(fields=fields, circuit=circuit, forces=forces)

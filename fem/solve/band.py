@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fem.circuit import Drive
+from fem.circuit import Circuit, Drive
 from fem.condense.mesh import MeshedPiece
 from fem.condense.reduced import PieceSample, rational_piece
 from fem.convergence_error import ConvergenceError
@@ -23,7 +23,7 @@ from fem.reduce.model import ReducedModel
 from fem.reduce.projection import BandProblem, NodeSolutions, project, solve_at_nodes
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
-from fem.results.solution import Solution, driven_solution, forced_solution
+from fem.results.solution import Solution, driven_solution
 from fem.solve.full_band import FullModel
 from fem.solve.harmonic import check_driven, driven_wave, solution_differences
 from fem.threads import one_blas_thread, side_by_side
@@ -98,19 +98,19 @@ class Band:
 
         return np.array(side_by_side(at, frequencies))
 
-    def received(self, frequencies: np.ndarray, force: LineForce, drive: str | Drive) -> np.ndarray:
-        """Currents in A into the transducers, as in `port_names`, that a line force causes: (frequencies, ports).
+    def forced(self, frequencies: np.ndarray, force: LineForce, drive: str | Drive) -> list[Circuit]:
+        """Currents and voltages of the transducers, as in `port_names`, that a line force causes at each frequency.
 
         The sources of ``drive`` have zero voltage; their impedances, and the other terminations, stay.  By reciprocity
         the current into the driven transducer is the velocity at the force, per volt, times force and aperture.  It
         errs as that: by `relative_error`, if the force stands at one of the places that the band was prepared for.
         """
 
-        def at(frequency: float) -> np.ndarray:
+        def at(frequency: float) -> Circuit:
             fields = self._port_fields(float(frequency), forces=(force,))
-            return forced_solution(fields, np.array([force.amplitude]), drive).circuit.currents
+            return driven_solution(fields, drive, np.array([force.amplitude])).circuit
 
-        return np.array(side_by_side(at, frequencies))
+        return side_by_side(at, frequencies)
 
     def _port_fields(
         self,
@@ -182,7 +182,7 @@ def frequency_band(
         places=np.array(places or (stator.length / 2,)),
     )
     placed = stator.placement
-    steps = any(end is not None and is_step(end, stator.thickness) for end in placed.ends)
+    steps = any(end is not None and is_step(end, stator.depth) for end in placed.ends)
     attempt = _unreduced_attempt if steps or placed.whole is not None else _attempt
     level_share = (1 - REDUCTION_SHARE) * tolerance
     level_tolerance = tolerance

@@ -17,7 +17,7 @@ from fem.input_error import InputError
 from fem.layout import check_layout
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
-from fem.results.solution import Solution, forced_solution
+from fem.results.solution import Solution, driven_solution
 from fem.solve.harmonic import motion_difference
 from fem.threads import one_blas_thread
 from fem.waveguide.force import LineForce
@@ -89,7 +89,7 @@ def forced_wave(
 
     def at_level(resolution: Resolution) -> tuple[Solution, np.ndarray]:
         row = stator_row(stator, transducers, frequency=frequency, resolution=resolution, forces=forces)
-        solution = forced_solution(row.solved(), amplitudes, drive)
+        solution = driven_solution(row.solved(), drive, amplitudes)
         return solution, surface_of(solution).motion(at)
 
     refined = refine_stator(

@@ -22,7 +22,10 @@ from fem.waveguide.modes import GuidedModes
 
 @dataclass(frozen=True, kw_only=True)
 class LineForce:
-    """A line force on the bare surface of a stator, the same all along y.
+    """A line force on the bare surface of a stator, uniform along y or over a strip of it.
+
+    In the section it is the same all along y.  In the beam (`fem.surface_beam`) it acts on |y - center_y| < width / 2;
+    several strips at one place are a profile along y.
 
     Attributes
     ----------
@@ -32,17 +35,25 @@ class LineForce:
     component : "x" or "z"
         Along the surface, or normal to it (out of the body).
     amplitude : complex
-        N per metre of y, peak.
+        N per metre of y, peak; of a strip the force over its width.
+    width : float
+        Length of the strip along y, m; infinite by default.
+    center_y : float
+        Middle of the strip, m from the stator's middle line.
     """
 
     name: str
     position: float
     component: Literal["x", "z"] = "z"
     amplitude: complex = 1.0
+    width: float = float("inf")
+    center_y: float = 0.0
 
     def __post_init__(self):
         if self.component not in ("x", "z"):
             raise InputError("force.component", "must be x or z", self.component, owner=self.name)
+        if not self.width > 0:
+            raise InputError("force.width", "must be positive", self.width, "m", owner=self.name)
 
 
 @dataclass(frozen=True, kw_only=True)

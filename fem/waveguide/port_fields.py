@@ -279,7 +279,15 @@ def joined_row(
         ends=pieces.ends,
         ports=ports
         + tuple(
-            Port(kind="force", name=each.name, component=each.component, place=each.position / unit) for each in forces
+            Port(
+                kind="force",
+                name=each.name,
+                component=each.component,
+                place=each.position / unit,
+                width=each.width / unit,
+                center=each.center_y / unit,
+            )
+            for each in forces
         ),
         numbers=tuple(numbers for _, _, numbers, _ in row),
     )

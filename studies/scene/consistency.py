@@ -180,10 +180,6 @@ def check_pieces(scene) -> Refused:
     if scene.wave is not None or scene.stator is None:
         yield "piece", "must be absent without a [stator]: it is a part of its section"
         return
-    if scene.stator.thickness == "half-space":
-        yield "stator.thickness", "must be a length with a [[piece]], got 'half-space'"
-    if scene.stator.bottom == "absorbing":
-        yield "stator.bottom", "must be free, grounded or clamped with a [[piece]], got 'absorbing'"
     if scene.crossed:
         yield "piece", "must be absent where a transducer is turned or stands beside the middle line"
     if scene.stator.diffraction:

@@ -244,9 +244,17 @@ FAULTS = {
     ),
     "no interface": ({"lines": {}}, "has no line group left or right"),
     "inside": ({"lines": {"left": [(0, 2)], "right": [(1, 2)]}}, "the line group left is not one vertical line"),
+    "hole in the bottom": (
+        {
+            "points": [(0, -1.1), (0.4, -1.1), (0.6, -1.1), (1, -1.1), (1, 0), (0, 0)],
+            "triangles": [(0, 1, 5), (3, 4, 5), (1, 3, 5)],
+            "lines": {"left": [(5, 0)], "right": [(3, 4)], "bottom": [(0, 1), (1, 2), (2, 3)]},
+        },
+        r"no element has the line at \(0.50, -1.10\) mm of the group bottom as an edge: either the mesh has a hole",
+    ),
     "no edge": (
         {"lines": {"left": [(3, 0)], "right": [(1, 2)], "clamped": [(1, 3)]}},
-        "the line group clamped has a line at .* that is no edge of an element",
+        r"no element has the line at \(0.50, -0.55\) mm of the group clamped as an edge: either the mesh has a hole",
     ),
 }
 
@@ -284,6 +292,9 @@ def test_places_and_overlaps(plain):
     words = refused(plain, position=["6 mm", "6.5 mm"])
     assert 'piece "plain" (6 to 7 mm) overlaps the piece "plain" (6.5 to 7.5 mm)' in words
     assert "must lie on the stator, 0 to 12 mm, got 11.5 to 12.5 mm" in refused(plain, position="11.5 mm")
+    asked = refused(plain, position=6)
+    assert 'must lie on the stator, 0 to 12 mm, got 6000 to 6001 mm: is "6 mm" meant? A number without a unit' in asked
+    assert "meant?" not in refused(plain, position="15 mm")
     assert "must name different places" in refused(plain, position=["6 mm", "6 mm"])
     assert (
         "must name at most as many places as fit on the stator, 12 mm long, got 1000000 of a mesh 1 mm wide"
@@ -410,12 +421,6 @@ def test_files_that_are_no_mesh(tmp_path, plain):
 
 def test_what_a_piece_does_not_go_with(plain):
     assert "stator.diffraction must be false or absent with a [[piece]]" in refused(plain, {"diffraction": True})
-    assert "stator.thickness must be a length with a [[piece]], got 'half-space'" in refused(
-        plain, {"thickness": "half-space"}
-    )
-    assert "stator.bottom must be free, grounded or clamped with a [[piece]], got 'absorbing'" in refused(
-        plain, {"bottom": "absorbing"}
-    )
     assert "stator.above must be none with a meshed piece" in refused(plain, {"above": "vacuum"})
     end = {"ends": "absorbing", "bottom": "grounded"}
     resolved(scene(plain, end))

@@ -34,6 +34,7 @@ def one_mode(k: complex, potential: complex = 1.0, slope: complex = 0.0) -> Line
         amplitudes=np.zeros(1),
         tangential=np.zeros(1),
         normal=np.zeros(1),
+        shear=np.zeros(1),
         potential=np.array([potential]),
         static=0.0,
         slope=slope,

@@ -14,7 +14,7 @@ from fem.mesh.piece import MeshPiece
 from fem.mesh.section_mesh import read_mesh
 from fem.results.evaluation import surface_of
 from fem.results.power_balance import power_balance
-from fem.results.solution import driven_solution, forced_solution
+from fem.results.solution import driven_solution
 from fem.solve.band import frequency_band
 from fem.solve.forced import forced_wave
 from fem.solve.harmonic import driven_wave
@@ -72,7 +72,7 @@ def test_forces_and_voltages_answer_each_other(solid, rest):
 def test_the_power_of_forces_balances(solid, rest):
     stator = plate(solid, length=9.0, **rest)
     fields = fields_of(stator, forces_at(stator, 0.3, 4.2, 8.6))
-    solved = forced_solution(fields, np.array([1.0, 0.4j, -0.7]), "a")
+    solved = driven_solution(fields, "a", np.array([1.0, 0.4j, -0.7]))
     balance = power_balance(solved)
     assert balance.loads == pytest.approx(0.5 * 200.0 * abs(solved.circuit.currents[1]) ** 2, rel=1e-9)
     assert balance.residual < 1e-9
@@ -87,7 +87,7 @@ def test_a_bare_stator_answers_as_a_segment_without_end():
     fields = stator_row(stator, (), frequency=FREQUENCY, resolution=LEVEL, forces=forces).solved()
     x = np.linspace(0.1, 5.9, 40) * stator.thickness / 0.8
     for k, each in enumerate(forces):
-        found = surface_of(forced_solution(fields, np.eye(2)[k])).motion(x)
+        found = surface_of(driven_solution(fields, None, np.eye(2)[k])).motion(x)
         exact = np.array([force_response(fields.modes, each.component).motion(at - each.position) for at in x])
         assert abs(found - exact.T).max() < 1e-11 * abs(exact).max()
 
@@ -105,7 +105,7 @@ def test_a_plain_mesh_beside_a_force_changes_nothing(tmp_path):
     motions = []
     for each in (stator, meshed):
         fields = stator_row(each, row, frequency=FREQUENCY, resolution=level, forces=force).solved()
-        solved = forced_solution(fields, np.ones(1))
+        solved = driven_solution(fields, None, np.ones(1))
         motions.append(surface_of(solved).motion(x))
         assert power_balance(solved).residual < 1e-9
     assert abs(motions[1] - motions[0]).max() < 1e-6 * abs(motions[0]).max()
@@ -175,7 +175,8 @@ def test_a_band_receives_as_it_sends(component):
     given = {"lowest": 0.98 * FREQUENCY, "highest": 1.02 * FREQUENCY, "tolerance": 1e-2, "places": (place,)}
     band = frequency_band(stator, row, drive=drive, **given)
     at = np.array([0.985, 1.0, 1.017]) * FREQUENCY
-    received = band.received(at, LineForce(name="f", position=place, component=component), drive)[:, 0]
+    circuits = band.forced(at, LineForce(name="f", position=place, component=component), drive)
+    received = [each.currents[0] for each in circuits]
     motion = np.array([each.motion(place)["xz".index(component)] for each in band.waves(at, drive)])
     velocity = 2j * np.pi * at * motion
     assert received == pytest.approx(velocity * row[0].aperture, rel=1e-6)

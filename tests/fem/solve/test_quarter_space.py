@@ -64,6 +64,15 @@ def test_the_corner_reflects_the_rayleigh_wave(tmp_path, poisson_ratio):
     assert abs(at_corner) == pytest.approx(REFLECTED_AND_PASSED[poisson_ratio][0], abs=2e-5)
 
 
+@pytest.mark.parametrize("poisson_ratio", REFLECTED_AND_PASSED)
+def test_the_corner_of_a_lossless_half_space(tmp_path, poisson_ratio):
+    """The wall goes on down through the absorbing layer, which takes up the wave on it: 1e-6 to 7e-6 from the truth."""
+    stator, _ = quarter_space(tmp_path, poisson_ratio, width=1.0, depth=0.8, quality=np.inf)
+    found = reflector(replace(stator, thickness=np.inf), frequency=FREQUENCY, tolerance=1e-4)
+    ((_, reflection),) = found.ends
+    assert abs(reflection) == pytest.approx(REFLECTED_AND_PASSED[poisson_ratio][0], abs=2e-5)
+
+
 @pytest.mark.slow
 def test_loss_common_to_both_moduli_does_not_change_the_corner(tmp_path):
     """Amplitude and phase: the waves of both directions are scaled alike, whatever the loss."""

@@ -1,0 +1,189 @@
+"""Forces on strips of the surface: Lamb's problem, Gamma, rotated modes, Maxwell-Betti, currents into transducers."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem.analytic.wave_compliance import wave_compliance
+from fem.beam.cut_source import cut_source
+from fem.beam.reception import with_apertures
+from fem.beam.surface_beam import BeamError, Strip, surface_beam
+from fem.discretize.error_estimate import LEVELS
+from fem.geometry import Stator
+from fem.input_error import InputError
+from fem.materials import isotropic
+from fem.results.solution import driven_solution
+from fem.solve.forced import forced_wave
+from fem.waveguide.force import LineForce
+from fem.waveguide.port_fields import stator_row
+from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, wave_of
+from tests.oracles.fem_point_force import point_force
+
+GLASS = isotropic(name="glass", density=2500.0, youngs_modulus=70e9, poisson_ratio=0.25)
+
+
+def forced(stator, force, transducers=(), *, level=LEVELS[1], drive=None, **options):
+    """Beam of one force on one discretisation, whose error is taken for zero."""
+    row = stator_row(stator, transducers, frequency=FREQUENCY, resolution=level, forces=(force,))
+    wave = wave_of(driven_solution(row.solved(), drive, np.array([force.amplitude])))
+    return surface_beam(replace(wave, relative_error=0.0), **options)
+
+
+def strip(stator, place, **options):
+    """Force at a place in wavelengths of the slowest bulk wave."""
+    unit = plate(stator.solid, length=1.0).length
+    return LineForce(name="f", position=place * unit, **({"width": 1e-3} | options))
+
+
+@pytest.mark.parametrize("component", ["z", "x"])
+@pytest.mark.parametrize("width", [2e-3, 1e-4])
+def test_a_strip_on_glass_is_lambs_problem(component, width):
+    """Closed-form response, integrated over the wavenumber and over the strip; SH waves and wide angles included."""
+    frequency, shear = 2e6, 70e9 / 2.5
+    wavenumber = 2 * np.pi * frequency * np.sqrt(2500.0 / shear)
+    block = Stator(solid=GLASS, length=40e-3, thickness=float("inf"), ends="absorbing")
+    force = LineForce(name="f", position=10e-3, component=component, amplitude=1 / width, width=width, center_y=0.5e-3)
+    wave = forced_wave(block, (), (force,), frequency=frequency, tolerance=1e-3, places=(30e-3,))
+    x, y = np.array([12e-3, 13e-3, 8e-3, 20e-3, 30e-3]), np.array([1e-3, 4e-3, -1e-3, 5e-3, 0.5e-3])
+    found, error = surface_beam(wave).motion_and_error(x, y)
+    s, weights = np.polynomial.legendre.leggauss(12)
+    expected = np.zeros((3, len(x)), dtype=complex)
+    for at, share in zip(force.center_y + width / 2 * s, weights / 2, strict=True):
+        for number, (dx, dy) in enumerate(zip(x - force.position, y - at, strict=True)):
+            u_z, u_x, u_y = point_force(shear, 0.25, wavenumber, np.hypot(dx, dy), np.arctan2(dy, dx))
+            expected[:, number] += share * np.array((0, 0, u_z) if component == "z" else (u_x, u_y, 0))
+    known = [2] if component == "z" else [0, 1]
+    apart = abs(found - expected)[known].max(axis=0) / abs(found[[0, 2]]).max(axis=0)
+    assert np.all(apart < 1e-4)
+    assert np.all(apart < 1.2 * error)
+
+
+def test_a_point_force_sends_gamma_as_one_over_root_distance():
+    """|u_z| = Gamma F (k / 2 pi r)^(1/2), Gamma from the surface impedance."""
+    block = Stator(solid=GLASS, length=90e-3, thickness=float("inf"), ends="absorbing")
+    force = LineForce(name="f", position=5e-3, amplitude=1e4, width=1e-4)
+    beam = forced(block, force)
+    r = np.array([20e-3, 40e-3, 80e-3])
+    wavenumber = 2 * np.pi * FREQUENCY / beam.wave.phase_velocity
+    expected = wave_compliance(GLASS, "open") * np.sqrt(wavenumber / (2 * np.pi * r))
+    # the next term of the Hankel function is 1/(8 k r)^2
+    assert abs(beam.surface_mode.motion(5e-3 + r)[2]) == pytest.approx(expected, rel=1e-4)
+    assert abs(beam.motion(85e-3)[2]) == pytest.approx(expected[-1], rel=1.5e-3)  # the bulk waves have decayed
+
+
+@pytest.mark.parametrize(
+    ("name", "orientation"), [("PZT-8", "Z"), ("LiNbO3 (Kovacs)", "128YX"), ("quartz (Bechmann)", "ST-X")]
+)
+def test_the_mean_of_a_beam_between_mirrors_is_gamma(name, orientation):
+    """The part at k_y = 0 of a narrow strip's waves, by the mean over the distance of the mirrors: three cuts."""
+    solid, width = lossless(name, orientation), 6e-3
+    stator = replace(plate(solid, length=20.0), thickness=np.inf)
+    beam = forced(stator, strip(stator, 5.0, amplitude=1e3), level=LEVELS[4], mirror_width=width)
+    y = (np.arange(64) / 64 - 0.5) * width
+    mean = beam.surface_mode.motion(stator.length * 0.8, y)[2].mean()
+    assert abs(mean) * width == pytest.approx(wave_compliance(solid, "open"), rel=1e-6)
+
+
+def test_forces_along_x_send_sh_waves_and_the_static_field():
+    """Rotated modes against the modes solved at every k_y, in a plate without ground: u_x lacks 2e-3 without S."""
+    stator = plate(cut("PZT-8", "Z", quality=60.0), length=30.0, thickness=1.3)
+    beam = forced(stator, strip(stator, 15.0, component="x"))
+    source = cut_source(beam.wave.solution.fields).loaded("x")
+    other = replace(beam, source=source, strips=(Strip(beam.strips[0].sheet, source),))
+    unit = stator.length / 30.0
+    x, y = np.array([20.0, 22.0, 12.0, 26.0]) * unit, np.array([-1e-3, 2e-3, 1e-3, -2.5e-3])
+    expected, found = other.motion(x, y), beam.motion(x, y)
+    assert np.all(abs(found - expected).max(axis=0) < 7e-4 * abs(expected).max(axis=0))
+    static = beam.strips[0].source.static
+    without = replace(beam, strips=(Strip(beam.strips[0].sheet, replace(beam.strips[0].source, static=-static)),))
+    assert abs(without.motion(x, y) - expected)[0].max() > 2e-3 * abs(expected).max()
+
+
+@pytest.mark.parametrize(
+    ("name", "orientation", "tolerance"), [("PZT-8", "Z", 1e-8), ("LiNbO3 (Kovacs)", "128YX", 1e-5)]
+)
+def test_two_strips_answer_each_other(name, orientation, tolerance):
+    """Maxwell-Betti between means over strips at different y: u_x by a normal force is u_z by one along x."""
+    stator = plate(cut(name, orientation, quality=100.0), length=20.0, thickness=1.3)
+    s, weights = np.polynomial.legendre.leggauss(30)
+    one = strip(stator, 5.0, component="z", center_y=0.4e-3)
+    other = strip(stator, 14.0, component="x", width=2e-3, center_y=-0.7e-3)
+
+    def mean(by, at):
+        motion = forced(stator, by).motion(at.position, at.center_y + at.width / 2 * s)
+        return weights @ motion["xyz".index(at.component)] / 2 * at.width
+
+    there, back = mean(one, other), mean(other, one)
+    assert abs(there - back) < tolerance * abs(there)
+
+
+def test_a_wide_strip_beside_wide_transducers_is_the_section():
+    """Fingers and a strip of 100 wavelengths: motion and current per width of the same line force in the section."""
+    stator = plate(cut("PZT-8", "Z", quality=60.0), length=24.0, thickness=1.3)
+    row = tuple(
+        comb(stator, name, place, finger_pairs=2, aperture=0.1, termination=termination)
+        for name, place, termination in (("a", 5.0, "short"), ("b", 19.0, 1.0))
+    )
+    beam = forced(stator, strip(stator, 12.0, width=0.1), row)
+    x = np.array([9.0, 14.0]) * stator.length / 24.0
+    section = beam.wave.motion(x)
+    assert abs(beam.motion(x)[[0, 2]] - section).max() < 0.02 * abs(section).max()
+    assert beam.circuit.currents == pytest.approx(beam.wave.circuit.currents, rel=0.02)
+    assert beam.scattering_error < 1e-3
+
+
+@pytest.mark.parametrize(("orientation", "name", "largest"), [("Z", "PZT-8", 0.01), ("128YX", "LiNbO3 (Kovacs)", 0.05)])
+def test_a_transducer_receives_what_it_sends_to_the_strip(orientation, name, largest):
+    """The charges that the strip's waves induce, summed, against the velocity of the transducer's own beam there.
+
+    They share the modes; the first comes from the response to arriving waves, the second from the beam per volt.
+    """
+    solid = cut(name, orientation, quality=100.0)
+    stator = replace(plate(solid, length=40.0), thickness=np.inf)
+    row = (comb(stator, "a", 8.0, finger_pairs=2, aperture=4e-3, termination="short"),)
+    force = strip(stator, 25.0, center_y=0.5e-3)
+    beam = forced(stator, force, row)
+    assert 0 < beam.scattering_error < largest
+    assert 0 < beam.received_error < 1e-4
+    row_alone = stator_row(stator, row, frequency=FREQUENCY, resolution=LEVELS[1])
+    driven = surface_beam(wave_of(driven_solution(row_alone.solved(), "a")))
+    y = force.center_y + force.width / 2 * np.polynomial.legendre.leggauss(20)[0]
+    u_z = driven.motion(force.position, y)[2] @ np.polynomial.legendre.leggauss(20)[1] / 2
+    assert beam.circuit.currents[0] == pytest.approx(2j * np.pi * FREQUENCY * u_z * force.width, rel=1e-6)
+    assert abs(beam.wave.circuit.currents[0] / beam.circuit.currents[0] - 1) > 0.1
+    if name == "PZT-8":
+        fields = with_apertures(beam.wave.solution.fields)
+        assert fields.received[0, 0] == pytest.approx(beam.circuit.currents[0], rel=largest)
+
+
+def test_an_open_transducer_scatters_the_beam_of_a_strip():
+    """Short and open, its voltage and the field before it differ; by more than the stated error."""
+    stator = plate(cut("PZT-8", "Z", quality=100.0), length=24.0, thickness=1.3)
+    unit = stator.length / 24.0
+    force, motions = strip(stator, 14.0, amplitude=1e3), {}
+    for termination in ("short", "open"):
+        row = (comb(stator, "a", 5.0, finger_pairs=2, aperture=4e-3, termination=termination),)
+        beam = forced(stator, force, row)
+        motions[termination], error = beam.motion_and_error(9.0 * unit, 0.3e-3)
+        assert error < 1e-3
+    assert abs(motions["open"] - motions["short"]).max() > 0.01 * abs(motions["short"]).max()
+    assert abs(beam.circuit.currents[0]) < 1e-12 * abs(beam.circuit.voltages[0])
+    with pytest.raises(BeamError, match="power balance of forces on strips is not computed"):
+        _ = beam.power
+
+
+def test_what_a_strip_cannot_be():
+    stator = plate(cut("PZT-8", "Z"), length=9.0)
+    with pytest.raises(InputError, match=r"force 'f'.width must be positive, got 0"):
+        strip(stator, 2.0, width=0.0)
+    with pytest.raises(InputError, match=r"force 'f'.width must be finite in three dimensions"):
+        forced(stator, strip(stator, 2.0, width=np.inf))
+    with pytest.raises(
+        BeamError, match=r"the field of forces in three dimensions needs stator.ends = 'absorbing', got"
+    ):
+        forced(replace(stator, ends="free"), strip(stator, 2.0))
+    with pytest.raises(BeamError, match="forces beside the middle line need absorbing sides"):
+        forced(stator, strip(stator, 2.0, center_y=1e-3), mirror_width=9e-3)
+    with pytest.raises(BeamError, match=r"mirror_width must be at least the largest aperture, 0.001 m"):
+        forced(stator, strip(stator, 2.0), mirror_width=5e-4)
