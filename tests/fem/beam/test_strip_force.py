@@ -184,7 +184,7 @@ def test_the_static_field_between_mirrors_is_that_of_all_images():
     images = y + width * np.arange(-4000, 4001)[:, None]
     ends = (force.sheet.length / 2 + images, force.sheet.length / 2 - images)
     expected = np.array(force.source.static_motion(x - force.sheet.x, *ends)).sum(axis=1)
-    assert (found - without)[:2] == pytest.approx(expected, abs=1e-6 * abs(expected).max())
+    assert (found - without)[:2] == pytest.approx(expected, abs=1e-4 * abs(expected).max())
 
 
 def test_a_force_along_x_is_received_as_the_slope_of_a_normal_one():
@@ -204,7 +204,7 @@ def test_near_a_strip_and_on_fingers():
     """Errors of a narrow strip: evanescent waves beside it, scattered waves; what is added near it alone."""
     stator = plate(cut("PZT-8", "Z", quality=100.0), length=24.0, thickness=1.3)
     unit, force = stator.length / 24.0, strip(stator, 14.0, amplitude=1e3, width=0.3e-3)
-    row = (comb(stator, "a", 5.0, finger_pairs=2, aperture=4e-3, termination="short"),)
+    row = (comb(stator, "a", 5.0, finger_pairs=2, aperture=4e-3, termination=100.0),)
     beam = forced(stator, force, row)
     near, far, on_a_finger = 14.3 * unit, 9.0 * unit, row[0].center + row[0].pitch / 2
     modes = replace(beam, complete=False)
