@@ -92,15 +92,26 @@ def _check_names(transducers: tuple[Transducer, ...]) -> None:
         raise InputError("transducer", f"names must differ, got {', '.join(names)}")
 
 
-def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
-    """Raise an InputError if the pieces do not fit the stator, the transducers or each other."""
-    if not stator.pieces:
-        return
-    if stator.above != "none":
+def check_interfaces(stator: Stator) -> None:
+    """Check that the meshed pieces of a stator meet its section: as high, up to the surface, without field above.
+
+    Raises
+    ------
+    InputError
+        The message names the piece and what is drawn in mm.
+    """
+    if stator.pieces and stator.above != "none":
         rule = "must be none with a meshed piece, whose model error states the effect of the field above"
         raise InputError("stator.above", rule, stator.above)
     for piece in stator.pieces:
         _check_heights(piece, stator.depth)
+
+
+def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
+    """Raise an InputError if the pieces do not fit the stator, the transducers or each other."""
+    if not stator.pieces:
+        return
+    check_interfaces(stator)
     placed = stator.placement
     if placed.whole is not None:
         _check_whole(placed.whole, stator, transducers)
@@ -182,11 +193,6 @@ def _check_foot(piece: MeshPiece, lines: dict[str, tuple[float, float, float]]) 
     """Raise an InputError for a piece of a half-space, with these interfaces, that cannot be continued downwards."""
     mesh, depth = piece.mesh, piece.depth * 1e3
     rule = ""
-    if not lines:
-        rule = (
-            "must have the line group left or right where the bottom absorbs: a whole stator given as one mesh must be "
-            "a plate with bottom free, grounded or clamped"
-        )
     for side, (_, height, top) in lines.items():
         if not piece.fits(side, np.inf):
             rule = (
@@ -246,6 +252,7 @@ def _check_whole(piece: MeshPiece, stator: Stator, transducers: tuple[Transducer
             f"{len(stator.pieces)}"
         )
     bottom, top = (each * 1e3 for each in piece.mesh.depth_range)
+    thickness = piece.depth if stator.absorbs_below else thickness  # the program continues what is drawn
     if max(abs(bottom + thickness * 1e3), abs(top)) > SAME * thickness * 1e3:
         refuse(
             f"is the whole stator: its surface group stator must reach from z = -{thickness * 1e3:.6g} mm (minus "

@@ -109,8 +109,9 @@ def _defect(error: Exception) -> int:
     name, text = type(error).__name__, " ".join(str(error).split())
     with tempfile.NamedTemporaryFile("w", prefix="sawmotor-defect-", suffix=".txt", delete=False) as file:
         file.write(f"sawmotor {' '.join(sys.argv[1:])}\n\n{''.join(traceback.format_exception(error))}")
+    kept = "".join(f"; {note}" for note in getattr(error, "__notes__", ()))
     return _said(
-        f"a defect of sawmotor, not of your scene: {name}: {text}; its traceback is in {file.name}", EXIT_DEFECT
+        f"a defect of sawmotor, not of your scene: {name}: {text}{kept}; its traceback is in {file.name}", EXIT_DEFECT
     )
 
 

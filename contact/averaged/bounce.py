@@ -26,6 +26,9 @@ from contact.problem import Problem
 from contact.roots import bracketed
 
 NODES = 32  # between the two turning points
+# Longest bounce over the distance from the start to the riding height. The nodes do not resolve the contact of a longer
+# one: the energy is negative between them.
+MAX_FLIGHT = 1e6
 
 
 class Heights(NamedTuple):
@@ -93,8 +96,10 @@ def _half_bounce(force, rest, level):
         return heights, forces, (far - rest) * (forces @ areas)
 
     far = 2.0 * level - rest
-    while bounce(far)[2][-1] > 0.0:
-        far += level - rest
+    while bounce(far)[2][-1] > 0.0:  # a light preload lets the slider fly far
+        far += far - level
+        if abs(far) > MAX_FLIGHT * abs(level - rest):
+            return None
     far = bracketed(lambda far: bounce(far)[2][-1], level, far, tolerance=1e-12 * abs(level - rest))
     heights, forces, energy = bounce(far)
     if not np.all(energy[1:-1] > 0.0):

@@ -211,5 +211,7 @@ def automatic_period(solid: Solid, frequency: float, metallisation: float) -> fl
     It is the wavelength of the lossless half-space, part metallised, (metallisation v_metal + (1 - metallisation)
     v_vacuum) over the frequency; metallisation: finger width over finger width plus gap.
     """
+    if not (np.isfinite(frequency) and frequency > 0):
+        raise InputError("frequency", "must be positive and finite", frequency, "Hz")
     metal, vacuum = rayleigh(solid, "metallised").velocity, rayleigh(solid, "vacuum").velocity
     return (metallisation * metal + (1 - metallisation) * vacuum) / frequency

@@ -2,5 +2,5 @@
 
 charges (of the electrodes) - line_source (modes sent by a line of charge) - lateral (integral over k_y) - own_aperture
 (a transducer's response to its own charges) - reception (of beams by other transducers) - faces (reflecting ends) -
-surface_beam - rows, mutual_admittance, crossed_beam (turned transducers).
+surface_beam (where the charges become a beam) - rows, mutual_admittance, crossed_beam (turned transducers).
 """

@@ -204,26 +204,32 @@ class Assembly:
 
 
 def assembled(
-    piece: MeshPiece, stator: Stator, sections: dict[str, Section], *, frequency: float, resolution: Resolution
+    piece: MeshPiece,
+    stator: Stator,
+    section: Section,
+    sections: dict[str, Section],
+    *,
+    frequency: float,
+    resolution: Resolution,
 ) -> Assembly:
     """Assemble a meshed piece: its elements, boundary conditions and interfaces at one resolution.
 
-    ``sections``: the section at each side that has an interface; ``frequency`` in Hz limits the size of the elements.
+    ``section``: of the stator; ``sections``: the section at each side that has an interface; ``frequency`` in Hz limits
+    the size of the elements.
 
     Raises
     ------
     ConvergenceError
         If the mesh has more unknowns than can be solved for.
     """
-    unit = next(iter(sections.values())).length_unit if sections else slowest_wavelength(stator.solid, frequency)
+    unit = section.length_unit
     names = coupled_fields(stator.solid)
     solids = {"stator": stator.solid} | dict(piece.solids)
     share = ELEMENT_SHARE * resolution.element_size
     largest = {name: share * slowest_wavelength(solids[name], frequency) for name in piece.mesh.solids}
     if stator.absorbs_below:
-        section, drawn = next(iter(sections.values())), piece.mesh
         depth = -float(section.breakpoints[section.bottom // section.order]) * unit
-        piece = replace(piece, mesh=deepened(drawn, depth, max(2 * largest["stator"], drawn.longest_edge)))
+        piece = replace(piece, mesh=deepened(piece.mesh, depth, max(2 * largest["stator"], piece.mesh.longest_edge)))
     layers, conditions = resolution.edge_layers + MORE_LAYERS, conditions_of(piece, stator.bottom)
     mesh = quad_mesh(piece.mesh, layers=layers, largest=largest, conditions=conditions)
     small = all(mesh.size(name) <= FINER_SHARE * size for name, size in largest.items())

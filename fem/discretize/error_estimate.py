@@ -15,6 +15,7 @@ from fem.convergence_error import ConvergenceError
 from fem.discretize.absorber import absorber_kind, backwardness
 from fem.discretize.grading import Resolution
 from fem.geometry import Stator
+from fem.input_error import InputError
 
 # From coarse to fine: measured on Feenstra and Breedveld's stator (admittance and surface motion move together).
 LEVELS = (
@@ -127,6 +128,8 @@ def refine(
     >>> found.level, bool(found.errors[0] < 1e-3), bool(abs(found.answer - np.e + 1) < 1.01 * found.errors[0])
     (3, True, True)
     """
+    if not tolerance > 0:
+        raise InputError("tolerance", "must be positive", tolerance)
     if start < 0:
         return Refined(answer=at_level(levels[0]), level=0, errors=(np.inf, np.inf), obstacle="")
     coarse = best = None

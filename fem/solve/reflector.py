@@ -18,6 +18,7 @@ from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
 from fem.geometry import Stator
 from fem.input_error import InputError
+from fem.layout import check_interfaces
 from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.placement import is_step
 from fem.solve.p_matrix import PMatrix, of_segments, waves_of
@@ -97,12 +98,13 @@ def reflector(stator: Stator, *, frequency: float, tolerance: float) -> Reflecto
     Raises
     ------
     InputError
-        If the stator has no pieces.
+        If the stator has no pieces, or one does not meet its section.
     ConvergenceError
         If the finest discretisation does not reach the tolerance.
     """
     if not stator.pieces:
         raise InputError("piece", "is missing: a reflection needs at least one meshed piece")
+    check_interfaces(stator)
     if stator.placement.whole is not None:
         raise InputError("piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there")
 

@@ -60,7 +60,7 @@ class PieceRow:
             if piece is None or is_step(piece, stator.depth) or piece.contents in self.assemblies:
                 continue
             self.assemblies[piece.contents] = assembled(
-                piece, frame, sections, frequency=frequency, resolution=resolution
+                piece, frame, section, sections, frequency=frequency, resolution=resolution
             )
 
     def condensed(self, frequency: float) -> dict[tuple, MeshedPiece]:
@@ -107,7 +107,8 @@ def _step(piece: MeshPiece, side: int, stator: Stator, modes: GuidedModes, resol
     behind = replace(stator, thickness=piece.interface(far)[1], pieces=())
     other = discretise(behind, resolution, wavelength=section.length_unit, surface_scale=np.inf)
     outside = guided_modes(other, frequency)
-    assembly = assembled(piece, _frame(stator), {near: section, far: other}, frequency=frequency, resolution=resolution)
+    sections = {near: section, far: other}
+    assembly = assembled(piece, _frame(stator), section, sections, frequency=frequency, resolution=resolution)
     # The condensed matrix has the left line first: at the left end (side 0) that is the far one, of size `other.size`.
     left_line, right_line = np.split(np.arange(section.size + other.size), [other.size if side == 0 else section.size])
     near_line, far_line = (right_line, left_line) if side == 0 else (left_line, right_line)

@@ -6,6 +6,7 @@ import numpy as np
 
 import fem
 from studies.chain.surface_motion import SurfaceMotion
+from studies.record.status import Status
 from studies.scene import Scene
 
 NODE = 1e-9  # relative to the largest |u_z| of the section; smaller amplitudes are rounding errors
@@ -77,7 +78,7 @@ def amplitude_blocks(scene: Scene, motion: SurfaceMotion, place: tuple[float, fl
             "normal_amplitude_m": normal * voltage,
             "tangential_amplitude_m": tangential * voltage,
             "relative_error": error if voltage else 0.0,
-            "status": "ok",
+            "status": Status.OK.value,
         }
         for voltage in scene.levels
     )

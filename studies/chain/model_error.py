@@ -71,8 +71,7 @@ def _effects(record: Record) -> tuple[tuple, list[tuple]]:
     if _on_pillars(record):
         from studies.chain.pillar_budget import pillar_rows
 
-        for rows, point in zip(at_points, record.points, strict=True):
-            rows += pillar_rows(record, point[record.level])
+        at_points = pillar_rows(record)
     if record.surface_wave is not None:
         for each in (_aperture, _finger_ends, _vacuum, _electrode_mass, _contact, _power):
             always += each(record)

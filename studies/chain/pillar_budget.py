@@ -1,4 +1,4 @@
-"""Estimates of the effects that the model of pillars on a loaded wave neglects, at one level of a run.
+"""Estimates of the effects that the model of pillars on a loaded wave neglects, at each level of a run.
 
 A size is a relative change of the velocity unless another quantity is named with it. The estimates hold to a factor of
 about 2. Sources:
@@ -12,6 +12,7 @@ about 2. Sources:
 
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -40,15 +41,20 @@ MARGIN = "the margin to bulk waves (it leaks from 100 % on)"
 Rows = Iterator[tuple[str, str, float, str]]
 
 
-def pillar_rows(record: Record, level: float) -> Rows:
-    """Yield (effect, quantity, size, source) for each neglected effect at a level of a run with pillars."""
-    if level == 0.0:
-        return
-    body = PillarContact.of(DrivenContact.of_run(record))
-    try:
-        motion = body.motion(level)
-    except contact.ConvergenceError:
-        return
+def pillar_rows(record: Record) -> list[list[tuple]]:
+    """Return (effect, quantity, size, source) of each neglected effect at each point of a run with pillars."""
+    body, motion = PillarContact.of(DrivenContact.of_run(record)), None
+    rows: list[list[tuple]] = []
+    for point in record.points:
+        rows.append([])
+        with suppress(contact.ConvergenceError):
+            if level := point[record.level]:
+                motion = body.motion(level, near=motion)
+                rows[-1] += _at_level(record, body, motion, level)
+    return rows
+
+
+def _at_level(record: Record, body: PillarContact, motion, level: float) -> Rows:
     wave, slider = motion.wave, record.scene.slider
     if body.misfit > 0.0:
         how = "rms misfit of two plane waves to the surface mode under the slider"
@@ -153,7 +159,7 @@ def _neighbours(body, motion, slider, level) -> Rows:
     if motion.velocity == 0.0:
         return
     try:
-        other = replace(body, pillars=pillars.pillars_of(slider, interaction=True)).motion(level)
+        other = replace(body, pillars=pillars.pillars_of(slider, interaction=True)).motion(level, near=motion)
     except contact.ConvergenceError:
         return
     how = "computed with slider.pillars.interaction = true"

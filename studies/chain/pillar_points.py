@@ -12,6 +12,7 @@ from studies.chain.bridge import DrivenContact
 from studies.chain.propagation import judged
 from studies.chain.slider_keys import slider_keys
 from studies.chain.tally import burst_values
+from studies.record.status import Status
 
 SENSITIVITY_STEP = 1e-3  # relative step of the amplitude
 HOPS = 0.999  # mean fraction of the cycle in contact below which the motion counts as intermittent
@@ -135,7 +136,7 @@ def pillar_tables(motion) -> tuple[dict, dict]:
 def pillar_point(driven: DrivenContact, level: float, tolerance: float, *, bursting: bool) -> tuple:
     """Return the values of a point, the parts of its error, its trajectory and its `contact.PillarMotion`."""
     if level == 0.0:
-        values = {"velocity_m_per_s": 0.0, "regime": "stick", "relative_error": 0.0, "status": "ok"}
+        values = {"velocity_m_per_s": 0.0, "regime": "stick", "relative_error": 0.0, "status": Status.OK.value}
         return values, (0.0, 0.0), None, None
     body = PillarContact.of(driven)
     motion = body.motion(level)
@@ -165,7 +166,7 @@ class PillarBurst:
     relative_error: float
     method: str = "averaged"
     rang: float = 0.0
-    status: str = "ok"
+    status: str = Status.OK.value
 
 
 def burst(body: PillarContact, level: float, steady, duration: float) -> PillarBurst:

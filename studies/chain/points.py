@@ -12,6 +12,7 @@ from studies.chain.bridge import DrivenContact
 from studies.chain.propagation import judged, velocity_sensitivities
 from studies.chain.slider_keys import slider_keys
 from studies.chain.tally import burst_tally, burst_values, steady_tally
+from studies.record.status import Status
 from studies.refusal import SceneError
 from studies.scene import Scene
 
@@ -138,12 +139,12 @@ def _point_on_balls(driven: DrivenContact, level: float, tolerance: float, burst
         values |= burst_values(trajectory)
         tally |= burst_tally(trajectory)
         from_stator += 0.0 if driven.ringing is None else driven.ringing.error
-        if trajectory.relative_error > from_contact or status == "ok":
+        if trajectory.relative_error > from_contact or status == Status.OK:
             from_contact = max(from_contact, trajectory.relative_error)
             status, message = trajectory.status, trajectory.message
-    if status == "above tolerance" and from_stator + from_contact <= tolerance:
-        status = "ok"  # the contact exceeds its fraction, but the sum of both errors is within the tolerance
-    elif status != "ok":
+    if status == Status.ABOVE_TOLERANCE and from_stator + from_contact <= tolerance:
+        status = Status.OK.value  # the contact exceeds its fraction, but the sum of both errors is within the tolerance
+    elif status != Status.OK:
         status = f"{status}: {message}"
     values |= judged(tolerance, from_stator, from_contact, status)
     return PointAnswer(values | tally, (from_stator, from_contact), trajectory)

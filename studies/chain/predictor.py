@@ -29,6 +29,7 @@ from studies.chain.spectrum import response
 from studies.chain.steady import averaged_answers, rated, steady_answer
 from studies.chain.surface_motion import SurfaceMotion, solved_motion, surface_motion
 from studies.record import Record
+from studies.record.status import Status
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.scene.block import keys_of
@@ -131,7 +132,7 @@ class Predictor:
         Returns
         -------
         list of dict
-            Columns by name; ``status`` is "ok", "above tolerance: ...", "refused: ..." or "no answer: ...", and
+            Columns by name; ``status`` is the text of a `studies.record.status.Status`, and
             ``relative_error`` is absent where there is no answer, and ``refused`` true where the scene was refused.
         """
         answers: list[dict] = [{} for _ in many]
@@ -301,7 +302,8 @@ class Predictor:
         scene, error = driven.scene, driven.stator_error
         if scene.slider is None:
             missed = error > tolerance
-            status = f"above tolerance: the stator's error is {error:.1e}" if missed else "ok"
+            why = f"the stator's error is {error:.1e}"
+            status = Status.ABOVE_TOLERANCE.because(why) if missed else Status.OK.value
             return {"relative_error": error if driven.level else 0.0, "status": status}
         motion = None
         if driven.solved is not None and scene.slider.travel is not False:
@@ -395,18 +397,19 @@ def reason(error: Exception) -> str:
     """Return why a point has no answer, as its status says it."""
     text = " ".join(str(error).split())
     if isinstance(error, SceneError):
-        return f"refused: {text}"
+        return Status.REFUSED.because(text)
     if isinstance(error, RunError):
-        return f"no answer: {text}"
+        return Status.NO_ANSWER.because(text)
     if isinstance(error, MemoryError):
-        return "no answer: it needs more memory than the worker has"
-    return f"no answer: a defect of sawmotor: {type(error).__name__}: {text}"
+        return Status.NO_ANSWER.because("it needs more memory than the worker has")
+    return Status.NO_ANSWER.because(f"a defect of sawmotor: {type(error).__name__}: {text}")
 
 
 def _free_answer(scene: Scene, tolerance: float) -> dict:
     """Return the answer of a scene without transducers: its free wave."""
     record = free_wave_record(resolve.resolved(scene), tolerance)
-    return {name: record.wave[name] for name in FREE} | {"relative_error": record.error["relative"], "status": "ok"}
+    answer = {name: record.wave[name] for name in FREE}
+    return answer | {"relative_error": record.error["relative"], "status": Status.OK.value}
 
 
 def _silent(text: str) -> None:

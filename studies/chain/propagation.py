@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import contact
+from studies.record.status import Status
 
 # Larger over smaller amplitude of an orbit; of a more slender orbit the relative error of the smaller amplitude is
 # taken as at this ratio.
@@ -19,11 +20,11 @@ MAX_AXIS_RATIO = 1e3
 MIN_STEP = 1e-4  # relative; a difference over a smaller step would measure the contact solver's rounding
 
 
-def judged(tolerance: float, of_stator: float, of_contact: float, status: str = "ok") -> dict:
+def judged(tolerance: float, of_stator: float, of_contact: float, status: str = Status.OK.value) -> dict:
     """Return ``relative_error`` and ``status`` of a velocity whose error has two parts, over the reference speed."""
     error = of_stator + of_contact
-    if error > tolerance and status == "ok":
-        status = f"above tolerance: stator {of_stator:.1e}, contact {of_contact:.1e}"
+    if error > tolerance and status == Status.OK:
+        status = Status.ABOVE_TOLERANCE.because(f"stator {of_stator:.1e}, contact {of_contact:.1e}")
     return {"relative_error": error, "status": status}
 
 

@@ -8,6 +8,7 @@ import contact
 from studies.chain.bridge import DrivenContact
 from studies.chain.points import SHARE, point_answer
 from studies.chain.propagation import judged
+from studies.record.status import Status
 
 AVERAGED_METHODS = ("auto", "averaged")  # methods of a scene that allow the compiled loop of averaged states
 
@@ -53,7 +54,7 @@ def rated(point: dict, parts: tuple[float, float], tolerance: float) -> dict:
     Without an answer only the status is returned.
     """
     if "relative_error" not in point:
-        return {"status": f"no answer: {point['status']}"}
+        return {"status": Status.NO_ANSWER.because(point["status"])}
     return point | {"finer": point["relative_error"] > tolerance and parts[0] > SHARE * tolerance}
 
 

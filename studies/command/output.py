@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from studies.refusal import InterruptedRunError
+from studies.refusal import InterruptedRunError, RunError
 from studies.results import Origin, ResultDirectory, result_directory
 from studies.scene import Scene, scene_path, shipped_scenes
 
@@ -33,14 +33,21 @@ def results_of(arguments: argparse.Namespace, kind: str, ending: str) -> Iterato
 
 @contextmanager
 def committed_pictures(result: ResultDirectory) -> Iterator[None]:
-    """Commit what is drawn; what cannot be drawn is a warning, for the numbers are in place already."""
+    """Commit what is drawn: the numbers are in place already.
+
+    Pictures that this machine cannot draw or write, such as on a full disk, are a note.  Any other error is a defect of
+    the program, as everywhere.
+    """
     try:
         yield
     except KeyboardInterrupt:
         raise InterruptedRunError(f"interrupted while drawing: the numbers are in {result.target}") from None
-    except Exception as error:
+    except (RunError, OSError) as error:
         reason = " ".join(str(error).split()) or type(error).__name__
         result.notes.append(f"pictures are missing in {result.target}: {reason}")
+    except Exception as error:
+        error.add_note(f"the numbers are in {result.target}")
+        raise
     result.commit()
 
 

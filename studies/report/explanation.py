@@ -31,9 +31,13 @@ START, COMPILE = 0.18, 15.0  # s: imports; compilation of the contact kernels if
 # Time of a point with one contact in s, and exponent of the number of contacts. Measured: 1, 4, 16 and 64 balls take
 # 0.05, 0.04, 0.4 and 6 s.
 POINT, CONTACTS = 0.02, 1.2
+# s per pillar and level, model error included, and bytes per pillar. Measured: 10^4 pillars at 6 levels take 4.6 s and
+# 126 MB.
+PILLAR, PILLAR_BYTES = 8e-5, 1.2e4
 AVERAGED_POINT = 3e-4  # s per point of a sweep with averaged contacts, which run in a compiled loop
 JOIN, MODES = 51, 100  # real operations over n^3 for joining two pieces and for computing n guided modes
-BEAM, CUT_BEAM = 1.5e10, 1e11  # operations of the beam model: in an isotropic surface, and in other cuts
+BEAM, CUT_BEAM = 1.5e10, 3.5e10  # operations of the beam model: in an isotropic surface, and in other cuts
+BEAM_BYTES = 30e6  # of the beam model, for each transducer
 BAND = 10  # number of solutions that equals the work for a band of frequencies
 PROCESS, KEPT = 90e6, 1.35  # bytes of Python with its libraries; total memory over that of the stored blocks
 MINUTE = 60.0  # s
@@ -80,6 +84,8 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
             from studies.chain.pillars import layout
 
             number = layout(slider)["x"].size
+            seconds += PILLAR * number * len(scene.levels)
+            block_bytes += PILLAR_BYTES * number / KEPT
         contacts = len(set(slider.offsets))  # contacts at the same place move identically
         facts = [f"{slider.law} law, {_counted(number, 'contact')}, {len(scene.levels)} {levels}"]
         seconds += POINT * len(scene.levels) * contacts**CONTACTS
@@ -185,7 +191,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
     parts = [{"name": "stator", "facts": facts, "levels": [_level_sizes(sizes[k]) for k in resolutions]}]
     operations, block_bytes = (
         sections * sum(_operations(sizes[k]) for k in resolutions),
-        sum(sorted(sizes[k].block_bytes for k in resolutions)[-2:]),
+        sections * sum(sorted(sizes[k].block_bytes for k in resolutions)[-2:]),
     )
     diffraction = wanted_diffraction(scene.stator.diffraction, slider is not None)
     refusal = resolve.default_refusal(stator, slider.places) if diffraction is None else ""
@@ -193,6 +199,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
     if has_beam:
         how = "guided modes at every wavenumber across the aperture, evaluated under the slider"
         parts.append({"name": "beam", "facts": [how]})
+        block_bytes += BEAM_BYTES * len(scene.transducer) / KEPT
         operations += BEAM if fem.isotropic_about_normal(stator.solid) else CUT_BEAM
     left_out_options = {"beam": has_beam, "reason": refusal}
     if slider is not None and scene.burst is not None:

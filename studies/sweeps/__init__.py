@@ -19,6 +19,7 @@ import numpy as np
 
 from studies.chain.predictor import Predictor
 from studies.record.quantities import described
+from studies.record.status import Status
 from studies.refusal import InterruptedRunError, SceneError, needed
 from studies.scene import Scene, read_table
 from studies.scene.keys import rule_at
@@ -70,7 +71,7 @@ class Sweep:
     @property
     def failed(self) -> int:
         """Rows without an answer within the tolerance."""
-        return self.points - self.counts.get("ok", 0)
+        return self.points - self.counts.get(Status.OK, 0)
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the rows as a pandas table, in the order of their points.

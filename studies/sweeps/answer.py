@@ -10,6 +10,7 @@ from typing import Any
 from studies.chain.predictor import Predictor
 from studies.progress import Progress, duration
 from studies.record.quantities import quantity
+from studies.record.status import Status
 from studies.record.text import labelled, print_json
 from studies.record.text import table as aligned
 from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, RunError, SceneError
@@ -53,7 +54,7 @@ def run_sweep(arguments: Namespace, table: dict, over: dict, tolerance: float, o
         )
     if not result.failed:
         return 0
-    answered = result.counts.get("ok", 0) + result.counts.get("above tolerance", 0)
+    answered = sum(result.counts.get(kind, 0) for kind in (Status.OK, Status.ABOVE_TOLERANCE))
     return EXIT_INEXACT if answered else EXIT_NO_ANSWER
 
 
@@ -62,14 +63,14 @@ def summary(result: Sweep) -> dict:
     columns = result.columns()
     known = {name: [each for each in columns.get(name, ()) if each is not None] for name in SHOWN}
     errors, statuses = columns["relative_error"], columns["status"]
-    failures = Counter(status for status in statuses if status != "ok").most_common(REASONS)
+    failures = Counter(status for status in statuses if status != Status.OK).most_common(REASONS)
     return {
         "store": str(result.path),
         "points": result.points,
         "counts": result.counts,
         "ranges": {name: [min(values), max(values)] for name, values in known.items() if values},
         "largest_relative_error": max(
-            (error for error, status in zip(errors, statuses, strict=True) if status == "ok"), default=None
+            (error for error, status in zip(errors, statuses, strict=True) if status == Status.OK), default=None
         ),
         "reasons": [
             {"status": status, "points": count, "first_point": statuses.index(status)} for status, count in failures

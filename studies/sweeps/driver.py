@@ -9,10 +9,11 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from dataclasses import dataclass, replace
 
+from studies.record.status import Status
 from studies.refusal import RunError
 from studies.sweeps.batch import solved_points
 from studies.sweeps.plan import Design
-from studies.sweeps.store import LOST, Store
+from studies.sweeps.store import Store
 from studies.sweeps.workers import Workers
 
 BATCH_SECONDS, LARGEST_BATCH = 0.5, 8192
@@ -41,14 +42,14 @@ class Driver:
         """Compute the points that the store does not hold."""
         done, counts, question = self.store.done(len(self.design)), self.store.counts(), self.design.question
         cost, kept = self.store.cost(), int(done.sum())
-        failed = kept - counts.get("ok", 0)
+        failed = kept - counts.get(Status.OK, 0)
         order = self.design.order()
         self.progress(len(self.design), kept, failed, cost)
         for finished in self._finished(self._batches(order[~done[order]])):
             rows, batches = [], []
             for batch, answer in finished:
                 if answer is None:
-                    reason = f"{LOST}{MAX_ATTEMPTS} workers that computed it vanished"
+                    reason = Status.LOST.because(f"{MAX_ATTEMPTS} workers that computed it vanished")
                     blank = (None,) * (len(question.outcomes) - 1)
                     rows.append((batch.points[0], *batch.values[0], *blank, reason))
                     continue
@@ -59,7 +60,7 @@ class Driver:
                 self._adapt(len(answered), seconds - of_stators, of_stators)
             self.store.keep(rows, batches)
             kept += len(rows)
-            failed += sum(row[-1] != "ok" for row in rows)
+            failed += sum(row[-1] != Status.OK for row in rows)
             cost += sum(seconds for _, seconds in batches)
             self.progress(len(self.design), kept, failed, cost)
 

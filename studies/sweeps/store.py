@@ -22,12 +22,12 @@ from typing import Any
 import numpy as np
 from filelock import FileLock, Timeout
 
+from studies.record.status import Status
 from studies.refusal import RunError, SceneError
 from studies.results.content import provenance
 from studies.sweeps.plan import Design
 
 FILE, LOCK = "points.sqlite", "driver.lock"
-LOST = "lost: "  # start of the status of a point that the next driver tries again
 TABLES = """
 create table if not exists sweep (name text primary key, value text not null);
 create table if not exists batches (finished text default current_timestamp, points integer, seconds real);
@@ -78,7 +78,7 @@ class Store:
         """Return which of the first `count` points have a row that is not to be tried again, an array of bool."""
         stands = np.zeros(count, bool)
         rows = self.connection.execute(
-            "select point from points where status not like ? and point < ?", (f"{LOST}%", count)
+            "select point from points where status not like ? and point < ?", (f"{Status.LOST.value}:%", count)
         )
         while some := rows.fetchmany(100_000):
             stands[np.array(some)[:, 0]] = True

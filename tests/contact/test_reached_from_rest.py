@@ -109,3 +109,12 @@ def test_a_bounce_that_is_not_found_is_not_dropped(monkeypatch):
     assert answer.relative_error >= 1.0
     assert answer.status == "above tolerance"
     assert "was not found" in answer.message
+
+
+def test_a_light_preload_lets_the_slider_fly_far_and_the_answer_says_so():
+    # the turning point was looked for in equal steps, which ended after hours
+    body = slider(preload=7.6e-8, normal_damping=0.0, effective_modulus=140e9, tangential_modulus=26.3e9)
+    answer = steady(body, Orbit(frequency=2.2e6, normal=5e-9, tangential=-3.5e-9j), tolerance=1e-3)
+    assert answer.velocity == pytest.approx(0.08 * 7.6e-8 / 1e-4, rel=1e-4)  # full slip: friction over the damper
+    assert answer.status == "above tolerance"
+    assert "was not found" in answer.message

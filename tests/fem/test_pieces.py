@@ -434,7 +434,9 @@ def _whole(tmp_path, *, bottom="free", grounded=(), **rest):
     return Stator(solid=cut("PZT-4", "Z", quality=200), bottom=bottom, pieces=(piece,), **(CHIP | rest))
 
 
-@pytest.mark.parametrize("bottom", ["free", pytest.param("grounded", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "bottom", ["free", *(pytest.param(each, marks=pytest.mark.slow) for each in ("grounded", "absorbing"))]
+)
 def test_a_whole_stator_as_a_mesh_is_the_built_in_one(tmp_path, bottom):
     """The same small chip drawn and built in: motion and admittances agree within the two stated errors."""
     meshed = _whole(tmp_path, bottom=bottom)

@@ -217,7 +217,7 @@ def test_the_section_is_as_deep_as_the_deepest_mesh(tmp_path, drawn, depth):
 
 
 def test_meshes_that_cannot_be_continued(tmp_path):
-    """A slanted or stepped lower side, another solid or a condition there, a whole stator, one drawn too deep."""
+    """A slanted or stepped lower side, another solid or a condition there, one drawn too deep."""
     stator = _half_space(cut("PZT-4", "Z"))
 
     def refused(mesh, at=4.0, **rest) -> str:
@@ -240,8 +240,9 @@ def test_meshes_that_cannot_be_continued(tmp_path):
     assert "must consist of the stator's own material at its lower side" in refused(mixed)
     clamped = replace(drawn, lines={("clamped" if name == "bottom" else name): v for name, v in drawn.lines.items()})
     assert "must have no other line group than bottom at its lower side" in refused(clamped)
-    whole = replace(drawn, lines={"bottom": drawn.lines["bottom"]})
-    assert "must have the line group left or right where the bottom absorbs" in refused(whole)
+    low = replace(drawn, points=drawn.points - [0.0, 1e-4])
+    with pytest.raises(InputError, match="must reach at its group right from the surface"):
+        reflector(_with_pieces(stator, low, (4.0,)), frequency=2.3e6, tolerance=0.1)
     deep = _drawn(stator, rectangle(tmp_path / "deep.msh", 0.9, 9.0, size=0.45))
     with pytest.raises(InputError, match="must be drawn down to at most "):
         discretise(

@@ -99,14 +99,17 @@ def test_a_run_and_a_study_of_one_name_have_directories_of_their_own(call, tmp_p
     assert {path.name for path in (tmp_path / "results").iterdir()} == {"rayleigh", "rayleigh-study"}
 
 
-def test_a_picture_that_fails_leaves_the_numbers(call, tmp_path, monkeypatch):
+@pytest.mark.parametrize(("error", "expected"), [(OSError, 0), (ValueError, 70)])
+def test_a_picture_that_fails_leaves_the_numbers(call, tmp_path, monkeypatch, error, expected):
+    """What the machine cannot do is a note; any other error is a defect."""
+
     def broken(*_):
-        raise ValueError("no ink")
+        raise error("no ink")
 
     monkeypatch.setattr("studies.report.drawing.Drawing.draw", broken)
     status, out, err = call(*CONTACT)
-    assert status == 0
-    assert "velocity (mm/s)" in out
+    assert status == expected
+    assert ("velocity (mm/s)" in out) == (not expected)
     assert one_sentence(err)
     assert "no ink" in err
     names = {path.name for path in (tmp_path / "results" / "twente-contact").iterdir()}
@@ -430,3 +433,16 @@ def test_an_empty_name_of_the_results_is_refused(call, tmp_path, monkeypatch, ca
     assert main([*call, "--out", ""]) == 2
     assert "--out must be the name of a directory or file, got ''" in capsys.readouterr().err
     assert not any(tmp_path.iterdir())
+
+
+def test_a_page_that_cannot_be_rendered_is_a_defect_and_the_numbers_stay(call, monkeypatch, tmp_path):
+    import studies.report.page
+
+    monkeypatch.delenv("SAWMOTOR_TRACEBACK", raising=False)
+    monkeypatch.setattr(studies.report.page, "report", lambda record: record.no_such_field)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    status, _, err = call(*CONTACT, "--no-plot", "--report", "--out", str(tmp_path / "run"))
+    assert status == 70
+    assert f"the numbers are in {tmp_path / 'run'}" in err
+    assert (tmp_path / "run" / "run.json").is_file()
+    assert not (tmp_path / "run" / "report.html").exists()

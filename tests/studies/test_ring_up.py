@@ -1,6 +1,7 @@
 """A burst through the whole chain: the contact sees the wave grow.  Limits and the record's words."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from studies import Scene
 from studies.chain import run
 from studies.chain.left_out import left_out
 from studies.chain.resolve import resolved
-from studies.chain.ring_up import ring_up
+from studies.chain.ring_up import RingUp, ring_up
 from studies.scene import read_table
 from tests.studies.settings import assigned
 
@@ -120,3 +121,16 @@ def test_a_stator_that_rings_too_long_is_an_error_and_said(monkeypatch):
     rings = 40 / width / 2e-3
     assert rings < record.error["parts"]["stator"] < 1.4 * rings  # and the steady wave's own
     assert any("rings for too long to be followed" in reason for reason in record.left_out)
+
+
+@pytest.mark.parametrize(("settling", "share"), [(2e-5, 0.4), (9e-5, 1.0)])
+def test_the_error_of_a_burst_is_the_envelopes_while_it_settles(settling, share):
+    """An envelope that is wrong by 0.02 while it settles moves the velocity at the burst's end by that share of it."""
+    time = np.linspace(0.0, 1e-4, 11)
+    burst = SimpleNamespace(
+        normal=np.full(11, 2j), steady_normal=4.0, time=time, duration=5e-5, settling=settling, relative_error=0.02
+    )
+    found = RingUp.of(burst)
+    assert found.error == pytest.approx(0.02 * share, rel=1e-12)
+    assert found.envelope.amplitude == pytest.approx(np.full(5, 0.5))
+    assert found.ring_down.time[0] == pytest.approx(0.0, abs=1e-18)

@@ -55,3 +55,32 @@ def test_springs_on_128yx():
     for normal, exact, digits in ((1e12, -2.7557e-4, 3e-4), (1e13, -2.7411e-3, 4e-4), (5e13, -1.2833e-2, 2e-3)):
         assert fem.spring_shift(cut, normal, 0.844 * normal, 9.61e6) == pytest.approx(exact, rel=digits)
     assert fem.spring_shift(cut, 6e13, 6e13, 9.61e6) is None  # a shear-horizontal wave is left
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"frequency": np.nan}, "frequency must be positive and finite, got nan Hz"),
+        ({"frequency": 0.0}, "frequency must be positive and finite, got 0.0 Hz"),
+        ({"normal": np.nan}, "normal must be a finite stiffness, got nan Pa/m"),
+    ],
+)
+def test_springs_without_a_number_are_refused(wrong, message):
+    """With NaN the bracket of the root never closed."""
+    with pytest.raises(fem.InputError, match=message):
+        fem.spring_shift(fem.material("steel"), **({"normal": 1e13, "tangential": 1e13, "frequency": 2e6} | wrong))
+
+
+def test_wavelengths_and_tolerances_without_a_number_are_refused():
+    cut = fem.rotated(fem.material("PZT-8"), "Z")
+    for call in (
+        lambda: fem.slowest_wavelength(cut, np.nan),
+        lambda: fem.automatic_period(cut, np.nan, 0.5),
+        lambda: fem.free_wave(
+            fem.Stator(solid=cut, length=1e-2, thickness=1e-3, ends="free"), frequency=np.nan, tolerance=1e-3
+        ),
+    ):
+        with pytest.raises(fem.InputError, match="frequency must be positive and finite, got nan Hz"):
+            call()
+    with pytest.raises(fem.InputError, match="tolerance must be positive, got nan"):
+        fem.cell_parameters(cut, period=1e-3, metallisation=0.5, tolerance=np.nan)

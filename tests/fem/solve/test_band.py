@@ -1,6 +1,8 @@
 """Bands of frequencies against the full solution at frequencies where nothing was fitted."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -227,3 +229,15 @@ def test_frequency_outside_the_band_is_refused():
     band = frequency_band(block, pair, lowest=0.98 * middle, highest=1.02 * middle, drive="a", tolerance=0.05)
     with pytest.raises(ValueError, match="must lie in the band"):
         band.wave(1.1 * middle, "a")
+
+
+# Closed form: resonant amplification 1 / |1 - mu| from the checked frequencies to the sharpest resonance of the band
+def test_errors_of_the_reduction_are_those_at_the_sharpest_resonance(monkeypatch):
+    differences = iter([(1e-4, 2e-4), (6e-4, 1e-5)])
+    monkeypatch.setattr(band_module, "solution_differences", lambda *pair: next(differences))
+    for name in ("driven_solution", "surface_of"):
+        monkeypatch.setattr(band_module, name, lambda *given: MagicMock())
+    checks = [SimpleNamespace(solution=MagicMock(), motion=None, here=here) for here in (2.0, 30.0)]
+    # 30 is more than half of the worst, 40, and counts as 20: the reduction may err twice as much between the checks
+    found = band_module._errors(MagicMock(), MagicMock(), checks, 40.0)
+    assert found == pytest.approx((40 * max(1e-4 / 2, 6e-4 / 20), 40 * max(2e-4 / 2, 1e-5 / 20)), rel=1e-12)
