@@ -125,7 +125,7 @@ class PortFields(StatorRow, PortSolution):
 
     @property
     def displacements(self) -> np.ndarray:
-        """Displacement in m under each force, along it, shape (forces, excitations)."""
+        """Displacement in m under each force, along it, shape (forces, excitations); empty with own apertures."""
         return self.reactions[sum(port.kind != "force" for port in self.network.ports) :]
 
     @property

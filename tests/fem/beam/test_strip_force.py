@@ -7,8 +7,8 @@ import pytest
 
 from fem.analytic.wave_compliance import wave_compliance
 from fem.beam.cut_source import cut_source
-from fem.beam.reception import with_apertures
-from fem.beam.surface_beam import BeamError, Strip, surface_beam
+from fem.beam.reception import aperture_coupling, with_apertures
+from fem.beam.surface_beam import BeamError, Strip, _charges_of, surface_beam
 from fem.discretize.error_estimate import LEVELS
 from fem.geometry import Stator
 from fem.input_error import InputError
@@ -171,6 +171,74 @@ def test_an_open_transducer_scatters_the_beam_of_a_strip():
     assert abs(beam.circuit.currents[0]) < 1e-12 * abs(beam.circuit.voltages[0])
     with pytest.raises(BeamError, match="power balance of forces on strips is not computed"):
         _ = beam.power
+
+
+def test_the_static_field_between_mirrors_is_that_of_all_images():
+    """The sum over k_y = 2 pi n / width against the closed form at y and at all images of the strip."""
+    stator, width = plate(cut("PZT-8", "Z", quality=60.0), length=20.0, thickness=1.3), 5e-3
+    beam = forced(stator, strip(stator, 9.0, component="x"))
+    (force,) = beam.strips
+    bare = Strip(force.sheet, replace(force.source, static=0.0))
+    x, y = np.array([10.5, 8.0]) * stator.length / 20.0, np.array([0.8e-3, -1.7e-3])
+    found, without = (replace(beam, strips=(each,), mirror_width=width).motion(x, y) for each in (force, bare))
+    images = y + width * np.arange(-4000, 4001)[:, None]
+    ends = (force.sheet.length / 2 + images, force.sheet.length / 2 - images)
+    expected = np.array(force.source.static_motion(x - force.sheet.x, *ends)).sum(axis=1)
+    assert (found - without)[:2] == pytest.approx(expected, abs=1e-4 * abs(expected).max())
+
+
+def test_a_force_along_x_is_received_as_the_slope_of_a_normal_one():
+    """Between exp(-i kappa L) and k / kappa exp(-i kappa L) lies i/k times the derivative along L, at any angle."""
+    k, sizes, length, step = np.array([2.9e3 - 4.0j, 1.7e3 - 2.0j]), (1e-3, np.array([4e-3, 3e-3])), 3e-3, 1e-7
+    tangential = aperture_coupling(k, *sizes, length, None, 0.5e-3, tangential=True)
+    before, after = (
+        aperture_coupling(k, *sizes, length + side * step, None, 0.5e-3) * np.exp(-1j * k * (length + side * step))
+        for side in (-1, 1)
+    )
+    expected = 1j / k * (after - before) / (2 * step) * np.exp(1j * k * length)
+    assert abs(tangential - expected).max() < 1e-6
+    assert abs(tangential - aperture_coupling(k, *sizes, length, None, 0.5e-3)).max() > 0.01
+
+
+def test_near_a_strip_and_on_fingers():
+    """Errors of a narrow strip: evanescent waves beside it, scattered waves; what is added near it alone."""
+    stator = plate(cut("PZT-8", "Z", quality=100.0), length=24.0, thickness=1.3)
+    unit, force = stator.length / 24.0, strip(stator, 14.0, amplitude=1e3, width=0.3e-3)
+    row = (comb(stator, "a", 5.0, finger_pairs=2, aperture=4e-3, termination=100.0),)
+    beam = forced(stator, force, row)
+    near, far, on_a_finger = 14.3 * unit, 9.0 * unit, row[0].center + row[0].pitch / 2
+    modes = replace(beam, complete=False)
+    assert abs(beam.motion(near) - modes.motion(near)).max() > 1e-6 * abs(modes.motion(near)).max()
+    assert np.all(beam.motion(on_a_finger) == modes.motion(on_a_finger))
+    wavelength = beam.wave.phase_velocity / FREQUENCY
+    assert beam.relative_error(near) > np.exp(-13.0 * 0.3 * unit / wavelength)
+    assert beam.relative_error(on_a_finger) < 0.1  # 0.45 without the spreading of the beam
+    known = replace(beam, scattering_error=0.0)
+    scattered = abs(replace(beam, strips=(), complete=False).motion(far)).max()
+    size = abs(beam.motion(far)[[0, 2]]).max()
+    added = beam.relative_error(far) - known.relative_error(far)
+    assert added == pytest.approx(beam.scattering_error * scattered / size, rel=1e-6)
+    for one, other in zip(beam.charges, _charges_of(beam.solution), strict=True):
+        assert np.all(one.charge == other.charge)
+
+
+def test_strip_and_transducer_moved_together_across_the_stator():
+    """What the fingers receive depends on the distance along y alone."""
+    stator = plate(cut("PZT-8", "Z", quality=100.0), length=24.0, thickness=1.3)
+    received = []
+    for moved in (0.0, 1.2e-3):
+        row = (comb(stator, "a", 5.0, aperture=3e-3, termination="short", center_y=moved),)
+        beam = forced(stator, strip(stator, 12.0, center_y=0.9e-3 + moved), row)
+        received.append((with_apertures(beam.wave.solution.fields).received[0, 0], beam.circuit.currents[0]))
+    assert received[1] == pytest.approx(received[0], rel=1e-9)
+
+
+def test_beside_a_strip_in_a_cut_is_not_resolved():
+    stator = plate(cut("LiNbO3 (Kovacs)", "128YX"), length=9.0)
+    unit = stator.length / 9.0
+    beam = forced(stator, strip(stator, 4.0))
+    assert beam.unresolved(4.2 * unit, 2e-3)
+    assert not beam.unresolved(7.0 * unit, 2e-3)
 
 
 def test_what_a_strip_cannot_be():

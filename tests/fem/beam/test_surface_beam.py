@@ -247,3 +247,15 @@ def test_power_through_planes():
     total, of_charges = power_of_planes(uniform)
     assert total == pytest.approx(uniform.circuit.power, rel=1e-4)
     assert abs(total / of_charges - 1) > 0.05
+
+
+def test_the_section_s_error_is_relative_to_half_its_amplitude_at_least():
+    """Where the beam is weaker than half of the section, the section's error counts more; off the axis as on it."""
+    stator = plate(cut("PZT-8", "Z", quality=60.0), length=24.0, thickness=1.3)
+    beam = surface_beam(wave_of(solution(stator, (comb(stator, "a", 6.0, aperture=3e-3),))))
+    x, y = 0.7 * stator.length, np.array([0.0, 4e-3])
+    without, given = (replace(beam, wave=replace(beam.wave, relative_error=each)) for each in (0.0, 1e-3))
+    size, section = abs(beam.motion(x, y)[[0, 2]]).max(axis=0), abs(beam.wave.motion(x)).max()
+    added = given.relative_error(x, y) - without.relative_error(x, y)
+    assert added == pytest.approx(1e-3 * np.maximum(size, 0.5 * section) / size, rel=1e-6)
+    assert added[1] > 1.02 * added[0]
