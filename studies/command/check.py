@@ -7,7 +7,7 @@ from studies.command.output import warn
 from studies.command.scene_argument import changed_file
 from studies.scene import Scene
 
-HELP = "a scene's text, material and layout, without running it"
+HELP = "check the text, material and layout of a scene without running it"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

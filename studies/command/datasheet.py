@@ -7,7 +7,7 @@ from studies.command.output import committed_pictures, print_answer, results_of,
 from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.progress import Progress
 
-HELP = "a motor's datasheet: one page with speed, force, steps, power and limits"
+HELP = "compute the datasheet of a motor: one page with speed, force, steps, power and limits"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

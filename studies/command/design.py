@@ -9,7 +9,7 @@ from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.progress import Progress
 from studies.scene import scene_path
 
-HELP = "the best motor within ranges: a search that can be interrupted and goes on"
+HELP = "search for the best motor within ranges; an interrupted search can be continued"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         default=[],
         metavar="KEY=LOW:HIGH",
-        help="a number of the scene to be chosen",
+        help="a number of the scene that is varied, and its range",
     )
     parser.add_argument(
         "--subject",
@@ -36,12 +36,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         default=[],
         metavar="'NAME <= VALUE'",
-        help="on a key, velocity, thrust, contact_pressure, stick_margin, normal_amplitude or power_W",
+        help="a constraint on a key, velocity, thrust, contact_pressure, stick_margin, normal_amplitude or power_W",
     )
-    parser.add_argument("--evaluations", type=int, metavar="N", help="of each search (60 for each number)")
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the random numbers (0)")
+    parser.add_argument(
+        "--evaluations", type=int, metavar="N", help="number of evaluations of each search (60 for each varied number)"
+    )
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the random numbers (0)")
     add_shared(parser, "--voltage", "--set")
-    parser.add_argument("--tolerance", metavar="T", help="of the velocity at each evaluation (3e-2)")
+    parser.add_argument(
+        "--tolerance", metavar="T", help="bound of the relative error of the velocity at each evaluation (3e-2)"
+    )
     add_shared(parser, "--workers")
     parser.add_argument("--out", metavar="DIR", help="where evaluations and results are kept (results/NAME-design)")
     parser.add_argument("--json", action="store_true", help="design.json on stdout")

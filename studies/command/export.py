@@ -16,7 +16,7 @@ from studies.refusal import SceneError, resembling
 from studies.results import Origin, read_manifest, result_directory
 from studies.scene import Scene
 
-HELP = "a run or a scene for others: a motor for simulators, a mask, what a lab's instruments would record"
+HELP = "export a run or a scene: a motor for simulators, a mask, or what laboratory instruments would record"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

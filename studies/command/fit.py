@@ -7,7 +7,7 @@ from studies.command.output import committed_pictures, print_answer, results_of
 from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.progress import Progress
 
-HELP = "numbers of a scene from measured curves, and what the data cannot tell"
+HELP = "fit numbers of a scene to measured curves, and report which of them the data determine"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

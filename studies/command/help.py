@@ -6,7 +6,7 @@ from importlib.resources import files
 
 from studies.refusal import SceneError, resembling
 
-HELP = "what a word of the output means, or without one the words that are explained"
+HELP = "explain a term of the output, or list the terms that are explained"
 ENTRY = re.compile(r"^- \*\*(?P<word>[^*]+)\*\*: (?P<text>.*?)(?=^- \*\*|\Z)", re.MULTILINE | re.DOTALL)
 
 

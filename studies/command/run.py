@@ -10,7 +10,7 @@ from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.progress import Progress
 from studies.refusal import SceneError
 
-HELP = "a scene: just the chain that it needs, up to the slider's velocity for each voltage"
+HELP = "compute a scene, up to the slider's velocity at each voltage"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,12 +32,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="measured velocities (voltage_V, velocity_m_per_s), a burst's trace or a vibrometer's scan",
     )
     parser.add_argument(
-        "--report",
-        action="store_true",
-        help="write report.html too: everything about the run on one self-contained page",
+        "--report", action="store_true", help="also write report.html: the whole run on one self-contained page"
     )
     parser.add_argument(
-        "--explain", action="store_true", help="say what would be computed, its size, time and memory, and stop"
+        "--explain", action="store_true", help="print what would be computed, with its size, time and memory, and stop"
     )
 
 

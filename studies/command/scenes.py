@@ -5,7 +5,7 @@ from pathlib import Path
 
 from studies.scene import Scene, shipped_scenes
 
-HELP = "the scenes that ship, or a copy of one to start from"
+HELP = "list the scenes that come with the program, or copy one to start from"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

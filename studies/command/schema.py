@@ -2,7 +2,7 @@
 
 import argparse
 
-HELP = "the JSON Schema of a scene, for completion and checks in an editor"
+HELP = "print the JSON Schema of scene files, for completion and checks in an editor"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

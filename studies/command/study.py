@@ -11,7 +11,7 @@ from studies.results import Origin, result_directory
 from studies.scene import read_table
 from studies.scene.override import read_axes
 
-HELP = "a study, or without a name the list of them"
+HELP = "run a study, or list the studies"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,7 +43,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="bound of the relative error of the last quantity; of the studies of a SCENE all take it but dispersion, "
         "gallery, error_vs_time and calibration",
     )
-    parser.add_argument("--quick", action="store_true", help="a small version of it, to see what it gives: no evidence")
+    parser.add_argument(
+        "--quick",
+        action="store_true",
+        help="run a small version that shows what the study gives; its numbers are no evidence",
+    )
     parser.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-study[-SCENE])")
 
 

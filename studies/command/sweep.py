@@ -8,7 +8,7 @@ from studies.command.scene_argument import changed_file, read_tolerance
 from studies.scene import scene_path
 from studies.scene.override import read_axes
 
-HELP = "many points of one scene, here, on processes or on a Dask cluster"
+HELP = "compute many points of one scene, in this process, in several, or on a Dask cluster"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

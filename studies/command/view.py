@@ -5,7 +5,7 @@ import argparse
 from studies.command.output import say
 from studies.progress import Progress
 
-HELP = "the wave field of a run, in a window, as a picture, a movie, a page or data"
+HELP = "show the wave field of a run: in a window, or as a picture, movie, page or data file"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

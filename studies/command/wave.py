@@ -5,7 +5,7 @@ import argparse
 from studies.command.output import print_answer
 from studies.scene.override import toml_value
 
-HELP = "the half-space Rayleigh wave of a material, without a mesh and without loss"
+HELP = "compute the Rayleigh wave of a half-space, without a mesh and without loss"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
