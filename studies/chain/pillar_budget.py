@@ -50,12 +50,12 @@ def pillar_rows(record: Record) -> list[list[tuple]]:
         with suppress(contact.ConvergenceError):
             if level := point[record.level]:
                 motion = body.motion(level, near=motion)
-                rows[-1] += _at_level(record, body, motion, level)
+                rows[-1] += _at_level(record, body, motion, point)
     return rows
 
 
-def _at_level(record: Record, body: PillarContact, motion, level: float) -> Rows:
-    wave, slider = motion.wave, record.scene.slider
+def _at_level(record: Record, body: PillarContact, motion, point: dict) -> Rows:
+    wave, slider, level = motion.wave, record.scene.slider, point[record.level]
     if body.misfit > 0.0:
         how = "rms misfit of two plane waves to the surface mode under the slider"
         yield "beating and spreading of the wave under the slider", "u_z", body.misfit, how
@@ -71,7 +71,7 @@ def _at_level(record: Record, body: PillarContact, motion, level: float) -> Rows
             yield (LOAD, "velocity", motion.loading_number, "loading number 2 Gamma F/(w A), about the phase in rad")
         if motion.harmonics == 1:
             how = '|U_2/U_1| at the exit, first order; slider.loading = "harmonics" computes them'
-            yield OVERTONES, "velocity", motion.overtone, how
+            yield OVERTONES, "velocity", point["overtone_ratio"], how
         yield from _scattering(motion)
     yield from _compliance(body, motion, slider, level)
     yield from leak(record, motion)
