@@ -58,8 +58,8 @@ SAMPLES, ROOT, MAX_REACH = 256, 1e-10, 0.5
 # smallest stated relative error of this factor: bisection of the full motion at f_n/f = 0.2 differs by 5e-7
 LEAST_ERROR = 1e-6
 # Estimated relative error of an averaged factor, divided by (f_n/f)^2. The true value was 0.5 to 1.4
-# (`tests/contact/test_threshold_answers.py`).
-AVERAGING_ERROR = 1.5
+# (`tests/contact/test_threshold_answers.py`), and up to 1.9 in draws with unequal balls or the hysteretic law.
+AVERAGING_ERROR = 2.0
 # The threshold is infinite if the slider is still held at this many times the factor of the first slip of any contact.
 CLIMB = 100.0
 # orbits within this relative difference count as equal

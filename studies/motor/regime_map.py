@@ -24,7 +24,7 @@ from studies.study import Answered, Panel, driven_contact, judged, of_record, st
 
 QUICK = {"amplitudes": 8, "preloads": 5, "checked": 2}
 KINDS = ("stick", "slip", "intermittent", "hopping")
-AVERAGING_ERROR = 1.5  # relative error of an averaged threshold or release over (f_n/f)^2
+AVERAGING_ERROR = 2.0  # relative error of an averaged threshold or release over (f_n/f)^2, as in `contact.threshold`
 HALF_WAVE = math.gamma(1.25) / (2.0 * math.sqrt(math.pi) * math.gamma(1.75))  # cycle mean of max(cos, 0)^1.5
 
 
