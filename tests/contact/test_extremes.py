@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from contact import burst, steady, threshold_amplitude, threshold_factor
+from contact import ConvergenceError, burst, steady, threshold_amplitude, threshold_factor
 from contact.answers.methods import rest_problem
 from contact.answers.thresholds import release_amplitude
 from contact.averaged.event_cycle import opposed
@@ -14,7 +14,7 @@ from contact.drive import reference_speed, towards_plus
 from contact.events.collocation import collocation
 from contact.events.motion import Motion
 from studies.evidence.stability.case import VERDICTS, Case
-from studies.evidence.stability.contact import RANGES, SWEPT, contact_cases, judge, motor
+from studies.evidence.stability.contact import RANGES, SWEPT, built, contact_cases, corner, judge, motor
 from studies.evidence.stability.second_opinion import second_opinion
 from tests.contact.motors import orbit, slider
 
@@ -169,3 +169,13 @@ def test_release_with_the_reciprocal_force_is_where_contact_is_lost():
     assert edge < release_amplitude(replace(s, reciprocal=False), orbit(1e-9))
     regimes = [steady(s, orbit(k * edge), tolerance=1e-3).regime for k in (0.9999, 1.0001)]
     assert regimes == ["slip", "intermittent"]
+
+
+@pytest.mark.slow
+def test_a_height_that_is_not_forgotten_is_no_second_opinion():
+    # the damper of the contacts keeps the start's height for 8e4 cycles; the exact motion repeats with 0.37619 m/s
+    body, waves = built(corner(88))
+    answer = steady(body, waves, tolerance=1e-3)
+    assert answer.velocity == pytest.approx(0.37618815, rel=1e-6)
+    with pytest.raises(ConvergenceError, match="still depends on the start"):
+        second_opinion(answer)
