@@ -1,4 +1,4 @@
-"""How the slider answers: Hertz contact, friction spring, stick, slip and separation on a given wave.
+"""Motion of the slider on a given wave: Hertz contact, friction spring, stick, slip and separation.
 
 Conventions: exp(+i omega t), peak amplitudes, x along propagation, z out of the surface, compression positive, slider
 velocity positive along +x, SI units. The model is that of Feenstra and Breedveld, *Analysis of a Surface Acoustic Wave

@@ -1,4 +1,4 @@
-r"""The slider as a rigid body on the wave: its generalised coordinates, and what they are to its contacts.
+r"""The slider as a rigid body on the wave: generalised coordinates, and the approach and travel of its contacts.
 
 The slider has the coordinates q = (z_s, travel): its height above the surface at rest and its way along the wave.
 Contact i has the height h_i (positive: nearer to the surface) and meets a harmonic surface motion of its own,

@@ -1,4 +1,4 @@
-"""MeanForces of all contacts of a slider over one wave cycle, and the wave amplitudes at the rows of contacts.
+"""Mean forces of all contacts of a slider over one wave cycle, and the wave amplitudes at the rows of contacts.
 
 Contacts at the same x form a row. Contacts of a row with equal height and stiffness (and equal y, if the slider tilts
 about x) form a class, which is computed once with the sum of their weights. The cycle means are those of

@@ -1,4 +1,4 @@
-"""Shapes of a kernel's arrays: a kernel checks no index, so what does not fit is refused before it sees it.
+"""Checks of the shapes of a kernel's arrays before a call, because kernels check no index.
 
 A shape is written as in "n 4": a number, a letter that stands for the same length wherever it occurs in a call, or a
 number of times a letter and a number ("2+4k"). "2 | 2+4k" allows either shape.

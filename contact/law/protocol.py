@@ -1,4 +1,4 @@
-r"""What a tangential law is to the solvers: compiled functions, and the numbers that they need.
+r"""The interface between a tangential law and the solvers: compiled functions and the numbers that they need.
 
 In gross slip every law here is a *stop operator*. While a contact sticks, its deformation x follows the surface, and
 the force is that of a spring; x stays within the slip limit X(z). At the limit it slips, at the speed

@@ -1,1 +1,1 @@
-"""Motions that repeat, and the way to them."""
+"""Periodic motions: their search by shooting, sticking motions in harmonics, and long runs until a motion settles."""

@@ -1,4 +1,4 @@
-"""Quasi-static estimate of a transducer: charges of an infinite row of strips, sent out as one Rayleigh wave.
+"""Quasi-static estimate of a transducer: charges of an infinite row of strips, radiated as one Rayleigh wave.
 
 Reflections by the fingers, bulk waves, bottom and ends are left out; a line to hold computed points against.  On an
 infinite row of strips of pitch p and metallisation m the charge that one strip at 1 V takes, its neighbours at 0 V,

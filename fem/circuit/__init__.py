@@ -1,4 +1,4 @@
-"""The circuit of a stator: sources, ladders, impedances and terminations at the ports of its admittance matrix."""
+"""The circuit of a stator: sources, ladders, impedances, open and short electrodes at the ports of the admittances."""
 
 from fem.circuit.ladder import Element, Ladder, best_match, carried
 from fem.circuit.motional import MotionalModel, motional_model

@@ -1,4 +1,4 @@
-"""How pictures are drawn: quantity and unit on both axes, theory as lines, simulation as points, colours for every eye.
+"""How pictures are drawn: quantity and unit on both axes, theory as lines, simulation as points, colours for all eyes.
 
 Functions that draw take and return an Axes; ``saved`` makes the figure and the file, off screen.
 """

@@ -1,4 +1,4 @@
-"""Directories of results: nothing that somebody put there is lost, and the numbers are whole or absent."""
+"""Directories of results: files of the user are kept, and a result is written completely or not at all."""
 
 from studies.results.directory import MANIFEST, MARKS, Origin, ResultDirectory, read_manifest, result_directory
 

@@ -1,4 +1,4 @@
-"""Who computes a sweep: this process, processes on this machine, or the workers of a Dask scheduler.
+"""Executors of a sweep: this process, processes on this machine, or the workers of a Dask scheduler.
 
 All three are executors of concurrent.futures (Dask's by ``Client.get_executor``); which batch runs where is theirs to
 decide.  One thread per worker: the stator's matrices are small, and processes share a machine better than threads
