@@ -255,3 +255,16 @@ def test_what_a_strip_cannot_be():
         forced(stator, strip(stator, 2.0, center_y=1e-3), mirror_width=9e-3)
     with pytest.raises(BeamError, match=r"mirror_width must be at least the largest aperture, 0.001 m"):
         forced(stator, strip(stator, 2.0), mirror_width=5e-4)
+
+
+def test_the_waves_of_open_strips_alone_are_in_doubt_as_a_whole():
+    """No current is received; the motion is that of the bare surface but for the strips' scattering."""
+    stator = plate(cut("PZT-8", "Z"), length=12.0, ends="absorbing", bottom="absorbing")
+    strips = comb(stator, "a", 8.0, finger_pairs=3, pattern="oooooo", aperture=3e-3)
+    bare, covered = (forced(stator, strip(stator, 2.0), row) for row in ((), (strips,)))
+    place = stator.length * np.array([4.0, 6.0]) / 12.0
+    assert covered.scattering_error == 1.0
+    apart = abs(covered.motion(place, 0.0) - bare.motion(place, 0.0))[2] / abs(bare.motion(place, 0.0))[2]
+    error = covered.motion_and_error(place, 0.0)[1]
+    assert np.all(apart > 1e-4)
+    assert np.all(apart < 1.1 * error)
