@@ -10,7 +10,7 @@ import contact
 from studies.chain import pillars
 from studies.chain.bridge import DrivenContact
 from studies.chain.propagation import judged
-from studies.chain.slider_keys import slider_keys
+from studies.chain.solver_errors import slider_keys
 from studies.chain.tally import burst_values
 from studies.record.status import Status
 

@@ -24,7 +24,7 @@ import numpy as np
 
 import contact
 import fem
-from studies.chain.slider_keys import slider_keys
+from studies.chain.solver_errors import slider_keys
 from studies.lab.csv_columns import DISPLACEMENTS, PLACES, CsvColumns
 from studies.refusal import SceneError
 from studies.scene import Scene

@@ -10,7 +10,7 @@ import numpy as np
 import contact
 from studies.chain.bridge import DrivenContact
 from studies.chain.propagation import judged, velocity_sensitivities
-from studies.chain.slider_keys import slider_keys
+from studies.chain.solver_errors import slider_keys
 from studies.chain.tally import burst_tally, burst_values, steady_tally
 from studies.record.status import Status
 from studies.refusal import SceneError

@@ -13,6 +13,7 @@ import numpy as np
 import contact
 from studies.chain.bridge import DrivenContact
 from studies.chain.ring_up import RingUp, ring_up
+from studies.chain.solver_errors import answered
 from studies.export import reduced_motor as model
 from studies.export.reduced_motor import index
 from studies.refusal import RunError, SceneError
@@ -244,11 +245,9 @@ def averaged_motor(
         "wrong by up to twice that",
     ]
     progress("tables of mean forces")
-    try:
+    with answered():
         tables = [None if drive.mirrored else _tables(slider, drive) for drive in drives]
         known = _steady(slider, drives[0], driven.levels)
-    except contact.ConvergenceError as error:
-        raise RunError(" ".join(str(error).split())) from None
     averaging = max((abs(second - first) / scale for _, second, first, scale in known), default=0.0)
     parameters, flat = _packed(slider, drives, tables)
     contacts = driven.scene.slider.contacts
