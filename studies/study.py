@@ -183,12 +183,9 @@ def driven_contact(
         return DrivenContact.given(resolved_scene)
     if not resolved_scene.transducer:
         resolved_scene.refuse("transducer", "is missing: this study needs a driven stator or a given [wave]")
-    drive = replace(resolved_scene.drive, voltage=(max(resolved_scene.levels),), burst=None)
-    record = run_chain(replace(resolved_scene, drive=drive, uncertain=None), tolerance=tolerance, progress=progress)
-    driven = DrivenContact.of_run(record)
-    return replace(
-        driven, scene=replace(resolved_scene, drive=replace(resolved_scene.drive, frequency=driven.scene.frequency))
-    )
+    steady = resolved_scene.at_level(max(resolved_scene.levels)).with_source(burst=None)
+    driven = DrivenContact.of_run(run_chain(steady, tolerance=tolerance, progress=progress))
+    return replace(driven, scene=resolved_scene.with_source(frequency=driven.scene.frequency))
 
 
 def module(name: str):

@@ -12,7 +12,7 @@ import numpy as np
 
 import contact
 from studies.chain.bridge import DrivenContact
-from studies.chain.ring_up import RingUp, ring_up
+from studies.chain.ring_up import RingUp, switched
 from studies.chain.solver_errors import answered
 from studies.export import reduced_motor as model
 from studies.export.reduced_motor import index
@@ -285,19 +285,10 @@ def other_drives(scene: Scene) -> list[Scene]:
 def _drive(driven: DrivenContact, progress, left_out: list) -> Drive:
     if driven.scene.wave is not None:
         return Drive(name="wave", orbits=driven.orbits)
-    record, center = driven.record, driven.scene.slider.center
-    ringing = RingUp(error=0.0)
-    if record.surface_motion.covered(center):
-        left_out.append(
-            "the wave follows its drive at once, because the slider stands over a transducer or a meshed piece"
-        )
-    else:
-        alone = record.scene
-        drive = replace(alone.drive, burst=1.0 / alone.frequency)
-        ringing = ring_up(replace(alone, drive=drive), center, progress=progress)
-        if ringing.response is None:
-            left_out.append(f"the wave follows its drive at once, because {ringing.sentence}")
-    response, settling = (None, 0.0) if ringing.response is None else _step_response(ringing)
+    record, (ringing, reason) = driven.record, switched(driven, progress=progress)
+    if reason:
+        left_out.append(f"the wave follows its drive at once, because {reason}")
+    response, settling = (None, 0.0) if ringing is None else _step_response(ringing)
     return Drive(
         name=driven.scene.driven_transducer.name, orbits=driven.orbits, response=response, settling=settling,
         power=float(record.electrical["power_W_per_V2"]), error=float(driven.stator_error),

@@ -180,8 +180,8 @@ def vtu_files(scene: Scene, name: str, *, tolerance: float, progress) -> Exporte
 
     if not scene.transducer:
         scene.refuse("transducer", "is missing: the field of a driven stator is written")
-    drive = replace(scene.drive, burst=None)
-    record = run(replace(scene, drive=drive, uncertain=None, slider=None), tolerance=tolerance, progress=progress)
+    alone = replace(scene.with_source(burst=None), uncertain=None, slider=None)
+    record = run(alone, tolerance=tolerance, progress=progress)
     with TemporaryDirectory() as folder:
         write_run(record, Path(folder), field=True)
         kept = {each.name: each.read_bytes() for each in Path(folder).iterdir() if each.suffix == ".vtu"}
@@ -249,13 +249,9 @@ def _trace(scene: Scene, recording: Recording, encoder: dict[str, float], tolera
     """
     from studies.chain import run
 
-    key = "wave" if scene.wave is not None else "drive"
-    block, level = getattr(scene, key), max(scene.levels)
-    levels = {"normal_amplitude": (level,)} if key == "wave" else {"voltage": (level,)}
-    alone = replace(scene, **{key: replace(block, **levels)}, uncertain=None)
-    _, path = run(alone, tolerance=tolerance, progress=progress).trajectories[0]
-    unit = "normal_amplitude_m" if key == "wave" else "voltage_V"
-    columns = {unit: np.full(len(path.time), level), "time_s": path.time}
+    level = max(scene.levels)
+    _, path = run(scene.at_level(level), tolerance=tolerance, progress=progress).trajectories[0]
+    columns = {scene.level_column: np.full(len(path.time), level), "time_s": path.time}
     for more, head, curve in (
         (1, "position_m", travelled_distance(path.time, path.velocity)), (0, "velocity_m_per_s", path.velocity),
     ):  # fmt: skip

@@ -140,6 +140,12 @@ class Scene(Block):
         changed: dict[str, Any] = {self.source_key: replace(self.source, **keys)}
         return replace(self, **changed)
 
+    def at_level(self, level: float) -> Self:
+        """Return the scene at one voltage in V, whose power is not given, or at one amplitude in m; no [uncertain]."""
+        own: dict[str, Any] = {"voltage": (level,), "power": None}
+        scene = self.with_source(**own if self.wave is None else {"normal_amplitude": (level,)})
+        return replace(scene, uncertain=None)
+
     @property
     def levels(self) -> tuple[float, ...]:
         """Peak voltages in V, or given normal amplitudes in m; empty for a free wave."""
