@@ -48,7 +48,7 @@ class Emitter:
     def plane_waves(self, places: np.ndarray, distance: float) -> np.ndarray:
         """Motion u in the section, k_y = 0, at positions in m, by the modes that reach a distance in m; (places, 3)."""
         ones = np.ones((len(self.sheets), 1))
-        return sum(self.spectra(branch, places, ones) for branch in self.source.plane(distance))[..., 0]
+        return np.sum([self.spectra(branch, places, ones) for branch in self.source.plane(distance)], axis=0)[..., 0]
 
     def spectra(self, branch: Branch, places: np.ndarray, shapes: np.ndarray) -> np.ndarray:
         """Spectra of u at the positions ``places`` by all charges upstream of them in one branch, (places, 3, n).
