@@ -173,13 +173,14 @@ class CrossedBeam:
         if len(s) > FEW and not row.along_an_axis:
             wave = self.wave
             wavelength = wave.phase_velocity / wave.frequency
-            values = None
+            parts = []
             for some, near in _pieces(s, row.transducers, CLEAR * wavelength):
                 if near or np.count_nonzero(some) <= FEW:
-                    part = evaluate(s[some], t[some])
+                    parts.append((some, evaluate(s[some], t[some])))
                 else:
-                    part = _interpolated(evaluate, s[some], t[some], wavelength / PER_WAVELENGTH)
-                values = np.empty((len(part), len(s)), dtype=complex) if values is None else values
+                    parts.append((some, _interpolated(evaluate, s[some], t[some], wavelength / PER_WAVELENGTH)))
+            values = np.empty((len(parts[0][1]), len(s)), dtype=complex)
+            for some, part in parts:
                 values[:, some] = part
             return values.reshape(-1, *x.shape)
         return evaluate(s, t).reshape(-1, *x.shape)
