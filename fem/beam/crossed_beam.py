@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.beam.electrode_charges import ElectrodeCharges, electrode_charges
+from fem.beam.electrode_charges import ElectrodeCharges, all_charges
 from fem.beam.mutual_admittance import mutual_admittance
 from fem.beam.reception import with_apertures
 from fem.beam.rows import Row, driven_names, rows_of
@@ -339,13 +339,7 @@ def _admittances(transducers, rows, waves, fields, frequency) -> tuple[np.ndarra
     return out, tuple(name for each in fields for name in each.names)
 
 
-def _unit_charges(wave: SurfaceWave, fields) -> list[list[ElectrodeCharges]]:
+def _unit_charges(wave: SurfaceWave, fields) -> list[tuple[ElectrodeCharges, ...]]:
     """Charges of all transducers of a row for 1 V at each of its ports in turn, the other ports at zero."""
     ports, circuit = len(fields.names), wave.circuit
-    return [
-        [
-            electrode_charges(Solution(fields=fields, circuit=replace(circuit, voltages=volts)), index)
-            for index in range(len(fields.transducers))
-        ]
-        for volts in np.eye(ports)
-    ]
+    return [all_charges(Solution(fields=fields, circuit=replace(circuit, voltages=volts))) for volts in np.eye(ports)]
