@@ -65,8 +65,8 @@ def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict, *, a
         answer |= zip(ALSO["limits"], factors, strict=True)
     if "pressure" in also:
         answer |= contact_load(slider, orbits, contact.threshold_factor(slider, orbits))
-    # `driven.slider` is one part of the slider, with its share of the mass: totals are larger by the ratio of masses
-    mass_ratio, thrust = driven.scene.slider.mass / slider.mass, answer.pop("thrust_N", None)
+    # `driven.slider` is one part of the slider, with its share of mass and forces
+    share, thrust = driven.scene.slider.share, answer.pop("thrust_N", None)
     with suppress(contact.ConvergenceError):
         if "step" in also:
             answer["step_m"] = abs(contact.step(slider, orbits, cycles=1).displacement)
@@ -76,7 +76,7 @@ def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict, *, a
         thrust = max(contact.blocked_thrust(slider, orbits)[0], 0.0) if thrust is None else thrust
     except contact.ConvergenceError:
         return answer  # start-up and efficiency need the thrust
-    answer["thrust_N"] = thrust * mass_ratio
+    answer["thrust_N"] = thrust * share
     # each by itself: where one has no answer, the other stands
     if "start-up" in also:
         with suppress(contact.ConvergenceError):
@@ -88,7 +88,7 @@ def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict, *, a
             power_out, answer["contact_efficiency"] = half_thrust(slider, orbits, thrust, tolerance)
             power = amplitudes(driven).get("power_W", 0.0)
             if power > 0.0:
-                answer["motor_efficiency"] = power_out * mass_ratio / power
+                answer["motor_efficiency"] = power_out * share / power
     return answer
 
 

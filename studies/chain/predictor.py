@@ -186,8 +186,7 @@ class Predictor:
             if shared == places:
                 raise
             solved = self._answer(stator, places, step)
-        pillars = scene.slider is not None and scene.slider.pillars is not None
-        motion = self.motion(stator, places, self._goal(stator, places, step)) if pillars else None
+        motion = self.motion(stator, places, self._goal(stator, places, step)) if scene.on_pillars else None
         return DrivenContact.of_stator(scene, solved, motion)
 
     def motion(self, stator: Scene, places: Any, goal: float) -> SurfaceMotion:

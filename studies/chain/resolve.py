@@ -79,6 +79,11 @@ def solid(block: Stator):
         return fem.rotated(replace(crystal, **own) if own else crystal, block.orientation)
 
 
+def surface_velocity(block: Stator) -> float:
+    """Return the velocity of the Rayleigh wave under a bare surface without charge (D_n = 0), m/s."""
+    return fem.rayleigh(solid(block), "open").velocity
+
+
 def _crystal(material: str | PiezoelectricSolid | IsotropicSolid):
     """Return the ``fem.Solid`` of a name of the catalogue or of a table, in the crystal's frame."""
     if isinstance(material, PiezoelectricSolid):

@@ -192,7 +192,7 @@ def first_drive(
     SceneError, RunError
         If the scene has no slider, or the averaged motor does not take it.
     """
-    if scene.slider is not None and scene.slider.pillars is not None:
+    if scene.on_pillars:
         rule = "must be absent: tables over two ratios do not hold heights that scatter or a wave that the slider loads"
         scene.refuse("slider.pillars", rule)
     if scene.slider is not None and scene.slider.heights:
@@ -250,10 +250,9 @@ def averaged_motor(
         known = _steady(slider, drives[0], driven.levels)
     averaging = max((abs(second - first) / scale for _, second, first, scale in known), default=0.0)
     parameters, flat = _packed(slider, drives, tables)
-    contacts = driven.scene.slider.contacts
     motor = AveragedMotor(
         title=driven.scene.title or "untitled", slider=slider,
-        share=len(driven.scene.slider.offsets) if isinstance(contacts, int) else 1,
+        share=driven.scene.slider.share,
         drives=tuple(drives), unit="m" if driven.scene.wave is not None else "V", levels=driven.levels,
         parameters=parameters, tables=flat, interpolation_error=(0.0, 0.0), averaging_error=averaging,
         velocity_error=0.0,

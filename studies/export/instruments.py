@@ -208,9 +208,7 @@ def virtual_scan(scene: Scene, recording: Recording, tolerance: float, progress)
 
 def _points(scene: Scene, kind: str, band) -> Scan:
     """Return a scan without values yet."""
-    import fem
-
-    wavelength = fem.rayleigh(resolve.solid(scene.stator), "open").velocity / scene.frequency
+    wavelength = resolve.surface_velocity(scene.stator) / scene.frequency
     driven, (place, middle) = scene.driven_transducer, scene.places[0]
     half = driven.half_length + CLEAR * wavelength
     ahead = 1.0 if place >= driven.place[0] else -1.0

@@ -186,7 +186,7 @@ class MeasurementPredictor(Predictor):
         """
         duration = driven.scene.burst
         if duration is None:
-            key = "wave.burst" if self.given_wave else "drive.burst"
+            key = f"{driven.scene.source_key}.burst"
             raise SceneError(f"measurements {measurement.name}", f'holds a burst: give {key}="0.1 s" with the file')
         driven = replace(driven, ringing=self.ring_up(driven))
         (speed,) = self.velocities([(driven, level)])
