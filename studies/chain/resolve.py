@@ -155,6 +155,15 @@ def transducers(scene: Scene) -> tuple:
         return tuple(_transducer(block, block.wavelength) for block in scene.transducer)
 
 
+def free_span(rows, x: float, length: float, clear: float = 0.0) -> tuple[float, float]:
+    """Return the ends in m of the free surface about x: those of the stator, or ``clear`` from the fingers before them.
+
+    ``rows``: left and right end of each row of fingers.
+    """
+    left = max((right + clear for _, right in rows if right <= x), default=0.0)
+    return left, min((left - clear for left, _ in rows if left >= x), default=length)
+
+
 def section_row(scene: Scene) -> tuple:
     """Return `transducers` for models with a single section along x; a SceneError if some lie on other lines."""
     if scene.crossed:
