@@ -40,13 +40,12 @@ def keywords(columns: Iterable[str]) -> tuple[str, ...]:
 
 
 def amplitudes(driven: DrivenContact) -> dict:
-    """Return the amplitudes at a point and, for a stator, the admittance and power of the driven transducer."""
+    """Return the amplitudes at a point and, for a stator, the driven transducer's admittance and the sources' power."""
     outcomes, solved = driven.amplitudes_at(driven.level), driven.solved
     if solved is None:
         return outcomes
-    conductance, voltage = solved.admittance.real, abs(solved.electrode_voltage * driven.level)
-    electrical = solved.frequency, conductance, solved.admittance.imag, 0.5 * conductance * voltage**2
-    return outcomes | dict(zip(ELECTRICAL, electrical, strict=True))
+    admittance, power = solved.admittance, solved.power * driven.level**2
+    return outcomes | dict(zip(ELECTRICAL, (solved.frequency, admittance.real, admittance.imag, power), strict=True))
 
 
 def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict, *, averaged: bool = False) -> dict:
