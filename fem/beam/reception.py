@@ -47,7 +47,9 @@ from fem.waveguide.port_fields import PortFields, StatorRow
 from fem.waveguide.row_solver import Element, solve_row
 
 SHORTEST = 0.5  # least aperture over wavelength: shorter fingers are not line sources
-MAX_WAVES = 3000  # size of the system of waves between transducers: two per sheet and mode
+# Size of the system of waves between transducers, two per sheet and mode.  Waves that decay by exp(-NEEDED) or more on
+# the way are left out first, then steps of the charges along the fingers.
+MAX_WAVES, NEEDED = 3000, 14.0
 # Nodes for interpolation over a band, at least and per rad of phase; the admittance is accurate to 1e-5.
 LEAST_NODES, NODES_PER_SWING = 5, 1.2
 
@@ -242,15 +244,16 @@ def _solved(own_apertures: OwnApertures, row: StatorRow, *, fineness: int) -> Po
     between = np.diff(network.segments[1:-1], axis=1).ravel()
     gaps = between if len(between) else [abs(gap) for _, _, gap in _ways_from_forces(network)]
     kept = network.survivors(float(min(gaps))) if len(gaps) else np.empty(0, int)
-    most = MAX_WAVES // max(2 * len(kept) * len(transducers), 1)
+    decay = -network.modes.wavenumbers[kept].imag * float(min(gaps, default=0.0))
+    needed = np.count_nonzero(decay < NEEDED)
     lengths = []
     for each in transducers:
         fingers = max(sum(sign in "+-" for sign in each.signs), 1)
+        most = MAX_WAVES // max(2 * needed * len(transducers), 1)  # forces alone do not change the sheets
         limit = {} if len(transducers) == 1 else {"most": min(MAX_UNKNOWNS, most * fingers)}
         lengths.append(sheet_lengths(each, fineness, **limit))
-    if len(transducers) == 1:  # forces do not change the sheets: fewer of their waves are taken
-        slowest_decay = np.argsort(-network.modes.wavenumbers[kept].imag, kind="stable")
-        kept = np.sort(kept[slowest_decay[: MAX_WAVES // (2 * len(lengths[0]))]])
+    room = max(MAX_WAVES // (2 * sum(map(len, lengths))), needed if len(transducers) > 1 else 1)
+    kept = np.sort(kept[np.argsort(decay, kind="stable")[:room]])
     travel = _travel(network, transducers, kept, lengths, own_apertures.mirror_width)
     responses, by_kind = [], {}
     for plain, transducer, own_lengths in zip(network.scatterers, transducers, lengths, strict=True):
