@@ -207,10 +207,7 @@ class _Response:
     lines: np.ndarray = field(repr=False)
     potentials: np.ndarray = field(repr=False)  # U, (sheets, fingers, columns)
     sent: np.ndarray = field(repr=False)  # (sheets 2 modes, columns): amplitudes to the right and to the left
-    # (sheets, fingers, columns): reactions on the fingers, their first moments, and the part of these moments that the
-    # section does not have
-    reactions: np.ndarray = field(repr=False)
-    moments: np.ndarray = field(repr=False)
+    # first moments of the fingers' reactions that the section does not have, (sheets, fingers, columns)
     dipoles: np.ndarray = field(repr=False)
 
     def sheets(self, weights: np.ndarray) -> tuple[Sheet, ...]:
@@ -221,8 +218,6 @@ class _Response:
             Sheet(
                 length=float(length),
                 sides=np.concatenate([self.lines @ np.concatenate([waves[at], potentials[at]]), potentials[at]]),
-                reactions=self.reactions[at] @ weights,
-                moments=self.moments[at] @ weights,
                 dipoles=self.dipoles[at] @ weights,
             )
             for at, length in enumerate(self.lengths)
@@ -469,10 +464,6 @@ def _response(plain: Scatterer, signs: str, kept: np.ndarray, lengths: np.ndarra
     for sheet in range(sheets):
         sent[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] += leaving[:, : 2 * m]
     dipoles = (added @ on_fingers.reshape(size, columns)).reshape(finger_potentials.shape)
-    moments_by_waves = moments @ sides[:, : 2 * m]
-    first_moments = (moments @ sides[:, 2 * m :]) @ finger_potentials + dipoles
-    for sheet in range(sheets):
-        first_moments[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] += moments_by_waves
     return _Response(
         scatterer=scatterer,
         lengths=lengths,
@@ -480,7 +471,5 @@ def _response(plain: Scatterer, signs: str, kept: np.ndarray, lengths: np.ndarra
         lines=lines,
         potentials=finger_potentials,
         sent=sent.reshape(sheets * 2 * m, columns),
-        reactions=on_fingers,
-        moments=first_moments,
         dipoles=dipoles,
     )
