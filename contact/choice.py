@@ -164,7 +164,8 @@ def choose(
         names.sort(key=lambda name: name != "exact")
     if not names:
         raise refused(what, why, way)
-    best, failure = None, None
+    best: Choice | None = None
+    failures: list[ConvergenceError] = []  # that of the exact method first
     reasons: tuple[str, ...] = ()
     for name in names:
         try:
@@ -172,7 +173,7 @@ def choose(
         except ConvergenceError as failed:
             if name == asked:
                 raise
-            failure = failed if failure is None or name == "exact" else failure
+            failures.insert(0 if name == "exact" else len(failures), failed)
             if name == "exact":
                 reasons = (f"the exact method failed: {failed}",)
             continue
@@ -183,7 +184,7 @@ def choose(
         if name == asked:
             reasons = (f"followed exactly, because the {name} method misses the tolerance",)
     if best is None:
-        raise failure
+        raise failures[0]
     return best
 
 

@@ -56,18 +56,18 @@ def balanced(slider: Slider, orbits: tuple[Orbit, ...]) -> Balance:
         return _at_height(problem, high)
     # the reciprocal force only adds to the support, so that the slider rides higher: the mean approach is below `high`
     every, preload = np.arange(problem.contacts), problem.preload
-    low, balance = -float(np.max(normal_amplitude(problem.paths, every) + problem.paths.height)), None
+    low = -float(np.max(normal_amplitude(problem.paths, every) + problem.paths.height))
+    balances: list[Balance] = []  # at the heights that the search has tried
 
     def excess(height):
-        nonlocal balance
         if height <= low:
             return -preload
-        balance = _at_height(problem, height)
-        surplus = float(balance.motion.sums[Sum.NORMAL_FORCE]) / (2.0 * math.pi) - preload
+        balances.append(_at_height(problem, height))
+        surplus = float(balances[-1].motion.sums[Sum.NORMAL_FORCE]) / (2.0 * math.pi) - preload
         return surplus if abs(surplus) > 1e-12 * preload else 0.0
 
     bracketed(excess, low, high, tolerance=1e-14 * (1.0 + abs(high)))
-    return balance
+    return balances[-1]
 
 
 def cycle_at(

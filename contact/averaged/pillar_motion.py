@@ -99,13 +99,13 @@ def _motion(pillars, wave, load, loading, near, harmonics) -> PillarMotion:
     if near is not None:
         slider.begin_at(near)
     signed = slider.directed(load) if near is None or near.velocity == 0.0 else math.copysign(load, near.velocity)
+    equilibrium = None
     try:
         equilibrium = slider.under(signed)
     except ConvergenceError as error:
-        if error.status != "runaway":
+        if error.status != "runaway" or load == 0.0:
             raise
-        equilibrium = None
-    if load > 0.0 and (equilibrium is None or equilibrium.w * signed < 0.0):
+    if equilibrium is None or (load > 0.0 and equilibrium.w * signed < 0.0):
         stall, max_load = slider.stall(math.copysign(1.0, signed))
         raise InputError(
             "load",

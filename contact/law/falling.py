@@ -66,9 +66,10 @@ class FallingFriction:
 
     def law(self, static: float, ratio: float, pressure: float) -> Law:
         """Return the law of a static coefficient; `ratio` is E/4G, `pressure` p in Pa at an approach of 1 m."""
-        fading, speed = (1.0, 1.0) if self.sliding is None else (self.sliding / static, self.speed)
-        pressed, strength = 1.0, 0.0
-        if self.high_pressure is not None:
+        fading, speed, pressed, strength = 1.0, 1.0, 1.0, 0.0
+        if self.sliding is not None and self.speed is not None:
+            fading, speed = self.sliding / static, self.speed
+        if self.high_pressure is not None and self.pressure is not None:
             pressed, strength = self.high_pressure / static, pressure / self.pressure
         numbers = np.array([static * ratio, fading, speed, pressed, strength])
         return coulomb(Tangential.ELASTIC)._replace(

@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.beam.electrode_charges import ElectrodeCharges, electrode_charges
+from fem.beam.electrode_charges import ElectrodeCharges, all_charges
 from fem.beam.mutual_admittance import mutual_admittance
 from fem.beam.reception import with_apertures
 from fem.beam.rows import Row, driven_names, rows_of
@@ -173,13 +173,14 @@ class CrossedBeam:
         if len(s) > FEW and not row.along_an_axis:
             wave = self.wave
             wavelength = wave.phase_velocity / wave.frequency
-            values = None
+            parts = []
             for some, near in _pieces(s, row.transducers, CLEAR * wavelength):
                 if near or np.count_nonzero(some) <= FEW:
-                    part = evaluate(s[some], t[some])
+                    parts.append((some, evaluate(s[some], t[some])))
                 else:
-                    part = _interpolated(evaluate, s[some], t[some], wavelength / PER_WAVELENGTH)
-                values = np.empty((len(part), len(s)), dtype=complex) if values is None else values
+                    parts.append((some, _interpolated(evaluate, s[some], t[some], wavelength / PER_WAVELENGTH)))
+            values = np.empty((len(parts[0][1]), len(s)), dtype=complex)
+            for some, part in parts:
                 values[:, some] = part
             return values.reshape(-1, *x.shape)
         return evaluate(s, t).reshape(-1, *x.shape)
@@ -338,13 +339,7 @@ def _admittances(transducers, rows, waves, fields, frequency) -> tuple[np.ndarra
     return out, tuple(name for each in fields for name in each.names)
 
 
-def _unit_charges(wave: SurfaceWave, fields) -> list[list[ElectrodeCharges]]:
+def _unit_charges(wave: SurfaceWave, fields) -> list[tuple[ElectrodeCharges, ...]]:
     """Charges of all transducers of a row for 1 V at each of its ports in turn, the other ports at zero."""
     ports, circuit = len(fields.names), wave.circuit
-    return [
-        [
-            electrode_charges(Solution(fields=fields, circuit=replace(circuit, voltages=volts)), index)
-            for index in range(len(fields.transducers))
-        ]
-        for volts in np.eye(ports)
-    ]
+    return [all_charges(Solution(fields=fields, circuit=replace(circuit, voltages=volts))) for volts in np.eye(ports)]

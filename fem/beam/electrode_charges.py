@@ -189,6 +189,11 @@ def electrode_charges(solution: Solution, transducer: int) -> ElectrodeCharges:
     return ElectrodeCharges(x=x, charge=sheet_charges[0], finger=finger, steps=steps)
 
 
+def all_charges(solution: Solution) -> tuple[ElectrodeCharges, ...]:
+    """Charges of every transducer, from left to right."""
+    return tuple(electrode_charges(solution, index) for index in range(len(solution.fields.transducers)))
+
+
 def _finger_numbers(finger: np.ndarray, signs: str) -> np.ndarray:
     """Number of each node's finger, counting the fingers "+" and "-" only; -1 on an open strip."""
     charged = np.array([sign in "+-" for sign in signs])

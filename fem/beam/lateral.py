@@ -15,7 +15,9 @@ k_y = 2 pi n / width.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -24,6 +26,11 @@ MAX_TILT = 0.04  # largest D over the largest wavenumber; it matters if the aper
 # h / D: the error is 1e-8 on Feenstra and Breedveld's stator, and 1e-4 with half as many nodes.
 SPACING = 0.36
 ROUNDING = 1e-9  # |Im kappa| / |kappa| of a mode without loss, by rounding
+# Rules of `inverse_transform`: all nodes, every second, every fourth, and one that ends at a smaller k_y.
+RULES = 4
+CHUNK = 2000  # points at which spectra are tabulated at a time, to limit memory
+# The motion is computed on the whole grid of all x and y if that has at most this many points per requested point.
+FULL_GRID = 4
 EVANESCENT = (13.0, 20.0)  # exponents of the decay along x between which evanescent k_y are faded out
 
 
@@ -110,6 +117,70 @@ def lateral_rule(
         weights=weights * (1.0 + 1j * (offset / scale) * (1.0 - tilt**2)),
         share=1.0 if narrow is None else _faded(t, *(each + scale for each in narrow)),
     )
+
+
+class Waves(Protocol):
+    """Waves with a quadrature rule, and the signs of k_y for which they hold, each with factors of u_x, u_y and u_z."""
+
+    rule: LateralRule
+    signs: tuple
+
+
+class Points(NamedTuple):
+    """Points of the surface, in which x and y occur repeatedly: number i is (places[column[i]], lines[row[i]]), m."""
+
+    places: np.ndarray
+    lines: np.ndarray
+    column: np.ndarray
+    row: np.ndarray
+
+    @classmethod
+    def of(cls, x: np.ndarray, y: np.ndarray) -> "Points":
+        """Return the points of coordinates in m, two arrays of one dimension."""
+        (places, column), (lines, row) = (np.unique(each, return_inverse=True) for each in (x, y))
+        return cls(places, lines, column, row)
+
+
+def inverse_transform(
+    waves: Waves, sheets: list, points: Points, spectra: Callable[[np.ndarray], np.ndarray], thinned: bool
+) -> np.ndarray:
+    """Inverse Fourier transform of the motion u from k_y to y, by all RULES, shape (RULES, 3, points).
+
+    A sheet of length W about y_0 has the spectrum s(k_y) = W sinc(k_y W / 2) exp(i k_y y_0), and
+
+        u(x, y) = sum over both signs of k_y and the nodes n of  w_n / 2  u^(x, k_y) exp(-i k_y y),
+
+    where ``spectra`` maps the spectra s of the sheets, (sheets, n), to the spectra u^ at the different x, (places, 3,
+    n).  ``thinned``: False between mirrors, where the sum is exact and the first three rules are the same.
+    """
+    column, row = points.column, points.row
+    sent, count = None, len(column)
+    lateral, weights = waves.rule.nodes, waves.rule.weights / 2
+    narrow = None if np.all(waves.rule.share == 1.0) else weights * waves.rule.share
+    lengths, centers = (np.array([getattr(each, name) for each in sheets]) for name in ("length", "center"))
+    uniform = lengths[:, None] * np.sinc(np.outer(lengths, lateral / (2 * np.pi)))
+    total = np.zeros((RULES, 3, count), dtype=complex)
+    for sign, factors in waves.signs:
+        # sheets centred on y = 0 have the same spectrum at both signs of k_y: the sum over the charges is done once
+        if sent is None or centers.any():
+            sent = spectra(uniform * np.exp(1j * sign * np.outer(centers, lateral)))
+        phases = np.exp(-1j * sign * np.outer(lateral, points.lines))
+        # every second node has twice the weight; between mirrors no rule is thinned
+        half, quarter = (2, 4) if thinned else (1, 1)
+        rules = (1, weights), (half, half * weights), (quarter, quarter * weights), (1, narrow)
+        for rule, (step, own) in enumerate(rules):
+            if own is None:
+                total[rule] = total[0]
+                continue
+            weighted = factors[:, None] * sent[..., ::step] * own[::step]
+            # where most pairs (x, y) are requested, a matrix product for all pairs is cheaper than a sum per point
+            if len(sent) * len(points.lines) <= FULL_GRID * count:
+                total[rule] += (weighted @ phases[::step])[column, :, row].T
+            else:
+                for start in range(0, count, CHUNK):
+                    some = slice(start, start + CHUNK)
+                    total[rule][:, some] += np.einsum("pcn,np->cp", weighted[column[some]], phases[::step, row[some]])
+    return total
 
 
 def wavenumber_along(wavenumbers: complex | np.ndarray, lateral: np.ndarray) -> np.ndarray:

@@ -225,6 +225,8 @@ def line_source(modes: GuidedModes, load: Load = "charge") -> LineSource:
     LineSource
     """
     section = modes.section
+    if section.odd is None:
+        raise ValueError("the section must have the symmetry x -> -x")
     second, first, _ = section.matrices(modes.frequency)
     at, moving = section.full.surface_dofs, np.flatnonzero(modes.wavenumbers != 0)
     k, right = modes.wavenumbers[moving], modes.right[:, moving]

@@ -20,28 +20,26 @@ along short fingers (tests/fem/beam/test_volume.py).  In other cuts a transducer
 the section, times the mean of the force's beam over its aperture; forces need absorbing ends.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import NamedTuple
+from functools import cached_property, partial
 
 import numpy as np
 
 from fem.beam.cut_source import CutSource, cut_source
-from fem.beam.electrode_charges import MAX_PHASE, ChargeSheet, ElectrodeCharges, Fingers, electrode_charges
+from fem.beam.electrode_charges import ChargeSheet, ElectrodeCharges, all_charges
+from fem.beam.emitters import Emitter
 from fem.beam.faces import Faces, faces, with_all_displacements
-from fem.beam.lateral import EVANESCENT
-from fem.beam.line_source import Branch, LineSource, Load, line_source
+from fem.beam.lateral import EVANESCENT, RULES, Points, inverse_transform
+from fem.beam.line_source import LineSource, Load, line_source
 from fem.beam.own_aperture import STEPS
 from fem.beam.reception import refuse_short_apertures, with_apertures
+from fem.beam.strip_forces import Strip, sheets_of_forces, with_reciprocal_currents, with_scattering
 from fem.circuit import Circuit
 from fem.geometry import Stator
-from fem.input_error import InputError
 from fem.materials import isotropic_about_normal
 from fem.results.driven_answer import SurfaceWave
 from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.solution import Solution, driven_solution
-from fem.waveguide.port_fields import PortFields
 
 # Wavelengths from the charges: limits of the groups of points that share a quadrature rule in k_y.
 GROUPS = (1.0, 8.0)
@@ -59,16 +57,11 @@ ACROSS_SHARE, END_PERIODS = 0.0015, 0.01
 # error exceeds twice its estimate as often with 0.5 as with 1 (8 and 4 %, beside fingers and in minima), and more often
 # with 0 (9 and 6 %); the truth is the solution two levels finer.
 SECTION_SHARE = 0.5
-CHUNK = 2000  # points for which distances or spectra are tabulated at a time, to limit memory
-# The field is computed on the whole grid of all x and y if that has at most this many points per requested point.
-FULL_GRID = 4
+CHUNK = 2000  # points for which distances are tabulated at a time, to limit memory
 # The spacing of the nodes in k_y is halved, at most MAX_HALVINGS times, while the rule with half of them differs by
 # more than UNCONVERGED of the motion: waves whose power leaves obliquely grow on the contour, the more the farther.
 UNCONVERGED, MAX_HALVINGS = 0.03, 4
-# Quadrature rules in k_y: all nodes, every second, every fourth, and one that ends at a smaller k_y.
-RULES = 4
 TINY = 1e-300  # avoids division by zero
-SAME_STEP = 1e-15  # m: steps from node to node that differ by less share their phase factors
 
 
 class BeamError(ValueError):
@@ -96,7 +89,7 @@ class SurfaceBeam:
     scattering_error : float
         Relative error of the waves that transducers send in answer to forces.
     received_error : float
-        Relative error of the currents that forces send into transducers at a voltage of zero.
+        Error of the currents that forces send into transducers at a voltage of zero, over the largest of them.
     mirror_width : float or None
         Distance in m of two side faces that reflect like mirrors; None if the sides do not reflect.
     complete : bool
@@ -120,7 +113,7 @@ class SurfaceBeam:
     mirror_width: float | None = None
     complete: bool = True
     faces: Faces | None = field(default=None, repr=False)
-    strips: tuple["Strip", ...] = ()
+    strips: tuple[Strip, ...] = ()
     scattering_error: float = 0.0
     received_error: float = 0.0
 
@@ -142,7 +135,7 @@ class SurfaceBeam:
         BeamError
             If a point lies outside the stator.
         """
-        return self._by_rules(x, y)[0]
+        return self.motion_by_rules(x, y)[0]
 
     def relative_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
         """Estimate of the error over max(|u_x|, |u_z|) at each point.
@@ -163,7 +156,7 @@ class SurfaceBeam:
 
     def motion_and_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0):
         """`motion` and `relative_error` at once."""
-        fine, half, quarter, narrow = self._by_rules(x, y)
+        fine, half, quarter, narrow = self.motion_by_rules(x, y)
         size = abs(fine[[0, 2]]).max(axis=0)
         largest = float(size.max())
         second, fourth = (abs(fine - each).max(axis=0) / largest for each in (half, quarter))
@@ -240,7 +233,7 @@ class SurfaceBeam:
         if self.coarser is None:
             return None
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        reach = np.sqrt(self._near_distance * self._distances(x.ravel())).reshape(x.shape) / 2
+        reach = np.sqrt(self.wavelength * self._distances(x.ravel())).reshape(x.shape) / 2
         beside = y + np.multiply.outer(NEIGHBOURS, reach)
         if self.mirror_width is not None:
             beside = np.clip(beside, -self.mirror_width / 2, self.mirror_width / 2)
@@ -258,7 +251,7 @@ class SurfaceBeam:
         On YZ lithium niobate they are 0.06 to 6 times the motion, and 0.01 of it a wavelength or more before the
         fingers.
         """
-        near = abs(self._near_distance)
+        near = abs(self.wavelength)
         transducers = self.solution.fields.transducers
         beside = [(*each.extent, each.center_y, each.aperture) for each in transducers]
         beside += [(each.x[0], each.x[0], each.center, each.length) for strip in self.strips for each in [strip.sheet]]
@@ -304,31 +297,31 @@ class SurfaceBeam:
         return [sheet for charges, aperture, center in each for sheet in charges.sheets(aperture, center)]
 
     @cached_property
-    def _emitters(self) -> list["_Emitter"]:
+    def emitters(self) -> list[Emitter]:
         """What sends waves: the charges, then the forces."""
         return self._emitting(self._sheets)
 
     @cached_property
-    def _section_emitters(self) -> list["_Emitter"]:
+    def _section_emitters(self) -> list[Emitter]:
         """The same in the section, with one sheet for each transducer."""
         each = zip(self._section_charges, self.apertures, self.centers, strict=True)
         return self._emitting([replace(own, steps=()).sheets(*at)[0] for own, *at in each])
 
-    def _emitting(self, sheets: list[ChargeSheet]) -> list["_Emitter"]:
-        charges = [_Emitter(self.source, sheets, _nodes_of(sheets))] if sheets else []
-        return charges + [_Emitter(each.source, [each.sheet], _nodes_of([each.sheet])) for each in self.strips]
+    def _emitting(self, sheets: list[ChargeSheet]) -> list[Emitter]:
+        charges = [Emitter(self.source, sheets)] if sheets else []
+        return charges + [Emitter(each.source, [each.sheet]) for each in self.strips]
 
     @cached_property
     def _section_charges(self) -> tuple[ElectrodeCharges, ...]:
-        return _charges_of(self.wave.solution)
+        return all_charges(self.wave.solution)
 
-    def _by_rules(self, x, y) -> tuple[np.ndarray, ...]:
+    def motion_by_rules(self, x, y) -> tuple[np.ndarray, ...]:
         """Motion by all RULES of the integral over k_y."""
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         shape, x, y = x.shape, x.ravel(), y.ravel()
         self._refuse(x, y)
         distance = self._distances(x)
-        group = np.searchsorted(np.divide(GROUPS, GROUPS[0]) * self._near_distance, distance)
+        group = np.searchsorted(np.multiply(GROUPS, self.wavelength), distance)
         total = np.empty((RULES, 3, len(x)), dtype=complex)
         for number in set(group.tolist()):
             some = group == number
@@ -359,79 +352,28 @@ class SurfaceBeam:
 
     def _modal(self, x, y, distance: float, spacing: float) -> np.ndarray:
         """Sum of the modes at points no nearer than ``distance`` to any charge, shape (RULES, 3, points)."""
-        places, column = np.unique(x, return_inverse=True)
-        lines, row = np.unique(y, return_inverse=True)
+        points = Points.of(x, y)
         total = np.zeros((RULES, 3, len(x)), dtype=complex)
-        for source, sheets, nodes in self._emitters:
-            for branch in source.branches(self._reach(y), distance, self._near_distance, self.mirror_width, spacing):
-                total += self._inverse(
-                    branch,
-                    lambda spectra, nodes=nodes, branch=branch: _sent(nodes, branch, places, spectra),
-                    sheets,
-                    (lines, column, row),
-                )
+        for emitter in self.emitters:
+            source, reach = emitter.source, self._reach(y)
+            for branch in source.branches(reach, distance, self.wavelength, self.mirror_width, spacing):
+                spectra = partial(emitter.spectra, branch, points.places)
+                total += inverse_transform(branch, emitter.sheets, points, spectra, self.mirror_width is None)
         return total
 
     def _returned(self, x, y, modes) -> np.ndarray:
         """Motion of the waves that the end faces reflect, in some modes, shape (RULES, 3, points)."""
-        places, column = np.unique(x, return_inverse=True)
-        lines, row = np.unique(y, return_inverse=True)
-        reflected = self.faces.returned(self._reach(y), _sources(self._sheets), self.mirror_width)
-        return self._inverse(
-            reflected,
-            lambda spectra: reflected.spectra(places, self.wave.length, spectra, modes),
-            self._sheets,
-            (lines, column, row),
-        )
+        points = Points.of(x, y)
+        sources = [(each.x, each.charge) for each in self._sheets]
+        reflected = self.faces.returned(self._reach(y), sources, self.mirror_width)
+        spectra = partial(reflected.spectra, points.places, self.wave.length, modes=modes)
+        return inverse_transform(reflected, self._sheets, points, spectra, self.mirror_width is None)
 
     def _reach(self, y) -> float:
         """Largest distance along y from a point to the end of a finger or of a strip, m."""
         return max(
-            float(abs(y - each.center).max()) + each.length / 2 for emitter in self._emitters for each in emitter.sheets
+            float(abs(y - each.center).max()) + each.length / 2 for emitter in self.emitters for each in emitter.sheets
         )
-
-    def _inverse(self, waves, sent_by, sheets, points) -> np.ndarray:
-        """Inverse Fourier transform from k_y to y, shape (RULES, 3, points).
-
-        A sheet of length W about y_0 has the spectrum s(k_y) = W sinc(k_y W / 2) exp(i k_y y_0), and
-
-            u(x, y) = sum over both signs of k_y and the nodes n of  w_n / 2  u^(x, k_y) exp(-i k_y y),
-
-        where ``sent_by`` maps the spectra s of the sheets, (sheets, n), to the spectra u^ at the different x,
-        (places, 3, n).  ``points``: lines, column and row; point number i has the x of index ``column[i]`` and the y
-        ``lines[row[i]]``.  The sum is taken by all nodes, every second, every fourth, and with the weights of the
-        narrower integral.
-        """
-        (lines, column, row), sent = points, None
-        count = len(column)
-        lateral, weights = waves.rule.nodes, waves.rule.weights / 2
-        narrow = None if np.all(waves.rule.share == 1.0) else weights * waves.rule.share
-        lengths, centers = (np.array([getattr(each, name) for each in sheets]) for name in ("length", "center"))
-        uniform = lengths[:, None] * np.sinc(np.outer(lengths, lateral / (2 * np.pi)))
-        total = np.zeros((RULES, 3, count), dtype=complex)
-        for sign, factors in waves.signs:
-            # sheets centred on y = 0 have the same spectrum at both signs of k_y: the sum over the charges is done once
-            if sent is None or centers.any():
-                sent = sent_by(uniform * np.exp(1j * sign * np.outer(centers, lateral)))
-            phases = np.exp(-1j * sign * np.outer(lateral, lines))
-            # every second node has twice the weight; between mirrors the sum is exact and is not thinned
-            half, quarter = (1, 1) if self.mirror_width is not None else (2, 4)
-            rules = (1, weights), (half, half * weights), (quarter, quarter * weights), (1, narrow)
-            for rule, (step, own) in enumerate(rules):
-                if own is None:
-                    total[rule] = total[0]
-                    continue
-                weighted = factors[:, None] * sent[..., ::step] * own[::step]
-                # where most pairs (x, y) are requested, a matrix product for all pairs is cheaper than a sum per point
-                if len(sent) * len(lines) <= FULL_GRID * count:
-                    total[rule] += (weighted @ phases[::step])[column, :, row].T
-                else:
-                    for start in range(0, count, CHUNK):
-                        some = slice(start, start + CHUNK)
-                        total[rule][:, some] += np.einsum(
-                            "pcn,np->cp", weighted[column[some]], phases[::step, row[some]]
-                        )
-        return total
 
     def _local(self, x, y) -> np.ndarray:
         """Part of the section's motion beyond the modes, within the width of the nearest emitter, (3, points).
@@ -453,27 +395,22 @@ class SurfaceBeam:
 
     def _distances(self, x) -> np.ndarray:
         """Distance along x from each point to the nearest charge or force, m."""
-        nodes = np.sort(np.concatenate([emitter.nodes.x for emitter in self._emitters]))
+        nodes = np.sort(np.concatenate([emitter.x for emitter in self.emitters]))
         after = np.searchsorted(nodes, x).clip(1, max(len(nodes) - 1, 1))
         return np.minimum(abs(x - nodes[after - 1]), abs(x - nodes[np.minimum(after, len(nodes) - 1)]))
 
     def _error_of_forces(self, x: np.ndarray, y, size: np.ndarray) -> np.ndarray:
         """Errors in m by the waves that transducers scatter, and by the evanescent waves that end near a strip."""
         near = np.min([abs(x - each.sheet.x[0]) for each in self.strips], axis=0)
-        error = size * np.exp(-EVANESCENT[0] * near / abs(self._near_distance))
+        error = size * np.exp(-EVANESCENT[0] * near / abs(self.wavelength))
         if self.charges:
             scattered = replace(self, strips=(), complete=False)
             error = error + self.scattering_error * abs(scattered.motion(x, y)).max(axis=0)
         return error
 
-    def _across(self, center: float, length: float) -> tuple[np.ndarray, np.ndarray]:
-        """Points across a strip of the surface in m, and weights of the mean over it."""
-        s, weights = np.polynomial.legendre.leggauss(int(8 + 4 * length / abs(self._near_distance)))
-        return center + length / 2 * s, weights / 2
-
     def _spread(self, x: np.ndarray) -> np.ndarray:
         """Ratio of a strip's beam to its wave in the section: width over (wavelength times distance)^1/2, at most 1."""
-        wavelength = abs(self._near_distance)
+        wavelength = abs(self.wavelength)
         ratios = []
         for sheet in (each.sheet for each in self.strips):
             distance = abs(x - sheet.x[0])
@@ -484,28 +421,27 @@ class SurfaceBeam:
     def _beyond_the_modes(self, places) -> np.ndarray:
         """Motion of the section minus that of the modes at k_y = 0 by the same charges, shape (2, places)."""
         rest = self.wave.motion(places)
-        for source, sheets, nodes in self._section_emitters:
-            ones = np.ones((len(sheets), 1))
-            sent = sum(_sent(nodes, branch, places, ones) for branch in source.plane(self._near_distance))[..., 0]
-            rest -= sent.T[[0, 2]]
+        for emitter in self._section_emitters:
+            rest -= emitter.plane_waves(places, self.wavelength).T[[0, 2]]
         if self.faces is not None:
-            plane, ones = self.faces.plane(_sources(self._section_charges)), np.ones((len(self.apertures), 1))
+            plane = self.faces.plane([(each.x, each.charge) for each in self._section_charges])
+            ones = np.ones((len(self.apertures), 1))
             rest -= plane.spectra(places, self.wave.length, ones, self.faces.wanted)[..., 0].T[[0, 2]]
         if self.charges:
-            nodes = self._section_emitters[0].nodes
-            to_the_left = np.append(0.0, np.cumsum(nodes.charge))[np.searchsorted(nodes.x, places, side="right")]
-            rest[0] -= self.source.static * (2 * to_the_left - nodes.charge.sum())
+            charges = self._section_emitters[0]
+            to_the_left = np.append(0.0, np.cumsum(charges.charge))[np.searchsorted(charges.x, places, side="right")]
+            rest[0] -= self.source.static * (2 * to_the_left - charges.charge.sum())
         return rest
 
     @property
-    def _near_distance(self) -> float:
-        """One wavelength in m, the limit of the group of points nearest to the charges."""
-        return GROUPS[0] * self.wave.phase_velocity / self.wave.frequency
+    def wavelength(self) -> float:
+        """Wavelength of the surface wave, m."""
+        return self.wave.phase_velocity / self.wave.frequency
 
     def _static(self, x, y) -> np.ndarray:
         """Field of the pole at k = 0 in closed form (`LineSource.static_motion`), shape (3, points)."""
         out = np.zeros((3, len(x)), dtype=complex)
-        for source, sheets, _ in self._emitters:
+        for source, sheets in ((each.source, each.sheets) for each in self.emitters):
             for sheet in sheets if source.static else ():
                 nodes, charge = sheet.lumps
                 for start in range(0, len(x), CHUNK):
@@ -517,30 +453,6 @@ class SurfaceBeam:
         return out
 
 
-class Strip(NamedTuple):
-    """A force on a strip of the surface: a sheet of one node with N/m for its charge, and the stator's response."""
-
-    sheet: ChargeSheet
-    source: LineSource | CutSource
-
-
-class _Emitter(NamedTuple):
-    """Sheets that send waves by the same source, and their nodes."""
-
-    source: LineSource | CutSource
-    sheets: list[ChargeSheet]
-    nodes: "_Nodes"
-
-
-class _Nodes(NamedTuple):
-    """Positions and charges of all nodes from left to right, and the transducer and finger of each."""
-
-    x: np.ndarray
-    charge: np.ndarray
-    owner: np.ndarray
-    finger: np.ndarray
-
-
 def beam_refusal(stator: Stator) -> str:
     """Sentence that says why a stator's field in three dimensions cannot be computed; empty if it can."""
     if stator.pieces:
@@ -548,81 +460,6 @@ def beam_refusal(stator: Stator) -> str:
     if stator.ends != "absorbing" and not isotropic_about_normal(stator.solid):
         return f"in this cut the field in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"
     return ""
-
-
-def _charges_of(solution: Solution) -> tuple[ElectrodeCharges, ...]:
-    return tuple(electrode_charges(solution, index) for index in range(len(solution.fields.transducers)))
-
-
-def _sources(charges: Sequence[ElectrodeCharges | ChargeSheet]) -> list[tuple[np.ndarray, np.ndarray]]:
-    return [(each.x, each.charge) for each in charges]
-
-
-def _nodes_of(charges: Sequence[ElectrodeCharges | ChargeSheet]) -> _Nodes:
-    owner = np.repeat(np.arange(len(charges)), [len(each.x) for each in charges])
-    number = np.concatenate([each.finger for each in charges])
-    another = (np.diff(number, prepend=number[0]) != 0) | (np.diff(owner, prepend=0) != 0)
-    return _Nodes(
-        x=np.concatenate([each.x for each in charges]),
-        charge=np.concatenate([each.charge for each in charges]),
-        owner=owner,
-        finger=np.cumsum(another),
-    )
-
-
-def _sent(nodes: _Nodes, branch: Branch, places, spectra) -> np.ndarray:
-    """Spectra of u at the positions ``places`` by all charges upstream of them in one branch, shape (places, 3, n).
-
-    u^(x) = sum_m M_m sum_j q_j s_j exp(-i kappa_m |x - x_j|) with the modes m of the branch, their motion M_m, and the
-    charges q_j at x_j upstream of x on sheets of spectrum s_j.  The inner sum is carried from charge to charge: it is
-    multiplied by exp(-i kappa_m d) over each distance d, and q_j s_j is added at each charge.
-    """
-    side, along = branch.side, branch.along
-    out = np.zeros((len(places), 3, len(spectra[0])), dtype=complex)
-    if not along.size:
-        return out
-    sources, owners, amplitudes = _sources_beside(nodes, places, side * along)
-    count = len(sources)
-    at = side * np.append(sources, places)
-    is_place = np.arange(len(at)) >= count
-    arrived = np.zeros((len(along), len(spectra[0])), dtype=complex)
-    steps: dict[int, np.ndarray] = {}
-    before, sends = 0.0, False  # position of the last stop; whether any charge lies upstream of it
-    # Walk downstream from charge to charge.  The sort counts a charge at its own position in one direction only.
-    for number in np.lexsort((side * is_place, at)):
-        if sends and at[number] != before:
-            key = round((at[number] - before) / SAME_STEP)
-            if key not in steps:
-                steps[key] = np.exp(-1j * along * (at[number] - before))
-            arrived *= steps[key]
-        before = at[number]
-        if not is_place[number]:
-            arrived += amplitudes[number] * spectra[owners[number]]
-            sends = True
-        elif sends:
-            out[number - count] = np.einsum("cmn,mn->cn", branch.motion, arrived)
-    return out
-
-
-def _sources_beside(nodes: _Nodes, places, along) -> tuple[np.ndarray, np.ndarray, list]:
-    """Positions of the charges, their transducers, and their amplitudes (numbers, or arrays of the shape of ``along``).
-
-    All charges of a finger without any requested position on it are combined to one source at its centre, by the Taylor
-    series of the exponentials about the centre.  ``along`` is signed by the direction of the branch.
-    """
-    # A finger is combined if no requested position lies on it, provided that the series is accurate for the widest
-    # finger (MAX_PHASE).  `whole` marks the combined fingers, `single` the nodes of all others.
-    fingers = Fingers.of(nodes.x, nodes.charge, nodes.finger)
-    ordered = np.sort(places)
-    whole = np.searchsorted(ordered, fingers.first) == np.searchsorted(ordered, fingers.last, side="right")
-    whole &= fingers.phase(along).max() < MAX_PHASE
-    single = ~whole[nodes.finger]
-    owners = nodes.owner[np.searchsorted(nodes.finger, np.flatnonzero(whole))]
-    return (
-        np.append(fingers.middles[whole], nodes.x[single]),
-        np.append(owners, nodes.owner[single]),
-        [*fingers._replace(moments=fingers.moments[whole]).sums(along), *nodes.charge[single]],
-    )
 
 
 def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> SurfaceBeam:
@@ -673,7 +510,7 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     if refusal:
         raise BeamError(refusal)
     refuse_short_apertures(transducers, wave.phase_velocity / wave.frequency)
-    sheets = _sheets_of_forces(solution)
+    sheets = sheets_of_forces(solution)
     widths = [each.aperture for each in transducers] + [each.length for each in sheets]
     if mirror_width is not None and not max(widths) <= mirror_width < np.inf:
         raise BeamError(f"mirror_width must be at least the largest aperture, {max(widths):g} m, got {mirror_width!r}")
@@ -689,93 +526,9 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     if not (sheets and transducers):
         return beam
     if not isotropic:
-        solution = driven_solution(_scattering_of_strips(beam), solution.circuit.drive, solution.forces)
-        beam = replace(beam, solution=solution, charges=_charges_of(solution))
-    return _with_reciprocal_currents(beam)
-
-
-def _sheets_of_forces(solution: Solution) -> list[ChargeSheet]:
-    """Strips of the forces of a solution, with N/m in place of charges."""
-    if solution.forces is None:
-        return []
-    unit, ports = solution.fields.section.length_unit, solution.fields.network.ports
-    forces = [each for each in ports if each.kind == "force"]
-    for each in forces:
-        if not np.isfinite(each.width):
-            raise InputError("force.width", "must be finite in three dimensions", each.width, "m", owner=each.name)
-    return [
-        ChargeSheet(
-            x=np.array([each.place * unit]),
-            charge=np.array([amplitude]),
-            finger=np.zeros(1, dtype=int),
-            length=each.width * unit,
-            center=each.center * unit,
-        )
-        for each, amplitude in zip(forces, solution.forces, strict=True)
-    ]
-
-
-def _scattering_of_strips(beam: SurfaceBeam) -> PortFields:
-    """Fields in which each transducer answers the mean of every strip's beam over its aperture, at its centre.
-
-    The section's answers to a force that is the same all along y are multiplied by the mean of the surface wave's u_z
-    over its value at k_y = 0, on the bare surface.
-    """
-    fields, ports = beam.solution.fields, len(beam.solution.fields.names)
-    places = np.array([each.center for each in fields.transducers])
-    shares = np.ones((len(places), ports + len(beam.strips)), dtype=complex)
-    for column, strip in enumerate(beam.strips, start=ports):
-        unit = strip.sheet._replace(charge=np.ones(1))
-        alone = replace(beam, charges=(), apertures=(), centers=(), strips=(Strip(unit, strip.source),)).surface_mode
-        source, _, nodes = alone._emitters[0]
-        plane = sum(_sent(nodes, branch, places, np.ones((1, 1))) for branch in source.plane(beam._near_distance))
-        for index, (aperture, center) in enumerate(zip(beam.apertures, beam.centers, strict=True)):
-            y, weights = beam._across(center, aperture)
-            shares[index, column] = alone.motion(places[index], y)[2] @ weights / plane[index, 2, 0]
-    named = [index for index, each in enumerate(fields.transducers) if each.name in fields.names]
-    return replace(
-        fields,
-        sides=tuple(
-            sides if owner is None else sides * shares[owner]
-            for owner, sides in zip(fields.owners, fields.sides, strict=True)
-        ),
-        received=fields.received * shares[named, ports:],
-    )
-
-
-def _with_reciprocal_currents(beam: SurfaceBeam) -> SurfaceBeam:
-    """Beam whose transducers receive, by reciprocity, what they send to the strips.
-
-    The current into a shorted port per newton is the velocity along the force, averaged over the strip, per volt at
-    the port.  The charges of `reception` take the waves of a strip at the centre of the transducer, as if their phase
-    fronts were straight along it.  The currents of these charges are 0.5 % off 12 wavelengths away, and 16 % off a
-    point 5 wavelengths away from fingers of 20; the difference is the error of the scattered waves.
-    """
-    solution, fields = beam.solution, beam.solution.fields
-    forces = [each for each in fields.network.ports if each.kind == "force"]
-    received, errors = np.empty_like(fields.received), np.empty(fields.received.shape)
-    for row in range(len(fields.names)):
-        circuit = replace(solution.circuit, voltages=np.eye(len(fields.names))[row])
-        unit = replace(solution, circuit=circuit, forces=None)
-        sent = replace(beam, solution=unit, charges=_charges_of(unit), strips=(), complete=False)
-        for column, (force, strip) in enumerate(zip(forces, beam.strips, strict=True)):
-            y, weights = beam._across(strip.sheet.center, strip.sheet.length)
-            rules = sent._by_rules(strip.sheet.x[0], y)[:2]
-            fine, half = (each["xyz".index(force.component)] @ weights for each in rules)
-            received[row, column] = 2j * np.pi * fields.frequency * strip.sheet.length * fine
-            errors[row, column] = abs(half / fine - 1)
-    missed = 1.0  # of open strips alone no current tells how much is missed: their waves are in doubt as a whole
-    if fields.names:
-        currents, by_charges = received @ solution.forces, fields.received @ solution.forces
-        missed = abs(by_charges - currents).max() / max(abs(currents).max(), TINY)
-    solution = driven_solution(replace(fields, received=received), solution.circuit.drive, solution.forces)
-    return replace(
-        beam,
-        solution=solution,
-        charges=_charges_of(solution),
-        scattering_error=float(missed),
-        received_error=float(errors.max(initial=0.0) + beam.wave.relative_error),
-    )
+        solution = driven_solution(with_scattering(beam), solution.circuit.drive, solution.forces)
+        beam = replace(beam, solution=solution, charges=all_charges(solution))
+    return with_reciprocal_currents(beam)
 
 
 def aperture_beam(wave: SurfaceWave, solution: Solution, mirror_width: float | None = None) -> SurfaceBeam:
@@ -798,12 +551,12 @@ def aperture_beam(wave: SurfaceWave, solution: Solution, mirror_width: float | N
         solution=solution,
         source=of_charges,
         faces=None if stator.ends == "absorbing" else faces(fields, of_charges),
-        charges=_charges_of(solution),
+        charges=all_charges(solution),
         apertures=tuple(each.aperture for each in transducers),
         centers=tuple(each.center_y for each in transducers),
         mirror_width=mirror_width,
         strips=tuple(
             Strip(sheet, by_load[force.component])
-            for force, sheet in zip(forces, _sheets_of_forces(solution), strict=True)
+            for force, sheet in zip(forces, sheets_of_forces(solution), strict=True)
         ),
     )

@@ -65,6 +65,8 @@ class Column:
         """Scaled electric reactions at the surface nodes as functions of the sides, shape (order + 1, 2 n + 2)."""
         first = Blocks(self.section.size).ports.start
         sides = first + len(ELECTRODES)
+        if self.surface_rows is None:
+            raise ValueError("a column without a potential has no electric reactions")
         out, rest = self.surface_rows[:, :sides].copy(), self.surface_rows[:, sides:]
         if self.electrode is not None:  # the corners' potential is the electrode's
             corners = electrode_dofs(self.section, self.faces)[:2]

@@ -83,13 +83,12 @@ def repeated(
 ) -> FingerColumns:
     """Join ``count`` equal neighbours into one piece by doubling."""
     result, power = None, piece
-    while True:
+    while count > 1:
         if count & 1:
             result = power if result is None else join(result, power)
         count >>= 1
-        if not count:
-            return result
         power = join(power, power)
+    return power if result is None else join(result, power)
 
 
 def with_ports(piece: FingerColumns, ports: list[int]) -> FingerColumns:

@@ -180,5 +180,4 @@ def _projected_halves(pairs: list[tuple], bases, width: float, both: bool) -> Ha
         np.stack([np.vstack([frame.T @ half[:-1], half[-1:]]) @ frame for half in halves])
         for frame, halves in zip((rising_frame, falling_frame), zip(*pairs, strict=True), strict=True)
     )
-    falling = falling if both else None
-    return HalfCell(rising=rising, falling=falling, width=width)
+    return HalfCell(rising=rising, falling=falling if both else None, width=width)

@@ -168,7 +168,10 @@ def wave_field(
         along = np.concatenate([part.along for part in parts]) * units
         upward = np.concatenate([part.raised(section, depth) for part in parts]) * units
         own = densities(solution.fields.stator.solid, wave.frequency, values, along, upward)
-    whole = WaveField(
+        first = np.cumsum([0, *(len(part.x) for part in parts)])
+        for part, start in zip(parts, first, strict=False):
+            _in_other_solids(own, wave.frequency, part, slice(start, start + len(part.x)), units)
+    return WaveField(
         x=np.concatenate([part.x for part in parts]),
         z=depth,
         displacement=values[:, :, :3],
@@ -179,20 +182,16 @@ def wave_field(
         inside=None if inside.all() else inside,
         pieces=tuple(meshed),
     )
-    if energies:
-        first = np.cumsum([0, *(len(part.x) for part in parts)])
-        for part, start in zip(parts, first, strict=False):
-            _in_other_solids(whole, part, slice(start, start + len(part.x)), units)
-    return whole
 
 
-def _in_other_solids(whole: WaveField, part: "_Part", lines: slice, units: np.ndarray) -> None:
-    """Put the densities of a part's nodes in other solids than the stator's into the whole field."""
+def _in_other_solids(whole: Densities, frequency: float, part: "_Part", lines: slice, units: np.ndarray) -> None:
+    """Put the densities of a part's nodes in other solids than the stator's into those of the whole field."""
     for solid, nodes in part.solids:
-        fields = ((each[nodes] * units)[None] for each in (part.values, part.along, part.upward))
-        own = densities(solid, whole.frequency, *fields)
+        known = (each for each in (part.values, part.along, part.upward) if each is not None)
+        fields = ((each[nodes] * units)[None] for each in known)
+        own = densities(solid, frequency, *fields)
         for name in Densities.__annotations__:
-            getattr(whole.densities, name)[lines][nodes] = getattr(own, name)[0]
+            getattr(whole, name)[lines][nodes] = getattr(own, name)[0]
 
 
 @dataclass(frozen=True)

@@ -204,7 +204,7 @@ def test_modes_of_the_reduced_basis_do_not_grow():
 def test_places_beside_the_fingers_are_not_resolved():
     """In cuts whose waves at more than 45 degrees are left out; in a ceramic poled along z they are known."""
     beam = beam_in(lossless(*CUTS["YZ"]), thickness=0.8, length=14.0, pairs=1, order=5)
-    (one,), near, side = beam.solution.fields.transducers, abs(beam._near_distance), 2.5e-3
+    (one,), near, side = beam.solution.fields.transducers, abs(beam.wavelength), 2.5e-3
     assert beam.unresolved(one.center, side + 3 * near)
     assert beam.unresolved(one.extent[1] + 0.9 * near, -side + 0.9 * near)
     assert not beam.unresolved(one.extent[1] + 1.1 * near, side)

@@ -7,8 +7,10 @@ import pytest
 
 from fem.analytic.wave_compliance import wave_compliance
 from fem.beam.cut_source import cut_source
+from fem.beam.electrode_charges import all_charges
 from fem.beam.reception import aperture_coupling, with_apertures
-from fem.beam.surface_beam import BeamError, Strip, _charges_of, surface_beam
+from fem.beam.strip_forces import Strip
+from fem.beam.surface_beam import BeamError, surface_beam
 from fem.discretize.error_estimate import LEVELS
 from fem.geometry import Stator
 from fem.input_error import InputError
@@ -218,7 +220,7 @@ def test_near_a_strip_and_on_fingers():
     size = abs(beam.motion(far)[[0, 2]]).max()
     added = beam.relative_error(far) - known.relative_error(far)
     assert added == pytest.approx(beam.scattering_error * scattered / size, rel=1e-6)
-    for one, other in zip(beam.charges, _charges_of(beam.solution), strict=True):
+    for one, other in zip(beam.charges, all_charges(beam.solution), strict=True):
         assert np.all(one.charge == other.charge)
 
 
