@@ -14,13 +14,13 @@ from inspect import Signature, cleandoc, signature
 from pathlib import Path
 from typing import Any
 
-import contact
 from studies.chain import run as run_chain
 from studies.chain.bridge import DrivenContact
 from studies.chain.resolve import resolved
+from studies.chain.solver_errors import answered
 from studies.record import Record
 from studies.record.text import labelled
-from studies.refusal import RunError, SceneError, nearest
+from studies.refusal import SceneError, nearest
 from studies.results.content import plain, provenance, write_json
 from studies.scene import Scene
 
@@ -183,12 +183,9 @@ def driven_contact(
         return DrivenContact.given(resolved_scene)
     if not resolved_scene.transducer:
         resolved_scene.refuse("transducer", "is missing: this study needs a driven stator or a given [wave]")
-    drive = replace(resolved_scene.drive, voltage=(max(resolved_scene.levels),), burst=None)
-    record = run_chain(replace(resolved_scene, drive=drive, uncertain=None), tolerance=tolerance, progress=progress)
-    driven = DrivenContact.of_run(record)
-    return replace(
-        driven, scene=replace(resolved_scene, drive=replace(resolved_scene.drive, frequency=driven.scene.frequency))
-    )
+    steady = resolved_scene.at_level(max(resolved_scene.levels)).with_source(burst=None)
+    driven = DrivenContact.of_run(run_chain(steady, tolerance=tolerance, progress=progress))
+    return replace(driven, scene=resolved_scene.with_source(frequency=driven.scene.frequency))
 
 
 def module(name: str):
@@ -259,10 +256,8 @@ def study(default: str | None = None) -> Callable[[Callable[..., Answered]], Cal
             start_time = time.perf_counter()
             if default is not None:
                 scene = (Scene.load(scene[0] if scene else options.pop("scene", default)),)
-            try:
+            with answered():
                 panels, findings, *answer = run(*scene, progress=progress or (lambda text: None), **options)
-            except contact.ConvergenceError as error:
-                raise RunError(" ".join(str(error).split())) from None
             return StudyRecord(
                 name=run.__module__.rpartition(".")[2], panels=tuple(panels), findings=tuple(findings),
                 seconds=time.perf_counter() - start_time, answer=tuple(answer[0]) if answer else (),

@@ -66,7 +66,7 @@ def contact_slider(slider: Slider):
         from studies.chain.pillars import one_pillar
 
         return one_pillar(slider)
-    share = len(slider.offsets) if isinstance(slider.contacts, int) else 1
+    share = slider.share
     return contact.Slider(
         radius=slider.radius,
         mass=slider.mass / share,
@@ -134,7 +134,7 @@ class DrivenContact:
         places, slider = scene.places, scene.slider
         tangential, normal, _, _ = solved.at[places[0]]
         amplitudes, passing = (abs(normal), abs(tangential)), None
-        if slider is not None and slider.pillars is not None:
+        if scene.on_pillars:
             from studies.chain.slider_wave import mean_amplitudes, stator_wave
 
             passing = stator_wave(scene, motion)

@@ -5,18 +5,16 @@ import time
 import fem
 from studies.chain import resolve
 from studies.chain.left_out import left_out
+from studies.chain.solver_errors import answered
 from studies.record import Record
-from studies.refusal import RunError
 from studies.scene import Scene
 
 
 def free_wave_record(scene: Scene, tolerance: float) -> Record:
     """Return the record of the free wave of a section."""
     start_time = time.perf_counter()
-    try:
+    with answered():
         wave = fem.free_wave(resolve.stator(scene.stator), frequency=scene.frequency, tolerance=tolerance)
-    except fem.ConvergenceError as error:
-        raise RunError(str(error)) from None
     names = ("u_x", "u_y", "u_z", "phi_V")
     columns = {"z_m": wave.depth}
     columns |= {f"{name}_per_m_of_u_z": wave.profile[:, k] for k, name in enumerate(names)}

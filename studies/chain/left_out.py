@@ -124,9 +124,8 @@ def _ring_up(slider, ringing: RingUp | None, trajectories) -> Iterator[tuple[boo
     yield without_ring_down > 0, f"the burst's ring-down: {bursts}"
     bursts = f"{without_ring_up} of {count} bursts, which are computed on a steady wave"
     yield without_ring_up > 0, f"the burst's ring-up ({ringing.sentence}) in {bursts}"
-    several_places = not isinstance(slider.contacts, int) and len(slider.offsets) > 1
     yield (
-        several_places,
+        slider.computed_contacts > 1,
         "differences of the burst's ring-up between the balls: that at the slider's centre is used for all",
     )
 
@@ -140,11 +139,8 @@ def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
     if slider.pillars is not None:
         yield from _pillars(scene)
         return
-    merged_contacts = slider.contacts - 1 if isinstance(slider.contacts, int) else 0
-    yield (
-        merged_contacts > 0,
-        f"{merged_contacts} of {slider.contacts} contacts: all move in phase, and one of them is computed",
-    )
+    merged = f"{slider.share - 1} of {slider.contacts} contacts: all move in phase, and one of them is computed"
+    yield slider.share > 1, merged
     no_transient = "motion from rest: without a burst, the periodic state is computed directly"
     yield scene.burst is None, no_transient
     yield (

@@ -1,8 +1,9 @@
 """The points of a run with a slider on pillars: velocity, wave, powers and contact ratios at each level of drive."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -10,7 +11,7 @@ import contact
 from studies.chain import pillars
 from studies.chain.bridge import DrivenContact
 from studies.chain.propagation import judged
-from studies.chain.slider_keys import slider_keys
+from studies.chain.solver_errors import slider_keys
 from studies.chain.tally import burst_values
 from studies.record.status import Status
 
@@ -27,7 +28,7 @@ class PillarContact:
 
     driven: DrivenContact = field(repr=False)
     pillars: object  # contact.Pillars
-    wave: object  # contact.PassingWave at a level of 1
+    wave: Any  # contact.PassingWave at a level of 1
     misfit: float  # rms misfit of two plane waves to the surface motion, relative to the larger wave
 
     @classmethod
@@ -39,7 +40,7 @@ class PillarContact:
 
     def at(self, level: float):
         """Return the `contact.PassingWave` at a level."""
-        return pillars.at_level(self.wave, level)
+        return replace(self.wave, forward=self.wave.forward * level, backward=self.wave.backward * level)
 
     @property
     def loading(self) -> bool | str | None:

@@ -24,12 +24,14 @@ import numpy as np
 
 import contact
 import fem
-from studies.chain.slider_keys import slider_keys
+from studies.chain.solver_errors import slider_keys
+from studies.lab.csv_columns import DISPLACEMENTS, PLACES, CsvColumns
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.scene.pillars import SEED, read_pillars
+from studies.scene.pillars import MAX_PILLARS, SEED
 from studies.scene.slider import Slider
 
+LENGTHS = PLACES | DISPLACEMENTS  # units of the columns of a file
 LATTICE, LATTICE_REACH = 2.4830, 0.1  # sum over a square lattice, and the a/p up to which it holds
 # a/p beyond that, and the stiffness of a punch relative to the mean plane over that of one alone
 NEIGHBOURS = (0.2, 0.3, 0.4), (1.92, 3.21, 6.96)
@@ -61,13 +63,7 @@ def layout(slider: Slider) -> dict:
     """Return x, y, heights and diameters of the pillars as arrays, the mean pitch, and the pitch along y, all in m."""
     block = slider.pillars
     if block.file is not None:
-        columns = {name: np.array(values) for name, values in read_pillars(block.file).items()}
-        x, y, heights = columns["x_m"], columns["y_m"], columns["height_m"]
-        diameter = columns.get("diameter_m")
-        if diameter is None:
-            if block.diameter is None:
-                block.refuse("diameter", "is required and missing: the file has no column diameter_m")
-            diameter = np.full(x.size, block.diameter)
+        x, y, heights, diameter = _of_file(block)
         if not np.all(diameter > 0.0):
             block.refuse("file", f"must hold positive diameters, got {diameter.min():g} m")
         _refuse_overlap(block, x, y, diameter)
@@ -91,6 +87,21 @@ def layout(slider: Slider) -> dict:
     return {"x": x, "y": y, "heights": heights, "diameter": diameter, "pitch": pitch, "across": float(across)}
 
 
+def _of_file(block) -> tuple[np.ndarray, ...]:
+    """Return x, y, heights and diameters of the pillars in the CSV file of a block, m."""
+    table = CsvColumns.read(block.file, "slider.pillars.file")
+    table.refuse_uneven()
+    if len(table.rows) > MAX_PILLARS:
+        raise table.error(f"must hold at most {MAX_PILLARS} pillars, got {len(table.rows)}")
+    x, y, height, own = (table.column(noun, LENGTHS) for noun in ("x", "y", "height", "diameter"))
+    if x is None or y is None or height is None:
+        raise table.error(f"must have the columns x_m, y_m, height_m, got {', '.join(table.names)}")
+    if own is None and block.diameter is None:
+        block.refuse("diameter", "is required and missing: the file has no column diameter_m")
+    diameter = np.full(len(table.rows), block.diameter) if own is None else own[0]
+    return x[0], y[0], height[0], diameter
+
+
 def _refuse_overlap(block, x, y, diameter):
     """Refuse pillars of a file that overlap."""
     from scipy.spatial import cKDTree
@@ -102,8 +113,8 @@ def _refuse_overlap(block, x, y, diameter):
     room = apart - 0.5 * (diameter + diameter[other]) * (1 - 1e-9)
     worst = int(room.argmin())
     if room[worst] < 0.0:
-        rows = " and ".join(str(each) for each in sorted((worst + 2, int(other[worst]) + 2)))
-        block.refuse("file", f"must hold pillars that do not overlap, got {apart[worst]:g} m between rows {rows}")
+        points = " and ".join(str(each) for each in sorted((worst + 1, int(other[worst]) + 1)))
+        block.refuse("file", f"must hold pillars that do not overlap, got {apart[worst]:g} m between points {points}")
 
 
 def neighbours(radius_over_pitch):
@@ -191,11 +202,6 @@ def given_wave(scene: Scene):
         frequency=wave.frequency, wavelength=wave.wavelength or 1.0, ratio=wave.tangential_ratio, backward=1.0,
         compliance=wave.compliance or 0.0, strip_width=strip_width(scene.slider),
     )  # fmt: skip
-
-
-def at_level(wave, level: float):
-    """Return the waves of a level of 1 at another."""
-    return replace(wave, forward=wave.forward * level, backward=wave.backward * level)
 
 
 def check_pillars(scene: Scene) -> None:

@@ -7,14 +7,14 @@ material, an impossible layout) are checked here.
 
 import itertools
 import math
-from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import fem
-from studies.refusal import RunError, SceneError
+from studies.chain.solver_errors import stator_keys
+from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.block import keys_of
 from studies.scene.blocks import LENGTHS, Element, IsotropicSolid, PiezoelectricSolid, Stator, Transducer
@@ -73,10 +73,15 @@ def resolved_slider(slider: Slider, stator: Stator | Any) -> Slider:
 
 def solid(block: Stator):
     """Return the stator's ``fem.Solid``, rotated to its orientation."""
-    with _refused("stator.material"):
+    with stator_keys("stator.material"):
         crystal = _crystal(block.material)
         own = _given(block, "mechanical_quality", "dielectric_loss")
         return fem.rotated(replace(crystal, **own) if own else crystal, block.orientation)
+
+
+def surface_velocity(block: Stator) -> float:
+    """Return the velocity of the Rayleigh wave under a bare surface without charge (D_n = 0), m/s."""
+    return fem.rayleigh(solid(block), "open").velocity
 
 
 def _crystal(material: str | PiezoelectricSolid | IsotropicSolid):
@@ -92,7 +97,7 @@ def stator(block: Stator):
     """Return the ``fem.Stator`` of a stator block."""
     rotated, own = solid(block), _given(block, "length", "bottom", "ends", "above")
     thickness = math.inf if block.thickness == "half-space" else block.thickness
-    with _refused("stator"):
+    with stator_keys("stator"):
         return fem.Stator(solid=rotated, thickness=thickness, **own)
 
 
@@ -140,14 +145,23 @@ def _read_mesh(file: str, unit: float, stamp: int):
 
 def _piece_solid(material, block: Stator, path: str):
     """Return the ``fem.Solid`` of a surface group of a mesh, in the orientation of the stator."""
-    with _refused(path):
+    with stator_keys(path):
         return fem.rotated(_crystal(material), block.orientation)
 
 
 def transducers(scene: Scene) -> tuple:
     """Return the ``fem.Transducer`` objects of a scene whose periods are numbers."""
-    with _refused("transducer"):
+    with stator_keys("transducer"):
         return tuple(_transducer(block, block.wavelength) for block in scene.transducer)
+
+
+def free_span(rows, x: float, length: float, clear: float = 0.0) -> tuple[float, float]:
+    """Return the ends in m of the free surface about x: those of the stator, or ``clear`` from the fingers before them.
+
+    ``rows``: left and right end of each row of fingers.
+    """
+    left = max((right + clear for _, right in rows if right <= x), default=0.0)
+    return left, min((left - clear for left, _ in rows if left >= x), default=length)
 
 
 def section_row(scene: Scene) -> tuple:
@@ -269,21 +283,21 @@ def _with_circuit(scene: Scene, spread: bool | None) -> Scene:
     matched = recovery is not None and recovery.rectifier is None and recovery.load == "matched"
     if not matched and old_drive.match != "auto":
         return _with_load(scene)
-    with _refused("drive.match"):
+    with stator_keys("drive.match"):
         ports = port_admittance(scene, scene.frequency, MATCH_TOLERANCE, spread=spread)
     about = (ports.matrix, ports.names)
     if recovery is not None:
         load = None
         if matched:
             auto = old_drive.match == "auto"
-            with _refused("drive.recovery.load"):
+            with stator_keys("drive.recovery.load"):
                 load = fem.matched_load(
                     *about, transducers(scene), drive(scene), recovery.receiver, scene.frequency, source_matched=auto
                 )
         scene = _with_load(scene, load)
     if old_drive.match == "auto":
         seen = fem.solve_circuit(*about, transducers(scene), old_drive.transducer, scene.frequency).admittance
-        with _refused("drive.match"):
+        with stator_keys("drive.match"):
             ladder = fem.best_match(complex(old_drive.source_impedance), seen, scene.frequency)
         elements = tuple(Element(**{f"{each.place}_{each.kind}": each.value}) for each in ladder) or "none"
         scene = replace(scene, drive=replace(scene.drive, match=elements))
@@ -309,7 +323,7 @@ def _with_source_numbers(scene: Scene) -> Scene:
     if "phi" not in fem.fields(block.solid):
         rule = f"must be absent on {block.solid.name}: it is not piezoelectric in this orientation"
         raise SceneError("transducer", rule)
-    with _refused("drive.frequency"):
+    with stator_keys("drive.frequency"):
         if scene.drive.frequency == "center":
             driven = scene.driven_transducer
             frequency = fem.best_frequency(block, _alone(driven, driven.wavelength))
@@ -325,7 +339,7 @@ def _with_source_numbers(scene: Scene) -> Scene:
             period = _half_space_period(bulk, scene.frequency, each.metallisation)
         return replace(each, period=float(period))
 
-    with _refused("transducer.period"):
+    with stator_keys("transducer.period"):
         return replace(scene, transducer=tuple(with_period(each) for each in scene.transducer))
 
 
@@ -336,7 +350,7 @@ def _half_space_period(block: Stator, frequency: float, metallisation: float) ->
 
 def _check_layout(scene: Scene) -> None:
     block, row = whole_stator(scene), transducers(scene)
-    with _refused("transducer", [each.name for each in row], [each.label for each in scene.piece]):
+    with stator_keys("transducer", [each.name for each in row], [each.label for each in scene.piece]):
         if not scene.crossed:
             fem.check_layout(block, row)
             return
@@ -392,27 +406,3 @@ def refuse_endless_burst(scene: Scene, frequency: float) -> None:
 def _given(block, *names: str) -> dict:
     """Return the keys of a block that are present, with their values."""
     return {name: getattr(block, name) for name in names if getattr(block, name) is not None}
-
-
-@contextmanager
-def _refused(path: str, names=(), pieces=()):
-    """Convert an `fem.InputError` to a SceneError with the scene's key, and an `fem.ConvergenceError` to a RunError.
-
-    ``names`` are those of the transducers, ``pieces`` those of the meshed pieces.
-    """
-    try:
-        yield
-    except fem.ConvergenceError as error:
-        raise RunError(str(error)) from None
-    except fem.InputError as error:
-        key, rule = error.key, error.rule
-        if error.owner in names:
-            key = key.replace("transducer", f"transducer.{names.index(error.owner)}", 1)
-        if key.startswith("piece") and error.owner in pieces:
-            key = key.replace("piece", f"piece.{pieces.index(error.owner)}", 1)
-            rule = f'("{error.owner}") {rule}'
-        if not key.startswith(("stator.", "transducer", "piece")):
-            key = path if path.endswith(f".{key}") else f"{path}.{key}"
-        raise SceneError(key, rule) from None
-    except ValueError as error:
-        raise SceneError(path, str(error).splitlines()[0]) from None

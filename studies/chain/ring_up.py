@@ -21,6 +21,7 @@ from studies.scene import Scene
 if TYPE_CHECKING:
     from contact.envelope import Envelope
     from fem.solve.burst import BurstEnvelope
+    from studies.chain.bridge import DrivenContact
 
 # half-width of the band over f/N, for N finger pairs: the main lobe of the transducer and a margin
 LOBES = 1.2
@@ -74,6 +75,15 @@ class RingUp:
         if self.response is None:
             return "the stator rings for too long to be followed"
         return f"{self.response.settling * 1e6:.4g} us to within 1 % of the steady motion"
+
+
+def switched(driven: "DrivenContact", *, progress: Callable[[str], None]) -> tuple[RingUp | None, str]:
+    """Return the ring-up under the slider of a run when its drive is switched on; else None and why there is none."""
+    record, center = driven.record, driven.scene.slider.center
+    if record.surface_motion.covered(center):
+        return None, "the slider stands over a transducer or a meshed piece"
+    ringing = ring_up(record.scene.with_source(burst=1.0 / record.scene.frequency), center, progress=progress)
+    return (None, ringing.sentence) if ringing.response is None else (ringing, "")
 
 
 def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str], None]) -> RingUp:

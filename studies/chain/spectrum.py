@@ -14,7 +14,7 @@ import numpy as np
 
 import fem
 from studies.chain import resolve
-from studies.refusal import RunError
+from studies.chain.solver_errors import answered
 from studies.scene import Scene
 
 MAX_BAND_RATIO = 1.6  # highest over lowest frequency of one band
@@ -64,10 +64,8 @@ def response(
 
     def alone(frequency: float):
         progress(f"stator: {frequency / 1e6:.5g} MHz")
-        try:
+        with answered(f"at {frequency / 1e6:.6g} MHz"):
             return fem.driven_wave(block, transducers, frequency=float(frequency), **common)
-        except fem.ConvergenceError as error:
-            raise RunError(f"at {frequency / 1e6:.6g} MHz {error}") from None
 
     bands = []
     if _takes_bands(block, transducers, places):
@@ -100,10 +98,8 @@ def port_admittances(scene: Scene, frequencies, tolerance: float, progress: Call
         which = f"frequency {last}" if len(group) == 1 else f"frequencies {done + 1} to {last}"
         progress(f"stator: {which} of {len(frequencies)}, from {group[0] / 1e6:.5g} MHz")
         done = last
-        try:
+        with answered(f"from {group[0] / 1e6:.6g} to {group[-1] / 1e6:.6g} MHz"):
             parts.append(resolve.port_admittance(scene, group, tolerance))
-        except fem.ConvergenceError as error:
-            raise RunError(f"from {group[0] / 1e6:.6g} to {group[-1] / 1e6:.6g} MHz {error}") from None
     return fem.PortAdmittance(
         names=parts[0].names,
         frequency=frequencies,

@@ -5,12 +5,12 @@ The response to one switched drive gives all of it for bursts of any length and 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cache
 
 import contact
 from studies.chain.bridge import DrivenContact
-from studies.chain.ring_up import RingUp, ring_up
+from studies.chain.ring_up import RingUp, switched
 
 NARROWER = 0.5  # of the ring-up's band: the corners of the wave err as one over its width
 
@@ -27,11 +27,9 @@ class Steps:
     @classmethod
     def of(cls, driven: DrivenContact, *, progress: Callable[[str], None]) -> "Steps":
         """Return the steps of a driven contact, with the ring-up of the stator's wave where it can be computed."""
-        scene, center = driven.scene, driven.scene.slider.center
+        scene = driven.scene
         if scene.wave is not None:
             return cls(driven=driven)
-        if driven.record.surface_motion.covered(center):
-            return cls(driven=driven, reason="the slider stands over a transducer or a meshed piece")
         if scene.slider.method == "exact":
             return cls(driven=driven, reason="slider.method is exact")
         flat = contact.Envelope(time=[0.0], amplitude=[1.0], phase=[0.0])
@@ -41,11 +39,9 @@ class Steps:
             if error.status != "not applicable":
                 raise
             return cls(driven=driven, reason="the motion in the contact must be followed event by event")
-        alone = driven.record.scene
-        drive = replace(alone.drive, burst=1.0 / scene.frequency)
-        ringing = ring_up(replace(alone, drive=drive), center, progress=progress)
-        if ringing.response is None:
-            return cls(driven=driven, reason=ringing.sentence)
+        ringing, reason = switched(driven, progress=progress)
+        if ringing is None:
+            return cls(driven=driven, reason=reason)
         shaped = cache(lambda cycles, share=1.0: ringing.lasting(cycles / scene.frequency, share))
         return cls(driven=driven, ringing=shaped)
 

@@ -13,7 +13,7 @@ import numpy as np
 
 import fem
 from studies.chain import resolve
-from studies.refusal import RunError
+from studies.chain.solver_errors import answered
 from studies.scene import Scene
 from studies.scene.blocks import Stator
 
@@ -124,13 +124,12 @@ def solved_motion(
             return error.reached
 
     try:
-        if scene.crossed:
-            return crossed_motion(scene, places, solve)
-        whole = resolve.whole_stator(scene), resolve.transducers(scene), resolve.drive(scene)
-        wave = solve(*whole, tuple(dict.fromkeys(x for x, _ in places)))
-        return surface_motion(wave, scene.stator, places, slider=slider)
-    except fem.ConvergenceError as error:
-        raise RunError(str(error)) from None
+        with answered():
+            if scene.crossed:
+                return crossed_motion(scene, places, solve)
+            whole = resolve.whole_stator(scene), resolve.transducers(scene), resolve.drive(scene)
+            wave = solve(*whole, tuple(dict.fromkeys(x for x, _ in places)))
+            return surface_motion(wave, scene.stator, places, slider=slider)
     except fem.BeamError as error:
         scene.refuse("stator.diffraction", f"must be false or absent: {error}")
     except fem.InputError as error:

@@ -12,7 +12,8 @@ import numpy as np
 
 import contact
 from studies.chain.bridge import DrivenContact
-from studies.chain.ring_up import RingUp, ring_up
+from studies.chain.ring_up import RingUp, switched
+from studies.chain.solver_errors import answered
 from studies.export import reduced_motor as model
 from studies.export.reduced_motor import index
 from studies.refusal import RunError, SceneError
@@ -67,16 +68,14 @@ class AveragedMotor:
 
     Attributes
     ----------
-    title : str
-        Of the scene.
+    scene : Scene
+        As resolved.
     slider : contact.Slider
         As the contact's solvers take it: of one ball where several feel one motion.
     share : int
         Number of equal sliders that the real one stands for; forces of the real slider are so many times larger.
     drives : tuple of Drive
         The first is that of positive levels, the second, if any, that of negative ones.
-    unit : str
-        Of the level: V, or m for a given wave.
     levels : tuple of float
         Of the scene, rising.
     interpolation_error : tuple of float
@@ -91,11 +90,10 @@ class AveragedMotor:
         What the model does without.
     """
 
-    title: str
+    scene: Scene = field(repr=False)
     slider: contact.Slider = field(repr=False)
     share: int
     drives: tuple[Drive, ...]
-    unit: str
     levels: tuple[float, ...]
     parameters: np.ndarray = field(repr=False)
     tables: np.ndarray = field(repr=False)
@@ -103,6 +101,16 @@ class AveragedMotor:
     averaging_error: float
     velocity_error: float
     left_out: tuple[str, ...]
+
+    @property
+    def title(self) -> str:
+        """Of the scene."""
+        return self.scene.title or "untitled"
+
+    @property
+    def unit(self) -> str:
+        """Unit of the level: V, or m for a given wave."""
+        return "V" if self.scene.wave is None else "m"
 
     @property
     def preload(self) -> float:
@@ -191,7 +199,7 @@ def first_drive(
     SceneError, RunError
         If the scene has no slider, or the averaged motor does not take it.
     """
-    if scene.slider is not None and scene.slider.pillars is not None:
+    if scene.on_pillars:
         rule = "must be absent: tables over two ratios do not hold heights that scatter or a wave that the slider loads"
         scene.refuse("slider.pillars", rule)
     if scene.slider is not None and scene.slider.heights:
@@ -244,18 +252,15 @@ def averaged_motor(
         "wrong by up to twice that",
     ]
     progress("tables of mean forces")
-    try:
+    with answered():
         tables = [None if drive.mirrored else _tables(slider, drive) for drive in drives]
         known = _steady(slider, drives[0], driven.levels)
-    except contact.ConvergenceError as error:
-        raise RunError(" ".join(str(error).split())) from None
     averaging = max((abs(second - first) / scale for _, second, first, scale in known), default=0.0)
     parameters, flat = _packed(slider, drives, tables)
-    contacts = driven.scene.slider.contacts
     motor = AveragedMotor(
-        title=driven.scene.title or "untitled", slider=slider,
-        share=len(driven.scene.slider.offsets) if isinstance(contacts, int) else 1,
-        drives=tuple(drives), unit="m" if driven.scene.wave is not None else "V", levels=driven.levels,
+        scene=driven.scene, slider=slider,
+        share=driven.scene.slider.share,
+        drives=tuple(drives), levels=driven.levels,
         parameters=parameters, tables=flat, interpolation_error=(0.0, 0.0), averaging_error=averaging,
         velocity_error=0.0,
         left_out=tuple(dict.fromkeys(left_out)),
@@ -286,19 +291,10 @@ def other_drives(scene: Scene) -> list[Scene]:
 def _drive(driven: DrivenContact, progress, left_out: list) -> Drive:
     if driven.scene.wave is not None:
         return Drive(name="wave", orbits=driven.orbits)
-    record, center = driven.record, driven.scene.slider.center
-    ringing = RingUp(error=0.0)
-    if record.surface_motion.covered(center):
-        left_out.append(
-            "the wave follows its drive at once, because the slider stands over a transducer or a meshed piece"
-        )
-    else:
-        alone = record.scene
-        drive = replace(alone.drive, burst=1.0 / alone.frequency)
-        ringing = ring_up(replace(alone, drive=drive), center, progress=progress)
-        if ringing.response is None:
-            left_out.append(f"the wave follows its drive at once, because {ringing.sentence}")
-    response, settling = (None, 0.0) if ringing.response is None else _step_response(ringing)
+    record, (ringing, reason) = driven.record, switched(driven, progress=progress)
+    if reason:
+        left_out.append(f"the wave follows its drive at once, because {reason}")
+    response, settling = (None, 0.0) if ringing is None else _step_response(ringing)
     return Drive(
         name=driven.scene.driven_transducer.name, orbits=driven.orbits, response=response, settling=settling,
         power=float(record.electrical["power_W_per_V2"]), error=float(driven.stator_error),

@@ -180,8 +180,8 @@ def vtu_files(scene: Scene, name: str, *, tolerance: float, progress) -> Exporte
 
     if not scene.transducer:
         scene.refuse("transducer", "is missing: the field of a driven stator is written")
-    drive = replace(scene.drive, burst=None)
-    record = run(replace(scene, drive=drive, uncertain=None, slider=None), tolerance=tolerance, progress=progress)
+    alone = replace(scene.with_source(burst=None), uncertain=None, slider=None)
+    record = run(alone, tolerance=tolerance, progress=progress)
     with TemporaryDirectory() as folder:
         write_run(record, Path(folder), field=True)
         kept = {each.name: each.read_bytes() for each in Path(folder).iterdir() if each.suffix == ".vtu"}
@@ -208,20 +208,15 @@ def virtual_scan(scene: Scene, recording: Recording, tolerance: float, progress)
 
 def _points(scene: Scene, kind: str, band) -> Scan:
     """Return a scan without values yet."""
-    import fem
-
-    wavelength = fem.rayleigh(resolve.solid(scene.stator), "open").velocity / scene.frequency
+    wavelength = resolve.surface_velocity(scene.stator) / scene.frequency
     driven, (place, middle) = scene.driven_transducer, scene.places[0]
-    half = driven.half_length + CLEAR * wavelength
-    ahead = 1.0 if place >= driven.place[0] else -1.0
-    first = driven.place[0] + ahead * half
-    rows = [each.place[0] - ahead * (each.half_length + CLEAR * wavelength)
-            for each in scene.transducer if ahead * (each.place[0] - first) > 0.0]  # fmt: skip
-    end = scene.stator.length - wavelength if ahead > 0 else wavelength
-    last = min([end, *rows], key=lambda x: ahead * x)
-    if ahead * (last - first) <= 0.0:
-        first, last = max(place - 2 * wavelength, 0.0), min(place + 2 * wavelength, scene.stator.length)
-    low, high = sorted((first, last))
+    around = ((each.name, each.place[0], each.half_length) for each in scene.transducer)
+    rows = {name: (center - half, center + half) for name, center, half in around}
+    ahead, length = place >= driven.place[0], scene.stator.length
+    low, high = resolve.free_span(rows.values(), rows[driven.name][ahead], length, CLEAR * wavelength)
+    low, high = (low, min(high, length - wavelength)) if ahead else (max(low, wavelength), high)
+    if high <= low:
+        low, high = max(place - 2 * wavelength, 0.0), min(place + 2 * wavelength, length)
     along = np.linspace(low, high, int(np.ceil(PER_WAVELENGTH * (high - low) / wavelength)) + 1)
     y = np.linspace(-0.5, 0.5, LINES) * min(1.5 * driven.aperture, scene.stator.width)
     if kind == "x":
@@ -249,13 +244,9 @@ def _trace(scene: Scene, recording: Recording, encoder: dict[str, float], tolera
     """
     from studies.chain import run
 
-    key = "wave" if scene.wave is not None else "drive"
-    block, level = getattr(scene, key), max(scene.levels)
-    levels = {"normal_amplitude": (level,)} if key == "wave" else {"voltage": (level,)}
-    alone = replace(scene, **{key: replace(block, **levels)}, uncertain=None)
-    _, path = run(alone, tolerance=tolerance, progress=progress).trajectories[0]
-    unit = "normal_amplitude_m" if key == "wave" else "voltage_V"
-    columns = {unit: np.full(len(path.time), level), "time_s": path.time}
+    level = max(scene.levels)
+    _, path = run(scene.at_level(level), tolerance=tolerance, progress=progress).trajectories[0]
+    columns = {scene.level_column: np.full(len(path.time), level), "time_s": path.time}
     for more, head, curve in (
         (1, "position_m", travelled_distance(path.time, path.velocity)), (0, "velocity_m_per_s", path.velocity),
     ):  # fmt: skip

@@ -45,9 +45,9 @@ def _picture(drawn: Mask, scene: Scene, ax, tolerance: float, progress) -> None:
     beam = None
     if scene.drive is not None and not scene.piece:  # with a mesh no finite aperture is computed
         progress("the beam, for the picture")
-        alone = replace(scene, slider=None, uncertain=None, stator=replace(scene.stator, diffraction=True))
-        drive = replace(alone.drive, burst=None, voltage=(max(scene.levels),))
-        beam = run(replace(alone, drive=drive), tolerance=max(tolerance, 1e-2), progress=progress).surface_motion.beam
+        alone = replace(scene, slider=None, stator=replace(scene.stator, diffraction=True))
+        alone = alone.at_level(max(scene.levels)).with_source(burst=None)
+        beam = run(alone, tolerance=max(tolerance, 1e-2), progress=progress).surface_motion.beam
     if beam is not None:
         _, _, motion = surface_map(beam, scene.stator)
         size = np.abs(motion[2]).T * 1e9

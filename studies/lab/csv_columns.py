@@ -105,6 +105,12 @@ class CsvColumns:
             raise SceneError(self.option, rule)
         return values
 
+    def refuse_uneven(self) -> None:
+        """Raise a SceneError for a row with more or fewer values than there are heads."""
+        for number, row in enumerate(self.rows, start=1):
+            if len(row) != len(self.names):
+                raise self.error(f"must have {len(self.names)} values at point {number}, got {len(row)}")
+
     def error(self, rule: str) -> SceneError:
         """Return the error that this file breaks a rule."""
         return file_error(self.path, self.option, rule)

@@ -9,7 +9,7 @@ Run time: about a minute.
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -77,7 +77,7 @@ def run(
     if not loaded.transducer or loaded.slider is None:
         loaded.refuse("transducer", "and slider are needed: the gallery shows a whole motor")
     progress("running the scene")
-    record = run_chain(replace(loaded, drive=replace(loaded.drive, burst=None)), tolerance=1e-3, progress=progress)
+    record = run_chain(loaded.with_source(burst=None), tolerance=1e-3, progress=progress)
     wave_field, driven = run_field(record, progress=progress), DrivenContact.of_run(record)
     moving = driven.above(1.0)
     voltage, *voltages = (

@@ -18,10 +18,10 @@ from studies.chain import resolve
 from studies.chain.left_out import left_out
 from studies.chain.points import SHARE
 from studies.chain.ring_up import RingUp
+from studies.chain.solver_errors import answered
 from studies.chain.spectrum import groups
 from studies.chain.surface_motion import wanted_diffraction
 from studies.record.text import labelled, table
-from studies.refusal import RunError
 from studies.report.contents import section
 from studies.scene import Scene
 
@@ -70,10 +70,8 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
     left_out_options: dict[str, Any] = {}
     operations, block_bytes, seconds = 0.0, 0.0, START
     if scene.transducer:
-        try:
+        with answered():
             parts, left_out_options, operations, block_bytes = _driven(scene, tolerance)
-        except fem.ConvergenceError as error:
-            raise RunError(str(error)) from None
     elif scene.wave is None:
         facts = [_stator_text(scene), "guided modes of the bare section: an eigenproblem through the depth alone"]
         parts = [{"name": "free wave", "facts": facts}]

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import fem
 from fem import VACUUM_PERMITTIVITY, rotation_matrix, surface_named
+from studies.chain.solver_errors import answered
 from studies.record.plots import COLOURS, arrow, saved
 from studies.record.text import labelled, table
-from studies.refusal import RunError, SceneError
+from studies.refusal import SceneError
 from studies.results.content import plain
 from studies.scene.blocks import ORIENTATION
 
@@ -48,12 +49,10 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
         surface = surface_named(surface)
     except fem.InputError as error:
         raise SceneError(error.key, error.rule) from None
-    try:
+    with answered():
         wave = fem.rayleigh(solid, surface)
         coupled = "phi" in wave.fields
         coupling = {"coupling_K2": fem.coupling(solid)} if coupled else {}
-    except fem.ConvergenceError as error:
-        raise RunError(str(error)) from None
     displacement, potential = wave.profile(DEPTHS)
     profile = {"depth_wavelengths": DEPTHS}
     profile |= {f"u_{axis}": displacement[:, k] for k, axis in enumerate("xyz")}

@@ -1,12 +1,8 @@
-"""The block of a slider's pillars, and the table of them that a file gives."""
+"""The block of a slider's pillars; `studies.chain.pillars` reads their file."""
 
-import csv
-import math
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
-from studies.refusal import SceneError
 from studies.scene.block import Block
 from studies.scene.numbers import Quantity, Row
 from studies.scene.rule import FLAG, TEXT, Count, Plain
@@ -14,7 +10,6 @@ from studies.scene.rule import FLAG, TEXT, Count, Plain
 MAX_PILLARS = 1_000_000
 TOUCHING = 1e-9  # relative: pillars of this much less distance than their diameter still stand side by side
 SEED = 2003  # of heights that scatter where the scene gives none
-COLUMNS = ("x_m", "y_m", "height_m")
 PAIR = Quantity("m") | Row((Quantity("m"),) * 2, "[along, across]")
 GRID = ("pitch", "rows", "columns", "area", "height_scatter", "seed")
 
@@ -133,39 +128,3 @@ class Pillars(Block):
 def as_lengths(value) -> tuple[float, float]:
     """Return what `PAIR` reads as (along, across)."""
     return tuple(value) if isinstance(value, tuple) else (value, value)
-
-
-def read_pillars(file: str) -> dict[str, list[float]]:
-    """Return the columns of a file of pillars; a SceneError names what is wrong with it."""
-    at = "slider.pillars.file"
-    try:
-        with Path(file).open(newline="", encoding="utf-8-sig") as stream:
-            head, *rows = [[cell.strip() for cell in row] for row in csv.reader(stream) if any(row)] or [[]]
-    except OSError as error:
-        raise SceneError(at, f"must name a readable file, got {file!r}: {error.strerror}") from None
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise SceneError(at, f"must be a CSV file, got {file!r}: {error}") from None
-    for name in COLUMNS:
-        if name not in head:
-            raise SceneError(at, f"must have the columns {', '.join(COLUMNS)}, got {file!r} without {name}")
-    if not rows:
-        raise SceneError(at, f"must hold at least one pillar, got {file!r} without rows")
-    if len(rows) > MAX_PILLARS:
-        raise SceneError(at, f"must hold at most {MAX_PILLARS} pillars, got {len(rows)}")
-    columns: dict[str, list[float]] = {name: [] for name in (*COLUMNS, "diameter_m") if name in head}
-    places = {name: head.index(name) for name in columns}
-    for number, row in enumerate(rows, start=2):
-        if len(row) > len(head):
-            raise SceneError(
-                at, f"must hold a value for each of {len(head)} heads, got {len(row)} in row {number} of {file!r}"
-            )
-        for name, place in places.items():
-            try:
-                value = float(row[place])
-            except (IndexError, ValueError):
-                value = math.nan
-            if not math.isfinite(value):
-                cell = row[place] if place < len(row) else ""
-                raise SceneError(at, f"must hold finite numbers, got {cell!r} as {name} in row {number} of {file!r}")
-            columns[name].append(value)
-    return columns

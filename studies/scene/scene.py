@@ -106,6 +106,11 @@ class Scene(Block):
         return any(each.turned for each in self.transducer)
 
     @property
+    def on_pillars(self) -> bool:
+        """Whether there is a slider, and it stands on pillars."""
+        return self.slider is not None and self.slider.pillars is not None
+
+    @property
     def driven_obliquely(self) -> bool:
         """Whether no driven transducer sends along x."""
         driven = [each for each in self.transducer if self.drive.driven.get(each.name)]
@@ -139,6 +144,12 @@ class Scene(Block):
         """Return the scene with some keys of its `source` replaced by values in SI units, not read again."""
         changed: dict[str, Any] = {self.source_key: replace(self.source, **keys)}
         return replace(self, **changed)
+
+    def at_level(self, level: float) -> Self:
+        """Return the scene at one voltage in V, whose power is not given, or at one amplitude in m; no [uncertain]."""
+        own: dict[str, Any] = {"voltage": (level,), "power": None}
+        scene = self.with_source(**own if self.wave is None else {"normal_amplitude": (level,)})
+        return replace(scene, uncertain=None)
 
     @property
     def levels(self) -> tuple[float, ...]:

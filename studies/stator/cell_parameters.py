@@ -15,7 +15,6 @@ import fem
 from studies.chain import passband, resolve
 from studies.record.plots import COLOURS, curve, finished, legend_below, shaded
 from studies.record.quantities import quantity
-from studies.refusal import RunError
 from studies.scene import Scene
 from studies.study import Answered, Panel, judged, of_record, study
 
@@ -39,10 +38,7 @@ def run(scene: Scene, *, count: int = 61, tolerance: float = 1e-2, progress=None
     solid, above, m = resolve.solid(resolved.stator), resolved.stator.above, driven.metallisation
     period = driven.wavelength / (2 if driven.split else 1)  # of two fingers and two gaps
     progress(f"gratings of {solid.name}")
-    try:
-        cell = fem.cell_parameters(solid, period=period, metallisation=m, above=above, tolerance=tolerance)
-    except fem.ConvergenceError as error:
-        raise RunError(str(error)) from None
+    cell = fem.cell_parameters(solid, period=period, metallisation=m, above=above, tolerance=tolerance)
     progress("Bloch waves")
     cells = fem.grating(solid, period=period, metallisation=m, above=above, resolution=fem.LEVELS[int(tolerance < 0.1)])
     bands, edges = {"shorted": cell.shorted, "open": cell.open}, (cell.shorted.lower, cell.open.upper)

@@ -17,6 +17,7 @@ import numpy as np
 
 import fem
 from studies.chain import passband, resolve
+from studies.chain.solver_errors import answered
 from studies.record.plots import PALETTE, curve, lines
 from studies.refusal import RunError
 from studies.scene import Scene
@@ -139,12 +140,11 @@ class _Asked:
         """Return what a solver of ``fem`` answers for the scene's stator at a frequency in Hz."""
         scene = self.scene
         try:
-            return solve(
-                resolve.whole_stator(scene), resolve.section_row(scene), frequency=float(frequency),
-                tolerance=self.tolerance, drive=resolve.drive(scene), **options,
-            )  # fmt: skip
-        except fem.ConvergenceError as error:
-            raise RunError(f"at {frequency / 1e6:.6g} MHz {error}") from None
+            with answered(f"at {frequency / 1e6:.6g} MHz"):
+                return solve(
+                    resolve.whole_stator(scene), resolve.section_row(scene), frequency=float(frequency),
+                    tolerance=self.tolerance, drive=resolve.drive(scene), **options,
+                )  # fmt: skip
         except fem.InputError as error:
             if error.key != "force.position":
                 raise
@@ -192,13 +192,10 @@ def _over_the_band(asked: _Asked, at: np.ndarray, progress) -> list[Panel]:
 def _band(asked: _Asked, at: np.ndarray):
     """Return the `fem.Band` of the plane section."""
     scene = asked.scene
-    try:
-        return fem.frequency_band(
-            resolve.whole_stator(scene), resolve.section_row(scene), lowest=float(at.min()), highest=float(at.max()),
-            drive=resolve.drive(scene), tolerance=asked.tolerance, places=(asked.place[0],),
-        )  # fmt: skip
-    except fem.ConvergenceError as error:
-        raise RunError(str(error)) from None
+    return fem.frequency_band(
+        resolve.whole_stator(scene), resolve.section_row(scene), lowest=float(at.min()), highest=float(at.max()),
+        drive=resolve.drive(scene), tolerance=asked.tolerance, places=(asked.place[0],),
+    )  # fmt: skip
 
 
 def _reciprocity(asked: _Asked, answers: dict, progress) -> tuple:

@@ -15,10 +15,10 @@ import numpy as np
 
 import fem
 from studies.chain import passband, resolve
+from studies.chain.solver_errors import answered
 from studies.chain.spectrum import port_admittances
 from studies.record.plots import COLOURS, curve, lines
 from studies.record.quantities import quantity
-from studies.refusal import RunError
 from studies.scene import Scene
 from studies.stator.reflector import from_the_left
 from studies.study import Answered, Panel, judged, of_record, study
@@ -50,14 +50,12 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None
     for f in at:
         progress(f"P-matrices at {f / 1e6:.5g} MHz")
         kinds = [(f, each.signs, each.pitch, each.metallisation) for each in row]
-        try:
+        with answered(f"at {f / 1e6:.6g} MHz"):
             for kind, each in zip(kinds, row, strict=True):
                 if kind not in known:
                     known[kind] = fem.p_matrix(stator, each, frequency=float(f), tolerance=tolerance)
             if stator.pieces:
                 pieces.append(fem.reflector(stator, frequency=float(f), tolerance=tolerance))
-        except fem.ConvergenceError as error:
-            raise RunError(f"at {f / 1e6:.6g} MHz {error}") from None
         parts = [known[kind] for kind in kinds]
         placed = [(each.center - part.length / 2, part) for each, part in zip(row, parts, strict=True)]
         if pieces:

@@ -11,8 +11,8 @@ import numpy as np
 
 import fem
 from studies.chain import resolve
+from studies.chain.solver_errors import answered
 from studies.record.plots import lines
-from studies.refusal import RunError
 from studies.scene import Scene
 from studies.study import Answered, Panel, judged, of_record, study
 
@@ -41,10 +41,8 @@ def run(scene: Scene, *, count: int = 11, tolerance: float = 1e-3, progress=None
     answers = []
     for f in at:
         progress(f"reflection at {f / 1e6:.5g} MHz")
-        try:
+        with answered(f"at {f / 1e6:.6g} MHz"):
             answers.append(fem.reflector(stator, frequency=float(f), tolerance=tolerance))
-        except fem.ConvergenceError as error:
-            raise RunError(f"at {f / 1e6:.6g} MHz {error}") from None
     center = answers[len(answers) // 2]
     panels, answer, matrices = [], [], [each.scattering for each in answers if each.scattering is not None]
     if matrices:

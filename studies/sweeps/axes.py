@@ -114,10 +114,7 @@ def _entry(rule, value):
 def _read(path: Path) -> dict[str, list]:
     table = CsvColumns.read(path, "points")
     if len(set(table.names)) < len(table.names):
-        raise SceneError("points", f"{str(path)!r} names a key twice")
-    for number, row in enumerate(table.rows, start=2):
-        if len(row) != len(table.names):
-            rule = f"must have {len(table.names)} values in row {number}, got {len(row)}"
-            raise SceneError("points", f"{str(path)!r} {rule}")
+        raise table.error("names a key twice")
+    table.refuse_uneven()
     columns = zip(*table.rows, strict=True)
     return {key: list(map(toml_value, column)) for key, column in zip(table.names, columns, strict=True)}

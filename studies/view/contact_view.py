@@ -17,11 +17,12 @@ from matplotlib.patches import Circle, Patch
 
 import contact
 from studies.chain.bridge import DrivenContact
+from studies.chain.solver_errors import answered
 from studies.chain.surface_motion import surface_motion
 from studies.record import Record
 from studies.record.files import write_columns
 from studies.record.plots import COLOURS, arrow, curve, data_uri, new_figure, refuse_without_toolkit
-from studies.refusal import RunError, SceneError
+from studies.refusal import SceneError
 from studies.report.page import rendered
 from studies.view import movie
 from studies.view.run_field import motion_again
@@ -95,13 +96,11 @@ def contact_moments(record: Record, *, level: float | None, progress: Callable[[
     progress("following the contact")
     driven = DrivenContact.of_run(record)
     slider, orbits = driven.slider, driven.at(level)
-    try:
+    with answered():
         speed = contact.steady(slider, orbits, tolerance=record.tolerance).velocity * 1e3
         history = contact.contact_history(
             slider, orbits, stage="steady", skip=0, cycles=CYCLES, points_per_cycle=INSTANTS
         )
-    except contact.ConvergenceError as error:
-        raise RunError(" ".join(str(error).split())) from None
     motion_text = f"slider at {speed:.4g} mm/s" if speed else "slider held at rest"
     return moments(history), f"{scene.title}: {driven.scene.named(level)}, {motion_text}"
 

@@ -12,6 +12,7 @@ import fem
 from fem import LEVELS, one_blas_thread, solve_driven, surface_beam, surface_wave
 from studies.chain import resolve
 from studies.chain import run as run_chain
+from studies.chain.solver_errors import answered
 from studies.chain.surface_motion import SurfaceMotion, crossed_motion
 from studies.record import Record
 from studies.refusal import RunError, SceneError, shown
@@ -200,10 +201,8 @@ def motion_again(record: Record, *, progress) -> SurfaceMotion:
 
 def _free(record: Record) -> RunField:
     scene, stator = record.scene, resolve.whole_stator(record.scene)
-    try:
+    with answered():
         wave = fem.free_wave(stator, frequency=scene.frequency, tolerance=record.tolerance)
-    except fem.ConvergenceError as error:
-        raise RunError(str(error)) from None
     wavelength = wave.velocity / wave.frequency
     return RunField(
         compute=partial(fem.free_field, wave),

@@ -209,8 +209,8 @@ def written(path, text):
 
 def test_pillars_of_a_file_are_those_of_the_grid(tmp_path):
     body, _ = by_hand()
-    rows = "\n".join(f"{x!r},{y!r},0.0" for x, y in zip(body.x.tolist(), body.y.tolist(), strict=True))
-    file = written(tmp_path / "pillars.csv", f"x_m,y_m,height_m\n{rows}\n")
+    rows = "\n".join(f"{x * 1e6!r},{y!r},0.0" for x, y in zip(body.x.tolist(), body.y.tolist(), strict=True))
+    file = written(tmp_path / "pillars.csv", f"# any unit of length\nx_um,y_m,height_nm\n{rows}\n")
     none = dict.fromkeys(("pitch", "rows", "columns"))
     found = run(scene(pillars={**none, "file": file}))
     assert found.velocity[-1] == pytest.approx(run(scene()).velocity[-1], rel=1e-12)
@@ -238,12 +238,12 @@ def test_a_file_lies_in_the_folder_of_its_scene(tmp_path, monkeypatch):
     ("text", "sentence"),
     [
         ("x_m,y_m\n0,0\n", "must have the columns x_m, y_m, height_m"),
-        ("x_m,y_m,height_m\n0,0,nan\n", "got 'nan' as height_m in row 2"),
-        ("x_m,y_m,height_m\n0,0,\n", "got '' as height_m in row 2"),
-        ("x_m,y_m,height_m\n0,0,0,4\n", "a value for each of 3 heads, got 4 in row 2"),
-        ("x_m,y_m,height_m\n0,0,0\n1e-5,0,0\n", "that do not overlap, got 1e-05 m between rows 2 and 3"),
+        ("x_m,y_m,height_m\n0,0,nan\n", "point 1, height_m must be a finite number, got 'nan'"),
+        ("x_m,y_m,height_m\n0,0,\n", "point 1, height_m must be a finite number, got ''"),
+        ("x_m,y_m,height_m\n0,0,0,4\n", "must have 3 values at point 1, got 4"),
+        ("x_m,y_m,height_m\n0,0,0\n1e-5,0,0\n", "that do not overlap, got 1e-05 m between points 1 and 2"),
         ("x_m,y_m,height_m\n0,0,3e-6\n1e-4,0,0\n", "height must be larger than every deviation .* 3e-06 m"),
-        ("", "must have the columns"),
+        ("", "must hold a line of names and at least one point"),
     ],
 )  # fmt: skip
 def test_a_bad_file_is_refused(tmp_path, text, sentence):

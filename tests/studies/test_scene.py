@@ -185,3 +185,14 @@ def test_a_file_that_is_no_toml_is_refused(tmp_path, content):
 def test_a_scene_of_no_name_is_refused_with_the_nearest():
     with pytest.raises(SceneError, match=r"'twent'.*did you mean twente\?"):
         Scene.load("twent")
+
+
+def test_one_level_of_a_power_is_its_voltage_and_of_a_wave_its_amplitude():
+    motor = Scene.load("twente").replace(
+        drive={"voltage": None, "power": [1.0, 4.0], "source_impedance": 50.0}, uncertain={"slider.preload": "+- 5 %"}
+    )
+    high = motor.at_level(max(motor.levels))
+    assert high.levels == (pytest.approx(40.0),)  # V^2 / (8 R) = 4 W
+    assert high.drive.power is None
+    assert high.uncertain is None
+    assert Scene.load("twente-contact").at_level(7e-9).levels == (7e-9,)

@@ -1,0 +1,53 @@
+"""Errors of ``fem`` and ``contact`` as errors of a run, or about the scene's own keys."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import contact
+import fem
+from studies.refusal import RunError, SceneError
+
+
+@contextmanager
+def answered(where: str = "") -> Iterator[None]:
+    """Turn a solver's `ConvergenceError` into a `RunError`; ``where`` is put before its sentence."""
+    try:
+        yield
+    except (fem.ConvergenceError, contact.ConvergenceError) as error:
+        raise RunError(" ".join(f"{where} {error}".split())) from None
+
+
+@contextmanager
+def stator_keys(path: str, names=(), pieces=()) -> Iterator[None]:
+    """Turn an `fem.InputError` into a `SceneError` about the scene's key; otherwise as `answered`.
+
+    ``path``: key of what is read; ``names`` are those of the transducers, ``pieces`` those of the meshed pieces.
+    """
+    try:
+        with answered():
+            yield
+    except fem.InputError as error:
+        key, rule = error.key, error.rule
+        if error.owner in names:
+            key = key.replace("transducer", f"transducer.{names.index(error.owner)}", 1)
+        if key.startswith("piece") and error.owner in pieces:
+            key = key.replace("piece", f"piece.{pieces.index(error.owner)}", 1)
+            rule = f'("{error.owner}") {rule}'
+        if not key.startswith(("stator.", "transducer", "piece")):
+            key = path if path.endswith(f".{key}") else f"{path}.{key}"
+        raise SceneError(key, rule) from None
+    except ValueError as error:
+        raise SceneError(path, str(error).splitlines()[0]) from None
+
+
+@contextmanager
+def slider_keys() -> Iterator[None]:
+    """Turn a `contact.InputError` about a slider, or its pillars, into a `SceneError` about the scene's key."""
+    try:
+        yield
+    except contact.InputError as error:
+        key = error.key.replace("pillars.", "slider.", 1)
+        key = key if "." in key else f"slider.{key}"
+        if not key.startswith("slider."):
+            raise
+        raise SceneError(key, error.rule) from None
