@@ -48,6 +48,7 @@ from fem.waveguide.row_solver import Element, solve_row
 
 SHORTEST = 0.5  # least aperture over wavelength: shorter fingers are not line sources
 MAX_WAVES = 3000  # size of the system of waves between transducers: two per sheet and mode
+COUPLED = 1e-8  # amplitude at the nearest transducer, relative, of waves that may be left out
 # Nodes for interpolation over a band, at least and per rad of phase; the admittance is accurate to 1e-5.
 LEAST_NODES, NODES_PER_SWING = 5, 1.2
 
@@ -241,16 +242,22 @@ def _solved(own_apertures: OwnApertures, row: StatorRow, *, fineness: int) -> Po
     # Between transducers the waves that couple them are enough: what a force adds nearby decays before the next one.
     between = np.diff(network.segments[1:-1], axis=1).ravel()
     gaps = between if len(between) else [abs(gap) for _, _, gap in _ways_from_forces(network)]
-    kept = network.survivors(float(min(gaps))) if len(gaps) else np.empty(0, int)
-    most = MAX_WAVES // max(2 * len(kept) * len(transducers), 1)
+    # Too many waves give way to the steps of the charge if less than COUPLED of them arrives: their number depends on
+    # the mesh of absorbing layers, which the steps must not.
+    nearest = float(min(gaps)) if len(gaps) else 0.0
+    kept = network.survivors(nearest) if len(gaps) else np.empty(0, int)
+    decay = -network.modes.wavenumbers[kept].imag
+    kept = kept[np.argsort(decay, kind="stable")]
+    needed = int(np.count_nonzero(np.exp(-decay * nearest) > COUPLED))
+    most = MAX_WAVES // max(2 * needed * len(transducers), 1)
     lengths = []
     for each in transducers:
         fingers = max(sum(sign in "+-" for sign in each.signs), 1)
+        # forces do not change the sheets of one transducer
         limit = {} if len(transducers) == 1 else {"most": min(MAX_UNKNOWNS, most * fingers)}
         lengths.append(sheet_lengths(each, fineness, **limit))
-    if len(transducers) == 1:  # forces do not change the sheets: fewer of their waves are taken
-        slowest_decay = np.argsort(-network.modes.wavenumbers[kept].imag, kind="stable")
-        kept = np.sort(kept[slowest_decay[: MAX_WAVES // (2 * len(lengths[0]))]])
+    fitting = MAX_WAVES // (2 * sum(len(each) for each in lengths))
+    kept = np.sort(kept[: fitting if len(transducers) == 1 else max(fitting, needed)])
     travel = _travel(network, transducers, kept, lengths, own_apertures.mirror_width)
     responses, by_kind = [], {}
     for plain, transducer, own_lengths in zip(network.scatterers, transducers, lengths, strict=True):
