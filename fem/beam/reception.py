@@ -48,7 +48,7 @@ from fem.waveguide.row_solver import Element, solve_row
 
 SHORTEST = 0.5  # least aperture over wavelength: shorter fingers are not line sources
 MAX_WAVES = 3000  # size of the system of waves between transducers: two per sheet and mode
-COUPLED = 1e-8  # amplitude at the nearest transducer, relative, of waves that may be left out
+COUPLED = 1e-5  # least amplitude at the nearest transducer, relative, of waves for which steps are given up
 # Nodes for interpolation over a band, at least and per rad of phase; the admittance is accurate to 1e-5.
 LEAST_NODES, NODES_PER_SWING = 5, 1.2
 

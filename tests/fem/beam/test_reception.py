@@ -56,7 +56,7 @@ def test_waves_that_have_decayed_give_way_to_the_steps_of_the_charge(monkeypatch
     network = section.network
     gap = float(np.diff(network.segments[1:-1], axis=1).min())
     decay = -network.modes.wavenumbers[network.survivors(gap)].imag * gap
-    alive = int(np.count_nonzero(decay < 18.4))  # exp(-18.4) = 1e-8
+    alive = int(np.count_nonzero(decay < 11.5))  # exp(-11.5) = 1e-5
     assert alive < len(decay) - 5
     steps, admittances = [], []
     for waves in (10**4, 2 * 2 * 8 * (alive + 1)):
@@ -66,7 +66,7 @@ def test_waves_that_have_decayed_give_way_to_the_steps_of_the_charge(monkeypatch
         admittances.append(fields.admittances)
     assert steps == [[8, 8], [8, 8]]
     every, fewer = admittances
-    assert 0 < abs(fewer - every).max() < 1e-9 * abs(every[0, 1])
+    assert 0 < abs(fewer - every).max() < 1e-6 * abs(every[0, 1])
 
 
 def test_port_admittances_of_finite_apertures():
