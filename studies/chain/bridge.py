@@ -66,7 +66,7 @@ def contact_slider(slider: Slider):
         from studies.chain.pillars import one_pillar
 
         return one_pillar(slider)
-    share = len(slider.offsets) if isinstance(slider.contacts, int) else 1
+    share = slider.share
     return contact.Slider(
         radius=slider.radius,
         mass=slider.mass / share,
@@ -134,7 +134,7 @@ class DrivenContact:
         places, slider = scene.places, scene.slider
         tangential, normal, _, _ = solved.at[places[0]]
         amplitudes, passing = (abs(normal), abs(tangential)), None
-        if slider is not None and slider.pillars is not None:
+        if scene.on_pillars:
             from studies.chain.slider_wave import mean_amplitudes, stator_wave
 
             passing = stator_wave(scene, motion)
@@ -184,12 +184,17 @@ class DrivenContact:
 
     def above(self, factor: float) -> tuple[float, ...]:
         """Return the levels above a multiple of the threshold, where the slider starts to move; refuse if none is."""
-        threshold = factor * contact.threshold_factor(self.slider, self.orbits)
-        moving = tuple(level for level in self.levels if level > threshold)
+        if self.scene.on_pillars:  # no closed form: the threshold is that of all pillars on the wave that they load
+            from studies.chain.pillar_points import moves
+
+            limit, moving = "", tuple(level for level in self.levels if moves(self, level / factor))
+        else:
+            threshold = factor * contact.threshold_factor(self.slider, self.orbits)
+            limit = f", {self.scene.named(threshold)}"
+            moving = tuple(level for level in self.levels if level > threshold)
         if not moving:
             what = "the threshold" if factor == 1.0 else f"{factor:g} times the threshold"
-            rule = f"must hold a value above {what}, {self.scene.named(threshold)}: nothing moves below"
-            self.scene.refuse(self.scene.level_key, rule)
+            self.scene.refuse(self.scene.level_key, f"must hold a value above {what}{limit}: nothing moves below")
         return moving
 
     def spread(self, factor: float, count: int) -> list[float]:

@@ -26,7 +26,7 @@ def left_out(
     beam : bool
         True if a beam model with finite apertures computes the surface motion.
     reason : str
-        Reason for not using a beam model, if the scene does not determine it.
+        Why there is no beam (`studies.chain.resolve.section_reason`).
     ringing : RingUp or None
         Ring-up of the surface in a burst; None if the slider stands over a transducer or a meshed piece.
     trajectories : sequence of (float, contact.Trajectory)
@@ -87,9 +87,7 @@ def _surface_speed(stator) -> float:
 def _diffraction(scene: Scene, beam: bool, reason: str) -> Iterator[tuple[bool, str]]:
     """Yield the parts of the answer that neglect diffraction, with the reason."""
     if not beam:
-        setting = "is false" if scene.stator.diffraction is False else "is absent, and the scene has no slider"
-        why = reason or f"stator.diffraction {setting}"
-        yield True, f"diffraction: the wave is that of the plane section ({why})"
+        yield True, f"diffraction: the wave is that of the plane section ({reason})"
         return
     where = "the field inside" if scene.driven_obliquely else "surface.csv and the field inside"
     burst, reflects = scene.burst is not None and scene.slider is not None, scene.stator.ends != "absorbing"
@@ -124,9 +122,8 @@ def _ring_up(slider, ringing: RingUp | None, trajectories) -> Iterator[tuple[boo
     yield without_ring_down > 0, f"the burst's ring-down: {bursts}"
     bursts = f"{without_ring_up} of {count} bursts, which are computed on a steady wave"
     yield without_ring_up > 0, f"the burst's ring-up ({ringing.sentence}) in {bursts}"
-    several_places = not isinstance(slider.contacts, int) and len(slider.offsets) > 1
     yield (
-        several_places,
+        slider.computed_contacts > 1,
         "differences of the burst's ring-up between the balls: that at the slider's centre is used for all",
     )
 
@@ -140,11 +137,8 @@ def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
     if slider.pillars is not None:
         yield from _pillars(scene)
         return
-    merged_contacts = slider.contacts - 1 if isinstance(slider.contacts, int) else 0
-    yield (
-        merged_contacts > 0,
-        f"{merged_contacts} of {slider.contacts} contacts: all move in phase, and one of them is computed",
-    )
+    merged = f"{slider.share - 1} of {slider.contacts} contacts: all move in phase, and one of them is computed"
+    yield slider.share > 1, merged
     no_transient = "motion from rest: without a burst, the periodic state is computed directly"
     yield scene.burst is None, no_transient
     yield (

@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-import fem
 from studies.chain import resolve
 from studies.chain.scan_prediction import along_places, over_frequency, placed
 from studies.lab.encoder import aligned, travelled_distance
@@ -38,7 +37,7 @@ def beside(record: Record, measured: Measurement, *, progress: Callable[[str], N
 
 def scan_block(scene: Scene, scan, predicted) -> dict:
     """Return the comparison of a placed scan with its prediction."""
-    velocity = fem.rayleigh(resolve.solid(scene.stator), "open").velocity
+    velocity = resolve.surface_velocity(scene.stator)
     return compared_scan(
         scan, predicted, wavelength=velocity / scene.frequency, source=scene.driven_transducer.place[0]
     )

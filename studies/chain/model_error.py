@@ -68,7 +68,7 @@ def _effects(record: Record) -> tuple[tuple, list[tuple]]:
     """Return the effects that do not depend on the level, and for each point those that do."""
     always: list[tuple] = []
     at_points: list[list[tuple]] = [[] for _ in record.points]
-    if _on_pillars(record):
+    if record.scene.on_pillars:
         from studies.chain.pillar_budget import pillar_rows
 
         at_points = pillar_rows(record)
@@ -85,16 +85,12 @@ def _finite(rows: list[tuple]) -> tuple:
 
 
 def _table(record: Record, always: tuple, at_points: list[tuple]) -> tuple[dict, ...]:
-    if _on_pillars(record):
+    if record.scene.on_pillars:
         of_points = list(max(zip(record.points, at_points, strict=True), key=lambda each: each[0][record.level])[1])
     else:
         of_points = sorted((row for rows in at_points for row in rows), key=lambda row: abs(row[2]))
     largest = {row[0]: row for row in of_points}
     return tuple(dict(zip(KEYS, row, strict=False)) for row in (*largest.values(), *always))
-
-
-def _on_pillars(record: Record) -> bool:
-    return record.scene.slider is not None and record.scene.slider.pillars is not None
 
 
 def with_model_error(record: Record) -> Record:
@@ -289,12 +285,12 @@ def _electrode_mass(record: Record) -> Rows:
 
 def _contact(record: Record) -> Rows:
     slider = record.scene.slider
-    if slider is None or slider.pillars is not None or not slider.preload_force > 0:
+    if slider is None or record.scene.on_pillars or not slider.preload_force > 0:
         return
-    solid, count = resolve.solid(record.scene.stator), len(slider.offsets)
+    solid, contacts = resolve.solid(record.scene.stator), slider.computed_contacts
     omega = 2 * math.pi * record.wave["frequency_Hz"]
-    body, contact_count = bridge.contact_slider(slider), 1 if isinstance(slider.contacts, int) else count
-    stiffness = (2 * math.pi * body.normal_resonance(contact_count)) ** 2 * body.mass / contact_count
+    body = bridge.contact_slider(slider)
+    stiffness = (2 * math.pi * body.normal_resonance(contacts)) ** 2 * body.mass / contacts
     shear = float(solid.stiffness[4, 4])
     radiated = stiffness * point_admittance(omega, shear, math.sqrt(shear / solid.density)) / omega
     effect, how = "radiation of a contact into the stator", "point load on an isotropic half-space, nu = 1/4"
@@ -305,7 +301,7 @@ def _load(record: Record) -> list[list[tuple]]:
     """Return the effect of the contacts' load on the wave at each point."""
     slider = record.scene.slider
     rows: list[list[tuple]] = [[] for _ in record.points]
-    if slider is None or slider.pillars is not None or not slider.preload_force > 0:
+    if slider is None or record.scene.on_pillars or not slider.preload_force > 0:
         return rows
     tangential, _, normal = abs(record.surface_motion.at(list(slider.places)))
     if normal.max() < NODE * tangential.max() or _amplitude_per_power(record) is None:
@@ -333,10 +329,8 @@ def _loaded(record: Record, voltages) -> list[float]:
         body, law="elastic", reciprocal=False, stick_band=0.0, friction=None,
         friction_coefficient=body.static_coefficient or NO_FRICTION,
     )  # fmt: skip
-    only_counted = isinstance(slider.contacts, int)
-    offsets = [0.0] if only_counted else [x - slider.center[0] for x, _ in slider.places]
-    count = len(slider.offsets) if only_counted else 1
-    balls = contact.balls_of(replace(body, preload=body.preload * count), offsets, weights=count)
+    offsets = [x - slider.center[0] for x, _ in slider.places]
+    balls = contact.balls_of(replace(body, preload=body.preload * slider.share), offsets, weights=slider.share)
     tangential, _, normal = abs(record.surface_motion.at(list(slider.places)))
     strongest = int(np.argmax(normal))  # the centre may be a node of the wave
     at_one_volt = contact.PassingWave(

@@ -40,13 +40,12 @@ def keywords(columns: Iterable[str]) -> tuple[str, ...]:
 
 
 def amplitudes(driven: DrivenContact) -> dict:
-    """Return the amplitudes at a point and, for a stator, the admittance and power of the driven transducer."""
+    """Return the amplitudes at a point and, for a stator, the driven transducer's admittance and the sources' power."""
     outcomes, solved = driven.amplitudes_at(driven.level), driven.solved
     if solved is None:
         return outcomes
-    conductance, voltage = solved.admittance.real, abs(solved.electrode_voltage * driven.level)
-    electrical = solved.frequency, conductance, solved.admittance.imag, 0.5 * conductance * voltage**2
-    return outcomes | dict(zip(ELECTRICAL, electrical, strict=True))
+    admittance, power = solved.admittance, solved.power * driven.level**2
+    return outcomes | dict(zip(ELECTRICAL, (solved.frequency, admittance.real, admittance.imag, power), strict=True))
 
 
 def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict, *, averaged: bool = False) -> dict:
@@ -65,8 +64,8 @@ def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict, *, a
         answer |= zip(ALSO["limits"], factors, strict=True)
     if "pressure" in also:
         answer |= contact_load(slider, orbits, contact.threshold_factor(slider, orbits))
-    # `driven.slider` is one part of the slider, with its share of the mass: totals are larger by the ratio of masses
-    mass_ratio, thrust = driven.scene.slider.mass / slider.mass, answer.pop("thrust_N", None)
+    # `driven.slider` is one part of the slider, with its share of mass and forces
+    share, thrust = driven.scene.slider.share, answer.pop("thrust_N", None)
     with suppress(contact.ConvergenceError):
         if "step" in also:
             answer["step_m"] = abs(contact.step(slider, orbits, cycles=1).displacement)
@@ -76,7 +75,7 @@ def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict, *, a
         thrust = max(contact.blocked_thrust(slider, orbits)[0], 0.0) if thrust is None else thrust
     except contact.ConvergenceError:
         return answer  # start-up and efficiency need the thrust
-    answer["thrust_N"] = thrust * mass_ratio
+    answer["thrust_N"] = thrust * share
     # each by itself: where one has no answer, the other stands
     if "start-up" in also:
         with suppress(contact.ConvergenceError):
@@ -88,7 +87,7 @@ def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict, *, a
             power_out, answer["contact_efficiency"] = half_thrust(slider, orbits, thrust, tolerance)
             power = amplitudes(driven).get("power_W", 0.0)
             if power > 0.0:
-                answer["motor_efficiency"] = power_out * mass_ratio / power
+                answer["motor_efficiency"] = power_out * share / power
     return answer
 
 

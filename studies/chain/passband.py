@@ -36,8 +36,8 @@ def frequencies(scene: Scene, count: int | None, least: int = 2):
     Without a count they are at least so many, and follow the ripple of waves that return: 4 in v / (2 length).
     """
     driven = scene.driven_transducer
-    velocity = fem.rayleigh(resolve.solid(scene.stator), "open").velocity
-    middle = velocity / driven.period
+    velocity = resolve.surface_velocity(scene.stator)
+    middle = velocity / driven.wavelength
     half = middle * min(LOBES / driven.finger_pairs, MAX_HALF_BAND)
     if count is None:
         ripples = 2 * half / (velocity / (2 * scene.stator.length)) if waves_return(scene) else 0.0

@@ -1,8 +1,9 @@
 """The points of a run with a slider on pillars: velocity, wave, powers and contact ratios at each level of drive."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -27,7 +28,7 @@ class PillarContact:
 
     driven: DrivenContact = field(repr=False)
     pillars: object  # contact.Pillars
-    wave: object  # contact.PassingWave at a level of 1
+    wave: Any  # contact.PassingWave at a level of 1
     misfit: float  # rms misfit of two plane waves to the surface motion, relative to the larger wave
 
     @classmethod
@@ -39,7 +40,7 @@ class PillarContact:
 
     def at(self, level: float):
         """Return the `contact.PassingWave` at a level."""
-        return pillars.at_level(self.wave, level)
+        return replace(self.wave, forward=self.wave.forward * level, backward=self.wave.backward * level)
 
     @property
     def loading(self) -> bool | str | None:
@@ -75,6 +76,12 @@ def pillar_velocity(driven: DrivenContact, level: float) -> float:
         return PillarContact.of(driven).motion(level).velocity
     except contact.ConvergenceError:
         return math.nan
+
+
+def moves(driven: DrivenContact, level: float) -> bool:
+    """Return whether the slider moves at a level."""
+    velocity = pillar_velocity(driven, level)
+    return math.isfinite(velocity) and velocity != 0.0
 
 
 def point_of(motion) -> dict:

@@ -204,11 +204,6 @@ def given_wave(scene: Scene):
     )  # fmt: skip
 
 
-def at_level(wave, level: float):
-    """Return the waves of a level of 1 at another."""
-    return replace(wave, forward=wave.forward * level, backward=wave.backward * level)
-
-
 def check_pillars(scene: Scene) -> None:
     """Refuse pillars beyond the stator or on a transducer's fingers; the slider is resolved."""
     slider = scene.slider

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-import fem
 from studies.chain import passband, resolve
 from studies.chain.scattering import scattering_matrix
 from studies.chain.solved_stator import stator_alone
@@ -97,7 +96,7 @@ def at_other_velocity(scene: Scene, scan: Scan, motion: np.ndarray, factor: floa
     """
     if factor == 1.0:
         return motion
-    velocity = fem.rayleigh(resolve.solid(scene.stator), "open").velocity
+    velocity = resolve.surface_velocity(scene.stator)
     frequency = scene.frequency if scan.frequency is None else scan.frequency
     distance = abs(scan.x - scene.driven_transducer.place[0])
     return motion * np.exp(-2j * np.pi * frequency / velocity * (1.0 / factor - 1.0) * distance)

@@ -27,7 +27,7 @@ class SolvedStator:
     at: dict[tuple[float, float], tuple[complex, complex, float, bool]]
     frequency: float  # Hz
     admittance: complex  # S
-    electrode_voltage: complex  # V per V of the source
+    power: float  # mean, from all sources into the stator, W per V^2
 
     @classmethod
     def of(cls, motion: SurfaceMotion, places, *, coarse: bool = False) -> "SolvedStator":
@@ -38,7 +38,7 @@ class SolvedStator:
         rows = zip(map(complex, tangential), map(complex, normal), map(float, errors), covered, strict=True)
         return cls(
             at=dict(zip(places, rows, strict=True)), frequency=float(motion.wave.frequency),
-            admittance=motion.circuit.admittance, electrode_voltage=motion.circuit.voltage,
+            admittance=motion.circuit.admittance, power=motion.circuit.power,
         )  # fmt: skip
 
     def orbits(self, places) -> tuple:

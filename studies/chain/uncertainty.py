@@ -53,7 +53,7 @@ def with_bands(record: Record, *, progress: Callable[[str], None] | None = None)
     block: dict = {"method": options["method"], "level": LEVEL}
     block |= {"tolerances": {each.key: each.half_width for each in numbers}}
     if options["method"] == "sampled":
-        samples = _answers(predictor, record, _sampled(numbers, options["samples"]))
+        samples = _answers(predictor, record, sampled(numbers, options["samples"]))
         low, high = np.percentile(samples, [50 * (1 - LEVEL), 50 * (1 + LEVEL)], axis=0)
         block["samples"] = options["samples"]
     else:
@@ -115,8 +115,8 @@ def _moved(numbers, fractions: tuple[float, ...]) -> list[dict[str, float]]:
     return [{each.key: each.value + fraction * each.half_width} for each in numbers for fraction in fractions]
 
 
-def _sampled(numbers: tuple[Tolerance, ...], count: int) -> list[dict[str, float]]:
-    """Return the samples of a Latin hypercube over the numbers' normal distributions."""
+def sampled(numbers: tuple[Tolerance, ...], count: int) -> list[dict[str, float]]:
+    """Return sets of values by key: a Latin hypercube over the normal distributions, none of which changes its sign."""
     unit = qmc.LatinHypercube(len(numbers), rng=np.random.default_rng(0)).random(count)
     columns = []
     for each, share in zip(numbers, unit.T, strict=True):
@@ -128,6 +128,16 @@ def _sampled(numbers: tuple[Tolerance, ...], count: int) -> list[dict[str, float
     return [dict(zip(keys, map(float, row), strict=True)) for row in zip(*columns, strict=True)]
 
 
+def without_level(changed: dict[str, float]) -> tuple[float, dict[str, float]]:
+    """Return the factor on all levels that a set of changed numbers means, and the other numbers.
+
+    A tolerance of the level multiplies all levels; one of the power multiplies their squares.
+    """
+    factor = float(np.prod([changed.get(each, 1.0) for each in LEVELS]))
+    others = {key: value for key, value in changed.items() if key not in LEVELS}
+    return factor**0.5 if "drive.power" in changed else factor, others
+
+
 def _answers(predictor: Predictor, record: Record, changes: list[dict]) -> np.ndarray:
     """Return the answers in the order of `_centre` for each set of changed numbers; NaN for missing answers."""
     key = record.scene.level_key
@@ -135,10 +145,8 @@ def _answers(predictor: Predictor, record: Record, changes: list[dict]) -> np.nd
     points, tops, factors = [], [], []
     top = max(levels) or 1.0
     for changed in changes:
-        # a tolerance of the level multiplies all levels; a tolerance of the power multiplies their squares
-        factor = float(np.prod([changed.get(each, 1.0) for each in LEVELS]))
-        factors.append(factor**0.5 if "drive.power" in changed else factor)
-        other_changes = {each: value for each, value in changed.items() if each not in LEVELS}
+        factor, other_changes = without_level(changed)
+        factors.append(factor)
         points += [other_changes | {key: level * factors[-1]} for level in levels]
         tops.append(other_changes | {key: top})
     rows = predictor.answers(points)

@@ -94,9 +94,9 @@ def call(arguments: argparse.Namespace) -> int:
                 result.commit()
                 with committed_pictures(result):
                     if arguments.report:
-                        from studies.report.page import write_report
+                        from studies.report.page import TEMPLATE, report
 
-                        write_report(record, result.folder)
+                        (result.folder / TEMPLATE).write_text(report(record), encoding="utf-8")
                     if drawing is not None:
                         drawing.draw(record, result.folder)
     print_answer(arguments, whole, f"{answer(record)}\nresults         {out}")

@@ -68,16 +68,14 @@ class AveragedMotor:
 
     Attributes
     ----------
-    title : str
-        Of the scene.
+    scene : Scene
+        As resolved.
     slider : contact.Slider
         As the contact's solvers take it: of one ball where several feel one motion.
     share : int
         Number of equal sliders that the real one stands for; forces of the real slider are so many times larger.
     drives : tuple of Drive
         The first is that of positive levels, the second, if any, that of negative ones.
-    unit : str
-        Of the level: V, or m for a given wave.
     levels : tuple of float
         Of the scene, rising.
     interpolation_error : tuple of float
@@ -92,11 +90,10 @@ class AveragedMotor:
         What the model does without.
     """
 
-    title: str
+    scene: Scene = field(repr=False)
     slider: contact.Slider = field(repr=False)
     share: int
     drives: tuple[Drive, ...]
-    unit: str
     levels: tuple[float, ...]
     parameters: np.ndarray = field(repr=False)
     tables: np.ndarray = field(repr=False)
@@ -104,6 +101,16 @@ class AveragedMotor:
     averaging_error: float
     velocity_error: float
     left_out: tuple[str, ...]
+
+    @property
+    def title(self) -> str:
+        """Of the scene."""
+        return self.scene.title or "untitled"
+
+    @property
+    def unit(self) -> str:
+        """Unit of the level: V, or m for a given wave."""
+        return "V" if self.scene.wave is None else "m"
 
     @property
     def preload(self) -> float:
@@ -192,7 +199,7 @@ def first_drive(
     SceneError, RunError
         If the scene has no slider, or the averaged motor does not take it.
     """
-    if scene.slider is not None and scene.slider.pillars is not None:
+    if scene.on_pillars:
         rule = "must be absent: tables over two ratios do not hold heights that scatter or a wave that the slider loads"
         scene.refuse("slider.pillars", rule)
     if scene.slider is not None and scene.slider.heights:
@@ -250,11 +257,10 @@ def averaged_motor(
         known = _steady(slider, drives[0], driven.levels)
     averaging = max((abs(second - first) / scale for _, second, first, scale in known), default=0.0)
     parameters, flat = _packed(slider, drives, tables)
-    contacts = driven.scene.slider.contacts
     motor = AveragedMotor(
-        title=driven.scene.title or "untitled", slider=slider,
-        share=len(driven.scene.slider.offsets) if isinstance(contacts, int) else 1,
-        drives=tuple(drives), unit="m" if driven.scene.wave is not None else "V", levels=driven.levels,
+        scene=driven.scene, slider=slider,
+        share=driven.scene.slider.share,
+        drives=tuple(drives), levels=driven.levels,
         parameters=parameters, tables=flat, interpolation_error=(0.0, 0.0), averaging_error=averaging,
         velocity_error=0.0,
         left_out=tuple(dict.fromkeys(left_out)),

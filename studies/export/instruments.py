@@ -208,20 +208,15 @@ def virtual_scan(scene: Scene, recording: Recording, tolerance: float, progress)
 
 def _points(scene: Scene, kind: str, band) -> Scan:
     """Return a scan without values yet."""
-    import fem
-
-    wavelength = fem.rayleigh(resolve.solid(scene.stator), "open").velocity / scene.frequency
+    wavelength = resolve.surface_velocity(scene.stator) / scene.frequency
     driven, (place, middle) = scene.driven_transducer, scene.places[0]
-    half = driven.half_length + CLEAR * wavelength
-    ahead = 1.0 if place >= driven.place[0] else -1.0
-    first = driven.place[0] + ahead * half
-    rows = [each.place[0] - ahead * (each.half_length + CLEAR * wavelength)
-            for each in scene.transducer if ahead * (each.place[0] - first) > 0.0]  # fmt: skip
-    end = scene.stator.length - wavelength if ahead > 0 else wavelength
-    last = min([end, *rows], key=lambda x: ahead * x)
-    if ahead * (last - first) <= 0.0:
-        first, last = max(place - 2 * wavelength, 0.0), min(place + 2 * wavelength, scene.stator.length)
-    low, high = sorted((first, last))
+    around = ((each.name, each.place[0], each.half_length) for each in scene.transducer)
+    rows = {name: (center - half, center + half) for name, center, half in around}
+    ahead, length = place >= driven.place[0], scene.stator.length
+    low, high = resolve.free_span(rows.values(), rows[driven.name][ahead], length, CLEAR * wavelength)
+    low, high = (low, min(high, length - wavelength)) if ahead else (max(low, wavelength), high)
+    if high <= low:
+        low, high = max(place - 2 * wavelength, 0.0), min(place + 2 * wavelength, length)
     along = np.linspace(low, high, int(np.ceil(PER_WAVELENGTH * (high - low) / wavelength)) + 1)
     y = np.linspace(-0.5, 0.5, LINES) * min(1.5 * driven.aperture, scene.stator.width)
     if kind == "x":

@@ -33,7 +33,7 @@ class Candidate:
 def candidates(problem: Problem) -> list[Measurement]:
     """Return possible measurements; those without deviations get those of the data."""
     predictor, own = problem.predictor, {each.quantity: each for each in reversed(problem.measurements)}
-    own_levels = "normal_amplitude_m" if predictor.given_wave else "voltage_V"
+    own_levels = predictor.scene({}).level_column
     moving = [each for each in problem.measurements if each.quantity not in FIELD]
     base = own.get("velocity", moving[0] if moving else Measurement(name="", quantity="none", level_key=own_levels))
     levels = base.levels or tuple(sorted(predictor.contact(base.settings).scene.levels))[-1 if moving else 0 :]

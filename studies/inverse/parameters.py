@@ -15,7 +15,7 @@ from typing import Any
 from studies.lab.measurement import Measurement
 from studies.lab.measurement_csv import read_measured
 from studies.refusal import SceneError, nearest, shown
-from studies.scene.keys import rule_at, unit_of
+from studies.scene.keys import LEVELS, rule_at, unit_of
 from studies.scene.numbers import Quantity
 from studies.scene.override import parts_of, toml_value
 from studies.scene.rule import Count
@@ -28,7 +28,6 @@ OWN = {
     WAVE_VELOCITY_FACTOR: Quantity(), BANDWIDTH: Quantity("Hz"), SAMPLING: Quantity("s"),
     TIME_OFFSET: Quantity("s", negative=True),
 }  # fmt: skip
-LEVELS = ("drive.voltage", "wave.normal_amplitude")
 
 
 @dataclass(frozen=True, kw_only=True)

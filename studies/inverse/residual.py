@@ -60,7 +60,8 @@ class Residual:
             scene, measurements, parameters, tolerance=tolerance, progress=LOGGER.info
         )
         self.parameters = self._problem.parameters
-        self.start = self._outer(self._problem.starts()[0])
+        starts = zip(self.parameters, self._problem.starts()[0], strict=False)
+        self.start = np.array([each.outer(value) for each, value in starts])
         self.bounds = (
             np.array([each.low for each in self.parameters]),
             np.array([each.high for each in self.parameters]),
@@ -95,6 +96,3 @@ class Residual:
             values = [values[each.key] for each in self.parameters]
         own = [each.inner(float(value)) for each, value in zip(self.parameters, values, strict=True)]
         return np.array([*own, *(0.0 for _ in self._problem.systematic)])
-
-    def _outer(self, x: Any) -> np.ndarray:
-        return np.array([each.outer(value) for each, value in zip(self.parameters, x, strict=False)])

@@ -203,7 +203,7 @@ def _answers(
     stator that cannot be solved raises RunError: a number must not be missing in silence.
     """
     columns = [ANSWERS[name] for name in names]
-    level_key = "wave.normal_amplitude" if predictor.given_wave else "drive.voltage"
+    level_key = predictor.scene({}).level_key
     changes = [
         {key: float(predictor.value(key) or 0.0) * factor for key, factor in factors.items() if key != "level"}
         | {level_key: level * factors.get("level", 1.0)}

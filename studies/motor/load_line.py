@@ -38,15 +38,14 @@ def run(scene: Scene, *, points: int = 17, tolerance: float = 1e-3, progress=Non
     resolved_scene, slider, lines = driven.scene, driven.slider, {}
     for level in driven.spread(1.05, LINES):
         progress(f"load line: {driven.scene.named(level)}")
-        if resolved_scene.slider.pillars is not None:
+        if resolved_scene.on_pillars:
             lines[driven.scene.named(level)] = PillarContact.of(driven).load_line(level, points)
             continue
         line = contact.load_line(slider, driven.at(level), points=points, tolerance=0.1 * tolerance)
         lines[driven.scene.named(level)] = line
-    if resolved_scene.slider.pillars is not None:
+    if resolved_scene.on_pillars:
         slider = replace(slider, preload=resolved_scene.slider.preload)  # of all pillars
-    # number of balls that one computed ball represents
-    balls = resolved_scene.slider.preload / slider.preload
+    balls = resolved_scene.slider.share
     friction = slider.static_friction(len(driven.orbits))
     findings = (
         judged("Velocity falls with load, to zero at the blocked thrust.",

@@ -190,9 +190,8 @@ def motor_numbers(motor: AveragedMotor) -> MotorNumbers:
     force = push(slider, orbits)
     dead_zone_level = float(contact.threshold_factor(slider, drive.orbits))
     if force == 0.0 or dead_zone_level >= level:
-        raise SceneError(
-            "drive.voltage", f"must reach above the threshold, {dead_zone_level:.4g} {motor.unit}, got {level:.4g}"
-        )
+        threshold, got = (motor.scene.named(each) for each in (dead_zone_level, level))
+        motor.scene.refuse(motor.scene.level_key, f"must reach above the threshold, {threshold}, got {got}")
     steady = abs(float(contact.mean_motion(slider, orbits).velocity))
     return MotorNumbers(
         level=level, dead_zone=dead_zone_level, acceleration=abs(force) / slider.mass,
@@ -209,7 +208,7 @@ def _panels(motor: AveragedMotor, moves: dict[str, Move], steps: dict) -> list[P
         data |= {f"{name}_time_s": start_time + move.time, f"{name}_position_m": move.position,
                  f"{name}_level": move.level, f"{name}_target_m": move.target}  # fmt: skip
         start_time += move.time[-1]
-    level = f"{motor.levels[-1]:.4g} V" if motor.unit == "V" else f"{motor.levels[-1] * 1e9:.4g} nm"
+    level = motor.scene.named(motor.levels[-1])
     return [
         Panel(name="positioning", title=f"{motor.title}: to the target and back", data=data),
         Panel(name="single_steps", title=f"{motor.title}: bursts of a few cycles at {level}", data=steps),

@@ -11,6 +11,7 @@ from studies.chain.predictor import Predictor
 from studies.chain.resolve import resolved
 from studies.chain.solved_stator import of_stator
 from studies.chain.steps import Steps
+from studies.chain.uncertainty import sampled, without_level
 from studies.export.averaged_motor import AveragedMotor
 from studies.scene import Scene
 from studies.scene.keys import LEVELS, tolerances
@@ -55,17 +56,17 @@ def step_scatter(scene: Scene, motor: AveragedMotor, progress) -> tuple[float, f
     if scene.uncertain is None:
         return None
     progress("positioning: scatter by the tolerances")
-    uncertain_inputs = [each for each in tolerances(resolved(scene)) if each.key in LEVELS or not of_stator(each.key)]
+    known = tolerances(resolved(scene))
+    uncertain_inputs = tuple(each for each in known if each.key in LEVELS or not of_stator(each.key))
     if not uncertain_inputs:
         return None
     predictor = Predictor(resolved(replace(scene, uncertain=None)).to_table(), tolerance=1e-2, steps=1)
-    random, steps = np.random.default_rng(0), []
-    for _ in range(DRAWS):
-        # half-widths are 95 % intervals; assume that the inputs vary from step to step by their full uncertainty
-        sample = {each.key: each.value + each.half_width / 1.96 * random.standard_normal() for each in uncertain_inputs}
-        level = motor.levels[-1] * next((value for key, value in sample.items() if key in LEVELS), 1.0)
-        driven = predictor.contact({key: value for key, value in sample.items() if key not in LEVELS})
-        steps.append(contact.step(driven.slider, driven.at(level), cycles=SCATTER_CYCLES).displacement)
+    steps = []
+    for sample in sampled(uncertain_inputs, DRAWS):  # as if the inputs varied from step to step by their uncertainty
+        factor, changes = without_level(sample)
+        driven = predictor.contact(changes)
+        orbits = driven.at(factor * motor.levels[-1])
+        steps.append(contact.step(driven.slider, orbits, cycles=SCATTER_CYCLES).displacement)
     return float(np.mean(steps)), float(np.std(steps, ddof=1))
 
 

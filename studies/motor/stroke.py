@@ -92,10 +92,8 @@ def _span(scene: Scene, wavelength: float) -> tuple[float, float]:
     """Return the range of the slider centre in m in which all balls stay on the free surface of the stator."""
     center = scene.slider.center[0]
     balls = [x - center for x, _ in scene.slider.places]
-    clear = CLEAR * wavelength
     rows = [each.extent for each in resolve.transducers(scene)]
-    left = max((right + clear for _, right in rows if right <= center), default=0.0)
-    right = min((left - clear for left, _ in rows if left >= center), default=scene.stator.length)
+    left, right = resolve.free_span(rows, center, scene.stator.length, CLEAR * wavelength)
     return left - min(balls), right - max(balls)
 
 

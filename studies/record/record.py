@@ -115,6 +115,11 @@ class Record:
         """Key of the points that says how hard the motor is driven."""
         return self.scene.level_column
 
+    @property
+    def moving_levels(self) -> list[float]:
+        """The levels at which the slider moves, rising."""
+        return sorted({point[self.level] for point in self.points if point.get("velocity_m_per_s")})
+
     def limit(self, name: str) -> float | None:
         """Return the level at the "threshold" or the "release"; None where there is none."""
         return self.summary.get(f"{name}_{self.level.removeprefix('normal_')}")

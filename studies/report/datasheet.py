@@ -149,8 +149,10 @@ def datasheet(
     if record.shortfall:
         raise RunError(record.shortfall)
     driven = DrivenContact.of_run(record)
-    on_pillars = record.scene.slider.pillars is not None
-    moving = _moving_levels(record, driven) if on_pillars else driven.above(1.0)
+    on_pillars = record.scene.on_pillars
+    moving = record.moving_levels if on_pillars else driven.above(1.0)
+    if not moving:
+        record.scene.refuse(record.scene.level_key, "must hold a value at which the slider moves")
     rated = moving[-1]
     levels = sorted({min(moving, key=lambda level: abs(level - part * rated)) for part in LINES})
     try:
@@ -178,7 +180,7 @@ def _of_balls(driven: DrivenContact, rated: float, levels: list[float], say: Any
     say("steps")
     bursts = Steps.of(driven, progress=say)
     steps = tuple(bursts.reaching(rated, size)[1] for size in STEPS)
-    balls = driven.scene.slider.preload_force / driven.slider.preload
+    balls = driven.scene.slider.share
     rows = (*_forces(driven, rated, lines[named(rated)], balls), *_positioning(bursts, rated, steps, start_stop))
     return {"lines": lines, "start_stop": start_stop, "steps": steps, "balls": balls, "rows": rows}
 
@@ -200,14 +202,6 @@ def _of_pillars(driven: DrivenContact, rated: float, levels: list[float], say: A
         "lines": lines, "start_stop": start_stop, "steps": (), "balls": 1.0, "rows": rows,
         "powers": (Row("power", *friction),),
     }  # fmt: skip
-
-
-def _moving_levels(record: Record, driven: DrivenContact) -> list[float]:
-    """Return the levels at which a slider on pillars moves; refuse if there is none."""
-    moving = sorted({each[record.level] for each in record.points if each.get("velocity_m_per_s")})
-    if not moving:
-        record.scene.refuse(driven.scene.level_key, "must hold a value at which the slider moves")
-    return moving
 
 
 def _start_stop(driven: DrivenContact, rated: float) -> Any:

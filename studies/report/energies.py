@@ -37,24 +37,19 @@ def balances(record: Record) -> tuple[Balance, ...]:
     """Return the energy balances of the steady state at a few moving points of a record with a slider."""
     scene = record.scene
     # the points of a slider on pillars already contain these powers
-    if scene.slider is None or scene.slider.pillars is not None:
+    if scene.slider is None or scene.on_pillars:
         return ()
     driven = DrivenContact.of_run(record)
-    multiplicity = len(scene.slider.offsets) if isinstance(scene.slider.contacts, int) else 1
     method = scene.slider.method if scene.slider.method in STEADY_METHODS else "auto"
     results = []
-    for level in _levels(record):
+    moving = record.moving_levels
+    if len(moving) > MAX_POINTS:
+        moving = [moving[0], moving[len(moving) // 2], moving[-1]]
+    for level in moving:
         options = {"tolerance": record.tolerance * SHARE, "method": method}
         state = contact.steady(driven.slider, driven.at(level), **options)
-        power = multiplicity * scene.frequency
+        power = scene.slider.share * scene.frequency
         shown = {name: text for name, text in LEDGER.items() if name not in STORED}
         entries = tuple((text, getattr(state.ledger, name) * power) for name, text in shown.items())
         results.append(Balance(level=level, entries=entries, residual=state.ledger.relative_residual))
     return tuple(results)
-
-
-def _levels(record: Record) -> list[float]:
-    moving = sorted({point[record.level] for point in record.points if point.get("velocity_m_per_s")})
-    if len(moving) <= MAX_POINTS:
-        return moving
-    return [moving[0], moving[len(moving) // 2], moving[-1]]

@@ -140,7 +140,7 @@ def _free(record: Record):
 
 def _contact(record: Record):
     block, slider = record.scene.slider, bridge.contact_slider(record.scene.slider)
-    contacts = 1 if block.contacts is None or isinstance(block.contacts, int) else len(block.contacts)
+    contacts = block.computed_contacts
     depth, normal_force = max(slider.rest_approaches(contacts)), slider.preload / contacts
     average_note, highest_note = (" on average", ", of the highest contact") if block.heights else ("", "")
     resonance_functions = (slider.normal_resonance, slider.tangential_resonance) if normal_force > 0 else ()

@@ -29,11 +29,6 @@ CAPTIONS = {
 }  # of `run_pictures.pictures`
 
 
-def write_report(record: Record, folder: Path) -> None:
-    """Write ``report.html`` into a directory."""
-    (folder / TEMPLATE).write_text(report(record), encoding="utf-8")
-
-
 def rendered(template: str, **values) -> str:
     """Return the page that results from a template and its values."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined

@@ -106,6 +106,11 @@ class Scene(Block):
         return any(each.turned for each in self.transducer)
 
     @property
+    def on_pillars(self) -> bool:
+        """Whether there is a slider, and it stands on pillars."""
+        return self.slider is not None and self.slider.pillars is not None
+
+    @property
     def driven_obliquely(self) -> bool:
         """Whether no driven transducer sends along x."""
         driven = [each for each in self.transducer if self.drive.driven.get(each.name)]

@@ -337,6 +337,16 @@ class Slider(Block):
         return tuple(map(as_pair, self.contacts))
 
     @property
+    def share(self) -> int:
+        """Number of contacts that each computed one stands for: of a mere number of them, which move alike, all."""
+        return self.contacts if isinstance(self.contacts, int) else 1
+
+    @property
+    def computed_contacts(self) -> int:
+        """Number of contacts that are computed."""
+        return len(self.offsets) // self.share
+
+    @property
     def center(self) -> tuple[float, float]:
         """Place (x, y) of the slider's centre on the stator, m."""
         return as_pair(self.position)

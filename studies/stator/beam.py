@@ -54,7 +54,10 @@ def run(
     try:
         wave = solved_motion(section, [(place, 0.0)], tolerance=tolerance, progress=progress).wave
         beam = fem.surface_beam(wave, mirror_width=row_scene.stator.mirror_width)
-        x = _axis(row_scene, transducers, driven, place, wave.phase_velocity / wave.frequency, count)
+        # on the slider's side of the driven transducer, up to the next one or the end
+        edge, clear = driven.extent[place >= driven.center], CLEAR * wave.phase_velocity / wave.frequency
+        rows = [each.extent for each in transducers]
+        x = np.linspace(*resolve.free_span(rows, edge, row_scene.stator.length, clear), count)
         y = np.linspace(-0.75, 0.75, count) * driven.aperture
         axis, across = beam.motion(x), beam.motion(place, y)
     except (fem.BeamError, fem.ConvergenceError) as error:
@@ -102,16 +105,6 @@ def _slowness(beam, wave) -> fem.Slowness:
     highest = STEEPEST * 2 * np.pi * wave.frequency / wave.phase_velocity
     lateral = highest * np.cos(np.pi * (np.arange(DIRECTIONS) + 0.5) / DIRECTIONS)
     return fem.Slowness.through(lateral, beam.surface_wavenumbers(lateral))
-
-
-def _axis(scene: Scene, transducers, driven, place: float, wavelength: float, count: int):
-    """Return places in m on the slider's side of the driven transducer, up to the next one or the end."""
-    clear = CLEAR * wavelength
-    if place >= driven.center:
-        others = [each.extent[0] - clear for each in transducers if each.center > driven.center]
-        return np.linspace(driven.extent[1] + clear, min(others, default=scene.stator.length), count)
-    others = [each.extent[1] + clear for each in transducers if each.center < driven.center]
-    return np.linspace(max(others, default=0.0), driven.extent[0] - clear, count)
 
 
 @of_record

@@ -78,7 +78,7 @@ def run(
     ]
     if len(names) > 1:
         first, second = (each.place[0] for each in resolved.transducer if each.name in names[:2])
-        velocity = fem.rayleigh(resolve.solid(resolved.stator), "open").velocity
+        velocity = resolve.surface_velocity(resolved.stator)
         way = abs(second - first) / velocity
         delay = passband.group_delay(at, scattering[:, 1, 0], way)
         data, title = ({"frequency_Hz": at, "group_delay_s": delay}, f"{resolved.title}: {names[0]} to {names[1]}")

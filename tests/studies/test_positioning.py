@@ -323,3 +323,9 @@ def test_controllers_are_data():
     for name, kind in CONTROLLERS.items():
         assert controller(name, {"tolerance": 3e-9}) == replace(kind(), tolerance=3e-9)
     assert math.isinf(controller("burst_length", {}).coarse)
+
+
+def test_a_wave_below_the_threshold_is_refused_by_its_own_key():
+    low = Scene.load("twente-contact").replace(wave={"normal_amplitude": ["0.1 nm"]})
+    with pytest.raises(SceneError, match=r"wave.normal_amplitude must reach above the threshold, 0.\d+ nm, got 0.1 nm"):
+        positioning.motor_numbers(replace(motor(), scene=low, levels=(1e-10,)))

@@ -5,7 +5,7 @@ import tomllib
 import numpy as np
 import pytest
 
-from studies import run
+from studies import run, sweep
 from studies.refusal import SceneError
 from studies.scene import Scene, read_table
 from studies.scene.toml import document
@@ -92,3 +92,14 @@ def test_the_slider_turns_round_with_the_stronger_source():
     assert ports["right"]["voltage_per_volt"] == pytest.approx(0.3, rel=1e-14)
     power = sum(0.5 * (each["voltage_per_volt"] * np.conj(each["current_A_per_V"])).real for each in ports.values())
     assert found[0].electrical["power_W_per_V2"] == pytest.approx(power, rel=1e-12)
+
+
+def test_the_power_of_a_sweep_is_that_of_all_sources():
+    scene = motor(sources={"left": 1, "right": "0.5 at 90 deg"}).replace(slider=None)
+    (power,) = sweep(scene, {}, tolerance=0.05).columns()["power_W"]
+    electrical = run(scene, tolerance=0.05).electrical
+    first, second = electrical["sources"].values()
+    by_hand = 0.5 * sum(
+        (each["voltage_per_volt"] * each["current_A_per_V"].conjugate()).real for each in (first, second)
+    )
+    assert power == pytest.approx(by_hand * 60.0**2, rel=1e-9)

@@ -9,11 +9,13 @@ import pytest
 from studies import Record, Scene, run
 from studies.__main__ import main
 from studies.chain.resolve import resolved
+from studies.chain.uncertainty import sampled, without_level
 from studies.record import run_pictures
 from studies.record.plots import new_figure
 from studies.record.text import answer
 from studies.refusal import SceneError
 from studies.scene.toml import document
+from studies.scene.uncertain import Tolerance
 
 PRELOAD, MODULUS = 8e-4, 64e9
 
@@ -158,3 +160,12 @@ def test_what_draws_no_bands_says_so(words, tmp_path, capsys):
 def test_a_tolerance_of_a_level_that_the_scene_has_not_is_refused(key):
     with pytest.raises(SceneError, match="level that this scene has"):
         resolved(Scene.load("twente-contact").replace(uncertain={key: "5 %"}))
+
+
+def test_samples_keep_their_sign_and_a_power_is_the_square_of_the_level():
+    wide = Tolerance("slider.mass", 1e-4, 1.5e-4), Tolerance("drive.power", 1.0, 0.1)
+    samples = sampled(wide, 200)
+    assert min(each["slider.mass"] for each in samples) > 0.0
+    assert np.std([each["drive.power"] for each in samples]) == pytest.approx(0.1 / 1.96, rel=0.02)
+    assert without_level({"drive.power": 1.21, "slider.mass": 2e-4}) == (pytest.approx(1.1), {"slider.mass": 2e-4})
+    assert without_level({"drive.voltage": 1.21}) == (1.21, {})
