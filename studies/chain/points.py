@@ -132,11 +132,8 @@ def _point_on_balls(driven: DrivenContact, level: float, tolerance: float, burst
         values["amplitude_sensitivity"] = sensitivities[0]
     tally = steady_tally(state)
     if bursting and driven.scene.burst is not None:
-        trajectory = followed_burst(driven, orbits, state.velocity, goal)
-        if driven.along is not None and driven.scene.slider.travel is not False:
-            trajectory, moved = _along(driven, trajectory, level)
-            values |= moved
-        values |= burst_values(trajectory)
+        trajectory, moved = followed_burst(driven, level, state.velocity, goal)
+        values |= moved | burst_values(trajectory)
         tally |= burst_tally(trajectory)
         from_stator += 0.0 if driven.ringing is None else driven.ringing.error
         if trajectory.relative_error > from_contact or status == Status.OK:
@@ -170,12 +167,18 @@ def _nearby(slider, state, steady):
     return velocity
 
 
-def followed_burst(driven: DrivenContact, orbits: tuple, velocity: float, tolerance: float, after: float | None = None):
-    """Return the trajectory of the slider during and after the burst.
+def followed_burst(driven: DrivenContact, level: float, velocity: float, tolerance: float, after: float | None = None):
+    """Return the trajectory of the slider during and after the burst, and the values of a point that its travel adds.
 
-    It covers the time ``after`` (s) from the end of the burst. If this is None, it covers the stop of the slider and
-    some periods of its tangential resonance.
+    ``velocity``: the steady one at this level.  The trajectory covers the time ``after`` (s) from the end of the burst.
+    If this is None, it covers the stop of the slider and some periods of its tangential resonance.
     """
+    held = _held_burst(driven, driven.at(level), velocity, tolerance, after)
+    return (held, {}) if driven.along is None else _along(driven, held, level)
+
+
+def _held_burst(driven: DrivenContact, orbits: tuple, velocity: float, tolerance: float, after: float | None):
+    """Return the trajectory of a slider under which the wave stays that at its place."""
     slider, duration, ringing = driven.slider, driven.scene.burst, driven.ringing
     friction = slider.least_friction(len(orbits))
     stopping_time = abs(velocity) * slider.mass / friction if friction > 0 else 0.0

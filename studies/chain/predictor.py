@@ -216,11 +216,21 @@ class Predictor:
 
         ``motion``: of the surface, for bursts in which the slider travels.  ``tolerance``: by default the predictor's.
         """
+        progress = self.progress if self.as_run else _silent
+        return slider_answer(self.bursting(driven, motion), tolerance=tolerance or self.tolerance, progress=progress)
+
+    def bursting(self, driven: DrivenContact, motion: SurfaceMotion | None) -> DrivenContact:
+        """Return a contact with the ring-up of its burst, and with the motion's field along the slider's travel."""
         travels = driven.scene.burst is not None and motion is not None and driven.scene.slider.travel is not False
         along = wave_along(motion, driven.scene.slider) if travels else None
-        driven = replace(driven, ringing=self.ring_up(driven), along=along)
-        progress = self.progress if self.as_run else _silent
-        return slider_answer(driven, tolerance=tolerance or self.tolerance, progress=progress)
+        return replace(driven, ringing=self.ring_up(driven), along=along)
+
+    def motion_of(self, driven: DrivenContact, step: int = 0) -> SurfaceMotion | None:
+        """Return the surface motion in which a slider may travel; None if it may not, or the wave is given."""
+        if driven.solved is None or driven.scene.slider.travel is False:
+            return None
+        stator, places = stator_alone(driven.scene), tuple(driven.solved.at)
+        return self.motion(stator, places, self._goal(stator, places, step))
 
     def take(self, record: Record) -> None:
         """Keep the stator's solution of a run of the scene."""
@@ -304,11 +314,7 @@ class Predictor:
             why = f"the stator's error is {error:.1e}"
             status = Status.ABOVE_TOLERANCE.because(why) if missed else Status.OK.value
             return {"relative_error": error if driven.level else 0.0, "status": status}
-        motion = None
-        if driven.solved is not None and scene.slider.travel is not False:
-            stator, places = stator_alone(scene), tuple(driven.solved.at)
-            motion = self.motion(stator, places, self._goal(stator, places, step))
-        answer = self.slider_answer(driven, motion, tolerance)
+        answer = self.slider_answer(driven, self.motion_of(driven, step), tolerance)
         return rated(answer.points[0], answer.parts[0], tolerance)
 
     def _read(self, name: str, changes: tuple) -> Any:

@@ -39,6 +39,12 @@ class WaveAlong:
     limits: tuple[float, float]  # displacements in m between which all balls stay on the stator
     orbits: Callable = field(repr=False)  # displacements in m, (k,), to k tuples of `contact.Orbit` per volt
 
+    def scaled(self, factor: float) -> "WaveAlong":
+        """Return the orbits multiplied by a factor."""
+        return replace(
+            self, orbits=lambda places: [tuple(ball.scaled(factor) for ball in each) for each in self.orbits(places)]
+        )
+
 
 @dataclass(frozen=True, kw_only=True)
 class Travel:

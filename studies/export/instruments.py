@@ -20,6 +20,7 @@ from studies.lab.scan import Scan, scan_csv, scan_uff
 from studies.refusal import SceneError
 from studies.report.explanation import band_seconds
 from studies.scene import Scene
+from studies.scene.numbers import Quantity
 from studies.scene.override import toml_value
 from studies.scene.quantity import si_value
 
@@ -97,13 +98,11 @@ class Recording:
     def encoder(self, scene: Scene) -> dict[str, float]:
         """Return bandwidth in Hz and sampling in s of the encoder, where they are given; SceneError without a burst."""
         encoder = {
-            option: si_value(f"--{option}", toml_value(value), unit)
+            option: Quantity(unit).read(f"--{option}", toml_value(value))
             for option, value, unit in (("bandwidth", self.bandwidth, "Hz"), ("sampling", self.sampling, "s"))
             if value is not None
         }
-        for option, value in encoder.items():
-            if not value > 0.0:
-                raise SceneError(f"--{option}", f"must be positive, got {value:g}")
+        for option in encoder:
             if scene.slider is None or scene.burst is None or self.scan is not None:
                 raise SceneError(f"--{option}", "is of an encoder: the scene needs a slider and a burst, and no --scan")
         return encoder

@@ -180,7 +180,7 @@ class MeasurementPredictor(Predictor):
         return np.array([answer.get("velocity_m_per_s", math.nan) for answer in answers])
 
     def _burst(self, measurement: Measurement, driven: DrivenContact, level: float, numbers: dict) -> np.ndarray:
-        """Return v, or the position, at the instants of a burst, whose surface rings up and fades as in a run.
+        """Return v, or the position, at the instants of a burst, whose ring-up and travel are those of a run.
 
         What the instrument does to it - its bandwidth, its own origin of time - is done to the prediction.
         """
@@ -188,12 +188,14 @@ class MeasurementPredictor(Predictor):
         if duration is None:
             key = f"{driven.scene.source_key}.burst"
             raise SceneError(f"measurements {measurement.name}", f'holds a burst: give {key}="0.1 s" with the file')
-        driven = replace(driven, ringing=self.ring_up(driven))
+        driven = self.bursting(driven, self.motion_of(driven))
+        if driven.along is not None:
+            driven = replace(driven, along=driven.along.scaled(numbers.get(AMPLITUDE_FACTOR, 1.0)))
         (speed,) = self.velocities([(driven, level)])
         offset = float(numbers.get(TIME_OFFSET, 0.0))
         after = max(0.0, 1.01 * (measurement.time[-1] - offset) - duration)
         try:
-            prediction = followed_burst(driven, driven.at(level), speed, self.tolerance, after=after)
+            prediction, _ = followed_burst(driven, level, speed, self.tolerance, after=after)
         except contact.ConvergenceError:
             return np.full(len(measurement.time), math.nan)
         curve = prediction.velocity

@@ -6,6 +6,8 @@ import pytest
 import contact
 from studies import run
 from studies.chain.travel import WaveAlong, travelled, with_travel
+from studies.inverse.prediction import MeasurementPredictor
+from studies.lab.measurement import Measurement
 
 WAVELENGTH = 1e-3
 BASE = contact.Orbit(frequency=2.2e6, normal=8e-9, tangential=5e-9j)
@@ -88,6 +90,16 @@ def test_a_run_says_how_far_it_went(small):
     assert moved.points[0]["velocity_at_burst_end_m_per_s"] == pytest.approx(
         still.points[0]["velocity_at_burst_end_m_per_s"], rel=0.05
     )
+    # a fit predicts the burst of the run, whatever factor its amplitude is the product of
+    time = (3e-4, 6e-4, 1e-3)  # instants that a trajectory holds
+    measured = Measurement(name="trace", quantity="burst", time=time)
+    halved = scene.replace(drive={"voltage": "60 V"})
+    for each, numbers in ((scene, {}), (halved, {"amplitude_factor": 2.0})):
+        (predicted,) = MeasurementPredictor(each, tolerance=0.05).predict([(measured, numbers)])
+        of_moved, of_still = (
+            np.interp(time, path.time, path.velocity) for _, path in (moved.trajectories[0], still.trajectories[0])
+        )
+        assert abs(predicted - of_moved).max() < 0.01 * abs(of_moved - of_still).max()
     assert "travel_m" not in still.points[0]
     assert any("slider.travel is false" in each for each in still.left_out)
     absent = run(small.replace(drive={"burst": "1 ms", "voltage": "120 V"}), tolerance=0.05)

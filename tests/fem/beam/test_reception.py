@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import hankel2
 
+from fem.beam import reception
 from fem.beam.electrode_charges import electrode_charges
 from fem.beam.reception import aperture_coupling, with_apertures
 from fem.beam.surface_beam import surface_beam
@@ -96,3 +97,24 @@ def test_an_open_transducer_sees_the_mean_of_the_beam():
     found = both.circuit.voltages[1] / both.wave.circuit.voltages[1]
     assert found == pytest.approx(expected, abs=0.08)  # bulk waves and own apertures take part
     assert abs(found - 1) > 0.2
+
+
+def test_a_limit_of_the_waves_leaves_out_those_that_decay_before_steps_of_the_charge(monkeypatch):
+    """Half the waves by the limit: the same motion; fewer steps: within the stated error."""
+    stator = plate(cut("PZT-8", "Z", quality=200.0), length=40.0, thickness=1.3, bottom="absorbing")
+    two = tuple(
+        comb(stator, name, at, finger_pairs=2, aperture=4e-3, termination="short")
+        for name, at in (("a", 6.0), ("b", 33.0))
+    )
+    wave, x, found = wave_of(solution(stator, two)), stator.length * np.array([0.3, 0.5, 0.7]), {}
+    for most in (3000, 1200, 700):
+        monkeypatch.setattr(reception, "MAX_WAVES", most)
+        beam = surface_beam(wave)
+        u_z = abs(beam.motion(x)[2])
+        found[most] = [len(each.steps) for each in beam.charges], u_z, beam.charge_error(x) * u_z
+    assert found[3000][0] == found[1200][0] == [7, 7]
+    assert found[1200][1] == pytest.approx(found[3000][1], rel=1e-6)
+    assert found[700][0] == [4, 4]
+    off = abs(found[700][1] - found[3000][1])
+    assert off.max() > 0.02 * found[700][1][0]
+    assert np.all(off < 1.2 * found[700][2])

@@ -243,10 +243,24 @@ def test_beside_a_strip_in_a_cut_is_not_resolved():
     assert not beam.unresolved(7.0 * unit, 2e-3)
 
 
+def test_the_error_of_currents_is_relative_to_the_largest_one():
+    """A transducer far beside the strip receives little: its error alone, times the ratio of both currents."""
+    stator = plate(cut("PZT-8", "Z", quality=100.0), length=12.0, thickness=0.8)
+    strong = comb(stator, "a", 2.0, aperture=3e-3, termination="short")
+    weak = comb(stator, "b", 10.0, aperture=3e-3, termination="short", center_y=9e-3)
+    both, alone = (forced(stator, strip(stator, 6.0), row) for row in ((strong, weak), (weak,)))
+    currents = abs(both.circuit.currents)
+    assert currents[1] < 0.02 * currents[0]
+    expected = alone.received_error * abs(alone.circuit.currents[0]) / currents[0]
+    assert both.received_error == pytest.approx(expected, rel=0.05)
+
+
 def test_what_a_strip_cannot_be():
     stator = plate(cut("PZT-8", "Z"), length=9.0)
     with pytest.raises(InputError, match=r"force 'f'.width must be positive, got 0"):
         strip(stator, 2.0, width=0.0)
+    with pytest.raises(InputError, match=r"force 'f'.center_y must be finite, got nan m"):
+        strip(stator, 2.0, center_y=np.nan)
     with pytest.raises(InputError, match=r"force 'f'.width must be finite in three dimensions"):
         forced(stator, strip(stator, 2.0, width=np.inf))
     with pytest.raises(
