@@ -23,9 +23,10 @@ def draw_surface_map(beam, scene: Scene, ax):
     touching = ""
     if scene.slider is not None and scene.slider.pillars is not None:
         layout, touching = pillars.layout(scene.slider), "; orange: the pillars' area"
-        corner = [at + layout[axis].min() for at, axis in zip(scene.slider.center, "xy", strict=True)]
-        sides = [1e3 * np.ptp(layout[axis]) for axis in "xy"]
-        ax.add_patch(Rectangle(np.multiply(1e3, corner), *sides, fill=False, edgecolor=orange, linewidth=1.2))
+        (left, along), (low, across) = ((layout[axis].min(), np.ptp(layout[axis])) for axis in "xy")
+        x_center, y_center = scene.slider.center
+        corner = 1e3 * (x_center + left), 1e3 * (y_center + low)
+        ax.add_patch(Rectangle(corner, 1e3 * along, 1e3 * across, fill=False, edgecolor=orange, linewidth=1.2))
     elif scene.slider is not None:
         touching = "; points: the slider's contacts"
         at = 1e3 * np.array(scene.slider.places)
