@@ -21,7 +21,7 @@ from fem.layout import check_layout
 from fem.materials import fields
 from fem.materials.medium import Medium, medium, units
 from fem.waveguide.modes import guided_modes
-from fem.waveguide.port_fields import charge_admittances, electrode_potentials, transducer_ports
+from fem.waveguide.port_fields import charge_currents, electrode_potentials, transducer_ports
 
 MATRIX_TYPE = 6  # of Pardiso: complex symmetric
 # Raised without pypardiso, without MKL, or by another version of pypardiso's private interface
@@ -127,7 +127,7 @@ def _by_port(by_strip: _Strips, transducers: tuple[Transducer, ...], frequency: 
     charges = ports.T @ by_strip.charges @ ports
     return DirectSolution(
         names=tuple(each.name for each in two),
-        admittances=charge_admittances(charges, np.minimum.outer(*2 * [[each.aperture for each in two]]), frequency),
+        admittances=charge_currents(charges * np.minimum.outer(*2 * [[each.aperture for each in two]]), frequency),
         unknowns=by_strip.unknowns,
         surface=lambda places: by_strip.surface(places) @ ports,
     )

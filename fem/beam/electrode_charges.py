@@ -15,9 +15,6 @@ from fem.results.evaluation import left_edge
 from fem.results.solution import Solution
 
 SAME_NODE = 1e-9  # length units: nodes of neighbouring columns that are nearer to each other are one node
-# A finger with less than this fraction of the largest charge of a finger gets the profile of an isolated strip instead
-# of its own, which a division by a small charge would make inaccurate.
-UNCHARGED = 0.2
 # Largest phase in rad across half a finger, and the terms with which the Taylor series then reaches rounding.
 MAX_PHASE, TERMS = 3.0, 28
 
@@ -153,40 +150,17 @@ def electrode_charges(solution: Solution, transducer: int) -> ElectrodeCharges:
         return ElectrodeCharges(x=x, charge=charge, finger=finger)
     sheets, weights = solution.fields.sheets[transducer], solution.weights
     signs = solution.fields.transducers[transducer].signs.replace("0", "")
-    # The first ``resolved`` sheets have nodal charges; a later one has only each finger's total and first moment, and
-    # across each finger the distribution of the first sheet.  This is so on the driven transducer alone: on one that
-    # receives, the distribution varies along the finger, and the wave that it reflects would be 7 % too small in
-    # twente (tests/validation/test_finite_fingers.py).  Open strips ("o") have no such totals.
-    drives = len(solution.fields.transducers) == 1 and solution.forces is None
-    resolved = 1 if drives and "o" not in signs else len(sheets)
-    x, charges, finger = _node_charges(
-        solution, piece, np.stack([sheet.sides @ weights for sheet in sheets[:resolved]], axis=-1)
-    )
+    x, charges, finger = _node_charges(solution, piece, np.stack([sheet.sides @ weights for sheet in sheets], axis=-1))
     section = solution.fields.section
-    charge_unit = -section.solid.stress_unit / section.solid.potential_unit
-    moment_unit = charge_unit * section.length_unit
+    moment_unit = -section.solid.stress_unit / section.solid.potential_unit * section.length_unit
     number = _finger_numbers(finger, signs)
-    nodes = np.flatnonzero(number >= 0)  # on fingers with a voltage
-    number = number[nodes]
-    profiles = _profiles(x[nodes], charges[0, nodes], number)
-    sheet_charges = []
-    for index, sheet in enumerate(sheets):
-        # Each sheet gets its charges but for a part of the first moments, which a dipole on each finger then adds.
-        if index < resolved:
-            charge = charges[index].copy()
-            # The nodal charges have the moments caused by the fields on the lines; ``dipoles`` are the other moments.
-            missing_moments = moment_unit * (sheet.dipoles @ weights)
-        else:
-            charge = np.zeros(len(x), dtype=complex)
-            totals = charge_unit * (sheet.reactions @ weights)
-            charge[nodes] = profiles.shares * totals[number]
-            # ``moments`` are the whole first moments, of which the profile of the first sheet has a part already.
-            missing_moments = moment_unit * (sheet.moments @ weights)
-            missing_moments = missing_moments - _sum_per_finger(number, charge[nodes] * profiles.lever_arms)
-        charge[nodes] += profiles.unit_dipole * missing_moments[number]
-        sheet_charges.append(charge)
-    steps = tuple((sheet.length, charge) for sheet, charge in zip(sheets[1:], sheet_charges[1:], strict=True))
-    return ElectrodeCharges(x=x, charge=sheet_charges[0], finger=finger, steps=steps)
+    nodes = np.flatnonzero(number >= 0)  # on fingers with a voltage; open strips have no dipoles
+    dipole = _unit_dipole(x[nodes], number[nodes])
+    for sheet, charge in zip(sheets, charges, strict=True):
+        # The nodal charges have the moments caused by the fields on the lines; ``dipoles`` are the other moments.
+        charge[nodes] += dipole * moment_unit * (sheet.dipoles @ weights)[number[nodes]]
+    steps = tuple((sheet.length, charge) for sheet, charge in zip(sheets[1:], charges[1:], strict=True))
+    return ElectrodeCharges(x=x, charge=charges[0], finger=finger, steps=steps)
 
 
 def all_charges(solution: Solution) -> tuple[ElectrodeCharges, ...]:
@@ -200,39 +174,20 @@ def _finger_numbers(finger: np.ndarray, signs: str) -> np.ndarray:
     return np.where(charged, np.cumsum(charged) - 1, -1)[finger - finger[0]]
 
 
-def _sum_per_finger(number: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Sum of complex values at nodes over each finger, for the number of each node's finger."""
-    return np.bincount(number, values.real) + 1j * np.bincount(number, values.imag)
+def _unit_dipole(x: np.ndarray, number: np.ndarray) -> np.ndarray:
+    """Nodal charges, 1/m, of a dipole moment of 1 on each finger, for the nodes (m) and the number of their finger.
 
-
-class _Profiles(NamedTuple):
-    """Distributions over the nodes of each finger, shape (nodes,)."""
-
-    shares: np.ndarray  # part of the finger's charge on each node
-    unit_dipole: np.ndarray  # charges of a dipole moment of 1 without net charge, 1/m
-    lever_arms: np.ndarray  # distance from the finger's centre, m, positive to the right
-
-
-def _profiles(x: np.ndarray, charge: np.ndarray, number: np.ndarray) -> _Profiles:
-    """Distributions of a charge and of a dipole over the nodes of each finger.
-
-    The shares are those of ``charge``.  On a finger whose total charge is small they are those of an isolated strip,
-    1 / (pi (a^2 - x^2)^(1/2)), integrated between the midpoints to the neighbouring nodes.  The dipole has the nodal
-    charges of the strip times x.
+    Across a finger they are those of an isolated strip, 1 / (pi (a^2 - x^2)^(1/2)), integrated between the midpoints to
+    the neighbouring nodes, times x.
     """
-    fingers = range(number.max(initial=-1) + 1)
-    totals = np.array([charge[number == each].sum() for each in fingers])
-    shares, dipoles, arms = [np.empty(0)], [np.empty(0)], [np.empty(0)]
-    for each in fingers:
+    dipoles = [np.empty(0)]
+    for each in range(number.max(initial=-1) + 1):
         own = x[number == each]
         half = (own[-1] - own[0]) / 2
         s = (own - own[0]) / half - 1
         strip = np.diff(np.arcsin(np.concatenate([[-1.0], (s[1:] + s[:-1]) / 2, [1.0]]))) / np.pi
-        use_strip = not abs(totals[each]) > UNCHARGED * abs(totals).max()
-        shares.append(strip if use_strip else charge[number == each] / totals[each])
         dipoles.append(strip * s / (np.sum(strip * s**2) * half))
-        arms.append(s * half)
-    return _Profiles(*map(np.concatenate, (shares, dipoles, arms)))
+    return np.concatenate(dipoles)
 
 
 def _node_charges(solution: Solution, piece: int, sides: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

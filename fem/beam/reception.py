@@ -47,7 +47,9 @@ from fem.waveguide.port_fields import PortFields, StatorRow
 from fem.waveguide.row_solver import Element, solve_row
 
 SHORTEST = 0.5  # least aperture over wavelength: shorter fingers are not line sources
-MAX_WAVES = 3000  # size of the system of waves between transducers: two per sheet and mode
+# Size of the system of waves between transducers, two per sheet and mode.  Waves that decay by exp(-NEEDED) or more on
+# the way are left out first, then steps of the charges along the fingers.
+MAX_WAVES, NEEDED = 3000, 11.5
 # Nodes for interpolation over a band, at least and per rad of phase; the admittance is accurate to 1e-5.
 LEAST_NODES, NODES_PER_SWING = 5, 1.2
 
@@ -205,10 +207,7 @@ class _Response:
     lines: np.ndarray = field(repr=False)
     potentials: np.ndarray = field(repr=False)  # U, (sheets, fingers, columns)
     sent: np.ndarray = field(repr=False)  # (sheets 2 modes, columns): amplitudes to the right and to the left
-    # (sheets, fingers, columns): reactions on the fingers, their first moments, and the part of these moments that the
-    # section does not have
-    reactions: np.ndarray = field(repr=False)
-    moments: np.ndarray = field(repr=False)
+    # first moments of the fingers' reactions that the section does not have, (sheets, fingers, columns)
     dipoles: np.ndarray = field(repr=False)
 
     def sheets(self, weights: np.ndarray) -> tuple[Sheet, ...]:
@@ -219,8 +218,6 @@ class _Response:
             Sheet(
                 length=float(length),
                 sides=np.concatenate([self.lines @ np.concatenate([waves[at], potentials[at]]), potentials[at]]),
-                reactions=self.reactions[at] @ weights,
-                moments=self.moments[at] @ weights,
                 dipoles=self.dipoles[at] @ weights,
             )
             for at, length in enumerate(self.lengths)
@@ -242,15 +239,16 @@ def _solved(own_apertures: OwnApertures, row: StatorRow, *, fineness: int) -> Po
     between = np.diff(network.segments[1:-1], axis=1).ravel()
     gaps = between if len(between) else [abs(gap) for _, _, gap in _ways_from_forces(network)]
     kept = network.survivors(float(min(gaps))) if len(gaps) else np.empty(0, int)
-    most = MAX_WAVES // max(2 * len(kept) * len(transducers), 1)
+    decay = -network.modes.wavenumbers[kept].imag * float(min(gaps, default=0.0))
+    needed = np.count_nonzero(decay < NEEDED)
     lengths = []
     for each in transducers:
         fingers = max(sum(sign in "+-" for sign in each.signs), 1)
+        most = MAX_WAVES // max(2 * needed * len(transducers), 1)  # forces alone do not change the sheets
         limit = {} if len(transducers) == 1 else {"most": min(MAX_UNKNOWNS, most * fingers)}
         lengths.append(sheet_lengths(each, fineness, **limit))
-    if len(transducers) == 1:  # forces do not change the sheets: fewer of their waves are taken
-        slowest_decay = np.argsort(-network.modes.wavenumbers[kept].imag, kind="stable")
-        kept = np.sort(kept[slowest_decay[: MAX_WAVES // (2 * len(lengths[0]))]])
+    room = max(MAX_WAVES // (2 * sum(map(len, lengths))), needed if len(transducers) > 1 else 1)
+    kept = np.sort(kept[np.argsort(decay, kind="stable")[:room]])
     travel = _travel(network, transducers, kept, lengths, own_apertures.mirror_width)
     responses, by_kind = [], {}
     for plain, transducer, own_lengths in zip(network.scatterers, transducers, lengths, strict=True):
@@ -466,10 +464,6 @@ def _response(plain: Scatterer, signs: str, kept: np.ndarray, lengths: np.ndarra
     for sheet in range(sheets):
         sent[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] += leaving[:, : 2 * m]
     dipoles = (added @ on_fingers.reshape(size, columns)).reshape(finger_potentials.shape)
-    moments_by_waves = moments @ sides[:, : 2 * m]
-    first_moments = (moments @ sides[:, 2 * m :]) @ finger_potentials + dipoles
-    for sheet in range(sheets):
-        first_moments[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] += moments_by_waves
     return _Response(
         scatterer=scatterer,
         lengths=lengths,
@@ -477,7 +471,5 @@ def _response(plain: Scatterer, signs: str, kept: np.ndarray, lengths: np.ndarra
         lines=lines,
         potentials=finger_potentials,
         sent=sent.reshape(sheets * 2 * m, columns),
-        reactions=on_fingers,
-        moments=first_moments,
         dipoles=dipoles,
     )

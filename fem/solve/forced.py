@@ -56,7 +56,7 @@ def forced_wave(
     Raises
     ------
     InputError
-        For a force that does not stand on the bare surface.
+        For a force that does not stand on the bare surface, or if all amplitudes are zero.
     ConvergenceError
         If the finest discretisation does not reach the tolerance; its ``reached`` is the best answer.
 
@@ -84,6 +84,8 @@ def forced_wave(
             raise InputError(
                 "force.position", f"must lie on the stator, 0 to {stator.length:g} m", each.position, "m", each.name
             )
+    if not any(each.amplitude for each in forces):
+        raise InputError("force.amplitude", "must differ from zero for one force at least", 0.0, "N/m")
     at = np.array(places)
     amplitudes = np.array([each.amplitude for each in forces])
 

@@ -52,6 +52,9 @@ class LineForce:
     def __post_init__(self):
         if self.component not in ("x", "z"):
             raise InputError("force.component", "must be x or z", self.component, owner=self.name)
+        for key, value, unit in (("amplitude", self.amplitude, "N/m"), ("center_y", self.center_y, "m")):
+            if not np.isfinite(value):
+                raise InputError(f"force.{key}", "must be finite", value, unit, owner=self.name)
         if not self.width > 0:
             raise InputError("force.width", "must be positive", self.width, "m", owner=self.name)
 

@@ -475,12 +475,9 @@ class Sheet:
     length: float  # m
     # as of `PortSolution`, with the potentials that would make the charges
     sides: np.ndarray = field(repr=False)
-    # shape (fingers, ports): reactions on the charged fingers, and their first moments about the middles
-    reactions: np.ndarray = field(repr=False)
-    moments: np.ndarray = field(repr=False)
-    dipoles: np.ndarray = field(repr=False)  # the part of the moments that the sides do not have
+    # first moments of the charged fingers about their middles that the sides do not have, (fingers, ports)
+    dipoles: np.ndarray = field(repr=False)
 
     def weighted(self, weights: np.ndarray) -> "Sheet":
         """Charges for sums of the excitations, ``weights`` of shape (excitations, sums)."""
-        parts = ("sides", "reactions", "moments", "dipoles")
-        return replace(self, **{name: getattr(self, name) @ weights for name in parts})
+        return replace(self, sides=self.sides @ weights, dipoles=self.dipoles @ weights)

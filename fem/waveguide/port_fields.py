@@ -73,28 +73,21 @@ class StatorRow:
         medium = self.section.solid
         ports = [port for port in self.network.ports if port.kind != "force"]
         by_name = {each.name: each for each in self.transducers}
-        apertures = np.array([by_name[port.name].aperture for port in ports])
-        widths = apertures[:, None] if solution.own_apertures else np.minimum.outer(apertures, apertures)
-        charge_unit = medium.stress_unit / medium.potential_unit
+        apertures = np.array([by_name[port.name].aperture for port in ports])[:, None]
         count, excitations = len(ports), solution.reactions.shape[1]
-        admittances = charge_admittances(
-            solution.reactions[:count, :count] * (charge_unit / medium.potential_unit), widths, self.frequency
-        )
+        # of the charges by the ports, then by forces and waves from outside, which act on the whole aperture
+        widths = np.repeat(apertures, excitations, axis=1)
+        if not solution.own_apertures:
+            widths[:, :count] = np.minimum(apertures, apertures.T)
+        charges = widths * solution.reactions[:count]
         voltage = np.array([port.kind == "voltage" for port in ports], dtype=bool)
         names = tuple(port.name for port in ports if port.kind == "voltage")
-        uncharged = _uncharged(admittances, voltage)
-        between = (admittances @ uncharged)[voltage]
-        _refuse_a_source(between, names)
-        # columns: volts, then forces and waves from outside
-        weights = np.zeros((excitations, len(names) + excitations - count), dtype=complex)
-        weights[:count, : len(names)] = uncharged / medium.potential_unit
-        weights[count:, len(names) :] = np.eye(excitations - count)
-        if count < excitations and not voltage.all():
-            means = solution.reactions[np.flatnonzero(~voltage)]
-            own = np.linalg.solve(means[:, :count][:, ~voltage], means[:, count:])
-            weights[np.flatnonzero(~voltage), len(names) :] = -own
+        weights = _uncharged(charges, voltage)
+        weights[:, : len(names)] /= medium.potential_unit
+        charge_unit = medium.stress_unit / medium.potential_unit
+        currents = charge_currents(charges[voltage] @ weights * charge_unit, self.frequency)
+        _refuse_a_source(currents[:, : len(names)], names)
         fields = solution.weighted(weights)
-        received = fields.reactions[np.flatnonzero(voltage), len(names) :] * charge_unit
         return PortFields(
             **vars(fields),
             stator=self.stator,
@@ -103,8 +96,8 @@ class StatorRow:
             owners=self.owners,
             resolution=self.resolution,
             names=names,
-            admittances=between,
-            received=charge_admittances(received, apertures[voltage, None], self.frequency),
+            admittances=currents[:, : len(names)],
+            received=currents[:, len(names) :],
         )
 
 
@@ -309,19 +302,20 @@ def _refuse_a_source(admittances: np.ndarray, names: tuple[str, ...]) -> None:
         )
 
 
-def charge_admittances(charges: np.ndarray, widths: np.ndarray, frequency: float) -> np.ndarray:
-    """Admittance matrix in S of reactions int grad psi . D, minus the charges per metre of aperture, C/m per V.
+def charge_currents(charges: np.ndarray, frequency: float) -> np.ndarray:
+    """Currents in A of reactions int grad psi . D over an aperture, which are minus the charges, C."""
+    return -2j * np.pi * frequency * charges
 
-    ``widths``: of the beam that two transducers share, the narrower aperture, m; broadcast to (n, n).
+
+def _uncharged(charges: np.ndarray, voltage: np.ndarray) -> np.ndarray:
+    """Weights of the excitations for a unit of each voltage, force and wave from outside, with no net charge.
+
+    ``charges``: of the ports, means included, by unit potentials of these, then by forces and waves from outside.
     """
-    return -2j * np.pi * frequency * widths * charges
-
-
-def _uncharged(admittances: np.ndarray, voltage: np.ndarray) -> np.ndarray:
-    """Potentials of all ports, means included, for unit voltages; the means are those of zero net charge."""
-    out = np.zeros((len(voltage), int(voltage.sum())), dtype=complex)
-    out[voltage] = np.eye(out.shape[1])
+    count, excitations = charges.shape
+    given = np.append(voltage, np.ones(excitations - count, dtype=bool))
+    out = np.eye(excitations, dtype=complex)[:, given]
     if not voltage.all():
-        rows = admittances[~voltage] / abs(np.diag(admittances))[~voltage, None]
-        out[~voltage] = -np.linalg.solve(rows[:, ~voltage], rows[:, voltage])
+        rows = charges[~voltage] / abs(np.diag(charges))[~voltage, None]
+        out[~given] = -np.linalg.solve(rows[:, ~given], rows[:, given])
     return out

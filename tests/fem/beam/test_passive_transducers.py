@@ -9,6 +9,7 @@ from fem.beam.crossed_beam import _interpolated
 from fem.beam.electrode_charges import ElectrodeCharges, electrode_charges
 from fem.beam.reception import aperture_solver
 from fem.beam.surface_beam import aperture_beam, surface_beam
+from fem.condense.transducer import finger_ports
 from fem.convergence_error import ConvergenceError
 from fem.discretize.grading import Resolution
 from fem.input_error import InputError
@@ -194,6 +195,8 @@ def test_nodal_charges_have_the_totals_and_moments_of_each_finger(pattern):
     unit = -section.solid.stress_unit / section.solid.potential_unit
     for number, (transducer, sheets) in enumerate(zip(row, found.fields.sheets, strict=True)):
         charges = electrode_charges(found, number)
+        plain = wave.solution.fields.network.scatterers[number].piece
+        fingers, dipoles = finger_ports(plain, transducer.signs.replace("0", ""))
         assert len(sheets) > 1
         for sheet, charge in zip(sheets, (charges.charge, *(q for _, q in charges.steps)), strict=True):
             charged = np.flatnonzero([sign in "+-" for sign in transducer.signs])
@@ -202,8 +205,8 @@ def test_nodal_charges_have_the_totals_and_moments_of_each_finger(pattern):
                 assert abs(own.sum()) < 1e-9 * abs(own).sum()
             for finger, total, moment in zip(
                 np.unique(charges.finger)[charged],
-                unit * sheet.reactions @ found.circuit.voltages,
-                unit * section.length_unit * sheet.moments @ found.circuit.voltages,
+                unit * (fingers.matrix[-len(charged) :] @ sheet.sides @ found.circuit.voltages),
+                unit * section.length_unit * ((dipoles @ sheet.sides + sheet.dipoles) @ found.circuit.voltages),
                 strict=True,
             ):
                 own = charges.finger == finger

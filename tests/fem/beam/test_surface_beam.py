@@ -10,7 +10,9 @@ from fem.beam.electrode_charges import electrode_charges
 from fem.beam.own_aperture import STEPS
 from fem.beam.reception import with_apertures
 from fem.beam.surface_beam import BeamError, aperture_beam, surface_beam
+from fem.discretize.error_estimate import LEVELS
 from fem.results.solution import driven_solution
+from fem.solve.harmonic import solve_driven
 from fem.waveguide.modes import power
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
 from tests.oracles.fem_plate_beam import plate_beam
@@ -259,3 +261,19 @@ def test_the_section_s_error_is_relative_to_half_its_amplitude_at_least():
     added = given.relative_error(x, y) - without.relative_error(x, y)
     assert added == pytest.approx(1e-3 * np.maximum(size, 0.5 * section) / size, rel=1e-6)
     assert added[1] > 1.02 * added[0]
+
+
+def test_a_driven_transducer_near_a_zero_of_its_response_converges_as_the_section_does():
+    """The charges of its fingers nearly cancel in the surface wave; each sheet has its own profile across a finger."""
+    solid = cut("PZT-5H", "Z")
+    stator = plate(solid, length=59.0, thickness=1.43, frequency=11.11e6, bottom="clamped")
+    one = comb(
+        stator, "a", 11.6, frequency=11.11e6, finger_pairs=12, metallisation=0.664, aperture=3.66e-3, termination="open"
+    )
+    x, found = stator.length * np.array([0.4, 0.52, 0.6]), []
+    for level in LEVELS[1:3]:
+        wave = wave_of(solve_driven(stator, (one,), frequency=11.11e6, drive="a", resolution=level))
+        found.append((wave.motion(x)[1], surface_beam(wave).motion(x)[2]))
+    (section, beam), (finer_section, finer_beam) = found
+    assert np.all(abs(section - finer_section) < 6e-4 * abs(finer_section))
+    assert np.all(abs(beam - finer_beam) < 8e-4 * abs(finer_beam))

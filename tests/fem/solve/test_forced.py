@@ -68,6 +68,25 @@ def test_forces_and_voltages_answer_each_other(solid, rest):
     assert abs(moved - expected).max() < 1e-10 * abs(expected).max()
 
 
+@pytest.mark.parametrize("rest", [{"ends": "free", "bottom": "grounded"}, {"bottom": "absorbing"}])
+def test_forces_meet_transducers_of_unequal_apertures(rest):
+    """Each transducer moves the surface over its own aperture: int velocity dy per volt is the current per N/m.
+
+    The mean potentials on a grounded section, of which one follows from the other's, are of both solutions.
+    """
+    stator = plate(cut("LiNbO3 (Kovacs)", "128YX", quality=400.0), length=9.0, **rest)
+    row = (comb(stator, "a", 2.0, finger_pairs=2), comb(stator, "b", 5.0, aperture=0.05))
+    row = stator_row(stator, row, frequency=FREQUENCY, resolution=LEVEL, forces=forces_at(stator, 0.2, 0.7, 3.6, 8.6))
+    fields, raw = row.solved(), row.network.solve()
+    potentials = np.array([own[-2:, :2] for own in fields.sides])  # (transducers, electrodes, ports)
+    by_port = np.array([potentials[:, 0] - potentials[:, 1], potentials.mean(axis=1)])  # voltages, means
+    by_port = np.swapaxes(by_port, 0, 1) * np.array([0.02, 0.05])[:, None, None]
+    expected = 2j * np.pi * FREQUENCY * raw.reactions[4:, :4] @ by_port.reshape(4, 2)
+    assert abs(fields.received.T - expected).max() < 1e-9 * abs(expected).max()
+    means = abs(raw.reactions[4:, 1:4:2] @ by_port[:, 1]).max()
+    assert means > 1e-3 * abs(raw.reactions[4:, :4] @ by_port.reshape(4, 2)).max()
+
+
 @pytest.mark.parametrize(("solid", "rest"), ROWS)
 def test_the_power_of_forces_balances(solid, rest):
     stator = plate(solid, length=9.0, **rest)
@@ -188,3 +207,8 @@ def test_a_force_under_a_transducer_is_refused():
         fields_of(stator, forces_at(stator, 2.0))
     with pytest.raises(InputError, match="component must be x or z"):
         LineForce(name="f", position=0.0, component="y")
+    with pytest.raises(InputError, match=r"force 'f'.amplitude must be finite, got inf N/m"):
+        LineForce(name="f", position=0.0, amplitude=np.inf)
+    silent = LineForce(name="f", position=0.0, amplitude=0.0)
+    with pytest.raises(InputError, match=r"force.amplitude must differ from zero for one force at least, got 0"):
+        forced_wave(stator, (), (silent,), frequency=FREQUENCY, tolerance=1e-2, places=(1e-3,))

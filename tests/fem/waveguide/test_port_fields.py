@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fem.geometry import Transducer
-from fem.waveguide.port_fields import charge_admittances, electrode_potentials, transducer_ports
+from fem.waveguide.port_fields import charge_currents, electrode_potentials, transducer_ports
 
 A = Transducer(name="a", center=0.1, finger_pairs=1, period=1e-3, metallisation=0.5, aperture=0.02)
 
@@ -32,7 +32,7 @@ def test_charges_become_currents():
     """I = i omega Q aperture with Q = -q; the narrower beam is shared."""
     q = np.array([[-2e-10, 1e-11], [1e-11, -3e-10]])
     shared = np.array([[0.02, 0.02], [0.02, 0.05]])
-    y = charge_admittances(q, shared, 1e6)
+    y = charge_currents(q * shared, 1e6)
     omega = 2e6 * np.pi
     assert y[0, 0] == pytest.approx(1j * omega * 2e-10 * 0.02, rel=1e-14)
     assert y[1, 1] == pytest.approx(1j * omega * 3e-10 * 0.05, rel=1e-14)
