@@ -16,6 +16,7 @@ import numpy as np
 
 import fem
 from studies.chain import resolve
+from studies.record.quantities import quantity
 from studies.refusal import SceneError, nearest, needed
 from studies.scene import Scene
 from studies.scene.blocks import Transducer
@@ -291,8 +292,8 @@ def draw(mask: Mask, ax, *, beam: bool) -> None:
     ax.set_xlim(-0.02e3 * mask.length, 1.02e3 * mask.length)
     ax.set_ylim(-0.52e3 * mask.width, 0.52e3 * mask.width)
     ax.set_aspect("equal")
-    ax.set_xlabel("x (mm)")
-    ax.set_ylabel("y (mm)")
+    ax.set_xlabel(quantity("x_m").axis)
+    ax.set_ylabel(quantity("y_m").axis)
     ax.legend(loc="lower right", ncols=3, fontsize="small", framealpha=0.85)
     ax.set_title(f"{mask.title}\nmask{' on the computed beam' if beam else ''}", fontsize="medium")
 

@@ -32,6 +32,7 @@ from studies.motor.followed_motor import STEPS, FollowedMotor
 from studies.motor.position_loop import Drives, Loop, Move, moved, replayed
 from studies.motor.short_bursts import short_bursts, step_scatter, steps_in_words
 from studies.record.plots import COLOURS, curve, finished
+from studies.record.quantities import quantity
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.numbers import Quantity
@@ -258,4 +259,4 @@ def figure(record: Panel, ax):
             curve(ax, at, data[f"{name}_position_m"] * 1e9 - target, "-", colour, f"{name}, to {target / 1e3:g} um")
     ax.axhspan(-2.0, 2.0, color=COLOURS["line"], alpha=0.15, linewidth=0, label="2 nm")
     ax.set_yscale("symlog", linthresh=2.0)
-    return finished(ax, "time (ms)", "position less the target (nm)", record.title, columns=3)
+    return finished(ax, quantity("time_s").axis, "position less the target (nm)", record.title, columns=3)
