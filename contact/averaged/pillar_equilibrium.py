@@ -122,9 +122,9 @@ class Equilibrium:
             self.unknowns[HEIGHT] = self._carrying(self.preload, self.rest, lambda each: weight @ each)
             self.unknowns[PITCH] = self.unknowns[ROLL] = 0.0
             if len(self.plane) > 1:
-                self._level()
+                self.level()
 
-    def _level(self):
+    def level(self):
         """Take H and tilts at which the normal forces balance at the current amplitudes, or come close to it.
 
         These forces are the derivatives of a convex potential of H and tilts. A Newton step is therefore halved until
@@ -189,36 +189,36 @@ class Equilibrium:
         moments = np.array([np.sum(P * cycle.x), np.sum(P * cycle.y)]) / (self.preload * self.arm)
         return np.array([np.sum(P) / self.preload, *moments, Q / self.friction])
 
-    def _left(self, active, side, slope):
+    def left(self, active, side, slope):
         """Return the residuals and the step of the amplitudes, over the incident one."""
         residual = self._evaluate(side)[active]
         return residual, self.cycle.wave_step(self.forces, slope) / self.amplitude
 
-    def _newton_step(self):
+    def newton_step(self):
         """Return the derivatives of the forces in the amplitudes, and Newton's step of the amplitudes."""
         slope = self.cycle.tangent(self.place, *self.moving, self.forces)
         return slope, self.cycle.wave_step(self.forces, slope) / self.amplitude
 
-    def _step(self, moves, wave_step, method=None, place=None):
-        """Return a step of unknowns and amplitudes as a vector of `_place`, not too long; improved by a method."""
+    def limited(self, moves, wave_step, method=None, place=None):
+        """Return a step of unknowns and amplitudes as a vector of `at`, improved by a method and limited in length."""
         step = np.append(moves, self.weight * wave_step.view(float))
         if method is not None:
             step = method.step(place, step)
         most = np.where(np.arange(step.size) < moves.size, MAX_MOVE, MAX_WAVE * self.weight)
         return step / max(1.0, _largest(step / most))
 
-    def _place(self, active):
+    def at(self, active):
         """Return the active unknowns and the wave's amplitudes as one scaled vector."""
         waves = self.weight * self.cycle.waves / self.amplitude
         return np.append(self.unknowns[active] / self.scale[active], waves.view(float))
 
-    def _go_to(self, place, active):
-        """Take unknowns and amplitudes from a vector of `_place`."""
+    def go_to(self, place, active):
+        """Take unknowns and amplitudes from a vector of `at`."""
         n = len(active)
         self.unknowns[active] = place[:n] * self.scale[active]
         self.cycle.waves = place[n:].view(complex) * (self.amplitude / self.weight)
 
-    def _jacobian(self, active):
+    def jacobian(self, active):
         """Return the derivatives of the residuals at constant wave amplitudes, by differences of the contacts' forces.
 
         H and tilts change the approach alone, so that one difference serves them.
@@ -250,72 +250,127 @@ class Equilibrium:
         else:
             self.unknowns[SPEED] = w
         try:
-            left = self._iterate(active, side)
+            left = _Search(self, active, side).run()
         except ConvergenceError:
             if w is None:
                 raise
             self.begin()
-            left = self._iterate(active, side, useless=1)
+            left = _Search(self, active, side, careful=True).run()
         height, pitch, roll, found = self.unknowns.tolist()
         return Balance(
             height=float(np.mean(self.rows)) if self.soft else height, tilt=(pitch, roll), w=found,
             traction=self.traction, forces=self.forces, error=left * self.speed,
         )  # fmt: skip
 
-    def _iterate(self, active, side, useless: int = 0) -> float:
+
+class _Search:
+    """One solution of the equations of a slider, from its current unknowns and amplitudes.
+
+    A step of all unknowns leads from the place `before` to `before` + `step`. The evaluation there decides on one move:
+
+    1. The step has made the residuals worse: a shorter one is taken (`_shorten`).
+    2. The amplitudes do not follow the slider yet: they move alone (`_move_waves`).
+    3. Otherwise the next step is Newton's, improved by Anderson's method (`_advance`). If the residuals stagnate, it
+       starts at the best place so far, with new derivatives.
+
+    After such a stagnation the search is careful: it shortens more, and lets the amplitudes follow after every step.
+    """
+
+    def __init__(self, equations: Equilibrium, active: list[int], side: float, careful: bool = False):
+        self.equations, self.active, self.side = equations, active, side
+        self.method, self.jacobian, self.slope = Anderson(), None, None
+        self.before = self.step = self.best = None
+        self.sizes: list[float] = []  # residuals and changes since the last derivatives
+        self.last = self.last_change = self.least = self.reached = np.inf
+        self.waits = self.shortenings = 0  # evaluations in which the amplitudes moved alone; shorter steps
+        self.stagnations = int(careful)  # in a row without progress
+
+    def run(self) -> float:
         """Change the active unknowns and the amplitudes until residuals and steps vanish; return the last step."""
-        cycle, method = self.cycle, Anderson()
-        jacobian = slope = before = step = best = None
-        sizes, last, last_change, least, reached = [], np.inf, np.inf, np.inf, np.inf
-        waits = shorter = 0
+        cycle = self.equations.cycle
         most = cycle.evaluations + MAX_EVALUATIONS
-        while useless <= USELESS and cycle.evaluations < most:
-            residual, wave_step = self._left(active, side, slope)
-            size, change = _largest(residual), _largest(wave_step)
-            careful = useless > 0
-            settled = INNER * size if careful else (START if jacobian is None else np.inf)
-            waits = waits + 1 if change > max(ROUNDING, settled) else 0
-            if waits == WAIT and before is None:
-                self.begin()
-                slope = None
-                continue
-            if jacobian is None and len(self.plane) > 1 and not waits and careful:
-                self._level()
-                residual, wave_step = self._left(active, side, slope)
-                size, change = _largest(residual), _largest(wave_step)
-            lost = not self.forces.normal.any()  # without contact the residuals do not depend on H
-            if waits:
-                worse = careful and waits > WAIT
+        while self.stagnations <= USELESS and cycle.evaluations < most:
+            self._evaluate()
+            if self.waits == WAIT and self.before is None:
+                self.equations.begin()
+                self.slope = None
+            elif self._is_worse():
+                self._shorten()
+            elif self.waits:
+                self._move_waves()
             else:
-                worse = lost or size > max(last, 1e-9 if careful else max(FAR, change))
-            if step is not None and worse and shorter < (SHORTENINGS if careful or lost else 1):
-                step, shorter, waits = SHORTER * step, shorter + 1, 0
-                self._go_to(before + step, active)
-                continue
-            if waits:  # the amplitudes alone
-                if change > SLOW * last_change:
-                    slope, wave_step = self._newton_step()
-                last_change = change
-                self._go_to(self._place(active) + self._step(0.0 * residual, wave_step), active)
-                continue
-            sizes.append(max(size, change))
-            stale = len(sizes) > PATIENCE and sizes[-1] > FALL * sizes[-PATIENCE - 1]
-            if sizes[-1] < CLOSE or (careful and stale and sizes[-1] < ROUNDING):
-                return change + _largest(residual if jacobian is None else np.linalg.pinv(jacobian) @ residual)
-            if sizes[-1] < least:
-                least, best = sizes[-1], self._place(active)
-            elif stale:
-                self._go_to(best, active)
-                residual, _ = self._left(active, side, None)
-            if stale:
-                useless, reached = (0, least) if least < 0.9 * reached else (useless + 1, reached)
-                slope, wave_step = self._newton_step()
-            if stale or jacobian is None:
-                method, sizes, jacobian = Anderson(), [least], self._jacobian(active)
-            last, last_change, before, shorter = _largest(residual), change, self._place(active), 0
-            step = self._step(_solved(jacobian, -residual), wave_step, method, before)
-            self._go_to(before + step, active)
+                self.sizes.append(max(self.size, self.change))
+                if self._is_solved():
+                    step = self.residual if self.jacobian is None else np.linalg.pinv(self.jacobian) @ self.residual
+                    return self.change + _largest(step)
+                self._advance()
+        left = max(self.size, self.change)
         raise ConvergenceError(
-            "not converged",
-            f"height, tilts, velocity and the wave leave a residual of {max(size, change):.1e} of the preload",
+            "not converged", f"height, tilts, velocity and the wave leave a residual of {left:.1e} of the preload"
         )
+
+    @property
+    def careful(self) -> bool:
+        return self.stagnations > 0
+
+    @property
+    def _stale(self) -> bool:
+        """True if the residuals have not fallen by FALL in PATIENCE steps."""
+        return len(self.sizes) > PATIENCE and self.sizes[-1] > FALL * self.sizes[-PATIENCE - 1]
+
+    def _evaluate(self):
+        """Compute the residuals and the step of the amplitudes at the current place."""
+        self._set_residual()
+        follows = INNER * self.size if self.careful else (START if self.jacobian is None else np.inf)
+        self.waits = self.waits + 1 if self.change > max(ROUNDING, follows) else 0
+        if self.jacobian is None and len(self.equations.plane) > 1 and not self.waits and self.careful:
+            self.equations.level()
+            self._set_residual()
+
+    def _set_residual(self):
+        self.residual, self.wave_step = self.equations.left(self.active, self.side, self.slope)
+        self.size, self.change = _largest(self.residual), _largest(self.wave_step)
+
+    def _is_worse(self) -> bool:
+        """True if the last step is to be shortened."""
+        lost = not self.equations.forces.normal.any()  # without contact the residuals do not depend on H
+        if self.step is None or self.shortenings >= (SHORTENINGS if self.careful or lost else 1):
+            return False
+        if self.waits:
+            return self.careful and self.waits > WAIT
+        return lost or self.size > max(self.last, 1e-9 if self.careful else max(FAR, self.change))
+
+    def _shorten(self):
+        self.step, self.shortenings, self.waits = SHORTER * self.step, self.shortenings + 1, 0
+        self.equations.go_to(self.before + self.step, self.active)
+
+    def _move_waves(self):
+        """Move the amplitudes alone, by Newton's step if their change falls too slowly."""
+        if self.change > SLOW * self.last_change:
+            self.slope, self.wave_step = self.equations.newton_step()
+        self.last_change = self.change
+        step = self.equations.limited(0.0 * self.residual, self.wave_step)
+        self.equations.go_to(self.equations.at(self.active) + step, self.active)
+
+    def _is_solved(self) -> bool:
+        return self.sizes[-1] < CLOSE or (self.careful and self._stale and self.sizes[-1] < ROUNDING)
+
+    def _advance(self):
+        """Take the next step of all unknowns."""
+        equations, stale = self.equations, self._stale
+        if self.sizes[-1] < self.least:
+            self.least, self.best = self.sizes[-1], equations.at(self.active)
+        elif stale:
+            equations.go_to(self.best, self.active)
+            self.residual, _ = equations.left(self.active, self.side, None)
+        if stale:
+            progress = self.least < 0.9 * self.reached
+            self.stagnations, self.reached = (0, self.least) if progress else (self.stagnations + 1, self.reached)
+            self.slope, self.wave_step = equations.newton_step()
+        if stale or self.jacobian is None:
+            self.method, self.sizes, self.jacobian = Anderson(), [self.least], equations.jacobian(self.active)
+        self.last, self.last_change = _largest(self.residual), self.change
+        self.before, self.shortenings = equations.at(self.active), 0
+        newton = _solved(self.jacobian, -self.residual)
+        self.step = equations.limited(newton, self.wave_step, self.method, self.before)
+        equations.go_to(self.before + self.step, self.active)

@@ -1,12 +1,24 @@
 """Results for a slider on pillars: its steady motion, and its load line."""
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from contact.averaged.overtone_cycle import OvertoneCycle
 from contact.averaged.pillars import PassingWave, Pillars
 from contact.drive import speed_scale
+
+
+class SearchState(NamedTuple):
+    """Start values for the search of a similar motion."""
+
+    unknowns: np.ndarray  # of `Equilibrium`
+    forward: np.ndarray  # amplitudes U+ and U- at the rows, m
+    backward: np.ndarray
+    approaches: np.ndarray  # mean approaches of the pillars, m
+    w: float  # v/omega, m
+    side: float  # for w = 0 the sign of the motion before it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,9 +112,7 @@ class PillarMotion:
     relative_error: float
     truncation: float
     sweeps: int
-    # Start values for the search of a similar motion: unknowns of `Equilibrium`, amplitudes U+ and U- at the rows, mean
-    # approaches of the pillars, w = v/omega in m, and for w = 0 the sign of the motion before it
-    state: tuple = field(repr=False)
+    state: SearchState = field(repr=False)
 
     @property
     def ledger_residual(self) -> float:
@@ -139,10 +149,9 @@ class PillarMotion:
         if self.harmonics > 1:
             second = self.exit_overtones[0]
         else:
-            _, forward, backward, *moving = self.state
-            cycle = OvertoneCycle(self.pillars, wave, False, 2)
-            cycle.begin(forward, backward)
-            second = cycle.radiated(wave.compliance_per_width, *moving)
+            cycle, state = OvertoneCycle(self.pillars, wave, False, 2), self.state
+            cycle.begin(state.forward, state.backward)
+            second = cycle.radiated(wave.compliance_per_width, state.approaches, state.w, state.side)
         return float(abs(second)) / wave.amplitude
 
 

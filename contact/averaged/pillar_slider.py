@@ -11,7 +11,7 @@ from contact.averaged.equilibrium import balanced_speed
 from contact.averaged.overtone_cycle import OvertoneCycle
 from contact.averaged.pillar_cycle import PillarCycle
 from contact.averaged.pillar_equilibrium import SPEED, Balance, Equilibrium
-from contact.averaged.pillar_results import PillarMotion
+from contact.averaged.pillar_results import PillarMotion, SearchState
 from contact.codes import Status
 from contact.convergence_error import ConvergenceError
 from contact.input_error import InputError
@@ -49,12 +49,12 @@ class PillarSlider:
 
     def begin_at(self, near: PillarMotion) -> None:
         """Start the next search from a motion of the same pillars."""
-        unknowns, forward, backward, *_ = near.state
-        if len(forward) == len(self.cycle.forward):
+        state = near.state
+        if len(state.forward) == len(self.cycle.forward):
             size = self.wave.amplitude / near.wave.amplitude if near.wave.amplitude > 0.0 else 1.0
-            self.equilibrium.unknowns = unknowns.copy()
+            self.equilibrium.unknowns = state.unknowns.copy()
             if self.loading == near.loading and self.loading:
-                self.cycle.begin(forward * size, backward * size)
+                self.cycle.begin(state.forward * size, state.backward * size)
         self.truncation = near.truncation
 
     def rest(self, side: float, load: float = 0.0) -> Balance:
@@ -167,7 +167,7 @@ class PillarSlider:
             normal_force=forces.normal[classes],
             friction=friction[classes], first_normal=forces.first_normal[classes],
             first_tangential=forces.first_tangential[classes], relative_error=0.0, truncation=self.truncation,
-            state=(
+            state=SearchState(
                 self.equilibrium.unknowns.copy(), cycle.forward.copy(), cycle.backward.copy(), self.equilibrium.place,
                 *self.equilibrium.moving,
             ),
