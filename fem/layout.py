@@ -304,7 +304,7 @@ def _check_materials(piece: MeshPiece) -> None:
         if name not in known:
             raise InputError(
                 "piece.materials",
-                f'must name every solid: the surface group "{name}" is no solid of the scene: {", ".join(known)}',
+                f'must give the solid of every surface group but "stator", got none for "{name}"',
                 owner=piece.name,
             )
     for name in known[1:]:

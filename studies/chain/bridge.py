@@ -8,6 +8,7 @@ dampers (the Hunt-Crossley coefficient, per contact already, stays): a mere numb
 as one.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, Self
@@ -182,17 +183,22 @@ class DrivenContact:
         """Return the orbits at a voltage in V or a given amplitude in m."""
         return scaled(self.orbits, level)
 
-    def above(self, factor: float) -> tuple[float, ...]:
-        """Return the levels above a multiple of the threshold, where the slider starts to move; refuse if none is."""
-        threshold = factor * contact.threshold_factor(self.slider, self.orbits)
-        moving = tuple(level for level in self.levels if level > threshold)
-        if not moving:
-            what = "the threshold" if factor == 1.0 else f"{factor:g} times the threshold"
-            rule = f"must hold a value above {what}, {self.scene.named(threshold)}: nothing moves below"
-            self.scene.refuse(self.scene.level_key, rule)
-        return moving
+    def above(self, factor: float, moves: Callable[[float], bool] | None = None) -> tuple[float, ...]:
+        """Return the levels above a multiple of the threshold, where the slider starts to move; refuse if none is.
 
-    def spread(self, factor: float, count: int) -> list[float]:
-        """Return at most a count of the levels above a multiple of the threshold, evenly chosen, the last included."""
-        moving = self.above(factor)
+        ``moves``: whether the slider moves at a level, where the threshold has no closed form, as on pillars.
+        """
+        if moves is None:
+            threshold = factor * contact.threshold_factor(self.slider, self.orbits)
+            limit, moving = f", {self.scene.named(threshold)}", [level > threshold for level in self.levels]
+        else:
+            limit, moving = "", [moves(level / factor) for level in self.levels]
+        if not any(moving):
+            what = "the threshold" if factor == 1.0 else f"{factor:g} times the threshold"
+            self.scene.refuse(self.scene.level_key, f"must hold a value above {what}{limit}: nothing moves below")
+        return tuple(level for level, own in zip(self.levels, moving, strict=True) if own)
+
+    def spread(self, factor: float, count: int, moves: Callable[[float], bool] | None = None) -> list[float]:
+        """Return at most a count of the levels that `above` returns, evenly chosen, the last included."""
+        moving = self.above(factor, moves)
         return sorted({moving[round(k * (len(moving) - 1) / count)] for k in range(1, count + 1)})

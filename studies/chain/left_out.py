@@ -26,7 +26,7 @@ def left_out(
     beam : bool
         True if a beam model with finite apertures computes the surface motion.
     reason : str
-        Reason for not using a beam model, if the scene does not determine it.
+        Why there is no beam (`studies.chain.resolve.section_reason`).
     ringing : RingUp or None
         Ring-up of the surface in a burst; None if the slider stands over a transducer or a meshed piece.
     trajectories : sequence of (float, contact.Trajectory)
@@ -87,9 +87,7 @@ def _surface_speed(stator) -> float:
 def _diffraction(scene: Scene, beam: bool, reason: str) -> Iterator[tuple[bool, str]]:
     """Yield the parts of the answer that neglect diffraction, with the reason."""
     if not beam:
-        setting = "is false" if scene.stator.diffraction is False else "is absent, and the scene has no slider"
-        why = reason or f"stator.diffraction {setting}"
-        yield True, f"diffraction: the wave is that of the plane section ({why})"
+        yield True, f"diffraction: the wave is that of the plane section ({reason})"
         return
     where = "the field inside" if scene.driven_obliquely else "surface.csv and the field inside"
     burst, reflects = scene.burst is not None and scene.slider is not None, scene.stator.ends != "absorbing"

@@ -173,7 +173,8 @@ def pillar_warnings(record: Record) -> Iterator[str]:
     """
     for row in record.model_error:
         if row["quantity"] == MARGIN and row["size"] >= 1.0:
-            yield f"the loaded wave leaks into bulk waves ({row['source']}): more or shorter strips, or less preload"
+            remedy = "a smaller preload, a larger area of pillars or a larger amplitude keeps it slower"
+            yield f"the loaded wave leaks into bulk waves, which is neglected ({row['source']}): {remedy}"
         if row["quantity"] == "the preload" and row["size"] >= 0.1:
             yield f"model error: {row['effect']} would add {100 * row['size']:.3g} % of the preload ({row['source']})"
     slider, block = record.scene.slider, record.scene.slider.pillars

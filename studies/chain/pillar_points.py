@@ -78,6 +78,12 @@ def pillar_velocity(driven: DrivenContact, level: float) -> float:
         return math.nan
 
 
+def moves(driven: DrivenContact, level: float) -> bool:
+    """Return whether the slider moves at a level."""
+    velocity = pillar_velocity(driven, level)
+    return math.isfinite(velocity) and velocity != 0.0
+
+
 def point_of(motion) -> dict:
     """Return the values of a point of run.json from a `contact.PillarMotion`."""
     if motion.held:

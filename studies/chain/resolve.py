@@ -239,23 +239,31 @@ def diffracts(scene: Scene) -> bool:
 @lru_cache(64)
 def spreads(block: Stator, places: tuple | None) -> bool:
     """Return True if finite apertures are computed for contacts at places (x, y); ``places`` is None without slider."""
-    diffraction = block.diffraction
-    return bool(diffraction) or (
-        diffraction is None and places is not None and not default_refusal(stator(block), places)
-    )
+    return not section_reason(block, stator(block), places)
 
 
-def default_refusal(stator, places) -> str:
-    """Return a sentence on why the section replaces the finite aperture, if the scene does not decide; or "".
+def section_reason(block: Stator, whole, places) -> str:
+    """Return why the plane section stands for the finite aperture; empty where the beam is to be computed.
 
     Contacts beside the axis, y != 0 in ``places`` (x, y), lie where the beam's amplitude varies along y, which the
     section does not describe.  Between reflecting ends the beam takes several times as long as the section, and it is
-    computed only for such contacts.
+    computed by default only for such contacts.
+
+    Parameters
+    ----------
+    block : Stator
+    whole : fem.Stator
+        Of this block, with its meshed pieces.
+    places : sequence of (float, float) or None
+        Of the contacts, m; None without a slider.
     """
-    if fem.beam_refusal(stator):
-        return fem.beam_refusal(stator)
-    if stator.ends == "absorbing" or any(y for _, y in places):
-        return ""
+    if block.diffraction is not None:
+        return "" if block.diffraction else "stator.diffraction is false"
+    if places is None:
+        return "stator.diffraction is absent, and the scene has no slider"
+    refusal = fem.beam_refusal(whole)
+    if refusal or whole.ends == "absorbing" or any(y for _, y in places):
+        return refusal
     return (
         "stator.diffraction is absent, and between reflecting ends the beam takes 2 to 4 times as long as the section; "
         "true computes it"

@@ -27,8 +27,9 @@ from studies.chain.solved_stator import SolvedStator, stator_alone
 from studies.chain.surface_motion import SurfaceMotion
 from studies.chain.warnings import warnings_of
 from studies.record import Record
-from studies.refusal import RunError, SceneError
+from studies.refusal import RunError
 from studies.scene import Scene
+from studies.scene.numbers import Quantity
 
 LOGGER = logging.getLogger("studies.run")
 # If the error of the motion is more than this fraction of that in the round before, no further round is tried, because
@@ -71,8 +72,7 @@ def run(
     >>> run("rayleigh").wave["phase_velocity_m_per_s"]  # doctest: +ELLIPSIS
     2181...
     """
-    if isinstance(tolerance, str) or not 0 < tolerance < 1:
-        raise SceneError("tolerance", f"must be a number above 0 and below 1, got {tolerance!r}")
+    tolerance = Quantity(below=1.0).read("tolerance", tolerance)
     start_time = time.perf_counter()
     with fem.blas_on_one_thread():
         record = _run(Scene.load(scene), tolerance, progress)

@@ -8,10 +8,10 @@ import numpy as np
 
 from studies.chain import passband
 from studies.chain.spectrum import port_admittances
-from studies.refusal import SceneError, needed
+from studies.refusal import needed
 from studies.scene import Scene
-from studies.scene.quantity import si_value
-from studies.scene.ranges import is_number
+from studies.scene.numbers import Quantity
+from studies.scene.override import toml_value
 
 if TYPE_CHECKING:
     import skrf
@@ -73,7 +73,4 @@ def scattering_matrix(scene: Scene, at: Any, reference: float, tolerance: float,
 
 def reference_impedance(z0: str | float) -> float:
     """Return a reference impedance in ohm."""
-    reference = float(z0) if is_number(z0) else si_value("--z0", z0, "ohm")
-    if not reference > 0:
-        raise SceneError("--z0", f"must be a positive resistance, got {z0!r} ohm")
-    return reference
+    return Quantity("ohm").read("--z0", toml_value(z0) if isinstance(z0, str) else z0)

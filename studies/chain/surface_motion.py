@@ -33,7 +33,7 @@ class SurfaceMotion:
     wave: "SurfaceWave" = field(repr=False)  # of the section
     # Of the finite aperture; None where the section stands for it
     beam: "SurfaceBeam | CrossedBeam | None" = field(default=None, repr=False)
-    reason: str = ""  # why there is no beam; empty where there is one, or none is wanted
+    reason: str = ""  # why there is no beam; empty where there is one
     # Motion and error by place (x, y): what has been evaluated
     known: dict = field(default_factory=dict, init=False, repr=False, compare=False)
 
@@ -155,18 +155,14 @@ def surface_motion(wave, block: Stator, places, *, slider: bool = True) -> Surfa
     """Return the motion of a solved stator (fem.SurfaceWave) for places (x, y) in m: that of the beam or the section.
 
     ``stator.diffraction`` is True: the finite aperture (fem.BeamError where it cannot be computed); False: the plane
-    section; None: the finite aperture under a slider, where `resolve.default_refusal` has nothing against it and the
+    section; None: the finite aperture under a slider, where `resolve.section_reason` has nothing against it and the
     error that it adds to the section's is smaller than what it changes.
     """
-    diffraction = wanted_diffraction(block.diffraction, slider)
-    if diffraction is False:
-        return SurfaceMotion(wave=wave)
-    stator = wave.solution.fields.stator
-    refusal = resolve.default_refusal(stator, places) if diffraction is None else ""
-    if refusal:
-        return SurfaceMotion(wave=wave, reason=refusal)
+    reason = resolve.section_reason(block, wave.solution.fields.stator, places if slider else None)
+    if reason:
+        return SurfaceMotion(wave=wave, reason=reason)
     spread = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave, mirror_width=block.mirror_width))
-    if diffraction is None:
+    if block.diffraction is None:
         here, there = spread.at(places)[[0, 2]], wave.motion(np.array([x for x, _ in places]))
         changed = float((abs(here - there).max(axis=0) / abs(here).max(axis=0)).max())
         added = spread.relative_error(places) - wave.relative_error
@@ -176,8 +172,3 @@ def surface_motion(wave, block: Stator, places, *, slider: bool = True) -> Surfa
                 wave=wave, reason=f"stator.diffraction is absent and {reason}; true computes it nevertheless"
             )
     return spread
-
-
-def wanted_diffraction(diffraction: bool | None, has_slider: bool) -> bool | None:
-    """Return the effective value of ``stator.diffraction``; None, where the scene leaves it open, is tried."""
-    return diffraction if diffraction is not None or has_slider else False

@@ -10,7 +10,9 @@ HELP = "list the scenes that come with the program, or copy one to start from"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("--copy", nargs=2, metavar=("NAME", "FILE"), help="write a scene that ships into a new file")
+    parser.add_argument(
+        "--copy", nargs=2, metavar=("NAME", "FILE"), help="write a scene that ships, and its meshes, into new files"
+    )
 
 
 def call(arguments: argparse.Namespace) -> int:
@@ -21,7 +23,9 @@ def call(arguments: argparse.Namespace) -> int:
         from studies.scene.file import copied
 
         name, file = arguments.copy
-        print(f"{copied(name, Path(file))}: sawmotor check {file}, sawmotor run {file}")
+        for beside in copied(name, Path(file))[1:]:
+            print(beside)
+        print(f"{file}: sawmotor check {file}, sawmotor run {file}")
         return 0
     rows = [(name, Scene.load(name).title) for name in shipped_scenes()]
     print("\n".join(labelled(rows, 2 + max(map(len, shipped_scenes())))))

@@ -17,9 +17,11 @@ from studies.export.exported import Exported
 from studies.lab.csv_columns import csv_text
 from studies.lab.encoder import recorded, travelled_distance
 from studies.lab.scan import Scan, scan_csv, scan_uff
+from studies.record.quantities import quantity
 from studies.refusal import SceneError
 from studies.report.explanation import band_seconds
 from studies.scene import Scene
+from studies.scene.numbers import Quantity
 from studies.scene.override import toml_value
 from studies.scene.quantity import si_value
 
@@ -97,13 +99,11 @@ class Recording:
     def encoder(self, scene: Scene) -> dict[str, float]:
         """Return bandwidth in Hz and sampling in s of the encoder, where they are given; SceneError without a burst."""
         encoder = {
-            option: si_value(f"--{option}", toml_value(value), unit)
+            option: Quantity(unit).read(f"--{option}", toml_value(value))
             for option, value, unit in (("bandwidth", self.bandwidth, "Hz"), ("sampling", self.sampling, "s"))
             if value is not None
         }
-        for option, value in encoder.items():
-            if not value > 0.0:
-                raise SceneError(f"--{option}", f"must be positive, got {value:g}")
+        for option in encoder:
             if scene.slider is None or scene.burst is None or self.scan is not None:
                 raise SceneError(f"--{option}", "is of an encoder: the scene needs a slider and a burst, and no --scan")
         return encoder
@@ -263,8 +263,7 @@ def _said(taken: Scan, remarks) -> tuple:
 def _draw(taken: Scan, ax):
     from studies.record.plots import curve, finished
 
-    at, scale, label = taken.coordinate, 1e3, "y (mm)" if taken.kind == "y" else "x (mm)"
-    if taken.kind == "frequency":
-        scale, label = 1e-6, "frequency (MHz)"
-    curve(ax, at * scale, np.abs(taken.values) * 1e9, ".", "slip", "virtual vibrometer", size=2.5)
-    return finished(ax, label, f"|{taken.component}| (nm per V)", "What a vibrometer would record", columns=1)
+    along = quantity({"frequency": "frequency_Hz", "y": "y_m"}.get(taken.kind, "x_m"))
+    up, sizes = quantity("amplitude_m_per_V"), np.abs(taken.values)
+    curve(ax, taken.coordinate * along.scale, sizes * up.scale, ".", "slip", "virtual vibrometer", size=2.5)
+    return finished(ax, along.axis, up.axis, f"What a vibrometer would record of {taken.component}", columns=1)

@@ -16,11 +16,12 @@ import numpy as np
 
 import fem
 from studies.chain import resolve
+from studies.record.quantities import quantity
 from studies.refusal import SceneError, nearest, needed
 from studies.scene import Scene
 from studies.scene.blocks import Transducer
+from studies.scene.numbers import Quantity
 from studies.scene.override import toml_value
-from studies.scene.quantity import si_value
 
 LAYERS = {"fingers": 1, "busbars": 2, "pads": 3, "marks": 10, "outline": 20}
 COMBS = {"+": "plus", "-": "minus", "o": "open"}
@@ -66,10 +67,8 @@ class Sizes:
             key, equals, text = (part.strip() for part in setting.partition("="))
             if not equals or key not in known:
                 raise SceneError("--size", f"must be KEY=VALUE, got {setting!r}{nearest(key, known)}")
-            value = si_value(f"size.{key}", toml_value(text), "m")
-            if value < 0.0 or (value == 0.0 and key not in ("pad", "mark")):
-                raise SceneError(f"size.{key}", f"must be positive, got {text}")
-            values[key] = value
+            rule = Quantity("m", zero=key in ("pad", "mark"))
+            values[key] = rule.read(f"size.{key}", toml_value(text))
         return cls(**values)
 
 
@@ -293,8 +292,8 @@ def draw(mask: Mask, ax, *, beam: bool) -> None:
     ax.set_xlim(-0.02e3 * mask.length, 1.02e3 * mask.length)
     ax.set_ylim(-0.52e3 * mask.width, 0.52e3 * mask.width)
     ax.set_aspect("equal")
-    ax.set_xlabel("x (mm)")
-    ax.set_ylabel("y (mm)")
+    ax.set_xlabel(quantity("x_m").axis)
+    ax.set_ylabel(quantity("y_m").axis)
     ax.legend(loc="lower right", ncols=3, fontsize="small", framealpha=0.85)
     ax.set_title(f"{mask.title}\nmask{' on the computed beam' if beam else ''}", fontsize="medium")
 

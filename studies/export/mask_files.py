@@ -6,6 +6,7 @@ import numpy as np
 
 from studies.export.exported import Exported
 from studies.export.mask import Mask, Sizes, draw, dxf, gds, layer_table, mask
+from studies.record.quantities import quantity
 from studies.scene import Scene
 
 
@@ -54,5 +55,5 @@ def _picture(drawn: Mask, scene: Scene, ax, tolerance: float, progress) -> None:
         top = float(np.quantile(size, 0.995))
         edges = (0.0, scene.stator.length * 1e3, -scene.stator.width * 5e2, scene.stator.width * 5e2)
         image = ax.imshow(size, origin="lower", extent=edges, cmap="viridis", vmin=0.0, vmax=top, aspect="equal")
-        ax.figure.colorbar(image, ax=ax, label="|u_z| (nm per V)", shrink=0.7)
+        ax.figure.colorbar(image, ax=ax, label=quantity("normal_m_per_V").axis, shrink=0.7)
     draw(drawn, ax, beam=beam is not None)

@@ -8,11 +8,12 @@ Run time: about 2 s, plus the time of the stator.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 import contact
-from studies.chain.pillar_points import PillarContact
+from studies.chain.pillar_points import PillarContact, moves
 from studies.record.plots import curve, family, finished
 from studies.record.quantities import quantity
 from studies.report.intermediate import load_axis, si
@@ -36,7 +37,8 @@ def run(scene: Scene, *, points: int = 17, tolerance: float = 1e-3, progress=Non
     """
     driven = driven_contact(scene, tolerance=tolerance, pillars=True, progress=progress)
     resolved_scene, slider, lines = driven.scene, driven.slider, {}
-    for level in driven.spread(1.05, LINES):
+    on_pillars = partial(moves, driven) if resolved_scene.on_pillars else None
+    for level in driven.spread(1.05, LINES, on_pillars):
         progress(f"load line: {driven.scene.named(level)}")
         if resolved_scene.on_pillars:
             lines[driven.scene.named(level)] = PillarContact.of(driven).load_line(level, points)

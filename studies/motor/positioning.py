@@ -32,10 +32,11 @@ from studies.motor.followed_motor import STEPS, FollowedMotor
 from studies.motor.position_loop import Drives, Loop, Move, moved, replayed
 from studies.motor.short_bursts import short_bursts, step_scatter, steps_in_words
 from studies.record.plots import COLOURS, curve, finished
+from studies.record.quantities import quantity
 from studies.refusal import SceneError
 from studies.scene import Scene
+from studies.scene.numbers import Quantity
 from studies.scene.override import parts_of, toml_value
-from studies.scene.quantity import si_value
 from studies.study import Answered, Panel, judged, of_record, study
 
 QUICK = {"cycles": (8, 25, 100)}
@@ -43,9 +44,12 @@ CYCLES = (2, 4, 8, 12, 16, 25, 36, 50, 72, 100, 150, 200)
 DEFAULT_TARGET = 1e-5  # m
 MAX_REST_ERROR = 2e-9  # m, for the error at rest to be confirmed
 MAX_POSITION_ERROR = 1e-10  # m, of the positions that are computed
-UNITS = {
-    "resolution": "m", "noise": "m", "delay": "s", "period": "s", "force": "N", "force_at": "s", "preload": "N",
-    "limit": "s", "hold": "s", "seed": "", "coarse": "m", "tolerance": "m", "single": "m", "settle": "s",
+LENGTH, TIME, GAIN = Quantity("m", zero=True), Quantity("s", zero=True), Quantity(negative=True)
+RULES = {  # of the loop's and the controllers' numbers; others are zero or positive, without a unit
+    "resolution": LENGTH, "noise": LENGTH, "coarse": LENGTH, "tolerance": LENGTH, "single": LENGTH, "delay": TIME,
+    "force_at": TIME, "hold": TIME, "settle": TIME, "period": Quantity("s"), "limit": Quantity("s"),
+    "preload": Quantity("N"), "force": Quantity("N", negative=True), "proportional": GAIN, "integral": GAIN,
+    "readings": Quantity(), "gain": Quantity(),
 }  # fmt: skip
 
 
@@ -72,7 +76,8 @@ def run(
     settings, make_controller = read_loop(loop or [], controller)
     distance = None
     if target is not None:
-        distance = si_value("--target", toml_value(target) if isinstance(target, str) else target, "m")
+        given = toml_value(target) if isinstance(target, str) else target
+        distance = Quantity("m", negative=True).read("--target", given)
         if distance == 0.0:
             raise SceneError("--target", "must not be 0: that is where the slider stands")
         refuse_beyond(scene, distance)
@@ -149,11 +154,7 @@ def read_loop(settings: list[str], name: str):
     loop_keys = {each.name for each in fields(Loop)}
     for text in settings:
         key, value = parts_of("--loop", text, "KEY=VALUE")
-        number = si_value(f"--loop {key}", toml_value(value), UNITS.get(key, ""))
-        if key not in ("force", "proportional", "integral") and number < 0.0:
-            raise SceneError(f"--loop {key}", f"must be zero or positive, got {value}")
-        if key in ("period", "limit", "preload", "readings", "gain") and not number > 0.0:
-            raise SceneError(f"--loop {key}", f"must be positive, got {value}")
+        number = RULES.get(key, Quantity(zero=True)).read(f"--loop {key}", toml_value(value))
         (loop_settings if key in loop_keys else controller_settings)[key] = int(number) if key == "seed" else number
     controller(name, controller_settings)  # check the settings before any computation
     return Loop(**loop_settings), lambda: controller(name, controller_settings)
@@ -258,4 +259,4 @@ def figure(record: Panel, ax):
             curve(ax, at, data[f"{name}_position_m"] * 1e9 - target, "-", colour, f"{name}, to {target / 1e3:g} um")
     ax.axhspan(-2.0, 2.0, color=COLOURS["line"], alpha=0.15, linewidth=0, label="2 nm")
     ax.set_yscale("symlog", linthresh=2.0)
-    return finished(ax, "time (ms)", "position less the target (nm)", record.title, columns=3)
+    return finished(ax, quantity("time_s").axis, "position less the target (nm)", record.title, columns=3)

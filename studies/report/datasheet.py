@@ -298,7 +298,7 @@ def _powers(record: Record, driven: DrivenContact, rated: float, line: Any, ball
         current = rated * abs(electrical["admittance_S"] * electrical["comb_voltage_per_volt"])
         yield Row("power", "electrical power", electrical_power, "W", electrical_error, "mean, while driven")
         yield Row("power", "current", current, "A", electrical_error, "peak, into the driven transducer")
-    best_load = f"{si(balls * line.load[best], 'N', 4)} at {line.velocity[best] * 1e3:.4g} mm/s"
+    best_load = f"{si(balls * line.load[best], 'N', 4)} at {abs(line.velocity[best]) * 1e3:.4g} mm/s"
     yield Row("power", "largest mechanical power", power, "W", error, f"of {LOADS} loads: {best_load}")
     condition = "mechanical power over the power that the wave gives the contacts, best load"
     yield Row("power", "efficiency of the contact", float(np.max(line.efficiency)), "1", error, condition)

@@ -20,7 +20,6 @@ from studies.chain.points import SHARE
 from studies.chain.ring_up import RingUp
 from studies.chain.solver_errors import answered
 from studies.chain.spectrum import groups
-from studies.chain.surface_motion import wanted_diffraction
 from studies.record.text import labelled, table
 from studies.report.contents import section
 from studies.scene import Scene
@@ -191,15 +190,13 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
         sections * sum(_operations(sizes[k]) for k in resolutions),
         sections * sum(sorted(sizes[k].block_bytes for k in resolutions)[-2:]),
     )
-    diffraction = wanted_diffraction(scene.stator.diffraction, slider is not None)
-    refusal = resolve.default_refusal(stator, slider.places) if diffraction is None else ""
-    has_beam = diffraction is not False and not refusal
-    if has_beam:
+    reason = resolve.section_reason(scene.stator, stator, None if slider is None else slider.places)
+    if not reason:
         how = "guided modes at every wavenumber across the aperture, evaluated under the slider"
         parts.append({"name": "beam", "facts": [how]})
         block_bytes += BEAM_BYTES * len(scene.transducer) / KEPT
         operations += BEAM if fem.isotropic_about_normal(stator.solid) else CUT_BEAM
-    left_out_options = {"beam": has_beam, "reason": refusal}
+    left_out_options = {"beam": not reason, "reason": reason}
     if slider is not None and scene.burst is not None:
         covered = any(abs(slider.center[0] - each.place[0]) <= each.half_length for each in scene.transducer)
         if not covered:

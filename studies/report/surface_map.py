@@ -1,6 +1,8 @@
 """Map of the surface amplitude of the beam model."""
 
-from studies.chain import resolve
+import numpy as np
+
+from studies.chain import pillars, resolve
 from studies.record.plots import COLOURS, finished
 from studies.record.quantities import quantity
 from studies.record.surface_map import surface_map
@@ -8,25 +10,35 @@ from studies.scene import Scene
 
 
 def draw_surface_map(beam, scene: Scene, ax):
-    """Draw |u_z| on the surface with the apertures of the transducers, the balls and the side faces."""
-    from matplotlib.patches import Polygon
+    """Draw |u_z| on the surface with the apertures of the transducers, the contacts and the side faces."""
+    from matplotlib.patches import Polygon, Rectangle
 
+    orange = COLOURS["intermittent"]
     x, y, motion = surface_map(beam, scene.stator)
     amplitude = abs(motion[2]).T * 1e9
     colours = ax.pcolormesh(x * 1e3, y * 1e3, amplitude, cmap="viridis", shading="gouraud", rasterized=True)
-    ax.figure.colorbar(colours, ax=ax, label=quantity("normal_m_per_V").axis)
+    ax.figure.colorbar(colours, ax=ax, label="|u_z| (nm/V)")
     for each in resolve.transducers(scene):
         ax.add_patch(Polygon(each.corners * 1e3, fill=False, edgecolor="white", linewidth=1.2))
-    ball = {"color": COLOURS["intermittent"], "markeredgecolor": "white", "markersize": 6}
-    for position in () if scene.slider is None else scene.slider.places:
-        ax.plot(*(1e3 * each for each in position), "o", **ball)
+    touching = ""
+    if scene.slider is not None and scene.slider.pillars is not None:
+        layout, touching = pillars.layout(scene.slider), "; orange: the pillars' area"
+        (left, along), (low, across) = ((layout[axis].min(), np.ptp(layout[axis])) for axis in "xy")
+        x_center, y_center = scene.slider.center
+        corner = 1e3 * (x_center + left), 1e3 * (y_center + low)
+        ax.add_patch(Rectangle(corner, 1e3 * along, 1e3 * across, fill=False, edgecolor=orange, linewidth=1.2))
+    elif scene.slider is not None:
+        touching = "; points: the slider's contacts"
+        at = 1e3 * np.array(scene.slider.places)
+        ax.plot(*at.T, "o", color=orange, markeredgecolor="white", markersize=6)
     for side in (-1, 1):
         ax.axhline(side * y[-1] * 1e3, color=COLOURS["line"], linewidth=2)
     ax.set_aspect("equal" if scene.stator.length < 12 * scene.stator.width else "auto")
-    title = f"{scene.title}: u_z of the beam; frames: apertures, points: balls"
+    title = f"{scene.title}\nbeam: |u_z|, peak, per volt; white: apertures{touching}"
     return finished(ax, quantity("x_m").axis, quantity("y_m").axis, title, columns=0, grid=False)
 
 
 def pixels(stator) -> tuple[int, int]:
-    """Return the size of the map in pixels: wide for a long stator, otherwise nearly square."""
-    return (1600, 430) if stator.length > 1.2 * stator.width else (1000, 900)
+    """Return the size of the map in pixels: the stator in proportion, with room for title, labels and colour bar."""
+    scale = min(1250 / stator.length, 800 / stator.width)
+    return round(scale * stator.length) + 350, max(round(scale * stator.width), 240) + 190

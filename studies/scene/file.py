@@ -109,22 +109,45 @@ def scene_path(source: str | Path) -> Path:
     )
 
 
-def copied(name: str, file: Path) -> Path:
-    """Write a scene that ships into a new file, with the comment that tells an editor where its JSON Schema is."""
+def copied(name: str, file: Path) -> list[Path]:
+    """Write a scene that ships into a new file, with the comment that tells an editor where its JSON Schema is.
+
+    The meshes that it names are written beside it, each with the script of the same name that drew it.
+
+    Returns
+    -------
+    list of Path
+        The files that were written, the scene first. A mesh or script that is there already with the same
+        content is left as it is.
+
+    Raises
+    ------
+    SceneError
+        If no shipped scene has the name, if a file exists with another content, or if one cannot be written.
+    """
     shipped = shipped_scenes()
     if name not in shipped:
         raise SceneError("--copy", f"no shipped scene is named {shown(name)}{nearest(name, shipped)}")
     text = shipped[name].read_text(encoding="utf-8")
     uri = (SHIPPED / SCHEMA).resolve().as_uri()
     text = text.replace(f"#:schema {SCHEMA}\n", f"#:schema {uri}\n", 1)
-    try:
-        with file.open("x", encoding="utf-8") as target:
-            target.write(text)
-    except FileExistsError:
-        raise SceneError("--copy", f"does not overwrite {str(file)!r}, which exists: name another file") from None
-    except OSError as error:
-        raise SceneError("--copy", f"cannot write {str(file)!r}: {error.strerror}") from None
-    return file
+    contents = {file: text.encode()}
+    for piece in tomllib.loads(text).get("piece", []):
+        mesh = Path(piece["file"])
+        beside = sorted((SHIPPED / mesh).parent.glob(f"{mesh.stem}.*"))
+        contents |= {file.parent / mesh.parent / each.name: each.read_bytes() for each in beside}
+    new = [each for each in contents if each == file or not each.is_file() or each.read_bytes() != contents[each]]
+    for path in new:
+        if path.exists():
+            raise SceneError("--copy", f"does not overwrite {str(path)!r}, which exists: name another file or folder")
+    for path in new:
+        try:
+            if path != file:
+                path.parent.mkdir(exist_ok=True)
+            path.write_bytes(contents[path])
+        except OSError as error:
+            raise SceneError("--copy", f"cannot write {str(path)!r}: {error.strerror}") from None
+    return new
 
 
 def read_table(source: str | Path) -> dict:

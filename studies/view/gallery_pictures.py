@@ -15,6 +15,7 @@ import fem
 from fem import reference_matrices
 from studies.chain import resolve
 from studies.record.plots import COLOURS, arrow, curve, finished, legend_below, new_figure, saved, shaded, titled
+from studies.record.quantities import quantity
 from studies.record.run_pictures import surface, velocity
 from studies.report.energies import LEDGER
 from studies.view import movie
@@ -58,9 +59,9 @@ def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
     ):  # fmt: skip
         progress(f"drawing {picture}")
         figure.savefig(folder / f"{picture}.png", dpi=DPI)
-    for picture, quantity in (("wave", "u_z"), ("wave_power_flow", "power_flow")):
+    for picture, name in (("wave", "u_z"), ("wave_power_flow", "power_flow")):
         progress(f"drawing {picture}")
-        drawn = Picture(run, views(run), size=STILL, **(GIVEN_FIELD | {"quantity": quantity}))
+        drawn = Picture(run, views(run), size=STILL, **(GIVEN_FIELD | {"quantity": name}))
         drawn.save(folder / f"{picture}.png")
     saved(folder / "velocity.png", lambda ax: velocity(record, ax))
     for module, panel in gallery.others:
@@ -156,13 +157,13 @@ def start_and_stop(trajectories, *, acceleration: float, title: str):
         end.plot((motion.time[after] - motion.duration) * 1e3, motion.velocity[after] * 1e3, color=colour)
     fastest = max((motion for _, motion in trajectories), key=lambda each: abs(each.velocity_at_burst_end))
     last = fastest.velocity_at_burst_end
-    sign, label = np.sign(last) or 1.0, "mu preload / m (theory)"
+    sign, label, velocity_label = np.sign(last) or 1.0, "mu preload / m (theory)", quantity("velocity_m_per_s").axis
     fall, rise = (np.array([0.0, speed / acceleration]) for speed in (abs(last), abs(fastest.velocity).max()))
     curve(end, fall * 1e3, (last - sign * acceleration * fall) * 1e3, ":", "line", label)
     curve(whole, rise * 1e3, sign * acceleration * rise * 1e3, ":", "line", label)
     whole.axvline(fastest.duration * 1e3, color=COLOURS["stick"], linewidth=1, label="end of the burst")
-    finished(whole, "time (ms)", "slider velocity (mm/s)", f"{title}\nstart and stop", columns=0)
-    finished(end, "time after the burst (ms)", "slider velocity (mm/s)", "", columns=0)
+    finished(whole, quantity("time_s").axis, velocity_label, f"{title}\nstart and stop", columns=0)
+    finished(end, "time after the burst (ms)", velocity_label, "", columns=0)
     legend_below(end, whole.get_legend_handles_labels()[0], columns=5)
     return figure
 
@@ -222,7 +223,7 @@ def power_along(x, power, *, covered, fed: float, title: str):
         shaded(ax, *np.multiply(span, MM))
     ax.axhline(0, color=COLOURS["line"], linewidth=0.6)
     title = f"{title}\npower flow (grey: transducers)"
-    finished(ax, "x along the surface (mm)", "power along +x (mW per V^2)", title)
+    finished(ax, quantity("x_m").axis, "power along +x (mW per V^2)", title)
     return figure
 
 

@@ -112,7 +112,7 @@ def test_where_the_beam_is_not_known(small):
         stator={"ends": "free", "material": "LiNbO3 (Kovacs)", "orientation": "128YX"}, drive={"voltage": "5 V"}
     )
     refusal = fem.beam_refusal(resolve.stator(free.stator))
-    assert resolve.default_refusal(resolve.stator(free.stator), [(0.0, 1e-3)]) == refusal
+    assert resolve.section_reason(free.stator, resolve.stator(free.stator), [(0.0, 1e-3)]) == refusal
     with pytest.raises(SceneError, match=r"stator\.diffraction must be false or absent: in this cut the field"):
         run(free.replace(stator={"diffraction": True}), tolerance=0.05)
 

@@ -483,7 +483,7 @@ def test_a_touchstone_file_of_another_range_or_ports_is_refused(tmp_path, monkey
         (["--format", "csv", "--bandwidth", "60 Hz"], "--bandwidth is of an encoder"),
         (["--format", "csv", "--sampling", "1 kg"], "--sampling must be a time"),
         (["--format", "uff", "--sampling", "1 ms"], "--sampling is not taken by the format uff"),
-        (["--format", "touchstone", "--z0", "-50"], "--z0 must be a positive resistance"),
+        (["--format", "touchstone", "--z0", "-50"], "--z0 must be positive and finite"),
         (["--format", "csv", "--noise", "3", "--seed", "1"], "--noise must be at least 0 and below 1"),
         (["--format", "csv", "--out", "a.csv"], "--out must be a directory, as there are several files"),
         (["--format", "c", "--out", "motor.c"], "--out must be a directory, as there are several files"),

@@ -104,7 +104,7 @@ def test_a_measurement_is_drawn_over_it(record, tmp_path):
         ({"band": "2.1:2.3"}, "--band must be START:STOP:N"),
         ({"band": "2.3:2.1:5"}, "--band must rise"),
         ({"band": "2 mm:3 mm:5"}, "--band must be"),
-        ({"z0": "0"}, "--z0 must be a positive resistance"),
+        ({"z0": "0"}, "--z0 must be positive and finite"),
         ({"z0": "50 V"}, "--z0 .*an impedance"),
         ({"measured": "nothing.s2p", "band": "2.1:2.3:2"}, "--measured must be a Touchstone file"),
     ],

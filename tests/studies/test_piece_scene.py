@@ -356,7 +356,7 @@ def test_a_ball_over_a_groove_is_refused_wherever_it_is_asked_for(tmp_path):
 def test_materials_and_electrodes(tmp_path):
     groups = ("left", "right", "bottom", "electrode:strip")
     strip = rectangle(tmp_path / "s.msh", 1.0, 1.1, size=0.5, strip=(0.4, 0.2, 0.1), groups=groups)
-    assert 'the surface group "strip" is no solid of the scene: stator' in refused(strip)
+    assert 'the solid of every surface group but "stator", got none for "strip"' in refused(strip)
     assert 'names "alu", which is no surface group of the file: strip' in refused(
         strip, materials={"strip": "aluminium", "alu": "aluminium"}
     )

@@ -281,3 +281,17 @@ def test_a_shipped_scene_is_copied_to_start_from(tmp_path, capsys, monkeypatch):
     said = capsys.readouterr().err.splitlines()
     assert Path("motor.toml").read_text() == "mine"
     assert ["does not overwrite" in said[0], "did you mean twente?" in said[1], len(said)] == [True, True, 3]
+
+
+def test_a_copied_scene_brings_its_meshes(tmp_path, capsys, monkeypatch):
+    """The copy passes its check in a directory of its own, and a mesh that was changed there is not overwritten."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["scenes", "--copy", "reflector", "motor.toml"]) == 0
+    assert main(["check", "motor.toml"]) == 0
+    assert "meshes/groove.msh" in capsys.readouterr().out
+    assert main(["scenes", "--copy", "reflector", "again.toml"]) == 0
+    Path("meshes/groove.msh").write_text("mine")
+    assert main(["scenes", "--copy", "reflector", "third.toml"]) == 2
+    assert "does not overwrite 'meshes/groove.msh'" in capsys.readouterr().err
+    assert Path("meshes/groove.msh").read_text() == "mine"
+    assert not Path("third.toml").exists()

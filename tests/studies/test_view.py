@@ -17,6 +17,8 @@ import meshio
 import numpy as np
 import pytest
 import pyvista
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from PIL import Image
 
 from studies import view
@@ -24,6 +26,7 @@ from studies.__main__ import main
 from studies.chain import run
 from studies.record.files import write_run
 from studies.refusal import RunError, SceneError
+from studies.report import surface_map
 from studies.scene import Scene, read_table
 from studies.view import field_data, movie, wave_page
 from studies.view.options import Wanted
@@ -32,6 +35,7 @@ from studies.view.quantities import shade
 from studies.view.run_field import run_field
 from studies.view.section import magnification, piece
 from studies.view.views import View, chosen_views, limits, near, views
+from tests.studies.legible import assert_legible
 from tests.studies.settings import assigned
 
 MM = 1e3
@@ -482,11 +486,29 @@ def page(found):
     return wave_page.page(found, quantity="potential", phase=0.5, factor=None, span=(0.012, 0.016))
 
 
+@pytest.mark.parametrize(("length", "width"), [("20 mm", "12 mm"), ("60 mm", "14 mm"), ("160 mm", "35 mm")])
+def test_the_map_of_the_beam_has_room_for_its_texts(monkeypatch, length, width):
+    """Title, labels and colour bar lie inside the picture, and the stator fills most of it."""
+    scene = Scene.load("lithium-niobate-yz").replace(stator={"length": length, "width": width})
+    x, y = np.linspace(0, scene.stator.length, 9), np.linspace(-0.5, 0.5, 5) * scene.stator.width
+    field = np.multiply.outer(np.ones(3), np.outer(np.cos(3e3 * x), y + scene.stator.width)) * 1e-9
+    monkeypatch.setattr(surface_map, "surface_map", lambda beam, stator: (x, y, field))
+    wide, high = (each / 150 for each in surface_map.pixels(scene.stator))
+    figure = Figure(figsize=(wide, high), dpi=150, layout="constrained")
+    FigureCanvasAgg(figure)
+    ax = figure.add_subplot()
+    surface_map.draw_surface_map(None, scene, ax)
+    assert_legible(figure)
+    drawn = ax.get_window_extent()
+    assert drawn.width * drawn.height > 0.45 * figure.bbox.width * figure.bbox.height
+
+
 def test_the_page_shows_the_beam_beside_the_plane_section(page, plane):
-    """A picture of the size of u_z over the surface, wider than high; none where the wave does not spread."""
+    """A picture of the size of u_z over the surface, in its proportions; none where the wave does not spread."""
     (picture,) = re.findall(r'<img alt="size of u_z over the surface[^>]*base64,([^"]*)"', page)
     width, height = Image.open(io.BytesIO(base64.b64decode(picture))).size
-    assert width > height
+    wide, high = surface_map.pixels(plane.scene.stator)
+    assert width / height == pytest.approx(wide / high, rel=0.02)
     assert "plane section" in page
     without = wave_page.page(plane, quantity="u_z", phase=0.0, factor=None, span=None)
     assert "<img" not in without
