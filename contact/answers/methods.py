@@ -107,8 +107,7 @@ def _times(paths, factor):
 def silence(motion):
     """Return a copy of the motion that continues from the state at phase 0 without the wave."""
     still = motion.copy()
-    still.problem = without_wave(motion.problem)
-    still.place(*motion.state[:3], motion.state[3:])
+    still.place(*motion.state[:3], motion.state[3:], problem=without_wave(motion.problem))
     still.begin()
     return still
 

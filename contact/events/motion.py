@@ -49,14 +49,16 @@ class Motion:
         # what the kernels take: the arrays themselves
         self.carried = segment.State(state[:3], state[3:], sign, regime, tally, sums)
 
-    def place(self, height, normal_velocity, speed, deformations=0.0):
+    def place(self, height, normal_velocity, speed, deformations=0.0, problem=None):
         """Set the state at phase 0: slider position and its rate, slider velocity, deformations; all scaled.
 
         With the hysteretic law contacts that have a memory are taken there from where they are, on a straight line in
-        approach and deformation.
+        approach and deformation. `problem` is that of the motion from here on, in the same units; None keeps it.
         """
+        before = self._approaches(self.state[At.POSITION])
+        self.problem = problem or self.problem
         if self.memory is not None:
-            self._displace(height, normal_velocity, speed, deformations)
+            self._displace(before, height, normal_velocity, speed, deformations)
             return
         self.state[:3] = height, normal_velocity, speed
         self.state[3:] = deformations
@@ -141,9 +143,8 @@ class Motion:
         every = np.arange(self.problem.contacts)
         return approach(self.problem.paths, every, self.problem.paths.normal_cos, Coordinates(height, 0.0))
 
-    def _displace(self, height, normal_velocity, speed, deformations):
-        c, state = self.problem.limit_slope, self.carried
-        before, after = self._approaches(state.slider[At.POSITION]), self._approaches(height)
+    def _displace(self, before, height, normal_velocity, speed, deformations):
+        c, state, after = self.problem.limit_slope, self.carried, self._approaches(height)
         target = np.broadcast_to(np.asarray(deformations, float), self.regime.shape)
         for i in range(self.regime.size):
             # a memory is known at the end of a run, where the surface is as at phase 0

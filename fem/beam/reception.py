@@ -49,7 +49,7 @@ from fem.waveguide.row_solver import Element, solve_row
 SHORTEST = 0.5  # least aperture over wavelength: shorter fingers are not line sources
 # Size of the system of waves between transducers, two per sheet and mode.  Waves that decay by exp(-NEEDED) or more on
 # the way are left out first, then steps of the charges along the fingers.
-MAX_WAVES, NEEDED = 3000, 14.0
+MAX_WAVES, NEEDED = 3000, 11.5
 # Nodes for interpolation over a band, at least and per rad of phase; the admittance is accurate to 1e-5.
 LEAST_NODES, NODES_PER_SWING = 5, 1.2
 

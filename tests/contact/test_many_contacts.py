@@ -1,5 +1,7 @@
 """Many contacts, whose segments span events, against few, whose segments end at every event: the same motion."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -112,3 +114,13 @@ def test_the_work_grows_as_the_contacts():
         motion.turn(10)
         sweeps.append(motion.events()["sweeps"])
     assert sweeps[1] < 1.2 * sweeps[0]
+
+
+def test_segments_grow_again_after_a_rough_place():
+    """A light slider at a fine tolerance: 100 segments and 51 halvings in three cycles; 270 if none grew again."""
+    body = replace(motor(16), mass=1e-3 * motor(16).mass)
+    motion = rest(body, waves(16), rest_problem(body, waves(16)), nodes=12, truncation=1e-11)
+    motion.turn(3)
+    found = motion.events()
+    assert 60 < found["stretches"] < 150
+    assert 20 < found["halvings"] < 0.7 * found["stretches"]

@@ -180,6 +180,16 @@ def test_contacts_apart_on_the_wave_keep_their_memories():
     assert found.ledger.relative_residual < 1e-8
 
 
+def test_contacts_apart_on_the_wave_keep_their_memories_when_the_wave_stops():
+    # the surface falls to rest under the second contact, whose memory goes with it
+    pair = (orbit(5e-9), orbit(5e-9).scaled(np.exp(1j)))
+    found = burst(
+        slider(law="hysteretic"), pair, duration=12 / FREQUENCY, after=5 / FREQUENCY, tolerance=1e-10, samples=2
+    )
+    assert found.after_ledger.relative_residual < 1e-11
+    assert found.ledger.relative_residual < 1e-11
+
+
 @pytest.mark.parametrize(("contacts", "gap"), [(2, 0.35e-3), (3, 0.5e-3)])
 def test_contacts_apart_on_the_wave_move_as_rows_of_springs_do(contacts, gap):
     # The springs' own error at 400 springs and 400 steps is 6e-5 (2e-5 at 1000 of each)

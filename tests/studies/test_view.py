@@ -516,10 +516,11 @@ def test_the_map_of_the_beam_has_room_for_its_texts(monkeypatch, length, width):
 
 
 def test_the_page_shows_the_beam_beside_the_plane_section(page, plane):
-    """A picture of the size of u_z over the surface, wider than high; none where the wave does not spread."""
+    """A picture of the size of u_z over the surface, in its proportions; none where the wave does not spread."""
     (picture,) = re.findall(r'<img alt="size of u_z over the surface[^>]*base64,([^"]*)"', page)
     width, height = Image.open(io.BytesIO(base64.b64decode(picture))).size
-    assert width > height
+    wide, high = surface_map.pixels(plane.scene.stator)
+    assert width / height == pytest.approx(wide / high, rel=0.02)
     assert "plane section" in page
     without = wave_page.page(plane, quantity="u_z", phase=0.0, factor=None, span=None)
     assert "<img" not in without
