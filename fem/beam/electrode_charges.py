@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.beam.lateral import sheet_spectrum
 from fem.discretize.spectral import gll_nodes
 from fem.results.evaluation import left_edge
 from fem.results.solution import Solution
@@ -118,8 +119,7 @@ class ElectrodeCharges:
     def plane_transform(self, vector: np.ndarray, aperture: float, origin: float) -> np.ndarray:
         """Fourier transform in the plane at wave vectors (k_x, k_y), shape (2, n), about the centre, in C per V."""
         return sum(
-            replace(self, charge=charge, steps=()).transform(vector[0], origin)
-            * (length * np.sinc(vector[1] * length / (2 * np.pi)))
+            replace(self, charge=charge, steps=()).transform(vector[0], origin) * sheet_spectrum(length, vector[1])
             for length, charge in ((aperture, self.charge), *self.steps)
         )
 

@@ -28,7 +28,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.beam.lateral import LateralRule, evanescent, lateral_rule, wavenumber_along
+from fem.beam.lateral import (
+    PLANE,
+    LateralRule,
+    evanescent,
+    highest_wavenumber,
+    lateral_rule,
+    rounded_reach,
+    wavenumber_along,
+)
 from fem.beam.line_source import KEPT, SIGNS, LineSource, load_scale, shear_modes, static_mode
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.section import Section
@@ -116,13 +124,12 @@ class Faces:
 
     def returned(self, reach: float, sources: list, mirror_width: float | None) -> Returned:
         """Reflected waves of sources (pairs of positions and charges), for points within a lateral reach in m."""
-        reach = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # rounded up, so that few rules serve all points
-        rule = lateral_rule(self.highest, reach, evanescent(self.highest, self._gap(sources)), mirror_width)
-        return self._at_nodes(rule, sources)
+        fade = evanescent(self.highest, self._gap(sources))
+        return self._at_nodes(lateral_rule(self.highest, rounded_reach(reach), fade, mirror_width), sources)
 
     def plane(self, sources: list) -> Returned:
         """Reflected waves at k_y = 0, for fields that do not depend on y."""
-        return self._at_nodes(LateralRule(nodes=np.zeros(1), weights=np.ones(1)), sources)
+        return self._at_nodes(PLANE, sources)
 
     def _gap(self, sources: list) -> float:
         """Smallest distance between a face and a charge, m."""
@@ -190,7 +197,7 @@ def faces(fields: PortFields, source: LineSource) -> Faces:
     return Faces(
         length=stator.length,
         ends=stator.ends,
-        highest=float(np.sqrt((turned.wavenumbers**2).real.max())) / turned.section.length_unit,
+        highest=highest_wavenumber(turned.wavenumbers) / turned.section.length_unit,
         surface=surface,
         static=turned.wavenumbers == 0,
         wanted=np.ones_like(surface),
