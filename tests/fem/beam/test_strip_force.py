@@ -161,8 +161,7 @@ def test_a_transducer_receives_what_it_sends_to_the_strip(orientation, name, lar
 
 @pytest.mark.parametrize("bottom", ["grounded", "free"])
 def test_each_finger_receives_the_beam_at_its_own_distance(bottom):
-    """The strip's beam falls by a third over 10 wavelengths of fingers: the charges by the beam at their centre are 0.02
-    to 0.37 off.
+    """Charges by the beam at the centre of 10 wavelengths of fingers are 0.02 to 0.37 off.
 
     The sum of the fingers' charges is held against the velocity under the strip by both transducers, of equal fingers
     at unequal distances.
