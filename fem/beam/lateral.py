@@ -211,7 +211,7 @@ def wavenumber_along(wavenumbers: complex | np.ndarray, lateral: np.ndarray) -> 
     return np.where(kappa.imag > ROUNDING * abs(kappa), -kappa, kappa)
 
 
-def turned(wavenumbers: np.ndarray, along: np.ndarray, *, tangential: bool = False) -> np.ndarray | float:
+def turned(wavenumbers: complex | np.ndarray, along: np.ndarray, *, tangential: bool = False) -> np.ndarray | float:
     """Amplitude of modes with the wavenumbers ``along``, kappa, along x over that at k_y = 0: k / kappa.
 
     ``tangential``: sent by a force along x, of which the part kappa / k acts along the wave vector.
@@ -220,10 +220,8 @@ def turned(wavenumbers: np.ndarray, along: np.ndarray, *, tangential: bool = Fal
 
 
 def sheet_spectrum(lengths: float | np.ndarray, lateral: np.ndarray) -> np.ndarray:
-    """Fourier transform W sinc(k_y W / 2) of 1 on |y| < W / 2, in m, shape (*lengths, *lateral)."""
-    return np.multiply.outer(lengths, np.ones(np.shape(lateral))) * np.sinc(
-        np.multiply.outer(lengths, lateral / (2 * np.pi))
-    )
+    """Fourier transform W sinc(k_y W / 2) of 1 on |y| < W / 2, in m, shape (*lengths, nodes)."""
+    return np.asarray(lengths)[..., None] * np.sinc(np.multiply.outer(lengths, lateral / (2 * np.pi)))
 
 
 def highest_wavenumber(wavenumbers: np.ndarray) -> float:
