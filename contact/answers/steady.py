@@ -229,6 +229,8 @@ class _Search(NamedTuple):
 
         `velocity` in m/s is that on the mirrored orbits, `height` is in m.
         """
+        if self.slider.load > 0.0 and velocity * self.balance.load_sign < 0.0:
+            message += "; it moves in the direction of the load, which opposes the unloaded motion of the cycle means"
         counted = motion.events()
         moving = "intermittent" if counted["release"] else "slip"
         return _Solution(
