@@ -45,7 +45,7 @@ METHODS = ("auto", "exact", "averaged")
 # for drawn motors; two of these motions were found after 191 and 200 cycles.
 SLOWEST_WAVE, SETTLE = 20.0, 200
 # That mean covers this many bounce periods, but at most this many wave cycles (less than a second). In 40 draws the
-# mean over 80 periods was smaller than that over 20, 0.4 of it in the median, and more than twice as large in 4.
+# mean over 80 periods was 0.45 of that over 20 in the median, and more than twice as large in 4.
 BOUNCES, MAX_BOUNCE_CYCLES = 20.0, 4000
 # Shooting would take too long if a cycle has more segments than this: a segment takes 2 to 4 us for one to three
 # contacts, and a search about 40 cycles.
