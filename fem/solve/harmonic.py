@@ -113,6 +113,8 @@ def solution_differences(fine: tuple[Solution, np.ndarray], coarse: tuple[Soluti
 
 
 def motion_difference(fine: np.ndarray, coarse: np.ndarray) -> float:
-    """Largest relative difference of orbits (u_x, u_z), shape (2, places), after their common phase is removed."""
-    phase = np.exp(1j * np.angle(np.sum(np.conj(coarse) * fine, axis=0)))
-    return float(np.max(abs(fine - phase * coarse).max(axis=0) / abs(fine).max(axis=0)))
+    """Largest relative difference of orbits (u_x, u_z), shape (2, places).
+
+    The phase counts: where a beam's waves interfere, its amplitude changes by what their phases do in the section.
+    """
+    return float(np.max(abs(fine - coarse).max(axis=0) / abs(fine).max(axis=0)))

@@ -13,14 +13,14 @@ import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
 from studies.chain import resolve
+from studies.record.surface_map import surface_map
 from studies.refusal import SceneError
 from studies.view.quantities import QUANTITIES, Shade, shade_of
 from studies.view.run_field import LINES, RunField
 
 AMPLITUDE = 0.08  # wavelengths: size at which the largest displacement is drawn
 FACET = 4.0  # largest distance of drawn points over the smallest
-BEAM_LINES, ACROSS = 12, 81  # lines on the surface under a beam: per wavelength along x, and across the width
-CROSSED_LINES = 8  # lines per wavelength along x and y where beams cross
+PER_WAVELENGTH = 12, 8  # lines on the surface under a beam: along x; along x and y where beams cross
 MOTIONS = ("u_x", "u_y", "u_z")
 
 
@@ -144,11 +144,8 @@ def beam_sheet(run: RunField, name: str, *, envelope: bool = False) -> tuple[Sha
     if name not in MOTIONS:
         rule = f"must be one of {', '.join(MOTIONS)} on the surface of the beam, got {name!r}"
         raise SceneError("--quantity", f"{rule}: --show field has it in the section")
-    crossed, stator = run.scene.crossed, run.scene.stator
-    lines = (CROSSED_LINES if crossed else BEAM_LINES) / run.wavelength
-    x, half = np.linspace(0.0, stator.length, int(stator.length * lines) + 1), stator.width / 2
-    y = np.linspace(-half, half, int(stator.width * lines) + 1 if crossed else ACROSS)
-    moved = np.moveaxis(run.beam.motion(x[:, None], y), 0, -1)
+    x, y, motion = surface_map(run.beam, run.scene.stator, PER_WAVELENGTH)
+    moved = np.moveaxis(motion, 0, -1)
     size = moved[..., MOTIONS.index(name), None]
     drawn = QUANTITIES[name]
     if envelope:

@@ -65,10 +65,9 @@ def test_a_run_of_crossing_beams(crossing):
     assert Scene.from_table("", scene.to_table()) == scene
 
 
-def test_the_map_shows_turned_frames(crossing, monkeypatch):
+def test_the_map_shows_turned_frames(crossing):
     from matplotlib.figure import Figure
 
-    monkeypatch.setattr("studies.record.surface_map.CROSSED", 1)
     still = SimpleNamespace(wave=crossing.surface_wave, rows=(), motion=lambda x, y: np.zeros((3, len(x), len(y))))
     ax = draw_surface_map(still, crossing.scene, Figure().add_subplot())
     left, front = (patch.get_path().vertices[:4] for patch in ax.patches)

@@ -1,5 +1,7 @@
 """Elasticities: Hertz's exponents, friction's law, Richardson extrapolation, and the study's record."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -59,6 +61,9 @@ def test_richardson_s_error_is_that_of_the_last_extrapolation(monkeypatch):
 
     class Known:
         given_wave, one_by_one = True, False
+
+        def scene(self, changes):
+            return SimpleNamespace(level_key="wave.normal_amplitude")
 
         def answers(self, many, also, *, tolerance, averaged):
             s = np.log([changes["wave.normal_amplitude"] / 6.3e-9 for changes in many])

@@ -28,7 +28,7 @@ from studies.record.files import write_run
 from studies.refusal import RunError, SceneError
 from studies.report import surface_map
 from studies.scene import Scene, read_table
-from studies.view import field_data, movie, wave_page
+from studies.view import field_data, gallery_pictures, movie, wave_page
 from studies.view.options import Wanted
 from studies.view.picture import Picture
 from studies.view.quantities import shade
@@ -375,6 +375,18 @@ def test_the_solid_carries_the_beam_over_its_whole_width(found):
         picture_of(found, quantity="power_flow", **given)
 
 
+def test_pictures_of_the_gallery_keep_their_colours(found, tmp_path):
+    """The palette is that of the picture's own colour map: the solid of a short stator shows u_z with its sign."""
+    for shown in ((), views(found)):
+        picture_of(found, shown).save(tmp_path / "whole.png")
+        gallery_pictures.still(picture_of(found, shown), tmp_path / "kept.png")
+        whole, kept = (
+            np.asarray(Image.open(tmp_path / f"{name}.png").convert("RGB")).astype(int) for name in ("whole", "kept")
+        )
+        assert (whole[..., 0] - whole[..., 2] > 60).mean() > 1e-3
+        assert (abs(whole - kept).max(axis=2) > 40).mean() < 1e-3
+
+
 def test_the_solid_carries_field_within_the_aperture_only_and_says_so(plane):
     drawn = picture_of(plane, factor=1.0, size=(600, 300)).plotter
     bounds = drawn.renderers[1].actors["surface"].mapper.dataset.bounds
@@ -504,10 +516,11 @@ def test_the_map_of_the_beam_has_room_for_its_texts(monkeypatch, length, width):
 
 
 def test_the_page_shows_the_beam_beside_the_plane_section(page, plane):
-    """A picture of the size of u_z over the surface, wider than high; none where the wave does not spread."""
+    """A picture of the size of u_z over the surface, in its proportions; none where the wave does not spread."""
     (picture,) = re.findall(r'<img alt="size of u_z over the surface[^>]*base64,([^"]*)"', page)
     width, height = Image.open(io.BytesIO(base64.b64decode(picture))).size
-    assert width > height
+    wide, high = surface_map.pixels(plane.scene.stator)
+    assert width / height == pytest.approx(wide / high, rel=0.02)
     assert "plane section" in page
     without = wave_page.page(plane, quantity="u_z", phase=0.0, factor=None, span=None)
     assert "<img" not in without

@@ -88,7 +88,7 @@ def test_gain_is_low_where_the_layer_decides():
 
 def test_a_further_level_of_the_layer_alone_changes_little():
     """PZT-5A over the static element and 128YX: the layer's share of the error is far below the level's 7e-5."""
-    for name, orientation, bound in (("PZT-5A", "Z", 3e-5), ("LiNbO3 (Kovacs)", "128YX", 3e-5)):
+    for name, orientation, bound in (("PZT-5A", "Z", 5e-5), ("LiNbO3 (Kovacs)", "128YX", 5e-5)):
         stator = plate(cut(name, orientation, quality=300.0), length=9.0, thickness=2.0, bottom="absorbing")
         transducer = comb(stator, "a", 2.0, finger_pairs=2)
         near, far = (
