@@ -6,6 +6,7 @@ all nodes of the charge times the response of the bare surface.
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -59,7 +60,8 @@ class Fingers(NamedTuple):
         return np.tensordot(self.moments, series, axes=1)
 
 
-class ChargeSheet(NamedTuple):
+@dataclass(frozen=True)
+class ChargeSheet:
     """Charges that are uniform over |y - center| < length / 2; x, charge and finger as in `ElectrodeCharges`."""
 
     x: np.ndarray
@@ -68,13 +70,18 @@ class ChargeSheet(NamedTuple):
     length: float
     center: float
 
+    @cached_property
+    def fingers(self) -> Fingers:
+        """Fingers and the moments of their charges."""
+        return Fingers.of(self.x, self.charge, self.finger)
+
     @property
     def lumps(self) -> tuple[np.ndarray, np.ndarray]:
         """Positions (m) and sizes of three point charges per finger, for static fields.
 
         They have the total charge, the dipole moment and the second moment of the finger.
         """
-        fingers = Fingers.of(self.x, self.charge, self.finger)
+        fingers = self.fingers
         half = np.maximum(fingers.last - fingers.first, np.finfo(float).tiny) / 2  # of lines
         total, dipole, spread = (fingers.moments[:, power] * (fingers.half_width / half) ** power for power in range(3))
         places = np.add.outer(np.array([-1, 0, 1]), np.zeros(len(half))) * half + fingers.middles
@@ -83,7 +90,7 @@ class ChargeSheet(NamedTuple):
 
     def transform(self, wavenumbers: np.ndarray, origin: float) -> np.ndarray:
         """T(k) = sum_j q_j exp(i k (x_j - x_0)) in C/m per V, for k in rad/m of any shape and x_0 = ``origin`` in m."""
-        k, fingers = np.asarray(wavenumbers), Fingers.of(self.x, self.charge, self.finger)
+        k, fingers = np.asarray(wavenumbers), self.fingers
         out = np.empty(k.shape, dtype=complex)
         slow = fingers.phase(k) < MAX_PHASE
         phases = np.exp(1j * np.multiply.outer(fingers.middles - origin, k[slow]))
