@@ -36,7 +36,7 @@ from threading import Lock
 
 import numpy as np
 
-from fem.beam.lateral import evanescent, lateral_rule, wavenumber_along
+from fem.beam.lateral import evanescent, highest_wavenumber, lateral_rule, sheet_spectrum, turned, wavenumber_along
 from fem.beam.line_source import line_source
 from fem.beam.own_aperture import MAX_UNKNOWNS, Coupling, finger_coupling, sheet_lengths
 from fem.condense.transducer import finger_ports
@@ -102,17 +102,17 @@ def aperture_coupling(
     -------
     ndarray, shape (*receivers, *senders, modes)
     """
-    highest = float(np.sqrt((wavenumbers**2).real.max()))
+    highest = highest_wavenumber(wavenumbers)
     reach = (np.max(sender) + np.max(receiver)) / 2 + abs(offset)
     rule = lateral_rule(highest, reach, evanescent(highest, distance), mirror_width)
     out = np.empty((*np.shape(receiver), *np.shape(sender), len(wavenumbers)), dtype=complex)
-    for some, one in ((wavenumbers.real >= 0, rule), (wavenumbers.real < 0, rule.conjugate)):
+    for some, one in rule.contours(wavenumbers):
         k = wavenumbers[some, None]
         along = wavenumber_along(k, one.nodes)
-        sent_at_angle = 1.0 if tangential else k / along
-        waves = sent_at_angle * np.exp(-1j * (along - k) * distance) * (one.weights * np.cos(one.nodes * offset))
-        sent, received = (np.sinc(np.multiply.outer(each, one.nodes / (2 * np.pi))) for each in (sender, receiver))
-        sent = sent * np.asarray(sender)[..., None]
+        waves = turned(k, along, tangential=tangential) * np.exp(-1j * (along - k) * distance)
+        waves = waves * (one.weights * np.cos(one.nodes * offset))
+        sent, received = (sheet_spectrum(each, one.nodes) for each in (sender, receiver))
+        received = received / np.asarray(receiver)[..., None]
         both = np.expand_dims(received, tuple(range(np.ndim(receiver), np.ndim(receiver) + np.ndim(sender)))) * sent
         out[..., some] = both @ waves.T
     return out

@@ -59,7 +59,7 @@ def with_scattering(beam: "SurfaceBeam") -> PortFields:
     places = np.array([each.center for each in fields.transducers])
     shares = np.ones((len(places), ports + len(beam.strips)), dtype=complex)
     for column, strip in enumerate(beam.strips, start=ports):
-        unit = strip.sheet._replace(charge=np.ones(1))
+        unit = replace(strip.sheet, charge=np.ones(1))
         alone = replace(beam, charges=(), apertures=(), centers=(), strips=(Strip(unit, strip.source),)).surface_mode
         (emitter,) = alone.emitters
         plane = emitter.plane_waves(places, beam.wavelength)

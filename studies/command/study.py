@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("name", nargs="?", metavar="NAME", help="which study")
     parser.add_argument("scene", nargs="?", metavar="SCENE", help="a path or a shipped name, for studies of a scene")
     add_shared(parser, "--over")
-    parser.add_argument("--band", metavar="START:STOP:N", help="network, force_response: frequencies in MHz")
+    parser.add_argument("--band", metavar="START:STOP:N", help="network, force_response, reflector: frequencies in MHz")
     parser.add_argument("--z0", metavar="OHM", help="network: reference impedance (50)")
     parser.add_argument(
         "--measured",
