@@ -40,7 +40,8 @@ class Slider:
     preload : float
         Normal force that presses the slider onto the surface, including its weight, N, zero or positive.
     load : float
-        Constant force against the direction of the unloaded motion, N, zero or positive.
+        Constant force against the direction of the unloaded motion, N, zero or positive. The direction is that of the
+        cycle means, also for a slider that hops. Such a slider may move the other way, and then the load drives it.
     friction_coefficient : float
         Coefficient of friction mu, zero or positive.
     effective_modulus, tangential_modulus : float

@@ -51,9 +51,12 @@ from contact.problem import scaled
 from contact.roots import bracketed
 from contact.slider import Slider
 
-ACCURACY = 1e-5  # relative, of the bisection in the averaged equilibrium
+# Relative accuracy of the bisection in the averaged equilibrium. It is part of the error, and below the error of
+# averaging for f_n/f above 0.0022.
+ACCURACY = 1e-5
 # SAMPLES: phases per cycle of the periodic motion. ROOT: relative tolerance of the factor at which its margin vanishes.
-# MAX_REACH: largest relative distance from the averaged factor at which that factor is searched.
+# MAX_REACH: largest relative distance from the averaged factor at which that factor is searched, or else the averaged
+# factor is the answer. In 207 searches for drawn motors a larger one was needed 16 times, always at f_n/f above 0.5.
 SAMPLES, ROOT, MAX_REACH = 256, 1e-10, 0.5
 # smallest stated relative error of this factor: bisection of the full motion at f_n/f = 0.2 differs by 5e-7
 LEAST_ERROR = 1e-6
@@ -61,8 +64,9 @@ LEAST_ERROR = 1e-6
 # (`tests/contact/test_threshold_answers.py`), and up to 1.9 in draws with unequal balls or the hysteretic law.
 AVERAGING_ERROR = 2.0
 # The threshold is infinite if the slider is still held at this many times the factor of the first slip of any contact.
+# In 38 drawn motors with unequal contacts it was 1 to 1.36 times that factor.
 CLIMB = 100.0
-# orbits within this relative difference count as equal
+# Orbits within this relative difference count as equal: a thousandth of LEAST_ERROR, and far above rounding.
 ALIKE = 1e-9
 PHASES = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 512, endpoint=False))
 

@@ -53,7 +53,7 @@ STUCK_CYCLES = 64
 STEPS_PER_CYCLE, MAX_STEP = 64, 0.2
 # largest number of segments (some seconds) and of cycles in a run
 BUDGET, MAX_CYCLES = 600_000, 30_000
-MEMORY = 10.0  # cost of a segment with the hysteretic law, relative to the elastic law
+MEMORY = 4.0  # cost of a segment with the hysteretic law over that with the elastic law: 2.0 to 4.0 in four bursts
 BATCHES, STUDENT = 16, 2.13  # number of batch means, and Student's factor for 95 % with 15 degrees of freedom
 # A contact with a tangential resonance above this times the wave frequency moves with the surface from the start.
 SLOW = 5.0

@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.beam.lateral import LateralRule, lateral_rule
+from fem.beam.lateral import PLANE, LateralRule, lateral_rule, rounded_reach
 from fem.beam.line_source import KEPT, LOADED, LOCAL, Branch, Load, load_scale
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
@@ -151,18 +151,17 @@ class CutSource:
 
         The parameters are those of `LineSource.branches`; ``_resolved`` has no effect here.
         """
-        rounded = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # rounded up, so that few rules serve all points
         low, high = (each * self.wavenumber for each in FADE)
         floats = self.section.floating_potential
         options = {"cusp": True} if floats else {"max_tilt": TILT_GROUNDED}
         options["coarser"] = spacing * (SPACING_FLOATING if floats else SPACING_GROUNDED)
         narrow = NARROWER * low, NARROWER * high
-        rule = lateral_rule(self.wavenumber, rounded, (low, high), mirror_width, narrow=narrow, **options)
+        rule = lateral_rule(self.wavenumber, rounded_reach(reach), (low, high), mirror_width, narrow=narrow, **options)
         yield from self._branches_at(rule, distance)
 
     def plane(self, _resolved: float) -> Iterator[Branch]:
         """Waves at k_y = 0, for fields that do not depend on y."""
-        for branch in self._branches_at(LateralRule(nodes=np.zeros(1), weights=np.ones(1)), 0.0):
+        for branch in self._branches_at(PLANE, 0.0):
             if branch.signs[0][0] > 0:
                 yield branch
 

@@ -5,11 +5,13 @@ the sum of the reactions of the potential in the columns that meet there.  The f
 all nodes of the charge times the response of the bare surface.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
+from fem.beam.lateral import sheet_spectrum
 from fem.discretize.spectral import gll_nodes
 from fem.results.evaluation import left_edge
 from fem.results.solution import Solution
@@ -58,7 +60,8 @@ class Fingers(NamedTuple):
         return np.tensordot(self.moments, series, axes=1)
 
 
-class ChargeSheet(NamedTuple):
+@dataclass(frozen=True)
+class ChargeSheet:
     """Charges that are uniform over |y - center| < length / 2; x, charge and finger as in `ElectrodeCharges`."""
 
     x: np.ndarray
@@ -67,18 +70,33 @@ class ChargeSheet(NamedTuple):
     length: float
     center: float
 
+    @cached_property
+    def fingers(self) -> Fingers:
+        """Fingers and the moments of their charges."""
+        return Fingers.of(self.x, self.charge, self.finger)
+
     @property
     def lumps(self) -> tuple[np.ndarray, np.ndarray]:
         """Positions (m) and sizes of three point charges per finger, for static fields.
 
         They have the total charge, the dipole moment and the second moment of the finger.
         """
-        fingers = Fingers.of(self.x, self.charge, self.finger)
+        fingers = self.fingers
         half = np.maximum(fingers.last - fingers.first, np.finfo(float).tiny) / 2  # of lines
         total, dipole, spread = (fingers.moments[:, power] * (fingers.half_width / half) ** power for power in range(3))
         places = np.add.outer(np.array([-1, 0, 1]), np.zeros(len(half))) * half + fingers.middles
         charges = np.stack([(spread - dipole) / 2, total - spread, (spread + dipole) / 2])
         return places.ravel(), charges.ravel()
+
+    def transform(self, wavenumbers: np.ndarray, origin: float) -> np.ndarray:
+        """T(k) = sum_j q_j exp(i k (x_j - x_0)) in C/m per V, for k in rad/m of any shape and x_0 = ``origin`` in m."""
+        k, fingers = np.asarray(wavenumbers), self.fingers
+        out = np.empty(k.shape, dtype=complex)
+        slow = fingers.phase(k) < MAX_PHASE
+        phases = np.exp(1j * np.multiply.outer(fingers.middles - origin, k[slow]))
+        out[slow] = np.sum(fingers.sums(k[slow]) * phases, axis=0)
+        out[~slow] = np.exp(1j * np.multiply.outer(k[~slow], self.x - origin)) @ self.charge
+        return out
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,25 +120,11 @@ class ElectrodeCharges:
     finger: np.ndarray = field(repr=False)
     steps: tuple[tuple[float, np.ndarray], ...] = field(default=(), repr=False)
 
-    def transform(self, wavenumbers: np.ndarray, origin: float) -> np.ndarray:
-        """T(k) = sum_j q_j exp(i k (x_j - x_0)) in C/m per V, for k in rad/m of any shape and x_0 = ``origin`` in m.
-
-        Only the charge that is uniform along the whole aperture is included.
-        """
-        k, fingers = np.asarray(wavenumbers), Fingers.of(self.x, self.charge, self.finger)
-        out = np.empty(k.shape, dtype=complex)
-        slow = fingers.phase(k) < MAX_PHASE
-        phases = np.exp(1j * np.multiply.outer(fingers.middles - origin, k[slow]))
-        out[slow] = np.sum(fingers.sums(k[slow]) * phases, axis=0)
-        out[~slow] = np.exp(1j * np.multiply.outer(k[~slow], self.x - origin)) @ self.charge
-        return out
-
     def plane_transform(self, vector: np.ndarray, aperture: float, origin: float) -> np.ndarray:
         """Fourier transform in the plane at wave vectors (k_x, k_y), shape (2, n), about the centre, in C per V."""
         return sum(
-            replace(self, charge=charge, steps=()).transform(vector[0], origin)
-            * (length * np.sinc(vector[1] * length / (2 * np.pi)))
-            for length, charge in ((aperture, self.charge), *self.steps)
+            sheet.transform(vector[0], origin) * sheet_spectrum(sheet.length, vector[1])
+            for sheet in self.sheets(aperture, 0.0)
         )
 
     def sheets(self, aperture: float, center: float) -> list[ChargeSheet]:

@@ -28,7 +28,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.beam.lateral import LateralRule, evanescent, lateral_rule, wavenumber_along
+from fem.beam.electrode_charges import ChargeSheet
+from fem.beam.lateral import (
+    PLANE,
+    LateralRule,
+    evanescent,
+    highest_wavenumber,
+    lateral_rule,
+    rounded_reach,
+    wavenumber_along,
+)
 from fem.beam.line_source import KEPT, SIGNS, LineSource, load_scale, shear_modes, static_mode
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.section import Section
@@ -38,7 +47,6 @@ from fem.waveguide.port_fields import PortFields
 
 # k_y over the largest wavenumber that replaces k_y = 0, where the constant potential is a double root.
 NEARLY_ZERO = 1e-8
-SAME_STEP = 1e-15  # m: steps from charge to charge that differ by less share their phase factors
 
 
 class Sent(NamedTuple):
@@ -114,22 +122,21 @@ class Faces:
         """The same faces with the surface wave alone in the field."""
         return replace(self, wanted=self.surface)
 
-    def returned(self, reach: float, sources: list, mirror_width: float | None) -> Returned:
-        """Reflected waves of sources (pairs of positions and charges), for points within a lateral reach in m."""
-        reach = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # rounded up, so that few rules serve all points
-        rule = lateral_rule(self.highest, reach, evanescent(self.highest, self._gap(sources)), mirror_width)
-        return self._at_nodes(rule, sources)
+    def returned(self, reach: float, sources: list[ChargeSheet], mirror_width: float | None) -> Returned:
+        """Reflected waves of sources, for points within a lateral reach in m."""
+        fade = evanescent(self.highest, self._gap(sources))
+        return self._at_nodes(lateral_rule(self.highest, rounded_reach(reach), fade, mirror_width), sources)
 
-    def plane(self, sources: list) -> Returned:
+    def plane(self, sources: list[ChargeSheet]) -> Returned:
         """Reflected waves at k_y = 0, for fields that do not depend on y."""
-        return self._at_nodes(LateralRule(nodes=np.zeros(1), weights=np.ones(1)), sources)
+        return self._at_nodes(PLANE, sources)
 
-    def _gap(self, sources: list) -> float:
+    def _gap(self, sources: list[ChargeSheet]) -> float:
         """Smallest distance between a face and a charge, m."""
-        return min(min(x.min(), self.length - x.max()) for x, _ in sources)
+        return min(min(each.x.min(), self.length - each.x.max()) for each in sources)
 
-    def _at_nodes(self, rule: LateralRule, sources: list) -> Returned:
-        key = rule.nodes.tobytes(), *(each.tobytes() for source in sources for each in source)
+    def _at_nodes(self, rule: LateralRule, sources: list[ChargeSheet]) -> Returned:
+        key = rule.nodes.tobytes(), *(each.tobytes() for source in sources for each in (source.x, source.charge))
         if key not in self._known:
             gap = self._gap(sources)
             by_node = [self._at_node(lateral, sources, gap) for lateral in rule.nodes]
@@ -137,7 +144,7 @@ class Faces:
             self._known[key] = Returned(rule, along, motion, SIGNS)
         return self._known[key]
 
-    def _at_node(self, lateral: complex, sources: list, gap: float) -> tuple[np.ndarray, np.ndarray]:
+    def _at_node(self, lateral: complex, sources: list[ChargeSheet], gap: float) -> tuple[np.ndarray, np.ndarray]:
         """Wavenumbers (2, modes) and motion (2, 3, sources, modes) of the reflected waves.
 
         The equations of the module docstring are solved for c = (1 - R_0 E R_L E)^-1 R_0 (b + E R_L a) on the modes
@@ -148,13 +155,10 @@ class Faces:
         modes, to_right, to_left = self.at(lateral)
         forward, backward = (each / modes.section.length_unit for each in (modes.wavenumbers, -modes.backwards))
         kept = np.flatnonzero(np.minimum(-forward.imag, -backward.imag) * gap < -np.log(KEPT))
-        # a and b; ``from_face``: distances of the charges from the face, rising, and the charges
+        # a and b
         at_right, at_left = (
-            sent[kept, None] * np.stack([_arriving(k[kept], *each) for each in from_face], axis=1)
-            for sent, k, from_face in (
-                (to_right, forward, [(self.length - x[::-1], charge[::-1]) for x, charge in sources]),
-                (to_left, backward, sources),
-            )
+            amplitudes[kept, None] * np.stack([each.transform(k[kept], place) for each in sources], axis=1)
+            for amplitudes, k, place in ((to_right, forward, self.length), (to_left, -backward, 0.0))
         )
         left = end_reflection(modes, self.ends, 0, kept)
         alike = modes.section.lateral_odd is not None
@@ -175,12 +179,6 @@ class Faces:
         return np.stack([forward, backward]), np.stack(motion)
 
 
-def _arriving(k: np.ndarray, x: np.ndarray, charge: np.ndarray) -> np.ndarray:
-    """Sum of q_j exp(-i k x_j) for increasing x_j, shape of k; equal steps between the x_j share an exponential."""
-    steps, which = np.unique(np.round(np.diff(x, prepend=0.0) / SAME_STEP), return_inverse=True)
-    return np.cumprod(np.exp(-1j * np.outer(k, steps * SAME_STEP))[:, which], axis=1) @ charge
-
-
 def faces(fields: PortFields, source: LineSource) -> Faces:
     """Reflecting ends of a stator whose solid is isotropic about z, from the solution of its section."""
     stator = fields.stator
@@ -190,7 +188,7 @@ def faces(fields: PortFields, source: LineSource) -> Faces:
     return Faces(
         length=stator.length,
         ends=stator.ends,
-        highest=float(np.sqrt((turned.wavenumbers**2).real.max())) / turned.section.length_unit,
+        highest=highest_wavenumber(turned.wavenumbers) / turned.section.length_unit,
         surface=surface,
         static=turned.wavenumbers == 0,
         wanted=np.ones_like(surface),

@@ -15,7 +15,7 @@ k_y = 2 pi n / width.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
 
@@ -56,6 +56,15 @@ class LateralRule:
     def conjugate(self) -> "LateralRule":
         """The same rule with its contour mirrored at the real axis."""
         return LateralRule(nodes=self.nodes.conj(), weights=self.weights.conj(), share=self.share)
+
+    def contours(self, wavenumbers: np.ndarray) -> Iterator[tuple[np.ndarray, "LateralRule"]]:
+        """Which modes are forward or backward, by Re k at k_y = 0, each with the rule on their contour."""
+        yield wavenumbers.real >= 0, self
+        yield wavenumbers.real < 0, self.conjugate
+
+
+# For fields that do not depend on y.
+PLANE = LateralRule(nodes=np.zeros(1), weights=np.ones(1))
 
 
 def lateral_rule(
@@ -146,7 +155,7 @@ def inverse_transform(
 ) -> np.ndarray:
     """Inverse Fourier transform of the motion u from k_y to y, by all RULES, shape (RULES, 3, points).
 
-    A sheet of length W about y_0 has the spectrum s(k_y) = W sinc(k_y W / 2) exp(i k_y y_0), and
+    A sheet of length W about y_0 has the spectrum s(k_y) of `sheet_spectrum` times exp(i k_y y_0), and
 
         u(x, y) = sum over both signs of k_y and the nodes n of  w_n / 2  u^(x, k_y) exp(-i k_y y),
 
@@ -158,7 +167,7 @@ def inverse_transform(
     lateral, weights = waves.rule.nodes, waves.rule.weights / 2
     narrow = None if np.all(waves.rule.share == 1.0) else weights * waves.rule.share
     lengths, centers = (np.array([getattr(each, name) for each in sheets]) for name in ("length", "center"))
-    uniform = lengths[:, None] * np.sinc(np.outer(lengths, lateral / (2 * np.pi)))
+    uniform = sheet_spectrum(lengths, lateral)
     total = np.zeros((RULES, 3, count), dtype=complex)
     for sign, factors in waves.signs:
         # sheets centred on y = 0 have the same spectrum at both signs of k_y: the sum over the charges is done once
@@ -200,6 +209,29 @@ def wavenumber_along(wavenumbers: complex | np.ndarray, lateral: np.ndarray) -> 
     """
     kappa = np.where(np.real(wavenumbers) < 0, -1, 1) * np.sqrt(wavenumbers**2 - lateral**2 + 0j)
     return np.where(kappa.imag > ROUNDING * abs(kappa), -kappa, kappa)
+
+
+def turned(wavenumbers: complex | np.ndarray, along: np.ndarray, *, tangential: bool = False) -> np.ndarray | float:
+    """Amplitude of modes with the wavenumbers ``along``, kappa, along x over that at k_y = 0: k / kappa.
+
+    ``tangential``: sent by a force along x, of which the part kappa / k acts along the wave vector.
+    """
+    return 1.0 if tangential else wavenumbers / along
+
+
+def sheet_spectrum(lengths: float | np.ndarray, lateral: np.ndarray) -> np.ndarray:
+    """Fourier transform W sinc(k_y W / 2) of 1 on |y| < W / 2, in m, shape (*lengths, nodes)."""
+    return np.asarray(lengths)[..., None] * np.sinc(np.multiply.outer(lengths, lateral / (2 * np.pi)))
+
+
+def highest_wavenumber(wavenumbers: np.ndarray) -> float:
+    """Square root of the largest real part of k^2: the lateral wavenumber beyond which all modes are evanescent."""
+    return float(np.sqrt((wavenumbers**2).real.max()))
+
+
+def rounded_reach(reach: float) -> float:
+    """Reach along y rounded up to a power of the root of 2, so that few rules serve all points."""
+    return float(2.0 ** (np.ceil(2 * np.log2(reach)) / 2))
 
 
 def evanescent(highest: float, distance: float) -> tuple[float, float]:

@@ -31,7 +31,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from fem.beam.lateral import LateralRule, evanescent, lateral_rule, wavenumber_along
+from fem.beam.lateral import PLANE, LateralRule, evanescent, highest_wavenumber, lateral_rule, turned, wavenumber_along
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.materials.medium import Medium
 from fem.waveguide.modes import GuidedModes
@@ -142,7 +142,7 @@ class LineSource:
 
     def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
         """Wavenumber along x of the surface wave at lateral wavenumbers, rad/m; in a plate the mean of both modes."""
-        return np.sqrt(np.mean(self.wavenumbers[self.surface]) ** 2 - np.square(lateral))
+        return wavenumber_along(np.mean(self.wavenumbers[self.surface]), lateral)
 
     def branches(
         self, reach: float, distance: float, resolved: float, mirror_width: float | None, spacing: float = 1.0
@@ -152,13 +152,12 @@ class LineSource:
         Modes that decay by more than exp(-LOCAL) over the length ``resolved`` are omitted.  ``spacing``: factor on the
         distance of the nodes in k_y.
         """
-        highest = float(np.sqrt((self.wavenumbers**2).real.max()))
+        highest = highest_wavenumber(self.wavenumbers)
         fade = evanescent(highest, max(distance, resolved))
         rule = lateral_rule(highest, reach, fade, mirror_width, coarser=spacing)
-        backward = self.wavenumbers.real < 0
         lasting = self._lasting(distance, resolved)
-        for modes, contour in ((lasting & ~backward, rule), (lasting & backward, rule.conjugate)):
-            along, motion = self._turned(modes, contour.nodes)
+        for modes, contour in rule.contours(self.wavenumbers):
+            along, motion = self._turned(lasting & modes, contour.nodes)
             if mirror_width is not None and contour is rule:  # the pole at k = 0, kappa = -i k_y
                 pole = np.zeros((3, 1, len(contour.nodes)), dtype=complex)
                 pole[0], pole[1] = self.static, 1j * self.static * (contour.nodes > 0)
@@ -168,8 +167,7 @@ class LineSource:
 
     def plane(self, resolved: float) -> Iterator[Branch]:
         """The same modes at k_y = 0, for fields that do not depend on y: a rule of one node with weight 1."""
-        rule = LateralRule(nodes=np.zeros(1), weights=np.ones(1))
-        yield from self._both_sides(rule, *self._turned(self._lasting(0.0, resolved), rule.nodes))
+        yield from self._both_sides(PLANE, *self._turned(self._lasting(0.0, resolved), PLANE.nodes))
 
     def static_motion(self, distance: np.ndarray, above: np.ndarray, below: np.ndarray) -> tuple:
         """u_x and u_y in m of the pole at k = 0, where kappa = -i |k_y|, by a unit of load per metre of a sheet.
@@ -196,8 +194,8 @@ class LineSource:
         """Modes at lateral wavenumbers (n,): kappa_p, shape (modes, n), and u of waves to the right, (3, modes, n)."""
         k = self.wavenumbers[modes, None]
         along = wavenumber_along(k, lateral)
-        by_length = np.ones_like(along) if self.load == "x" else k / along  # with the part of a force along the vector
-        u_s, u_z = self.tangential[modes, None] * by_length, self.normal[modes, None] * by_length
+        sent = turned(k, along, tangential=self.load == "x")
+        u_s, u_z = (each[modes, None] * np.broadcast_to(sent, along.shape) for each in (self.tangential, self.normal))
         u_t = -self.shear[modes, None] * lateral / along
         cosine, sine = along / k, lateral / k
         return along, np.stack([u_s * cosine - u_t * sine, u_s * sine + u_t * cosine, u_z])

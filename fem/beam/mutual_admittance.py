@@ -13,7 +13,7 @@ potential of mode p per line charge.  The solid is isotropic about z.
 import numpy as np
 
 from fem.beam.electrode_charges import ElectrodeCharges
-from fem.beam.lateral import evanescent, lateral_rule, wavenumber_along
+from fem.beam.lateral import evanescent, highest_wavenumber, lateral_rule, turned, wavenumber_along
 from fem.beam.line_source import KEPT, LOCAL, line_source
 from fem.geometry import Transducer, separation, turn
 from fem.waveguide.modes import GuidedModes
@@ -65,11 +65,11 @@ def mutual_admittance(
     # from centre to centre, and more than KEPT after the gap.
     kept = -k.imag * max(wavelength / LOCAL, distance / MAX_DECAY_EXPONENT, gap / -np.log(KEPT)) < 1
     reach = abs(offset) + sum(float(abs((each.corners - each.corners.mean(axis=0)) @ across).max()) for each in plan)
-    highest = float(np.sqrt((k**2).real.max()))
+    highest = highest_wavenumber(k)
     rule = lateral_rule(highest, reach, evanescent(highest, max(gap, wavelength)))
     total = 0.0
-    for number in np.flatnonzero(kept):
-        contour = rule.conjugate if k[number].real < 0 else rule
+    pairs = [(number, contour) for some, contour in rule.contours(k) for number in np.flatnonzero(kept & some)]
+    for number, contour in pairs:
         kappa = wavenumber_along(k[number], contour.nodes)
         for side in (1, -1):  # both signs of k_t, half the weight each
             lateral = side * contour.nodes
@@ -80,6 +80,6 @@ def mutual_admittance(
             ]
             phase = np.exp(-1j * (kappa * distance + lateral * offset))
             total += source.potential[number] * np.sum(
-                contour.weights / 2 * (k[number] / kappa) * transforms[0] * transforms[1] * phase
+                contour.weights / 2 * turned(k[number], kappa) * transforms[0] * transforms[1] * phase
             )
     return complex(-2j * np.pi * modes.frequency * total)

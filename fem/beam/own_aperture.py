@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.beam.lateral import wavenumber_along
+from fem.beam.lateral import highest_wavenumber, sheet_spectrum, turned, wavenumber_along
 from fem.beam.line_source import LineSource
 from fem.beam.point_potential import PointPotential
 from fem.geometry import Transducer
@@ -89,14 +89,14 @@ def _between_mirrors(k: complex, aperture: float, x: np.ndarray, width: float, h
     """Mean of a mode over the aperture between mirrors, a sum over k_y = 2 pi n / width, minus the section's value."""
     lateral = np.arange(1, int(highest * width / (2 * np.pi))) * (2 * np.pi / width)
     along = wavenumber_along(k, lateral)
-    shares = 2 * aperture / width * np.sinc(lateral * aperture / (2 * np.pi)) ** 2 * (k / along)
+    shares = 2 / (aperture * width) * sheet_spectrum(aperture, lateral) ** 2 * turned(k, along)
     return shares @ np.exp(-1j * np.outer(along, x)) + (aperture / width - 1) * np.exp(-1j * k * x)
 
 
 def image_potential(source: LineSource, aperture: float, x: np.ndarray, width: float) -> np.ndarray:
     """Mean potential over the aperture by its mirror images in two faces ``width`` apart, V per C/m, shape (n,)."""
     k = source.wavenumbers
-    highest = WIDEST * float(np.sqrt((k**2).real.max()))
+    highest = WIDEST * highest_wavenumber(k)
     slow = abs(k) < highest / WIDEST * SLOW  # the other modes decay before they reach the mirrors
     part = source.some(slow)
     total = sum(

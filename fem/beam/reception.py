@@ -21,6 +21,9 @@ of the potentials in own_aperture.py and V the potentials of the ports.  Then
 with the matrices Q_a and Q_U of the section.  An arriving beam phi(y) is projected on the sheets f_c: sum_b O_cb a_b =
 int f_c phi dy.
 
+The waves between transducers are those at the receiver's centre.  Those of a force are a_b there and a_b + A_bf on
+finger f, which adds the potential sum_b A_bf Q_U^-1 Q_a to U, that of the wave on each finger.
+
 Limits: the solid must be isotropic about z and the ends must absorb.  Otherwise transducers receive waves, and respond
 to their own charges, as in the section.  Open strips always respond as in the section.
 """
@@ -33,7 +36,7 @@ from threading import Lock
 
 import numpy as np
 
-from fem.beam.lateral import evanescent, lateral_rule, wavenumber_along
+from fem.beam.lateral import evanescent, highest_wavenumber, lateral_rule, sheet_spectrum, turned, wavenumber_along
 from fem.beam.line_source import line_source
 from fem.beam.own_aperture import MAX_UNKNOWNS, Coupling, finger_coupling, sheet_lengths
 from fem.condense.transducer import finger_ports
@@ -99,17 +102,17 @@ def aperture_coupling(
     -------
     ndarray, shape (*receivers, *senders, modes)
     """
-    highest = float(np.sqrt((wavenumbers**2).real.max()))
+    highest = highest_wavenumber(wavenumbers)
     reach = (np.max(sender) + np.max(receiver)) / 2 + abs(offset)
     rule = lateral_rule(highest, reach, evanescent(highest, distance), mirror_width)
     out = np.empty((*np.shape(receiver), *np.shape(sender), len(wavenumbers)), dtype=complex)
-    for some, one in ((wavenumbers.real >= 0, rule), (wavenumbers.real < 0, rule.conjugate)):
+    for some, one in rule.contours(wavenumbers):
         k = wavenumbers[some, None]
         along = wavenumber_along(k, one.nodes)
-        sent_at_angle = 1.0 if tangential else k / along
-        waves = sent_at_angle * np.exp(-1j * (along - k) * distance) * (one.weights * np.cos(one.nodes * offset))
-        sent, received = (np.sinc(np.multiply.outer(each, one.nodes / (2 * np.pi))) for each in (sender, receiver))
-        sent = sent * np.asarray(sender)[..., None]
+        waves = turned(k, along, tangential=tangential) * np.exp(-1j * (along - k) * distance)
+        waves = waves * (one.weights * np.cos(one.nodes * offset))
+        sent, received = (sheet_spectrum(each, one.nodes) for each in (sender, receiver))
+        received = received / np.asarray(receiver)[..., None]
         both = np.expand_dims(received, tuple(range(np.ndim(receiver), np.ndim(receiver) + np.ndim(sender)))) * sent
         out[..., some] = both @ waves.T
     return out
@@ -194,9 +197,10 @@ class OwnApertures:
 
 @dataclass(frozen=True, kw_only=True)
 class _Response:
-    """Response of a transducer to the waves that arrive on each of its sheets, and to the voltages of its ports.
+    """Response of a transducer to the waves that arrive on each of its sheets, to its ports and to forces.
 
-    The columns of the arrays are, for every sheet, the modes from the left and those from the right; then the ports.
+    The columns of the arrays are, for every sheet, the modes from the left and those from the right; then the ports;
+    then for each force the change of its waves from finger to finger.
     """
 
     scatterer: Scatterer
@@ -250,16 +254,21 @@ def _solved(own_apertures: OwnApertures, row: StatorRow, *, fineness: int) -> Po
     room = max(MAX_WAVES // (2 * sum(map(len, lengths))), needed if len(transducers) > 1 else 1)
     kept = np.sort(kept[np.argsort(decay, kind="stable")[:room]])
     travel = _travel(network, transducers, kept, lengths, own_apertures.mirror_width)
-    responses, by_kind = [], {}
-    for plain, transducer, own_lengths in zip(network.scatterers, transducers, lengths, strict=True):
-        key = id(plain), transducer.aperture  # equal transducers share a scatterer and a response
+    outside, changes = _from_forces(network, transducers, kept, lengths, own_apertures.mirror_width)
+    responses, couplings, by_kind = [], {}, {}
+    for index, (plain, transducer, own_lengths) in enumerate(
+        zip(network.scatterers, transducers, lengths, strict=True)
+    ):
+        kind = id(plain), transducer.aperture  # equal transducers share a scatterer, and without forces a response
+        if kind not in couplings:
+            couplings[kind] = own_apertures.coupling(network, replace(transducer, name="", center=0.0), own_lengths)
+        key = (*kind, index if network.forces else 0)
         if key not in by_kind:
-            change = own_apertures.coupling(network, replace(transducer, name="", center=0.0), own_lengths)
-            by_kind[key] = _response(plain, transducer.signs, kept, own_lengths, change)
+            by_kind[key] = _response(plain, transducer.signs, kept, own_lengths, couplings[kind], changes[index])
         responses.append(by_kind[key])
     network = replace(network, scatterers=tuple(each.scatterer for each in responses))
     ports, first = len(network.ports), np.cumsum([0, *(len(each.sent) for each in responses)])
-    volts = [np.eye(ports)[numbers] for numbers in network.numbers]
+    volts = [np.eye(ports)[[*numbers, *network.forces]] for numbers in network.numbers]
     elements = [
         Element(
             scattering=each.sent[:, : stop - start],
@@ -269,7 +278,7 @@ def _solved(own_apertures: OwnApertures, row: StatorRow, *, fineness: int) -> Po
         )
         for each, own_volts, start, stop in zip(responses, volts, first, first[1:], strict=False)
     ]
-    solved = solve_row(elements, travel, _from_forces(network, transducers, kept, lengths, own_apertures.mirror_width))
+    solved = solve_row(elements, travel, outside)
     sides, incoming, charges, sheets = [], [], [], []
     for each, own_volts, element in zip(responses, volts, elements, strict=True):
         weights = np.concatenate([solved.arriving[element.arrives], own_volts])
@@ -363,35 +372,55 @@ def _from_forces(
     kept: np.ndarray,
     lengths: list[np.ndarray],
     mirror_width: float | None,
-) -> np.ndarray | None:
-    """Amplitudes that arrive directly from the strips of force, (waves, ports); None without a force.
+) -> tuple[np.ndarray | None, list[np.ndarray]]:
+    """Waves that arrive directly from the strips of force, and their change from finger to finger.
 
-    The rows are those of `_travel`.  A force of a width w sends its waves as a sheet of charge of this length does.
+    The amplitudes (waves, ports) are those at the centre of a transducer, None without a force; their rows are those of
+    `_travel`.  A force of a width w sends its waves as a sheet of charge of this length does.
+
+    On each finger the mean over a sheet is B of `aperture_coupling` at its own distance instead of that of the centre:
+    the changes of the amplitudes are (sheets, fingers, 2 modes, forces) for each transducer.
     """
-    if not network.forces:
-        return None
     modes, unit, m = network.modes, network.modes.section.length_unit, len(kept)
     first = np.cumsum([0, *(2 * m * len(each) for each in lengths)])
     out = np.zeros((first[-1], len(network.ports)), dtype=complex)
+    numbers = list(network.forces)
+    places = [
+        (each.center + (np.flatnonzero([sign in "+-" for sign in each.signs]) - (len(each.signs) - 1) / 2) * each.pitch)
+        / unit
+        for each in transducers
+    ]
+    changes = [
+        np.zeros((len(own), len(fingers), 2, m, len(numbers)), dtype=complex)
+        for own, fingers in zip(lengths, places, strict=True)
+    ]
     for number, index, gap in _ways_from_forces(network):
         port, force, own = network.ports[number], network.forces[number], lengths[index]
         k, sent = (modes.wavenumbers, force.right) if gap > 0 else (-modes.backwards, force.left)
-        mean_beams = aperture_coupling(
-            k[kept] / unit,
-            port.width * unit,
-            own,
-            (abs(gap) + network.scatterers[index].piece.width / 2) * unit,
-            mirror_width,
-            transducers[index].center_y - port.center * unit,
-            tangential=port.component == "x",
-        )
-        amplitudes = np.linalg.solve(np.minimum.outer(own, own) / own[:, None], mean_beams)
+        middle = abs(gap) + network.scatterers[index].piece.width / 2
+        mean_beams = [
+            aperture_coupling(
+                k[kept] / unit,
+                port.width * unit,
+                own,
+                distance * unit,
+                mirror_width,
+                transducers[index].center_y - port.center * unit,
+                tangential=port.component == "x",
+            )
+            for distance in (middle, *abs(places[index] - port.place))
+        ]
+        amplitudes = np.linalg.solve(np.minimum.outer(own, own) / own[:, None], np.array(mean_beams))
+        amplitudes *= (sent * np.exp(-1j * k * abs(gap)))[kept]
         block = out[first[index] : first[index + 1], number].reshape(len(own), 2, m)
-        block[:, int(gap < 0)] = amplitudes * (sent * np.exp(-1j * k * abs(gap)))[kept]
-    return out
+        block[:, int(gap < 0)] = amplitudes[0]
+        changes[index][:, :, int(gap < 0), :, numbers.index(number)] = np.swapaxes(amplitudes[1:] - amplitudes[0], 0, 1)
+    return out if numbers else None, [each.reshape(*each.shape[:2], 2 * m, len(numbers)) for each in changes]
 
 
-def _response(plain: Scatterer, signs: str, kept: np.ndarray, lengths: np.ndarray, change: Coupling) -> _Response:
+def _response(
+    plain: Scatterer, signs: str, kept: np.ndarray, lengths: np.ndarray, change: Coupling, of_forces: np.ndarray
+) -> _Response:
     """Response of a transducer with fingers of finite length, from that of the section.
 
     The equations are those of the module docstring, with the reactions on the fingers as charges:
@@ -403,6 +432,8 @@ def _response(plain: Scatterer, signs: str, kept: np.ndarray, lengths: np.ndarra
 
     D contains the dipoles: those that the section's charges have, ``dipole``, and those that the gradient of the
     changed potential adds, ``added`` (own_aperture.py).  ``kept``: modes by which the transducers are coupled.
+    ``of_forces``: changes of amplitudes from finger to finger (`_from_forces`).  A wave acts on finger f as the
+    potential -(Q_U^-1 Q_a)_f, ``effective``, which its amplitude on f multiplies.
     """
     scatterer, moments = _by_fingers(plain, signs)
     modes, width = scatterer.modes, scatterer.piece.width
@@ -419,6 +450,7 @@ def _response(plain: Scatterer, signs: str, kept: np.ndarray, lengths: np.ndarra
     # In a floating section the same potential on all fingers causes no charge; a constant removes this null vector.
     gauge = abs(np.diag(by_fingers)).sum() / max(fingers, 1) ** 2 if modes.section.floating_potential else 0.0
     dipole = np.linalg.solve((by_fingers + gauge).T, (moments @ sides[:, 2 * m :]).T).T
+    effective = np.linalg.solve(by_fingers + gauge, by_waves)
 
     medium, unit = modes.section.solid, modes.section.length_unit
     scale = medium.stress_unit / medium.potential_unit**2  # of charges in SI to reactions
@@ -445,12 +477,14 @@ def _response(plain: Scatterer, signs: str, kept: np.ndarray, lengths: np.ndarra
     gradient = stacked(gradient)
     added = polarisability * projected(gradient)
     change_by_charge = projected(change_by_charge + gradient.T @ added)
-    columns = sheets * 2 * m + ports
+    before_forces = sheets * 2 * m + ports
+    columns = before_forces + of_forces.shape[-1]
     by_arriving = np.zeros((sheets, fingers, columns), dtype=complex)
     load = np.zeros((sheets, fingers, columns), dtype=complex)
     for sheet in range(sheets):
         by_arriving[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] = by_waves
-    load[0, :, sheets * 2 * m :] = scatterer.potentials
+    load[0, :, sheets * 2 * m : before_forces] = scatterer.potentials
+    load[..., before_forces:] = np.einsum("fp,sfpn->sfn", effective, of_forces)
     load += (change_by_charge @ by_arriving.reshape(size, columns)).reshape(load.shape)
     system = np.eye(size) - (change_by_charge.reshape(size, sheets, fingers) @ by_fingers).reshape(size, size)
     finger_potentials = np.linalg.solve(system, load.reshape(size, columns)).reshape(load.shape)

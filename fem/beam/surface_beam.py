@@ -374,8 +374,7 @@ class SurfaceBeam:
     def _returned(self, x, y, modes) -> np.ndarray:
         """Motion of the waves that the end faces reflect, in some modes, shape (RULES, 3, points)."""
         points = Points.of(x, y)
-        sources = [(each.x, each.charge) for each in self._sheets]
-        reflected = self.faces.returned(self._reach(y), sources, self.mirror_width)
+        reflected = self.faces.returned(self._reach(y), self._sheets, self.mirror_width)
         spectra = partial(reflected.spectra, points.places, self.wave.length, modes=modes)
         return inverse_transform(reflected, self._sheets, points, spectra, self.mirror_width is None)
 
@@ -434,7 +433,7 @@ class SurfaceBeam:
         for emitter in self._section_emitters:
             rest -= emitter.plane_waves(places, self.wavelength).T[[0, 2]]
         if self.faces is not None:
-            plane = self.faces.plane([(each.x, each.charge) for each in self._section_charges])
+            plane = self.faces.plane(self._section_emitters[0].sheets)
             ones = np.ones((len(self.apertures), 1))
             rest -= plane.spectra(places, self.wave.length, ones, self.faces.wanted)[..., 0].T[[0, 2]]
         if self.charges:

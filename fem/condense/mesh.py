@@ -161,6 +161,26 @@ class Assembly:
             centers = np.concatenate([centers, self.layer.centers])
         return Dissection(unknowns=unknowns, centers=centers, kept=int(self.numbers.max()) + 1 - len(self.projection))
 
+    @property
+    def unknowns(self) -> int:
+        """Unknowns of the mesh."""
+        return self.space.size * len(self.fields)
+
+    @property
+    def operations(self) -> float:
+        """Multiplications and additions of `condensed`, complex ones, without those in an absorbing layer."""
+        inner = [(len(own.fields) * (self.space.order - 1) ** 2, numbers) for own, _, numbers in self.parts]
+        blocks = [(size, numbers.shape[1], len(numbers)) for size, numbers in inner]
+        blocks += [(len(front.eliminated), len(front.passed_on), 1) for front in self.dissection.fronts]
+        return sum(count * (2 / 3 * n**3 + 2 * n**2 * m + 2 * n * m**2) for n, m, count in blocks)
+
+    @property
+    def block_bytes(self) -> int:
+        """Memory of the blocks that a condensed piece keeps to recover its field."""
+        inside = sum(numbers.size * len(own.fields) * (self.space.order - 1) ** 2 for own, _, numbers in self.parts)
+        fronts = sum(len(front.eliminated) * len(front.passed_on) for front in self.dissection.fronts)
+        return (inside + fronts) * 16
+
     def condensed(self, frequency: float) -> MeshedPiece:
         """Condense the piece at a frequency in Hz."""
         rim, inner = slice(self.space.rim), slice(self.space.rim, None)
@@ -196,7 +216,7 @@ class Assembly:
             ports=self.ports,
             floating_potential=self.floating_potential,
             grounded=self.grounded,
-            unknowns=self.space.size * len(self.fields),
+            unknowns=self.unknowns,
             factor=factor,
             insides=insides,
             layer=layer,

@@ -1,10 +1,11 @@
 """Size of a driven stator's discretised problem: the steps of `fem.condense.transducer` are counted, not computed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from fem.condense.column import ELECTRODES
+from fem.condense.mesh import Assembly, assembled
 from fem.condense.transducer import Condensation, transducer_superelements
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
@@ -24,6 +25,7 @@ class StatorSize:
     joins: int  # of distinct pairs of neighbours
     mirrored: int  # joins whose mirror image is kept too
     scatterers: int  # distinct transducers
+    meshes: tuple[Assembly, ...] = field(repr=False)  # at every place; those of equal pieces are the same object
 
     @property
     def line(self) -> int:
@@ -32,8 +34,13 @@ class StatorSize:
 
     @property
     def unknowns(self) -> int:
-        """Unknowns before condensation: lines under all fingers times the unknowns of a line."""
-        return self.columns * self.resolution.order * self.line
+        """Unknowns before condensation: lines under all fingers times the unknowns of a line, and those of meshes."""
+        return self.columns * self.resolution.order * self.line + sum(each.unknowns for each in self.meshes)
+
+    @property
+    def distinct_meshes(self) -> set[Assembly]:
+        """Meshed pieces that are condensed."""
+        return set(self.meshes)
 
     @property
     def complex(self) -> bool:
@@ -53,7 +60,7 @@ class StatorSize:
         sides = 2 * self.line + len(ELECTRODES)
         joins = (self.joins + self.mirrored) * (sides + self.line) * sides
         columns = self.condensed * (sides + self.faces) * sides
-        return (joins + columns) * (16 if self.complex else 8)
+        return (joins + columns) * (16 if self.complex else 8) + sum(each.block_bytes for each in self.distinct_meshes)
 
 
 @dataclass(eq=False)
@@ -93,13 +100,28 @@ class _Count(Condensation):
 def stator_size(
     stator: Stator, transducers: tuple[Transducer, ...], *, frequency: float, resolution: Resolution
 ) -> StatorSize:
-    """Return the size of a stator with at least one transducer, discretised for a frequency in Hz."""
+    """Return the size of a stator with at least one transducer, discretised for a frequency in Hz.
+
+    Meshed pieces are assembled, which takes a tenth of their condensation.  Those at a step of thickness are counted
+    without the line of the section behind it.
+    """
     row = tuple(sorted(transducers, key=lambda each: each.center))
     unit = slowest_wavelength(stator.solid, frequency)
     scale = min(each.finger_width / 2 for each in row)
     section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
     count = _Count(section, frequency)
     pieces = transducer_superelements(count, stator, row, resolution)
+    meshes = {
+        contents: assembled(
+            piece,
+            stator,
+            section,
+            {side: section for side in ("left", "right") if piece.fits(side, stator.depth)},
+            frequency=frequency,
+            resolution=resolution,
+        )
+        for contents, piece in {piece.contents: piece for piece in stator.pieces}.items()
+    }
     return StatorSize(
         section=section,
         resolution=resolution,
@@ -108,4 +130,5 @@ def stator_size(
         joins=count.joins,
         mirrored=count.images,
         scatterers=len({id(piece) for piece in pieces}),
+        meshes=tuple(meshes[piece.contents] for piece in stator.pieces),
     )

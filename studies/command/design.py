@@ -1,10 +1,9 @@
 """``sawmotor design``: the best motor within ranges: a search that can be interrupted and goes on."""
 
 import argparse
-from pathlib import Path
 
 from studies.command.options import add_shared
-from studies.command.output import print_answer
+from studies.command.output import print_answer, results_folder
 from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.progress import Progress
 from studies.scene import scene_path
@@ -61,7 +60,7 @@ def call(arguments: argparse.Namespace) -> int:
     tolerance = read_tolerance(arguments.tolerance or "3e-2")
     table = changed_scene(arguments).to_table()
     variables = [read_variable(text) for text in arguments.over]
-    out = Path(arguments.out or Path("results") / f"{scene_path(arguments.scene).stem}-design")
+    out = results_folder(arguments, f"{scene_path(arguments.scene).stem}-design")
     with Progress() as progress:
         optimum = search(
             table,

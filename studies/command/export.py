@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from studies.command.options import add_shared
-from studies.command.output import committed_pictures, say
+from studies.command.output import committed_pictures, results_folder, say
 from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.export.exported import Exported
 from studies.progress import Progress
@@ -65,7 +65,7 @@ def call(arguments: argparse.Namespace) -> int:
     source, name = arguments.scene, Path(arguments.scene).stem
     arguments.scene = scene_of(source)
     tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
-    out = Path(arguments.out or Path("results") / f"{name}-export-{arguments.format}")
+    out = results_folder(arguments, f"{name}-export-{arguments.format}")
     origin, named = Origin(kind="export", name=f"{arguments.format} of {name}"), arguments.out is not None
     alone = named and names_file(out, arguments, scene)
     place = nullcontext() if alone else result_directory(out, origin, named_by_user=named)

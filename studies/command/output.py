@@ -18,6 +18,11 @@ def origin_of(kind: str, scene: str) -> Origin:
     return Origin(kind=kind, name=path.stem, source=None if ships else path)
 
 
+def results_folder(arguments: argparse.Namespace, name: str) -> Path:
+    """Return the directory of ``--out``, or results/NAME."""
+    return Path(arguments.out or Path("results") / name)
+
+
 @contextmanager
 def results_of(arguments: argparse.Namespace, kind: str, ending: str) -> Iterator[tuple]:
     """Hold the directory that a call's results go to, and its path as given; None with --json alone."""
@@ -25,7 +30,7 @@ def results_of(arguments: argparse.Namespace, kind: str, ending: str) -> Iterato
     if out is None and arguments.json:
         yield None, None
         return
-    folder = out or Path("results") / f"{origin.name}{ending}"
+    folder = results_folder(arguments, f"{origin.name}{ending}")
     with result_directory(folder, origin, named_by_user=out is not None) as result:
         yield result, folder
     say(result.notes)

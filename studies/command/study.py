@@ -1,10 +1,9 @@
 """``sawmotor study``: a study, or without a name the list of them."""
 
 import argparse
-from pathlib import Path
 
 from studies.command.options import add_shared
-from studies.command.output import committed_pictures, origin_of, say
+from studies.command.output import committed_pictures, origin_of, results_folder, say
 from studies.command.scene_argument import read_tolerance, without_bands
 from studies.progress import Progress
 from studies.results import Origin, result_directory
@@ -19,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("name", nargs="?", metavar="NAME", help="which study")
     parser.add_argument("scene", nargs="?", metavar="SCENE", help="a path or a shipped name, for studies of a scene")
     add_shared(parser, "--over")
-    parser.add_argument("--band", metavar="START:STOP:N", help="network, force_response: frequencies in MHz")
+    parser.add_argument("--band", metavar="START:STOP:N", help="network, force_response, reflector: frequencies in MHz")
     parser.add_argument("--z0", metavar="OHM", help="network: reference impedance (50)")
     parser.add_argument(
         "--measured",
@@ -63,14 +62,14 @@ def call(arguments: argparse.Namespace) -> int:
     module(arguments.name)
     if arguments.tolerance is not None:
         arguments.tolerance = read_tolerance(arguments.tolerance)
-    origin = Origin(kind="study", name=arguments.name)
-    out = arguments.out or Path("results") / f"{arguments.name}-study"
+    origin, name = Origin(kind="study", name=arguments.name), f"{arguments.name}-study"
     if arguments.scene is not None:
         scene = origin_of("study", arguments.scene)
         if arguments.name not in ("voltage_to_velocity", "gallery", "positioning"):
             without_bands(read_table(arguments.scene))
         origin = Origin(kind="study", name=f"{arguments.name} of {scene.name}", source=scene.source)
-        out = arguments.out or Path("results") / f"{arguments.name}-study-{scene.name}"
+        name = f"{name}-{scene.name}"
+    out = results_folder(arguments, name)
     if not arguments.quick:
         say(announced(expected_seconds(arguments.name, arguments.scene)))
     with result_directory(out, origin, named_by_user=arguments.out is not None) as result, Progress() as progress:

@@ -1,9 +1,9 @@
 """``sawmotor sweep``: many points of one scene, here, on processes or on a Dask cluster."""
 
 import argparse
-from pathlib import Path
 
 from studies.command.options import add_shared
+from studies.command.output import results_folder
 from studies.command.scene_argument import changed_file, read_tolerance
 from studies.scene import scene_path
 from studies.scene.override import read_axes
@@ -33,5 +33,5 @@ def call(arguments: argparse.Namespace) -> int:
     from studies.sweeps.answer import run_sweep
 
     table = changed_file(arguments).table
-    out = arguments.out or Path("results") / f"{scene_path(arguments.scene).stem}-sweep"
+    out = results_folder(arguments, f"{scene_path(arguments.scene).stem}-sweep")
     return run_sweep(arguments, table, read_axes(arguments.over), read_tolerance(arguments.tolerance), out)

@@ -144,9 +144,16 @@ def _draw(fit: "Fit", measurement: Measurement, residuals, upper, lower) -> None
         half = len(where) // len(data.coordinate)
         where, best, low, high = (np.insert(each.astype(float), [len(each) // half] if half > 1 else [], np.nan)
                                   for each in (where, best, low, high))  # fmt: skip
-    upper.fill_between(where * scale, low * factor, high * factor, color=COLOURS["slip"], alpha=0.25, linewidth=0,
-                       label="95 % of the fitted motors")  # fmt: skip
-    upper.plot(where * scale, best * factor, color=COLOURS["slip"], linewidth=1.2, label="best fit")
+    if len(where) == 1:  # a band and a curve of one point would not be seen
+        half_widths = np.array([best - low, high - best]) * factor
+        upper.errorbar(
+            where * scale, best * factor, yerr=half_widths, fmt="D", color=COLOURS["slip"], markersize=5, capsize=6,
+            label="best fit, 95 % of the fitted motors",
+        )  # fmt: skip
+    else:
+        upper.fill_between(where * scale, low * factor, high * factor, color=COLOURS["slip"], alpha=0.25, linewidth=0,
+                           label="95 % of the fitted motors")  # fmt: skip
+        upper.plot(where * scale, best * factor, color=COLOURS["slip"], linewidth=1.2, label="best fit")
     size = 3.5 if len(seen) < MANY else 2.0
     upper.errorbar(
         seen * scale, values * factor, yerr=scatter * factor, fmt="o", color=COLOURS["line"], markersize=size,

@@ -79,12 +79,13 @@ def figure(panel: Panel, ax):
         ax.plot(data["predicted"][index] / published, place, "o", color=COLOURS["slip"])
     ax.axvline(1.0, color=COLOURS["line"], linewidth=1)
     ax.set_xscale("log")
-    ticks = (0.1, 0.2, 0.5, 1, 2)
+    low, high = ax.get_xlim()
+    ticks = [tick for tick in (0.01, 0.1, 0.2, 0.5, 1, 2, 5, 10, 100) if low < tick < high]
     ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     ax.minorticks_off()
-    names = [f"{m}:\n{q}" for m, q in zip(data["motor"], data["quantity"], strict=True)]
+    names = [f"{m}: {q}" for m, q in zip(data["motor"], data["quantity"], strict=True)]
     ax.set_yticks(range(count)[::-1], names, fontsize="x-small")
-    across = "predicted over published (grey: a published range, over its geometric mean)"
+    across = "predicted over published\n(grey: a published range, over its geometric mean)"
     return finished(ax, across, "", panel.title, columns=0)
 
 

@@ -289,7 +289,7 @@ def pressure(record: "Record", ax):
     step = -(-len(table["x_m"]) // MAX_DOTS)
     x, y, force = (np.asarray(table[name])[::step] for name in ("x_m", "y_m", "normal_force_N"))
     size = float(np.clip(6e4 / x.size, 2.0, 200.0))
-    dots = ax.scatter(x * 1e3, y * 1e3, c=force * 1e3, s=size, marker="s", cmap="viridis", linewidths=0)
+    dots = ax.scatter(x * 1e3, y * 1e3, c=force * 1e3, s=size, marker="s", cmap="viridis", linewidths=0.6)
     ax.set_aspect("equal", adjustable="box")
     ax.figure.colorbar(dots, ax=ax, label=quantity("normal_force_N").axis)
     title = f"Forces on the pillars{_at_last_level(record)}"

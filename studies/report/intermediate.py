@@ -145,8 +145,11 @@ def _contact(record: Record):
     average_note, highest_note = (" on average", ", of the highest contact") if block.heights else ("", "")
     resonance_functions = (slider.normal_resonance, slider.tangential_resonance) if normal_force > 0 else ()
     resonances = [si(each(contacts), "Hz") for each in resonance_functions] or ["0 Hz", "0 Hz"]
-    yield "modulus E*", si(slider.effective_modulus, "Pa"), GIVEN
-    yield "modulus G*", si(slider.tangential_modulus, "Pa"), GIVEN
+    # `sawmotor check` prints the moduli of the two surfaces alone
+    compliant = block.pillars is not None and block.pillars.height is not None
+    bodies = " with the compliance of a pillar's height" if compliant else ""
+    yield f"modulus E*{bodies}", si(slider.effective_modulus, "Pa"), GIVEN
+    yield f"modulus G*{bodies}", si(slider.tangential_modulus, "Pa"), GIVEN
     yield f"normal force on a contact at rest{average_note}", si(normal_force, "N"), CLOSED
     yield f"approach at rest{highest_note}", si(depth, "m"), CLOSED
     yield "radius of the contact at rest", si(slider.contact_radius(depth), "m"), CLOSED

@@ -170,7 +170,9 @@ def figure(record: Panel, ax):
         for i, j in zip(*np.tril_indices(len(data["ports"])), strict=True):  # one half of a reciprocal network
             size = 20 * np.log10(np.maximum(abs(data[f"{prefix}scattering"][:, i, j]), 1e-15))
             colour = f"C{i * len(data['ports']) + j}"
-            ax.plot(at, size, style, color=colour, markersize=3, label=f"S{i + 1}{j + 1}{remark}")
+            # equal transducers reflect alike: the second reflection is dashed over the first
+            broken = {"dashes": (5, 4)} if style == "-" and i == j > 0 else {}
+            ax.plot(at, size, style, color=colour, markersize=3, label=f"S{i + 1}{j + 1}{remark}", **broken)
     return finished(ax, across, "magnitude (dB)", record.title)
 
 

@@ -2,7 +2,7 @@
 
 Method: the pieces between semi-infinite uniform segments, joined to the guided modes of the section
 (`fem.reflector`), without the transducers. Expected: reciprocity to rounding; the surface waves carry away no more
-power than arrives. Run time: about 1 s for each frequency and file.
+power than arrives. ``--band 2.1:2.3:5`` (MHz) gives the frequencies. Run time: about 1 s for each frequency and file.
 """
 
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 import fem
-from studies.chain import resolve
+from studies.chain import passband, resolve
 from studies.chain.solver_errors import answered
 from studies.record.plots import lines
 from studies.scene import Scene
@@ -21,13 +21,15 @@ REACH = 0.05  # of the drive's frequency, either side
 
 
 @study("reflector")
-def run(scene: Scene, *, count: int = 11, tolerance: float = 1e-3, progress=None) -> Answered:
+def run(scene: Scene, *, band: str | None = None, count: int = 11, tolerance: float = 1e-3, progress=None) -> Answered:
     """Return reflection and transmission of the surface wave at the scene's pieces.
 
     Parameters
     ----------
+    band : str, optional
+        Frequencies START:STOP:N in MHz; the answer then states reflection and transmission at each.
     count : int
-        Frequencies, from 5 % below the scene's to 5 % above it.
+        Number of frequencies without a band, from 5 % below the scene's to 5 % above it.
     tolerance : float
         Of the amplitudes, over 1.
     """
@@ -36,6 +38,8 @@ def run(scene: Scene, *, count: int = 11, tolerance: float = 1e-3, progress=None
         resolved.refuse("piece", "is missing: this study asks what a meshed piece sends back")
     stator, middle = resolve.whole_stator(resolved), resolved.frequency
     at = middle * np.linspace(1 - REACH, 1 + REACH, count) if count > 1 else np.array([middle])
+    if band is not None:
+        at = passband.band_frequencies(resolved, band)
     if stator.placement.whole is not None:
         resolved.refuse("piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there")
     answers = []
@@ -59,6 +63,9 @@ def run(scene: Scene, *, count: int = 11, tolerance: float = 1e-3, progress=None
             ("transmission", f"{abs(center.transmission):.4f}"),
             ("scattered or lost", f"{center.scattered:.3g} of the power"),
         ]
+        for each in answers if band is not None else ():
+            amplitudes = f"reflection {abs(each.reflection):.4f}, transmission {abs(each.transmission):.4f}"
+            answer.append((f"{each.frequency / 1e6:.5g} MHz", amplitudes))
         for index, (name, _) in enumerate(center.pieces if len(stator.placement.between) > 1 else ()):
             own = [each.pieces[index][1].scattering for each in answers]
             scattered = np.array([1 - np.sum(abs(each[:, 0]) ** 2) for each in own])

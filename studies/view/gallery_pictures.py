@@ -21,7 +21,7 @@ from studies.report.energies import LEDGER
 from studies.view import movie
 from studies.view.contact_view import film_contact, strip
 from studies.view.picture import Picture
-from studies.view.quantities import DIVERGING, SEQUENTIAL, palette
+from studies.view.quantities import palette
 from studies.view.views import chosen_views, views
 
 NM, MM = 1e9, 1e3
@@ -59,17 +59,17 @@ def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
     ):  # fmt: skip
         progress(f"drawing {picture}")
         figure.savefig(folder / f"{picture}.png", dpi=DPI)
+        _reduce(folder / f"{picture}.png")
     for picture, name in (("wave", "u_z"), ("wave_power_flow", "power_flow")):
         progress(f"drawing {picture}")
-        drawn = Picture(run, views(run), size=STILL, **(GIVEN_FIELD | {"quantity": name}))
-        drawn.save(folder / f"{picture}.png")
+        still(Picture(run, views(run), size=STILL, **(GIVEN_FIELD | {"quantity": name})), folder / f"{picture}.png")
     saved(folder / "velocity.png", lambda ax: velocity(record, ax))
+    _reduce(folder / "velocity.png")
     for module, panel in gallery.others:
         saved(folder / f"{panel.name}.png", lambda ax, module=module, panel=panel: module.figure(panel, ax))
+        _reduce(folder / f"{panel.name}.png")
     if gallery.films:
         _films(gallery, folder, progress)
-    for file in folder.glob("*.png"):
-        _reduce(file)
 
 
 def orbits(places, tangential, normal, *, title: str):
@@ -267,13 +267,18 @@ def _films(gallery, folder: Path, progress) -> None:
     history, title = gallery.contact
     film_contact(history, title, 2 * FRAMES, folder / "contact.gif", rate=10.0, dpi=DPI)
     progress("drawing the solid")
-    Picture(run, size=SOLID, **GIVEN_FIELD).save(folder / "solid.png")
+    still(Picture(run, size=SOLID, **GIVEN_FIELD), folder / "solid.png")
 
 
-def _reduce(picture: Path) -> None:
-    """Reduce a picture to a palette, which makes the file three times smaller."""
-    with Image.open(picture) as image:
+def still(picture: Picture, file: Path) -> None:
+    """Save a picture of the field with a palette of its own colour map."""
+    picture.save(file)
+    _reduce(file, palette(picture.shade.colour_map))
+
+
+def _reduce(file: Path, colours: Image.Image | None = None) -> None:
+    """Reduce a picture to the palette of an image, or of its own colours, which makes it three times smaller."""
+    with Image.open(file) as image:
         plain = image.convert("RGB")
-    maps = {"wave": DIVERGING, "wave_power_flow": DIVERGING, "solid": SEQUENTIAL}
-    colours = palette(maps[picture.stem]) if picture.stem in maps else plain.quantize(PALETTE_COLOURS)
-    plain.quantize(palette=colours, dither=Image.Dither.NONE).save(picture, optimize=True)
+    colours = plain.quantize(PALETTE_COLOURS) if colours is None else colours
+    plain.quantize(palette=colours, dither=Image.Dither.NONE).save(file, optimize=True)

@@ -61,7 +61,9 @@ def test_the_full_motion_goes_on_below_the_stall_and_not_above(changed, amplitud
     assert steady(below, wave, tolerance=1e-5).velocity * forward > 0.0
     above = slider(**(LIGHT | changed), load=answer.value + 3.0 * answer.error)
     try:
-        assert steady(above, wave, tolerance=1e-5).velocity * forward <= 0.0
+        back = steady(above, wave, tolerance=1e-5)
+        assert back.velocity * forward <= 0.0
+        assert ("direction of the load" in back.message) == (back.velocity != 0.0)
     except ConvergenceError as refused:
         assert refused.status == "runaway"  # noqa: PT017
 

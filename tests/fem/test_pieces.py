@@ -9,6 +9,7 @@ import pytest
 
 from fem.circuit import Drive
 from fem.condense.reduced import PieceSample, rational_piece
+from fem.convergence_error import ConvergenceError
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.error_estimate import LEVELS
 from fem.discretize.grading import Resolution
@@ -520,6 +521,20 @@ def test_a_band_of_a_whole_stator(tmp_path):
         for more in (-1.0, 0.0, 1.0)
     ]
     assert conductance[0] < 0.7 * conductance[1] > conductance[2], conductance
+
+
+def test_the_level_of_a_band_of_a_whole_stator_is_chosen_at_its_ends_and_middle(tmp_path, monkeypatch):
+    asked = []
+
+    def refuse_the_third(*given, frequency, **rest):
+        asked.append(frequency)
+        if len(asked) == 3:
+            raise ConvergenceError("enough")
+
+    monkeypatch.setattr("fem.solve.band.driven_wave", refuse_the_third)
+    with pytest.raises(ConvergenceError, match="enough"):
+        frequency_band(_whole(tmp_path), CHIP_ROW, lowest=2.1e6, highest=2.3e6, drive="a", tolerance=0.05)
+    assert asked == pytest.approx([2.1e6, 2.2e6, 2.3e6], rel=1e-12)
 
 
 def test_what_a_whole_stator_has_not(tmp_path):

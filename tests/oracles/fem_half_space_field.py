@@ -29,13 +29,18 @@ class HalfSpaceField(StrohSolid):
         waves = np.take_along_axis(waves, down, axis=2)
         return waves[:, :4] @ np.linalg.inv(waves[:, 4:])
 
-    def motion(self, x, y, *, places, charges, aperture, surface_wavenumber):
-        """u_x, u_y, u_z in m at points, of lines of charge (C/m) at places x along |y| < aperture / 2, (3, points)."""
-        highest, reach = 4.0 * surface_wavenumber, float(np.hypot(x, y).max())
+    def motion(self, x, y, *, places, charges, aperture, surface_wavenumber, highest=4.0):
+        """u_x, u_y, u_z in m at points, of lines of charge (C/m) at places x along |y| < aperture / 2, (3, points).
+
+        ``highest``: end of the sum over the surface wavenumber; the sum fades out between 0.44 and 0.81 of it.  Four
+        wavelengths from short fingers the error is 2e-4 with 4 and 2e-5 or less with 8.
+        """
+        fading = highest * surface_wavenumber * np.array([0.625, 0.375])  # middle and width
+        highest, reach = highest * surface_wavenumber, float(np.hypot(x, y).max())
         epsilon = min(3.0 / (surface_wavenumber * reach), 0.04)
         turn, radial = 1 + 1j * epsilon, int(2.5 * highest / (epsilon * surface_wavenumber))
         size = (np.arange(radial) + 0.5) * highest / radial
-        fade = [0.5 * math.erfc(5 * (2 * (k / surface_wavenumber - 2.5) / 1.5 - 1)) for k in size]
+        fade = [0.5 * math.erfc(5 * (2 * (k - fading[0]) / fading[1] - 1)) for k in size]
         angles = int(2 * highest * reach + 200) // 2
         total = np.zeros((3, len(x)), dtype=complex)
         for angle in (np.arange(angles) + 0.5) * np.pi / angles - np.pi / 2:

@@ -90,6 +90,22 @@ def test_closed_forms_of_the_seed(motor):
     assert power == pytest.approx(0.5 * motor.electrical["admittance_S"].real * 30.0**2)
 
 
+@pytest.mark.parametrize(
+    ("normal", "loads"), [((0.9e-6,), False), ((1.1e-6,), True), ((0.0, 0.9e-6), False), ((0.0, 1.1e-6), True)]
+)
+def test_contacts_at_a_node_of_u_z_have_no_load_to_compare(motor, monkeypatch, normal, loads):
+    """|u_z| below 1e-6 |u_x| under every contact: the change relative to u_z says nothing; one contact is enough."""
+    from studies.chain import model_error as module
+
+    asked = []
+    monkeypatch.setattr(module, "_loaded", lambda record, voltages: asked.append(voltages) or [0.01] * len(voltages))
+    motion = np.array([np.full(len(normal), 1j), np.zeros(len(normal)), normal]) * 1e-9
+    monkeypatch.setattr(type(motor.surface_motion), "at", lambda self, places: motion)
+    rows = [row for row in model_error(motor) if row["effect"] == "load of the slider on the wave"]
+    assert [row["size"] for row in rows] == [0.01] * loads
+    assert len(asked) == loads
+
+
 @pytest.mark.parametrize("name", ["twente-left", "lithium-niobate-yz"])
 def test_vacuum_put_back(name):
     """What it does to |u_z| beside two pairs of fingers is 1.19 and 0.93 of the row, at the worst of three places.

@@ -161,6 +161,21 @@ def test_a_stator_that_is_one_mesh(tmp_path):
     )
 
 
+def test_the_reflector_at_the_frequencies_of_a_band():
+    """The study's frequencies are those asked for, and its answer states the reflection of each."""
+    groove, tolerance = Path(studies.__file__).parent / "scenes" / "meshes" / "groove.msh", 0.1
+    given = scene(groove, {"thickness": "2 mm", "ends": "absorbing"}, position="9 mm")
+    found = module("reflector").run(given, band="2.1:2.3:2", tolerance=tolerance, progress=lambda text: None)
+    stator = whole_stator(resolved(given))
+    lines = dict(found.answer)
+    for frequency, name in ((2.1e6, "2.1 MHz"), (2.3e6, "2.3 MHz")):
+        alone = fem.reflector(stator, frequency=frequency, tolerance=tolerance)
+        expected = f"reflection {abs(alone.reflection):.4f}, transmission {abs(alone.transmission):.4f}"
+        assert lines[name] == expected
+    with pytest.raises(SceneError, match="--band must rise from START"):
+        module("reflector").run(given, band="2.3:2.1:2", progress=lambda text: None)
+
+
 def test_a_mask_of_a_mesh(tmp_path):
     """Its picture asks for no beam; a block with other fingers than the mesh is refused."""
     drawn = gds_files(whole(tmp_path), "chip", tolerance=1e-2, progress=lambda text: None)

@@ -34,6 +34,8 @@ SCENES = {
     "centre": ("twente-left", 1e-3, TWO, "transducer.0.period=0.98 mm", "drive.frequency=center"),
     "burst": ("twente-left", 1e-3, TWO, "drive.burst=0.03"),
     "short burst": ("twente-contact", 1e-3, AMPLITUDES, "wave.burst=1e-3"),
+    "six grooves": ("reflector", 1e-3),
+    "a groove finely": ("reflector", 1e-6, 'piece.0.position="26 mm"'),
     "long burst": ("twente-contact", 1e-3, AMPLITUDES, "wave.burst=0.03"),
 }  # fmt: skip
 

@@ -6,10 +6,15 @@ import json
 import math
 
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 from studies.papers import published_kurosawa as model
 from studies.papers import published_motors as study
 from studies.papers.published import KUROSAWA, LEFT_ASIDE, Unknown, corners
+from studies.record.plots import SIZE
+from studies.study import Panel
+from tests.studies.legible import assert_legible
 
 NAMES = ("friction", "preload", "amplitude", "frequency", "modulus", "law", "air")
 TAKEN = {name: KUROSAWA[name].taken for name in NAMES} | {"ratio": 0.9}
@@ -68,6 +73,21 @@ def test_corners_are_all_combinations():
     )
     assert len(found) == 6
     assert {"a": 2, "b": 3} in found
+
+
+def test_the_rows_of_the_picture_can_be_read():
+    """Eighteen rows, as many as the study has: no label on another, and ticks as far as the bands reach."""
+    quantities = ["wave power at 40 nm, above", "amplitude left of 15 nm, below 1", "speed"] * 6
+    one = [1.0] * len(quantities)
+    data = {
+        "motor": ["Kurosawa and Asai, 10 MHz"] * len(quantities), "quantity": quantities, "published_low": one,
+        "published_high": one, "predicted": one, "low": [0.03] * len(quantities), "high": [60.0] * len(quantities),
+    }  # fmt: skip
+    figure = Figure(figsize=SIZE, dpi=150, layout="constrained")
+    FigureCanvasAgg(figure)
+    study.figure(Panel(name="published", title="Published motors", data=data), figure.add_subplot())
+    assert_legible(figure)
+    assert [each.get_text() for each in figure.axes[0].get_xticklabels()] == ["0.1", "0.2", "0.5", "1", "2", "5", "10"]
 
 
 def test_the_contact_radius_is_hertz():

@@ -14,6 +14,7 @@ from studies.record.text import percent
 from studies.report.energies import balances
 from studies.report.intermediate import intermediate_numbers, si
 from studies.report.page import report
+from studies.scene import Scene
 from tests.studies.predictions import changed
 
 EVIL = '<script>alert("ran")</script> & $\\frac{"'
@@ -148,6 +149,21 @@ def test_numbers_at_rest_are_those_of_theory(contact):
     # Johnson (1985), eq. 4.24: p0 = (6 P E*^2 / pi^3 R^2)^(1/3)
     expected = (6 * preload * modulus**2 / (3.141592653589793**3 * radius**2)) ** (1 / 3)
     assert float(pressure) * 1e6 == pytest.approx(expected, rel=1e-4, abs=0)
+
+
+def test_the_modulus_of_pillars_says_that_their_height_is_in_it():
+    """A punch 2 a E* in series with the column E A/h, in the words of its row."""
+    pillars = {"diameter": 20e-6, "height": 2e-6, "pitch": 50e-6, "rows": 2, "columns": 1, "youngs_modulus": 170e9}
+    slider = {"mass": 1e-4, "preload": 6e-3, "friction_coefficient": 0.18, "effective_modulus": 96.8e9}
+    wave = {"frequency": 9.6e6, "normal_amplitude": 20e-9, "tangential_ratio": 0.89, "wavelength": 414e-6}
+    slider |= {"tangential_modulus": 22e9, "pillars": pillars}
+    found = {
+        each.name: each.value
+        for each in intermediate_numbers(run(Scene.from_table("", {"wave": wave, "slider": slider})))
+    }
+    value, unit = found["modulus E* with the compliance of a pillar's height"].split()
+    stiffness = 1 / (1 / (20e-6 * 96.8e9) + 2e-6 / (170e9 * 3.141592653589793 * 1e-10))
+    assert (unit, float(value) * 1e9) == ("GPa", pytest.approx(stiffness / 20e-6, rel=1e-4, abs=0))
 
 
 def test_numbers_of_the_stator_are_the_records_with_their_errors(driven):

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import fem
 from studies import Scene
 from studies.chain import run
 from studies.chain.left_out import left_out
@@ -35,8 +36,6 @@ def chip(*settings):
 
 def _lossy():
     """PZT-8 of quality 40, so that the plate falls silent soon."""
-    import fem
-
     solid = fem.material("PZT-8")
     return {
         "stiffness": solid.stiffness.tolist(),
@@ -121,6 +120,23 @@ def test_a_stator_that_rings_too_long_is_an_error_and_said(monkeypatch):
     rings = 40 / width / 2e-3
     assert rings < record.error["parts"]["stator"] < 1.4 * rings  # and the steady wave's own
     assert any("rings for too long to be followed" in reason for reason in record.left_out)
+
+
+@pytest.mark.parametrize(("burst", "error"), [("2 ms", 1.0), ("9 ms", 4096 / 0.66e6 / 9e-3)])
+def test_a_ring_up_that_is_not_resolved_errs_by_its_part_of_the_burst_or_the_whole(monkeypatch, burst, error):
+    """4096 frequencies over 0.66 MHz (1.2 / 8 of 2.2 MHz on both sides) resolve 6.2 ms."""
+    from importlib import import_module
+
+    def refuse(*given, **rest):
+        raise fem.ConvergenceError("rings on")
+
+    ring = import_module("studies.chain.ring_up")
+    monkeypatch.setattr(ring, "response", lambda *given, **rest: None)
+    monkeypatch.setattr(fem, "burst_response", refuse)
+    monkeypatch.setattr(ring, "MAX_FREQUENCIES", 4096)
+    found = ring.ring_up(chip(f"drive.burst={burst}"), (0.018, 0.0), progress=lambda text: None)
+    assert found.response is None
+    assert found.error == pytest.approx(error, rel=1e-12)
 
 
 @pytest.mark.parametrize(("settling", "share"), [(2e-5, 0.4), (9e-5, 1.0)])

@@ -28,7 +28,7 @@ from studies.record.files import write_run
 from studies.refusal import RunError, SceneError
 from studies.report import surface_map
 from studies.scene import Scene, read_table
-from studies.view import field_data, movie, wave_page
+from studies.view import field_data, gallery_pictures, movie, wave_page
 from studies.view.options import Wanted
 from studies.view.picture import Picture
 from studies.view.quantities import shade
@@ -373,6 +373,18 @@ def test_the_solid_carries_the_beam_over_its_whole_width(found):
     drawn.plotter.close()
     with pytest.raises(SceneError, match="--quantity must be one of u_x, u_y, u_z on the surface of the beam"):
         picture_of(found, quantity="power_flow", **given)
+
+
+def test_pictures_of_the_gallery_keep_their_colours(found, tmp_path):
+    """The palette is that of the picture's own colour map: the solid of a short stator shows u_z with its sign."""
+    for shown in ((), views(found)):
+        picture_of(found, shown).save(tmp_path / "whole.png")
+        gallery_pictures.still(picture_of(found, shown), tmp_path / "kept.png")
+        whole, kept = (
+            np.asarray(Image.open(tmp_path / f"{name}.png").convert("RGB")).astype(int) for name in ("whole", "kept")
+        )
+        assert (whole[..., 0] - whole[..., 2] > 60).mean() > 1e-3
+        assert (abs(whole - kept).max(axis=2) > 40).mean() < 1e-3
 
 
 def test_the_solid_carries_field_within_the_aperture_only_and_says_so(plane):

@@ -159,6 +159,21 @@ def test_a_transducer_receives_what_it_sends_to_the_strip(orientation, name, lar
         assert fields.received[0, 0] == pytest.approx(beam.circuit.currents[0], rel=largest)
 
 
+@pytest.mark.parametrize("bottom", ["grounded", "free"])
+def test_each_finger_receives_the_beam_at_its_own_distance(bottom):
+    """Charges by the beam at the centre of 10 wavelengths of fingers are 0.02 to 0.37 off.
+
+    The sum of the fingers' charges is held against the velocity under the strip by both transducers, of equal fingers
+    at unequal distances.
+    """
+    stator = plate(cut("PZT-8", "Z", quality=60.0), length=60.0, thickness=1.3, bottom=bottom)
+    options = {"finger_pairs": 10, "aperture": 10e-3, "termination": "short"}
+    row = (comb(stator, "a", 10.0, **options), comb(stator, "b", 48.0, **options))
+    beam = forced(stator, strip(stator, 32.0, width=2e-3), row)
+    by_charges = with_apertures(beam.wave.solution.fields).received[:, 0]
+    assert by_charges == pytest.approx(beam.circuit.currents, rel=0.016)
+
+
 def test_an_open_transducer_scatters_the_beam_of_a_strip():
     """Short and open, its voltage and the field before it differ; by more than the stated error."""
     stator = plate(cut("PZT-8", "Z", quality=100.0), length=24.0, thickness=1.3)

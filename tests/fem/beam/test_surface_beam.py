@@ -131,7 +131,7 @@ def test_far_field_follows_the_aperture():
     beam = section_charges(beam_of(lossless("PZT-8", "Z"), thickness=np.inf, aperture=3e-3, length=600.0))
     surface = beam.wave.solution.fields.modes.rayleigh[0]
     k = float(beam.wave.solution.fields.modes.wavenumbers[surface].real) / beam.wave.solution.fields.section.length_unit
-    charges = beam.charges[0]
+    charges = beam.charges[0].sheets(3e-3, 0.0)[0]
     middle = 0.5 * (charges.x[0] + charges.x[-1])
     angles = np.radians([0.0, 3.0, 6.0, 9.0, 14.0])
     distance = 0.2
@@ -224,12 +224,13 @@ def power_of_planes(beam):
     per_mode = per_mode * modes.section.solid.stress_unit * abs(beam.source.amplitudes) ** 2
     k = beam.source.wavenumbers
     charges, origin = beam.charges[0], float(beam.charges[0].x.mean())
+    uniform = charges.sheets(aperture, 0.0)[0]
     angles, weights = (np.pi / 2 * each for each in np.polynomial.legendre.leggauss(300))
     section = total = 0.0
     for mode in np.flatnonzero(abs(k.imag) < 1e-9 * abs(k)):
         along, lateral = k[mode].real * np.cos(angles), k[mode].real * np.sin(angles)
         for side in (1, -1):
-            section += aperture * per_mode[mode] * abs(charges.transform(side * k[mode], origin)) ** 2
+            section += aperture * per_mode[mode] * abs(uniform.transform(side * k[mode], origin)) ** 2
             sent = charges.plane_transform(np.array([side * along, lateral]), aperture, origin)
             share = abs(k[mode].real) / (2 * np.pi) * abs(sent) ** 2  # k/kappa from 1/kappa^2, kappa and dk_y
             total += per_mode[mode] * np.sum(weights * share)

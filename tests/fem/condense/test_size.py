@@ -1,11 +1,18 @@
 """Sizes counted from the geometry against what a solution really condenses, joins and solves for."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from fem.condense import join, transducer
 from fem.condense.column import Column
 from fem.condense.size import stator_size
+from fem.discretize.grading import Resolution
+from fem.mesh.piece import MeshPiece
+from fem.mesh.section_mesh import read_mesh
+from fem.waveguide.row import PieceRow
+from tests.fem.drawings import rectangle
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
 
 PZT, CUT = cut("PZT-8", "Z"), cut("LiNbO3 (Warner)", "YZ")
@@ -76,3 +83,17 @@ def _bytes(block):
             total += one.pair.middle.nbytes
             waiting += [one.pair.left, one.pair.right]
     return total
+
+
+def test_meshed_pieces_are_counted_as_they_are_condensed(tmp_path):
+    """Two equal grooves: unknowns of both, and the blocks of one."""
+    path = rectangle(tmp_path / "groove.msh", 0.9, PLAIN.thickness * 1e3, size=0.5, groove=(0.35, 0.2, 0.1))
+    mesh, level = read_mesh(path, 1e-3), Resolution(order=4, edge_layers=1)
+    places = PLAIN.length * np.array([0.6, 0.8])
+    stator = replace(PLAIN, pieces=tuple(MeshPiece(name="g", mesh=mesh, position=float(x)) for x in places))
+    row = CASES["one"][1]
+    size, without = (stator_size(each, row, frequency=FREQUENCY, resolution=level) for each in (stator, PLAIN))
+    (piece,) = PieceRow(stator, size.section, level, FREQUENCY).condensed(FREQUENCY).values()
+    assert size.unknowns - without.unknowns == 2 * piece.unknowns
+    blocks = sum(each.nbytes for each in (*piece.insides, *piece.factor.back))
+    assert size.block_bytes - without.block_bytes == blocks

@@ -19,10 +19,11 @@ class Line:
 
     def __init__(self, response, *, low=0.6 * F0, high=1.45 * F0, error=0.0):
         self.response, self.limits, self.error = response, (low, high), error
-        self.asked = []
+        self.asked, self.frequencies = [], set()
 
     def waves(self, frequencies, drive):
         self.asked.append(drive)
+        self.frequencies.update(frequencies)
         motions = (np.array([0.6j, 1.0]) * self.response(frequency) for frequency in frequencies)
         return [SimpleNamespace(motion=lambda place, u=u: u, relative_error=self.error) for u in motions]
 
@@ -61,6 +62,15 @@ def test_a_transducer_far_away_makes_a_trapezoid():
     worst = abs(found.normal / steady - (rise - fall)).max()
     assert worst < 2 * found.relative_error
     assert found.settling == pytest.approx(delay + 0.49 * transit, abs=1.5e-6)
+
+
+def test_the_frequencies_fill_the_band():
+    line = Line(delayed(12e-6, 6e-6))
+    burst_response(line, 0.01, drive="a", frequency=F0, duration=40e-6, tolerance=1e-4)
+    low, high = line.limits
+    step = np.median(np.diff(sorted(line.frequencies)))
+    assert 0 <= min(line.frequencies) - low < step
+    assert 0 <= high - max(line.frequencies) < step
 
 
 def test_another_duration_needs_no_other_solution():
