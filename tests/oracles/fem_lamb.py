@@ -56,3 +56,26 @@ def group_velocity(k: float, omega: float, **plate) -> float:
     along_k = determinant(k + dk, omega, **plate) - determinant(k - dk, omega, **plate)
     along_w = determinant(k, omega + dw, **plate) - determinant(k, omega - dw, **plate)
     return float(-(along_k / dk) / (along_w / dw))
+
+
+def surface_share(k: float, omega: float, *, longitudinal: float, shear: float, half_thickness: float, symmetric: bool):
+    """Squared motion at the surface over its integral through the depth, 1/m, of the mode of a wavenumber.
+
+    With the potentials A cos(p z), B sin(q z) of a symmetric mode, and A sin(p z), B cos(q z) of an antisymmetric one,
+    u_x = i k phi + psi', u_z = phi' - i k psi, and no shear stress at z = h.
+    """
+    h, p, q = (
+        half_thickness,
+        np.sqrt((omega / longitudinal) ** 2 - k**2 + 0j),
+        np.sqrt((omega / shear) ** 2 - k**2 + 0j),
+    )
+    point, weight = np.polynomial.legendre.leggauss(400)
+    z = np.append(h * point, h)
+    if symmetric:
+        b = 2j * k * p * np.sin(p * h) / ((k**2 - q**2) * np.sin(q * h))
+        motion = 1j * k * np.cos(p * z) + q * b * np.cos(q * z), -p * np.sin(p * z) - 1j * k * b * np.sin(q * z)
+    else:
+        b = -2j * k * p * np.cos(p * h) / ((k**2 - q**2) * np.cos(q * h))
+        motion = 1j * k * np.sin(p * z) - q * b * np.sin(q * z), p * np.cos(p * z) - 1j * k * b * np.cos(q * z)
+    square = sum(abs(each) ** 2 for each in motion)
+    return square[-1] / (h * weight @ square[:-1])
