@@ -193,8 +193,8 @@ def test_the_beam_is_drawn_from_above(spread, tmp_path):
     ax = draw_surface_map(beam, spread.scene, Figure().add_subplot())
     _, _, motion = surface_map(beam, spread.scene.stator)
     assert np.allclose(np.ravel(ax.collections[0].get_array()), abs(motion[2]).T.ravel() * 1e9, rtol=1e-12)
-    points = [tuple(np.ravel(line.get_xydata()) / 1e3) for line in ax.lines[:3]]
-    assert np.allclose(sorted(points), sorted(spread.scene.slider.places))
+    points = sorted(map(tuple, ax.lines[0].get_xydata() / 1e3))
+    assert np.allclose(points, sorted(spread.scene.slider.places))
     spread.save(tmp_path / "run")
     files = tmp_path / "beam.png", tmp_path / "beam.html"
     wanted = ["--screenshot", str(files[0]), "--html", str(files[1])]

@@ -52,7 +52,7 @@ def record(name, *settings, transfer_length=math.inf, points=(), summary=None) -
         phase_velocity=velocity,
         transfer_length=transfer_length,
         relative_error=2e-4,
-        circuit=SimpleNamespace(admittance=1e-3 + 1e-3j, voltage=1.0 + 0.0j),
+        circuit=SimpleNamespace(admittance=1e-3 + 1e-3j, voltage=1.0 + 0.0j, power=5e-4),
     )
     return Record(
         scene=chosen,
