@@ -75,7 +75,7 @@ def test_a_run_takes_a_name_a_path_or_a_scene(contact, record, tmp_path):
     (tmp_path / "motor.toml").write_text(document(contact.to_table()))
     assert run(tmp_path / "motor.toml").points == run(str(tmp_path / "motor.toml")).points == record.points
     assert record.tolerance == 1e-3
-    with pytest.raises(SceneError, match="tolerance must be positive and finite and below 1, got 0.0"):
+    with pytest.raises(SceneError, match="tolerance must be positive and finite and below 1, got 0"):
         run(contact, tolerance=0.0)
 
 
