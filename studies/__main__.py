@@ -30,6 +30,9 @@ def main(words: list[str] | None = None) -> int:
             _watch_signals(returned)
         return _guarded(sys.argv[1:] if words is None else words)
     except KeyboardInterrupt:
+        # CPython marks an interrupt that passed through exec() of a string, as in a dataclass, as unhandled, and
+        # "python -m" then ends by SIGINT (-2) whatever main returns; the next exec() clears the mark.
+        exec("")
         return _said("interrupted, nothing was written", 130)
     finally:
         returned.set()

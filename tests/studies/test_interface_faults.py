@@ -100,6 +100,21 @@ def test_check_warns_of_what_the_layout_alone_shows(call):
     assert call("check", "twente")[2] == ""
 
 
+def test_an_interrupt_within_exec_ends_with_130(tmp_path):
+    # "python -m" ended by SIGINT (-2) here, because CPython takes such an interrupt for unhandled
+    (tmp_path / "interrupted.py").write_text(
+        "import sys\n"
+        "from studies import __main__ as command\n"
+        "command._dispatch = lambda words: exec('raise KeyboardInterrupt')\n"
+        "sys.exit(command.main())\n"
+    )
+    path = os.pathsep.join([str(tmp_path), *filter(None, sys.path)])
+    ended = subprocess.run(
+        [sys.executable, "-m", "interrupted"], env=os.environ | {"PYTHONPATH": path}, capture_output=True, text=True
+    )
+    assert (ended.returncode, ended.stderr) == (130, "sawmotor: interrupted, nothing was written\n")
+
+
 def test_a_run_that_is_ended_leaves_no_work_files(tmp_path):
     words = [sys.executable, "-m", "studies", "run", "twente", "--out", "here"]
     path = os.pathsep.join(each for each in sys.path if each)
