@@ -18,7 +18,7 @@ import numpy as np
 
 from contact.averaged.cycle_mean import cycle
 from contact.averaged.cycle_pieces import Cycle, Mean, cycle_arrays
-from contact.averaged.equilibrium import balanced_speed, force_left, full_slip_speed, way_out
+from contact.averaged.equilibrium import balanced_speed, force_left, full_slip_speed, load_direction
 from contact.averaged.riding import Rule, quadrature
 from contact.codes import Status
 from contact.events.collocation import SMOOTH, collocation
@@ -76,12 +76,8 @@ def speed_lost(problem: Problem, rest: float, level: float) -> float:
 def _speed(problem, means):
     """Return the velocity at which the mean tangential force balances damper and load, NaN if the search fails."""
     least, largest = (_left(problem, means, v) + problem.load for v in (0.0, -1e-300))
-    direction, load = way_out(problem, least, largest)
-    if direction == 0.0:
-        return 0.0
-    at_rest = least if direction > 0.0 else largest
-    loaded = problem._replace(load=load)
-    search = balanced_speed(loaded, means, direction, at_rest, full_slip_speed(problem), 1e-9)
+    loaded = problem._replace(load=problem.load * load_direction(largest))
+    search = balanced_speed(loaded, means, least, largest, full_slip_speed(problem), 1e-9)
     return search.velocity if search.status == Status.DONE else math.nan
 
 

@@ -68,6 +68,9 @@ NODES, FINE_NODES, RULE_ERROR = 16, 24, 0.1
 # Error of the velocity over the largest of the last three harmonics, per (harmonics + 1)^2: of 263 random motors up to
 # f_n/f = 0.3 none exceeds twice its error with 2, one with 1, and 5 with 1 and the last tangential harmonic alone.
 TAIL_SHARE = 2.0
+# Rounding of a mean tangential force over mu F, of a sum over many contacts: what does not exceed a load by more than
+# that does not move the slider.
+ROUNDING = 1e-12
 
 
 class Work(NamedTuple):
@@ -161,23 +164,11 @@ def load_direction(largest):
     return -1.0 if largest < 0.0 else 1.0
 
 
-@formula
-def way_out(problem, least, largest):
-    """Return (way, load) of a slider at rest: +1, -1 or 0 where it is held, and the load with its sign.
-
-    `least` and `largest` bound the mean tangential force of a cycle at rest; the problem's load is zero or positive.
-    """
-    rounding = 1e-13 * full_friction(problem)
-    load = problem.load * load_direction(largest)
-    if least - load > rounding:
-        return 1.0, load
-    return (-1.0 if largest - load < -rounding else 0.0), load
-
-
 class Speed(NamedTuple):
     """Result of `balanced_speed`."""
 
     status: int
+    way: float  # direction of the motion, +1 or -1; 0 if friction holds the slider
     velocity: float
     force: float  # left at that velocity
     slope: float  # of the force in the velocity
@@ -185,20 +176,25 @@ class Speed(NamedTuple):
 
 
 @formula
-def balanced_speed(problem, means, way, at_rest, fastest, close):
-    """Return the velocity of sign `way` at which no force is left, as a `Speed`.
+def balanced_speed(problem, means, least, largest, fastest, close):
+    """Return the velocity at which no force is left, as a `Speed`.
 
-    `at_rest` is the mean force at rest on that side, `fastest` the speed beyond which every contact slips all the time;
-    the search ends where a step is below `close` of its range. Of `problem` the friction coefficient, preload, load and
-    tangential damping are asked.
+    `least` and `largest` bound the mean tangential force of a cycle at rest: the slider is held under a load between
+    them. `fastest` is the speed beyond which every contact slips all the time; the search ends where a step is below
+    `close` of its range. Of `problem` the friction coefficient, preload, load and tangential damping are asked.
     """
     friction = full_friction(problem)
-    a, fa = 0.0, at_rest - problem.load
-    b = way * fastest
+    if least - problem.load > ROUNDING * friction:
+        way, fa = 1.0, least - problem.load
+    elif largest - problem.load < -ROUNDING * friction:
+        way, fa = -1.0, largest - problem.load
+    else:
+        return Speed(Status.DONE, 0.0, 0.0, 0.0, 0.0, fastest)
+    a, b = 0.0, way * fastest
     fb = means.left(problem, means, b)
     if fb * way >= 0.0:  # full friction does not balance the load: the damper has to
         if problem.tangential_damping == 0.0:
-            return Speed(Status.RUNAWAY, 0.0, 0.0, 0.0, 0.0)
+            return Speed(Status.RUNAWAY, way, 0.0, 0.0, 0.0, fastest)
         for _ in range(60):  # one step where friction does not fall with speed
             b += 1.000001 * fb / problem.tangential_damping
             fb = means.left(problem, means, b)
@@ -216,7 +212,7 @@ def balanced_speed(problem, means, way, at_rest, fastest, close):
         a, fa, b, fb = narrowed(a, fa, b, fb, v, f)
         if f == 0.0 or abs(f) < 1e-13 * friction or moved < close * top:
             break
-    return Speed(Status.DONE, v, f_old, slope, top)
+    return Speed(Status.DONE, way, v, f_old, slope, top)
 
 
 @compiled
@@ -230,14 +226,12 @@ def balance_row(problem, harmonics, work, out):
         out[k] = 0.0
     h = riding(problem, work.rule)
     out[Entry.HEIGHT] = h
-    way, force = _at_rest(problem, h, work, out)
+    _fill_rest_forces(problem, h, work, out)
     sticks = work.first.counts[Counted.STUCK] > 0
-    problem = changed(problem, force, problem.paths)
-    out[Entry.LOAD_SIGN] = -1.0 if force < 0.0 else 1.0
-    if way == 0.0:
-        out[Entry.HELD] = 1.0
-        return Status.DONE
-    status, top, slope = _first_order(problem, h, way, 1e-11 if harmonics == 0 else 1e-5, work, out)
+    load = problem.load * load_direction(out[Entry.LARGEST_AT_REST])
+    problem = changed(problem, load, problem.paths)
+    out[Entry.LOAD_SIGN] = -1.0 if load < 0.0 else 1.0
+    status, top, slope = _first_order(problem, h, 1e-11 if harmonics == 0 else 1e-5, work, out)
     if status != Status.DONE or harmonics == 0 or not slope < 0.0:
         return status
     status = _second_order(problem, slope, top, work, out)
@@ -245,31 +239,29 @@ def balance_row(problem, harmonics, work, out):
 
 
 @compiled
-def _at_rest(problem, h, work, out):
-    """Fill the least and the largest tangential force of a cycle at rest; return `way_out`."""
+def _fill_rest_forces(problem, h, work, out):
+    """Fill the least and the largest tangential force of a cycle at rest."""
     counts = work.first.counts
     least = largest = excess(problem, work.fine, h, 0.0, work) + problem.load
     stuck = counts[Counted.STUCK]
     out[Entry.MADE_PER_CYCLE], out[Entry.SLIPS_PER_CYCLE] = counts[Counted.MADE], counts[Counted.SLIPS]
-    if least - max(problem.load, 0.0) <= 1e-13 * full_friction(problem):
+    if least - max(problem.load, 0.0) <= ROUNDING * full_friction(problem):
         largest = excess(problem, work.fine, h, -1e-300, work) + problem.load
     counts[Counted.STUCK] = stuck
     out[Entry.LEAST_AT_REST], out[Entry.LARGEST_AT_REST] = least, largest
-    return way_out(problem, least, largest)
 
 
 @compiled
-def _first_order(problem, h, way, close, work, out):
+def _first_order(problem, h, close, work, out):
     """Fill the velocity of first order and its errors; return (reason, range of the search, slope of the force in v).
 
-    The search ends where a step is below `close` of its range.
+    The search ends where a step is below `close` of its range. Of a held slider the slope is 0.
     """
-    at_rest = out[Entry.LEAST_AT_REST] if way > 0.0 else out[Entry.LARGEST_AT_REST]
-    status, v, left, slope, top = balanced_speed(
-        problem, ClosedForm(work.rule, h, work, _left), way, at_rest, full_slip_speed(problem), close
-    )
-    if status != Status.DONE:
-        return status, 0.0, 0.0
+    means, least, largest = ClosedForm(work.rule, h, work, _left), out[Entry.LEAST_AT_REST], out[Entry.LARGEST_AT_REST]
+    status, way, v, left, slope, top = balanced_speed(problem, means, least, largest, full_slip_speed(problem), close)
+    out[Entry.HELD] = 1.0 if way == 0.0 else 0.0
+    if status != Status.DONE or way == 0.0:
+        return status, top, 0.0
     # the search may stop early: Newton's step from there has an error of the square of the last step
     out[Entry.COARSE], out[Entry.RESIDUAL] = (v - left / slope if slope < 0.0 else v), abs(left / slope)
     f = excess(problem, work.fine, h, v, work)

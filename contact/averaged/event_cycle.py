@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.averaged.equilibrium import balanced_speed, force_left, full_slip_speed, load_direction, way_out
+from contact.averaged.equilibrium import balanced_speed, force_left, full_slip_speed, load_direction
 from contact.averaged.riding import riding_approach
 from contact.body import normal_amplitude
 from contact.codes import Status, Tangential
@@ -103,15 +103,13 @@ def _at_height(problem, height):
     """Return the equilibrium of the tangential forces at one mean approach."""
     rest = _rest_cycles(problem, height)
     (least, _), (largest, _) = rest
-    direction, load = way_out(problem, least, largest)
-    problem = problem._replace(load=load)  # the sign of the load changes if the wave drives against its crests
-    if direction == 0.0:
-        return _held(problem, height, rest)
-    means = EventCycles(height)
-    at_rest = least if direction > 0.0 else largest
-    search = balanced_speed(problem, means, direction, at_rest, full_slip_speed(problem), CLOSE)
+    # the sign of the load changes if the wave drives against its crests
+    problem, means = problem._replace(load=problem.load * load_direction(largest)), EventCycles(height)
+    search = balanced_speed(problem, means, least, largest, full_slip_speed(problem), CLOSE)
     if search.status == Status.RUNAWAY:
         raise ConvergenceError("runaway", RUNAWAY)
+    if search.way == 0.0:
+        return _held(problem, height, rest)
     return Balance(problem=problem, height=height, speed=search.velocity, held=False, motion=means.motion)
 
 

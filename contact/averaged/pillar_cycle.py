@@ -62,12 +62,12 @@ class PillarCycle:
         rule = CLOSED if self.shape == Shape.PUNCH else quadrature(NODES)
         # with tangential lengths over c, P/k_n and Q/(c k_t) are those of a contact with stiffness, mu and c of 1
         paths = Paths(*np.empty((5, self.x.size)))
-        problem = Problem(
+        self.problem = Problem(
             stiffness=1.0, contact_damping=0.0, normal_damping=0.0, preload=1.0, tangential_damping=0.0, load=0.0,
             friction=1.0, limit_slope=1.0, stick_band=0.0, longest=1.0, shape=self.shape, paths=paths, length=1.0,
             omega=1.0, law=coulomb(Tangential.ELASTIC),
         )  # fmt: skip
-        self._cycles = problem, rule, cycle_arrays(1, max(len(rule.node), 1))
+        self._rule, self._work = rule, cycle_arrays(1, max(len(rule.node), 1))
         self.reset()
 
     def reset(self):
@@ -105,7 +105,7 @@ class PillarCycle:
     def forces(self, approach, w: float, side: float) -> MeanForces:
         """Return the forces per class, without weights, at mean approaches in m and a velocity over omega in m."""
         self.evaluations += 1
-        problem, rule, work = self._cycles
+        problem = self.problem
         c, (u_z, u_x) = self.limit_slope, (each[self.row] for each in self.amplitudes())
         unit = max(float(np.max(np.abs(approach))), float(np.max(np.abs(u_z))), 1e-300)
         for path, part in zip(problem.paths[:3], (approach, u_z.real, -u_z.imag), strict=True):
@@ -114,7 +114,7 @@ class PillarCycle:
             np.divide(part, c * unit, out=path)
         velocities = np.full(self.x.size, -1e-300) if w == 0.0 and side < 0.0 else float(w) / (c * unit)
         out, force = np.empty((len(Each), self.x.size)), float(load(unit, self.shape))
-        contact_cycles(problem, 0.0, velocities, rule, work, out)
+        contact_cycles(problem, 0.0, velocities, self._rule, self._work, out)
         out[Each.FRICTION] *= force * unit * c**2
         return forces_of(out, self.k_n * force, self.k_t * force * c)
 

@@ -2,12 +2,11 @@
 
 import math
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
 from contact.averaged.cycle_mean import Each
-from contact.averaged.equilibrium import balanced_speed
+from contact.averaged.equilibrium import balanced_speed, force_left
 from contact.averaged.overtone_cycle import OvertoneCycle
 from contact.averaged.pillar_cycle import PillarCycle
 from contact.averaged.pillar_equilibrium import SPEED, Balance, Equilibrium
@@ -18,15 +17,6 @@ from contact.input_error import InputError
 
 LOADED = 0.05  # loading number above which the slider acts back on the wave if `loading` is None
 FULL_SLIP = 1.001  # safety factor on the velocity above which every contact slips through the whole cycle
-
-
-class VelocityProblem(NamedTuple):
-    """The attributes of a problem that `balanced_speed` uses; velocities are divided by omega."""
-
-    friction: float
-    preload: float
-    load: float
-    tangential_damping: float
 
 
 class PillarSlider:
@@ -87,18 +77,15 @@ class PillarSlider:
         # computed last, so that the wave amplitudes belong to these forces if the slider is held
         held = self.rest(side, load)
         low, high = (other, held) if side < 0.0 else (held, other)
-        rounding = 1e-12 * self.equilibrium.friction
-        if low.traction - load <= rounding and high.traction - load >= -rounding:
-            return replace(held, traction=load)
-        direction = 1.0 if low.traction > load else -1.0
         reach = abs(self.wave.forward) + abs(self.wave.backward)
         fastest = FULL_SLIP * reach * (abs(self.wave.orbit) + float(self.cycle.limit_slope.max()))
-        problem = VelocityProblem(
-            self.pillars.friction_coefficient, self.pillars.preload, load,
-            self.pillars.tangential_damping * self.wave.omega,
+        problem = self.cycle.problem._replace(  # forces in N, velocities over omega in m
+            friction=self.pillars.friction_coefficient, preload=self.pillars.preload, load=load,
+            tangential_damping=self.pillars.tangential_damping * self.wave.omega,
         )  # fmt: skip
-        at_rest = (low if direction > 0.0 else high).traction
-        search = balanced_speed(problem, self, direction, at_rest, max(fastest, 1e-300), 1e-6)
+        search = balanced_speed(problem, self, low.traction, high.traction, max(fastest, 1e-300), 1e-6)
+        if search.way == 0.0:
+            return replace(held, traction=load)
         if search.status == Status.RUNAWAY:
             raise ConvergenceError(
                 "runaway", f"friction of {self.equilibrium.friction:.4g} N cannot balance the load of {abs(load):.4g} N"
@@ -109,7 +96,7 @@ class PillarSlider:
     @staticmethod
     def left(problem, slider, w):
         """Return the mean tangential force less load and damper, which accelerates the slider at v = omega w."""
-        return slider.equilibrium.solve(problem.load, w).traction - problem.load - problem.tangential_damping * w
+        return force_left(problem, slider.equilibrium.solve(problem.load, w).traction, w)
 
     def directed(self, load: float) -> float:
         """Return a load with the sign of the motion that it opposes."""
