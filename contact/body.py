@@ -108,6 +108,12 @@ def body_force(problem, rate):
 
 
 @formula
+def harmonic_response(n, damping):
+    """Return the amplitude of the slider's motion over that of the force, both in the nth harmonic of the wave."""
+    return 1.0 / (n * (1j * damping - n))
+
+
+@formula
 def contact_force(problem, elastic, approach_rate):
     """Return the normal force of a contact with its damper, of the elastic one."""
     return elastic * (1.0 + problem.contact_damping * approach_rate)

@@ -18,6 +18,7 @@ from contact.law import elastic, hysteretic, normal
 from contact.law.falling import FallingFriction
 from contact.law.protocol import Law, slip_limit
 from contact.law.user import Contact, UserLaw, tried, user_law
+from contact.roots import bracketed
 
 LAWS = ("elastic", "hysteretic")
 POSITIVE = {"radius": "m", "mass": "kg", "effective_modulus": "Pa", "tangential_modulus": "Pa"}
@@ -265,9 +266,7 @@ class Slider:
         max_limit = float(np.max(limits))
         if self.load == 0.0 or carried(max_limit) <= self.load:
             return limits if self.load > 0.0 else 0.0 * z
-        from scipy.optimize import brentq
-
-        return np.minimum(brentq(lambda x: carried(x) - self.load, 0.0, max_limit, xtol=1e-15 * max_limit), limits)
+        return np.minimum(bracketed(lambda x: carried(x) - self.load, 0.0, max_limit), limits)
 
     def normal_resonance(self, contacts: int) -> float:
         """Return the frequency in Hz of the bounce at rest, sqrt(sum dP/dz / m)/2 pi."""

@@ -77,7 +77,7 @@ def _speed(problem, means):
     """Return the velocity at which the mean tangential force balances damper and load, NaN if the search fails."""
     least, largest = (_left(problem, means, v) + problem.load for v in (0.0, -1e-300))
     loaded = problem._replace(load=problem.load * load_direction(largest))
-    search = balanced_speed(loaded, means, least, largest, full_slip_speed(problem), 1e-9)
+    search = balanced_speed(loaded, means, least, largest, full_slip_speed(problem.paths, problem.limit_slope), 1e-9)
     return search.velocity if search.status == Status.DONE else math.nan
 
 

@@ -19,6 +19,7 @@ from contact.drive import drive_direction
 from contact.law.elastic import back_load
 from contact.law.normal import load
 from contact.orbit import Orbit
+from contact.roots import bracketed
 from contact.slider import Slider
 
 # A slider is carried if both resonances exceed FASTER times the wave frequency and the forces stay below INSIDE times
@@ -77,14 +78,13 @@ def _sliding(slider):
 
 def _dragged_speed(slider, contacts):
     """Return the least speed in m/s at which damper and sliding friction carry the load, without a wave."""
-    from scipy.optimize import brentq
 
     def left(speed):
         return slider.load - slider.tangential_damping * speed - slider.sliding_friction(contacts, speed)
 
     speeds = slider.load / slider.tangential_damping * np.linspace(0.0, 1.0, 400) ** 2
     falls = next(k for k, speed in enumerate(speeds) if left(speed) <= 0.0)
-    return brentq(left, speeds[falls - 1], speeds[falls], rtol=1e-14)
+    return bracketed(left, speeds[falls - 1], speeds[falls])
 
 
 def _dragged(slider, orbits):

@@ -37,7 +37,7 @@ from contact.averaged.cycle_pieces import (
     motion_at,
 )
 from contact.averaged.riding import arc
-from contact.body import Coordinates, approach, at_phase, normal_amplitude, slip_speed, slip_window
+from contact.body import Coordinates, approach, at_phase, harmonic_response, normal_amplitude, slip_speed, slip_window
 from contact.codes import Slips
 from contact.jit.compiled import compiled, native
 from contact.law.protocol import slip_limit
@@ -351,15 +351,18 @@ def _follow_contact(problem, path, rule, work, windows, passage, counted):
 
 
 @compiled
+def clear(harmonics):
+    """Set the amplitudes of all harmonics to zero."""
+    harmonics.normal_cos[:] = harmonics.normal_sin[:] = 0.0
+    harmonics.tangential_cos[:] = harmonics.tangential_sin[:] = 0.0
+
+
+@compiled
 def _clear(work):
     """Set the sums over the contacts to zero."""
-    force = work.force
-    for k in range(work.means.size):
-        work.means[k] = 0.0
-    for k in range(work.counts.size):
-        work.counts[k] = 0
-    for k in range(force.normal_cos.size):
-        force.normal_cos[k] = force.normal_sin[k] = force.tangential_cos[k] = force.tangential_sin[k] = 0.0
+    clear(work.force)
+    work.means[:] = 0.0
+    work.counts[:] = 0
 
 
 @compiled
@@ -448,15 +451,7 @@ def respond(problem, work):
     """Set the fast motion that the harmonics of the forces drive, dampers included."""
     d_n, d_t, fast, force = problem.normal_damping, problem.tangential_damping, work.fast, work.force
     for k in range(fast.normal_cos.size):
-        n = k + 1.0
-        fast.normal_cos[k], fast.normal_sin[k] = _amplitudes(n, d_n, force.normal_cos[k], force.normal_sin[k])
-        fast.tangential_cos[k], fast.tangential_sin[k] = _amplitudes(
-            n, d_t, force.tangential_cos[k], force.tangential_sin[k]
-        )
-
-
-@compiled
-def _amplitudes(n, d, a, b):
-    """Return the amplitudes (a - i b)/(-n^2 + i n d) of the answer to a force a cos + b sin."""
-    size = n * n * (n * n + d * d)
-    return -n * (n * a + d * b) / size, -n * (n * b - d * a) / size
+        normal = (force.normal_cos[k] - 1j * force.normal_sin[k]) * harmonic_response(k + 1.0, d_n)
+        along = (force.tangential_cos[k] - 1j * force.tangential_sin[k]) * harmonic_response(k + 1.0, d_t)
+        fast.normal_cos[k], fast.normal_sin[k] = normal.real, -normal.imag
+        fast.tangential_cos[k], fast.tangential_sin[k] = along.real, -along.imag

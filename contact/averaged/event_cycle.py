@@ -105,7 +105,7 @@ def _at_height(problem, height):
     (least, _), (largest, _) = rest
     # the sign of the load changes if the wave drives against its crests
     problem, means = problem._replace(load=problem.load * load_direction(largest)), EventCycles(height)
-    search = balanced_speed(problem, means, least, largest, full_slip_speed(problem), CLOSE)
+    search = balanced_speed(problem, means, least, largest, full_slip_speed(problem.paths, problem.limit_slope), CLOSE)
     if search.status == Status.RUNAWAY:
         raise ConvergenceError("runaway", RUNAWAY)
     if search.way == 0.0:

@@ -99,7 +99,8 @@ class Equilibrium:
         self.amplitude = max(wave.amplitude, 1e-300)
         self.length = max(wave.amplitude, rest)
         self.speed = max(abs(wave.orbit) * wave.amplitude, 1e-3 * self.length)
-        self.arm = np.array([max(float(np.ptp(each)), 1e-300) / 2.0 for each in (pillars.x, pillars.y)])
+        # pillars on a line do not tilt along it: any arm serves
+        self.arm = np.array([0.5 * float(np.ptp(each)) or 1.0 for each in (pillars.x, pillars.y)])
         tilts = {"held": (), "pitch": (PITCH,), "free": (PITCH, ROLL)}[pillars.tilt]
         self.soft = pillars.backing == "soft"
         self.plane = [] if self.soft else [HEIGHT, *tilts]

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.averaged.equilibrium import Entry, Work, balance_row, excess, work_arrays
+from contact.averaged.equilibrium import Entry, Work, balance_row, excess, full_slip_speed, work_arrays
 from contact.averaged.riding import riding
 from contact.body import Paths, at_phase, normal_amplitude, of_run, tangential_amplitude
 from contact.codes import Status, Steady
@@ -119,11 +119,8 @@ def _solve_row(problem, ratio, wave_error, harmonics, arrays, row):
     if status != Status.DONE:
         return
     problem = changed(problem, row[Entry.LOAD_SIGN] * abs(problem.load), problem.paths)
-    along = 0.0
-    for i in range(problem.paths.height.size):
-        along = max(along, tangential_amplitude(problem.paths, i))
     v = row[Entry.VELOCITY]
-    reference = max(abs(v), along / 10.0)
+    reference = max(abs(v), full_slip_speed(problem.paths, 0.0) / 10.0)
     error = max(row[Entry.TAIL], row[Entry.RESIDUAL], row[Entry.QUADRATURE], LEAST_ERROR * abs(v))
     error = max(error, CORRECTION_ERROR * abs(v - row[Entry.FIRST_ORDER]))
     if row[Entry.HELD] == 1.0 or abs(v) < EDGE * reference:

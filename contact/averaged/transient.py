@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.averaged.cycle_mean import cycle, respond
+from contact.averaged.cycle_mean import clear, cycle, respond
 from contact.averaged.cycle_pieces import Counted, Mean
-from contact.averaged.equilibrium import clear_fast_motion, force_left, settle, work_arrays
+from contact.averaged.equilibrium import force_left, full_slip_speed, settle, work_arrays
 from contact.averaged.riding import Rule, mean_normal_force, riding
-from contact.body import Coordinates, body_force, contact_force, tangential_amplitude
+from contact.body import Coordinates, body_force, contact_force
 from contact.codes import Status
 from contact.events.segment import At, Column
 from contact.jit.compiled import compiled, native
@@ -164,9 +164,7 @@ def accelerate(problem, state, phase, taken, span, work, k):
     else:  # the fast motion stays that of the start
         h = riding(problem, rule)
     k[0], h = _rate(problem, h, v, rule, second, max_rounds)
-    top = 0.0
-    for i in range(problem.paths.height.size):
-        top = max(top, tangential_amplitude(problem.paths, i))
+    top = full_slip_speed(problem.paths, 0.0)
     d = min(stop - phase, 0.02 * top / (abs(k[0]) + 1e-300))
     rejected = 0
     while phase < stop:
@@ -216,7 +214,7 @@ def accelerate(problem, state, phase, taken, span, work, k):
 def _response(problem, state, span, work, k):
     """Fill the answer of `response`; return the `Status`."""
     rule, second, speed = span.rule, work.second, state[At.VELOCITY]
-    clear_fast_motion(second.fast)
+    clear(second.fast)
     h, w, v = -state[At.POSITION], -state[At.NORMAL_VELOCITY], speed
     # the mean motion at phase 0 is the state less the fast motion, which depends on the mean motion: three rounds
     for _ in range(3):
@@ -231,7 +229,7 @@ def _response(problem, state, span, work, k):
     if why == Status.DONE and phase < span.stop:
         why = accelerate(problem, state, phase, taken, span, work, k)
     if not span.second_order:
-        clear_fast_motion(second.fast)
+        clear(second.fast)
         cycle(problem, state[At.POSITION], state[At.VELOCITY], rule, second)
         respond(problem, second)
     fast_height, fast_rate, fast_speed = fast_state(second.fast)

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from contact.body import Coordinates, approach, approach_rate, at_phase, contact_force
+from contact.body import Coordinates, approach, approach_rate, at_phase, contact_force, harmonic_response
 from contact.convergence_error import ConvergenceError
 from contact.law.normal import load, slope
 from contact.law.protocol import slip_limit
@@ -101,5 +101,5 @@ def _driven(force, damping):
     n = np.arange(harmonics.size)
     n[0] = 1
     harmonics[0] = 0.0
-    moved = harmonics / (-(n**2) + 1j * n * damping)
+    moved = harmonics * harmonic_response(n, damping)
     return np.fft.irfft(moved, force.size), np.fft.irfft(1j * n * moved, force.size)

@@ -25,6 +25,11 @@ def test_contacts_of_one_radius_in_phase_are_the_slider_of_equal_contacts(change
     assert apart.velocity == pytest.approx(found.velocity, rel=1e-12)
 
 
+def test_one_ball_away_from_the_centre_moves_as_at_the_centre():
+    centre, away = (pillar_motion(balls_of(slider(), [x], y=[x]), WAVE, loading=False) for x in (0.0, 3e-4))
+    assert away.velocity == pytest.approx(centre.velocity, rel=1e-12)
+
+
 def test_two_unequal_balls_balance_in_a_sum_written_by_hand():
     # Oracle: Hertz's force by adaptive quadrature, the tangential one by small steps of the stop operator
     radius, weights, heights, x = (0.5e-3, 4e-3), (3.0, 1.0), (0.6e-9, 0.0), np.array([0.0, 0.31e-3])
