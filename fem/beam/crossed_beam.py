@@ -174,11 +174,11 @@ class CrossedBeam:
             wave = self.wave
             wavelength = wave.phase_velocity / wave.frequency
             parts = []
-            for some, near in _pieces(s, row.transducers, CLEAR * wavelength):
+            for some, near in near_and_between(s, row.transducers, CLEAR * wavelength):
                 if near or np.count_nonzero(some) <= FEW:
                     parts.append((some, evaluate(s[some], t[some])))
                 else:
-                    parts.append((some, _interpolated(evaluate, s[some], t[some], wavelength / PER_WAVELENGTH)))
+                    parts.append((some, interpolated_on_grid(evaluate, s[some], t[some], wavelength / PER_WAVELENGTH)))
             values = np.empty((len(parts[0][1]), len(s)), dtype=complex)
             for some, part in parts:
                 values[:, some] = part
@@ -186,16 +186,22 @@ class CrossedBeam:
         return evaluate(s, t).reshape(-1, *x.shape)
 
 
-def _pieces(s: np.ndarray, transducers: tuple[Transducer, ...], clear: float) -> list[tuple[np.ndarray, bool]]:
-    """Split the points by s into those near a transducer and those between: masks, each with True for "near"."""
+def near_and_between(s: np.ndarray, transducers: tuple[Transducer, ...], clear: float) -> list[tuple[np.ndarray, bool]]:
+    """Split points by their s (m) into those within ``clear`` (m) of a transducer's extent and those between.
+
+    Returns pairs of a mask over the points and True for "near".
+    """
     edges = np.array([each.extent + clear * np.array([-1, 1]) for each in transducers])
     edges = np.maximum.accumulate(edges[np.argsort(edges[:, 0])].ravel())
     piece = np.searchsorted(edges, s)
     return [(piece == number, bool(number % 2)) for number in set(piece.tolist())]
 
 
-def _interpolated(evaluate, s: np.ndarray, t: np.ndarray, step: float) -> np.ndarray:
-    """Values at many points, interpolated from a grid whose lines are ``step`` apart, in m."""
+def interpolated_on_grid(evaluate, s: np.ndarray, t: np.ndarray, step: float) -> np.ndarray:
+    """Interpolate ``evaluate(s, t)``, shape (components, points), from a grid whose lines are ``step`` apart.
+
+    ``s``, ``t`` and ``step`` are in m; splines of order 5.
+    """
     from scipy.ndimage import map_coordinates
 
     lines = [

@@ -73,7 +73,7 @@ def _effects(record: Record) -> tuple[tuple, list[tuple]]:
 
         at_points = pillar_rows(record)
     if record.surface_wave is not None:
-        for each in (_aperture, _finger_ends, _vacuum, _electrode_mass, _contact, _power):
+        for each in (_aperture, _finger_ends, vacuum_effect, _electrode_mass, _contact, _power):
             always += each(record)
         for rows, point, load in zip(at_points, record.points, _load(record), strict=True):
             rows += [*load, *_travel(record, point)]
@@ -228,7 +228,7 @@ def _finger_ends(record: Record) -> Rows:
     yield effect, "u_z", remainder, f"error that remains with static charge at the ends, {ceramic}"
 
 
-def _vacuum(record: Record) -> Rows:
+def vacuum_effect(record: Record) -> Rows:
     """Yield the effect of the field in the vacuum on u_z, which is of second order.
 
     The charges grow by the share eps_0 / eps_p, and the potential of the wave, to which they couple, falls by as much.
@@ -309,7 +309,7 @@ def _load(record: Record) -> list[list[tuple]]:
     how = "averaged equilibrium of the contacts on a wave that they load (elastic law)"
     voltages = np.unique([point["voltage_V"] for point in record.points if point["voltage_V"] > 0.0])
     some = voltages[np.unique(np.linspace(0, voltages.size - 1, LOADS).round().astype(int))] if voltages.size else ()
-    sizes = _loaded(record, some)
+    sizes = wave_load(record, some)
     for own, point in zip(rows, record.points, strict=True):
         if point["voltage_V"] > 0.0:
             size = float(np.interp(point["voltage_V"], some, sizes))
@@ -317,7 +317,7 @@ def _load(record: Record) -> list[list[tuple]]:
     return rows
 
 
-def _loaded(record: Record, voltages) -> list[float]:
+def wave_load(record: Record, voltages) -> list[float]:
     """Return the relative changes of a wave that passes below the slider, in a strip as wide as the aperture.
 
     If the averaged equilibrium does not converge, the change is the loading number, which approximates the phase that

@@ -46,9 +46,9 @@ def run(*, motors: tuple[str, ...] = MOTORS, progress=None) -> Answered:
     """
     parts = {
         MOTORS[0]: lambda: [*_kurosawa(progress), *_from_voltage(progress)],
-        MOTORS[1]: lambda: [_seed()],
+        MOTORS[1]: lambda: [feenstra_row()],
         MOTORS[2]: _tjeung,
-        MOTORS[3]: _raj,
+        MOTORS[3]: raj_rows,
         MOTORS[4]: lambda: _kurosawa_asai(progress),
         MOTORS[5]: _rear,
         MOTORS[6]: _shigematsu,
@@ -57,7 +57,7 @@ def run(*, motors: tuple[str, ...] = MOTORS, progress=None) -> Answered:
     rows = [row for motor in motors for row in parts[motor]()]
     columns = {key: [row[key] for row in rows] for key in rows[0]}
     title = "Published motors (bands: what the papers do not state)"
-    return (Panel(name="published_motors", title=title, data=columns),), map(_finding, rows)
+    return (Panel(name="published_motors", title=title, data=columns),), map(finding_of, rows)
 
 
 @of_record
@@ -127,10 +127,13 @@ def _kurosawa(progress) -> list[dict]:
         ("contact radius at its pressure", contact_radius, "contact_radius_m", ("modulus",), "\u00b5m", 1e6),
     ):
         swept = {name: unknowns[name] for name in needs}
-        rows.append(_row(motor, quantity, published[key], what, known, swept, unit, scale))
+        rows.append(compared_row(motor, quantity, published[key], what, known, swept, unit, scale))
     swept = {name: unknowns[name] for name in ("friction", "preload", "frequency", "law")}
     amplitude = published["amplitude_m"]
-    return [*rows, _row(motor, "amplitude its speed needs", amplitude, needed_amplitude, known, swept, "nm", 1e9)]
+    return [
+        *rows,
+        compared_row(motor, "amplitude its speed needs", amplitude, needed_amplitude, known, swept, "nm", 1e9),
+    ]
 
 
 def _known(unknowns: dict) -> dict:
@@ -160,12 +163,12 @@ def _from_voltage(progress) -> list[dict]:
     swept = stator | {name: KUROSAWA[name] for name in ("friction", "preload", "law")}
     amplitude, velocity = published["amplitude_m"], published["velocity_m_per_s"]
     return [
-        _row(motor, "amplitude from 180 V", amplitude, from_voltage, taken, stator, "nm", 1e9),
-        _row(motor, "speed from 180 V", velocity, chain, known | taken, swept, "m/s", 1.0),
+        compared_row(motor, "amplitude from 180 V", amplitude, from_voltage, taken, stator, "nm", 1e9),
+        compared_row(motor, "speed from 180 V", velocity, chain, known | taken, swept, "m/s", 1.0),
     ]
 
 
-def _seed() -> dict:
+def feenstra_row() -> dict:
     """Return the release amplitude beside the two simulated amplitudes between which the paper places it."""
     seed, published = Seed(lambda text: None), SEED.published
 
@@ -173,7 +176,7 @@ def _seed() -> dict:
         return contact.release_amplitude(replace(seed.slider, effective_modulus=case["modulus"]), seed.shape)
 
     bounds = published["constant_contact_m"], published["intermittent_m"]
-    return _row(
+    return compared_row(
         "Feenstra and Breedveld", "release amplitude", bounds, release, {"modulus": SEED["modulus"].taken},
         {"modulus": SEED["modulus"]}, "nm", 1e9,
     )  # fmt: skip
@@ -187,7 +190,7 @@ def _tjeung() -> list[dict]:
         return case["friction"] * published["preload_N"] * published["radius_m"]
 
     friction = TJEUNG["friction"]
-    row = _row(
+    row = compared_row(
         "Tjeung 2011", "torque, at most", published["torque_Nm"], torque, {"friction": friction.taken},
         {"friction": friction}, "\u00b5N mm", 1e9,
     )  # fmt: skip
@@ -196,7 +199,7 @@ def _tjeung() -> list[dict]:
     return [row]
 
 
-def _raj() -> list[dict]:
+def raj_rows() -> list[dict]:
     """Return the speed of a ball on the published wave: at least the published one, at most the surface's."""
     published, motor = RAJ.published, MOTORS[3]
     swept = {name: RAJ[name] for name in ("radius", "mass", "amplitude")}
@@ -212,7 +215,7 @@ def _raj() -> list[dict]:
     }
     surface = 2 * math.pi * published["frequency_Hz"] * tangential * published["amplitude_m"]
     stated = published["velocity_at_least_m_per_s"], surface
-    return [_row(motor, "speed, at least", stated, speed, known, swept, "m/s", 1.0)]
+    return [compared_row(motor, "speed, at least", stated, speed, known, swept, "m/s", 1.0)]
 
 
 def _kurosawa_asai(progress) -> list[dict]:
@@ -227,9 +230,9 @@ def _kurosawa_asai(progress) -> list[dict]:
 
     beam, above = "wave power at 40 nm, above", (100.0, 200.0)
     return [
-        _row(MOTORS[4], beam, above, power, {"beam": width.taken}, {"beam": width}, "W", 1.0),
-        _row(MOTORS[4], "speed at 40 nm", 1.1, sliders.kurosawa_speed, known, swept, "m/s", 1.0),
-        _row(MOTORS[4], "stall at 40 nm", 3.5, sliders.kurosawa_stall, known, swept, "N", 1.0),
+        compared_row(MOTORS[4], beam, above, power, {"beam": width.taken}, {"beam": width}, "W", 1.0),
+        compared_row(MOTORS[4], "speed at 40 nm", 1.1, sliders.kurosawa_speed, known, swept, "m/s", 1.0),
+        compared_row(MOTORS[4], "stall at 40 nm", 3.5, sliders.kurosawa_stall, known, swept, "N", 1.0),
     ]
 
 
@@ -241,7 +244,7 @@ def _rear() -> list[dict]:
     def left(case):
         return sliders.rear_amplitude(case["length"])
 
-    return [_row(MOTORS[5], what, (0.01, 1.0), left, {"length": 10e-3}, {"length": length}, "", 1.0)]
+    return [compared_row(MOTORS[5], what, (0.01, 1.0), left, {"length": 10e-3}, {"length": length}, "", 1.0)]
 
 
 def _shigematsu() -> list[dict]:
@@ -255,7 +258,7 @@ def _shigematsu() -> list[dict]:
         own = unknowns | ({} if swept is None else {"cycles": Unknown(name="cycles", taken=taken, swept=swept)})
         known = {name: each.taken for name, each in unknowns.items()} | {"cycles": taken}
         what = "step of 25 cycles at 30 N" if swept is None else f"step of {published * 1e9:g} nm at 30 N"
-        rows.append(_row(MOTORS[6], what, published, _step, known, own, "nm", 1e9))
+        rows.append(compared_row(MOTORS[6], what, published, _step, known, own, "nm", 1e9))
     return rows
 
 
@@ -271,10 +274,10 @@ def _crest() -> list[dict]:
         return sliders.crest_speed(4.7e-9, case["frequency"])
 
     known, swept, what = ({"frequency": frequency.taken}, {"frequency": frequency}, "the crest's own speed at 4.7 nm")
-    return [_row(MOTORS[7], what, (0.245, 0.255), speed_of_crest, known, swept, "m/s", 1.0)]
+    return [compared_row(MOTORS[7], what, (0.245, 0.255), speed_of_crest, known, swept, "m/s", 1.0)]
 
 
-def _row(motor, quantity, published, what, known, swept, unit, scale) -> dict:
+def compared_row(motor, quantity, published, what, known, swept, unit, scale) -> dict:
     """Return a quantity as taken, over all corners of what is unknown, and the unknown that moves it most.
 
     ``published`` is a value, or the two ends of a range.
@@ -316,7 +319,8 @@ def _apart(ratio: float) -> str:
     return f"{100 * (ratio - 1):+.0f} %"
 
 
-def _finding(row: dict) -> Finding:
+def finding_of(row: dict) -> Finding:
+    """Return a row of the comparison as a finding, confirmed if the band reaches the published value."""
     band = f"{row['low'] * row['scale']:.3g} to {row['high'] * row['scale']:.3g} {row['unit']}".strip()
     return Finding(
         statement=f"{row['motor']}: {row['quantity']}, published {_stated(row)} {row['unit']}",

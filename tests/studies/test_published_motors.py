@@ -24,7 +24,7 @@ def row(published, what=lambda case: case["a"] * case["b"], **swept):
     swept = swept or {"a": Unknown(name="A", taken=2.0, swept=(1.0, 3.0)),
                       "b": Unknown(name="B", taken=1.0, swept=(0.9, 1.2), unit="m", scale=10)}  # fmt: skip
     known = {"a": 2.0, "b": 1.0}
-    return study._row("motor", "quantity", published, what, known, swept, "m", 1.0)
+    return study.compared_row("motor", "quantity", published, what, known, swept, "m", 1.0)
 
 
 def test_a_band_is_every_corner_and_names_what_moves_it_most():
@@ -38,8 +38,8 @@ def test_a_band_is_every_corner_and_names_what_moves_it_most():
 def test_what_lies_outside_is_said_so_and_how_far():
     assert row(7.2)["verdict"] == "outside the band, whose nearer end is -50 %"
     assert row(0.6)["verdict"] == "outside the band, whose nearer end is +50 %"
-    assert not study._finding(row(7.2)).confirmed
-    assert study._finding(row(2.5)).confirmed
+    assert not study.finding_of(row(7.2)).confirmed
+    assert study.finding_of(row(2.5)).confirmed
 
 
 def test_a_published_range_is_compared_as_a_range():
@@ -51,12 +51,12 @@ def test_a_published_range_is_compared_as_a_range():
     assert row((3.0, 4.0))["verdict"] == "band and published range overlap"
     assert row((4.0, 5.0))["verdict"] == "outside the band, whose nearer end is -10 %"
     assert row((0.5, 0.8))["verdict"].startswith("outside")
-    assert "published 0.5 to 4 m" in study._finding(found).statement
+    assert "published 0.5 to 4 m" in study.finding_of(found).statement
 
 
 def test_every_row_compares_a_motor_with_its_own_prediction():
     """The seed's row holds the paper's two amplitudes; Shilton's motor, which is not computed, has no row."""
-    seed = study._seed()
+    seed = study.feenstra_row()
     assert (seed["published_low"], seed["published_high"]) == (3e-9, 10e-9)
     assert seed["verdict"] == "the whole band lies within the published range"
     assert any("Shilton" in what for what, _ in LEFT_ASIDE)
@@ -147,7 +147,7 @@ def test_the_amplitude_per_volt_is_near_the_strip_charges():
 
 
 def test_the_silicon_slider_is_slower_than_the_surface_and_meets_what_is_published():
-    (found,) = study._raj()
+    (found,) = study.raj_rows()
     assert found["published_high"] == pytest.approx(2 * math.pi * 13.5e6 * 12e-9 * model.ratio("LiNbO3 (Kovacs)"))
     assert 0 < found["low"] < found["predicted"] < found["high"] < found["published_high"]
     assert not found["verdict"].startswith("outside")
