@@ -167,17 +167,11 @@ def pillars_of(slider: Slider, interaction: bool | None = None):
         )  # fmt: skip
 
 
-def one_pillar(slider: Slider):
-    """Return the `contact.Slider` of one mean pillar of a resolved slider, with its share of mass, preload and load."""
-    place, (k_n, k_t) = layout(slider), stiffnesses(slider)
-    radius, number = float(place["diameter"].mean() / 2), place["x"].size
-    return contact.Slider(
-        radius=radius, mass=slider.mass / number, preload=slider.preload_force / number, load=slider.load / number,
-        friction_coefficient=slider.friction_coefficient, effective_modulus=float(k_n.mean()) / (2 * radius),
-        tangential_modulus=float(k_t.mean()) / (8 * radius), law="elastic", reciprocal=False, stick_band=0.0,
-        contact_damping=slider.damping.contact, normal_damping=slider.damping.normal / number,
-        tangential_damping=slider.damping.tangential / number, shape="punch",
-    )  # fmt: skip
+def mean_pillar(slider: Slider) -> tuple[int, float, tuple[float, float]]:
+    """Return the number of pillars of a resolved slider, their mean radius in m, and E* and G* of their stiffnesses."""
+    diameter, (k_n, k_t) = layout(slider)["diameter"], stiffnesses(slider)
+    radius = float(diameter.mean() / 2)
+    return diameter.size, radius, (float(k_n.mean()) / (2 * radius), float(k_t.mean()) / (8 * radius))
 
 
 def extent(slider: Slider) -> tuple[float, float]:

@@ -19,25 +19,23 @@ from typing import Any
 
 import fem
 from studies.chain import resolve
-from studies.chain.bridge import DrivenContact, wave_along
+from studies.chain.bridge import DrivenContact
+from studies.chain.changed_scenes import ChangedScenes
 from studies.chain.free_wave import free_wave_record
 from studies.chain.outcomes import FREE, also_asked, amplitudes
 from studies.chain.points import SHARE, SliderAnswer, slider_answer
 from studies.chain.ring_up import RingUp, ring_up
-from studies.chain.solved_stator import SolvedStator, at_one_volt, stator_alone
+from studies.chain.solved_stator import SolvedStator, stator_alone
 from studies.chain.spectrum import response
 from studies.chain.steady import averaged_answers, rated, steady_answer
 from studies.chain.surface_motion import SurfaceMotion, solved_motion, surface_motion
+from studies.chain.travel import WaveAlong
 from studies.record import Record
 from studies.record.status import Status
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
-from studies.scene.block import keys_of
-from studies.scene.blocks import Drive, Stator
-from studies.scene.override import replaced
 
 LOGGER = logging.getLogger("studies.run")
-MAX_BLOCKS = 10_000  # of each kind, in memory
 MAX_PLACES = 1_000_000  # of all solved stators in memory, about 300 MB
 GAIN = 0.1  # tolerance of the stator at a step, over that of the step before
 # Of the velocity's tolerance, for a stator solved in a band: a band that is one level finer costs half as much again,
@@ -57,7 +55,7 @@ class Shared:
     slider: bool | None = None  # whether it drives sliders; None: if the scene has one before it is changed
 
 
-class Predictor:
+class Predictor(ChangedScenes):
     """Answers of one scene with some of its keys changed.
 
     Parameters
@@ -82,22 +80,17 @@ class Predictor:
         self, table: dict, *, tolerance: float, shared: Shared = Shared(), coarse: bool = False,
         steps: int = STEPS, as_run: bool = False, progress: Callable[[str], None] | None = None,
     ) -> None:  # fmt: skip
-        rules = {name: key.rule for name, key in keys_of(Scene).items()}
-        for key in table:
-            if key not in rules:
-                raise SceneError(key, "is no key of a scene")
-        self.table, self.tolerance, self.coarse = table, tolerance, coarse
+        super().__init__(table)
+        self.tolerance, self.coarse = tolerance, coarse
         self.slider = "slider" in table if shared.slider is None else shared.slider
         self.steps, self.as_run = 1 if coarse else steps, as_run
         self.free = "wave" not in table and not table.get("transducer")
         self.places, self.limits, self.progress = shared.places, shared.limits, progress or LOGGER.info
         self.seconds = 0.0  # spent on stators
-        self._rules, self._count = rules, 0
+        self._count = 0
         self._answers: dict[tuple, SolvedStator | Exception] = {}
         self._latest: tuple[tuple | None, SurfaceMotion | Any] = (None, None)
-        self._block, self._slider = (lru_cache(MAX_BLOCKS)(self._read), lru_cache(MAX_BLOCKS)(resolve.resolved_slider))
-        self._ring_up = lru_cache(64)(ring_up)
-        self._stator, self._band = lru_cache(64)(_resolved_stator), lru_cache(4)(response)
+        self._ring_up, self._band = lru_cache(64)(ring_up), lru_cache(4)(response)
 
     @classmethod
     def of_record(cls, record: Record, *, progress: Callable[[str], None] | None = None) -> "Predictor":
@@ -106,13 +99,15 @@ class Predictor:
         if scene.burst is not None:
             scene = scene.with_source(burst=None)
         predictor = cls(scene.to_table(), tolerance=record.tolerance, steps=1, progress=progress)
-        predictor.take(record)
+        resolved, stator = predictor.resolved({})
+        if stator is not None:
+            places = predictor.own_and_shared_places(resolved)[0]
+            predictor._answers[stator, places, 0] = SolvedStator.of(record.surface_motion, places)
         return predictor
 
     def answers(
-        self, many: Sequence[dict], also: Sequence[str] = (), *, tolerance: float | None = None,
-        averaged: bool = False, threads: int | None = None,
-    ) -> list[dict]:  # fmt: skip
+        self, many: Sequence[dict], also: Sequence[str] = (), *, tolerance: float | None = None, averaged: bool = False
+    ) -> list[dict]:
         """Return what the motor does with each of several sets of changed keys.
 
         Parameters
@@ -126,8 +121,6 @@ class Predictor:
         averaged : bool
             True takes averaged steady states whatever their error: they are smooth functions of the numbers, as
             derivatives need.
-        threads : int, optional
-            Of the compiled loop; by default all processors.
 
         Returns
         -------
@@ -140,31 +133,13 @@ class Predictor:
         for step in range(self.steps):
             self.solve_together((many[at] for at in todo), step)
             some = [many[at] for at in todo]
-            results = self._answers_of(some, also, step, threads, tolerance or self.tolerance, averaged)
+            results = self._answers_of(some, also, step, tolerance or self.tolerance, averaged)
             for at, answer in zip(todo, results, strict=True):
                 # where a better stator has no answer, that of the one before stands
                 if "relative_error" in answer or not answers[at]:
                     answers[at] = answer
             todo = [at for at, answer in zip(todo, results, strict=True) if answer.get("finer")]
         return answers
-
-    def scene(self, changes: dict) -> Scene:
-        """Return the scene with some of its keys changed; SceneError if it breaks a rule of the text."""
-        own: dict[str, list] = {}
-        blocks = {}
-        for key, value in changes.items():
-            name, dot, _ = key.partition(".")
-            if dot:
-                own.setdefault(name, []).append((key, value))
-        for name in self.table | own:
-            question = name, tuple(own.get(name, ()))
-            try:
-                blocks[name] = self._block(*question)
-            except TypeError:  # a table among the values is no key of the memory
-                blocks[name] = self._read(*question)
-            if isinstance(blocks[name], SceneError):
-                raise blocks[name].with_traceback(None)
-        return Scene(**blocks)
 
     def contact(self, changes: dict, step: int = 0) -> DrivenContact:
         """Return the contact with some keys changed; its stator is solved at a step, unless a solution is known.
@@ -176,7 +151,7 @@ class Predictor:
         RunError
             If the stator misses its tolerance.
         """
-        scene, stator = self._resolved(changes)
+        scene, stator = self.resolved(changes)
         if stator is None:
             return DrivenContact.given(scene)
         places, shared = self.own_and_shared_places(scene)
@@ -221,8 +196,9 @@ class Predictor:
 
     def bursting(self, driven: DrivenContact, motion: SurfaceMotion | None) -> DrivenContact:
         """Return a contact with the ring-up of its burst, and with the motion's field along the slider's travel."""
-        travels = driven.scene.burst is not None and motion is not None and driven.scene.slider.travel is not False
-        along = wave_along(motion, driven.scene.slider) if travels else None
+        slider, along = driven.scene.slider, None
+        if motion is not None and driven.scene.burst is not None and slider.travel is not False:
+            along = WaveAlong.under(slider, motion)
         return replace(driven, ringing=self.ring_up(driven), along=along)
 
     def motion_of(self, driven: DrivenContact, step: int = 0) -> SurfaceMotion | None:
@@ -231,13 +207,6 @@ class Predictor:
             return None
         stator, places = stator_alone(driven.scene), tuple(driven.solved.at)
         return self.motion(stator, places, self._goal(stator, places, step))
-
-    def take(self, record: Record) -> None:
-        """Keep the stator's solution of a run of the scene."""
-        scene, stator = self._resolved({})
-        if stator is not None:
-            places = self.own_and_shared_places(scene)[0]
-            self._answers[stator, places, 0] = SolvedStator.of(record.surface_motion, places)
 
     def ring_up(self, driven: DrivenContact) -> RingUp | None:
         """Return how the surface's motion grows and fades in a burst; None with a given wave and under a transducer."""
@@ -255,7 +224,7 @@ class Predictor:
         groups: dict = {}
         for changes in many if self.limits else ():
             with suppress(SceneError):  # raised again when the point is answered
-                scene, stator = self._resolved(changes)
+                scene, stator = self.resolved(changes)
                 places = self.own_and_shared_places(scene)[1]
                 if self._in_band(stator, places) and (stator, places, step) not in self._answers:
                     fixed = replace(stator, drive=replace(stator.drive, frequency=self.limits[0]))
@@ -272,9 +241,7 @@ class Predictor:
                     self._answers[stator, places, step] = SolvedStator.of(motion, places)
             self.seconds += time.perf_counter() - start_time
 
-    def _answers_of(
-        self, many: list[dict], also: Any, step: int, threads: int | None, tolerance: float, averaged: bool
-    ) -> list[dict]:
+    def _answers_of(self, many: list[dict], also: Any, step: int, tolerance: float, averaged: bool) -> list[dict]:
         """Return the answers on the stator of a step; ``finer`` is true where a more accurate one would help."""
         answers: list[dict] = [{} for _ in many]
         ready: dict[int, DrivenContact] = {}
@@ -291,9 +258,7 @@ class Predictor:
             except Exception as error:
                 answers[at] = _without_answer(error)
         steady = [at for at, each in ready.items() if each.scene.slider is not None and each.scene.burst is None]
-        rows = averaged_answers(
-            [(ready[at], ready[at].level) for at in steady], math.inf if averaged else tolerance, threads=threads
-        )
+        rows = averaged_answers([(ready[at], ready[at].level) for at in steady], math.inf if averaged else tolerance)
         side_by_side = dict(zip(steady, rows, strict=True))
         for at, driven in ready.items():
             try:
@@ -316,37 +281,6 @@ class Predictor:
             return {"relative_error": error if driven.level else 0.0, "status": status}
         answer = self.slider_answer(driven, self.motion_of(driven, step), tolerance)
         return rated(answer.points[0], answer.parts[0], tolerance)
-
-    def _read(self, name: str, changes: tuple) -> Any:
-        """Return a block with some keys changed, or why it is refused."""
-        table = {name: self.table[name]} if name in self.table else {}
-        try:
-            for key, value in changes:
-                table = replaced(table, key, value)
-            return self._rules[name].read(name, table[name])
-        except SceneError as error:
-            return error.with_traceback(None)
-
-    def _resolved(self, changes: dict) -> tuple[Scene, Scene | Any]:
-        """Return the scene with numbers for automatic values, and its stator alone at 1 V; None for a given wave."""
-        scene, stator = self.scene(changes), None
-        blocks: dict[str, Any] = {}
-        if scene.stator is not None:
-            computed_circuit = scene.drive.match == "auto" or scene.drive.recovery is not None
-            spread = computed_circuit and resolve.diffracts(scene)
-            stator = self._stator(scene.stator, scene.transducer, scene.piece, at_one_volt(scene.drive), spread)
-            resolve.refuse_gaps(scene)
-            if scene.crossed:
-                resolve.refuse_covered(replace(scene, transducer=stator.transducer))
-            drive = replace(stator.drive, voltage=scene.levels, burst=scene.drive.burst)
-            blocks = {"stator": stator.stator, "transducer": stator.transducer, "drive": drive}
-        if scene.slider is not None:
-            on = None if scene.slider.ball is None else scene.stator
-            blocks["slider"] = self._slider(scene.slider, on)
-            if scene.burst is not None:
-                resolve.refuse_endless_burst(scene, float((stator or scene).frequency))
-        same = all(getattr(scene, key) == each for key, each in blocks.items())
-        return scene if same else replace(scene, **blocks), stator
 
     def own_and_shared_places(self, scene: Scene) -> tuple[tuple, tuple]:
         """Return the places of a scene, and those that one solution of the stator serves."""
@@ -386,11 +320,6 @@ class Predictor:
             return math.inf
         share = BAND_SHARE if self._in_band(stator, places) else SHARE
         return self.tolerance * (share * GAIN**step if self.slider else 1.0)
-
-
-def _resolved_stator(stator: Stator, transducer: tuple, piece: tuple, drive: Drive, spread: bool) -> Scene:
-    alone = Scene(stator=stator, transducer=transducer, piece=piece, drive=drive)
-    return resolve.resolved(alone, spread=spread)
 
 
 def _without_answer(error: Exception) -> dict:

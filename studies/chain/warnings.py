@@ -12,8 +12,9 @@ import numpy as np
 
 import fem
 from studies.chain import resolve
+from studies.chain.ball_effects import NODE
 from studies.chain.bridge import DrivenContact
-from studies.chain.model_error import NODE, SHARED
+from studies.chain.model_error import SHARED
 from studies.chain.points import contact_load
 from studies.chain.scene_warnings import scene_warnings
 from studies.record import Record
@@ -45,7 +46,7 @@ def warnings_of(record: Record) -> tuple[str, ...]:
         for of_contact in (_contact, _points, _other_motion):
             warnings += of_contact(record, driven)
         if record.scene.slider.pillars is not None:
-            from studies.chain.pillar_budget import pillar_warnings
+            from studies.chain.pillar_effects import pillar_warnings
 
             warnings += _left_out(record) if not record.scene.transducer else ()
             warnings += pillar_warnings(record)

@@ -126,7 +126,7 @@ class MeasurementPredictor(Predictor):
 
         A scan's phase has no origin of its own: the prediction is turned by the angle that fits best.
         """
-        scene, stator = self._resolved(numbers)
+        scene, stator = self.resolved(numbers)
         if stator is None:
             raise SceneError(f"measurements {measurement.name}", "needs a scene with a stator")
         key = stator, id(data)

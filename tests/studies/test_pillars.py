@@ -410,7 +410,7 @@ def test_what_is_recovered_behind_a_slider_is_what_it_leaves():
 
 def test_the_size_of_first_order_in_the_load_is_that_of_the_exact_root(driven):
     from studies.chain.bridge import DrivenContact
-    from studies.chain.pillar_budget import leak
+    from studies.chain.pillar_effects import leak
     from studies.chain.pillar_points import PillarContact
 
     motion = PillarContact.of(DrivenContact.of_run(driven)).motion(150.0)

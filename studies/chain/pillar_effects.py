@@ -20,9 +20,10 @@ import numpy as np
 import contact
 import fem
 from studies.chain import pillars
+from studies.chain.ball_effects import LOAD, point_admittance
 from studies.chain.bridge import DrivenContact
 from studies.chain.pillar_points import PillarContact, bounce_ratio
-from studies.chain.radiation import point_admittance
+from studies.chain.stator_effects import Rows
 from studies.record import Record
 
 # Ratio of the compliance of silicon on 128YX lithium niobate under a pressure that travels with the wave to the static
@@ -35,10 +36,8 @@ RAYLEIGH_OVER_SHEAR, ISOTROPIC = 0.919402, 0.183486  # isotropic half-space, nu 
 SAMPLE = 0.18  # rms relative change of the velocity between random seeds, times sqrt(number of pillars)
 ADHESION = 0.05  # J/m^2: work of adhesion of clean oxides in air
 MAX_COMPARED = 20_000  # largest number of pillars for which the motion is computed again with interaction
-LOAD = "load of the slider on the wave"
 OVERTONES = "overtones of the wave under the pillars"
 MARGIN = "the margin to bulk waves (it leaks from 100 % on)"
-Rows = Iterator[tuple[str, str, float, str]]
 
 
 def pillar_rows(record: Record) -> list[list[tuple]]:
