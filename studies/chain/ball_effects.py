@@ -15,7 +15,7 @@ import numpy as np
 
 import contact
 import fem
-from studies.chain import bridge, resolve
+from studies.chain import bridge, fem_model
 from studies.chain.stator_effects import Rows, amplitude_per_power, wavelength
 from studies.record import Record
 
@@ -37,7 +37,7 @@ def radiation(record: Record) -> Rows:
     slider = record.scene.slider
     if slider is None or record.scene.on_pillars or not slider.preload_force > 0:
         return
-    solid, contacts = resolve.solid(record.scene.stator), slider.computed_contacts
+    solid, contacts = fem_model.solid(record.scene.stator), slider.computed_contacts
     omega = 2 * math.pi * record.wave["frequency_Hz"]
     body = bridge.contact_slider(slider)
     stiffness = (2 * math.pi * body.normal_resonance(contacts)) ** 2 * body.mass / contacts
@@ -73,7 +73,7 @@ def _loaded(record: Record, voltages) -> list[float]:
     If the averaged equilibrium does not converge, the change is the loading number, which approximates the phase that
     the contacts add to the wave.
     """
-    slider, stator = record.scene.slider, resolve.stator(record.scene.stator)
+    slider, stator = record.scene.slider, fem_model.stator(record.scene.stator)
     body = bridge.contact_slider(slider)
     body = replace(
         body, law="elastic", reciprocal=False, stick_band=0.0, friction=None,

@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
-from studies.chain import resolve
+from studies.chain import fem_model, resolve
 from studies.chain.solved_stator import at_one_volt
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -55,7 +55,7 @@ class ChangedScenes:
         blocks: dict[str, Any] = {}
         if scene.stator is not None:
             computed_circuit = scene.drive.match == "auto" or scene.drive.recovery is not None
-            spread = computed_circuit and resolve.diffracts(scene)
+            spread = computed_circuit and fem_model.diffracts(scene)
             stator = self._stator(scene.stator, scene.transducer, scene.piece, at_one_volt(scene.drive), spread)
             resolve.refuse_gaps(scene)
             if scene.crossed:

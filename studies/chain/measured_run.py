@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from studies.chain import resolve
+from studies.chain import fem_model
 from studies.chain.predictor import Predictor
 from studies.chain.scan_prediction import along_places, over_frequency, placed
 from studies.lab.encoder import aligned, travelled_distance
@@ -57,7 +57,7 @@ def _velocities_at(record: Record, levels: tuple[float, ...], *, progress: Calla
 
 def scan_block(scene: Scene, scan, predicted) -> dict:
     """Return the comparison of a placed scan with its prediction."""
-    velocity = resolve.surface_velocity(scene.stator)
+    velocity = fem_model.surface_velocity(scene.stator)
     return compared_scan(
         scan, predicted, wavelength=velocity / scene.frequency, source=scene.driven_transducer.place[0]
     )

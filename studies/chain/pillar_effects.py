@@ -127,9 +127,9 @@ def leak(record: Record, motion) -> Rows:
     length = float(np.ptp(motion.row_x))
     if record.scene.stator is None or not motion.loading or length == 0.0:
         return
-    from studies.chain import resolve
+    from studies.chain import fem_model
 
-    stator = resolve.stator(record.scene.stator)
+    stator = fem_model.stator(record.scene.stator)
     half_space = fem.rayleigh(stator.solid, stator.bare_surface)
     margin = half_space.limiting_velocity / half_space.velocity - 1
     # The loading number approximates the phase advance. The angle of exit_over_entry cannot replace it because it is

@@ -142,9 +142,11 @@ def neighbours(radius_over_pitch):
 
 def stiffnesses(slider: Slider, interaction: bool | None = None):
     """Return k_n and k_t of the pillars of a resolved slider, N/m, arrays; `interaction`: other than the scene's."""
-    block, place = slider.pillars, layout(slider)
-    a = place["diameter"] / 2
-    near = neighbours(a.mean() / place["pitch"]) if (block.interaction if interaction is None else interaction) else 1.0
+    block, geometry = slider.pillars, layout(slider)
+    a = geometry["diameter"] / 2
+    near = (
+        neighbours(a.mean() / geometry["pitch"]) if (block.interaction if interaction is None else interaction) else 1.0
+    )
     normal, tangential = near / (2 * a * slider.effective_modulus), near / (8 * a * slider.tangential_modulus)
     if block.height is not None:
         E, h, A = block.youngs_modulus, block.height, np.pi * a**2
@@ -157,10 +159,10 @@ def stiffnesses(slider: Slider, interaction: bool | None = None):
 @lru_cache(16)
 def pillars_of(slider: Slider, interaction: bool | None = None):
     """Return the `contact.Pillars` of a resolved slider."""
-    place, (k_n, k_t) = layout(slider), stiffnesses(slider, interaction)
+    geometry, (k_n, k_t) = layout(slider), stiffnesses(slider, interaction)
     with slider_keys():
         return contact.Pillars(
-            x=place["x"], y=place["y"], heights=place["heights"], normal_stiffness=k_n, tangential_stiffness=k_t,
+            x=geometry["x"], y=geometry["y"], heights=geometry["heights"], normal_stiffness=k_n, tangential_stiffness=k_t,
             friction_coefficient=slider.friction_coefficient, preload=slider.preload_force,
             tangential_damping=slider.damping.tangential, tilt=slider.tilt, preload_at=slider.preload_at,
             load_height=slider.load_height, backing=slider.backing, curvature=slider.pillars.curvature,
@@ -176,17 +178,17 @@ def mean_pillar(slider: Slider) -> tuple[int, float, tuple[float, float]]:
 
 def extent(slider: Slider) -> tuple[float, float]:
     """Return the ends of the pillars along x on the stator, m."""
-    place, centre = layout(slider), slider.center[0]
-    half = place["diameter"] / 2
-    return centre + float((place["x"] - half).min()), centre + float((place["x"] + half).max())
+    geometry, centre = layout(slider), slider.center[0]
+    half = geometry["diameter"] / 2
+    return centre + float((geometry["x"] - half).min()), centre + float((geometry["x"] + half).max())
 
 
 def strip_width(slider: Slider) -> float:
     """Return the width of the strip over which the pillars spread their load, m."""
     if slider.pillars.width is not None:
         return slider.pillars.width
-    place = layout(slider)
-    return float(np.ptp(place["y"])) + place["across"]
+    geometry = layout(slider)
+    return float(np.ptp(geometry["y"])) + geometry["across"]
 
 
 def given_wave(scene: Scene):
@@ -201,15 +203,15 @@ def given_wave(scene: Scene):
 def check_pillars(scene: Scene) -> None:
     """Refuse pillars beyond the stator or on a transducer's fingers; the slider is resolved."""
     slider = scene.slider
-    place = layout(slider)
+    geometry = layout(slider)
     pillars_of(slider)
     if scene.stator is None:
         return
-    half, middle, (left, right) = place["diameter"] / 2, slider.center[1], extent(slider)
+    half, middle, (left, right) = geometry["diameter"] / 2, slider.center[1], extent(slider)
     if left < 0.0 or right > scene.stator.length:
         rule = f"must keep the pillars on the stator, 0 to {scene.stator.length:g} m"
         raise SceneError("slider.position", f"{rule}, got some from {left:g} to {right:g} m")
-    beside = float((np.abs(middle + place["y"]) + half).max())
+    beside = float((np.abs(middle + geometry["y"]) + half).max())
     if beside > (side := scene.stator.width / 2):
         rule = f"must keep the pillars on the stator, y from -{side:g} to {side:g} m"
         raise SceneError("slider.position", f"{rule}, got some at y = {beside:g} m")

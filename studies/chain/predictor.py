@@ -18,7 +18,7 @@ from functools import lru_cache
 from typing import Any
 
 import fem
-from studies.chain import resolve
+from studies.chain import fem_model, resolve
 from studies.chain.bridge import DrivenContact
 from studies.chain.changed_scenes import ChangedScenes
 from studies.chain.free_wave import free_wave_record
@@ -235,7 +235,7 @@ class Predictor(ChangedScenes):
             with suppress(RunError, ValueError, ArithmeticError, fem.ConvergenceError):
                 along, goal = tuple(dict.fromkeys(x for x, _ in places)), self._goal(fixed, places, step)
                 band = self._band(fixed, *self.limits, places=along, tolerance=goal, progress=_silent)
-                waves = band.waves(list(stators), resolve.drive(fixed))
+                waves = band.waves(list(stators), fem_model.drive(fixed))
                 for stator, wave in zip(stators.values(), waves, strict=True):
                     motion = surface_motion(wave, stator.stator, places, slider=self.slider)
                     self._answers[stator, places, step] = SolvedStator.of(motion, places)
@@ -311,7 +311,7 @@ class Predictor(ChangedScenes):
         return (
             bool(self.limits)
             and not (stator.crossed or stator.piece)
-            and not resolve.spreads(stator.stator, places if self.slider else None)
+            and not fem_model.spreads(stator.stator, places if self.slider else None)
         )
 
     def _goal(self, stator: Scene, places: Any, step: int) -> float:

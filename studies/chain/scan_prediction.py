@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from studies.chain import passband, resolve
+from studies.chain import fem_model, passband
 from studies.chain.scattering import scattering_matrix
 from studies.chain.solved_stator import stator_alone
 from studies.chain.spectrum import response
@@ -69,7 +69,7 @@ def over_frequency(scene: Scene, scan: Scan, *, tolerance: float, progress: Call
     alone = stator_alone(scene)
     prepared = response(alone, at[0], at[-1], places=(place,), tolerance=tolerance, progress=progress)
     progress(f"stator: {len(at)} frequencies")
-    waves = prepared.waves(at, resolve.drive(alone))
+    waves = prepared.waves(at, fem_model.drive(alone))
     component = ("u_x", "u_z").index(scan.component)
     motion = np.array([wave.motion(place)[component] for wave in waves])
     return motion[number]
@@ -96,7 +96,7 @@ def at_other_velocity(scene: Scene, scan: Scan, motion: np.ndarray, factor: floa
     """
     if factor == 1.0:
         return motion
-    velocity = resolve.surface_velocity(scene.stator)
+    velocity = fem_model.surface_velocity(scene.stator)
     frequency = scene.frequency if scan.frequency is None else scan.frequency
     distance = abs(scan.x - scene.driven_transducer.place[0])
     return motion * np.exp(-2j * np.pi * frequency / velocity * (1.0 / factor - 1.0) * distance)

@@ -17,7 +17,7 @@ from collections.abc import Iterator
 import numpy as np
 
 import fem
-from studies.chain import resolve
+from studies.chain import fem_model
 from studies.record import Record
 
 # Relative error of |u_z| if the charge is assumed uniform along the fingers. Measured on PZT-8 for combs of 3 to 30
@@ -54,7 +54,7 @@ def _aperture(record: Record) -> Rows:
     places = record.scene.contact_places
     if record.scene.piece:
         # a meshed piece has no guided modes to test; compare with the extents of the transducers
-        spans = [each.extent for each in resolve.transducers(record.scene)]
+        spans = [each.extent for each in fem_model.transducers(record.scene)]
         covered = any(low <= x <= high for x, _ in places for low, high in spans)
     else:
         covered = any(motion.covered(place) for place in places)
@@ -84,7 +84,7 @@ def _aperture(record: Record) -> Rows:
 def _crossed(record: Record, places) -> Rows:
     """Yield the neglected effects of crossing beams: images in the side faces, and metal of transducers they pass."""
     beam, (x, y) = record.surface_motion.beam, zip(*places, strict=True)
-    amplitude, solid = abs(beam.motion(x, y)[2]), resolve.solid(record.scene.stator)
+    amplitude, solid = abs(beam.motion(x, y)[2]), fem_model.solid(record.scene.stator)
     images = float((beam.first_images(x, y) / amplitude).max())
     how = "first images of the beams in both side faces, which are assumed to reflect everything in phase"
     yield "side faces", "u_z", images, how
@@ -99,7 +99,7 @@ def _spread(record: Record, x, y) -> np.ndarray:
 
     ``x`` is measured from the left end of the stator and ``y`` from its axis, both in m.
     """
-    driven, stator = record.scene.driven_transducer, resolve.stator(record.scene.stator)
+    driven, stator = record.scene.driven_transducer, fem_model.stator(record.scene.stator)
     wave, frequency = record.wave, record.wave["frequency_Hz"]
     try:
         curve = fem.Slowness.of_half_space(stator.solid, frequency, stator.bare_surface)
@@ -129,7 +129,7 @@ def _finger_ends(record: Record) -> Rows:
     if record.scene.crossed:
         yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
         return
-    stator = resolve.stator(record.scene.stator)
+    stator = fem_model.stator(record.scene.stator)
     longer = beam.with_longer_fingers(fem.end_excess(stator.solid, stator.bare_surface))
     changes = abs(longer.motion(*at)[2]) / abs(motion.at(places)[2]) - 1
     yield effect, "u_z", float(max(changes, key=abs)), "static charge at the ends of fingers in a long row"
@@ -144,7 +144,7 @@ def _vacuum(record: Record) -> Rows:
     The charges grow by the share eps_0 / eps_p, and the potential of the wave, to which they couple, falls by as much.
     """
     if record.scene.stator.above == "none":
-        solid = resolve.solid(record.scene.stator)
+        solid = fem_model.solid(record.scene.stator)
         permittivity = solid.permittivity
         squared_permittivity = permittivity[0, 0] * permittivity[2, 2] - permittivity[0, 2] ** 2
         share = fem.VACUUM_PERMITTIVITY / math.sqrt(squared_permittivity)
@@ -165,7 +165,7 @@ def amplitude_per_power(record: Record) -> float | None:
     several sources drive, or if that point is covered by electrodes.
     """
     scene, wave, power = record.scene, record.surface_wave, record.electrical["power_W_per_V2"]
-    driven = resolve.driven(scene)
+    driven = fem_model.driven(scene)
     if scene.crossed:  # the beam row of the driven transducer has its own axes
         transducers = record.surface_motion.beam.rows[0].transducers
         driven = next(each for each in transducers if scene.drive.driven.get(each.name))

@@ -11,7 +11,7 @@ it follows the mean. Expected: Fresnel fringes of the aperture. Run time: about 
 import numpy as np
 
 import contact
-from studies.chain import resolve
+from studies.chain import fem_model
 from studies.chain.steady import averaged
 from studies.chain.travel import WaveAlong, travelled
 from studies.record.plots import COLOURS, curve, family, finished, lines
@@ -92,8 +92,8 @@ def _span(scene: Scene, wavelength: float) -> tuple[float, float]:
     """Return the range of the slider centre in m in which all balls stay on the free surface of the stator."""
     center = scene.slider.center[0]
     balls = [x - center for x, _ in scene.slider.places]
-    rows = [each.extent for each in resolve.transducers(scene)]
-    left, right = resolve.free_span(rows, center, scene.stator.length, CLEAR * wavelength)
+    rows = [each.extent for each in fem_model.transducers(scene)]
+    left, right = fem_model.free_span(rows, center, scene.stator.length, CLEAR * wavelength)
     return left - min(balls), right - max(balls)
 
 

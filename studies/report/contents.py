@@ -4,8 +4,8 @@ import cmath
 import math
 from collections.abc import Iterator
 
+from studies.chain.fem_model import solid
 from studies.chain.moduli import direction_dependence
-from studies.chain.resolve import solid
 from studies.record.quantities import quantity
 from studies.report.intermediate import si
 from studies.scene import Scene

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from studies.chain import pillars, resolve
+from studies.chain import fem_model, pillars
 from studies.record.plots import COLOURS, finished
 from studies.record.quantities import quantity
 from studies.record.surface_map import surface_map
@@ -18,7 +18,7 @@ def draw_surface_map(beam, scene: Scene, ax):
     amplitude = abs(motion[2]).T * 1e9
     colours = ax.pcolormesh(x * 1e3, y * 1e3, amplitude, cmap="viridis", shading="gouraud", rasterized=True)
     ax.figure.colorbar(colours, ax=ax, label="|u_z| (nm/V)")
-    for each in resolve.transducers(scene):
+    for each in fem_model.transducers(scene):
         ax.add_patch(Polygon(each.corners * 1e3, fill=False, edgecolor="white", linewidth=1.2))
     touching = ""
     if scene.slider is not None and scene.slider.pillars is not None:

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 import contact
 import fem
 from studies.__main__ import main
-from studies.chain import resolve
+from studies.chain import fem_model, resolve
 from studies.chain.scan_prediction import at_other_velocity, placed
 from studies.export.instruments import Recording, csv_files, touchstone_files, virtual_scan
 from studies.inverse import fit, read_measurement, read_parameter
@@ -159,7 +159,7 @@ def test_another_wave_velocity_turns_the_phase_along_the_way():
     chosen = resolve.resolved(SMALL)
     scan = Scan(name="", x=np.array([0.03, 0.05]), y=np.zeros(2), values=np.ones(2, complex))
     turned = at_other_velocity(chosen, scan, np.ones(2, complex), 1.001)
-    velocity = fem.rayleigh(resolve.solid(chosen.stator), "open").velocity
+    velocity = fem.rayleigh(fem_model.solid(chosen.stator), "open").velocity
     expected = 2 * np.pi * 2.2e6 / velocity * (1 - 1 / 1.001) * 0.02
     assert np.angle(turned[1] / turned[0]) == pytest.approx(expected, rel=1e-9)
 

@@ -11,7 +11,7 @@ import pytest
 import contact
 import fem
 from studies import Record, Scene, run
-from studies.chain import bridge, resolve
+from studies.chain import bridge, fem_model
 from studies.chain.model_error import model_error
 from studies.chain.stator_effects import _vacuum
 from studies.record.text import sentences
@@ -117,7 +117,7 @@ def test_vacuum_put_back(name):
     ((_, _, size, _),) = _vacuum(SimpleNamespace(scene=scene))
     x, motions = np.array([1.0, 2.3, 4.0]), []
     for above in ("none", "vacuum"):
-        stator = plate(resolve.solid(scene.stator), length=12.0, thickness=2.0, bottom="absorbing", above=above)
+        stator = plate(fem_model.solid(scene.stator), length=12.0, thickness=2.0, bottom="absorbing", above=above)
         solved = solution(stator, (comb(stator, "a", 4.0, finger_pairs=2),), order=5)
         unit = solved.fields.section.length_unit
         motions.append(abs(wave_of(solved).motion((5.5 + x) * unit)[1]))
