@@ -83,7 +83,7 @@ def _at_level(record: Record, body: PillarContact, motion, point: dict) -> Rows:
             "0.18 over the square root of the number of pillars, rms",
         )
     yield from _neighbours(body, motion, slider, level)
-    mean_radius = float(pillars.layout(slider)["diameter"].mean()) / 2
+    mean_radius = float(pillars.layout(slider).diameter.mean()) / 2
     pull_off = math.sqrt(8 * math.pi * mean_radius**3 * slider.effective_modulus * ADHESION) * motion.pillars.number
     how = f"pull-off of flat punches, {ADHESION:g} J/m^2; a roughness of some nm removes it"
     yield "adhesion of perfectly flat pillars", "the preload", pull_off / slider.preload_force, how
@@ -92,9 +92,9 @@ def _at_level(record: Record, body: PillarContact, motion, point: dict) -> Rows:
 def _compliance(body, motion, slider, level) -> Rows:
     """Yield the effect of the elastic deformation of stator and slider on the scale of the wavelength."""
     layout, wave = pillars.layout(slider), motion.wave
-    if wave.amplitude == 0.0 or layout["x"].size < 2:
+    if wave.amplitude == 0.0 or layout.x.size < 2:
         return
-    area = (float(np.ptp(layout["x"])) + layout["pitch"]) * pillars.strip_width(slider)
+    area = (float(np.ptp(layout.x)) + layout.pitch) * pillars.strip_width(slider)
     pressure = float(np.abs(motion.first_normal).sum()) / area
     if body.driven.scene.wave is not None and body.driven.scene.wave.wavelength is None:
         return
@@ -152,8 +152,8 @@ def leak(record: Record, motion) -> Rows:
 def _neighbours(body, motion, slider, level) -> Rows:
     """Yield the effect of the elastic interaction of neighbouring pillars, by solving the motion again with it."""
     layout = pillars.layout(slider)
-    radius_over_pitch = float(layout["diameter"].mean()) / 2 / layout["pitch"]
-    if slider.pillars.interaction or layout["x"].size > MAX_COMPARED or layout["x"].size < 4 or radius_over_pitch > 0.4:
+    radius_over_pitch = float(layout.diameter.mean()) / 2 / layout.pitch
+    if slider.pillars.interaction or layout.x.size > MAX_COMPARED or layout.x.size < 4 or radius_over_pitch > 0.4:
         return
     if motion.velocity == 0.0:
         return

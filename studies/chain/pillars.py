@@ -18,7 +18,7 @@ A given [wave], whose surface points move towards +x at its crests, runs towards
 import math
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -58,9 +58,20 @@ def resolved_pillars(slider: Slider) -> Slider:
     return replace(slider, pillars=replace(block, **own)) if own else slider
 
 
+class Layout(NamedTuple):
+    """Where the pillars of a slider stand, in m; x and y from the slider's centre."""
+
+    x: np.ndarray
+    y: np.ndarray
+    heights: np.ndarray
+    diameter: np.ndarray  # of each
+    pitch: float  # mean
+    across: float  # pitch along y
+
+
 @lru_cache(16)
-def layout(slider: Slider) -> dict:
-    """Return x, y, heights and diameters of the pillars as arrays, the mean pitch, and the pitch along y, all in m."""
+def layout(slider: Slider) -> Layout:
+    """Return where the pillars of a slider stand, from its grid or its file."""
     block = slider.pillars
     if block.file is not None:
         x, y, heights, diameter = _of_file(block)
@@ -84,7 +95,7 @@ def layout(slider: Slider) -> dict:
         tallest = heights[np.abs(heights).argmax()]
         rule = f"must be larger than every deviation of the heights, of which one is {tallest:g} m"
         block.refuse("height", f"{rule}, got {block.height:g} m")
-    return {"x": x, "y": y, "heights": heights, "diameter": diameter, "pitch": pitch, "across": float(across)}
+    return Layout(x, y, heights, diameter, pitch, float(across))
 
 
 def _of_file(block) -> tuple[np.ndarray, ...]:
@@ -143,10 +154,8 @@ def neighbours(radius_over_pitch):
 def stiffnesses(slider: Slider, interaction: bool | None = None):
     """Return k_n and k_t of the pillars of a resolved slider, N/m, arrays; `interaction`: other than the scene's."""
     block, geometry = slider.pillars, layout(slider)
-    a = geometry["diameter"] / 2
-    near = (
-        neighbours(a.mean() / geometry["pitch"]) if (block.interaction if interaction is None else interaction) else 1.0
-    )
+    a = geometry.diameter / 2
+    near = neighbours(a.mean() / geometry.pitch) if (block.interaction if interaction is None else interaction) else 1.0
     normal, tangential = near / (2 * a * slider.effective_modulus), near / (8 * a * slider.tangential_modulus)
     if block.height is not None:
         E, h, A = block.youngs_modulus, block.height, np.pi * a**2
@@ -162,7 +171,7 @@ def pillars_of(slider: Slider, interaction: bool | None = None):
     geometry, (k_n, k_t) = layout(slider), stiffnesses(slider, interaction)
     with slider_keys():
         return contact.Pillars(
-            x=geometry["x"], y=geometry["y"], heights=geometry["heights"], normal_stiffness=k_n, tangential_stiffness=k_t,
+            x=geometry.x, y=geometry.y, heights=geometry.heights, normal_stiffness=k_n, tangential_stiffness=k_t,
             friction_coefficient=slider.friction_coefficient, preload=slider.preload_force,
             tangential_damping=slider.damping.tangential, tilt=slider.tilt, preload_at=slider.preload_at,
             load_height=slider.load_height, backing=slider.backing, curvature=slider.pillars.curvature,
@@ -171,7 +180,7 @@ def pillars_of(slider: Slider, interaction: bool | None = None):
 
 def mean_pillar(slider: Slider) -> tuple[int, float, tuple[float, float]]:
     """Return the number of pillars of a resolved slider, their mean radius in m, and E* and G* of their stiffnesses."""
-    diameter, (k_n, k_t) = layout(slider)["diameter"], stiffnesses(slider)
+    diameter, (k_n, k_t) = layout(slider).diameter, stiffnesses(slider)
     radius = float(diameter.mean() / 2)
     return diameter.size, radius, (float(k_n.mean()) / (2 * radius), float(k_t.mean()) / (8 * radius))
 
@@ -179,8 +188,8 @@ def mean_pillar(slider: Slider) -> tuple[int, float, tuple[float, float]]:
 def extent(slider: Slider) -> tuple[float, float]:
     """Return the ends of the pillars along x on the stator, m."""
     geometry, centre = layout(slider), slider.center[0]
-    half = geometry["diameter"] / 2
-    return centre + float((geometry["x"] - half).min()), centre + float((geometry["x"] + half).max())
+    half = geometry.diameter / 2
+    return centre + float((geometry.x - half).min()), centre + float((geometry.x + half).max())
 
 
 def strip_width(slider: Slider) -> float:
@@ -188,7 +197,7 @@ def strip_width(slider: Slider) -> float:
     if slider.pillars.width is not None:
         return slider.pillars.width
     geometry = layout(slider)
-    return float(np.ptp(geometry["y"])) + geometry["across"]
+    return float(np.ptp(geometry.y)) + geometry.across
 
 
 def given_wave(scene: Scene):
@@ -207,11 +216,11 @@ def check_pillars(scene: Scene) -> None:
     pillars_of(slider)
     if scene.stator is None:
         return
-    half, middle, (left, right) = geometry["diameter"] / 2, slider.center[1], extent(slider)
+    half, middle, (left, right) = geometry.diameter / 2, slider.center[1], extent(slider)
     if left < 0.0 or right > scene.stator.length:
         rule = f"must keep the pillars on the stator, 0 to {scene.stator.length:g} m"
         raise SceneError("slider.position", f"{rule}, got some from {left:g} to {right:g} m")
-    beside = float((np.abs(middle + geometry["y"]) + half).max())
+    beside = float((np.abs(middle + geometry.y) + half).max())
     if beside > (side := scene.stator.width / 2):
         rule = f"must keep the pillars on the stator, y from -{side:g} to {side:g} m"
         raise SceneError("slider.position", f"{rule}, got some at y = {beside:g} m")

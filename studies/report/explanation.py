@@ -83,7 +83,7 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
         if slider.pillars is not None:
             from studies.chain.pillars import layout
 
-            number = layout(slider)["x"].size
+            number = layout(slider).x.size
             seconds += PILLAR * number * len(scene.levels)
             block_bytes += PILLAR_BYTES * number / KEPT
         contacts = len(set(slider.offsets))  # contacts at the same place move identically

@@ -23,7 +23,7 @@ def draw_surface_map(beam, scene: Scene, ax):
     touching = ""
     if scene.slider is not None and scene.slider.pillars is not None:
         layout, touching = pillars.layout(scene.slider), "; orange: the pillars' area"
-        (left, along), (low, across) = ((layout[axis].min(), np.ptp(layout[axis])) for axis in "xy")
+        (left, along), (low, across) = ((each.min(), np.ptp(each)) for each in (layout.x, layout.y))
         x_center, y_center = scene.slider.center
         corner = 1e3 * (x_center + left), 1e3 * (y_center + low)
         ax.add_patch(Rectangle(corner, 1e3 * along, 1e3 * across, fill=False, edgecolor=orange, linewidth=1.2))

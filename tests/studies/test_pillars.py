@@ -231,7 +231,7 @@ def test_a_file_lies_in_the_folder_of_its_scene(tmp_path, monkeypatch):
     (tmp_path / "folder" / "scene.toml").write_text(document(table), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     loaded = Scene.load("folder/scene.toml")
-    assert pillars.layout(loaded.slider)["heights"].tolist() == [0.0, 1e-9]
+    assert pillars.layout(loaded.slider).heights.tolist() == [0.0, 1e-9]
 
 
 @pytest.mark.parametrize(
