@@ -9,7 +9,8 @@ import os
 import time
 from functools import lru_cache
 
-from studies.chain.predictor import Predictor, Shared
+from studies.chain.changed_contacts import Shared
+from studies.chain.predictor import Predictor
 from studies.sweeps.plan import Question
 
 
