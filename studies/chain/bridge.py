@@ -17,7 +17,9 @@ import contact
 from studies.chain.solved_stator import SolvedStator
 from studies.record import Record
 from studies.scene import Scene
-from studies.scene.slider import Friction, LawText, Slider, Wave
+from studies.scene.drive import Wave
+from studies.scene.friction import Friction, LawText
+from studies.scene.slider import Slider
 
 if TYPE_CHECKING:
     from studies.chain.ring_up import RingUp

@@ -13,7 +13,8 @@ from studies.chain.solved_stator import at_one_volt
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.block import keys_of
-from studies.scene.blocks import Drive, Stator
+from studies.scene.blocks import Stator
+from studies.scene.drive import Drive
 from studies.scene.override import replaced
 
 MAX_BLOCKS = 10_000  # of each kind, in memory

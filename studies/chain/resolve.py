@@ -15,7 +15,8 @@ from studies.chain.fem_model import drive, pieces, port_admittance, solid, stato
 from studies.chain.solver_errors import stator_keys
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.scene.blocks import Element, Stator, Transducer
+from studies.scene.blocks import Stator, Transducer
+from studies.scene.drive import Element
 from studies.scene.keys import tolerances
 from studies.scene.slider import Slider
 
