@@ -1,9 +1,9 @@
 """Answers of one motor for other values of some keys of its scene; a solved stator is reused wherever it still holds.
 
-Runs, sweeps, fits, tolerances, measured curves, sensitivities and design searches take their answers from here.  Near
-the threshold the contact multiplies the stator's error: such a point is solved again on a stator ten times as accurate,
-with ``STEPS`` accuracies at most.  The step that a point ends at depends on that point alone, so that its answer does
-not depend on its neighbours.
+Sweeps, fits, tolerances, measured curves, sensitivities and design searches take their answers from here; a run takes
+its contact from `studies.chain.changed_contacts` as they do.  Near the threshold the contact multiplies the stator's
+error: such a point is solved again on a stator ten times as accurate, with ``STEPS`` accuracies at most.  The step that
+a point ends at depends on that point alone, so that its answer does not depend on its neighbours.
 """
 
 import math
