@@ -13,7 +13,7 @@ import numpy as np
 
 import contact
 from studies.chain.bridge import DrivenContact
-from studies.chain.points import followed_burst
+from studies.chain.bursts import followed_burst
 from studies.chain.predictor import Predictor
 from studies.chain.resolve import resolved
 from studies.chain.scan_prediction import at_other_velocity, network_prediction, placed, predicted_scan
