@@ -59,12 +59,8 @@ def _at_level(record: Record, body: PillarContact, motion, point: dict) -> Rows:
         how = "rms misfit of two plane waves to the surface mode under the slider"
         yield "beating and spreading of the wave under the slider", "u_z", body.misfit, how
     vibration = bounce_ratio(slider, wave.frequency) ** 2
-    yield (
-        "the slider's own vibration",
-        "velocity",
-        vibration,
-        "square of the contact resonance over the wave's frequency",
-    )
+    how = "square of the contact resonance over the wave's frequency"
+    yield "the slider's own vibration", "velocity", vibration, how
     if wave.compliance > 0.0:
         if not motion.loading and motion.loading_number > 0.0:
             yield (LOAD, "velocity", motion.loading_number, "loading number 2 Gamma F/(w A), about the phase in rad")
@@ -76,12 +72,8 @@ def _at_level(record: Record, body: PillarContact, motion, point: dict) -> Rows:
     yield from leak(record, motion)
     if slider.pillars.height_scatter > 0.0:
         sample_error = SAMPLE / math.sqrt(motion.pillars.number)
-        yield (
-            "another seed of the heights",
-            "velocity",
-            sample_error,
-            "0.18 over the square root of the number of pillars, rms",
-        )
+        how = "0.18 over the square root of the number of pillars, rms"
+        yield "another seed of the heights", "velocity", sample_error, how
     yield from _neighbours(body, motion, slider, level)
     mean_radius = float(pillars.layout(slider).diameter.mean()) / 2
     pull_off = math.sqrt(8 * math.pi * mean_radius**3 * slider.effective_modulus * ADHESION) * motion.pillars.number

@@ -102,7 +102,9 @@ def at_other_velocity(scene: Scene, scan: Scan, motion: np.ndarray, factor: floa
     return motion * np.exp(-2j * np.pi * frequency / velocity * (1.0 / factor - 1.0) * distance)
 
 
-def network_prediction(scene: Scene, data: NetworkData, tolerance: float, progress=None, option="--data") -> np.ndarray:
+def network_prediction(
+    scene: Scene, data: NetworkData, *, tolerance: float, progress: Callable[[str], None]
+) -> np.ndarray:
     """Return the S-parameters of a scene's transducers with two combs at the frequencies of a file, (n, ports, ports).
 
     Raises
@@ -113,8 +115,8 @@ def network_prediction(scene: Scene, data: NetworkData, tolerance: float, progre
     names = [each.name for each in scene.transducer if each.has_two_combs]
     if data.ports != len(names):
         rule = f"{data.name!r} has {data.ports} ports, and the scene {len(names)} transducers with two combs"
-        raise SceneError(option, rule)
-    refuse_other_range(scene, data, option)
+        raise SceneError("--data", rule)
+    refuse_other_range(scene, data, "--data")
     return scattering_matrix(scene, data.frequency, data.reference, tolerance, progress)[2]
 
 

@@ -62,12 +62,8 @@ def _aperture(record: Record) -> Rows:
         return
     if motion.beam is None:
         worst = max(_spread(record, *zip(*places, strict=True)) - 1, key=abs)
-        yield (
-            "finite aperture",
-            "u_z",
-            float(worst),
-            "angular spectrum of the driven aperture, on the cut's slowness curve",
-        )
+        how = "angular spectrum of the driven aperture, on the cut's slowness curve"
+        yield "finite aperture", "u_z", float(worst), how
         return
     if record.scene.crossed:
         yield from _crossed(record, places)

@@ -132,7 +132,8 @@ class MeasurementPredictor(Predictor):
         key = stator, id(data)
         if isinstance(data, NetworkData):
             if key not in self._fields:
-                self._keep(key, data, network_prediction(scene, data, self.tolerance))
+                scattering = network_prediction(scene, data, tolerance=self.tolerance, progress=self.progress)
+                self._keep(key, data, scattering)
             known = self._fields[key][1]
             return np.concatenate([known.real.ravel(), known.imag.ravel()])
         scan = placed(scene, data, "measurements")
