@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.beam.lateral import sheet_spectrum
-from fem.discretize.spectral import gll_nodes
+from fem.condense.columns import distinct_columns
 from fem.results.evaluation import left_edge
 from fem.results.solution import Solution
 
@@ -203,18 +203,18 @@ def _node_charges(solution: Solution, piece: int, sides: np.ndarray) -> tuple[np
     ``piece``: number of the piece in the row; ``sides``: unknowns of the transducer's two lines and its potentials,
     (2 n + potentials, sheets).
     """
-    section, left = solution.fields.section, left_edge(solution, piece)
-    field = solution.fields.network.scatterers[piece].piece.recover(sides)
+    fields, section, left = solution.fields, solution.fields.section, left_edge(solution, piece)
+    half_cell = 1.001 * fields.transducers[fields.owners[piece]].pitch / 2 / section.length_unit
     positions, reactions, metal = [], [], []
-    for recovery, starts, column_sides in field.equal_columns:
-        column = recovery.column
-        reaction = np.tensordot(column.surface_reactions, column_sides, axes=1)  # (nodes, sheets, columns)
-        position = np.add.outer(gll_nodes(section.order) * column.width, starts) * section.length_unit
-        positions.append(left + position.ravel())
+    for part, starts, part_sides in distinct_columns(fields.network.scatterers[piece].piece, sides, finest=half_cell):
+        own = part.surface_reactions
+        positions.append(np.add.outer(own.position, starts).ravel())
+        reaction = np.tensordot(own.rows, part_sides, axes=1)  # (nodes, sheets, places)
         reactions.append(np.moveaxis(reaction, 1, 0).reshape(sides.shape[1], -1))
-        metal.append(np.full(position.size, column.electrode is not None))
-    from_left = np.argsort(np.concatenate(positions), kind="stable")
-    position, on_metal = (np.concatenate(each)[from_left] for each in (positions, metal))
+        metal.append(np.repeat(own.on_metal, len(starts)))
+    position = left + np.concatenate(positions) * section.length_unit
+    from_left = np.argsort(position, kind="stable")
+    position, on_metal = position[from_left], np.concatenate(metal)[from_left]
     reaction = np.concatenate(reactions, axis=1)[:, from_left]
     # Neighbouring columns share a node: their reactions are added, and it is covered if either column is.
     node = np.cumsum(np.diff(position, prepend=-np.inf) > SAME_NODE * section.length_unit) - 1
