@@ -25,7 +25,8 @@ from fem.beam.line_source import LineSource
 from fem.discretize.spectral import chebyshev_nodes
 
 TERMS = 12  # of the polynomials on an interval of r and on a panel of y: accurate to 1e-10
-# m: at smaller distances G is constant.  The sum of modes has a logarithm at 0: with 1e-8 m T(h, 0) is 1 % off.
+# m: at smaller distances G is constant.  The sum of modes has a logarithm at 0, so that 1e-8 m gives an error of 1 % in
+# T(h, 0).
 SMALLEST = 1e-12
 DECAYED = 45.0  # a Hankel function is neglected if its exponent exceeds this
 SERIES = 2e-4  # |z| below which H_0 = 1 - 2i/pi (log(z / 2) + Euler's constant) is accurate to 1e-8
