@@ -464,7 +464,7 @@ class _InSection(NamedTuple):
 
 
 def _in_section(scatterer: Scatterer, moments: np.ndarray, kept: np.ndarray, arriving: np.ndarray) -> _InSection:
-    """Response in the section.  ``arriving``: incident fields on both lines, (2 n, 2 modes); ``moments``: by the sides."""
+    """Response in the section; ``arriving``: incident fields on both lines, (2 n, 2 modes), ``moments``: by sides."""
     modes, width, at, m = scatterer.modes, scatterer.piece.width, scatterer.at, len(kept)
     fingers = len(scatterer.potentials)
     incident = np.concatenate([arriving, np.zeros((len(arriving), fingers))], axis=1)
