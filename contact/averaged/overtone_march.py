@@ -3,11 +3,10 @@ r"""Rows of contacts on a surface wave with overtones: one pass along the wave, 
 A bare crystal has no dispersion, so that each harmonic n of the contacts' forces feeds an overtone in phase, with the
 compliance Gamma of the fundamental (`march`; n = 1, 2 ... N)
 
-    dU_n/dx = i g sum_i (P_n + C* Q_n) exp(i n k x) delta(x - x_i)
+    dU_n/dx = i g sum_i (P_n + C* Q_n) exp(i n k x) delta(x - x_i)                                              (1)
 
 with U_1 given at the slider's edge and the other U_n = 0 there. Each row is passed by the implicit midpoint rule: its
 forces are those at the mean of the amplitudes on its two sides, which is iterated (`overtone_march`).
-(1)
 
 Between two of the M samples of a cycle the surface moves along a straight line, so that z and y of a contact are linear
 in the fraction t of the interval. On such a path contact, stick and slip end at roots of linear functions, and all
