@@ -80,26 +80,22 @@ class PointPotential:
         return self._coefficients[piece, 0] + twice / 2 * last - before
 
     def strips(self, distances: np.ndarray, lengths: np.ndarray) -> np.ndarray:
-        """T(h, x) in V m2 per C for h = ``lengths`` (m, increasing) and x = ``distances`` (m), (lengths, distances).
-
-        Short lengths, or all if they are few, are integrated by (1).  For the others T(H) and dT/dH of the longest one,
-        H, follow from (2), and T(h) = T(H) - (H - h) dT/dH + 2 int_h^H (y - h) G dy.
-        """
-        longest = lengths[-1]
-        short = lengths < longest / 4
-        if longest / self.half_wavelength * len(distances) < MAX_PANELS:
-            short[:] = True
+        """T(h, x) in V m2 per C for h = ``lengths`` (m, increasing) and x = ``distances`` (m), (lengths, distances)."""
+        top = lengths[-1]
+        near = lengths < top / 4
+        if top / self.half_wavelength * len(distances) < MAX_PANELS:
+            near[:] = True
         out = np.empty((len(lengths), len(distances)), dtype=complex)
-        if short.any():
-            h = lengths[short]
-            charge, moment = self._integrals(distances, 0.0, h)
-            out[short] = 2 * (h[:, None] * charge - moment)
-        if not short.all():
-            h = lengths[~short]
-            charge, moment = self._integrals(distances, h[0], h)
-            value, derivative = _wide(self.source, distances, longest)
-            between = (moment[-1] - moment) - h[:, None] * (charge[-1] - charge)
-            out[~short] = value - (longest - h)[:, None] * derivative + 2 * between
+        if near.any():
+            some = lengths[near]
+            charge, moment = self._integrals(distances, 0.0, some)
+            out[near] = 2 * (some[:, None] * charge - moment)
+        if not near.all():
+            some = lengths[~near]
+            charge, moment = self._integrals(distances, some[0], some)
+            value, slope = _wide(self.source, distances, top)
+            beyond = (moment[-1] - moment) - some[:, None] * (charge[-1] - charge)
+            out[~near] = value - (top - some)[:, None] * slope + 2 * beyond
         return out
 
     def _integrals(self, x: np.ndarray, start: float, stops: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
