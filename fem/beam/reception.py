@@ -409,43 +409,46 @@ def _from_forces(
     The amplitudes (waves, ports) are those at the centre of a transducer, None without a force; their rows are those of
     `_travel`.  A force of a width w sends its waves as a sheet of charge of this length does.
 
-    On each finger the mean over a sheet is B of `aperture_coupling` at its own distance instead of that of the centre:
-    the changes of the amplitudes are (sheets, fingers, 2 modes, forces) for each transducer.
+    The changes A of the module docstring are (sheets, fingers, 2 modes, forces) for each transducer: on each finger the
+    mean over a sheet is B of equation (1) at the distance of the finger instead of that of the centre.
     """
     modes, unit, m = network.modes, network.modes.section.length_unit, len(kept)
     first = np.cumsum([0, *(2 * m * len(each) for each in lengths)])
     out = np.zeros((first[-1], len(network.ports)), dtype=complex)
     numbers = list(network.forces)
-    places = [
+    finger_x = [  # middles of the fingers "+" and "-" of each transducer, length units
         (each.center + (np.flatnonzero([sign in "+-" for sign in each.signs]) - (len(each.signs) - 1) / 2) * each.pitch)
         / unit
         for each in transducers
     ]
     changes = [
         np.zeros((len(own), len(fingers), 2, m, len(numbers)), dtype=complex)
-        for own, fingers in zip(lengths, places, strict=True)
+        for own, fingers in zip(lengths, finger_x, strict=True)
     ]
     for number, index, gap in _force_gaps(network):
-        port, force, own = network.ports[number], network.forces[number], lengths[index]
+        port, force, own_lengths = network.ports[number], network.forces[number], lengths[index]
         k, sent = (modes.wavenumbers, force.right) if gap > 0 else (-modes.backwards, force.left)
-        middle = abs(gap) + network.scatterers[index].piece.width / 2
+        direction = int(gap < 0)  # 0 to the right, 1 to the left
+        to_centre = abs(gap) + network.scatterers[index].piece.width / 2
         mean_beams = [
             aperture_coupling(
                 k[kept] / unit,
                 port.width * unit,
-                own,
+                own_lengths,
                 distance * unit,
                 mirror_width,
                 transducers[index].center_y - port.center * unit,
                 tangential=port.component == "x",
             )
-            for distance in (middle, *abs(places[index] - port.place))
+            for distance in (to_centre, *abs(finger_x[index] - port.place))
         ]
-        amplitudes = np.linalg.solve(np.minimum.outer(own, own) / own[:, None], np.array(mean_beams))
+        overlaps = np.minimum.outer(own_lengths, own_lengths) / own_lengths[:, None]  # O / L, as in `_travel`
+        amplitudes = np.linalg.solve(overlaps, np.array(mean_beams))  # at the centre, then on each finger
         amplitudes *= (sent * np.exp(-1j * k * abs(gap)))[kept]
-        block = out[first[index] : first[index + 1], number].reshape(len(own), 2, m)
-        block[:, int(gap < 0)] = amplitudes[0]
-        changes[index][:, :, int(gap < 0), :, numbers.index(number)] = np.swapaxes(amplitudes[1:] - amplitudes[0], 0, 1)
+        block = out[first[index] : first[index + 1], number].reshape(len(own_lengths), 2, m)
+        block[:, direction] = amplitudes[0]
+        on_fingers = np.swapaxes(amplitudes[1:] - amplitudes[0], 0, 1)
+        changes[index][:, :, direction, :, numbers.index(number)] = on_fingers
     return out if numbers else None, [each.reshape(*each.shape[:2], 2 * m, len(numbers)) for each in changes]
 
 
