@@ -262,6 +262,20 @@ def test_a_stator_without_an_answer_costs_its_own_points_alone(monkeypatch):
     assert all(status.startswith("refused: slider.mass") for status in found[1::2])
 
 
+@pytest.mark.parametrize(("wanted", "threads"), [("1", 1), ("3", 3), ("0", None), ("", None), ("all", None)])
+def test_the_loop_of_averaged_states_takes_the_threads_of_its_process(monkeypatch, wanted, threads):
+    solved, taken = contact.steady_sweep, []
+
+    def noted(*problem, threads, **options):
+        taken.append(threads)
+        return solved(*problem, threads=threads, **options)
+
+    monkeypatch.setattr(contact, "steady_sweep", noted)
+    monkeypatch.setenv("SAWMOTOR_THREADS", wanted)
+    Predictor(read_table("twente-contact"), tolerance=1e-2).answers([{"wave.normal_amplitude": 3e-9}])
+    assert taken == [threads]
+
+
 def test_a_point_near_the_threshold_gets_a_better_stator(tmp_path, monkeypatch):
     # a stator that is just good enough by itself
     monkeypatch.setattr("studies.chain.changed_contacts.SHARE", 1.0)
