@@ -125,8 +125,8 @@ def _driven(scene: Scene, contacts: ChangedContacts) -> Record:
         blocks = answer.blocks(tolerance)
         # under pillars the centre is one place of many
         vanished = "" if scene.slider.pillars is not None else node(motion, places)
-        if still := vanished or unresolved(motion, places):
-            blocks |= {"shortfall": still, "refused": True}
+        if refusal := vanished or unresolved(motion, places):
+            blocks |= {"shortfall": f"no answer: {refusal}", "refused": True}
     if motion.beam is not None:
         scene = replace(scene, stator=replace(scene.stator, diffraction=True))
     electrical = electrical_block(scene, motion)

@@ -276,6 +276,15 @@ def test_the_loop_of_averaged_states_takes_the_threads_of_its_process(monkeypatc
     assert taken == [threads]
 
 
+def test_a_point_where_the_beam_is_not_resolved_has_no_answer_as_a_run_has_none(monkeypatch):
+    spread = replaced(SMALL, "stator.diffraction", True)
+    monkeypatch.setattr("fem.SurfaceBeam.unresolved", lambda self, x, y: x == 7e-3)
+    record = run(Scene.from_table("", spread), tolerance=0.1)
+    (answer,) = Predictor(spread, tolerance=0.1).answers([{"drive.voltage": 30.0}])
+    assert answer["status"] == record.shortfall
+    assert record.shortfall.startswith("no answer: in this cut the field beside the fingers")
+
+
 def test_a_point_near_the_threshold_gets_a_better_stator(tmp_path, monkeypatch):
     # a stator that is just good enough by itself
     monkeypatch.setattr("studies.chain.changed_contacts.SHARE", 1.0)
