@@ -77,7 +77,7 @@ def run(*, motors: tuple[str, ...] = MOTORS, progress=None) -> Answered:
             rows.append(compared(each, MODELS[each.model]))
     columns = {key: [row[key] for row in rows] for key in rows[0]}
     title = "Published motors (bands: what the papers do not state)"
-    return (Panel(name="published_motors", title=title, data=columns),), map(_finding, rows)
+    return (Panel(name="published_motors", title=title, data=columns),), map(finding_of, rows)
 
 
 @of_record
@@ -177,7 +177,8 @@ def _apart(ratio: float) -> str:
     return f"{100 * (ratio - 1):+.0f} %"
 
 
-def _finding(row: dict) -> Finding:
+def finding_of(row: dict) -> Finding:
+    """Return a row of the comparison as a finding, confirmed if the band reaches the published value."""
     band = f"{row['low'] * row['scale']:.3g} to {row['high'] * row['scale']:.3g} {row['unit']}".strip()
     return Finding(
         statement=f"{row['motor']}: {row['quantity']}, published {_stated(row)} {row['unit']}",
