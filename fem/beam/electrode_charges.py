@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.beam.lateral import sheet_spectrum
-from fem.discretize.spectral import gll_nodes
+from fem.condense.columns import distinct_columns
 from fem.results.evaluation import left_edge
 from fem.results.solution import Solution
 
@@ -37,18 +37,21 @@ class Fingers(NamedTuple):
     first: np.ndarray
     last: np.ndarray
     half_width: float
-    moments: np.ndarray  # shape (fingers, TERMS)
+    moments: np.ndarray  # shape (..., fingers, TERMS)
 
     @classmethod
     def of(cls, x: np.ndarray, charge: np.ndarray, finger: np.ndarray) -> "Fingers":
-        """Return the fingers of charges at nodes x from left to right; ``finger``: number of each node's finger."""
+        """Return the fingers of charges at nodes x from left to right, (..., nodes).
+
+        ``finger``: number of each node's finger, (nodes,).
+        """
         starts = np.flatnonzero(np.diff(finger, prepend=finger[0] - 1))
         stops = np.append(starts[1:], len(x))
         first, last = x[starts], x[stops - 1]
         # ``tiny`` avoids a division by zero if every finger is a single node (a line of charge)
         half = float((last - first).max()) / 2 or np.finfo(float).tiny
         local = (x - np.repeat((first + last) / 2, stops - starts)) / half
-        moments = np.add.reduceat(charge[:, None] * np.vander(local, TERMS, increasing=True), starts)
+        moments = np.add.reduceat(charge[..., None] * np.vander(local, TERMS, increasing=True), starts, axis=-2)
         return cls(first, last, half, moments)
 
     @property
@@ -60,11 +63,14 @@ class Fingers(NamedTuple):
         """Return the phase of waves across half a finger, rad; below MAX_PHASE the series of `sums` is accurate."""
         return abs(wavenumbers) * self.half_width
 
+    def powers(self, wavenumbers: np.ndarray) -> np.ndarray:
+        """Return (i k a)^n / n! of equation (2), shape (TERMS, *shape of k)."""
+        ratios = np.multiply.outer(1j * self.half_width / np.arange(1, TERMS), wavenumbers)  # i k a / n
+        return np.cumprod(np.concatenate([np.ones((1, *wavenumbers.shape)), ratios]), axis=0)
+
     def sums(self, wavenumbers: np.ndarray) -> np.ndarray:
         """Return the transform (2) of the charges of each finger, shape (fingers, *shape of k)."""
-        ratios = np.multiply.outer(1j * self.half_width / np.arange(1, TERMS), wavenumbers)  # i k a / n
-        powers = np.cumprod(np.concatenate([np.ones((1, *wavenumbers.shape)), ratios]), axis=0)  # (i k a)^n / n!
-        return np.tensordot(self.moments, powers, axes=1)
+        return np.tensordot(self.moments, self.powers(wavenumbers), axes=1)
 
 
 @dataclass(frozen=True)
@@ -203,18 +209,18 @@ def _node_charges(solution: Solution, piece: int, sides: np.ndarray) -> tuple[np
     ``piece``: number of the piece in the row; ``sides``: unknowns of the transducer's two lines and its potentials,
     (2 n + potentials, sheets).
     """
-    section, left = solution.fields.section, left_edge(solution, piece)
-    field = solution.fields.network.scatterers[piece].piece.recover(sides)
+    fields, section, left = solution.fields, solution.fields.section, left_edge(solution, piece)
+    half_cell = 1.001 * fields.transducers[fields.owners[piece]].pitch / 2 / section.length_unit
     positions, reactions, metal = [], [], []
-    for recovery, starts, column_sides in field.equal_columns:
-        column = recovery.column
-        reaction = np.tensordot(column.surface_reactions, column_sides, axes=1)  # (nodes, sheets, columns)
-        position = np.add.outer(gll_nodes(section.order) * column.width, starts) * section.length_unit
-        positions.append(left + position.ravel())
+    for part, starts, part_sides in distinct_columns(fields.network.scatterers[piece].piece, sides, finest=half_cell):
+        own = part.surface_reactions
+        positions.append(np.add.outer(own.position, starts).ravel())
+        reaction = np.tensordot(own.rows, part_sides, axes=1)  # (nodes, sheets, places)
         reactions.append(np.moveaxis(reaction, 1, 0).reshape(sides.shape[1], -1))
-        metal.append(np.full(position.size, column.electrode is not None))
-    from_left = np.argsort(np.concatenate(positions), kind="stable")
-    position, on_metal = (np.concatenate(each)[from_left] for each in (positions, metal))
+        metal.append(np.repeat(own.on_metal, len(starts)))
+    position = left + np.concatenate(positions) * section.length_unit
+    from_left = np.argsort(position, kind="stable")
+    position, on_metal = position[from_left], np.concatenate(metal)[from_left]
     reaction = np.concatenate(reactions, axis=1)[:, from_left]
     # Neighbouring columns share a node: their reactions are added, and it is covered if either column is.
     node = np.cumsum(np.diff(position, prepend=-np.inf) > SAME_NODE * section.length_unit) - 1

@@ -18,7 +18,7 @@ import numpy as np
 from fem.condense.column import ELECTRODES, Column, ColumnField, condensed_column
 from fem.condense.piece import Blocks, Port
 from fem.discretize.section import Section
-from fem.discretize.spectral import lagrange
+from fem.discretize.spectral import gll_nodes, lagrange
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,9 +62,31 @@ class FingerColumns:
             raise TypeError("the piece was not joined of two")
         return inside
 
+    @cached_property
+    def surface_reactions(self) -> "SurfaceReactions":
+        """Electric reactions at the surface nodes; of a column, or of columns joined without any change."""
+        pair = self.inside
+        if isinstance(pair, Pair):
+            left, right = pair.left.surface_reactions, pair.right.surface_reactions
+            return SurfaceReactions(
+                np.concatenate([left.position, pair.left.width + right.position]),
+                np.concatenate([left.on_metal, right.on_metal]),
+                np.concatenate([pair.from_left(left.rows), pair.from_right(right.rows)]),
+            )
+        rows, position = self.column.surface_reactions, gll_nodes(self.column.section.order) * self.width
+        return SurfaceReactions(position, np.full(len(rows), self.column.electrode is not None), rows)
+
     def recover(self, sides: np.ndarray) -> "ColumnsField":
         """Field inside for given lines and potentials, shape (2 n + ports, ...)."""
         return ColumnsField(self, sides)
+
+
+class SurfaceReactions(NamedTuple):
+    """Electric reactions at the surface nodes of a piece; a node that two columns share occurs twice."""
+
+    position: np.ndarray  # (nodes,): from the left edge, length units
+    on_metal: np.ndarray  # (nodes,): whether the column has an electrode
+    rows: np.ndarray  # (nodes, 2 n + ports): scaled, as functions of the sides
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -91,6 +113,22 @@ class Pair:
             left_ports, right_ports = np.split(left_ports, [len(self.left.ports)])
         left = np.concatenate([whole[at.left], shared_line, left_ports])
         return left, np.concatenate([shared_line, whole[at.right], right_ports])
+
+    def from_left(self, rows: np.ndarray) -> np.ndarray:
+        """Linear functions (..., 2 n + ports) of the left part's sides as functions of the pair's."""
+        at = self.left.at
+        whole = rows[..., at.right] @ self.middle
+        whole[..., at.left] += rows[..., at.left]
+        whole[..., at.ports][..., : len(self.left.ports)] += rows[..., at.ports]
+        return whole
+
+    def from_right(self, rows: np.ndarray) -> np.ndarray:
+        """Linear functions (..., 2 n + ports) of the right part's sides as functions of the pair's."""
+        at = self.right.at
+        whole = rows[..., at.left] @ self.middle
+        whole[..., at.right] += rows[..., at.right]
+        whole[..., whole.shape[-1] - len(self.right.ports) :] += rows[..., at.ports]
+        return whole
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

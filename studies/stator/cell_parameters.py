@@ -12,7 +12,7 @@ import numpy as np
 from scipy.special import ellipk, eval_legendre
 
 import fem
-from studies.chain import passband, resolve
+from studies.chain import fem_model, passband
 from studies.record.plots import COLOURS, curve, finished, legend_below, shaded
 from studies.record.quantities import quantity
 from studies.scene import Scene
@@ -35,7 +35,7 @@ def run(scene: Scene, *, count: int = 61, tolerance: float = 1e-2, progress=None
     """
     resolved = passband.driven_scene(scene)
     driven = resolved.driven_transducer
-    solid, above, m = resolve.solid(resolved.stator), resolved.stator.above, driven.metallisation
+    solid, above, m = fem_model.solid(resolved.stator), resolved.stator.above, driven.metallisation
     period = driven.wavelength / (2 if driven.split else 1)  # of two fingers and two gaps
     progress(f"gratings of {solid.name}")
     cell = fem.cell_parameters(solid, period=period, metallisation=m, above=above, tolerance=tolerance)

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 import fem
-from studies.chain import passband, resolve
+from studies.chain import fem_model, passband, resolve
 from studies.chain.solver_errors import answered
 from studies.record.plots import lines
 from studies.scene import Scene
@@ -90,7 +90,7 @@ def run(scene: Scene, *, band: str | None = None, count: int = 11, tolerance: fl
 
 def stator_beside_pieces(scene: Scene) -> fem.Stator:
     """Return the stator of a resolved scene; refuse a piece that is all of it."""
-    stator = resolve.whole_stator(scene)
+    stator = fem_model.whole_stator(scene)
     if stator.placement.whole is not None:
         scene.refuse("piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there")
     return stator
