@@ -74,7 +74,7 @@ def run(*, motors: tuple[str, ...] = MOTORS, progress=None) -> Answered:
             progress(f"{each.motor}: {each.quantity}")
             rows.append(compared(each, MODELS[each.model]))
     title = "Published motors (bands: what the papers do not state)"
-    return (Panel.of_rows("published_motors", title, rows),), map(_finding, rows)
+    return (Panel.of_rows("published_motors", title, rows),), map(finding_of, rows)
 
 
 @of_record
@@ -169,7 +169,8 @@ def _apart(ratio: float) -> str:
     return f"{100 * (ratio - 1):+.0f} %"
 
 
-def _finding(row: dict) -> Finding:
+def finding_of(row: dict) -> Finding:
+    """Return a row of the comparison as a finding, confirmed if the band reaches the published value."""
     band = f"{row['low'] * row['scale']:.3g} to {row['high'] * row['scale']:.3g} {row['unit']}".strip()
     return Finding(
         statement=f"{row['motor']}: {row['quantity']}, published {_stated(row)} {row['unit']}",

@@ -62,11 +62,11 @@ def run(
     progress : callable, optional
         Told what is being done.
     """
-    row, cases = _p_matrix(None, 1.0, pairs, tolerance), []
+    row, cases = p_matrix_of_row(None, 1.0, pairs, tolerance), []
     for kind, scale in product(electrodes, scales):
         progress(f"strips {kind}, period {scale:g} of the fingers'")
-        strips = _p_matrix(ELECTRODES[kind], scale, strip_pairs, tolerance)
-        cases += [{"electrodes": kind, "scale": scale} | case for case in _one_sided(row, strips)]
+        strips = p_matrix_of_row(ELECTRODES[kind], scale, strip_pairs, tolerance)
+        cases += [{"electrodes": kind, "scale": scale} | case for case in one_sided(row, strips)]
     columns = {key: [case[key] for case in cases] for key in cases[0]}
     every = {key: [value for case in cases for value in _values(key, case)] for key in PUBLISHED}
     bands = {key: (min(values), max(values)) for key, values in every.items()}
@@ -127,7 +127,7 @@ def figure(panel: Panel, ax):
     return finished(ax, "predicted over published", "", panel.title, columns=2)
 
 
-def _p_matrix(electrodes: str | None, scale: float, pairs: int, tolerance: float):
+def p_matrix_of_row(electrodes: str | None, scale: float, pairs: int, tolerance: float):
     """Return the P-matrix of fingers, or of strips of one kind of electrode."""
     solid = fem.rotated(fem.material("LiNbO3 (Kovacs)"), "128YX")
     stator = fem.Stator(solid=solid, length=1.0, thickness=THICKNESS, ends="absorbing")
@@ -141,7 +141,7 @@ def _p_matrix(electrodes: str | None, scale: float, pairs: int, tolerance: float
         raise RunError(str(error)) from None
 
 
-def _one_sided(row, strips) -> list[dict]:
+def one_sided(row, strips) -> list[dict]:
     """Return what fingers with strips to the left send and receive, at the distances of largest share and power."""
     far = len(row.wavenumbers)  # of the amplitudes at the left edge, the first is the upper face's wave
     s, p = row.scattering[np.ix_([0, far], [0, far])], row.excitation[[0, far]]

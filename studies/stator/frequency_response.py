@@ -53,7 +53,7 @@ def run(
     free = fem.free_wave(fem_model.stator(resolved.stator), frequency=float(np.median(at)), tolerance=1e-4)
     theory, late = (passband.expected(resolved).normal(at) * np.exp(-free.attenuation * way), way / free.velocity)
     delay = passband.group_delay(at, surface, late)
-    band = np.array(_half_power(at, abs(surface)))
+    band = np.array(half_power_band(at, abs(surface)))
     inside = (at >= band[0]) & (at <= band[1])
     judgement = {}
     if passband.waves_return(resolved):
@@ -132,7 +132,7 @@ def figure(record: Panel, ax):
     return lines(ax, record, "frequency_Hz", rows, "normal_m_per_V", columns=2)
 
 
-def _half_power(at, size) -> tuple[float, float]:
+def half_power_band(at, size) -> tuple[float, float]:
     """Return where the amplitude first falls below its maximum over root 2 on either side, Hz."""
     peak = int(np.argmax(size))
     level = size[peak] / np.sqrt(2)

@@ -54,8 +54,8 @@ def run(*, parts: tuple[str, ...] = tuple(PARTS), cases: int | None = None, prog
     for number, (module, case) in enumerate(selected, start=1):
         value = f"{case.value:g} {case.unit}".rstrip()
         progress(f"stability: {number} of {len(selected)}, {case.part}, {case.varied} {value}")
-        rows.append(_row(case, judge(module, case)))
-    return [_panel(part, [row for row in rows if row["part"] == part]) for part in parts], _findings(rows)
+        rows.append(case_row(case, judge(module, case)))
+    return [part_panel(part, [row for row in rows if row["part"] == part]) for part in parts], atlas_findings(rows)
 
 
 def _some(cases, number: int | None):
@@ -150,7 +150,7 @@ def draw(record: StudyRecord, folder, *, progress: Callable[[str], None]) -> Non
     saved(folder / "error_against_estimate.png", lambda ax: against_estimate(record.panels, ax), size=(6.5, 5.5))
 
 
-def _row(case, outcome) -> dict:
+def case_row(case, outcome) -> dict:
     """Return a case and its outcome as JSON-compatible data, with None instead of NaN."""
     numbers = {name: getattr(outcome, name) for name in ("relative_error", "relative_estimate")}
     finite = {name: float(value) if math.isfinite(value) else None for name, value in numbers.items()}
@@ -158,7 +158,8 @@ def _row(case, outcome) -> dict:
     return row | {"verdict": outcome.verdict, **finite, "seconds": float(outcome.seconds), "guard": outcome.guard}
 
 
-def _panel(part: str, rows: list[dict]) -> Panel:
+def part_panel(part: str, rows: list[dict]) -> Panel:
+    """Return the rows of the cases of one part as columns of a panel."""
     return Panel.of_rows(part, f"{part}: {len(rows)} extreme cases", rows)
 
 
@@ -170,7 +171,8 @@ def _ratio(row: dict) -> float | None:
     return error / estimate
 
 
-def _findings(rows: list[dict]) -> tuple[Finding, ...]:
+def atlas_findings(rows: list[dict]) -> tuple[Finding, ...]:
+    """Return what all rows together must show: enough cases, and none of them wrong."""
     total = Counter(row["verdict"] for row in rows)
     wrong = [row for row in rows if row["verdict"] == "WRONG"]
     worst = "; ".join(f"{row['part']}, {row['varied']} {row['value']}: {row['guard'][:80]}" for row in wrong[:5])
