@@ -18,7 +18,7 @@ from studies.chain.surface_motion import solved_motion
 from studies.record.plots import curve, lines, shaded
 from studies.record.run_pictures import draw_scan
 from studies.scene import Scene
-from studies.stator.scan_panel import said, scan_file, scan_panel
+from studies.stator.scan_panel import scan_answer, scan_file, scan_panel
 from studies.study import Answered, Finding, Panel, judged, of_record, study
 
 QUICK = {"count": 9, "tolerance": 0.1}
@@ -86,7 +86,7 @@ def run(
     ]  # fmt: skip
     if scan is not None:
         panels.append(scan_panel(resolved, scan, tolerance=tolerance, progress=progress))
-    return panels, findings + spreading, said(panels)
+    return panels, findings + spreading, scan_answer(panels)
 
 
 def _aperture(scene: Scene, place: float, tolerance: float, progress) -> tuple[dict, tuple[Finding, ...]]:
