@@ -104,14 +104,14 @@ def long_run(slider: Slider, orbits: tuple[Orbit, ...], direction: float) -> Lon
 
     `direction` is that of `problem.scaled`.
     """
-    problem, begin = _start(slider, orbits, direction)
-    rate = _relaxation(problem)
+    problem, begin = start_at_rest(slider, orbits, direction)
+    rate = relaxation_rate(problem)
     _refuse_unless_affordable(problem, rate)
-    first = _run_from(problem, begin, rate)
+    first = run_from(problem, begin, rate)
     settled = first.period or first.sticks
     if settled and first.passed <= REGULAR:
         return first
-    second = _run_from(problem, _perturbed(begin), rate)
+    second = run_from(problem, _perturbed(begin), rate)
     apart = abs(first.speed - second.speed)
     if not settled:
         other = second if second.period or second.sticks else first
@@ -125,7 +125,7 @@ def long_run(slider: Slider, orbits: tuple[Orbit, ...], direction: float) -> Lon
 
 def mean_from_rest(slider: Slider, orbits: tuple[Orbit, ...], direction: float, cycles: int) -> float:
     """Return the mean velocity in m/s over the second half of `cycles` cycles from rest, by the event-driven solver."""
-    problem, begin = _start(slider, orbits, direction)
+    problem, begin = start_at_rest(slider, orbits, direction)
     _refuse_unless_affordable(problem, math.inf)
     motion = Motion(problem, grid=collocation(10), truncation=1e-7)
     position, normal_velocity, velocity = begin[:3]
@@ -141,48 +141,54 @@ def _same(speed, problem):
 
 
 def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, target: Periodic) -> Reached:
-    """Return True if a slider from rest reaches a stable periodic motion, or which motion it reaches instead."""
+    """Check whether a slider from rest reaches the stable periodic motion `target`.
+
+    Two runs are followed, from rest and from a slightly different state. If both come to the target together, it is
+    reached. If only one does, or both at very different times, it is a matter of chance, which is a doubt. If neither
+    does, the motion that they come to is reached instead, or, if the bounce has not decayed by then, the difference is
+    a doubt.
+    """
     motion = target.motion.copy()
     motion.move(0.0, 0.5 * math.pi, np.empty(0))  # from the trough of u_z to its upward zero
-    problem, begin = _start(slider, orbits, balance.load_sign)
+    problem, begin = start_at_rest(slider, orbits, balance.load_sign)
     same = _same(target.speed, problem)
     unit, near = same / SAME, Near(motion.state, target.speed, same, target.growth)
-    rate = _relaxation(problem)
+    rate = relaxation_rate(problem)
     try:
         _refuse_unless_affordable(problem, math.inf)
-        first = _run_from(problem, begin, rate, near)
+        first = run_from(problem, begin, rate, near)
         # an irregular transient may end much earlier or later from another start
-        again = first.passed > REGULAR or not first.arrived
-        second = _run_from(problem, _perturbed(begin), rate, near) if again else first
+        is_irregular = first.passed > REGULAR or not first.arrived
+        second = run_from(problem, _perturbed(begin), rate, near) if is_irregular else first
     except ConvergenceError as failed:
         return Reached(doubt=unit, reason=f"whether a slider from rest comes to it was not seen: {failed}")
     if first.arrived and second.arrived:
         if _together(first, second, near.same):
             return Reached()
-        late = first if first.passed > second.passed else second
-        return _irregular(late, second.passed + first.passed - late.passed, unit, target.speed)
+        later = first if first.passed > second.passed else second
+        return _irregular(later, second.passed + first.passed - later.passed, unit, target.speed)
     if first.arrived or second.arrived:
         run = second if first.arrived else first
         return _irregular(run, first.passed + second.passed - run.passed, unit, target.speed)
     run = second if second.period or second.sticks else first
     run = replace(run, error=max(first.error, second.error, abs(first.speed - second.speed)), starts=2)
-    apart = abs(run.speed - target.speed) + run.error
-    if apart <= near.same:
+    difference = abs(run.speed - target.speed) + run.error
+    if difference <= near.same:
         return Reached()
     if run.period or run.sticks or run.passed + run.cycles > SURELY * near.decay_cycles:
         return Reached(instead=run)
     reason = f"a start from rest still bounces after {run.passed + run.cycles} cycles"
-    later = [each.eventual for each in (first, second) if not math.isnan(each.eventual)]
-    doubt = max([apart, *(abs(speed - target.speed) for speed in later)])
-    return Reached(doubt=doubt, reason=reason, speed=later[0] if later else run.speed)
+    decayed = [each.eventual for each in (first, second) if not math.isnan(each.eventual)]
+    doubt = max([difference, *(abs(speed - target.speed) for speed in decayed)])
+    return Reached(doubt=doubt, reason=reason, speed=decayed[0] if decayed else run.speed)
 
 
 def _together(first, second, same):
     """Return True if two runs from almost the same start stay together or soon reach the same motion."""
-    both = min(first.velocities.size, second.velocities.size)
-    apart = float(np.max(np.abs(first.velocities[:both] - second.velocities[:both])))
+    common = min(first.velocities.size, second.velocities.size)
+    difference = float(np.max(np.abs(first.velocities[:common] - second.velocities[:common])))
     soon = max(first.passed, second.passed) <= IRREGULAR and abs(first.speed - second.speed) <= same
-    return apart <= same or (soon and bool(second.period or second.sticks))
+    return difference <= same or (soon and bool(second.period or second.sticks))
 
 
 def _irregular(run, other, unit, speed):
@@ -210,8 +216,11 @@ class Near(NamedTuple):
         return 1.0 / -math.log(self.growth) if self.growth < 1.0 - MULTIPLIER_ERROR else math.inf
 
 
-def _start(slider, orbits, direction):
-    """Return (problem, state at rest); at phase 0 u_z of the first contact crosses zero upwards."""
+def start_at_rest(slider, orbits, direction):
+    """Return the scaled problem and the state (3 + contacts,) of a slider at rest, in its units.
+
+    At phase 0 u_z of the first contact crosses zero upwards. `direction` is that of `problem.scaled`.
+    """
     start = -0.5 * math.pi - float(np.angle(orbits[0].normal))
     problem = scaled(slider, orbits, direction=direction, start=start)
     return problem, _rest(slider, orbits, problem)
@@ -222,8 +231,11 @@ def _perturbed(begin):
     return begin + 1e-6 * (np.arange(begin.size) == 1)
 
 
-def _run_from(problem, begin, rate, near=None):
-    """Return the mean of the motion from one start; the run ends early if it comes close to the motion `near`."""
+def run_from(problem, begin, rate, near=None):
+    """Return the mean of the motion from the scaled state `begin`, as a `LongRun`.
+
+    `rate` is that of `relaxation_rate`. The run ends early if it comes close to the motion `near`.
+    """
     motion = Motion(problem, grid=collocation(14), truncation=1e-11)
     motion.place(*begin[:3], begin[3:])
     budget = BUDGET / (MEMORY if motion.memory is not None else 1.0)
@@ -283,7 +295,7 @@ def _eventual(problem, motion, near):
     return float(np.mean(rows[-max(1, cycles // 10) :, Column.MEAN_VELOCITY]))
 
 
-def _relaxation(problem):
+def relaxation_rate(problem):
     """Return the rate per radian at which v relaxes: damper, plus friction force over the range of surface speeds."""
     reach = float(np.max(tangential_amplitude(problem.paths, np.arange(problem.contacts)))) + 1e-300
     return problem.tangential_damping + 0.3 * full_friction(problem) / reach
@@ -325,7 +337,11 @@ def _arrived(rows, near):
 
 
 def _period(rows):
-    """Return (period in cycles or 0, estimated distance from the repeating motion)."""
+    """Return (period in cycles or 0, estimated distance from the periodic motion).
+
+    The rows of the last three periods are compared with those one period before. `left` is the ratio of this difference
+    to the same difference two periods earlier, and the distance is the sum of a geometric series with this ratio.
+    """
     for period in range(1, PERIODS + 1):
         if len(rows) < 6 * period:
             break

@@ -206,9 +206,9 @@ def _unreduced_attempt(problem: BandProblem, level_tolerance: float) -> tuple[Ba
     The discretisation is the finest of those that meet the tolerance at three frequencies.
     """
     (low, high), drive, stator = problem.limits, problem.drive, problem.stator
-    given = {"drive": drive, "tolerance": level_tolerance, "places": tuple(problem.places)}
+    options = {"drive": drive, "tolerance": level_tolerance, "places": tuple(problem.places)}
     waves = [
-        driven_wave(stator, problem.transducers, frequency=frequency, **given)
+        driven_wave(stator, problem.transducers, frequency=frequency, **options)
         for frequency in (low, (low + high) / 2, high)
     ]
     finest = max((wave.solution.fields.resolution for wave in waves), key=lambda resolution: resolution.order)
@@ -226,11 +226,15 @@ def _unreduced_attempt(problem: BandProblem, level_tolerance: float) -> tuple[Ba
         max(more * getattr(wave, name) for more, wave in zip(growth, waves, strict=True))
         for name in ("relative_error", "admittance_error")
     )
-    own = 0.0
+    interpolation_error = 0.0
     if stator.placement.whole is not None and level_error <= problem.tolerance:
         potentials = waves[0].solution.fields.network.scatterers[0].potentials
-        model, own = model.interpolated(potentials, problem.places, WHOLE_SHARE * problem.tolerance)
-    band = Band(model=model, relative_error=level_error + own, admittance_error=admittance_error + own)
+        model, interpolation_error = model.interpolated(potentials, problem.places, WHOLE_SHARE * problem.tolerance)
+    band = Band(
+        model=model,
+        relative_error=level_error + interpolation_error,
+        admittance_error=admittance_error + interpolation_error,
+    )
     return band, level_error
 
 
@@ -277,7 +281,9 @@ def _attempt(problem: BandProblem, level_tolerance: float) -> tuple[Band, float]
     worst = max(check.worst for check in checks)
     growth = max(1.0, worst / checks[0].here / ESTIMATE_EXCESS)
     level_error = growth * wave.relative_error
-    model, motion_error, admittance_error = _reduced(problem, nodes, checks, worst, problem.tolerance - level_error)
+    model, motion_error, admittance_error = reduced_model(
+        problem, nodes, checks, worst, problem.tolerance - level_error
+    )
     # an error of a piece's matrix acts through the waves that the piece sends back
     piece_error = max(1.0, worst / checks[0].here) * model.piece_error
     band = Band(
@@ -309,7 +315,7 @@ class _Check:
         return cls(solution=solution, motion=surface.motion(problem.places), here=here, worst=worst)
 
 
-def _reduced(
+def reduced_model(
     problem: BandProblem, nodes: NodeSolutions, checks: list[_Check], worst: float, motion_allowance: float
 ) -> tuple[ReducedModel, float, float]:
     """Project on the fewest fields that reproduce the checks; return the model and its errors of motion and admittance.
@@ -324,7 +330,7 @@ def _reduced(
         last = truncation <= LAST_TRUNCATION * min(problem.tolerance, 1e-3)
         model = project(problem, nodes, truncation)
         try:
-            errors = _errors(model, problem, checks, worst)
+            errors = reduction_errors(model, problem, checks, worst)
         except ConvergenceError:  # too few fields to represent the ends
             if last:
                 raise
@@ -334,8 +340,14 @@ def _reduced(
         truncation *= TRUNCATION_STEP
 
 
-def _errors(model: ReducedModel, problem: BandProblem, checks: list[_Check], worst: float) -> tuple[float, float]:
-    """Errors of a reduced model's motion and admittance at the worst frequency of the band."""
+def reduction_errors(
+    model: ReducedModel, problem: BandProblem, checks: list[_Check], worst: float
+) -> tuple[float, float]:
+    """Relative errors of a reduced model's motion and admittance at the worst frequency of the band.
+
+    Each check compares the model with a full solution at its frequency, where resonances amplify by ``check.here``; at
+    the worst frequency they amplify by ``worst``.
+    """
     unamplified = []
     for check in checks:
         solution = driven_solution(model.row(check.solution.fields.frequency).solved(), problem.drive)

@@ -17,8 +17,9 @@ import pytest
 import threadpoolctl
 
 import contact
-from studies.chain import outcomes, predictor, run
-from studies.chain.predictor import Predictor, Shared
+from studies.chain import changed_contacts, outcomes, run
+from studies.chain.changed_contacts import Shared
+from studies.chain.predictor import Predictor
 from studies.refusal import RunError, SceneError
 from studies.report.explanation import long_sweep
 from studies.scene import Scene, read_table
@@ -191,13 +192,13 @@ def test_every_bad_point_is_a_row_with_its_reason():
 
 def counted(monkeypatch):
     """Return a list that fills with frequency and tolerance of every stator that is solved."""
-    solved, solve = [], predictor.solved_motion
+    solved, solve = [], changed_contacts.solved_motion
 
     def noted(scene, *rest, tolerance, **options):
         solved.append((scene.frequency, tolerance))
         return solve(scene, *rest, tolerance=tolerance, **options)
 
-    monkeypatch.setattr(predictor, "solved_motion", noted)
+    monkeypatch.setattr(changed_contacts, "solved_motion", noted)
     return solved
 
 
@@ -261,9 +262,32 @@ def test_a_stator_without_an_answer_costs_its_own_points_alone(monkeypatch):
     assert all(status.startswith("refused: slider.mass") for status in found[1::2])
 
 
+@pytest.mark.parametrize(("wanted", "threads"), [("1", 1), ("3", 3), ("0", None), ("", None), ("all", None)])
+def test_the_loop_of_averaged_states_takes_the_threads_of_its_process(monkeypatch, wanted, threads):
+    solved, taken = contact.steady_sweep, []
+
+    def noted(*problem, threads, **options):
+        taken.append(threads)
+        return solved(*problem, threads=threads, **options)
+
+    monkeypatch.setattr(contact, "steady_sweep", noted)
+    monkeypatch.setenv("SAWMOTOR_THREADS", wanted)
+    Predictor(read_table("twente-contact"), tolerance=1e-2).answers([{"wave.normal_amplitude": 3e-9}])
+    assert taken == [threads]
+
+
+def test_a_point_where_the_beam_is_not_resolved_has_no_answer_as_a_run_has_none(monkeypatch):
+    spread = replaced(SMALL, "stator.diffraction", True)
+    monkeypatch.setattr("fem.SurfaceBeam.unresolved", lambda self, x, y: x == 7e-3)
+    record = run(Scene.from_table("", spread), tolerance=0.1)
+    (answer,) = Predictor(spread, tolerance=0.1).answers([{"drive.voltage": 30.0}])
+    assert answer["status"] == record.shortfall
+    assert record.shortfall.startswith("no answer: in this cut the field beside the fingers")
+
+
 def test_a_point_near_the_threshold_gets_a_better_stator(tmp_path, monkeypatch):
     # a stator that is just good enough by itself
-    monkeypatch.setattr("studies.chain.predictor.SHARE", 1.0)
+    monkeypatch.setattr("studies.chain.changed_contacts.SHARE", 1.0)
     solved = counted(monkeypatch)
     voltages = [5.0, 11.2, 40.0]
     found = sweep(PLANE, {"drive.voltage": voltages}, tolerance=2.5e-4, out=tmp_path / "s")
@@ -305,7 +329,7 @@ def test_what_has_no_answer_is_said_each_time_and_tried_once(monkeypatch):
         raise RunError("its error stays large")
 
     tried, motors = [], Predictor(PLANE, tolerance=3e-2, coarse=True)
-    monkeypatch.setattr(predictor, "solved_motion", failing)
+    monkeypatch.setattr(changed_contacts, "solved_motion", failing)
     for _ in range(2):
         with pytest.raises(RunError, match="stays large"):
             motors.contact({"slider.mass": 1e-4})
