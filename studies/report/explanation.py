@@ -38,7 +38,7 @@ JOIN, MODES = 51, 100  # real operations over n^3 for joining two pieces and for
 # Real operations for a complex one in a meshed piece, whose matrices are smaller than those of the section.  Measured:
 # 0.09 to 3.4 s for pieces of 6500 to 98700 unknowns.
 MESH = 7
-# operations of the beam model: in a plate isotropic about its normal, the same over an absorbing bottom or a half-space,
+# operations of the beam model: in a plate isotropic about its normal, over an absorbing bottom or in a half-space,
 # whose modes need three times as many lateral wavenumbers, and in other cuts
 BEAM, ABSORBED_BEAM, CUT_BEAM = 1.5e10, 7.5e10, 3.5e10
 BEAM_BYTES = 30e6  # of the beam model, for each transducer
