@@ -6,6 +6,7 @@ import numpy as np
 
 from contact import Orbit, Slider, steady_sweep
 from tests.oracles.contact_friction import Motor
+from tests.oracles.contact_stop import StopMotor
 
 SEED = {
     "radius": 1e-3,
@@ -56,3 +57,15 @@ def friction_motor(friction, coefficient, shape="sphere"):
     )
     same = Motor(mu=coefficient, amplitudes=amplitudes, phases=phases, heights=heights, punch=shape == "punch", **own)
     return s, waves, same
+
+
+def stop_motor(slider: Slider, orbits, **changed) -> StopMotor:
+    """Return the same slider for the oracle without events; its load acts along -x unless changed."""
+    return StopMotor(**({
+        "mass": slider.mass, "preload": slider.preload, "mu": slider.friction_coefficient, "load": slider.load,
+        "frequency": orbits[0].frequency, "normal": tuple(each.normal for each in orbits),
+        "tangential": tuple(each.tangential for each in orbits), "radii": (slider.radius,) * len(orbits),
+        "E": slider.effective_modulus, "G": slider.tangential_modulus, "chi": slider.contact_damping,
+        "normal_damping": slider.normal_damping, "tangential_damping": slider.tangential_damping,
+        "punch": slider.shape == "punch", "band": slider.stick_band, "heights": slider.heights,
+    } | changed))  # fmt: skip
