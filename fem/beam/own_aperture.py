@@ -6,7 +6,7 @@ oscillates near both ends (`sheet_lengths`).  The potential of every finger is t
 `point_potential.py`, the potential of a charge on sheet b of one finger tested by sheet a of another, minus the value
 that the section gives where both sheets are present, is
 
-    D_ab(x) = [T(a) - a Z(x)] - [T(b) - b Z(x)],    a, b = (L_a +- L_b) / 2,
+    D_ab(x) = [T(a) - a Z(x)] - [T(b) - b Z(x)],    a, b = (L_a +- L_b) / 2,                                    (1)
 
 with Z(x) the potential of a line of charge in the section, which is infinitely long in y.
 
@@ -16,16 +16,17 @@ the density q / (pi (a^2 - x^2)^(1/2)), and its dipole moment adds a density pro
 the potential varies across a finger, the finger gets an additional dipole moment M, to first order that of a strip on a
 half-space,
 
-    M = -(a^2 / 2) (d phi / d x) / [x d G(x; 0) / d x],    x << wavelength.
+    M = -(a^2 / 2) (d phi / d x) / [x d G(x; 0) / d x],    x << wavelength.                                     (2)
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from fem.beam.lateral import highest_wavenumber, sheet_spectrum, turned, wavenumber_along
 from fem.beam.line_source import LineSource
-from fem.beam.point_potential import PointPotential
+from fem.beam.point_potential import StripPotential
 from fem.geometry import Transducer
 
 # Points across a finger for the density 1 / sqrt(1 - s^2): Chebyshev nodes, exact up to the seventh power of s.
@@ -72,12 +73,12 @@ def sheet_lengths(transducer: Transducer, fineness: int = 0, most: int = MAX_UNK
     ``fineness``: number of finer sets of STEPS that are skipped; ``most``: largest number of sheets on all fingers.
     """
     fingers, aperture = sum(sign in "+-" for sign in transducer.signs), transducer.aperture
-    allowed = [
+    sets = [  # for each set of STEPS, without sheets that would be too short
         np.array([aperture, *(shorter for shorter in ends if shorter > SHORTEST_SHEET * aperture)])
         for ends in ([aperture - 2 * step * transducer.period for step in steps] for steps in STEPS)
     ]
-    fitting = [lengths for lengths in allowed if len(lengths) * fingers <= most] or allowed[-1:]
-    return fitting[min(fineness, len(fitting) - 1)]
+    small_enough = [lengths for lengths in sets if len(lengths) * fingers <= most] or sets[-1:]
+    return small_enough[min(fineness, len(small_enough) - 1)]
 
 
 def section_potential(source: LineSource, distances: np.ndarray) -> np.ndarray:
@@ -103,15 +104,21 @@ def image_potential(source: LineSource, aperture: float, x: np.ndarray, width: f
         potential * _between_mirrors(each, aperture, x, width, highest)
         for each, potential in zip(part.wavenumbers, part.potential, strict=True)
     )
-    alone = PointPotential(part, float(np.hypot(x.max(), aperture))).strips(x, np.array([aperture]))[0]
+    alone = StripPotential(part, x, aperture)(np.array([aperture]))[0]
     return total - (alone / aperture - section_potential(part, x))
 
 
 def polarisability(source: LineSource, finger_width: float) -> complex:
-    """Dipole moment of a strip per length, C, over the potential gradient across it in V/m."""
+    """Dipole moment of a strip per length, C, over the potential gradient across it in V/m: equation (2)."""
     a, k = finger_width / 2, source.wavenumbers
     slope = np.sum(-1j * k * source.potential * np.exp(-1j * k * a)) + source.slope
     return complex(-a / (2 * slope))
+
+
+@lru_cache(maxsize=2)
+def _strip_potential(source: LineSource, distances: tuple[float, ...], aperture: float) -> StripPotential:
+    """T of one transducer, kept for the error estimate, which takes fewer sheets (`SurfaceBeam.coarser`)."""
+    return StripPotential(source, np.array(distances), aperture)
 
 
 def finger_coupling(
@@ -130,12 +137,11 @@ def finger_coupling(
     # densities 1 / sqrt(1 - s^2).
     distances[count - 1][np.eye(ACROSS, dtype=bool)] = half / (ACROSS * 2 ** (2 - 1 / ACROSS))
     different, which = np.unique(distances.round(12), return_inverse=True)
-    line = section_potential(source, different)
+    line, strips = section_potential(source, different), _strip_potential(source, tuple(different), lengths[0])
     sums, gaps = (np.add.outer(lengths, lengths) / 2, abs(np.subtract.outer(lengths, lengths)) / 2)
     spans, number = np.unique(np.concatenate([[0.0], sums.ravel(), gaps.ravel()]).round(12), return_inverse=True)
-    table = PointPotential(source, float(np.hypot(different[-1], spans[-1])))
     change = np.zeros((len(spans), len(different)), dtype=complex)
-    change[1:] = table.strips(different, spans[1:]) - np.multiply.outer(spans[1:], line)
+    change[1:] = strips(spans[1:]) - np.multiply.outer(spans[1:], line)
     of_sums, of_gaps = np.split(number[1:], 2)
     between = (change[of_sums] - change[of_gaps]).reshape(*sums.shape, -1)
     # The zero of the potential is arbitrary if the section floats.  For fingers without net charge it cancels, but only

@@ -2,31 +2,40 @@
 
 In a solid isotropic about z a mode g_p exp(-i k_p |x|) of a line source becomes g_p k_p H_0(k_p r) / 2 for a point
 source (H: Hankel functions of the second kind), and the term s |x| of the pole at k = 0 becomes (s / pi) log r.  Their
-sum G(r) is tabulated once by Chebyshev polynomials on intervals, whose lengths grow geometrically from r = 0 up to half
-a wavelength and are constant from there on.
+sum G(r) is tabulated once by Chebyshev polynomials on intervals, whose lengths grow geometrically from the smallest
+distance up to half a wavelength and are constant from there on.
 
 The potential of a charge that is uniform on |y| < A / 2, integrated over |y| < B / 2 at a distance x, is the integral
 of G over the correlation of the two intervals, which is a trapezium.  With a = (A + B) / 2 and b = |A - B| / 2,
 
-    K_AB(x) = T(a, x) - T(b, x),    T(h, x) = 2 int_0^h (h - y) G((x^2 + y^2)^(1/2)) dy.
+    K_AB(x) = T(a, x) - T(b, x),    T(h, x) = 2 int_0^h (h - y) G((x^2 + y^2)^(1/2)) dy.                        (1)
 
-If h is many wavelengths long, T(h) = h Z - 2 int_0^oo y G dy + 2 int_h^oo (y - h) G dy with Z the potential of a line
-of charge.  The second term is proportional to x H_1(k x) for every mode, and the third is integrated along the path of
-steepest descent from y = h.
+If h is many wavelengths long, and Z is the potential of a line of charge, then
+
+    T(h, x) = h Z - 2 int_0^oo y G dy + 2 int_h^oo (y - h) G dy.                                                (2)
+
+For a mode the second term is g_p x H_1(k_p x), because int r H_0(k r) dr = r H_1(k r) / k.  The third is integrated
+along the path of steepest descent from y = h,
+
+    y = h - i (R / h) s / k,    R^2 = x^2 + h^2,    where exp(-i k r) = exp(-i k R) exp(-s) to first order in s,  (3)
+
+by Gauss and Laguerre's rule.  The pole at k = 0, with r = (x^2 + y^2)^(1/2), has closed integrals:
+
+    int_0^h log r dy = h log R - h + x arctan(h / x),
+    int_0^h y log r dy = (R^2 log R - x^2 log x) / 2 - h^2 / 4.                                                 (4)
 """
 
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebvander
+from numpy.polynomial.chebyshev import chebint, chebvander
 
 from fem.analytic.hankel import scaled_hankel
 from fem.beam.line_source import LineSource
 from fem.discretize.spectral import chebyshev_nodes
 
-# Terms of the polynomial on an interval, and nodes of the Gauss rule on a panel; both are accurate to 1e-10.
-TERMS, NODES = 12, 8
-# m: G is constant below this distance.  The sum of modes has a logarithm at 0, so that 1e-8 m gives an error of 1 % in
+TERMS = 12  # of the polynomials on an interval of r and on a panel of y: accurate to 1e-10
+# m: at smaller distances G is constant.  The sum of modes has a logarithm at 0, so that 1e-8 m gives an error of 1 % in
 # T(h, 0).
 SMALLEST = 1e-12
 DECAYED = 45.0  # a Hankel function is neglected if its exponent exceeds this
@@ -40,13 +49,13 @@ laguerre_rule = cache(np.polynomial.laguerre.laggauss)
 
 
 class PointPotential:
-    """G(r) in V per C, tabulated up to a distance in m; an additive constant is arbitrary."""
+    """G(r) in V per C, tabulated between two distances in m; an additive constant is arbitrary."""
 
-    def __init__(self, source: LineSource, farthest: float):
+    def __init__(self, source: LineSource, nearest: float, farthest: float):
         k, self.source = source.wavenumbers, source
         highest = max(float((k**2).real.max()), float(abs(k).min()) ** 2)
         self.half_wavelength = half = np.pi / np.sqrt(highest)
-        self.halvings = int(np.ceil(np.log2(half / SMALLEST)))
+        self.halvings = max(int(np.ceil(np.log2(half / max(nearest, SMALLEST)))), 0)
         self.edges = np.append(
             half * 2.0 ** np.arange(-self.halvings, 0), half * np.arange(1, int(farthest / half) + 3)
         )
@@ -69,69 +78,108 @@ class PointPotential:
             last, before = self._coefficients[piece, term] + twice * last - before, last
         return self._coefficients[piece, 0] + twice / 2 * last - before
 
-    def strips(self, distances: np.ndarray, lengths: np.ndarray) -> np.ndarray:
-        """T(h, x) in V m2 per C for h = ``lengths`` (m, increasing) and x = ``distances`` (m), (lengths, distances)."""
-        top = lengths[-1]
-        near = lengths < top / 4
-        if top / self.half_wavelength * len(distances) < MAX_PANELS:
-            near[:] = True
-        out = np.empty((len(lengths), len(distances)), dtype=complex)
+
+class StripPotential:
+    """T(h, x) in V m2 per C at distances x in m, for any lengths h up to ``longest`` in m."""
+
+    def __init__(self, source: LineSource, distances: np.ndarray, longest: float):
+        self.source, self.x, self.longest = source, distances, longest
+        self.point = PointPotential(source, distances.min(), float(np.hypot(distances.max(), longest)))
+
+    def __call__(self, lengths: np.ndarray) -> np.ndarray:
+        """T for lengths in m, shape (lengths, distances)."""
+        near = lengths < self._longest_near
+        out = np.empty((len(lengths), len(self.x)), dtype=complex)
         if near.any():
-            some = lengths[near]
-            charge, moment = self._integrals(distances, 0.0, some)
-            out[near] = 2 * (some[:, None] * charge - moment)
+            charge, moment = self._near(lengths[near])
+            out[near] = 2 * (lengths[near, None] * charge - moment)
         if not near.all():
-            some = lengths[~near]
-            charge, moment = self._integrals(distances, some[0], some)
-            value, slope = _wide(self.source, distances, top)
-            beyond = (moment[-1] - moment) - some[:, None] * (charge[-1] - charge)
-            out[~near] = value - (top - some)[:, None] * slope + 2 * beyond
+            charge, moment = self._far(np.append(lengths[~near], self.longest))
+            value, slope = _wide(self.source, self.x, self.longest)
+            shorter = self.longest - lengths[~near, None]
+            beyond = (moment[-1] - moment[:-1]) - lengths[~near, None] * (charge[-1] - charge[:-1])
+            out[~near] = value - shorter * slope + 2 * beyond
         return out
 
-    def _integrals(self, x: np.ndarray, start: float, stops: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Integrals of G dy and y G dy from y = ``start`` to each of ``stops``, shape (stops, x) each."""
-        half, last = self.half_wavelength, stops[-1]
-        edges = np.concatenate(
-            [[start], half * 2.0 ** np.arange(-self.halvings, 0), half * np.arange(1, last / half), stops]
-        )
-        edges = np.unique(edges[(edges >= start) & (edges <= last)])
-        edges = edges[np.append(True, np.diff(edges) > 1e-14 * last)]
-        nodes, weights = np.polynomial.legendre.leggauss(NODES)
-        middle, width = (edges[1:] + edges[:-1]) / 2, np.diff(edges)
-        y = middle[:, None] + width[:, None] / 2 * nodes
-        values = self(np.hypot(x[:, None, None], y)) * (width[:, None] / 2 * weights)
-        at = np.searchsorted(edges, stops * (1 - 1e-13))
-        plain, first_moment = (
-            np.cumsum(np.pad(each.sum(axis=2), ((0, 0), (1, 0))), axis=1)[:, at].T for each in (values, values * y)
-        )
-        return plain, first_moment
+    @property
+    def _longest_near(self) -> float:
+        """Length below which G is integrated over panels from y = 0, m."""
+        direct = self.longest / self.point.half_wavelength * len(self.x) < MAX_PANELS
+        return np.inf if direct else self.longest / 4
+
+    @cached_property
+    def _near(self) -> "_Antiderivatives":
+        """Integrals from y = 0; towards it the panels shrink to a quarter of the smallest distance."""
+        half, stop = self.point.half_wavelength, min(self._longest_near, self.longest)
+        halvings = int(np.ceil(np.log2(half / max(self.x.min() / 4, SMALLEST))))
+        shrinking = half * 2.0 ** np.arange(-halvings, 0)
+        edges = np.concatenate([[0.0], shrinking, half * np.arange(1, stop / half)])
+        return _Antiderivatives(self.point, self.x, np.append(edges[edges < stop], stop))
+
+    @cached_property
+    def _far(self) -> "_Antiderivatives":
+        """Integrals from a quarter of the longest length."""
+        count = int(0.75 * self.longest / self.point.half_wavelength) + 2
+        return _Antiderivatives(self.point, self.x, np.linspace(self.longest / 4, self.longest, count))
+
+
+class _Antiderivatives:
+    """Integrals of G dy and y G dy at distances x, from the first of the ``edges`` of panels along y (m).
+
+    On each panel the integrand is a Chebyshev polynomial, whose antiderivative gives the integral up to any y.
+    """
+
+    def __init__(self, point: PointPotential, x: np.ndarray, edges: np.ndarray):
+        self.edges, self.half_widths = edges, np.diff(edges) / 2
+        nodes = chebyshev_nodes(-1.0, 1.0, TERMS)
+        y = edges[:-1, None] + self.half_widths[:, None] * (nodes + 1)
+        g = point(np.hypot(x, y[..., None]))  # (panels, TERMS, x)
+        self.integrands = g, g * y[..., None]
+        to_coefficients = np.linalg.inv(chebvander(nodes, TERMS - 1))
+        self.from_values = chebint(np.eye(TERMS), lbnd=-1) @ to_coefficients
+
+    def __call__(self, stops: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Both integrals up to the places ``stops`` along y in m, shape (stops, x) each."""
+        panel = np.clip(np.searchsorted(self.edges, stops) - 1, 0, len(self.half_widths) - 1)
+        local = (stops - self.edges[panel]) / self.half_widths[panel] - 1
+        weights = chebvander(local, TERMS) @ self.from_values * self.half_widths[panel, None]
+        whole = self.from_values.sum(axis=0)  # up to the end of a panel, where all polynomials are 1
+        results = []
+        for integrand in self.integrands:
+            before = np.cumsum(self.half_widths[:, None] * np.tensordot(whole, integrand, axes=(0, 1)), axis=0)
+            out = np.append(np.zeros((1, before.shape[1])), before, axis=0)[panel]
+            for each in np.unique(panel):
+                out[panel == each] += weights[panel == each] @ integrand[each]
+            results.append(out)
+        return results[0], results[1]
 
 
 def _wide(source: LineSource, x: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
-    """T(h, x) for a length h of many wavelengths, and its derivative with respect to h, shape (x,) each."""
-    reach = np.hypot(x, h)
+    """T(h, x) by (2) for a length h of many wavelengths, and its derivative with respect to h, shape (x,) each."""
+    reach = np.hypot(x, h)  # R
+    # the pole at k = 0, by (4)
     angle, squares = x * np.arctan2(h, x), x**2 * np.log(np.where(x > 0, x, 1.0))
-    inner = h * np.log(reach) - h + angle
+    log_integral = h * np.log(reach) - h + angle
     static = 2 * source.slope / np.pi
-    value = static * (h * inner - (reach**2 * np.log(reach) - squares) / 2 + h**2 / 4) + 0j
-    slope = static * inner + 0j
+    value = static * (h * log_integral - (reach**2 * np.log(reach) - squares) / 2 + h**2 / 4) + 0j
+    derivative = static * log_integral + 0j
     s, weights = laguerre_rule(LAGUERRE)
     for k, potential in zip(source.wavenumbers, source.potential, strict=True):
-        line = np.exp(-1j * k * x)
-        near = np.full(len(x), 2j / np.pi / k)
+        line = np.exp(-1j * k * x)  # Z over g_p
+        second = np.full(len(x), 2j / np.pi / k)  # x H_1(k x), its limit at x = 0
         some = (abs(k) * x > SERIES) & (-k.imag * x < DECAYED)
-        near[some] = x[some] * line[some] * scaled_hankel(1, k * x[some])
-        near[-k.imag * x >= DECAYED] = 0.0
-        value += potential * (h * line + near)
-        slope += potential * line
-        if -k.imag * h < DECAYED:
+        second[some] = x[some] * line[some] * scaled_hankel(1, k * x[some])
+        second[-k.imag * x >= DECAYED] = 0.0
+        value += potential * (h * line + second)
+        derivative += potential * line
+        if -k.imag * h < DECAYED:  # the third term, with y - h = ``path`` of (3)
             path = -1j * (reach / h)[:, None] * s / k
             z = k * np.sqrt(reach[:, None] ** 2 + path * (2 * h + path))
-            sent = scaled_hankel(0, z) * np.exp(s - 1j * (z - (k * reach)[:, None])) * weights
-            sent *= (-1j * reach / h * np.exp(-1j * k * reach))[:, None] * potential
-            value += np.sum(sent * path, axis=1)
-            slope -= np.sum(sent, axis=1)
-    return value, slope
+            integrand = scaled_hankel(0, z) * np.exp(s - 1j * (z - (k * reach)[:, None])) * weights
+            integrand *= (-1j * reach / h * np.exp(-1j * k * reach))[:, None] * potential
+            value += np.sum(integrand * path, axis=1)
+            derivative -= np.sum(integrand, axis=1)
+    return value, derivative
 
 
 def _sum_of_modes(source: LineSource, r: np.ndarray) -> np.ndarray:

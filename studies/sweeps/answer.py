@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from studies.chain.predictor import Predictor
+from studies.chain.changed_scenes import ChangedScenes
 from studies.progress import Progress, duration
 from studies.record.quantities import quantity
 from studies.record.status import Status
@@ -104,7 +104,7 @@ def _expected_time(table: dict, over: Any, tolerance: float) -> tuple[str, ...]:
         design = designed(table, over, tolerance=tolerance)
         (first,) = design.values([0])
         question = design.question
-        scene = Predictor(table, tolerance=tolerance).scene(dict(zip(question.keys, first, strict=True)))
+        scene = ChangedScenes(table).scene(dict(zip(question.keys, first, strict=True)))
         return long_sweep(scene, tolerance=tolerance, stators=design.stators, points=len(design))
     return ()
 

@@ -9,7 +9,8 @@ import os
 import time
 from functools import lru_cache
 
-from studies.chain.predictor import Predictor, Shared
+from studies.chain.changed_contacts import Shared
+from studies.chain.predictor import Predictor
 from studies.sweeps.plan import Question
 
 
@@ -28,7 +29,7 @@ def solved_points(
         set_workers(threads)
         os.environ["SAWMOTOR_THREADS"] = str(threads)
     many = [dict(zip(question.keys, own, strict=True)) for own in values]
-    answers = predictor.answers(many, question.also, threads=threads)
+    answers = predictor.answers(many, question.also)
     rows = [
         (point, *(_kept(answer.get(name)) for name in question.outcomes))
         for point, answer in zip(points, answers, strict=True)
