@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import brentq
 
 from contact import Orbit, Slider, steady_sweep
 from tests.oracles.contact_friction import Motor
@@ -57,6 +58,17 @@ def friction_motor(friction, coefficient, shape="sphere"):
     )
     same = Motor(mu=coefficient, amplitudes=amplitudes, phases=phases, heights=heights, punch=shape == "punch", **own)
     return s, waves, same
+
+
+def way_to_rest(approaches, deformations, c, power=1.5, load=0.0) -> float:
+    """Return the d at which springs of deformations x - d carry a load over mu K: z^p - (z - |x - d|/c)^p, in sum."""
+    z = np.maximum(approaches, 0.0)
+
+    def left(d):
+        x = deformations - d
+        return float(np.sum(np.sign(x) * (z**power - np.maximum(z - abs(x) / c, 0.0) ** power))) - load
+
+    return brentq(left, -1e-6, 1e-6, xtol=1e-24, rtol=1e-15)
 
 
 def stop_motor(slider: Slider, orbits, **changed) -> StopMotor:

@@ -6,7 +6,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
 from contact import (
     Answer,
@@ -27,7 +26,7 @@ from contact.averaged.sweep_rows import STALL_ERROR
 from contact.drive import towards_plus
 from contact.events.energy import Sum
 from tests.contact.aimed import drawn
-from tests.contact.motors import orbit, slider, stop_motor
+from tests.contact.motors import orbit, slider, stop_motor, way_to_rest
 from tests.oracles.contact_stop import TRAVEL, V, extrapolated
 
 LIGHT = {
@@ -131,16 +130,11 @@ def test_no_slip_is_missed_after_the_burst(draw, parting, cycles):
     moved = float(motion.sums[Sum.DISPLACEMENT])
     still = methods.silence(motion)
     still.move(0.0, 400.0 * problem.omega / body.tangential_resonance(len(wave)), np.empty(0))
-    depth, c = np.maximum(body.rest_approaches(len(wave)), 0.0), body.limit_slope
-    power = 1.5 if body.shape == "sphere" else 1.0
-
-    def left(distance):  # mu P less the load over mu K, of springs that are to rest
-        x = still.state[3:] * problem.length - distance
-        forces = np.sign(x) * (depth**power - np.maximum(depth - abs(x) / c, 0.0) ** power)
-        scale = body.friction_coefficient * body.normal_stiffness
-        return float(np.sum(forces)) - math.copysign(body.load, problem.load) / scale
-
-    on = brentq(left, -1e-6, 1e-6, xtol=1e-24, rtol=1e-15)
+    load = math.copysign(body.load, problem.load) / (body.friction_coefficient * body.normal_stiffness)
+    on = way_to_rest(
+        body.rest_approaches(len(wave)), still.state[3:] * problem.length, body.limit_slope,
+        1.5 if body.shape == "sphere" else 1.0, load,
+    )  # fmt: skip
     truth = side * ((moved + float(still.sums[Sum.DISPLACEMENT])) * problem.length + on)
     assert abs(found.displacement - truth) <= 2.0 * found.error
     assert found.error < 1e-10 * abs(truth)
