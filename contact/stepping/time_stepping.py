@@ -90,8 +90,12 @@ class Passage(NamedTuple):
 
 
 @compiled
-def _tabulate(paths, per_cycle, before, after, table):
-    """Fill surface displacement and velocity of one cycle under an envelope that goes from `before` to `after`."""
+def tabulate_cycle(paths, per_cycle, before, after, table):
+    """Fill scaled displacement and velocity of the surface in one cycle under an envelope from `before` to `after`.
+
+    `table` (4, per_cycle + 1, contacts) has its rows in the order of `Plane`; `before` and `after` are the complex
+    factors on the wave at the ends of the cycle, between which the envelope is linear.
+    """
     h = 2.0 * np.pi / per_cycle
     turn = (after - before) / (2.0 * np.pi)
     for k in range(per_cycle + 1):
@@ -286,12 +290,12 @@ def _run(problem, state, task, work):
     per_cycle, slider, envelope = task.per_cycle, work.slider, task.envelope
     shaped = envelope.size > 0
     e = envelope[0] if shaped else 1.0 + 0.0j
-    _tabulate(problem.paths, per_cycle, e, e, work.table)
+    tabulate_cycle(problem.paths, per_cycle, e, e, work.table)
     _begin(problem, state, per_cycle, work)
     for cycle in range(task.number):
         slider[Row.TRAVELLED] = 0.0
         if shaped:
-            _tabulate(problem.paths, per_cycle, envelope[cycle], envelope[cycle + 1], work.table)
+            tabulate_cycle(problem.paths, per_cycle, envelope[cycle], envelope[cycle + 1], work.table)
         for k in range(per_cycle):
             _step(problem, k, work)
         if not np.isfinite(slider[Row.POSITION] + slider[Row.NORMAL_VELOCITY] + slider[Row.VELOCITY]):

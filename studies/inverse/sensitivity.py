@@ -75,7 +75,7 @@ def run(scene: Scene, *, outcomes: tuple[str, ...] | None = None, tolerance: flo
     changes = both_sides(predictor, tuple(name for name, rows in slopes.items() if rows), level)
     title, findings, panels = predictor.table.get("title", ""), [], []
     for name, rows in slopes.items():
-        findings += _without_effect(predictor, name, rows, level)
+        findings += without_effect(predictor, name, rows, level)
         sides = changes.get(name, {})
         keys = list(sides)
         order = [key for key, _ in sorted(rows.items(), key=lambda item: -abs(item[1][0]))]
@@ -153,7 +153,7 @@ def elasticities(
     """
     slopes: dict[str, dict[str, tuple[float, float]]] = {name: {} for name in outcomes}
     for accuracy, names in _together(predictor, outcomes):
-        centre = _answers(predictor, names, level, [{}])[0]
+        centre = answers_at(predictor, names, level, [{}])[0]
         for key in _keys(predictor, names) if np.any(centre > 0.0) else ():
             progress(f"{', '.join(names)}: {key}")
             moved = key != "level" and predictor.needs_stator(key)
@@ -161,7 +161,7 @@ def elasticities(
             step = within**0.2 if not moved else PHASE_STEP if key.endswith(PHASED) else STATOR_STEP
             widths = step / np.array([1.0, 2.0] if moved else [1.0, 2.0, 4.0])
             factors = np.exp(np.concatenate([widths, -widths])).tolist()
-            values, errors = _answers(predictor, names, level, [{key: factor} for factor in factors])
+            values, errors = answers_at(predictor, names, level, [{key: factor} for factor in factors])
             for name, column, start in zip(names, values.T, centre[0], strict=True):
                 # no slope without an answer, such as for a value that the scene refuses
                 if start > 0.0 and np.all(column > 0.0):
@@ -188,14 +188,14 @@ def both_sides(
     for _, names in _together(predictor, outcomes):
         keys = _keys(predictor, names)
         moves = [{key: factor} for key in keys for factor in (1.0 + SIDE, 1.0 - SIDE)]
-        centre, *values = _answers(predictor, names, level, [{}, *moves])[0]
+        centre, *values = answers_at(predictor, names, level, [{}, *moves])[0]
         for name, start, column in zip(names, centre, np.transpose(values), strict=True):
             changes = [float(each / start - 1.0) if math.isfinite(each) else None for each in column]
             sides[name] = dict(zip(keys, zip(changes[0::2], changes[1::2], strict=True), strict=True))
     return sides
 
 
-def _answers(
+def answers_at(
     predictor: MeasurementPredictor, names: Sequence[str], level: float, many: list[dict[str, float]]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return answers for sets of factors by key, (m, n), and the velocities' numerical errors over |v|, (m,).
@@ -221,12 +221,12 @@ def _answers(
     return np.abs([[row.get(column, math.nan) for column in columns] for row in rows]), errors
 
 
-def _without_effect(predictor: MeasurementPredictor, outcome: str, rows: dict, level: float) -> list[Finding]:
+def without_effect(predictor: MeasurementPredictor, outcome: str, rows: dict, level: float) -> list[Finding]:
     """Return which numbers have no effect, and what happens if all of them are changed together."""
     silent = [key for key, (value, _) in rows.items() if abs(value) < NO_EFFECT and key != "level"]
     if not silent:
         return []
-    (before, after), _ = _answers(predictor, (outcome,), level, [{}, dict.fromkeys(silent, 1.0 + SILENT_STEP)])
+    (before, after), _ = answers_at(predictor, (outcome,), level, [{}, dict.fromkeys(silent, 1.0 + SILENT_STEP)])
     allowed = 1.5 * SILENT_STEP * NO_EFFECT * len(silent)
     change = abs(float(np.log(after[0] / before[0])))
     return [

@@ -133,7 +133,7 @@ def figure(record: Panel, ax):
     value = np.ma.masked_invalid(np.asarray(data["value"], float) * data["scale"])
     (x, x_label), (y, y_label) = (_scaled(data[f"{side}_key"], data[side]) for side in "xy")
     if value.count() and np.ptp(value) > 0.0:
-        levels = _levels(value.compressed())
+        levels = contour_levels(value.compressed())
         shades = BoundaryNorm(levels, 256)
         drawn = ax.contourf(x[0], y[0], value, levels=levels, cmap="viridis", norm=shades)
         bar = ax.figure.colorbar(drawn, ax=ax, label=data["label"], ticks=levels)
@@ -158,7 +158,7 @@ def figure(record: Panel, ax):
     return finished(ax, x_label, y_label, record.title, grid=False)
 
 
-def _levels(values) -> list[float]:
+def contour_levels(values) -> list[float]:
     """Return contour levels: uniform, or a 1-2-5 series if the values cover more than a decade.
 
     Half of a map may lie below a hundredth of its largest value, where uniform levels would show one colour.

@@ -10,7 +10,7 @@ from studies import Scene
 from studies import run as run_chain
 from studies.inverse import sensitivity
 from studies.inverse.prediction import MeasurementPredictor
-from studies.inverse.sensitivity import _answers, _without_effect, both_sides, elasticities, numbers, run, tables
+from studies.inverse.sensitivity import answers_at, both_sides, elasticities, numbers, run, tables, without_effect
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +81,7 @@ def test_richardson_s_error_is_that_of_the_last_extrapolation(monkeypatch):
 
 def test_the_start_up_time_goes_as_the_mass(predictor):
     """At a given preload the averaged motion runs on the time scale of m v / (mu P)."""
-    times, _ = _answers(predictor, ("start-up time",), 6.3e-9, [{"slider.mass": 0.04}, {"slider.mass": 0.08}])
+    times, _ = answers_at(predictor, ("start-up time",), 6.3e-9, [{"slider.mass": 0.04}, {"slider.mass": 0.08}])
     assert times[1] == pytest.approx(2.0 * times[0], rel=1e-3)
     assert 2e-4 < times[0, 0] < 5e-3  # a light slider, to be quick
 
@@ -121,9 +121,9 @@ def test_numbers_of_a_stator(monkeypatch):
 def test_what_is_said_to_have_no_effect_is_tried(predictor):
     """A number that does move the answer among the silent ones contradicts the finding."""
     rows = elasticities(predictor, ("release",), 6.3e-9, lambda text: None)["release"]
-    (silent,) = _without_effect(predictor, "release", rows, 6.3e-9)
+    (silent,) = without_effect(predictor, "release", rows, 6.3e-9)
     assert silent.confirmed
-    (wrong,) = _without_effect(predictor, "release", rows | {"slider.radius": (0.0, 0.0)}, 6.3e-9)
+    (wrong,) = without_effect(predictor, "release", rows | {"slider.radius": (0.0, 0.0)}, 6.3e-9)
     assert not wrong.confirmed
 
 
