@@ -13,6 +13,8 @@ friction coefficient = 0; a common change of all parameters without effect chang
 with its stator 90 s of one processor.
 """
 
+import csv
+import io
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import pairwise
@@ -77,15 +79,13 @@ def run(scene: Scene, *, outcomes: tuple[str, ...] | None = None, tolerance: flo
     for name, rows in slopes.items():
         findings += _without_effect(predictor, name, rows, level)
         sides = changes.get(name, {})
-        keys = list(sides)
-        order = [key for key, _ in sorted(rows.items(), key=lambda item: -abs(item[1][0]))]
+        order = sorted(rows, key=lambda key: -abs(rows[key][0]))
+        columns = zip(*((key, *rows[key], *sides[key]) for key in order), strict=True)
+        data = dict.fromkeys(COLUMNS, ()) | dict(zip(COLUMNS, columns, strict=False))
+        bends = [[key, *side] for key, side in sides.items() if _bends(*side)]
         panels.append(
-            Panel(name=name.replace(" ", "_").replace("-", "_"), title=f"{title}: {name}", data={
-                "key": order, "elasticity": [rows[key][0] for key in order], "error": [rows[key][1] for key in order],
-                "change_for_1_percent_more": [sides[key][0] for key in order],
-                "change_for_1_percent_less": [sides[key][1] for key in order],
-                "bends": [[key, *sides[key]] for key in keys if _bends(*sides[key])], "level": level, "outcome": name,
-            })
+            Panel(name=name.replace(" ", "_").replace("-", "_"), title=f"{title}: {name}",
+                  data=data | {"bends": bends, "level": level, "outcome": name})
         )  # fmt: skip
     if "velocity" in slopes and not predictor.one_by_one:
         findings += _checks(predictor, slopes["velocity"], level)
@@ -266,8 +266,7 @@ def _checks(predictor: MeasurementPredictor, rows: dict, level: float) -> list[F
 
 def _in_words(data: dict) -> Iterator[tuple[str, str]]:
     """Yield what matters most to an answer, in % for 1 % of the number, and where both sides disagree."""
-    rows = list(zip(*(data[name] for name in COLUMNS), strict=True))
-    most = [f"{key} {value:+.3g}" for key, value, *_ in rows[:NAMED] if abs(value) >= NO_EFFECT]
+    most = [f"{key} {value:+.3g}" for key, value, *_ in _rows(data)[:NAMED] if abs(value) >= NO_EFFECT]
     yield data["outcome"], f"% for 1 % of {', '.join(most) or 'any number: none'}"
     for key, more, less in data["bends"]:
         yield "", f"bends with {key}: {100 * more:+.3g} % for 1 % more, {100 * less:+.3g} % for 1 % less"
@@ -280,27 +279,25 @@ def _bends(more: float | None, less: float | None) -> bool:
     return abs(more + less) > max(BENDS * max(abs(more), abs(less)), NO_EFFECT * SIDE)
 
 
-def _cell(value: float | None) -> str:
-    return "" if value is None else repr(value)
+def _rows(data: dict) -> list[tuple]:
+    """Return the rows of a panel's ``COLUMNS``, one for each number."""
+    return list(zip(*(data[name] for name in COLUMNS), strict=True))
 
 
 def tables(record: StudyRecord) -> dict[str, str]:
     """Return sensitivity.csv."""
-    lines = ["outcome,key,elasticity,error,change_for_1_percent_more,change_for_1_percent_less"]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(("outcome", *COLUMNS))
     for panel in record.panels:
-        data = panel.data
-        lines += [
-            f"{data['outcome']},{key},{value!r},{error!r},{_cell(more)},{_cell(less)}"
-            for key, value, error, more, less in zip(*(data[name] for name in COLUMNS), strict=True)
-        ]
-    return {"sensitivity.csv": "\n".join(lines) + "\n"}
+        writer.writerows((panel.data["outcome"], *row) for row in _rows(panel.data))
+    return {"sensitivity.csv": text.getvalue()}
 
 
 @of_record
 def figure(record: Panel, ax):
     """Draw what 1 % more and 1 % less of each number make of one answer, and its elasticity, the largest on top."""
-    rows = [row for row in zip(*(record.data[name] for name in COLUMNS), strict=True) if abs(row[1]) >= NO_EFFECT]
-    rows = rows[:MAX_DRAWN]
+    rows = [row for row in _rows(record.data) if abs(row[1]) >= NO_EFFECT][:MAX_DRAWN]
     for side, (colour, label, sign) in enumerate((("slip", "1 % more", 1), ("intermittent", "1 % less", -1))):
         changes = [100 * (row[3 + side] or 0.0) for row in rows]
         places = [k - sign * 0.18 for k in range(len(rows))]
