@@ -11,7 +11,7 @@ import contact
 import fem
 from studies import Scene, run, sweep
 from studies.chain import pillars
-from studies.inverse import Measurement, sensitivity
+from studies.inverse import Measurement, elasticity, sensitivity
 from studies.record import Record
 from studies.refusal import SceneError
 
@@ -597,7 +597,7 @@ def test_what_is_not_known_of_pillars_is_refused_before_anything_is_computed():
 
 def test_sensitivity_knows_the_thrust_of_pillars(monkeypatch):
     """Against a difference of stalls by the contact's own interface."""
-    monkeypatch.setattr(sensitivity, "numbers", lambda predictor: ["slider.friction_coefficient"])
+    monkeypatch.setattr(elasticity, "numbers", lambda predictor: ["slider.friction_coefficient"])
     small = scene({"normal_amplitude": [20e-9]})
     record = sensitivity.run(small, outcomes=("thrust",))
     rows = dict(zip(record.panels[0].data["key"], record.panels[0].data["elasticity"], strict=True))
