@@ -1,6 +1,7 @@
 """Rules for the places of transducers and meshed pieces on a stator, and for what a piece is made of."""
 
 from itertools import combinations, pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from fem.mesh.placement import Placement, is_step
 from fem.mesh.section_mesh import ELECTRODE
 from fem.mesh.shapes import CORNERS
 
-# Unknowns of a quadrilateral at the coarsest level, at the least: order 4 (fem.condense.mesh), u_x, u_z and phi.
+# Smallest number of unknowns per quadrilateral: u_x, u_z and phi at order 4, the coarsest level (fem.condense.mesh).
 LEAST_PER_QUAD = 3 * 4**2
 UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "inch": 0.0254}  # m
 
@@ -158,7 +159,10 @@ def _check_outer_end(piece: MeshPiece, index: int, length: float) -> None:
 
 
 def _check_heights(piece: MeshPiece, thickness: float) -> None:
-    """Raise an InputError for a piece of which no interface is as high as the stator, or one is part of a border."""
+    """Raise an InputError if no interface of the piece is as high as the stator, or if one covers part of its border.
+
+    One interface that fits is enough: behind the other one a stator of another thickness may follow (a step).
+    """
     lines = {side: line for side in ("left", "right") if (line := piece.interface(side)) is not None}
     for side, (_, height, _) in lines.items():
         border = piece.mesh.border(side)
@@ -170,7 +174,7 @@ def _check_heights(piece: MeshPiece, thickness: float) -> None:
                 owner=piece.name,
             )
     if np.isinf(thickness):
-        _check_foot(piece, lines)
+        _check_lower_side(piece, lines)
         return
     if not lines or any(piece.fits(side, thickness) for side in lines):
         return
@@ -189,40 +193,46 @@ def _check_heights(piece: MeshPiece, thickness: float) -> None:
     )
 
 
-def _check_foot(piece: MeshPiece, lines: dict[str, tuple[float, float, float]]) -> None:
-    """Raise an InputError for a piece of a half-space, with these interfaces, that cannot be continued downwards."""
+def _check_lower_side(piece: MeshPiece, lines: dict[str, tuple[float, float, float]]) -> None:
+    """Raise an InputError if a piece of a half-space cannot be continued downwards.
+
+    Where the bottom absorbs, the program continues the solid uniformly below the lower side of the mesh.  Interfaces
+    (``lines``, by side) must therefore reach down to that side; and it must be straight, of the stator's own material
+    and without boundary condition.
+    """
     mesh, depth = piece.mesh, piece.depth * 1e3
-    rule = ""
+
+    def refuse(rule: str) -> None:
+        raise InputError("piece", rule, owner=piece.name)
+
     for side, (_, height, top) in lines.items():
         if not piece.fits(side, np.inf):
-            rule = (
+            refuse(
                 f"must reach at its group {side} from the surface, z = 0, down to its lowest point, z = -{depth:.6g} mm"
                 f", as the bottom absorbs, got z = {top * 1e3:.6g} to {(top - height) * 1e3:.6g} mm"
             )
-    foot = mesh.foot
-    drawn = float(abs(np.diff(mesh.points[foot, 0], axis=1)).sum())
+    lowest_edges = mesh.foot
     low, high = mesh.extent
-    if not rule and abs(drawn - (high - low)) > SAME * (high - low):
-        rule = (
+    width, lowest_width = high - low, float(abs(np.diff(mesh.points[lowest_edges, 0], axis=1)).sum())
+    if abs(lowest_width - width) > SAME * width:
+        refuse(
             "must have one straight horizontal lower side, below which the program continues the solid as the bottom "
-            f"absorbs: {drawn * 1e3:.6g} of {(high - low) * 1e3:.6g} mm lie at z = -{depth:.6g} mm"
+            f"absorbs: {lowest_width * 1e3:.6g} of {width * 1e3:.6g} mm lie at z = -{depth:.6g} mm"
         )
-    solids = {mesh.cells[mesh.edges[tuple(edge)][0][0]].solid for edge in foot.tolist()} - {"stator"}
-    if not rule and solids:
-        rule = (
+    edges = [tuple(edge) for edge in lowest_edges.tolist()]
+    other_solids = {mesh.cells[mesh.edges[edge][0][0]].solid for edge in edges} - {"stator"}
+    if other_solids:
+        refuse(
             "must consist of the stator's own material at its lower side, which the program continues as the bottom "
-            f"absorbs, got {solids.pop()!r}"
+            f"absorbs, got {other_solids.pop()!r}"
         )
-    if not rule:
-        at_foot = {frozenset(edge) for edge in foot.tolist()}
-        for name, own in mesh.lines.items():
-            if name != "bottom" and any(frozenset(edge) in at_foot for edge in own.tolist()):
-                rule = (
-                    "must have no other line group than bottom at its lower side, below which the program continues "
-                    f"the solid as the bottom absorbs, got {name!r}"
-                )
-    if rule:
-        raise InputError("piece", rule, owner=piece.name)
+    undirected = {frozenset(edge) for edge in edges}
+    for name, line in mesh.lines.items():
+        if name != "bottom" and any(frozenset(edge) in undirected for edge in line.tolist()):
+            refuse(
+                "must have no other line group than bottom at its lower side, below which the program continues "
+                f"the solid as the bottom absorbs, got {name!r}"
+            )
 
 
 def _unit_question(piece: MeshPiece, drawn: float, meant: float) -> str:
@@ -372,47 +382,52 @@ def _check_electrode_lines(piece: MeshPiece, solid: Solid) -> None:
         owner |= dict.fromkeys(nodes, name)
 
 
+class _Span(NamedTuple):
+    """Part of the surface, m, that a piece or a transducer occupies."""
+
+    low: float
+    high: float
+    kind: str  # "piece" or "transducer"
+    name: str
+
+    def __str__(self):
+        if self.low == -float("inf"):
+            return f"(the left end to {self.high * 1e3:.6g} mm)"
+        if self.high == float("inf"):
+            return f"({self.low * 1e3:.6g} mm to the right end)"
+        return f"({self.low * 1e3:.6g} to {self.high * 1e3:.6g} mm)"
+
+
 def _check_overlaps(placed: Placement, length: float, transducers: tuple[Transducer, ...]) -> None:
     """Raise an InputError for a piece beside the stator, or over another piece or a transducer."""
-    spans = [(each.extent, f'piece "{each.name}"') for each in placed.between]
-    for side, piece in enumerate(placed.ends):
-        if piece is not None:
-            low, high = piece.extent
-            spans.append(((-float("inf"), high) if side == 0 else (low, float("inf")), f'piece "{piece.name}"'))
-    spans += [(each.extent, f'transducer "{each.name}"') for each in transducers]
-    room = SAME * length
+    tolerance = SAME * length
     for piece in placed.between:
         low, high = piece.extent
-        if low < -room or high > length + room:
+        if low < -tolerance or high > length + tolerance:
+            got = f"{piece.where}{_millimetre_question(piece, length)}"
+            rule = f"must lie on the stator, 0 to {length * 1e3:g} mm, got {got}"
+            raise InputError("piece", rule, owner=piece.name)
+    spans = [_Span(*each.extent, "piece", each.name) for each in placed.between]
+    left_end, right_end = placed.ends
+    if left_end is not None:
+        spans.append(_Span(-float("inf"), left_end.extent[1], "piece", left_end.name))
+    if right_end is not None:
+        spans.append(_Span(right_end.extent[0], float("inf"), "piece", right_end.name))
+    spans += [_Span(*each.extent, "transducer", each.name) for each in transducers]
+    for left, right in pairwise(sorted(spans, key=lambda span: (span.low, span.high))):
+        # the message begins with a piece: with the right one if both are pieces
+        piece_span, other = (right, left) if right.kind == "piece" else (left, right)
+        overlap = left.high > right.low + 1e-3 * tolerance
+        # two pieces may touch, but between a piece and a finger there must be bare surface
+        touch = left.kind != right.kind and left.high > right.low - tolerance
+        if overlap or touch:
+            verb = "overlaps" if overlap else "touches"
             raise InputError(
-                "piece",
-                f"must lie on the stator, 0 to {length * 1e3:g} mm, got {piece.where}{_place_question(piece, length)}",
-                owner=piece.name,
-            )
-    spans.sort(key=lambda each: each[0])
-    for (one, first), (other, second) in pairwise(spans):
-        here, there = (first, one), (second, other)
-        if not here[0].startswith("piece"):
-            here, there = there, here
-        # bare surface must be left between a piece and the fingers
-        fingers = here[0].startswith("piece") and there[0].startswith("transducer")
-        if one[1] > other[0] + (-room if fingers else room * 1e-3):
-            what = "overlaps" if one[1] > other[0] + room * 1e-3 else "touches"
-            raise InputError(
-                "piece", f"{here[0].removeprefix('piece ')} {_span(here[1])} {what} the {there[0]} {_span(there[1])}"
+                "piece", f'"{piece_span.name}" {piece_span} {verb} the {other.kind} "{other.name}" {other}'
             )
 
 
-def _place_question(piece: MeshPiece, length: float) -> str:
-    """Return the question for a unit, if a piece stands far off the stator and its number of mm would lie on it."""
-    asked = 10 * length < piece.position <= 1e3 * length
-    return f': is "{piece.position:g} mm" meant? A number without a unit is in m' if asked else ""
-
-
-def _span(span: tuple[float, float]) -> str:
-    low, high = span
-    if low == -float("inf"):
-        return f"(the left end to {high * 1e3:.6g} mm)"
-    if high == float("inf"):
-        return f"({low * 1e3:.6g} mm to the right end)"
-    return f"({low * 1e3:.6g} to {high * 1e3:.6g} mm)"
+def _millimetre_question(piece: MeshPiece, length: float) -> str:
+    """Return a question about the unit if a position far beyond the stator would lie on it as a number of mm."""
+    fits_in_mm = 10 * length < piece.position <= 1e3 * length
+    return f': is "{piece.position:g} mm" meant? A number without a unit is in m' if fits_in_mm else ""

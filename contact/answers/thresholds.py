@@ -54,11 +54,12 @@ from contact.slider import Slider
 # Relative accuracy of the bisection in the averaged equilibrium. It is part of the error, and below the error of
 # averaging for f_n/f above 0.0022.
 ACCURACY = 1e-5
-# SAMPLES: phases per cycle of the periodic motion. ROOT: relative tolerance of the factor at which its margin vanishes.
-# MAX_REACH: largest relative distance from the averaged factor at which that factor is searched, or else the averaged
-# factor is the answer. In 207 searches for drawn motors a larger one was needed 16 times, always at f_n/f above 0.5.
+# Search of the factor at which the margin of the periodic motion vanishes. SAMPLES: phases per cycle of the motion.
+# ROOT: relative tolerance of the factor. MAX_REACH: largest relative distance from the averaged factor; if the search
+# ends without a root there, the averaged factor is the answer. In 207 searches for drawn motors a larger distance was
+# needed 16 times, always at f_n/f above 0.5.
 SAMPLES, ROOT, MAX_REACH = 256, 1e-10, 0.5
-# smallest stated relative error of this factor: bisection of the full motion at f_n/f = 0.2 differs by 5e-7
+# Smallest stated relative error of that factor: bisection of the full motion at f_n/f = 0.2 differs by 5e-7.
 LEAST_ERROR = 1e-6
 # Estimated relative error of an averaged factor, divided by (f_n/f)^2. The true value was 0.5 to 1.4
 # (`tests/contact/test_threshold_answers.py`), and up to 1.9 in draws with unequal balls or the hysteretic law.
@@ -96,7 +97,7 @@ def threshold(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
         return Answer(value=0.0, error=0.0, reasons=("friction cannot hold the load",))
     if slider.load == 0.0 and _own_mirror_image(slider, listed):
         return Answer(value=math.inf, error=0.0, reasons=("the wave drives both ways alike",))
-    bent = bool(slider.tangential_law.bent)
+    bent = bool(slider.tangential_law.bent)  # the slip limit is not proportional to the approach
     elastic = _elastic_threshold(_simplified(slider) if slider.heights or bent else slider, listed)
     if slider.law == "elastic" and not (slider.reciprocal or slider.heights or bent) and _alike(listed):
         own_spring = isinstance(slider.friction, UserLaw)
@@ -137,41 +138,43 @@ def _by_averaging(slider, orbits, factor):
     return Answer(value=factor, error=factor * relative, reasons=("cycle means",))
 
 
-def _by_full_motion(slider, orbits, first, margins=None):
-    """Return the factor from the periodic motion of the full equations, searched near the averaged factor `first`.
+def _by_full_motion(slider, orbits, averaged_factor, margins=None):
+    """Return the factor from the periodic motion of the full equations, searched near the averaged factor.
 
-    `margins(problem, motion, slider)` returns a lower and an upper bound of a margin that decreases with the factor and
-    vanishes at the threshold or release. The roots of the two bounds are computed with different numbers of samples.
-    The answer is their mean, and their distance is its error. If there is no root, the averaged factor is returned.
+    `margins(problem, motion, slider)` returns two margins that decrease with the factor. The first vanishes at a lower
+    bound of the threshold (or release), the second at an upper bound. The two roots are computed with different numbers
+    of samples. The answer is their mean, and their distance is its error. If there is no root, the averaged factor is
+    returned.
     """
-    averaged, margins = _by_averaging(slider, orbits, first), margins or _stick_margins
-    if math.isinf(first) or first == 0.0:
+    averaged, margins = _by_averaging(slider, orbits, averaged_factor), margins or _stick_margins
+    if math.isinf(averaged_factor) or averaged_factor == 0.0:
         return averaged
 
-    def root(samples, which):
+    def root(samples, bound):
         @cache
         def margin(factor):
             problem = scaled(slider, tuple(o.scaled(factor) for o in orbits), direction=1.0, start=0.0)
             motion = normal_motion(problem, riding_approach(problem), samples)
-            return margins(problem, motion, slider)[which]
+            return margins(problem, motion, slider)[bound]
 
-        reach = averaged.error
-        while not (margin(first - reach) > 0.0 > margin(first + reach)):
-            reach *= 2.0
-            if reach > MAX_REACH * first:
+        distance = averaged.error
+        while not (margin(averaged_factor - distance) > 0.0 > margin(averaged_factor + distance)):
+            distance *= 2.0
+            if distance > MAX_REACH * averaged_factor:
                 raise ConvergenceError("not converged", "the periodic motion has no such factor near that of averaging")
-        return bracketed(margin, first - reach, first + reach, tolerance=ROOT * first)
+        low, high = averaged_factor - distance, averaged_factor + distance
+        return bracketed(margin, low, high, tolerance=ROOT * averaged_factor)
 
     try:
-        value, other = root(SAMPLES, 0), root(SAMPLES // 2, 1)
+        lower, upper = root(SAMPLES, 0), root(SAMPLES // 2, 1)
     except ConvergenceError:
         return averaged
-    error = abs(value - other) + LEAST_ERROR * value
-    return Answer(value=0.5 * (value + other), error=error, reasons=("periodic motion up to the first event",))
+    error = abs(lower - upper) + LEAST_ERROR * lower
+    return Answer(value=0.5 * (lower + upper), error=error, reasons=("periodic motion up to the first event",))
 
 
 def _contact_margins(problem, motion, slider):
-    """Return the least approach of the contacts that touch at rest, which serves as both bounds."""
+    """Return the smallest approach of the contacts that touch at rest, twice: it is exact, lower and upper bound."""
     contacts = problem.contacts
     touch = slider.rest_approach(contacts) + slider.offsets(contacts) > 0.0
     margin = float(np.min(least(motion.approaches[touch])))
@@ -181,21 +184,23 @@ def _contact_margins(problem, motion, slider):
 def _stick_margins(problem, motion, slider):
     """Return the stick margins of the first and of the last contact to slip; both include the margin of the load.
 
-    The offsets of sticking contacts depend on the history and lie between a least and a largest value. The first slip
-    is a lower bound of the threshold. The last slip is an upper bound, because one sticking contact holds the slider.
+    The offset x0 of a sticking contact depends on the history and lies in an interval; the slip margin is half the
+    width of this interval over the slip limit at rest. The first slip is a lower bound of the threshold. The last slip
+    is an upper bound, because one sticking contact holds the slider.
     """
-    rooms = [room_to_stick(problem, motion, side) for side in (1.0, -1.0)]
-    unit = problem.limit_slope * slider.rest_approach(problem.contacts) / problem.length
-    slip_margins = np.array([0.5 * (room.forward + room.backward) / unit for room in rooms])
-    load_margin = _load_margin(rooms[1].traction, rooms[0].traction, problem.load, problem.friction * problem.preload)
+    forward, backward = (room_to_stick(problem, motion, side) for side in (1.0, -1.0))
+    limit_at_rest = problem.limit_slope * slider.rest_approach(problem.contacts) / problem.length
+    slip_margins = np.array([0.5 * (room.forward + room.backward) / limit_at_rest for room in (forward, backward)])
+    full_friction = problem.friction * problem.preload
+    load_margin = _load_margin(backward.tangential_force, forward.tangential_force, problem.load, full_friction)
     return min(float(np.min(slip_margins)), load_margin), min(float(np.max(slip_margins)), load_margin)
 
 
 def _load_margin(least, largest, load, friction):
-    """Return the distance of a load from the ends of the interval that contacts can hold, over the friction force.
+    """Return the distance of a load from the nearer end of the interval that contacts can hold, over `friction`.
 
-    It is negative outside the interval. The load is positive: below the threshold the wave does not move the unloaded
-    slider, so that there is no motion that would give the load another sign.
+    It is negative outside the interval. The load is taken as positive: its sign is that of the unloaded motion that it
+    opposes, and below the threshold there is no such motion.
     """
     return min(largest - load, load - least) / friction
 
@@ -229,16 +234,16 @@ def _own_mirror_image(slider, orbits):
 def _released(slider, listed):
     """Return the averaged factor at which a contact is first lost."""
     if not slider.heights and not slider.reciprocal:
-        reach = [abs(o.normal) for o in listed]
-        return _factor_at(max(reach), slider, reach) if max(reach) > 0.0 else math.inf
+        normal = [abs(o.normal) for o in listed]
+        return _factor_at(max(normal), slider, normal) if max(normal) > 0.0 else math.inf
     touch = slider.rest_approach(len(listed)) + slider.offsets(len(listed)) > 0.0
-    reach, heights = np.array([abs(o.normal) for o in listed])[touch], slider.offsets(len(listed))[touch]
-    if not touch.any() or np.max(reach) == 0.0:
+    normal, heights = np.array([abs(o.normal) for o in listed])[touch], slider.offsets(len(listed))[touch]
+    if not touch.any() or np.max(normal) == 0.0:
         return math.inf if slider.preload > 0.0 else 0.0
 
     def smallest_approach(factor):
         h = riding_height(slider, tuple(o.scaled(factor) for o in listed))
-        return float(np.min(h + heights - factor * reach))
+        return float(np.min(h + heights - factor * normal))
 
     elastic = _falling_root(smallest_approach, slider, listed)
     friction = slider.static_friction(len(listed))
@@ -247,7 +252,7 @@ def _released(slider, listed):
 
     def separates(factor):
         balance = balanced(slider, tuple(orbit.scaled(factor) for orbit in listed))
-        return np.min(balance.height * balance.problem.length + heights - factor * reach) < 0.0
+        return np.min(balance.height * balance.problem.length + heights - factor * normal) < 0.0
 
     return _edge(separates, elastic)
 
@@ -273,18 +278,22 @@ def _simplified(slider):
 def _elastic_threshold(slider, orbits):
     """Return the factor at which a contact first slips, for equal heights (see the module docstring)."""
     c = slider.limit_slope
-    end = max(abs(o.tangential - c * o.normal) + abs(o.tangential + c * o.normal) for o in orbits) / (2.0 * c)
-    # at this factor the two bounds on the offset of one contact coincide
-    no_room = _factor_at(end, slider, [abs(o.normal) for o in orbits])
-    if _holding_margin(slider, orbits, no_room * (1.0 - 1e-9)) >= 0.0:
-        return no_room
-    return bracketed(lambda factor: _holding_margin(slider, orbits, factor), 0.0, no_room)
+    # smallest h at which the two bounds on the offset of every contact leave an interval, for the orbits as they are
+    lowest = max(abs(o.tangential - c * o.normal) + abs(o.tangential + c * o.normal) for o in orbits) / (2.0 * c)
+    # By homogeneity: the factor at which the slider rides at this height, so that the interval of one contact vanishes
+    first_slip = _factor_at(lowest, slider, [abs(o.normal) for o in orbits])
+    if _holding_margin(slider, orbits, first_slip * (1.0 - 1e-9)) >= 0.0:
+        return first_slip
+    return bracketed(lambda factor: _holding_margin(slider, orbits, factor), 0.0, first_slip)
 
 
-def _factor_at(height, slider, reach):
-    """Return the factor f for which a slider on the amplitudes |U_z| = f reach rides at the height f height."""
-    unit = max(height, *reach)
-    mean = sum(mean_load(height / unit, each / unit, slider.contact_shape) for each in reach)
+def _factor_at(height, slider, normal):
+    """Return the factor f at which a slider on the amplitudes f |U_z| (`normal`) rides at the mean approach f `height`.
+
+    The force is homogeneous in approach and amplitudes: at the factor f it is K f^n times its value at f = 1 and K = 1.
+    """
+    unit = max(height, *normal)
+    mean = sum(mean_load(height / unit, each / unit, slider.contact_shape) for each in normal)
     return slider.approach_under(slider.preload / mean, 1) / unit
 
 
@@ -297,28 +306,29 @@ def _alike(orbits):
 def _holding_margin(slider, orbits, factor):
     """Return a margin that is positive while all contacts stick and hold the load, and decreases with the factor.
 
-    It is the smaller of two margins: the width of the interval of allowed offsets, and the distance of the load from
-    the mean tangential forces at the highest and the lowest offsets.
+    It is the smaller of two margins: half the width of the interval of allowed offsets over the slip limit at rest, and
+    the distance of the load from the mean tangential forces at the largest and the smallest offsets.
     """
     c, mu, shape = slider.limit_slope, slider.static_coefficient, slider.contact_shape
     scaled = tuple(orbit.scaled(factor) for orbit in orbits)
     h = riding_height(slider, scaled)
-    room, highest, lowest = math.inf, 0.0, 0.0
+    margin, largest, smallest = math.inf, 0.0, 0.0
     for orbit in scaled:
-        up = c * h - abs(orbit.tangential - c * orbit.normal)
-        down = c * h - abs(orbit.tangential + c * orbit.normal)
-        room = min(room, 0.5 * (up + down) / (c * slider.rest_approach(len(orbits))))
+        # -backward <= x0 <= forward
+        forward = c * h - abs(orbit.tangential - c * orbit.normal)
+        backward = c * h - abs(orbit.tangential + c * orbit.normal)
+        margin = min(margin, 0.5 * (forward + backward) / (c * slider.rest_approach(len(orbits))))
         z, u_x = h + (orbit.normal * PHASES).real, (orbit.tangential * PHASES).real
         friction = mu * slider.normal_stiffness
-        highest += float(np.mean(tangential_force(u_x + up, z, friction, c, shape)))
-        lowest += float(np.mean(tangential_force(u_x - down, z, friction, c, shape)))
-    return min(room, _load_margin(lowest, highest, slider.load, mu * slider.preload))
+        largest += float(np.mean(tangential_force(u_x + forward, z, friction, c, shape)))
+        smallest += float(np.mean(tangential_force(u_x - backward, z, friction, c, shape)))
+    return min(margin, _load_margin(smallest, largest, slider.load, mu * slider.preload))
 
 
 def _falling_root(function, slider, orbits):
     """Return the root of a decreasing function that is positive at 0."""
-    reach = max(max(abs(o.normal), abs(o.tangential)) for o in orbits)
-    high = float(np.max(slider.rest_approaches(len(orbits)))) / reach
+    amplitude = max(max(abs(o.normal), abs(o.tangential)) for o in orbits)
+    high = float(np.max(slider.rest_approaches(len(orbits)))) / amplitude
     while function(high) > 0.0:
         high *= 2.0
     return bracketed(function, 0.0, high)

@@ -107,29 +107,30 @@ def contact_history(
     bounds.positive("points_per_cycle", points_per_cycle, "")
     side, driven = towards_plus(listed)
     if stage == "start":
-        problem, doubt = rest_problem(slider, driven), 0.0
+        problem, other_error = rest_problem(slider, driven), 0.0
         motions = [rest(slider, driven, problem, nodes=n, truncation=e) for n, e in (FINE, COARSE)]
     else:
-        motions, doubt = _steady_motions(slider, driven)
+        motions, other_error = _steady_motions(slider, driven)
         motions = [silence(each) for each in motions] if stage == "after" else motions
-    turn, count, passed = 2.0 * math.pi, max(1, round(cycles * points_per_cycle)), int(skip)
-    offset = turn * (skip if stage == "after" else skip - passed)
-    at = offset + turn * cycles * np.arange(1, count + 1) / count
+    # Phases are counted from the start of the cycle in which the recording begins, or from the end of the wave.
+    turn, count, whole_cycles = 2.0 * math.pi, max(1, round(cycles * points_per_cycle)), int(skip)
+    begin = turn * (skip if stage == "after" else skip - whole_cycles)
+    phases = begin + turn * cycles * np.arange(1, count + 1) / count
     recorded = []
     for motion in motions:
         if stage != "after":
-            motion.turn(passed)
-        if offset > 0.0:
-            motion.move(0.0, offset, np.empty(0))
+            motion.turn(whole_cycles)
+        if begin > 0.0:
+            motion.move(0.0, begin, np.empty(0))
         motion.tally[:] = 0
-        recorded.append(np.moveaxis(motion.move(offset, offset + turn * cycles * (1.0 + 1e-13), at), -1, 0))
+        recorded.append(np.moveaxis(motion.move(begin, begin + turn * cycles * (1.0 + 1e-13), phases), -1, 0))
     motion, (z, x, P, Q, regime, v) = motions[0], recorded[0]
     problem, speed = motion.problem, side * v[:, 0] * motion.problem.speed
-    error = float(np.max(np.abs(v - recorded[-1][Sample.SLIDER_VELOCITY]))) + doubt
+    error = float(np.max(np.abs(v - recorded[-1][Sample.SLIDER_VELOCITY]))) + other_error
     force = slider.mass * problem.omega**2 * problem.length
-    v_t = at_phase(problem.paths, np.arange(problem.contacts), np.cos(at)[:, None], np.sin(at)[:, None])[3]
+    v_t = at_phase(problem.paths, np.arange(problem.contacts), np.cos(phases)[:, None], np.sin(phases)[:, None])[3]
     return History(
-        slider=slider, orbits=listed, time=(at - offset + turn * skip) / problem.omega,
+        slider=slider, orbits=listed, time=(phases - begin + turn * skip) / problem.omega,
         approach=z * problem.length, deformation=side * x * problem.length, normal_force=P * force,
         tangential_force=side * Q * force, regime=REGIMES[regime.astype(int)],
         surface_velocity=side * v_t * problem.speed, slider_velocity=speed, statistics=motion.events(),
@@ -141,8 +142,9 @@ def _steady_motions(slider, orbits):
     """Return (steady motions at two collocation orders, error of v that their difference does not show).
 
     At phase 0 u_z of the first contact crosses zero upwards. As in `steady`, the motion is the one that repeats with
-    the wave's period if that is stable and if a slider from rest reaches it, which needs a check only where the contact
-    resonance is near the wave frequency. Otherwise it is a long run from rest, computed at one order only.
+    the wave's period, provided that it is stable and that a slider from rest reaches it. The latter is checked only if
+    the contact resonance is near the wave frequency. Otherwise the motion is a long run from rest, computed at one
+    order only, with its own estimate of the error.
     """
     balance = balanced(slider, orbits)
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency

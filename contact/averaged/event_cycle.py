@@ -1,9 +1,14 @@
 r"""Averaged equilibrium of any contact law, with a cycle from which the event-driven solver can continue.
 
-`cycle_at` takes a height h and a velocity v that are already known; `sweep.mean_motion` computes them for the elastic
-law, whose cycle means have closed forms between events. For the other laws `balanced` finds h and v: the mean
-tangential force comes from a cycle of the event-driven solver, and `equilibrium` searches v. The docstring of
-`answers.steady` states when a slider is held. The error with respect to the full motion is O((f_n/f)^2).
+For the elastic law `sweep.mean_motion` computes height h and velocity v, because its cycle means have closed forms
+between events; `cycle_at` adds the event-driven cycle at this h and v. For the other laws `balanced` computes h and v:
+the mean tangential force comes from a cycle of the event-driven solver, and `equilibrium.balanced_speed` searches v.
+The docstring of `answers.steady` states when a slider is held. The error with respect to the full motion is
+O((f_n/f)^2).
+
+At rest the mean tangential force is not unique: a contact that sticks all the time keeps the deformation that its
+history left. It lies between two values, those after an approach from far behind and from far ahead, which push each
+contact to the smallest and to the largest deformation that its slip limits allow.
 """
 
 import math
@@ -24,7 +29,7 @@ from contact.problem import Problem, full_friction, immobile, scaled
 from contact.roots import bracketed
 from contact.slider import Slider
 
-NODES, TRUNCATION = 14, 1e-11
+NODES, TRUNCATION = 14, 1e-11  # of a segment in the cycles
 CLOSE = 1e-12  # tolerance of the velocity, relative to the velocity of full slip
 RUNAWAY = (
     "friction cannot balance the load at any speed and no tangential damping bounds it; "
@@ -51,22 +56,24 @@ class Balance:
 def balanced(slider: Slider, orbits: tuple[Orbit, ...]) -> Balance:
     """Return the averaged equilibrium; the wave crests must drive towards +x (`drive.towards_plus`)."""
     problem = scaled(slider, orbits, direction=1.0, start=trough(orbits))
-    high = riding_approach(problem)
+    elastic_height = riding_approach(problem)
     if problem.law.kind != Tangential.RECIPROCAL:
-        return _at_height(problem, high)
-    # the reciprocal force only adds to the support, so that the slider rides higher: the mean approach is below `high`
+        return _at_height(problem, elastic_height)
+    # The reciprocal force adds to the support, so that the mean approach is smaller than without it. At the lower bound
+    # no contact touches in the whole cycle.
     every, preload = np.arange(problem.contacts), problem.preload
-    low = -float(np.max(normal_amplitude(problem.paths, every) + problem.paths.height))
+    no_contact = -float(np.max(normal_amplitude(problem.paths, every) + problem.paths.height))
     balances: list[Balance] = []  # at the heights that the search has tried
 
     def excess(height):
-        if height <= low:
+        """Return the mean normal force less the preload."""
+        if height <= no_contact:
             return -preload
         balances.append(_at_height(problem, height))
         surplus = float(balances[-1].motion.sums[Sum.NORMAL_FORCE]) / (2.0 * math.pi) - preload
         return surplus if abs(surplus) > 1e-12 * preload else 0.0
 
-    bracketed(excess, low, high, tolerance=1e-14 * (1.0 + abs(high)))
+    bracketed(excess, no_contact, elastic_height, tolerance=1e-14 * (1.0 + abs(elastic_height)))
     return balances[-1]
 
 
@@ -94,8 +101,8 @@ def trough(orbits):
 
 
 def _rest_cycles(problem, height):
-    """Return (mean tangential force, motion) at v = 0 for the least and for the largest possible deformations."""
-    far = 10.0 * (1.0 + abs(height)) * (1.0 + problem.limit_slope)
+    """Return (mean tangential force, motion) at v = 0 for the smallest and for the largest possible deformations."""
+    far = 10.0 * (1.0 + abs(height)) * (1.0 + problem.limit_slope)  # beyond every slip limit
     return mean_tangential_force(problem, height, 0.0, -far), mean_tangential_force(problem, height, 0.0, far)
 
 
@@ -105,7 +112,8 @@ def _at_height(problem, height):
     (least, _), (largest, _) = rest
     # the sign of the load changes if the wave drives against its crests
     problem, means = problem._replace(load=problem.load * load_direction(largest)), EventCycles(height)
-    search = balanced_speed(problem, means, least, largest, full_slip_speed(problem.paths, problem.limit_slope), CLOSE)
+    fastest = full_slip_speed(problem.paths, problem.limit_slope)
+    search = balanced_speed(problem, means, least, largest, fastest, CLOSE)
     if search.status == Status.RUNAWAY:
         raise ConvergenceError("runaway", RUNAWAY)
     if search.way == 0.0:
@@ -114,16 +122,21 @@ def _at_height(problem, height):
 
 
 def _held(problem, height, rest):
-    """Return the equilibrium of a held slider; bisection finds deformations whose mean force carries the load."""
-    (least, motion), (largest, high_motion) = rest
-    below, above = motion.carried.deformation, high_motion.carried.deformation
+    """Return the equilibrium of a held slider, for which bisection yields deformations whose force carries the load.
+
+    The deformations are interpolated between the smallest and the largest ones of `rest` (`_rest_cycles`).
+    """
+    (least, motion), (largest, largest_motion) = rest
+    smallest_x, largest_x = motion.carried.deformation, largest_motion.carried.deformation
     rounding, a, b = 1e-13 * full_friction(problem), 0.0, 1.0
-    for _ in range(50 if largest > least + rounding else 0):
-        middle = 0.5 * (a + b)
-        mean, motion = mean_tangential_force(problem, height, 0.0, (1.0 - middle) * below + middle * above)
-        if abs(mean - problem.load) < 1e3 * rounding:
-            break
-        a, b = (a, middle) if mean > problem.load else (middle, b)
+    if largest > least + rounding:
+        for _ in range(50):
+            middle = 0.5 * (a + b)
+            start = (1.0 - middle) * smallest_x + middle * largest_x
+            mean, motion = mean_tangential_force(problem, height, 0.0, start)
+            if abs(mean - problem.load) < 1e3 * rounding:
+                break
+            a, b = (a, middle) if mean > problem.load else (middle, b)
     return Balance(problem=problem, height=height, speed=0.0, held=True, motion=motion)
 
 

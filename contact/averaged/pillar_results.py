@@ -1,4 +1,10 @@
-"""Results for a slider on pillars: its steady motion, and its load line."""
+"""Results for a slider on pillars: its steady motion, and its load line.
+
+Symbols as in `pillars` and `march`: a *row* is the set of all pillars at one x, where the wave changes its amplitude by
+the forces of these pillars; U+ and U- are the amplitudes of the waves towards +x and -x, A the amplitude of the larger
+incident one, Gamma the surface's compliance for a line force, w the width of the strip in which the wave runs, and F
+the preload.
+"""
 
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -13,7 +19,7 @@ from contact.drive import speed_scale
 class SearchState(NamedTuple):
     """Start values for the search of a similar motion."""
 
-    unknowns: np.ndarray  # of `Equilibrium`
+    unknowns: np.ndarray  # `Equilibrium.unknowns`: mean approach, pitch, roll and speed over their scales
     forward: np.ndarray  # amplitudes U+ and U- at the rows, m
     backward: np.ndarray
     approaches: np.ndarray  # mean approaches of the pillars, m
@@ -55,9 +61,9 @@ class PillarMotion:
         Mean power of the friction, of the load and of the viscous damper, W. The elastic law's spring of a ball is not
         conservative; its loss or gain counts as friction.
     wave_power_in, wave_power_out : float
-        Power of both waves within the strip, W; 0 without Gamma.
+        Power of both waves within the strip, W; 0 if Gamma is not known.
     loading_number : float
-        Lambda = 2 Gamma F/(w A).
+        Lambda = 2 Gamma F/(w A), about the phase in rad by which a bouncing slider advances the wave.
     loading : bool
         True if the pillars act back on the wave.
     harmonics : int
@@ -76,7 +82,7 @@ class PillarMotion:
         Part of `relative_error` that is due to the number of harmonics. It is a third of the change by the last
         doubling, because this error is inversely proportional to the square of the number.
     sweeps : int
-        Number of cycles computed for all pillars.
+        How often a cycle of all pillars was computed in the search.
     """
 
     pillars: Pillars = field(repr=False)

@@ -115,7 +115,7 @@ def steady_sweep(
     factors = np.asarray(factors, float)
     for factor in factors[~((factors >= 0.0) & (factors < math.inf))]:
         bounds.non_negative("factors", factor, "")
-    rows = _rows(sliders, waves, which, factors.ravel(), wave_errors, threads)
+    rows = _entries(sliders, waves, which, factors.ravel(), wave_errors, threads)
     return _answer(rows.reshape(*factors.shape, -1))
 
 
@@ -133,7 +133,7 @@ def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion
         Status "not applicable", "near the threshold", "runaway" or "not converged".
     """
     listed = as_orbits(orbits)
-    row = _rows([slider], [listed], [(0, 0)], [1.0], [0.0], 1)[0]
+    row = _entries([slider], [listed], [(0, 0)], [1.0], [0.0], 1)[0]
     status = row[Entry.STATUS]
     if math.isnan(status):
         closed_form(slider, listed)  # raises with status "runaway" if nothing balances the load
@@ -147,16 +147,17 @@ def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion
 def mean_forces(slider: Slider, orbits: Orbit | tuple[Orbit, ...], motion: MeanMotion) -> MeanForces:
     """Return the forces of each contact in an averaged steady state of `mean_motion`, by first-order averaging.
 
-    Time starts where the orbits' complex amplitudes say. The force of a contact that always sticks depends on its
-    history; its deformation is taken as the least possible one.
+    The phases of the harmonics refer to t = 0 of the orbits' complex amplitudes. The force of a contact that always
+    sticks depends on its history; its deformation is taken as the least possible one.
     """
     listed = as_orbits(orbits)
     problem = scaled(slider, listed, direction=1.0, start=0.0)
-    each, velocities = (np.empty((len(Each), len(listed))), np.full(len(listed), motion.first_order / problem.speed))
+    by_contact = np.empty((len(Each), len(listed)))
+    velocities = np.full(len(listed), motion.first_order / problem.speed)
     work, rule = cycle_arrays(1, FINE_NODES), quadrature(FINE_NODES)
-    contact_cycles(problem, riding_approach(problem), velocities, rule, work, each)
-    unit = slider.mass * problem.omega**2 * problem.length
-    return forces_of(each, unit, unit)
+    contact_cycles(problem, riding_approach(problem), velocities, rule, work, by_contact)
+    force_unit = slider.mass * problem.omega**2 * problem.length
+    return forces_of(by_contact, force_unit, force_unit)
 
 
 def _answer(rows):
@@ -172,52 +173,53 @@ def _answer(rows):
     )  # fmt: skip
 
 
-def _rows(sliders, waves, which, factors, wave_errors, threads):
+def _entries(sliders, waves, which, factors, wave_errors, threads):
     """Return the result columns (`Entry`) of every problem; the status is NaN if averaging does not apply."""
     which, factors = np.asarray(which, np.int64).reshape(-1, 2), np.array(factors, float)
-    number, contacts = len(which), len(waves[0])
+    contacts = len(waves[0])
     parameters = np.array([numbers(slider, contacts) for slider in sliders])
     heights = np.array([slider.offsets(contacts) for slider in sliders])
     sides, driven = zip(*(towards_plus(orbits) for orbits in waves), strict=True)
-    each = [paths_of(orbits, np.zeros(contacts)) for orbits in driven]
-    paths = Paths(*(np.array(field) for field in zip(*each, strict=True)))
+    wave_paths = [paths_of(orbits, np.zeros(contacts)) for orbits in driven]
+    paths = Paths(*(np.array(field) for field in zip(*wave_paths, strict=True)))
     omegas = np.array([orbits[0].omega for orbits in waves])
     resonances = np.array([slider.normal_resonance(contacts) for slider in sliders])
     ratios = resonances[which[:, 0]] * 2.0 * math.pi / omegas[which[:, 1]]
-    out = np.full((number, len(Entry)), math.nan)
+    out = np.full((len(which), len(Entry)), math.nan)
     out[:, Entry.REGIME] = Steady.UNKNOWN
-    apply, known = factors > 0.0, {}
-    for k, pair in enumerate(map(tuple, which.tolist())):
-        if pair not in known:
-            known[pair] = not refusals(sliders[pair[0]], driven[pair[1]], STIFFEST_STEADY)
-        apply[k] &= known[pair]
-        if not apply[k]:
-            _fill_closed(sliders[pair[0]], driven[pair[1]], factors[k], out[k])
-    todo = np.flatnonzero(apply)
-    for law, of_laws, some in _by_law(sliders, which, todo):
-        errors = np.asarray(wave_errors, float)
-        given = Sweep(parameters, of_laws, law, heights, paths, omegas, errors, ratios, which, factors)
-        _spread(given, out, some, threads)
+    averaged = factors > 0.0  # problems that averaging solves
+    applies = {}  # by (slider, wave)
+    for k, (slider, wave) in enumerate(which.tolist()):
+        if (slider, wave) not in applies:
+            applies[slider, wave] = not refusals(sliders[slider], driven[wave], STIFFEST_STEADY)
+        averaged[k] &= applies[slider, wave]
+        if not averaged[k]:
+            _fill_closed(sliders[slider], driven[wave], factors[k], out[k])
+    errors = np.asarray(wave_errors, float)
+    for law, law_numbers, members in _by_law(sliders, which, np.flatnonzero(averaged)):
+        problems = Sweep(parameters, law_numbers, law, heights, paths, omegas, errors, ratios, which, factors)
+        _solve(problems, out, members, threads)
     side = np.array(sides)[which[:, 1]]
     for column in (Entry.VELOCITY, Entry.FIRST_ORDER):
         out[:, column] = side * out[:, column] + 0.0  # no negative zero
     return out
 
 
-def _by_law(sliders, which, todo):
-    """Yield (law, numbers, problems) for each law that has problems: a kernel is compiled for the functions of one law.
+def _by_law(sliders, which, averaged):
+    """Yield (law, numbers, members) for each law of the problems `averaged`; `members` are the problems with this law.
 
-    Laws that differ only in their numbers are the same law here. `numbers` has shape (sliders, k). The row of a slider
-    with another law holds the numbers of the first slider with this law; no problem of this group uses it.
+    A kernel is compiled for the functions of one law, so that laws which differ only in their numbers are one law here.
+    `numbers` has shape (sliders, k). The row of a slider with another law holds the numbers of the first slider with
+    this law; no problem of this group uses it.
     """
     laws = [slider.tangential_law for slider in sliders]
-    kinds = [law._replace(numbers=None) for law in laws]
-    for kind in dict.fromkeys(kinds):
-        first, same = laws[kinds.index(kind)], np.array([other == kind for other in kinds])
+    functions = [law._replace(numbers=None) for law in laws]
+    for kind in dict.fromkeys(functions):
+        first, same = laws[functions.index(kind)], np.array([other == kind for other in functions])
         numbers = np.array([(law if of_kind else first).numbers for law, of_kind in zip(laws, same, strict=True)])
-        some = todo[same[which[todo, 0]]]
-        if some.size:
-            yield first, numbers, some
+        members = averaged[same[which[averaged, 0]]]
+        if members.size:
+            yield first, numbers, members
 
 
 def _fill_closed(slider, orbits, factor, row):
@@ -235,13 +237,13 @@ def _fill_closed(slider, orbits, factor, row):
     row[Entry.REGIME] = np.flatnonzero(result["regime"] == REGIMES)[0]
 
 
-def _spread(given, out, todo, threads):
-    """Fill the rows of the problems `todo` in several threads, interleaved because neighbours have similar cost."""
-    threads = min(threads or os.cpu_count() or 1, max(1, len(todo) // 8))
+def _solve(problems, out, members, threads):
+    """Fill the rows of `members` in several threads, interleaved because neighbours have similar cost."""
+    threads = min(threads or os.cpu_count() or 1, max(1, len(members) // 8))
     if threads == 1:
-        solve_rows(given, out, todo, HARMONICS, 0, 1)
+        solve_rows(problems, out, members, HARMONICS, 0, 1)
         return
     with ThreadPoolExecutor(threads) as pool:
-        jobs = [pool.submit(solve_rows, given, out, todo, HARMONICS, first, threads) for first in range(threads)]
+        jobs = [pool.submit(solve_rows, problems, out, members, HARMONICS, first, threads) for first in range(threads)]
         for job in jobs:
             job.result()

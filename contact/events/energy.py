@@ -1,10 +1,14 @@
 r"""Energies of a motion, segment by segment: powers at the nodes, integrated with the motion's own matrices.
 
-The surface does the work N u_z' + Q u_x' on a contact, N the whole normal force. The part that does not reach the
-slider is stored in the springs, lost in the Hunt-Crossley damper (power chi P z'^2) or lost in slip (Q times the speed
-of slip). The elastic law has no potential unless the reciprocal normal force dW/dz acts. Without it the law itself
-loses -(dW/dz) z', which may be negative (the leak). The slider gives its energy to its dampers, the load and the
-potential of the preload. The unit of energy is m omega^2 ell^2.
+The surface does work on a contact with the power N u_z' + Q u_x', N the whole normal force. The part that does not
+reach the slider is stored in the springs, lost in the Hunt-Crossley damper (power chi P z'^2) or lost in slip (Q times
+the slip speed). The energy W(z, x) of the tangential spring depends on the approach, so that the elastic law is
+conservative only with the reciprocal normal force dW/dz. Without this force the power -(dW/dz) z', which may be
+negative, has no physical source or sink; its integral is recorded as the *leak*. The slider gives its energy to its
+dampers, the load and the potential of the preload. The unit of energy is m omega^2 ell^2.
+
+A law is *rated* if its sliding force depends on the slip speed (`law.protocol.Law`). The spring of a rated contact
+unloads while it slips, which `_slip_spring_work` accounts for.
 """
 
 from enum import IntEnum
@@ -36,13 +40,13 @@ class Sum(IntEnum):
     TANGENTIAL_LOSS = 8
     LOAD_WORK = 9
     LEAK = 10
-    SINCE = 11  # phase since the last event; 0: none yet
+    SINCE = 11  # phase since the last event; 0 before the first one
     CROWDING = 12  # inverse of the smallest phase between two events
 
 
-# Gauss-Legendre rule on [0, 1], whose points are then crowded at the end of slip
-CROWDED, WEIGHT = (0.5 * each for each in np.polynomial.legendre.leggauss(20))
-CROWDED = CROWDED + 0.5
+# Gauss-Legendre rule on [0, 1]
+GAUSS_POINTS, GAUSS_WEIGHTS = (0.5 * each for each in np.polynomial.legendre.leggauss(20))
+GAUSS_POINTS = GAUSS_POINTS + 0.5
 
 
 @compiled
@@ -76,61 +80,67 @@ def account_contact(problem, grid, state, nodes, segment, i):
     if regime == Regime.SEPARATED:
         return
     rated = regime == Regime.SLIP and law.rated
-    traction = support = by_normal = by_tangential = slip_loss = damper_loss = leak = 0.0
+    tangential_sum = normal_sum = normal_work = tangential_work = slip_loss = damper_loss = leak = 0.0
     for k in range(last + 1):
         weight = segment.length * grid.integrals[segment.map, 0, k, last]
-        point, pull = point_at(nodes, i, k), weight * own[Plane.Q, i, k]
+        point, weighted_q = point_at(nodes, i, k), weight * own[Plane.Q, i, k]
         z, _, z_rate, x_rate = point
-        push = weight * normal_force(problem, nodes, i, k)
+        weighted_n = weight * normal_force(problem, nodes, i, k)
         damper = weight * problem.contact_damping * own[Plane.P, i, k] * z_rate
-        traction += pull
-        support += push - damper
-        by_normal += push * own[Plane.U_Z_RATE, i, k]
-        by_tangential += pull * own[Plane.U_X_RATE, i, k]
+        tangential_sum += weighted_q
+        normal_sum += weighted_n - damper
+        normal_work += weighted_n * own[Plane.U_Z_RATE, i, k]
+        tangential_work += weighted_q * own[Plane.U_X_RATE, i, k]
         damper_loss += damper * z_rate
-        if rated:
-            slip_loss += pull * x_rate
+        if rated:  # work on spring and slip together; that on the spring is subtracted below
+            slip_loss += weighted_q * x_rate
         elif regime != Regime.STICK:
             slip = slip_rate(problem, sign, point)
             if regime == Regime.SLIP or regime == Regime.CREEP:
-                slip_loss += pull * sign * slip
+                slip_loss += weighted_q * sign * slip
             elif regime == Regime.ANNULUS:
                 slip_loss += weight * friction * annulus_slip(z, own[Plane.FRONT, i, k]) * slip
         if law.kind == Tangential.ELASTIC and not rated:
             leak -= weight * spring(problem, regime, sign, point)[1] * z_rate
     if rated:
-        work, leak = _spring_in_slip(problem, grid, state, nodes, segment, i)
-        slip_loss -= work
-    sums[Sum.TANGENTIAL_FORCE] += traction
-    sums[Sum.NORMAL_FORCE] += support
-    sums[Sum.WAVE_NORMAL] += by_normal
-    sums[Sum.WAVE_TANGENTIAL] += by_tangential
+        spring_work, leak = _slip_spring_work(problem, grid, state, nodes, segment, i)
+        slip_loss -= spring_work
+    sums[Sum.TANGENTIAL_FORCE] += tangential_sum
+    sums[Sum.NORMAL_FORCE] += normal_sum
+    sums[Sum.WAVE_NORMAL] += normal_work
+    sums[Sum.WAVE_TANGENTIAL] += tangential_work
     sums[Sum.SLIP_LOSS] += slip_loss
     sums[Sum.CONTACT_LOSS] += damper_loss
     sums[Sum.LEAK] += leak
 
 
 @compiled
-def _spring_in_slip(problem, grid, state, nodes, segment, i):
-    """Return (work on the spring of a contact that slips, leak of the law) over a segment.
+def _slip_spring_work(problem, grid, state, nodes, segment, i):
+    """Return (work on the spring of a contact that slips, leak of the law) over a segment, for a rated law.
 
-    The work is int F dx = [F x] - int x dF, F at most the force at the slip limit: towards the end of slip x of a
-    sphere goes as the time left to the power 2/3, and F is smooth. Gauss's points crowd there as a cube.
+    With the spring's force F and deformation x the work is, by parts,
+
+        int F dx = [F x] - int x dF.                                                                          (1)
+
+    Towards the end of slip x of a sphere is proportional to (remaining time)^(2/3), whose derivative is singular, while
+    F is smooth. In terms of g with sigma = 1 - 2 g^3, d sigma = -6 g^2 dg, x is smooth too, and Gauss's rule in g is
+    used for the last integral. The planes LEVEL and FRONT, which belong to the hysteretic law, hold F and dF/d sigma
+    at the nodes.
     """
     sign, own, n = state.sign[i], nodes.contact, nodes.guard.size
     force, rate = own[Plane.LEVEL, i], own[Plane.FRONT, i]
-    x = 0.0
-    for j in range(n):
+    force[0], x = _spring_force(problem, sign, point_at(nodes, i, 0))
+    at_start = force[0] * x
+    for j in range(1, n):
         force[j], x = _spring_force(problem, sign, point_at(nodes, i, j))
-        if j == 0:
-            start = force[0] * x
-    work, leak = force[n - 1] * x - start, 0.0
+    work, leak = force[n - 1] * x - at_start, 0.0
     for k in range(n):
         rate[k] = 0.0
         for j in range(n):
             rate[k] += grid.rates[k, j] * force[j]
-    for k in range(CROWDED.size):
-        sigma, weight = 1.0 - 2.0 * CROWDED[k] ** 3, 6.0 * CROWDED[k] ** 2 * WEIGHT[k]
+    for k in range(GAUSS_POINTS.size):
+        g = GAUSS_POINTS[k]
+        sigma, weight = 1.0 - 2.0 * g**3, 6.0 * g**2 * GAUSS_WEIGHTS[k]
         z = interpolate(sigma, grid.sigma, grid.bary, own[Plane.Z, i])
         z_rate = interpolate(sigma, grid.sigma, grid.bary, own[Plane.U_Z_RATE, i])
         z_rate -= interpolate(sigma, grid.sigma, grid.bary, nodes.slider[Row.NORMAL_VELOCITY])
@@ -148,16 +158,19 @@ def _spring_in_slip(problem, grid, state, nodes, segment, i):
 
 @formula
 def _spring_force(problem, sign, point):
-    """Return the force of the spring of a contact that slips, and its deformation."""
+    """Return the force of the spring of a contact that slips, at most that of the slip limit, and its deformation."""
     force, x = tangential(problem, Regime.SLIP, sign, point)
     z, law = point[0], problem.law
-    most = problem.stiffness * law.stuck(problem, z, slip_limit(problem, z)) if z > 0.0 else 0.0
-    return min(abs(force), most), x
+    limit = problem.stiffness * law.stuck(problem, z, slip_limit(problem, z)) if z > 0.0 else 0.0
+    return min(abs(force), limit), x
 
 
 @compiled
 def mark(sums):
-    """Record an event: the phase since the last one, if there was one, may be the smallest."""
+    """Record an event, and the phase since the last one if it is the smallest so far.
+
+    SINCE is set to 1e-300, not 0, because 0 means that there has been no event.
+    """
     if sums[Sum.SINCE] > 1e-200:
         sums[Sum.CROWDING] = max(sums[Sum.CROWDING], 1.0 / sums[Sum.SINCE])
     sums[Sum.SINCE] = 1e-300

@@ -1,10 +1,13 @@
 r"""One smooth segment of motion between two events, by Chebyshev-Picard iteration.
 
 The forces at the nodes give velocities and positions through the integration matrices of `collocation`, and these give
-the forces again. Each sweep reduces the error by a factor of about (omega_n L)^2/2, with omega_n the contact resonance
-over omega and L the segment's length: four digits and more for a wave of 2 MHz. A segment on which it gains too little
-is made shorter. A column of `Nodes` holds the values at one node, `Row` those of the slider and `Plane` those of each
-contact.
+the forces again. One such iteration is a sweep. It reduces the error by a factor of about (omega_n L)^2/2, with omega_n
+the contact resonance over omega and L the segment's length: four digits and more for a wave of 2 MHz. If the iteration
+does not converge, the segment is shortened.
+
+The values at the nodes are kept in `Nodes`: the slider's in the rows of one array (`Row`), those of each contact in the
+planes of another (`Plane`). The segment ends where a guard of a contact vanishes. A *guard* is a function that is
+positive inside a regime (`law.elastic`); its end is searched by Newton's method on the segment's length.
 """
 
 from enum import IntEnum
@@ -53,7 +56,7 @@ class Column(IntEnum):
 
 
 class Row(IntEnum):
-    """Rows of `Nodes.slider`: the motion, its accelerations, and the integrals of these, once and twice."""
+    """Rows of `Nodes.slider`: motion, accelerations, and the accelerations integrated once and twice over tau."""
 
     POSITION = 0
     NORMAL_VELOCITY = 1
@@ -80,7 +83,7 @@ class Plane(IntEnum):
     Q = 7  # tangential force
     BACK = 8  # reciprocal normal force dW/dz, W the energy of the tangential spring (`law.elastic.spring`)
     FRONT = 9  # front of the slip annulus, `law.hysteretic`
-    LEVEL = 10  # moment M of the memory there
+    LEVEL = 10  # moment M of the hysteretic memory at the node
 
 
 class State(NamedTuple):
@@ -106,12 +109,12 @@ class Segment(NamedTuple):
     """Position of a segment, and the event that ends it."""
 
     phase: float  # of its start
-    length: float  # so far; 0 where an event falls on its start
+    length: float  # 0 if an event falls on its start
     longest: float  # length before an event shortened it: the upper bound of Newton's method for the event
-    map: int  # of the collocation
-    contact: int  # whose guard vanishes at its end, -1 without an event
-    guard: int  # and which
-    last: int  # whether it ends where the run ends
+    map: int  # of the collocation: SMOOTH, ROOT_AT_START or ROOT_AT_END
+    contact: int  # number of the contact whose guard vanishes at the end; -1 without an event
+    guard: int  # `codes.Guard` of that guard
+    last: int  # 1 if it ends where the run ends
 
 
 class Attempt(NamedTuple):
@@ -120,7 +123,7 @@ class Attempt(NamedTuple):
     outcome: int  # one of `codes.Outcome`
     segment: Segment
     length: float  # to try next
-    status: int  # why it did not converge
+    status: int  # `codes.Status`: why it did not converge
 
 
 @compiled
@@ -153,7 +156,7 @@ def surface(problem, grid, nodes, segment):
 @compiled
 def surface_of(problem, grid, nodes, segment, i, c0, s0, first):
     """Fill what `surface` fills for one contact from node `first` on; c0, s0: cosine and sine of the start."""
-    # in the frame of the start: u_z = a cos t + b sin t
+    # with t from the start of the segment: u_z = a cos t + b sin t, u_x = d cos t + e sin t
     a, b, d, e = at_phase(problem.paths, i, c0, s0)
     own, short = nodes.contact, segment.length <= 0.8
     for j in range(first, own.shape[2]):
@@ -248,7 +251,10 @@ def contact_forces(problem, grid, state, nodes, i, memory):
 
 @compiled
 def _moments(problem, grid, state, nodes, segment, memory):
-    """Fill the moment M (LEVEL) at the nodes of contacts that grow without slip; FRONT holds dM/dt on the way."""
+    """Fill the moment M (LEVEL) at the nodes of contacts in `Regime.GROW`, which grow without slip.
+
+    It is integrated from dM/dt, which the plane FRONT holds meanwhile.
+    """
     own, n = nodes.contact, grid.sigma.size
     for i in range(state.regime.size):
         if state.regime[i] != Regime.GROW:
@@ -328,7 +334,11 @@ def _four(once, twice, j, slider):
 
 @compiled
 def has_converged(change, last):
-    """Return True if Picard's iteration has converged: the last change times its observed gain is below rounding."""
+    """Return True if Picard's iteration has converged: the remaining error, change times gain, is below rounding.
+
+    The gain is the ratio of the last two changes. If it is above 1/2, the changes are rounding errors, provided that
+    they are small.
+    """
     gain = change / last
     return change < 1e-16 or (0.0 < gain < 0.5 and change * gain < 1e-15) or (gain > 0.5 and change < 2e-15)
 

@@ -59,11 +59,11 @@ def normal_motion(problem: Problem, height: float, samples: int) -> NormalMotion
 
 
 class Room(NamedTuple):
-    """Distance to slip of contacts that stick with the largest or the least possible offsets."""
+    """Distance to slip of contacts that stick, with the largest or the smallest possible offsets of u_x."""
 
     forward: np.ndarray  # (n,): by this much each deformation may grow before the contact slips
     backward: np.ndarray  # (n,): by this much it may decrease
-    traction: float  # mean of sum Q
+    tangential_force: float  # mean of sum Q
 
 
 def room_to_stick(problem: Problem, motion: NormalMotion, side: float) -> Room:

@@ -1,18 +1,20 @@
 """Quasi-static estimate of a transducer: charges of an infinite row of strips, radiated as one Rayleigh wave.
 
-Reflections by the fingers, bulk waves, bottom and ends are left out; a line to hold computed points against.  On an
-infinite row of strips of pitch p and metallisation m the charge that one strip at 1 V takes, its neighbours at 0 V,
-has the transform (Peach 1981; Datta and Hunsinger 1980; Morgan, *Surface Acoustic Wave Filters*, 2007, chapter 5)
+The estimate is drawn beside computed values.  It neglects reflections by the fingers, bulk waves, bottom and ends, and
+is accurate to about ten per cent if the fingers reflect little.  In an infinite row of strips of pitch p and
+metallisation m, let one strip have 1 V and all others 0 V.  Its charge has the Fourier transform (Peach 1981; Datta and
+Hunsinger 1980; Morgan, *Surface Acoustic Wave Filters*, 2007, chapter 5)
 
-    rho(k) = 2 eps sin(pi s) P_n(cos pi m) / P_-s(-cos pi m),    k p = 2 pi (n + s),  0 <= s < 1,
+    rho(k) = 2 eps sin(pi s) P_n(cos pi m) / P_-s(-cos pi m),    k p = 2 pi (n + s),  0 <= s < 1,          (1)
 
-P the Legendre functions and eps the half-space's static permittivity at k -> infinity (free of traction).  With the
-strips' potentials V_f at x_f the wave that leaves either way has the potential
+with the Legendre functions P and the half-space's static permittivity eps without traction.  If the strips at x_f have
+the potentials V_f, the wave that leaves to either side has the potential
 
-    phi = i (dv/v) / eps  sum_f V_f rho(k) exp(i k (x_f - x)),    dv/v = (v_free - v_metallised) / v_free,
+    phi = i (dv/v) / eps  sum_f V_f rho(k) exp(i k (x_f - x)),    dv/v = (v_free - v_metallised) / v_free. (2)
 
-carries the power omega eps |phi|^2 / (4 dv/v) per metre of aperture, and so loads the source by G = omega (dv/v) / eps
-|sum_f V_f rho|^2 per metre.  Good to some ten per cent where fingers reflect little.
+It carries the power omega eps |phi|^2 / (4 dv/v) per metre of aperture, which is the power V^2 G / 2 of the source with
+
+    G = omega (dv/v) / eps |sum_f V_f rho|^2 per metre.                                                    (3)
 """
 
 from dataclasses import dataclass
@@ -26,43 +28,50 @@ from fem.materials import VACUUM_PERMITTIVITY, Solid, fields, rotated
 from fem.materials.medium import medium
 
 COMB_POTENTIALS = {"+": 0.5, "-": -0.5, "0": 0.0, "o": 0.0}
-# Periods by which each end of a finger seems longer where the permittivity has no direction, at a metallisation of 0.5;
+# Apparent lengthening of a finger at each end, in periods, for an isotropic permittivity and a metallisation of 0.5;
 # 0.064 at 0.25 and 0.068 at 0.75 (tests/oracles/fem_finger_ends.py)
 END_EXCESS = 0.072
-NODES = 64  # of the capacitance's integral over s from 0 to 1, which is smooth inside
+NODES = 64  # of Gauss's rule for the integral over s in `strip_charges`, whose integrand is smooth between 0 and 1
 
 
 def surface_permittivity(solid: Solid, surface: str = "vacuum") -> float:
-    """Static permittivity in F/m for short charge patterns: D_n over k phi without traction.
+    """Static permittivity in F/m of a half-space without traction, for charges of short period.
 
-    ``solid``: piezoelectric, in the stator's frame, its losses ignored; ``surface``: "vacuum", with the vacuum above,
-    or "open", the solid alone.
+    The solid's own, eps = -D_n / (k phi), follows from its surface impedance Z at v = 0 (stroh.py).  In the blocks of
+    displacements (u) and potential (p), no traction means Z_uu u + Z_up phi = 0.  Eliminating u leaves the Schur
+    complement,
+
+        -eps = Z_pp - Z_pu Z_uu^-1 Z_up.
+
+    ``solid``: piezoelectric, in the stator's frame, its losses ignored; ``surface``: "vacuum" adds the permittivity of
+    the vacuum above, "open" is the solid alone.
     """
     coupled = fields(solid)
-    if "phi" not in coupled:  # it couples to u_y, as along the fingers in ST-X quartz
+    if "phi" not in coupled:  # phi couples to u_y only, as along the fingers in ST-X quartz
         coupled = ("uy", "phi")
-    body = medium(solid, coupled, lossy=False)
-    impedance = SurfaceImpedance(body, "vacuum")
-    full = impedance._full(0.0)
-    moves = impedance.displaced
-    across = full[np.ix_(moves, ~moves)]
-    own = full[-1, -1] - (across.conj().T @ np.linalg.solve(full[np.ix_(moves, moves)], across))[0, 0]
-    return VACUUM_PERMITTIVITY * (float(-own.real / impedance.gap) + (surface == "vacuum"))
+    impedance = SurfaceImpedance(medium(solid, coupled, lossy=False), "vacuum")
+    z, u = impedance.of_all_fields(0.0), impedance.displaced
+    z_up = z[np.ix_(u, ~u)]
+    schur = z[-1, -1] - (z_up.conj().T @ np.linalg.solve(z[np.ix_(u, u)], z_up))[0, 0]
+    relative = float(-schur.real / impedance.gap)  # ``gap`` is the vacuum's permittivity in the unit of Z
+    return VACUUM_PERMITTIVITY * (relative + (surface == "vacuum"))
 
 
 def end_excess(solid: Solid, surface: str = "vacuum") -> float:
-    """Length in periods by which each end of a finger seems longer to its total charge, in a row of + and - fingers.
+    """Apparent lengthening of a finger at each end, in periods, in a row of alternating + and - fingers.
 
-    The permittivity of a dielectric half-space for charges exp(-i k.r), times |k|, is the root of a quadratic form in
-    k_x and k_y: y stretched by the ratio of both permittivities makes it that of an isotropic one.  The solid's
-    own motion disturbs that, by 3 % in 128YX and 14 % in YZ lithium niobate.  Arguments as of `surface_permittivity`.
+    A finger that is longer by this at both ends, without end effect, has the same total charge.  For charges
+    exp(-i k.r) the permittivity of a dielectric half-space, times |k|, is the square root of a quadratic form in k_x
+    and k_y.  Stretching y by the ratio of the permittivities along y and x makes it that of an isotropic solid
+    (`END_EXCESS`).  The piezoelectric motion of the solid changes the result by 3 % in 128YX and 14 % in YZ lithium
+    niobate.  Arguments as of `surface_permittivity`.
     """
     along_the_fingers = surface_permittivity(rotated(solid, (90.0, 0.0, 0.0)), surface)
     return END_EXCESS * along_the_fingers / surface_permittivity(solid, surface)
 
 
 def charge_transform(phase: float | np.ndarray, metallisation: float) -> np.ndarray:
-    """Transform rho(k) over eps of the charge of one strip at 1 V, its neighbours at 0 V; phase k p >= 0 in rad."""
+    """Transform rho(k) / eps of the charge of a strip at 1 V among strips at 0 V, equation (1); phase k p >= 0, rad."""
     from scipy.special import eval_legendre
 
     order, s = np.divmod(np.asarray(phase, dtype=float) / (2 * np.pi), 1.0)
@@ -71,9 +80,13 @@ def charge_transform(phase: float | np.ndarray, metallisation: float) -> np.ndar
 
 
 def strip_charges(reach: int, metallisation: float) -> np.ndarray:
-    """Charges per metre over eps of strips 0 to ``reach`` from one at 1 V, all others at 0 V, shape (reach + 1,).
+    """Charges per metre, over eps, of a strip at 1 V and of its neighbours 1 to ``reach`` at 0 V, shape (reach + 1,).
 
-    The net charge at potentials exp(2 pi i s f) is 2 eps sin(pi s) P_-s(cos pi m) / P_-s(-cos pi m) per strip.
+    If strip f has the potential exp(2 pi i s f), the charge of strip 0 is
+
+        C(s) = 2 eps sin(pi s) P_-s(cos pi m) / P_-s(-cos pi m),
+
+    so that the charge of neighbour n is the Fourier coefficient, int_0^1 C(s) cos(2 pi n s) ds.
     """
     from scipy.special import eval_legendre
 
@@ -86,7 +99,7 @@ def strip_charges(reach: int, metallisation: float) -> np.ndarray:
 
 @dataclass(frozen=True, kw_only=True)
 class TransducerEstimate:
-    """A transducer without reflections on a half-space; make it with `transducer_estimate`.
+    """Estimate of a transducer without reflections on a half-space; `transducer_estimate` constructs it.
 
     Attributes
     ----------
@@ -98,7 +111,7 @@ class TransducerEstimate:
     velocity_change : float
         dv/v, half of K2.
     potential : complex
-        Of the free wave, V per metre of u_z.
+        Of the free Rayleigh wave at the surface, V per metre of u_z.
     """
 
     transducer: Transducer
@@ -109,31 +122,32 @@ class TransducerEstimate:
 
     @property
     def capacitance(self) -> float:
-        """Between the electrodes in F, of strips in an endless row of grounded ones."""
-        row = self.transducer
-        potentials = np.array([COMB_POTENTIALS[sign] for sign in row.signs])
-        apart = abs(np.subtract.outer(np.arange(len(potentials)), np.arange(len(potentials))))
-        charges = strip_charges(len(potentials) - 1, row.metallisation)[apart] @ potentials
-        return float(self.permittivity * row.aperture * (potentials @ charges))
+        """Capacitance between the electrodes, F, with grounded strips continuing the row on both sides."""
+        transducer = self.transducer
+        potentials = np.array([COMB_POTENTIALS[sign] for sign in transducer.signs])
+        strip = np.arange(len(potentials))
+        distance = abs(np.subtract.outer(strip, strip))
+        charges = strip_charges(len(potentials) - 1, transducer.metallisation)[distance] @ potentials
+        return float(self.permittivity * transducer.aperture * (potentials @ charges))
 
     def pattern(self, frequency: float | np.ndarray) -> np.ndarray:
-        """Sum of the fingers' charges as the wave sees them, per volt and over eps, complex."""
-        row = self.transducer
+        """Sum over the fingers sum_f V_f rho exp(i k x_f) / eps of equation (2), per volt, x_f from the middle."""
+        transducer = self.transducer
         frequency = np.asarray(frequency, dtype=float)
-        potentials = np.array([COMB_POTENTIALS[sign] for sign in row.signs])
-        phase = 2 * np.pi * frequency / self.velocity * row.pitch
-        places = np.arange(len(potentials)) - (len(potentials) - 1) / 2
-        row_sum = np.exp(1j * np.multiply.outer(phase, places)) @ potentials
-        return charge_transform(phase, row.metallisation) * row_sum
+        potentials = np.array([COMB_POTENTIALS[sign] for sign in transducer.signs])
+        phase = 2 * np.pi * frequency / self.velocity * transducer.pitch  # k p
+        from_middle = np.arange(len(potentials)) - (len(potentials) - 1) / 2  # x_f / p
+        array_factor = np.exp(1j * np.multiply.outer(phase, from_middle)) @ potentials
+        return charge_transform(phase, transducer.metallisation) * array_factor
 
     def conductance(self, frequency: float | np.ndarray) -> np.ndarray:
-        """G in S at frequencies in Hz."""
+        """Radiation conductance G in S, equation (3), at frequencies in Hz."""
         omega = 2 * np.pi * np.asarray(frequency, dtype=float)
         load = omega * self.velocity_change * self.permittivity * self.transducer.aperture
         return load * abs(self.pattern(frequency)) ** 2
 
     def normal(self, frequency: float | np.ndarray) -> np.ndarray:
-        """|u_z| of the wave that leaves either way, m per V, at frequencies in Hz."""
+        """|u_z| of the wave that leaves to either side, m per V, at frequencies in Hz; equation (2)."""
         return self.velocity_change * abs(self.pattern(frequency)) / abs(self.potential)
 
 

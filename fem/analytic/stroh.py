@@ -50,6 +50,7 @@ class SurfaceImpedance:
         self.lower = xz @ inverse @ xz.T - xx
         self.inertia = np.diag(displaced.astype(float)) / softest
         self.displaced = displaced
+        # scaled permittivity of the vacuum above: D_n = eps0 k phi at the surface
         gap = VACUUM_PERMITTIVITY * body.potential_unit**2 / body.stress_unit / softest
         self.gap = gap if surface == "vacuum" else 0.0
         self.electric = surface != "metallised" and "phi" in body.fields
@@ -60,11 +61,11 @@ class SurfaceImpedance:
 
     def stiff(self, velocity: float) -> np.ndarray:
         """Impedance of the displacements alone, shape (displacements, displacements)."""
-        return self._condensed(self._full(velocity))
+        return self._condensed(self.of_all_fields(velocity))
 
     def mode(self, velocity: float, index: int) -> np.ndarray:
         """Surface amplitude of all fields, shape (fields,), at a velocity where eigenvalue ``index`` vanishes."""
-        full = self._full(velocity)
+        full = self.of_all_fields(velocity)
         amplitude = np.zeros(len(self.displaced), dtype=complex)
         amplitude[self.displaced] = np.linalg.eigh(self._condensed(full))[1][:, index]
         if self.electric:
@@ -74,9 +75,10 @@ class SurfaceImpedance:
 
     def decay(self, velocity: float) -> np.ndarray:
         """Matrix G of u(z) = exp(-i k G z) u(0), shape (fields, fields); its eigenvalues are the decaying p."""
-        return self.upper + 1j * self.inverse @ self._full(velocity)
+        return self.upper + 1j * self.inverse @ self.of_all_fields(velocity)
 
     def _condensed(self, full: np.ndarray) -> np.ndarray:
+        """Impedance of the displacements: phi is eliminated by its own row, Z_pu u + (Z_pp - gap) phi = 0."""
         m = self.displaced
         stiff = full[np.ix_(m, m)]
         if not self.electric:
@@ -84,8 +86,8 @@ class SurfaceImpedance:
         across = full[np.ix_(m, ~m)]
         return stiff - across @ across.conj().T / (full[-1, -1].real - self.gap)
 
-    def _full(self, velocity: float) -> np.ndarray:
-        """Z = H^-1 + i H^-1 S of all fields."""
+    def of_all_fields(self, velocity: float) -> np.ndarray:
+        """Z = H^-1 + i H^-1 S of all fields, before the electrical condition is applied; shape (fields, fields)."""
         n = len(self.displaced)
         stroh = np.block([[self.upper, self.inverse], [self.lower + velocity**2 * self.inertia, self.upper.T]])
         w = stroh

@@ -1,8 +1,11 @@
 """Charges on the electrodes of a solved section; surface_beam.py computes the beam that these charges send.
 
 Fingers that are massless and thin drive the stator through their charges alone.  The charge of a node on the surface is
-the sum of the reactions of the potential in the columns that meet there.  The field at any point is then the sum over
-all nodes of the charge times the response of the bare surface.
+the sum of the reactions of the potential in the columns of elements that meet there.  The field at any point is the sum
+over all nodes of the charge times the response of the bare surface.
+
+Along y the charge of a finger is a sum of sheets, each uniform over a length: the whole aperture, and shorter sheets
+with the same middle, which together make a charge that is concentrated at the finger's ends (own_aperture.py).
 """
 
 from dataclasses import dataclass, field
@@ -12,19 +15,23 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.beam.lateral import sheet_spectrum
-from fem.discretize.spectral import gll_nodes
+from fem.condense.columns import distinct_columns
 from fem.results.evaluation import left_edge
 from fem.results.solution import Solution
 
 SAME_NODE = 1e-9  # length units: nodes of neighbouring columns that are nearer to each other are one node
-# Largest phase in rad across half a finger, and the terms with which the Taylor series then reaches rounding.
+# Largest phase k a in rad, with a half a finger's width, for which exp(i k x) is summed as a Taylor series, and its
+# number of terms: 3^28 / 28! = 8e-17 is rounding.
 MAX_PHASE, TERMS = 3.0, 28
 
 
 class Fingers(NamedTuple):
     """First and last node of every finger (m), half the largest width (m), and the moments of the charges.
 
-    Moment n of a finger is sum_j q_j ((x_j - centre) / half_width)^n.
+    With a = ``half_width`` and x_0 the middle of a finger, its moments and the transform of its charges are
+
+        M_n = sum_j q_j ((x_j - x_0) / a)^n,                                                                (1)
+        sum_j q_j exp(i k (x_j - x_0)) = sum_n (i k a)^n / n! M_n.                                          (2)
     """
 
     first: np.ndarray
@@ -34,11 +41,11 @@ class Fingers(NamedTuple):
 
     @classmethod
     def of(cls, x: np.ndarray, charge: np.ndarray, finger: np.ndarray) -> "Fingers":
-        """Return the fingers of charges at nodes from left to right; ``finger`` numbers the finger of each node."""
+        """Return the fingers of charges at nodes x from left to right; ``finger``: number of each node's finger."""
         starts = np.flatnonzero(np.diff(finger, prepend=finger[0] - 1))
         stops = np.append(starts[1:], len(x))
         first, last = x[starts], x[stops - 1]
-        # tiny avoids a division by zero if every finger is a single node (a line of charge)
+        # ``tiny`` avoids a division by zero if every finger is a single node (a line of charge)
         half = float((last - first).max()) / 2 or np.finfo(float).tiny
         local = (x - np.repeat((first + last) / 2, stops - starts)) / half
         moments = np.add.reduceat(charge[:, None] * np.vander(local, TERMS, increasing=True), starts)
@@ -54,10 +61,10 @@ class Fingers(NamedTuple):
         return abs(wavenumbers) * self.half_width
 
     def sums(self, wavenumbers: np.ndarray) -> np.ndarray:
-        """Return sum_j q_j exp(i k (x_j - middle)) of each finger by Taylor series, shape (fingers, *shape of k)."""
-        growth = np.multiply.outer(1j * self.half_width / np.arange(1, TERMS), wavenumbers)
-        series = np.cumprod(np.concatenate([np.ones((1, *wavenumbers.shape)), growth]), axis=0)
-        return np.tensordot(self.moments, series, axes=1)
+        """Return the transform (2) of the charges of each finger, shape (fingers, *shape of k)."""
+        ratios = np.multiply.outer(1j * self.half_width / np.arange(1, TERMS), wavenumbers)  # i k a / n
+        powers = np.cumprod(np.concatenate([np.ones((1, *wavenumbers.shape)), ratios]), axis=0)  # (i k a)^n / n!
+        return np.tensordot(self.moments, powers, axes=1)
 
 
 @dataclass(frozen=True)
@@ -79,23 +86,27 @@ class ChargeSheet:
     def lumps(self) -> tuple[np.ndarray, np.ndarray]:
         """Positions (m) and sizes of three point charges per finger, for static fields.
 
-        They have the total charge, the dipole moment and the second moment of the finger.
+        The charges (M_2 - M_1)/2, M_0 - M_2 and (M_2 + M_1)/2 at the finger's left end, middle and right end have its
+        total charge, dipole moment and second moment.  Here the unit of length of M_n is half the finger's own width.
         """
         fingers = self.fingers
-        half = np.maximum(fingers.last - fingers.first, np.finfo(float).tiny) / 2  # of lines
-        total, dipole, spread = (fingers.moments[:, power] * (fingers.half_width / half) ** power for power in range(3))
-        places = np.add.outer(np.array([-1, 0, 1]), np.zeros(len(half))) * half + fingers.middles
-        charges = np.stack([(spread - dipole) / 2, total - spread, (spread + dipole) / 2])
-        return places.ravel(), charges.ravel()
+        half = np.maximum(fingers.last - fingers.first, np.finfo(float).tiny) / 2  # ``tiny``: as in `Fingers.of`
+        total, dipole, second = (fingers.moments[:, power] * (fingers.half_width / half) ** power for power in range(3))
+        positions = np.stack([fingers.middles - half, fingers.middles, fingers.middles + half])
+        charges = np.stack([(second - dipole) / 2, total - second, (second + dipole) / 2])
+        return positions.ravel(), charges.ravel()
 
     def transform(self, wavenumbers: np.ndarray, origin: float) -> np.ndarray:
-        """T(k) = sum_j q_j exp(i k (x_j - x_0)) in C/m per V, for k in rad/m of any shape and x_0 = ``origin`` in m."""
+        """T(k) = sum_j q_j exp(i k (x_j - x_0)) in C/m per V, for k in rad/m of any shape and x_0 = ``origin`` in m.
+
+        Small k by finger, equation (2) of `Fingers`; large k by node.
+        """
         k, fingers = np.asarray(wavenumbers), self.fingers
         out = np.empty(k.shape, dtype=complex)
-        slow = fingers.phase(k) < MAX_PHASE
-        phases = np.exp(1j * np.multiply.outer(fingers.middles - origin, k[slow]))
-        out[slow] = np.sum(fingers.sums(k[slow]) * phases, axis=0)
-        out[~slow] = np.exp(1j * np.multiply.outer(k[~slow], self.x - origin)) @ self.charge
+        small = fingers.phase(k) < MAX_PHASE
+        phases = np.exp(1j * np.multiply.outer(fingers.middles - origin, k[small]))
+        out[small] = np.sum(fingers.sums(k[small]) * phases, axis=0)
+        out[~small] = np.exp(1j * np.multiply.outer(k[~small], self.x - origin)) @ self.charge
         return out
 
 
@@ -108,11 +119,12 @@ class ElectrodeCharges:
     x : ndarray, shape (nodes,)
         Positions in m from the stator's left end, increasing.
     charge : ndarray, shape (nodes,)
-        C per metre of aperture, per volt of the source; complex; uniform along the whole aperture.
+        Of the sheet over the whole aperture: C per metre along y, per volt of the source; complex.
     finger : ndarray of int, shape (nodes,)
         Number of the finger of each node.
     steps : tuple of (float, ndarray)
-        Charges on the shorter sheets: the length of each sheet along y (m), and its charges, (nodes,).
+        Of each shorter sheet: its length along y (m), and its charges, (nodes,).  Along y the sum of all sheets is a
+        step function, hence the name.
     """
 
     x: np.ndarray = field(repr=False)
@@ -136,33 +148,23 @@ class ElectrodeCharges:
 
 
 def electrode_charges(solution: Solution, transducer: int) -> ElectrodeCharges:
-    """Charges on a transducer's fingers.
-
-    Parameters
-    ----------
-    solution : Solution
-    transducer : int
-        Number of the transducer, from left to right.
-
-    Returns
-    -------
-    ElectrodeCharges
-    """
+    """Charges on a transducer's fingers; ``transducer``: its number, from left to right."""
     piece = solution.fields.owners.index(transducer)
     if not solution.fields.sheets:
         x, (charge,), finger = _node_charges(solution, piece, solution.sides(piece)[:, None])
         return ElectrodeCharges(x=x, charge=charge, finger=finger)
     sheets, weights = solution.fields.sheets[transducer], solution.weights
-    signs = solution.fields.transducers[transducer].signs.replace("0", "")
     x, charges, finger = _node_charges(solution, piece, np.stack([sheet.sides @ weights for sheet in sheets], axis=-1))
     section = solution.fields.section
     moment_unit = -section.solid.stress_unit / section.solid.potential_unit * section.length_unit
+    signs = solution.fields.transducers[transducer].signs.replace("0", "")
     number = _finger_numbers(finger, signs)
-    nodes = np.flatnonzero(number >= 0)  # on fingers with a voltage; open strips have no dipoles
-    dipole = _unit_dipole(x[nodes], number[nodes])
+    on_electrode = np.flatnonzero(number >= 0)  # open strips have no dipoles
+    unit_dipole = _unit_dipole(x[on_electrode], number[on_electrode])
     for sheet, charge in zip(sheets, charges, strict=True):
-        # The nodal charges have the moments caused by the fields on the lines; ``dipoles`` are the other moments.
-        charge[nodes] += dipole * moment_unit * (sheet.dipoles @ weights)[number[nodes]]
+        # The nodal charges contain those dipole moments that follow from the sides; ``dipoles`` are the others
+        # (fem.waveguide.network.Sheet).
+        charge[on_electrode] += unit_dipole * moment_unit * (sheet.dipoles @ weights)[number[on_electrode]]
     steps = tuple((sheet.length, charge) for sheet, charge in zip(sheets[1:], charges[1:], strict=True))
     return ElectrodeCharges(x=x, charge=charges[0], finger=finger, steps=steps)
 
@@ -181,15 +183,16 @@ def _finger_numbers(finger: np.ndarray, signs: str) -> np.ndarray:
 def _unit_dipole(x: np.ndarray, number: np.ndarray) -> np.ndarray:
     """Nodal charges, 1/m, of a dipole moment of 1 on each finger, for the nodes (m) and the number of their finger.
 
-    Across a finger they are those of an isolated strip, 1 / (pi (a^2 - x^2)^(1/2)), integrated between the midpoints to
-    the neighbouring nodes, times x.
+    Across a finger of half width a the density is that of an isolated strip, 1 / (pi (a^2 - x^2)^(1/2)), times x.  It
+    is integrated, as d arcsin(x / a) / pi, between the midpoints to the neighbouring nodes, and normalised.
     """
     dipoles = [np.empty(0)]
     for each in range(number.max(initial=-1) + 1):
-        own = x[number == each]
-        half = (own[-1] - own[0]) / 2
-        s = (own - own[0]) / half - 1
-        strip = np.diff(np.arcsin(np.concatenate([[-1.0], (s[1:] + s[:-1]) / 2, [1.0]]))) / np.pi
+        nodes = x[number == each]
+        half = (nodes[-1] - nodes[0]) / 2
+        s = (nodes - nodes[0]) / half - 1
+        midpoints = np.concatenate([[-1.0], (s[1:] + s[:-1]) / 2, [1.0]])
+        strip = np.diff(np.arcsin(midpoints)) / np.pi
         dipoles.append(strip * s / (np.sum(strip * s**2) * half))
     return np.concatenate(dipoles)
 
@@ -200,22 +203,24 @@ def _node_charges(solution: Solution, piece: int, sides: np.ndarray) -> tuple[np
     ``piece``: number of the piece in the row; ``sides``: unknowns of the transducer's two lines and its potentials,
     (2 n + potentials, sheets).
     """
-    section, begin = solution.fields.section, left_edge(solution, piece)
-    places, reactions, metal = [], [], []
-    for recovery, starts, own in solution.fields.network.scatterers[piece].piece.recover(sides).kinds:
-        column = recovery.column
-        reaction = np.tensordot(column.surface_reactions, own, axes=1)  # (nodes, sheets, places)
-        at = np.add.outer(gll_nodes(section.order) * column.width, starts) * section.length_unit
-        places.append(begin + at.ravel())
+    fields, section, left = solution.fields, solution.fields.section, left_edge(solution, piece)
+    half_cell = 1.001 * fields.transducers[fields.owners[piece]].pitch / 2 / section.length_unit
+    positions, reactions, metal = [], [], []
+    for part, starts, part_sides in distinct_columns(fields.network.scatterers[piece].piece, sides, finest=half_cell):
+        own = part.surface_reactions
+        positions.append(np.add.outer(own.position, starts).ravel())
+        reaction = np.tensordot(own.rows, part_sides, axes=1)  # (nodes, sheets, places)
         reactions.append(np.moveaxis(reaction, 1, 0).reshape(sides.shape[1], -1))
-        metal.append(np.full(at.size, column.electrode is not None))
-    in_row = np.argsort(np.concatenate(places), kind="stable")
-    reaction = np.concatenate(reactions, axis=1)[:, in_row]
-    place, on_metal = (np.concatenate(each)[in_row] for each in (places, metal))
-    node = np.cumsum(np.diff(place, prepend=-np.inf) > SAME_NODE * section.length_unit) - 1
+        metal.append(np.repeat(own.on_metal, len(starts)))
+    position = left + np.concatenate(positions) * section.length_unit
+    from_left = np.argsort(position, kind="stable")
+    position, on_metal = position[from_left], np.concatenate(metal)[from_left]
+    reaction = np.concatenate(reactions, axis=1)[:, from_left]
+    # Neighbouring columns share a node: their reactions are added, and it is covered if either column is.
+    node = np.cumsum(np.diff(position, prepend=-np.inf) > SAME_NODE * section.length_unit) - 1
     first = np.searchsorted(node, np.arange(node[-1] + 1))
-    charge = np.add.reduceat(reaction, first, axis=1)
+    node_reaction = np.add.reduceat(reaction, first, axis=1)
     covered = np.logical_or.reduceat(on_metal, first)
     finger = np.cumsum(np.diff(covered.astype(int), prepend=0) == 1)
-    unit = -section.solid.stress_unit / section.solid.potential_unit
-    return place[first][covered], unit * charge[:, covered], finger[covered]
+    unit = -section.solid.stress_unit / section.solid.potential_unit  # the charge is minus the reaction
+    return position[first][covered], unit * node_reaction[:, covered], finger[covered]

@@ -68,7 +68,7 @@ class Branch(NamedTuple):
     signs: tuple
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class LineSource:
     """Surface motion of the modes that a load of 1 C/m or 1 N/m on the line x = 0 excites to its right.
 

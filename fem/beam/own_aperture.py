@@ -19,13 +19,14 @@ half-space,
     M = -(a^2 / 2) (d phi / d x) / [x d G(x; 0) / d x],    x << wavelength.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from fem.beam.lateral import highest_wavenumber, sheet_spectrum, turned, wavenumber_along
 from fem.beam.line_source import LineSource
-from fem.beam.point_potential import PointPotential
+from fem.beam.point_potential import StripPotential
 from fem.geometry import Transducer
 
 # Points across a finger for the density 1 / sqrt(1 - s^2): Chebyshev nodes, exact up to the seventh power of s.
@@ -103,7 +104,7 @@ def image_potential(source: LineSource, aperture: float, x: np.ndarray, width: f
         potential * _between_mirrors(each, aperture, x, width, highest)
         for each, potential in zip(part.wavenumbers, part.potential, strict=True)
     )
-    alone = PointPotential(part, float(np.hypot(x.max(), aperture))).strips(x, np.array([aperture]))[0]
+    alone = StripPotential(part, x, aperture)(np.array([aperture]))[0]
     return total - (alone / aperture - section_potential(part, x))
 
 
@@ -112,6 +113,12 @@ def polarisability(source: LineSource, finger_width: float) -> complex:
     a, k = finger_width / 2, source.wavenumbers
     slope = np.sum(-1j * k * source.potential * np.exp(-1j * k * a)) + source.slope
     return complex(-a / (2 * slope))
+
+
+@lru_cache(maxsize=2)
+def _strip_potential(source: LineSource, distances: tuple[float, ...], aperture: float) -> StripPotential:
+    """T of one transducer, kept for the error estimate, which takes fewer sheets (`SurfaceBeam.coarser`)."""
+    return StripPotential(source, np.array(distances), aperture)
 
 
 def finger_coupling(
@@ -130,12 +137,11 @@ def finger_coupling(
     # densities 1 / sqrt(1 - s^2).
     distances[count - 1][np.eye(ACROSS, dtype=bool)] = half / (ACROSS * 2 ** (2 - 1 / ACROSS))
     different, which = np.unique(distances.round(12), return_inverse=True)
-    line = section_potential(source, different)
+    line, strips = section_potential(source, different), _strip_potential(source, tuple(different), lengths[0])
     sums, gaps = (np.add.outer(lengths, lengths) / 2, abs(np.subtract.outer(lengths, lengths)) / 2)
     spans, number = np.unique(np.concatenate([[0.0], sums.ravel(), gaps.ravel()]).round(12), return_inverse=True)
-    table = PointPotential(source, float(np.hypot(different[-1], spans[-1])))
     change = np.zeros((len(spans), len(different)), dtype=complex)
-    change[1:] = table.strips(different, spans[1:]) - np.multiply.outer(spans[1:], line)
+    change[1:] = strips(spans[1:]) - np.multiply.outer(spans[1:], line)
     of_sums, of_gaps = np.split(number[1:], 2)
     between = (change[of_sums] - change[of_gaps]).reshape(*sums.shape, -1)
     # The zero of the potential is arbitrary if the section floats.  For fingers without net charge it cancels, but only

@@ -2,8 +2,8 @@
 
 In a solid isotropic about z a mode g_p exp(-i k_p |x|) of a line source becomes g_p k_p H_0(k_p r) / 2 for a point
 source (H: Hankel functions of the second kind), and the term s |x| of the pole at k = 0 becomes (s / pi) log r.  Their
-sum G(r) is tabulated once by Chebyshev polynomials on intervals, whose lengths grow geometrically from r = 0 up to half
-a wavelength and are constant from there on.
+sum G(r) is tabulated once by Chebyshev polynomials on intervals, whose lengths grow geometrically from the smallest
+distance up to half a wavelength and are constant from there on.
 
 The potential of a charge that is uniform on |y| < A / 2, integrated over |y| < B / 2 at a distance x, is the integral
 of G over the correlation of the two intervals, which is a trapezium.  With a = (A + B) / 2 and b = |A - B| / 2,
@@ -15,18 +15,17 @@ of charge.  The second term is proportional to x H_1(k x) for every mode, and th
 steepest descent from y = h.
 """
 
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebvander
+from numpy.polynomial.chebyshev import chebint, chebvander
 
 from fem.analytic.hankel import scaled_hankel
 from fem.beam.line_source import LineSource
 from fem.discretize.spectral import chebyshev_nodes
 
-# Terms of the polynomial on an interval, and nodes of the Gauss rule on a panel; both are accurate to 1e-10.
-TERMS, NODES = 12, 8
-# m: G is constant below this distance.  The sum of modes has a logarithm at 0, so that 1e-8 m gives an error of 1 % in
+TERMS = 12  # of the polynomials on an interval of r and on a panel of y: accurate to 1e-10
+# m: at smaller distances G is constant.  The sum of modes has a logarithm at 0, so that 1e-8 m gives an error of 1 % in
 # T(h, 0).
 SMALLEST = 1e-12
 DECAYED = 45.0  # a Hankel function is neglected if its exponent exceeds this
@@ -40,13 +39,13 @@ laguerre_rule = cache(np.polynomial.laguerre.laggauss)
 
 
 class PointPotential:
-    """G(r) in V per C, tabulated up to a distance in m; an additive constant is arbitrary."""
+    """G(r) in V per C, tabulated between two distances in m; an additive constant is arbitrary."""
 
-    def __init__(self, source: LineSource, farthest: float):
+    def __init__(self, source: LineSource, nearest: float, farthest: float):
         k, self.source = source.wavenumbers, source
         highest = max(float((k**2).real.max()), float(abs(k).min()) ** 2)
         self.half_wavelength = half = np.pi / np.sqrt(highest)
-        self.halvings = int(np.ceil(np.log2(half / SMALLEST)))
+        self.halvings = max(int(np.ceil(np.log2(half / max(nearest, SMALLEST)))), 0)
         self.edges = np.append(
             half * 2.0 ** np.arange(-self.halvings, 0), half * np.arange(1, int(farthest / half) + 3)
         )
@@ -69,42 +68,80 @@ class PointPotential:
             last, before = self._coefficients[piece, term] + twice * last - before, last
         return self._coefficients[piece, 0] + twice / 2 * last - before
 
-    def strips(self, distances: np.ndarray, lengths: np.ndarray) -> np.ndarray:
-        """T(h, x) in V m2 per C for h = ``lengths`` (m, increasing) and x = ``distances`` (m), (lengths, distances)."""
-        top = lengths[-1]
-        near = lengths < top / 4
-        if top / self.half_wavelength * len(distances) < MAX_PANELS:
-            near[:] = True
-        out = np.empty((len(lengths), len(distances)), dtype=complex)
+
+class StripPotential:
+    """T(h, x) in V m2 per C at distances x in m, for any lengths h up to ``longest`` in m."""
+
+    def __init__(self, source: LineSource, distances: np.ndarray, longest: float):
+        self.source, self.x, self.longest = source, distances, longest
+        self.point = PointPotential(source, distances.min(), float(np.hypot(distances.max(), longest)))
+
+    def __call__(self, lengths: np.ndarray) -> np.ndarray:
+        """T for lengths in m, shape (lengths, distances)."""
+        near = lengths < self._longest_near
+        out = np.empty((len(lengths), len(self.x)), dtype=complex)
         if near.any():
-            some = lengths[near]
-            charge, moment = self._integrals(distances, 0.0, some)
-            out[near] = 2 * (some[:, None] * charge - moment)
+            charge, moment = self._near(lengths[near])
+            out[near] = 2 * (lengths[near, None] * charge - moment)
         if not near.all():
-            some = lengths[~near]
-            charge, moment = self._integrals(distances, some[0], some)
-            value, slope = _wide(self.source, distances, top)
-            beyond = (moment[-1] - moment) - some[:, None] * (charge[-1] - charge)
-            out[~near] = value - (top - some)[:, None] * slope + 2 * beyond
+            charge, moment = self._far(np.append(lengths[~near], self.longest))
+            value, slope = _wide(self.source, self.x, self.longest)
+            shorter = self.longest - lengths[~near, None]
+            beyond = (moment[-1] - moment[:-1]) - lengths[~near, None] * (charge[-1] - charge[:-1])
+            out[~near] = value - shorter * slope + 2 * beyond
         return out
 
-    def _integrals(self, x: np.ndarray, start: float, stops: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Integrals of G dy and y G dy from y = ``start`` to each of ``stops``, shape (stops, x) each."""
-        half, last = self.half_wavelength, stops[-1]
-        edges = np.concatenate(
-            [[start], half * 2.0 ** np.arange(-self.halvings, 0), half * np.arange(1, last / half), stops]
-        )
-        edges = np.unique(edges[(edges >= start) & (edges <= last)])
-        edges = edges[np.append(True, np.diff(edges) > 1e-14 * last)]
-        nodes, weights = np.polynomial.legendre.leggauss(NODES)
-        middle, width = (edges[1:] + edges[:-1]) / 2, np.diff(edges)
-        y = middle[:, None] + width[:, None] / 2 * nodes
-        values = self(np.hypot(x[:, None, None], y)) * (width[:, None] / 2 * weights)
-        at = np.searchsorted(edges, stops * (1 - 1e-13))
-        plain, first_moment = (
-            np.cumsum(np.pad(each.sum(axis=2), ((0, 0), (1, 0))), axis=1)[:, at].T for each in (values, values * y)
-        )
-        return plain, first_moment
+    @property
+    def _longest_near(self) -> float:
+        """Length below which G is integrated over panels from y = 0, m."""
+        direct = self.longest / self.point.half_wavelength * len(self.x) < MAX_PANELS
+        return np.inf if direct else self.longest / 4
+
+    @cached_property
+    def _near(self) -> "_Antiderivatives":
+        """Integrals from y = 0; towards it the panels shrink to a quarter of the smallest distance."""
+        half, stop = self.point.half_wavelength, min(self._longest_near, self.longest)
+        halvings = int(np.ceil(np.log2(half / max(self.x.min() / 4, SMALLEST))))
+        shrinking = half * 2.0 ** np.arange(-halvings, 0)
+        edges = np.concatenate([[0.0], shrinking, half * np.arange(1, stop / half)])
+        return _Antiderivatives(self.point, self.x, np.append(edges[edges < stop], stop))
+
+    @cached_property
+    def _far(self) -> "_Antiderivatives":
+        """Integrals from a quarter of the longest length."""
+        count = int(0.75 * self.longest / self.point.half_wavelength) + 2
+        return _Antiderivatives(self.point, self.x, np.linspace(self.longest / 4, self.longest, count))
+
+
+class _Antiderivatives:
+    """Integrals of G dy and y G dy at distances x, from the first of the ``edges`` of panels along y (m).
+
+    On each panel the integrand is a Chebyshev polynomial, whose antiderivative gives the integral up to any y.
+    """
+
+    def __init__(self, point: PointPotential, x: np.ndarray, edges: np.ndarray):
+        self.edges, self.half_widths = edges, np.diff(edges) / 2
+        nodes = chebyshev_nodes(-1.0, 1.0, TERMS)
+        y = edges[:-1, None] + self.half_widths[:, None] * (nodes + 1)
+        g = point(np.hypot(x, y[..., None]))  # (panels, TERMS, x)
+        self.integrands = g, g * y[..., None]
+        to_coefficients = np.linalg.inv(chebvander(nodes, TERMS - 1))
+        self.from_values = chebint(np.eye(TERMS), lbnd=-1) @ to_coefficients
+
+    def __call__(self, stops: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Both integrals up to the places ``stops`` along y in m, shape (stops, x) each."""
+        panel = np.clip(np.searchsorted(self.edges, stops) - 1, 0, len(self.half_widths) - 1)
+        local = (stops - self.edges[panel]) / self.half_widths[panel] - 1
+        weights = chebvander(local, TERMS) @ self.from_values * self.half_widths[panel, None]
+        whole = self.from_values.sum(axis=0)  # up to the end of a panel, where all polynomials are 1
+        results = []
+        for integrand in self.integrands:
+            before = np.cumsum(self.half_widths[:, None] * np.tensordot(whole, integrand, axes=(0, 1)), axis=0)
+            out = np.append(np.zeros((1, before.shape[1])), before, axis=0)[panel]
+            for each in np.unique(panel):
+                out[panel == each] += weights[panel == each] @ integrand[each]
+            results.append(out)
+        return results[0], results[1]
 
 
 def _wide(source: LineSource, x: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:

@@ -242,7 +242,8 @@ class ColumnField:
                 total += float(np.vdot(values, whole @ values).imag)
             elif np.iscomplexobj(medium.xx):
                 loss = element_matrix(medium, column.width, height.real, order, angular, part="loss")
-                total += float(np.vdot(values, loss @ values).real)
+                both = np.hstack([values.real, values.imag])  # a product of real matrices takes half the time
+                total += float(np.vdot(both, loss @ both))
         return np.pi * column.frequency * total
 
     def values(self, sides: np.ndarray) -> np.ndarray:

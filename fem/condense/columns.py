@@ -1,20 +1,24 @@
-"""Superelement of the columns of elements under fingers and gaps, condensed to its two sides and its electrodes.
+"""Superelement of the columns of elements under fingers and gaps, condensed to its two lines and its electrodes.
 
-A transducer is such a superelement: columns (`fem.condense.column`) joined in pairs (`fem.condense.join`).  It keeps
-the matrices that express each eliminated line by the sides, so that the field is recovered from the sides of the
-whole, level by level, down to every column.
+A transducer is such a superelement: columns (`fem.condense.column`) joined in pairs (`fem.condense.join`).  The *sides*
+of a piece are the vector [u_left, u_right, v] of its unknowns on the left line, on the right line, and the potentials
+of its electrodes.  A pair keeps the matrix that expresses its eliminated middle line by its sides.  The field inside is
+therefore recovered from the sides of the whole down the tree of pairs: sides of the parts from those of a pair, level
+by level, to every column.  Equal columns of a transducer are one object that occurs several times, and are recovered
+together.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from fem.condense.column import ELECTRODES, Column, ColumnField, condensed_column
 from fem.condense.piece import Blocks, Port
 from fem.discretize.section import Section
-from fem.discretize.spectral import lagrange
+from fem.discretize.spectral import gll_nodes, lagrange
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -50,7 +54,7 @@ class FingerColumns:
 
     @property
     def pair(self) -> "Pair":
-        """The two joined pieces, before any change of the potentials; a TypeError if the piece was not joined."""
+        """The two joined parts, before any change of the potentials; a TypeError if the piece was not joined."""
         inside = self.inside
         while isinstance(inside, Restated):
             inside = inside.piece.inside
@@ -58,9 +62,31 @@ class FingerColumns:
             raise TypeError("the piece was not joined of two")
         return inside
 
+    @cached_property
+    def surface_reactions(self) -> "SurfaceReactions":
+        """Electric reactions at the surface nodes; of a column, or of columns joined without any change."""
+        pair = self.inside
+        if isinstance(pair, Pair):
+            left, right = pair.left.surface_reactions, pair.right.surface_reactions
+            return SurfaceReactions(
+                np.concatenate([left.position, pair.left.width + right.position]),
+                np.concatenate([left.on_metal, right.on_metal]),
+                np.concatenate([pair.from_left(left.rows), pair.from_right(right.rows)]),
+            )
+        rows, position = self.column.surface_reactions, gll_nodes(self.column.section.order) * self.width
+        return SurfaceReactions(position, np.full(len(rows), self.column.electrode is not None), rows)
+
     def recover(self, sides: np.ndarray) -> "ColumnsField":
         """Field inside for given lines and potentials, shape (2 n + ports, ...)."""
         return ColumnsField(self, sides)
+
+
+class SurfaceReactions(NamedTuple):
+    """Electric reactions at the surface nodes of a piece; a node that two columns share occurs twice."""
+
+    position: np.ndarray  # (nodes,): from the left edge, length units
+    on_metal: np.ndarray  # (nodes,): whether the column has an electrode
+    rows: np.ndarray  # (nodes, 2 n + ports): scaled, as functions of the sides
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -69,7 +95,8 @@ class Pair:
 
     left: FingerColumns
     right: FingerColumns
-    middle: np.ndarray = field(repr=False)  # the shared line as a function of the sides, shape (n, 2 n + ports)
+    # T of equation (2) in join.py: from the sides to the unknowns of the shared line, shape (n, 2 n + ports)
+    middle: np.ndarray = field(repr=False)
     # True: the ports are those of the left part followed by those of the right part; False: both parts share all ports
     own_ports: bool = False
 
@@ -80,16 +107,33 @@ class Pair:
 
     def sides(self, whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Sides of the left and of the right part from those of the pair, (2 n + ports, ...)."""
-        at, middle = self.left.at, np.tensordot(self.middle, whole, axes=1)
-        left = right = whole[at.ports]
+        at, shared_line = self.left.at, np.tensordot(self.middle, whole, axes=1)
+        left_ports = right_ports = whole[at.ports]
         if self.own_ports:
-            left, right = np.split(left, [len(self.left.ports)])
-        return (np.concatenate([whole[at.left], middle, left]), np.concatenate([middle, whole[at.right], right]))
+            left_ports, right_ports = np.split(left_ports, [len(self.left.ports)])
+        left = np.concatenate([whole[at.left], shared_line, left_ports])
+        return left, np.concatenate([shared_line, whole[at.right], right_ports])
+
+    def from_left(self, rows: np.ndarray) -> np.ndarray:
+        """Linear functions (..., 2 n + ports) of the left part's sides as functions of the pair's."""
+        at = self.left.at
+        whole = rows[..., at.right] @ self.middle
+        whole[..., at.left] += rows[..., at.left]
+        whole[..., at.ports][..., : len(self.left.ports)] += rows[..., at.ports]
+        return whole
+
+    def from_right(self, rows: np.ndarray) -> np.ndarray:
+        """Linear functions (..., 2 n + ports) of the right part's sides as functions of the pair's."""
+        at = self.right.at
+        whole = rows[..., at.left] @ self.middle
+        whole[..., at.right] += rows[..., at.right]
+        whole[..., whole.shape[-1] - len(self.right.ports) :] += rows[..., at.ports]
+        return whole
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Restated:
-    """A piece with reordered, fewer, or eliminated potentials; its lines are unchanged."""
+    """Origin of a piece that differs from ``piece`` in its potentials only: reordered, fewer, or eliminated."""
 
     piece: FingerColumns
     sides: Callable[[np.ndarray], np.ndarray] = field(repr=False)  # sides of ``piece`` from the new ones
@@ -102,10 +146,13 @@ class Restated:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LiftedHalf:
-    """Half a finger's cell on lines reduced to a basis; the same half on full lines is condensed on first use."""
+    """Origin of half a finger's cell whose lines are reduced to a basis.
 
-    side: int  # 0: gap to mid-finger, 1: mid-finger to gap
-    # (side, sides on reduced lines) -> (the half on full lines, its sides)
+    The field inside is recovered from the same half on lines with all unknowns, which is condensed on first use.
+    """
+
+    side: int  # 0: from the middle of the gap to the middle of the finger, 1: the other half
+    # (side, sides on reduced lines) -> (the half on lines with all unknowns, its sides there)
     full: Callable[[int, np.ndarray], tuple[FingerColumns, np.ndarray]] = field(repr=False)
     moment: np.ndarray = field(repr=False)  # `fem.condense.moments.finger_moment`, (2 n + 2,)
     unknowns: int
@@ -117,25 +164,32 @@ def condensed(section: Section, frequency: float, *, width: float, electrode: in
     return FingerColumns(size=section.size, matrix=column.matrix, width=width, inside=column)
 
 
+class EqualColumns(NamedTuple):
+    """All columns of a piece that have the same width and electrode."""
+
+    recovery: ColumnField
+    starts: np.ndarray  # (columns,): left edges relative to the piece's
+    sides: np.ndarray  # (2 n + 2, ..., columns)
+
+
 class ColumnsField:
     """Field of columns for given lines and electrode potentials; lengths in the section's unit."""
 
     def __init__(self, piece: FingerColumns, sides: np.ndarray):
-        kinds: dict[tuple, tuple] = {}
-        for part, starts, own in distinct_columns(piece, sides):
+        groups: dict[tuple, tuple] = {}
+        for part, starts, part_sides in distinct_columns(piece, sides):
             key = part.width, part.column.electrode
-            _, places, values = kinds.setdefault(key, (part.column, [], []))
-            places.append(starts)
-            values.append(own)
-        # recovery, left edges relative to the piece's (places,), sides (2 n + 2, places)
-        self.kinds = [
-            (ColumnField(column), np.concatenate(places), np.concatenate(values, axis=-1))
-            for column, places, values in kinds.values()
+            _, all_starts, all_sides = groups.setdefault(key, (part.column, [], []))
+            all_starts.append(starts)
+            all_sides.append(part_sides)
+        self.equal_columns = [
+            EqualColumns(ColumnField(column), np.concatenate(starts), np.concatenate(part_sides, axis=-1))
+            for column, starts, part_sides in groups.values()
         ]
 
     def loss(self) -> float:
         """Power lost between the lines, scaled."""
-        return sum(recovery.loss(sides) for recovery, _, sides in self.kinds)
+        return sum(each.recovery.loss(each.sides) for each in self.equal_columns)
 
     def in_row(self, of: Callable[[ColumnField, np.ndarray], np.ndarray]) -> tuple[np.ndarray, ...]:
         """Left edges, widths and fields (columns, ...) of all columns from left to right.
@@ -143,9 +197,9 @@ class ColumnsField:
         ``of``: function of a recovery and the sides of equal columns that returns their fields, (..., columns).
         """
         starts, widths, values = [], [], []
-        for recovery, left, sides in self.kinds:
-            starts.append(left)
-            widths.append(np.full(len(left), recovery.column.width))
+        for recovery, left_edges, sides in self.equal_columns:
+            starts.append(left_edges)
+            widths.append(np.full(len(left_edges), recovery.column.width))
             values.append(np.moveaxis(of(recovery, sides), -1, 0))
         in_row = np.argsort(np.concatenate(starts))
         return tuple(np.concatenate(each)[in_row] for each in (starts, widths, values))
@@ -165,14 +219,14 @@ class ColumnsField:
         return np.einsum("pi,pif->fp", basis, values[columns])
 
 
-def lines(
+def columns_from_left(
     piece: FingerColumns, sides: np.ndarray, start: float = 0.0, *, finest: float = 0.0
 ) -> list[tuple[float, FingerColumns, np.ndarray]]:
-    """Columns of a piece from left to right, each with its left edge and its sides."""
+    """Columns of a piece from left to right, each with its left edge and its sides; arguments of `distinct_columns`."""
     columns = [
-        (begin, column, own[..., place])
-        for column, starts, own in distinct_columns(piece, sides, start, finest=finest)
-        for place, begin in enumerate(starts)
+        (left_edge, column, column_sides[..., number])
+        for column, starts, column_sides in distinct_columns(piece, sides, start, finest=finest)
+        for number, left_edge in enumerate(starts)
     ]
     return sorted(columns, key=lambda each: each[0])
 
@@ -180,30 +234,30 @@ def lines(
 def distinct_columns(
     piece: FingerColumns, sides: np.ndarray, start: float = 0.0, *, finest: float = 0.0
 ) -> list[tuple[FingerColumns, np.ndarray, np.ndarray]]:
-    """Distinct columns of a piece: column, left edges of all its occurrences (places,), sides (2 n + 2, ..., places).
+    """Distinct columns of a piece: column, left edges of its occurrences (places,), sides (2 n + 2, ..., places).
 
-    ``sides``: left line, right line and electrode potentials, shape (2 n + 2, ...); in the returned ones a finger is
-    always on electrode 0.  ``start``: x of the left line, length units.  Parts of width ``finest`` or less are
-    returned whole.
+    ``sides``: shape (2 n + 2, ...); in the returned ones a finger is always on electrode 0.  ``start``: x of the left
+    line, length units.  Parts of width ``finest`` or less are returned whole, without descending to their columns.
     """
     level, columns = _Occurrences(), _Occurrences()
     level.add(piece, np.array([start]), sides[..., None])
     while level.by_piece:
-        above, level = level, _Occurrences()
-        for each, starts, own in above.concatenated():
-            part, own = _original(each, own)
+        next_level = _Occurrences()
+        for each, starts, each_sides in level.concatenated():
+            part, part_sides = _original(each, each_sides)
             if not isinstance(part.inside, Pair) or part.width <= finest:
-                columns.add(part, starts, own)
+                columns.add(part, starts, part_sides)
                 continue
             pair = part.pair
-            left, right = pair.sides(own)
-            level.add(pair.left, starts, left)
-            level.add(pair.right, starts + pair.left.width, right)
+            left, right = pair.sides(part_sides)
+            next_level.add(pair.left, starts, left)
+            next_level.add(pair.right, starts + pair.left.width, right)
+        level = next_level
     return columns.concatenated()
 
 
 class _Occurrences:
-    """Left edges and sides of all occurrences of each distinct piece."""
+    """Left edges and sides of all occurrences of each distinct piece, which are recovered as one array."""
 
     def __init__(self):
         self.by_piece: dict[int, tuple[FingerColumns, list, list]] = {}
@@ -221,7 +275,7 @@ class _Occurrences:
 
 
 def _original(piece: FingerColumns, sides: np.ndarray) -> tuple[FingerColumns, np.ndarray]:
-    """The piece on full lines before any change of its potentials, and its sides."""
+    """The piece before any change of its potentials (`Restated`) or of its lines (`LiftedHalf`), and its sides."""
     inside = piece.inside
     while isinstance(inside, Restated | LiftedHalf):
         if isinstance(inside, Restated):

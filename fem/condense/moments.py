@@ -4,7 +4,6 @@ import numpy as np
 
 from fem.condense.column import Column
 from fem.condense.columns import FingerColumns, LiftedHalf, Pair
-from fem.condense.piece import Blocks
 from fem.discretize.spectral import gll_nodes
 
 
@@ -14,7 +13,7 @@ def finger_dipole(cell: FingerColumns) -> np.ndarray:
     As a function of the lines and the finger's potential.
     """
     pair = cell.pair
-    return rows_of_parts(finger_moment(pair.left, 0), finger_moment(pair.right, 1), pair.middle)[:-1]
+    return (pair.from_left(finger_moment(pair.left, 0)) + pair.from_right(finger_moment(pair.right, 1)))[:-1]
 
 
 def finger_moment(half: FingerColumns, side: int) -> np.ndarray:
@@ -34,18 +33,7 @@ def finger_moment(half: FingerColumns, side: int) -> np.ndarray:
 
 
 def _moment(piece: FingerColumns, start: float) -> np.ndarray:
-    inside = piece.inside
-    if isinstance(inside, Column):
-        return (start + gll_nodes(inside.section.order) * piece.width) @ inside.surface_reactions
-    left, right = piece.pair.left, piece.pair.right
-    return rows_of_parts(_moment(left, start), _moment(right, start + left.width), piece.pair.middle)
-
-
-def rows_of_parts(left: np.ndarray, right: np.ndarray, middle: np.ndarray) -> np.ndarray:
-    """Sum of linear functions of two neighbours' sides, as a function of the sides of the joined piece.
-
-    Shape (..., 2 n + potentials); ``middle``: matrix from the sides of the joined piece to the line between the two.
-    """
-    at = Blocks(len(middle))
-    own = [left[..., at.left], right[..., at.right], left[..., at.ports] + right[..., at.ports]]
-    return (left[..., at.right] + right[..., at.left]) @ middle + np.concatenate(own, axis=-1)
+    if isinstance(piece.inside, Column):
+        return (start + gll_nodes(piece.inside.section.order) * piece.width) @ piece.inside.surface_reactions
+    pair = piece.pair
+    return pair.from_left(_moment(pair.left, start)) + pair.from_right(_moment(pair.right, start + pair.left.width))

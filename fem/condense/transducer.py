@@ -12,7 +12,7 @@ import numpy as np
 
 from fem.condense.columns import FingerColumns, condensed
 from fem.condense.join import exchanged, joined, mirrored, open_circuited, repeated, with_fingers, with_ports
-from fem.condense.moments import finger_dipole, rows_of_parts
+from fem.condense.moments import finger_dipole
 from fem.discretize.grading import Resolution, edge_layers, graded
 from fem.discretize.section import Section
 from fem.geometry import Stator, Transducer, outer_gaps
@@ -156,12 +156,8 @@ def finger_ports(row: FingerColumns, signs: str) -> tuple[FingerColumns, np.ndar
     def both(piece: FingerColumns, own: str) -> tuple[FingerColumns, np.ndarray]:
         half = _left_half(len(own))
         (left, below), (right, above) = (of(piece.pair.left, own[:half]), of(piece.pair.right, own[half:]))
-        whole, at, first = with_fingers(piece, left, right), piece.at, len(below)
-        ours, theirs = np.zeros((2, len(whole.ports), len(whole.matrix)), dtype=complex)
-        ours[:first, at.lines], theirs[first:, at.lines] = below[:, at.lines], above[:, at.lines]
-        ours[:first, at.ports][:, :first] = below[:, at.ports]
-        theirs[first:, at.ports][:, first:] = above[:, at.ports]
-        return whole, rows_of_parts(ours, theirs, whole.pair.middle)
+        whole = with_fingers(piece, left, right)
+        return whole, np.concatenate([whole.pair.from_left(below), whole.pair.from_right(above)])
 
     return of(row, signs)
 

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.condense.columns import FingerColumns, lines
+from fem.condense.columns import FingerColumns, columns_from_left
 from fem.condense.transducer import Condensation, FingerShape, fingers_in_row
 from fem.discretize.section import Section
 from fem.geometry import Transducer
@@ -231,7 +231,7 @@ def snapshots(
             continue
         half_cell = halves[FingerShape.of(fields.transducers[owner], section.length_unit)][0].width
         # left lines of all half cells: a cell begins in mid-gap, its second half in mid-finger
-        for number, (_, _, part) in enumerate(lines(scatterer.piece, sides, finest=1.001 * half_cell)):
+        for number, (_, _, part) in enumerate(columns_from_left(scatterer.piece, sides, finest=1.001 * half_cell)):
             (finger_lines if number % 2 else gap_lines).append(part[at.left])
     on_fingers = np.hstack(finger_lines)
     on_fingers[section.surface_dofs["phi"]] = 0.0  # the electrode's

@@ -1,4 +1,8 @@
-"""A wave field as a file for other tools: VTK XML by meshio, complex fields as two arrays, names with their unit."""
+"""A wave field as a file for other tools: VTK XML by meshio, complex fields as two arrays, names with their unit.
+
+Strain energy and power flow have a mean over the cycle and a part at twice the frequency, whose name ends in ``_pulse``
+(densities.py).
+"""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -14,58 +18,63 @@ ENERGY, POWER = "strain_energy_J_per_m3_per_V2", "power_flow_W_per_m2_per_V2"
 def write_vtu(wave_field: WaveField, path: str | Path) -> None:
     """Write a field as quadrilaterals with complex point data to a ``.vtu`` file, for ParaView and meshio.
 
-    A meshed piece is written on its own elements, in the place of the grid.
+    A meshed piece is written on its own elements instead of on the grid.
     """
 
     def data(part: WaveField | PieceField) -> dict:
-        own = _split(DISPLACEMENT, part.displacement) | _split(POTENTIAL, part.potential)
-        found = part.densities
-        if found is not None:
-            own |= {ENERGY: found.strain_energy, POWER: _in_space(found.power_flow)}
-            own |= _split(f"{ENERGY}_pulse", found.strain_energy_pulse)
-            own |= _split(f"{POWER}_pulse", _in_space(found.power_flow_pulse))
-        return own
+        arrays = _split(DISPLACEMENT, part.displacement) | _split(POTENTIAL, part.potential)
+        densities = part.densities
+        if densities is not None:
+            arrays |= {ENERGY: densities.strain_energy, POWER: _three_components(densities.power_flow)}
+            arrays |= _split(f"{ENERGY}_pulse", densities.strain_energy_pulse)
+            arrays |= _split(f"{POWER}_pulse", _three_components(densities.power_flow_pulse))
+        return arrays
 
     _write(wave_field, data, path)
 
 
 def write_instant(wave_field: WaveField, phase: float, path: str | Path) -> None:
     """Write a field with densities at one phase omega t of the wave (rad) to a ``.vtu`` file, in single precision."""
-    turn = np.exp(1j * phase)
+    factor = np.exp(1j * phase)
 
     def data(part: WaveField | PieceField) -> dict:
-        found = part.densities
-        own = {
-            DISPLACEMENT: (part.displacement * turn).real,
-            POTENTIAL: (part.potential * turn).real,
-            ENERGY: found.strain_energy + (found.strain_energy_pulse * turn**2).real,
-            POWER: _in_space(found.power_flow + (found.power_flow_pulse * turn**2).real),
+        densities = part.densities
+        arrays = {
+            DISPLACEMENT: (part.displacement * factor).real,
+            POTENTIAL: (part.potential * factor).real,
+            ENERGY: densities.strain_energy + (densities.strain_energy_pulse * factor**2).real,
+            POWER: _three_components(densities.power_flow + (densities.power_flow_pulse * factor**2).real),
         }
-        return {name: values.astype(np.float32) for name, values in own.items()}
+        return {name: values.astype(np.float32) for name, values in arrays.items()}
 
     _write(wave_field, data, path)
 
 
 def _write(wave_field: WaveField, data: Callable[[WaveField | PieceField], dict], path: str | Path) -> None:
-    """Write the grid, and each meshed piece on its own elements; ``data``: point data of one of them by name."""
-    x, z = wave_field.x, wave_field.z
-    points, quads = _grid(x, z)
-    middle = points[quads, 0].mean(axis=1)
-    kept = np.ones(len(quads), dtype=bool)
+    """Write the grid outside meshed pieces, and each meshed piece on its own elements.
+
+    ``data``: returns the point data of the grid or of a piece by name.
+    """
+    x = wave_field.x
+    grid_points, grid_quads = _grid(x, wave_field.z)
+    centre = grid_points[grid_quads, 0].mean(axis=1)
+    outside = np.ones(len(grid_quads), dtype=bool)
     for low, high in (piece.span for piece in wave_field.pieces):
-        kept &= (middle < low) | (middle > high)
-    flat = {name: values.reshape(len(points), *values.shape[2:]) for name, values in data(wave_field).items()}
-    parts = [(points, quads[kept], flat)]
+        outside &= (centre < low) | (centre > high)
+    grid_data = {name: values.reshape(len(grid_points), *values.shape[2:]) for name, values in data(wave_field).items()}
+    parts = [(grid_points, grid_quads[outside], grid_data)]
     for piece in wave_field.pieces:
-        own = np.insert(piece.points, 1, 0.0, axis=1)
-        middle = own[piece.quads, 0].mean(axis=1)
-        parts.append((own, piece.quads[(middle >= x[0]) & (middle <= x[-1])], data(piece)))
-    first = np.cumsum([0, *(len(each) for each, _, _ in parts)])
-    quads = np.concatenate([each + start for (_, each, _), start in zip(parts, first, strict=False)])
-    used, numbers = np.unique(quads, return_inverse=True)
-    together = {name: np.concatenate([each[name] for _, _, each in parts])[used] for name in flat}
-    every = np.concatenate([each for each, _, _ in parts])
-    _write_quads(every[used], numbers.reshape(quads.shape), together, path)
+        points = np.insert(piece.points, 1, 0.0, axis=1)  # y = 0
+        centre = points[piece.quads, 0].mean(axis=1)
+        parts.append((points, piece.quads[(centre >= x[0]) & (centre <= x[-1])], data(piece)))
+    points, quads, columns = zip(*parts, strict=True)
+    first_point = np.cumsum([0, *(len(each) for each in points[:-1])])
+    all_quads = np.concatenate([each + first for each, first in zip(quads, first_point, strict=True)])
+    used, renumbered = np.unique(
+        all_quads, return_inverse=True
+    )  # points of quadrilaterals that are left out are dropped
+    point_data = {name: np.concatenate([each[name] for each in columns])[used] for name in grid_data}
+    _write_quads(np.concatenate(points)[used], renumbered.reshape(all_quads.shape), point_data, path)
 
 
 def write_surface(x: np.ndarray, y: np.ndarray, motion: np.ndarray, path: str | Path) -> None:
@@ -79,7 +88,7 @@ def write_surface(x: np.ndarray, y: np.ndarray, motion: np.ndarray, path: str | 
 
 
 def _grid(x: np.ndarray, z: np.ndarray, axis: int = 2) -> tuple[np.ndarray, np.ndarray]:
-    """Points (nx nz, 3) and quadrilaterals of lines x and heights z (axis 1: lateral places), m."""
+    """Points (nx nz, 3) and quadrilaterals of a grid of x and z, or of x and y with axis 1, in m."""
     nx, nz = len(x), len(z)
     points = np.zeros((nx, nz, 3))
     points[:, :, 0], points[:, :, axis] = x[:, None], z
@@ -98,8 +107,8 @@ def _split(name: str, values: np.ndarray) -> dict:
     return {f"{name}_real": values.real, f"{name}_imag": values.imag}
 
 
-def _in_space(flow: np.ndarray) -> np.ndarray:
-    """A flow along x and z as a vector with a y component, which other tools expect."""
+def _three_components(flow: np.ndarray) -> np.ndarray:
+    """Return a flow along x and z with a y component of zero, because other tools expect three components."""
     out = np.zeros((*flow.shape[:-1], 3), dtype=flow.dtype)
     out[..., [0, 2]] = flow
     return out

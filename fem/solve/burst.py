@@ -1,14 +1,22 @@
 """Ring-up and ring-down of the surface during and after a burst: complex envelope over time, from a frequency band.
 
-The source's voltage is cos(omega0 t) from 0 to the burst's end and zero otherwise.  With the response H(f) per volt the
-surface moves as Re(U(t) exp(i omega0 t)),
+The source's voltage is cos(omega0 t) from 0 to the burst's end and zero otherwise.  The surface moves as
+Re(U(t) exp(i omega0 t)), where the burst is a voltage that is switched on at 0 minus one that is switched on at its
+end,
 
-    U(t) = S(t, 0) - S(t - duration, omega0 duration),
+    U(t) = S(t, 0) - S(t - duration, omega0 duration).                                                      (1)
+
+S(t, phase) is the envelope, relative to exp(i omega0 t + i phase), of the response to cos(omega0 t + phase) for t > 0.
+This voltage has the spectrum [exp(i phase) / (i x) + exp(-i phase) / (i (x + 2 omega0))] / 2 with x = omega - omega0.
+With the response H(f) per volt the inverse transform over positive frequencies, as a sum over f_k with step df, is
+
     S(t, phase) = sum_k G_k H_k df [ (exp(i x t) - exp(-i x a)) / (i x) + exp(i x t - 2 i phase) / (i (x + 2 omega0)) ],
 
-x = 2 pi (f_k - f0).  S is the response to a voltage switched on at t = 0 at a phase, its counter-rotating half included
-(which matters close to the switch), integrated in closed form from t = -a; the motion before -a is taken as zero.  S
-tends to H(f0), and f0 is one of the frequencies.
+x = 2 pi (f_k - f0).                                                                                        (2)
+
+The second term, the counter-rotating half of the voltage, matters close to the switch.  The constant exp(-i x a) makes
+the first term vanish at t = -a, before which the motion is taken as zero; at x = 0 this term is t + a.  S tends to
+H(f0), and f0 is one of the frequencies.
 
 Two truncations cause errors.
 Band: the window G falls smoothly to zero at the band's ends, which rounds corners over a time of 1 / width and lets a
@@ -125,42 +133,47 @@ class _Spectrum:
         return 1 / (PER_BAND * (self.reach[0] + self.reach[1]))
 
     def switched(self, first: float, count: int, phase: float = 0.0, share: float = 1.0) -> np.ndarray:
-        """S at ``count`` instants from ``first`` on, one tick apart, shape (2, count).
+        """S of equation (2) at ``count`` instants from ``first`` on, one tick apart, shape (2, count).
+
+        It is zero before -a and the steady motion after 1 / df - a, the period of the sum in t.
 
         ``phase``: of the voltage when it is switched on, rad; ``share`` narrows the band.
         """
-        lead = LEAD / self.step
+        a = LEAD / self.step
         last = (1 - LEAD) / self.step
         time = first + self.tick * np.arange(count)
-        inside = (time >= -lead) & (time < last)
+        inside = (time >= -a) & (time < last)
         x = 2 * np.pi * self.offsets
-        weights = self.motion * self.taper(share) * self.step
-        steady = self.motion[:, self.offsets == 0]
+        weights = self.motion * self.taper(share) * self.step  # G_k H_k df
+        steady = self.motion[:, self.offsets == 0]  # H(f0), where G = 1
         safe = np.where(x == 0, 1.0, x)
         out = np.where(time >= last, steady, 0.0 * steady)
         rotating = np.where(x == 0, 0.0, weights / (1j * safe))
-        counter = weights * np.exp(-2j * phase) / (1j * (x + 4 * np.pi * self.frequency))
-        # sum of exp(i x t) over offsets and instants that are both evenly spaced: a discrete Fourier transform
+        counter_rotating = weights * np.exp(-2j * phase) / (1j * (x + 4 * np.pi * self.frequency))
+        # Offsets and instants are evenly spaced, so that the sum of exp(i x t) is a discrete Fourier transform.
         period = round(1 / (self.step * self.tick))
         lines = np.zeros((2, period), complex)
-        lines[:, np.round(self.offsets / self.step).astype(int) % period] = (rotating + counter) * np.exp(
-            1j * x * first
-        )
+        line_numbers = np.round(self.offsets / self.step).astype(int) % period
+        lines[:, line_numbers] = (rotating + counter_rotating) * np.exp(1j * x * first)
         waves = period * np.fft.ifft(lines)[:, np.arange(count) % period]
-        switched = waves - (rotating @ np.exp(-1j * x * lead))[:, None] + steady * self.step * (time + lead)
+        at_start = (rotating @ np.exp(-1j * x * a))[:, None]
+        switched = waves - at_start + steady * self.step * (time + a)  # the last term is that of x = 0
         out[:, inside] = switched[:, inside]
         return out
 
     def probes(self) -> np.ndarray:
         """Offsets in Hz between the steps, in the flat part of the band, at irrational fractions of a step."""
-        spread = (np.arange(PROBES) + 0.5) / PROBES * 2 - 1
+        spread = (np.arange(PROBES) + 0.5) / PROBES * 2 - 1  # evenly over (-1, 1)
         offsets = FLAT * np.where(spread < 0, spread * self.reach[0], spread * self.reach[1])
         return (np.floor(offsets / self.step) + GOLDEN * np.arange(1, PROBES + 1) % 1.0) * self.step
 
     def between(self, offsets: np.ndarray) -> np.ndarray:
-        """Response (u_z, u_x) at other offsets, from the impulse response between -lead and 1 / step - lead."""
-        share = np.subtract.outer(self.offsets, offsets) / self.step
-        kernel = np.sinc(share) * np.exp(2j * np.pi * share * (0.5 - LEAD))
+        """Response (u_z, u_x) at other offsets, Hz, from the impulse response between -a and 1 / df - a.
+
+        H(f) = sum_k G_k H_k df int exp(2 pi i (f_k - f) t) dt over that time, a sinc function times a phase factor.
+        """
+        in_steps = np.subtract.outer(self.offsets, offsets) / self.step  # (f_k - f) / df
+        kernel = np.sinc(in_steps) * np.exp(2j * np.pi * in_steps * (0.5 - LEAD))
         return (self.motion * self.taper(1.0)) @ kernel
 
 
@@ -221,7 +234,7 @@ def burst_response(
         return spectrum, float(rows[:, 2].real.max())
 
     def aliased(fine: tuple[_Spectrum, float], coarse: tuple[_Spectrum, float]) -> tuple[float]:
-        """Aliased part of the steady motion, estimated with steps twice as wide and at frequencies between them."""
+        """Aliased motion over the steady one, from steps twice as wide and from frequencies between the steps."""
         spectrum = fine[0]
         count = math.ceil((1 - LEAD) / (2 * spectrum.step * spectrum.tick))
         change = abs(spectrum.switched(0.0, count) - coarse[0].switched(0.0, count)).max()
@@ -261,14 +274,16 @@ def _envelope(
     span = np.arange(0.0, 1 / spectrum.step, spectrum.tick)
     during = int(np.count_nonzero(span < duration))
     time = np.append(span[:during], duration + span)
-    off = 2 * np.pi * spectrum.frequency * duration
+    end_phase = 2 * np.pi * spectrum.frequency * duration
 
     def burst(share: float) -> np.ndarray:
-        def switched(first: float, count: int, at: float = 0.0):
-            return spectrum.switched(first, count, at, share)
+        """U of equation (1) during the burst and after it, with a share of the band."""
 
-        rise = switched(0.0, during) - switched(-duration, during, off)
-        fall = switched(duration, len(span)) - switched(0.0, len(span), off)
+        def switched(first: float, count: int, phase: float = 0.0):
+            return spectrum.switched(first, count, phase, share)
+
+        rise = switched(0.0, during) - switched(-duration, during, end_phase)
+        fall = switched(duration, len(span)) - switched(0.0, len(span), end_phase)
         return np.concatenate((rise, fall), axis=1)
 
     whole, narrower = burst(share), burst(NARROWER * share)

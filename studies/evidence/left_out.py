@@ -17,39 +17,29 @@ from collections.abc import Callable
 from studies.evidence.omission import OMISSIONS
 from studies.record.plots import finished
 from studies.record.text import markdown
+from studies.scene import Scene
 from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
 
-# Diffraction is switched off, because by default it is on with a slider and off without one.
-ONE = ("--set", "drive.voltage=10", "--set", "stator.diffraction=false")
-COMMANDS = {
-    "whole chain": ("twente-left", *ONE),
-    "no slider": ("twente-left", *ONE, "--tolerance", "2.5e-4", "-slider"),
-    "no transducer": ("rayleigh",),
-    "no stator": ("twente-contact", "--set", "wave.normal_amplitude=3e-9"),
+# Whole runs: scene, changed keys and tolerance. Diffraction is switched off, because by default it is on with a slider
+# and off without one.
+DRIVEN = {"drive": {"voltage": 10}, "stator": {"diffraction": False}}
+COMMANDS: dict[str, tuple[str, dict, float]] = {
+    "whole chain": ("twente-left", DRIVEN, 1e-3),
+    "no slider": ("twente-left", DRIVEN | {"slider": None}, 2.5e-4),
+    "no transducer": ("rayleigh", {}, 1e-3),
+    "no stator": ("twente-contact", {"wave": {"normal_amplitude": 3e-9}}, 1e-3),
 }
 WATCHED = ("numpy", "scipy", "skfem", "meshio", "numba", "pint", "matplotlib", "pyvista", "rich")
 OURS = ("fem", "contact", "studies")
 CENSUS = """
-import contextlib, io, json, sys, time
-from studies.scene import override
-from studies import scene
+import json, sys, time
+from studies.scene import Scene
 from studies.evidence.own_process import peak_memory
 from studies.chain import run
-table = scene.read_table(sys.argv[1])
-words = sys.argv[2:]
-tolerance = 1e-3
-while words:
-    word = words.pop(0)
-    if word == "--set":
-        table = override.replaced(table, *override.setting_of(words.pop(0)))
-    elif word == "--tolerance":
-        tolerance = float(words.pop(0))
-    else:
-        del table[word[1:]]
-record = run(scene.Scene.from_table("", table), tolerance=tolerance)
+table, tolerance = json.loads(sys.argv[1])
+record = run(Scene.from_table("", table), tolerance=tolerance)
 wave = record.to_dict()["wave"].get("normal_m_per_V", [])
-modules = sorted(name for name in sys.modules)
-print(json.dumps([time.process_time(), peak_memory(), wave, modules]))
+print(json.dumps([time.process_time(), peak_memory(), wave, sorted(sys.modules)]))
 """
 QUICK = {"parts": ("electric potential",), "blocks": ("no stator",)}
 SAME = 1e-11  # relative difference up to which two answers are equal but for rounding
@@ -75,7 +65,7 @@ def run(*, parts: tuple[str, ...] | None = None, blocks: tuple[str, ...] = tuple
     commands = []
     for name in blocks:
         progress(f"left out: {name}")
-        commands.append(_command(name, COMMANDS[name]))
+        commands.append(_command(name, *COMMANDS[name]))
     columns = {column: [row[column] for row in rows] for column in rows[0]}
     saved = {key: [each[key] for each in commands] for key in commands[0]}
     panels = (
@@ -169,9 +159,10 @@ def _peak(way: Callable) -> int:
         tracemalloc.stop()
 
 
-def _command(name: str, words: tuple[str, ...]) -> dict:
+def _command(name: str, scene: str, changes: dict, tolerance: float) -> dict:
     """Run a scene in its own process: time, memory, the wave under the slider, and the modules that were imported."""
-    done = subprocess.run([sys.executable, "-c", CENSUS, *words], capture_output=True, text=True, check=True).stdout
+    request = json.dumps([Scene.load(scene).replace(**changes).to_table(), tolerance])
+    done = subprocess.run([sys.executable, "-c", CENSUS, request], capture_output=True, text=True, check=True).stdout
     seconds, peak, wave, modules = json.loads(done.splitlines()[-1])
     tops = {module.split(".")[0] for module in modules}
     own = [f"{package} ({sum(each.startswith(package + '.') for each in modules)})" for package in OURS]

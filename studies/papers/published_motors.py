@@ -13,24 +13,50 @@ Run time: about 40 s.
 import csv
 import io
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import contact
+from studies.papers import published_kurosawa as ball
 from studies.papers import published_sliders as sliders
-from studies.papers.published import KUROSAWA, LEFT_ASIDE, RAJ, SEED, TJEUNG, Unknown, corners
-from studies.papers.published_kurosawa import contact_radius, needed_amplitude, per_volt, ratio, speed, thrust
+from studies.papers.published import Comparison, comparisons, corners, left_aside
 from studies.papers.seed import Seed
 from studies.record.plots import COLOURS, finished
 from studies.record.text import markdown
 from studies.study import Answered, Finding, Panel, StudyRecord, of_record, study
 
-MOTORS = (
-    "Kurosawa 1998", "Feenstra and Breedveld", "Tjeung 2011", "Raj and Behera 2025", "Kurosawa and Asai, 10 MHz",
-    "KAKEN 22360101", "Shigematsu 2003", "KAKEN 15H03943",
-)  # fmt: skip
+MOTORS = tuple(dict.fromkeys(each.motor for each in comparisons()))
 QUICK = {"motors": (*MOTORS[1:4], *MOTORS[5:])}
 WIDE = 5.0  # highest over lowest of a band from which on an agreement says little
-ON_CONTACT = ("friction", "preload", "amplitude", "frequency", "modulus", "law", "air")
+
+
+def seed_release(case: dict) -> float:
+    """Return the release amplitude of the seed paper's slider with another modulus, m."""
+    seed = Seed(lambda text: None)
+    return contact.release_amplitude(replace(seed.slider, effective_modulus=case["modulus"]), seed.shape)
+
+
+# what predicts a quantity from a case: the inputs of published_motors.toml by name, in SI units
+MODELS: dict[str, Callable[[dict], float]] = {
+    "ball_speed": ball.speed,
+    "ball_thrust": ball.thrust,
+    "ball_acceleration": lambda case: ball.thrust(case) / case["mass"],
+    "surface_speed": ball.surface_speed,
+    "contact_radius": ball.contact_radius,
+    "needed_amplitude": ball.needed_amplitude,
+    "driven_amplitude": ball.driven_amplitude,
+    "driven_speed": lambda case: ball.speed(case | {"amplitude": ball.driven_amplitude(case)}),
+    "seed_release": seed_release,
+    "friction_torque": lambda case: case["friction"] * case["preload"] * case["radius"],  # the largest possible one
+    "wave_power": lambda case: sliders.wave_power(case["beam"]),
+    "pillar_speed": sliders.kurosawa_speed,
+    "pillar_stall": sliders.kurosawa_stall,
+    "rear_amplitude": lambda case: sliders.rear_amplitude(case["length"]),
+    "burst_step": lambda case: sliders.shigematsu_step(
+        case["mass"], amplitude=case["amplitude"], cycles=case["cycles"]
+    ),
+    "crest_speed": lambda case: sliders.crest_speed(case["amplitude"], case["frequency"]),
+}
 
 
 @study()
@@ -44,17 +70,11 @@ def run(*, motors: tuple[str, ...] = MOTORS, progress=None) -> Answered:
     progress : callable, optional
         Told what is being done.
     """
-    parts = {
-        MOTORS[0]: lambda: [*_kurosawa(progress), *_from_voltage(progress)],
-        MOTORS[1]: lambda: [_seed()],
-        MOTORS[2]: _tjeung,
-        MOTORS[3]: _raj,
-        MOTORS[4]: lambda: _kurosawa_asai(progress),
-        MOTORS[5]: _rear,
-        MOTORS[6]: _shigematsu,
-        MOTORS[7]: _crest,
-    }
-    rows = [row for motor in motors for row in parts[motor]()]
+    rows = []
+    for each in comparisons():
+        if each.motor in motors:
+            progress(f"{each.motor}: {each.quantity}")
+            rows.append(compared(each, MODELS[each.model]))
     columns = {key: [row[key] for row in rows] for key in rows[0]}
     title = "Published motors (bands: what the papers do not state)"
     return (Panel(name="published_motors", title=title, data=columns),), map(_finding, rows)
@@ -101,7 +121,13 @@ def tables(record: StudyRecord) -> dict[str, str]:
         texts = [_stated(row), values[0], f"{values[1]} to {values[2]}"]
         cells = [row["motor"], row["quantity"], *(f"{text} {unit}".rstrip() for text in texts)]
         table.append([*cells, row["swept"], row["most"], row["verdict"]])
-    lines = [*markdown(head, table), "", "Left aside:", "", *(f"- {what}: {why}." for what, why in LEFT_ASIDE)]
+    lines = [
+        *markdown(head, table),
+        "",
+        "Left aside:",
+        "",
+        *(f"- {what}: {why}." for what, why in left_aside().items()),
+    ]
     file = io.StringIO()
     writer = csv.DictWriter(file, list(data), lineterminator="\n")
     writer.writeheader()
@@ -109,190 +135,24 @@ def tables(record: StudyRecord) -> dict[str, str]:
     return {"published_motors.md": "\n".join(lines) + "\n", "published_motors.csv": file.getvalue()}
 
 
-def _kurosawa(progress) -> list[dict]:
-    """Return the contact at the published amplitude, then the chain from the voltage."""
-    published, motor = KUROSAWA.published, "Kurosawa 1998"
-    unknowns = {name: KUROSAWA[name] for name in ON_CONTACT}
-    known = _known(unknowns)
-    progress("Kurosawa: the contact at the published amplitude")
-
-    def pull(case):
-        return thrust(case) / published["mass_kg"]
-
-    rows = []
-    for quantity, what, key, needs, unit, scale in (
-        ("speed at its amplitude", speed, "velocity_m_per_s", ON_CONTACT, "m/s", 1.0),
-        ("thrust", thrust, "thrust_N", ON_CONTACT[:-2], "mN", 1e3),
-        ("acceleration", pull, "acceleration_m_per_s2", ON_CONTACT[:-2], "m/s\u00b2", 1.0),
-        ("contact radius at its pressure", contact_radius, "contact_radius_m", ("modulus",), "\u00b5m", 1e6),
-    ):
-        swept = {name: unknowns[name] for name in needs}
-        rows.append(_row(motor, quantity, published[key], what, known, swept, unit, scale))
-    swept = {name: unknowns[name] for name in ("friction", "preload", "frequency", "law")}
-    amplitude = published["amplitude_m"]
-    return [*rows, _row(motor, "amplitude its speed needs", amplitude, needed_amplitude, known, swept, "nm", 1e9)]
-
-
-def _known(unknowns: dict) -> dict:
-    """Return the assumed values of the contact."""
-    values = {name: each.taken for name, each in unknowns.items()}
-    return {"ratio": ratio(str(KUROSAWA["material"].taken)), **values}
-
-
-def _from_voltage(progress) -> list[dict]:
-    """Return the amplitude and the speed from the voltage."""
-    published, motor = KUROSAWA.published, "Kurosawa 1998"
-    known = _known({name: KUROSAWA[name] for name in ON_CONTACT})
-    stator = {name: KUROSAWA[name] for name in ("pairs", "material")}
-    taken = {name: each.taken for name, each in stator.items()}
-    amplitudes = {}
-    for case in corners(stator):
-        progress(f"Kurosawa: {case['pairs']} finger pairs on {case['material']}")
-        amplitudes[case["pairs"], case["material"]] = published["voltage_V"] * per_volt(**case)
-
-    def from_voltage(case):
-        return amplitudes[case["pairs"], case["material"]]
-
-    def chain(case):
-        return speed(case | {"amplitude": from_voltage(case)})
-
-    progress("Kurosawa: from the voltage to the speed")
-    swept = stator | {name: KUROSAWA[name] for name in ("friction", "preload", "law")}
-    amplitude, velocity = published["amplitude_m"], published["velocity_m_per_s"]
-    return [
-        _row(motor, "amplitude from 180 V", amplitude, from_voltage, taken, stator, "nm", 1e9),
-        _row(motor, "speed from 180 V", velocity, chain, known | taken, swept, "m/s", 1.0),
-    ]
-
-
-def _seed() -> dict:
-    """Return the release amplitude beside the two simulated amplitudes between which the paper places it."""
-    seed, published = Seed(lambda text: None), SEED.published
-
-    def release(case):
-        return contact.release_amplitude(replace(seed.slider, effective_modulus=case["modulus"]), seed.shape)
-
-    bounds = published["constant_contact_m"], published["intermittent_m"]
-    return _row(
-        "Feenstra and Breedveld", "release amplitude", bounds, release, {"modulus": SEED["modulus"].taken},
-        {"modulus": SEED["modulus"]}, "nm", 1e9,
-    )  # fmt: skip
-
-
-def _tjeung() -> list[dict]:
-    """Return the largest torque that friction permits, compared with the measured torque."""
-    published = TJEUNG.published
-
-    def torque(case):
-        return case["friction"] * published["preload_N"] * published["radius_m"]
-
-    friction = TJEUNG["friction"]
-    row = _row(
-        "Tjeung 2011", "torque, at most", published["torque_Nm"], torque, {"friction": friction.taken},
-        {"friction": friction}, "\u00b5N mm", 1e9,
-    )  # fmt: skip
-    needed = published["torque_Nm"] / torque({"friction": 1.0})
-    row["verdict"] += f"; needs a friction coefficient of {needed:.2f} at least"
-    return [row]
-
-
-def _raj() -> list[dict]:
-    """Return the speed of a ball on the published wave: at least the published one, at most the surface's."""
-    published, motor = RAJ.published, MOTORS[3]
-    swept = {name: RAJ[name] for name in ("radius", "mass", "amplitude")}
-    tangential = ratio("LiNbO3 (Kovacs)")
-    known = {name: each.taken for name, each in swept.items()} | {
-        "modulus": RAJ["modulus"].taken,
-        "frequency": published["frequency_Hz"],
-        "preload": published["preload_N"],
-        "friction": published["friction"],
-        "law": "elastic",
-        "air": 0.0,
-        "ratio": tangential,
-    }
-    surface = 2 * math.pi * published["frequency_Hz"] * tangential * published["amplitude_m"]
-    stated = published["velocity_at_least_m_per_s"], surface
-    return [_row(motor, "speed, at least", stated, speed, known, swept, "m/s", 1.0)]
-
-
-def _kurosawa_asai(progress) -> list[dict]:
-    """Return wave power, speed and stall of the 10 MHz motor at 40 nm peak."""
-    swept = {name: getattr(sliders, name.upper()) for name in ("friction", "scatter", "number", "preload")}
-    known = {name: each.taken for name, each in swept.items()} | {"amplitude": 40e-9}
-    progress("Kurosawa and Asai: silicon sliders on 40 nm")
-    width = Unknown(name="beam", taken=9e-3, swept=(9e-3, 11e-3), unit="mm", scale=1e3)
-
-    def power(case):
-        return sliders.wave_power(case["beam"])
-
-    beam, above = "wave power at 40 nm, above", (100.0, 200.0)
-    return [
-        _row(MOTORS[4], beam, above, power, {"beam": width.taken}, {"beam": width}, "W", 1.0),
-        _row(MOTORS[4], "speed at 40 nm", 1.1, sliders.kurosawa_speed, known, swept, "m/s", 1.0),
-        _row(MOTORS[4], "stall at 40 nm", 3.5, sliders.kurosawa_stall, known, swept, "N", 1.0),
-    ]
-
-
-def _rear() -> list[dict]:
-    """Return the wave amplitude behind a slider of 10 mm, which the report calls too small compared with 5 mm."""
-    length = Unknown(name="length along the wave", taken=10e-3, swept=(5e-3, 10e-3), unit="mm", scale=1e3)
-    what = "amplitude left of 15 nm, below 1"  # the report: too small behind 10 mm, without a number
-
-    def left(case):
-        return sliders.rear_amplitude(case["length"])
-
-    return [_row(MOTORS[5], what, (0.01, 1.0), left, {"length": 10e-3}, {"length": length}, "", 1.0)]
-
-
-def _shigematsu() -> list[dict]:
-    """Return steps of 25 cycles, and of as many as no source at hand states: the slider's mass decides."""
-    unknowns = {
-        "mass": Unknown(name="mass", taken=5e-3, swept=(1e-3, 20e-3), unit="g", scale=1e3),
-        "amplitude": Unknown(name="amplitude at 100 V", taken=10e-9, swept=(5e-9, 20e-9), unit="nm", scale=1e9),
-    }
-    rows = []
-    for published, taken, swept in ((2e-9, 25, None), (0.5e-9, 12, (5, 25)), (40e-9, 110, (50, 250))):
-        own = unknowns | ({} if swept is None else {"cycles": Unknown(name="cycles", taken=taken, swept=swept)})
-        known = {name: each.taken for name, each in unknowns.items()} | {"cycles": taken}
-        what = "step of 25 cycles at 30 N" if swept is None else f"step of {published * 1e9:g} nm at 30 N"
-        rows.append(_row(MOTORS[6], what, published, _step, known, own, "nm", 1e9))
-    return rows
-
-
-def _step(case: dict) -> float:
-    return sliders.shigematsu_step(case["mass"], amplitude=case["amplitude"], cycles=case["cycles"])
-
-
-def _crest() -> list[dict]:
-    """Return the crest's own speed at 4.7 nm: the published 0.25 m/s is it, and no slider's."""
-    frequency = Unknown(name="frequency", taken=9.6e6, swept=(9.5e6, 9.7e6), unit="MHz", scale=1e-6)
-
-    def speed_of_crest(case):
-        return sliders.crest_speed(4.7e-9, case["frequency"])
-
-    known, swept, what = ({"frequency": frequency.taken}, {"frequency": frequency}, "the crest's own speed at 4.7 nm")
-    return [_row(MOTORS[7], what, (0.245, 0.255), speed_of_crest, known, swept, "m/s", 1.0)]
-
-
-def _row(motor, quantity, published, what, known, swept, unit, scale) -> dict:
-    """Return a quantity as taken, over all corners of what is unknown, and the unknown that moves it most.
-
-    ``published`` is a value, or the two ends of a range.
-    """
-    taken = what(known)
-    values = [what(known | case) for case in corners(swept)]
+def compared(comparison: Comparison, model: Callable[[dict], float]) -> dict:
+    """Return a prediction as taken, over all corners of what is unknown, and the unknown that moves it most."""
+    taken, swept = comparison.taken, comparison.swept
+    predicted = model(taken)
+    values = [predicted, *(model(taken | case) for case in corners(swept))]
     reach = {}
     for name, unknown in swept.items():
-        alone = [what(known | {name: value}) for value in unknown.swept]
+        alone = [model(taken | {name: value}) for value in unknown.swept]
         reach[unknown.name] = max(alone) / min(alone) if min(alone) > 0 else math.inf
     most = max(reach, key=reach.__getitem__)
-    low, high = min(*values, taken), max(*values, taken)
-    below, above = published if isinstance(published, tuple) else (published, published)
+    low, high = min(values), max(values)
+    ends = [MODELS[each](taken) if isinstance(each, str) else each for each in comparison.published]
+    below, above = ends[0], ends[-1]
     if below < above and below < low and high < above:
         verdict = "the whole band lies within the published range"
     elif low <= above and below <= high:
         verdict = "within the band" if below == above else "band and published range overlap"
-        verdict += f"; as taken {_apart(taken / below)}" if below == above else ""
+        verdict += f"; as taken {_apart(predicted / below)}" if below == above else ""
         if high > WIDE * low:
             wide = f"{high / low:.0f}x wide" if low > 0 else "from 0"
             verdict += f"; a band {wide} says little"
@@ -300,9 +160,10 @@ def _row(motor, quantity, published, what, known, swept, unit, scale) -> dict:
         nearer = low / above if above < low else high / below
         verdict = f"outside the band, whose nearer end is {_apart(nearer)}"
     return {
-        "motor": motor, "quantity": quantity, "published_low": below, "published_high": above, "predicted": taken,
-        "low": low, "high": high, "unit": unit, "scale": scale, "swept": ", ".join(map(str, swept.values())),
-        "most": f"{most} ({reach[most]:.2g}x)", "verdict": verdict,
+        "motor": comparison.motor, "quantity": comparison.quantity, "published_low": below, "published_high": above,
+        "predicted": predicted, "low": low, "high": high, "unit": comparison.unit, "scale": comparison.scale,
+        "swept": ", ".join(map(str, swept.values())), "most": f"{most} ({reach[most]:.2g}x)",
+        "verdict": "; ".join(filter(None, (verdict, comparison.remark))),
     }  # fmt: skip
 
 

@@ -12,18 +12,12 @@ import numpy as np
 
 import contact
 import fem
-from studies.papers.published import Unknown
 
 SURFACE, MATERIAL = "open", "LiNbO3 (Kovacs)"
 STIFFNESS = 1.8e6, 1.52e6  # N/m: silicon pillars of 20 um x 2 um on 128YX
 LENGTH = 4e-3  # m, along and across: of Kurosawa's slider
 CLASSES = 32  # of the normal distribution of the heights, equally likely
 ROWS = 50
-
-FRICTION = Unknown(name="friction coefficient", taken=0.18, swept=(0.1, 0.3))
-SCATTER = Unknown(name="scatter of the heights", taken=10e-9, swept=(5e-9, 30e-9), unit="nm", scale=1e9)
-NUMBER = Unknown(name="pillars", taken=1e4, swept=(2e3, 1e4))
-PRELOAD = Unknown(name="preload", taken=30.0, swept=(10.0, 100.0), unit="N")
 
 
 def wave(*, frequency: float, amplitude: float, width: float):

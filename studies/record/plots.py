@@ -56,9 +56,9 @@ def saved(file, draw: Callable, *, size: tuple[float, float] = SIZE, **options) 
     """Make a figure with one Axes, let it be drawn and save it; nothing is shown."""
     figure, ax = new_figure(*size, dpi=DPI)
     draw(ax)
-    # laid out once; savefig would draw everything for the layout first
+    # Laid out once: with any layout engine, also "none", savefig draws everything once more before it writes the file.
     figure.get_layout_engine().execute(figure)
-    figure.set_layout_engine("none")
+    figure.set_layout_engine(None)
     figure.savefig(file, **options)
 
 

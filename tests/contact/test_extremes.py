@@ -13,14 +13,15 @@ from contact.averaged.event_cycle import opposed
 from contact.drive import reference_speed, towards_plus
 from contact.events.collocation import collocation
 from contact.events.motion import Motion
-from studies.evidence.stability.case import VERDICTS, Case
-from studies.evidence.stability.contact import RANGES, SWEPT, built, contact_cases, corner, judge, motor
-from studies.evidence.stability.second_opinion import second_opinion
+from studies.evidence.stability import contact as part
+from studies.evidence.stability.contact import RANGES, SWEPT, VARIED, built, corner, motor
+from studies.evidence.stability.cross_check import cross_check
+from studies.evidence.stability.verdict import VERDICTS, Case, cases_of, judge
 from tests.contact.motors import orbit, slider
 
 
 def outcome(varied, value):
-    return judge(Case(part="contact", varied=varied, value=value, unit=""))
+    return judge(part, Case(part="contact", varied=varied, value=value, unit=""))
 
 
 @pytest.mark.parametrize(
@@ -34,7 +35,7 @@ def outcome(varied, value):
         ("friction_coefficient", 0.0, "right"),
         pytest.param("friction_coefficient", 5.0, "right", marks=pytest.mark.slow),
         ("radius", 1e-9, "right"),
-        ("frequency", 1.0, "flagged"),  # no witness can follow it
+        ("frequency", 1.0, "flagged"),  # no reference can follow it
         ("frequency", 1e10, "right"),
         ("load", 1e3, "right"),
         pytest.param("normal_damping", 1e6, "right", marks=pytest.mark.slow),
@@ -48,17 +49,17 @@ def test_an_extreme_is_answered_within_its_error_or_refused(varied, value, verdi
 
 @pytest.mark.slow
 def test_no_case_of_the_sweep_is_wrong():
-    outcomes = [(case, judge(case)) for case in contact_cases()]
+    outcomes = [(case, judge(part, case)) for case in cases_of("contact", VARIED)]
     wrong = [(case, found) for case, found in outcomes if found.verdict == "WRONG"]
     assert not wrong
-    # flagged: mostly cases in which the witness has not settled or cannot follow the motion (184 right, 35 flagged)
+    # flagged: mostly cases in which the reference has not settled or cannot follow the motion (184 right, 35 flagged)
     assert sum(found.verdict == "right" for _, found in outcomes) > 0.75 * len(outcomes)
     assert sum(found.verdict == "refused" for _, found in outcomes) < 0.1 * len(outcomes)
     assert max(found.seconds for _, found in outcomes) < 60.0
 
 
 def test_cases_cover_every_range_to_its_ends():
-    cases = contact_cases()
+    cases = cases_of("contact", VARIED)
     assert {case.varied for case in cases} == {*SWEPT, "corner"} >= set(RANGES)
     for name, (low, high) in RANGES.items():
         values = [case.value for case in cases if case.varied == name]
@@ -71,26 +72,26 @@ def test_cases_cover_every_range_to_its_ends():
 
 
 @pytest.mark.parametrize("A", [pytest.param(1e-9, marks=pytest.mark.slow), 5e-9])
-def test_a_second_opinion_agrees_and_sees_a_wrong_answer(A):
+def test_a_cross_check_agrees_and_sees_a_wrong_answer(A):
     from dataclasses import replace
 
     found = steady(slider(), orbit(A), tolerance=1e-6)
-    other = second_opinion(found)
+    other = cross_check(found)
     reference = reference_speed(found.velocity, found.orbits)
-    assert other.way == "stepped"
+    assert other.method == "stepped"
     assert abs(other.velocity - found.velocity) / reference < 3e-5
     # a velocity that is a hundredth off is pointed back to the true one
     for factor in (0.99, 1.02):
         wrong = replace(found.answer, value=factor * found.velocity)
-        doubted = second_opinion(replace(found, answer=wrong))
+        doubted = cross_check(replace(found, answer=wrong))
         assert abs(doubted.velocity - found.velocity) < doubted.error
         assert doubted.velocity == pytest.approx(found.velocity, rel=3e-3)
 
 
-def test_a_second_opinion_by_events_where_steps_do_not_apply():
+def test_a_cross_check_by_events_where_steps_do_not_apply():
     found = steady(slider(stick_band=1e-3, reciprocal=True), orbit(5e-9), tolerance=1e-6)
-    other = second_opinion(found)
-    assert other.way == "exact"
+    other = cross_check(found)
+    assert other.method == "exact"
     assert abs(other.velocity - found.velocity) < other.error
     assert other.velocity == pytest.approx(found.velocity, rel=1e-3)
 
@@ -174,10 +175,10 @@ def test_release_with_the_reciprocal_force_is_where_contact_is_lost():
 
 
 @pytest.mark.slow
-def test_a_height_that_is_not_forgotten_is_no_second_opinion():
+def test_a_height_that_is_not_forgotten_is_no_cross_check():
     # the damper of the contacts keeps the start's height for 8e4 cycles; the exact motion repeats with 0.37619 m/s
     body, waves = built(corner(88))
     answer = steady(body, waves, tolerance=1e-3)
     assert answer.velocity == pytest.approx(0.37618815, rel=1e-6)
     with pytest.raises(ConvergenceError, match="still depends on the start"):
-        second_opinion(answer)
+        cross_check(answer)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contact import burst, mean_motion, release_amplitude, riding_height, steady, threshold_amplitude
-from studies.evidence.stability.second_opinion import second_opinion
+from studies.evidence.stability.cross_check import cross_check
 from tests.contact.motors import FREQUENCY, orbit, slider, steady_map
 from tests.oracles.contact_springs import velocity_from_rest
 
@@ -76,8 +76,8 @@ def test_a_long_run_settles_at_the_steady_velocity(A):
     assert found.status == "ok"
     assert found.ledger.relative_residual < 1e-8
     assert abs(found.ledger.leak) < 1e-9 * abs(found.ledger.wave)  # the punch's springs have a potential
-    other = second_opinion(found)
-    assert other.way == "stepped"
+    other = cross_check(found)
+    assert other.method == "stepped"
     assert found.velocity == pytest.approx(other.velocity, abs=3.0 * other.error)
     assert other.error < 3e-4 * abs(found.velocity)
 

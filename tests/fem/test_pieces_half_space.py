@@ -241,7 +241,7 @@ def test_meshes_that_cannot_be_continued(tmp_path):
     clamped = replace(drawn, lines={("clamped" if name == "bottom" else name): v for name, v in drawn.lines.items()})
     assert "must have no other line group than bottom at its lower side" in refused(clamped)
     low = replace(drawn, points=drawn.points - [0.0, 1e-4])
-    with pytest.raises(InputError, match="must reach at its group right from the surface"):
+    with pytest.raises(InputError, match="must reach at its group left from the surface"):
         reflector(_with_pieces(stator, low, (4.0,)), frequency=2.3e6, tolerance=0.1)
     deep = _drawn(stator, rectangle(tmp_path / "deep.msh", 0.9, 9.0, size=0.45))
     with pytest.raises(InputError, match="must be drawn down to at most "):

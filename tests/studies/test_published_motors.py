@@ -11,20 +11,28 @@ from matplotlib.figure import Figure
 
 from studies.papers import published_kurosawa as model
 from studies.papers import published_motors as study
-from studies.papers.published import KUROSAWA, LEFT_ASIDE, Unknown, corners
+from studies.papers.published import Comparison, Unknown, comparisons, corners, left_aside
 from studies.record.plots import SIZE
 from studies.study import Panel
 from tests.studies.legible import assert_legible
 
-NAMES = ("friction", "preload", "amplitude", "frequency", "modulus", "law", "air")
-TAKEN = {name: KUROSAWA[name].taken for name in NAMES} | {"ratio": 0.9}
+BY_QUANTITY = {(each.motor, each.quantity): each for each in comparisons()}
+TAKEN = BY_QUANTITY["Kurosawa 1998", "speed at its amplitude"].taken
 
 
 def row(published, what=lambda case: case["a"] * case["b"], **swept):
     swept = swept or {"a": Unknown(name="A", taken=2.0, swept=(1.0, 3.0)),
                       "b": Unknown(name="B", taken=1.0, swept=(0.9, 1.2), unit="m", scale=10)}  # fmt: skip
-    known = {"a": 2.0, "b": 1.0}
-    return study._row("motor", "quantity", published, what, known, swept, "m", 1.0)
+    published = published if isinstance(published, tuple) else (published,)
+    return study.compared(
+        Comparison(motor="motor", quantity="quantity", published=published, model="", taken={"a": 2.0, "b": 1.0},
+                   swept=swept, unit="m"), what,
+    )  # fmt: skip
+
+
+def compared(motor, quantity):
+    comparison = BY_QUANTITY[motor, quantity]
+    return study.compared(comparison, study.MODELS[comparison.model])
 
 
 def test_a_band_is_every_corner_and_names_what_moves_it_most():
@@ -56,10 +64,22 @@ def test_a_published_range_is_compared_as_a_range():
 
 def test_every_row_compares_a_motor_with_its_own_prediction():
     """The seed's row holds the paper's two amplitudes; Shilton's motor, which is not computed, has no row."""
-    seed = study._seed()
+    seed = compared("Feenstra and Breedveld", "release amplitude")
     assert (seed["published_low"], seed["published_high"]) == (3e-9, 10e-9)
     assert seed["verdict"] == "the whole band lies within the published range"
-    assert any("Shilton" in what for what, _ in LEFT_ASIDE)
+    assert any("Shilton" in what for what in left_aside())
+
+
+def test_the_torque_needs_the_friction_that_its_remark_states():
+    """5.37 pN m over 41.1 uN times 0.5 mm."""
+    verdict = compared("Tjeung 2011", "torque, at most")["verdict"]
+    assert verdict.endswith(f"; needs a friction coefficient of {5.37e-9 / (41.1e-6 * 0.5e-3):.2f} at least")
+
+
+def test_every_model_of_the_table_exists_and_is_used():
+    names = {each.model for each in comparisons()}
+    names |= {end for each in comparisons() for end in each.published if isinstance(end, str)}
+    assert names == set(study.MODELS)
 
 
 def test_a_band_that_holds_anything_says_little():
@@ -92,7 +112,7 @@ def test_the_rows_of_the_picture_can_be_read():
 
 def test_the_contact_radius_is_hertz():
     radius, modulus = 0.5e-3, TAKEN["modulus"]
-    pressure = KUROSAWA.published["pressure_Pa"]
+    pressure = TAKEN["pressure"]
     # Johnson (1985), eq. 4.24 solved for the load, then eq. 4.22
     load = pressure**3 * math.pi**3 * radius**2 / (6 * modulus**2)
     expected = (3 * load * radius / (4 * modulus)) ** (1 / 3)
@@ -100,11 +120,11 @@ def test_the_contact_radius_is_hertz():
 
 
 def test_the_balls_mass_is_that_of_a_millimetre_of_steel():
-    assert KUROSAWA.published["mass_kg"] == pytest.approx(7850 * math.pi / 6 * 1e-9, rel=1e-5, abs=0)
+    assert TAKEN["mass"] == pytest.approx(7850 * math.pi / 6 * 1e-9, rel=1e-5, abs=0)
 
 
 def test_speed_and_thrust_keep_within_what_wave_and_friction_give():
-    wave = 2 * math.pi * TAKEN["frequency"] * TAKEN["ratio"] * TAKEN["amplitude"]
+    wave = 2 * math.pi * TAKEN["frequency"] * model.surface_ratio("LiNbO3 (Kovacs)") * TAKEN["amplitude"]
     assert 0.1 * wave < model.speed(TAKEN) < wave
     friction = TAKEN["friction"] * TAKEN["preload"]
     assert 0.1 * friction < model.thrust(TAKEN) < friction
@@ -143,11 +163,12 @@ def test_the_amplitude_per_volt_is_near_the_strip_charges():
     estimate = fem.transducer_estimate(solid, transducer, "open")
     # no reflections, no bulk waves in the estimate: nearer than 15 % would be luck
     expected = float(abs(estimate.normal(10e6)))
-    assert model.per_volt(pairs=10, material="LiNbO3 (Kovacs)") == pytest.approx(expected, rel=0.3, abs=0)
+    assert model.per_volt(10, "LiNbO3 (Kovacs)", 10e6) == pytest.approx(expected, rel=0.3, abs=0)
 
 
 def test_the_silicon_slider_is_slower_than_the_surface_and_meets_what_is_published():
-    (found,) = study._raj()
-    assert found["published_high"] == pytest.approx(2 * math.pi * 13.5e6 * 12e-9 * model.ratio("LiNbO3 (Kovacs)"))
+    found = compared("Raj and Behera 2025", "speed, at least")
+    ratio = model.surface_ratio("LiNbO3 (Kovacs)")
+    assert found["published_high"] == pytest.approx(2 * math.pi * 13.5e6 * 12e-9 * ratio)
     assert 0 < found["low"] < found["predicted"] < found["high"] < found["published_high"]
     assert not found["verdict"].startswith("outside")

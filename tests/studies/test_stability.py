@@ -1,4 +1,4 @@
-"""The atlas of extreme cases and the study of what is left out: verdicts that can fall, witnesses that can speak."""
+"""The atlas of extreme cases and the study of what is left out: verdicts that can fall, references that can speak."""
 
 import json
 import math
@@ -13,14 +13,13 @@ from studies.evidence.omission import OMISSIONS
 from studies.evidence.stability import chain as stability_chain
 from studies.evidence.stability import free as stability_free
 from studies.evidence.stability import stator as stability_stator
-from studies.evidence.stability.case import Case, Outcome
-from studies.evidence.stability.verdict import NoWitness, judged
+from studies.evidence.stability.verdict import Case, NoReference, Outcome, judge, judged
 from studies.refusal import RunError
 from studies.study import STUDIES
 
 
-def case_of(room, part: str, varied: str, value: float) -> Outcome:
-    return room.judge(Case(part=part, varied=varied, value=value, unit=""))
+def case_of(module, part: str, varied: str, value: float) -> Outcome:
+    return judge(module, Case(part=part, varied=varied, value=value, unit=""))
 
 
 def raising(error: Exception):
@@ -48,7 +47,7 @@ def warned():
         (lambda: (1e-3, 2e-3, True), "flagged"),
         (lambda: (1e-4, 1e-4, "the error is larger than asked for"), "flagged"),
         (raising(RunError("too thick")), "refused"),
-        (raising(NoWitness("none")), "flagged"),
+        (raising(NoReference("none")), "flagged"),
         (raising(fem.InputError("stator.length", "must be positive", 0.0, "m")), "refused"),
         (raising(ValueError("array must not contain infs")), "WRONG"),
         (raising(ZeroDivisionError("division")), "WRONG"),
@@ -60,7 +59,7 @@ def test_a_verdict_follows_error_estimate_and_what_was_raised(posed, verdict):
 
 
 @pytest.mark.parametrize(
-    ("room", "part", "varied", "value", "verdict"),
+    ("module", "part", "varied", "value", "verdict"),
     [
         (stability_free, "free wave", "Poisson's ratio", 0.4999999, "right"),
         (stability_free, "free wave", "mechanical quality", 5.0, "right"),
@@ -74,8 +73,8 @@ def test_a_verdict_follows_error_estimate_and_what_was_raised(posed, verdict):
         (stability_stator, "stator", "thickness, thick", 100.0, "refused"),
     ],
 )
-def test_a_few_cases_come_out_as_they_should(room, part, varied, value, verdict):
-    outcome = case_of(room, part, varied, value)
+def test_a_few_cases_come_out_as_they_should(module, part, varied, value, verdict):
+    outcome = case_of(module, part, varied, value)
     assert outcome.verdict == verdict, outcome
     assert bool(outcome.guard) == (verdict != "right")
 
@@ -87,7 +86,7 @@ def test_a_lossy_layer_under_a_tilted_cut_is_judged_by_its_own_convergence():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("varied", ["source impedance", "three contacts", "mirror image", "load"])
-def test_the_chain_s_witnesses_agree(varied):
+def test_the_chain_agrees_with_its_references(varied):
     for value in stability_chain.VARIED[varied][1]:
         assert case_of(stability_chain, "chain", varied, value).verdict == "right"
 

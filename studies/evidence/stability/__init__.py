@@ -16,7 +16,7 @@ from collections import Counter
 from collections.abc import Callable
 from importlib import import_module
 
-from studies.evidence.stability.case import VERDICTS
+from studies.evidence.stability.verdict import VERDICTS, cases_of, judge
 from studies.record.plots import finished, saved
 from studies.record.text import markdown
 from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
@@ -48,17 +48,17 @@ def run(*, parts: tuple[str, ...] = tuple(PARTS), cases: int | None = None, prog
     progress : callable, optional
         Function that receives a message for each case.
     """
-    modules = {part: import_module(f"studies.evidence.stability.{PARTS[part]}") for part in parts}
     selected = [
-        (module.judge, case)
-        for part, module in modules.items()
-        for case in _some(getattr(module, f"{PARTS[part]}_cases")(), cases)
+        (module, case)
+        for part in parts
+        for module in [import_module(f"studies.evidence.stability.{PARTS[part]}")]
+        for case in _some(cases_of(part, module.VARIED), cases)
     ]
     rows = []
-    for number, (judge, case) in enumerate(selected, start=1):
+    for number, (module, case) in enumerate(selected, start=1):
         value = f"{case.value:g} {case.unit}".rstrip()
         progress(f"stability: {number} of {len(selected)}, {case.part}, {case.varied} {value}")
-        rows.append(_row(case, judge(case)))
+        rows.append(_row(case, judge(module, case)))
     return [_panel(part, [row for row in rows if row["part"] == part]) for part in parts], _findings(rows)
 
 

@@ -2,7 +2,7 @@
 
 Method: the seed's slider on a wave of 5 nm; one quantity at a time, and then all at random between their ends, laws and
 numbers of balls too.  The steady velocity is asked for at 1e-3 and held against runs in time that start at it
-(`second_opinion`).  Expected: an answer within its stated error, an answer that says that it is not within the
+(`cross_check`).  Expected: an answer within its stated error, an answer that says that it is not within the
 tolerance, or a refusal with the reason; never NaN, never a traceback.  Run time: about a minute of one processor.
 """
 
@@ -13,9 +13,8 @@ import numpy as np
 
 import contact
 from contact.drive import relative_to_reference
-from studies.evidence.stability.case import Case, Outcome, cases_of
-from studies.evidence.stability.second_opinion import second_opinion
-from studies.evidence.stability.verdict import NoWitness, judged
+from studies.evidence.stability.cross_check import cross_check
+from studies.evidence.stability.verdict import Case, Comparison, NoReference
 
 TOLERANCE = 1e-3
 CORNERS = 120
@@ -41,6 +40,7 @@ SWEPT = {
     "load": ("N", (1e-7, 1e-5, 5e-5, 1e-4, 1e-2, 1.0, 1e3)),
     "tangential_ratio": ("", (0.0, 1e-3, 1.0, 10.0, 1e3)),
 }
+VARIED = SWEPT | {"corner": ("", range(CORNERS))}
 # ranges of the quantities in a corner; quantities in MAY_BE_ZERO are zero in one of four draws
 RANGES = {
     "moduli over the seed's": (1e-3, 1e3), "preload": (1e-9, 1e3), "amplitude": (1e-12, 1e-5),
@@ -51,11 +51,6 @@ RANGES = {
 MAY_BE_ZERO = (
     "stick_band", "contact_damping", "normal_damping", "tangential_damping", "load", "preload", "friction_coefficient",
 )  # fmt: skip
-
-
-def contact_cases() -> list[Case]:
-    """Return the cases: one quantity at a time, then the corners."""
-    return cases_of("contact", SWEPT | {"corner": ("", range(CORNERS))})
 
 
 def motor(case: Case):
@@ -98,21 +93,17 @@ def corner(number: int) -> dict:
     return values
 
 
-def judge(case: Case) -> Outcome:
-    """Return the outcome of a case."""
-
-    def posed():
-        slider, orbits = motor(case)
-        answer = contact.steady(slider, orbits, tolerance=TOLERANCE)
-        try:
-            other = second_opinion(answer)
-        except contact.ConvergenceError as lacking:
-            raise NoWitness(str(lacking)) from None
-        error, own = (
-            relative_to_reference(each, answer.velocity, orbits)
-            for each in (other.velocity - answer.velocity, other.error)
-        )
-        # the reference is often less accurate than the answer: subtract twice its error
-        return max(error - 2.0 * own, 0.0), answer.relative_error, answer.status == "ok" or answer.message
-
-    return judged(posed, TOLERANCE)
+def compared(case: Case, tolerance: float) -> Comparison:
+    """Return error, estimate and status of a case."""
+    slider, orbits = motor(case)
+    answer = contact.steady(slider, orbits, tolerance=tolerance)
+    try:
+        reference = cross_check(answer)
+    except contact.ConvergenceError as lacking:
+        raise NoReference(str(lacking)) from None
+    error, own = (
+        relative_to_reference(each, answer.velocity, orbits)
+        for each in (reference.velocity - answer.velocity, reference.error)
+    )
+    # the reference is often less accurate than the answer: subtract twice its error
+    return max(error - 2.0 * own, 0.0), answer.relative_error, answer.status == "ok" or answer.message

@@ -11,10 +11,8 @@ from dataclasses import replace
 import numpy as np
 
 import fem
-from studies.evidence.stability.case import Case, Outcome, cases_of
-from studies.evidence.stability.verdict import judged
+from studies.evidence.stability.verdict import Case, Comparison
 
-PART = "free wave"
 FREQUENCY = 2.2e6
 CUTS = (
     ("PZT-8", "Z"),
@@ -42,28 +40,17 @@ TOLERANCE = 1e-4
 YOUNG, DENSITY = 70e9, 2700.0
 
 
-def free_cases() -> list[Case]:
-    """Return the cases of the free wave."""
-    return cases_of(PART, VARIED)
+def compared(case: Case, tolerance: float) -> Comparison:
+    """Return error, estimate and status of a case."""
+    if case.varied.startswith("Poisson"):
+        return _isotropic(tolerance, poisson=case.value)
+    if case.varied == "mechanical quality":
+        return _isotropic(tolerance, quality=case.value)
+    return _crystal(case.varied, case.value, tolerance)
 
 
-def judge(case: Case) -> Outcome:
-    """Return the outcome of a case."""
-    name, value = case.varied, case.value
-    tolerance = value if name.startswith("tolerance") else TOLERANCE
-
-    def posed():
-        if name.startswith("Poisson"):
-            return _isotropic(tolerance, poisson=value)
-        if name == "mechanical quality":
-            return _isotropic(tolerance, quality=value)
-        return _crystal(name, value, tolerance)
-
-    return judged(posed, tolerance)
-
-
-def _isotropic(tolerance: float, *, poisson: float = 0.3, quality: float = math.inf) -> tuple[float, float, bool]:
-    """Return (error, estimate, True) for an isotropic half-space, see `verdict.judged`."""
+def _isotropic(tolerance: float, *, poisson: float = 0.3, quality: float = math.inf) -> Comparison:
+    """Compare an isotropic half-space."""
     solid = fem.isotropic(
         name="isotropic", youngs_modulus=YOUNG, poisson_ratio=poisson, density=DENSITY, mechanical_quality=quality
     )  # fmt: skip
@@ -75,7 +62,7 @@ def _isotropic(tolerance: float, *, poisson: float = 0.3, quality: float = math.
     return float(max(error, abs(wave.attenuation + k.imag) / abs(k))), wave.relative_error, True
 
 
-def _crystal(name: str, value: float, tolerance: float) -> tuple[float, float, bool]:
+def _crystal(name: str, value: float, tolerance: float) -> Comparison:
     material, orientation = CUTS[int(value)] if name == "cut" else CUTS[0]
     solid = replace(fem.rotated(fem.material(material), orientation), mechanical_quality=math.inf, dielectric_loss=0.0)
     if name in ("stiffness", "density", "permittivity", "coupling"):

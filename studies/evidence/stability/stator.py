@@ -13,12 +13,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import fem
-from studies.evidence.stability.case import Case, Outcome, cases_of
+from studies.evidence.stability.reference import against
 from studies.evidence.stability.resonance import cut_off, piece_resonance
-from studies.evidence.stability.verdict import judged
-from studies.evidence.stability.witness import compared
+from studies.evidence.stability.verdict import Case, Comparison
 
-PART = "stator"
 TOLERANCE = 1e-3
 BALANCE = 1e-7  # allowed error of the power balance over the apparent power; the measured ones are up to 1e-9
 ENDS = ("absorbing", "free", "clamped")
@@ -143,18 +141,6 @@ def _cut(number: float) -> Motor:
     return small_motor(*CUTS[int(number)])
 
 
-def _fed_through(impedance: float) -> Motor:
-    return replace(small_motor(), source_impedance=impedance)
-
-
-def _below_vacuum(factor: float) -> Motor:
-    return _times("permittivity")(factor).section(above="vacuum")
-
-
-def _terminated(number: float) -> Motor:
-    return other_motor(small_motor(), termination=TERMINATIONS[int(number)])
-
-
 def _stiff(factor: float) -> Motor:
     """Return the motor with a stiffness multiplied by a factor, at the frequency that keeps its size in wavelengths."""
     motor = small_motor()
@@ -174,16 +160,14 @@ def _one(key: str) -> Callable[[float], Motor]:
     return lambda value: small_motor().solid(**{key: value})
 
 
-def _cut_off(distance: float) -> Motor:
-    """Return a lossless plate at a relative distance from the cut-off of a mode of the discretisation that is used."""
-    motor = _lossless(small_motor())
-    return replace(motor, frequency=cut_off(motor) * (1 + distance))
+def _near(singular: Callable[[Motor], float]) -> Callable[[float], Motor]:
+    """Return a lossless plate at a relative distance from a frequency that is singular in its discretisation."""
 
+    def motor(distance: float) -> Motor:
+        plate = _lossless(small_motor())
+        return replace(plate, frequency=singular(plate) * (1 + distance))
 
-def _resonant(distance: float) -> Motor:
-    """Return a lossless plate at a relative distance from a clamped piece's resonance in the same discretisation."""
-    motor = _lossless(small_motor())
-    return replace(motor, frequency=piece_resonance(motor) * (1 + distance))
+    return motor
 
 
 # quantity: unit, values, motor as a function of the value, kind of reference
@@ -210,24 +194,23 @@ VARIED: dict[str, tuple[str, tuple, Callable[[float], Motor], str]] = {
     "cut": ("", tuple(range(len(CUTS))), _cut, "finer"),
     "cut, half-space": ("", (0, 1, 3), lambda number: _cut(number).section(thickness=math.inf), "finer"),
     "cut, no loss": ("", tuple(range(len(CUTS))), lambda number: _lossless(_cut(number)), "finer"),
-    "distance from a cut-off": ("", (0.0, 1e-12, 1e-9, 1e-6, 1e-3), _cut_off, "finer"),
-    "distance from a piece's resonance": ("", (0.0, 1e-14, 1e-12, 1e-9, 1e-6), _resonant, "finer"),
-    "source impedance": ("ohm", (1e-9, 1.0, 1e3, 1e6, 1e9), _fed_through, "circuit"),
-    "termination": ("", tuple(range(len(TERMINATIONS))), _terminated, "finer"),
-    "vacuum above, permittivity": ("times", (1e-2, 1.0, 1e2), _below_vacuum, "finer"),
-}
+    "distance from a cut-off": ("", (0.0, 1e-12, 1e-9, 1e-6, 1e-3), _near(cut_off), "finer"),
+    "distance from a piece's resonance": ("", (0.0, 1e-14, 1e-12, 1e-9, 1e-6), _near(piece_resonance), "finer"),
+    "source impedance": (
+        "ohm", (1e-9, 1.0, 1e3, 1e6, 1e9), lambda impedance: replace(small_motor(), source_impedance=impedance),
+        "circuit",
+    ),
+    "termination": (
+        "", tuple(range(len(TERMINATIONS))),
+        lambda number: other_motor(small_motor(), termination=TERMINATIONS[int(number)]), "finer",
+    ),
+    "vacuum above, permittivity": (
+        "times", (1e-2, 1.0, 1e2), lambda factor: _times("permittivity")(factor).section(above="vacuum"), "finer",
+    ),
+}  # fmt: skip
 
 
-def stator_cases() -> list[Case]:
-    """Return the cases of the driven stator."""
-    return cases_of(PART, VARIED)
-
-
-def judge(case: Case) -> Outcome:
-    """Return the outcome of a case."""
-    _, _, motor, witness = VARIED[case.varied]
-
-    def posed():
-        return compared(motor(case.value), witness, TOLERANCE, BALANCE)
-
-    return judged(posed, TOLERANCE)
+def compared(case: Case, tolerance: float) -> Comparison:
+    """Return error, estimate and status of a case."""
+    _, _, motor, reference = VARIED[case.varied]
+    return against(motor(case.value), reference, tolerance, BALANCE)

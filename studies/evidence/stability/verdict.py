@@ -1,4 +1,11 @@
-"""The verdict on a case of the stability study, from the comparison with a reference or from an exception.
+"""A case of the stability study, and the verdict on it from the comparison with a reference or from an exception.
+
+A case sets a quantity of one part of the program to an extreme value. There are four verdicts:
+
+- "right": two solutions that share only the model agree within their stated errors;
+- "flagged": there is an answer, and its status says that it does not meet the tolerance;
+- "refused": there is no answer, and a message states the reason;
+- "WRONG": the answer is outside its stated error, NaN, or an unexpected exception.
 
 An answer is WRONG if its error exceeds twice its estimate and also a hundredth of the tolerance. Smaller errors are
 accepted, because estimates are not required to be accurate there. A warning of the arithmetic (overflow, invalid value)
@@ -9,31 +16,89 @@ import math
 import time
 import warnings
 from collections.abc import Callable
+from dataclasses import dataclass
+from types import ModuleType
 
 import contact
 import fem
-from studies.evidence.stability.case import Outcome
 from studies.refusal import RunError, SceneError
 
+VERDICTS = ("right", "flagged", "refused", "WRONG")
 PROMISED = 2.0  # largest permitted ratio of true error to estimate
 UNASKED = 1e-2  # error over tolerance below which the estimate is not judged
+REFUSALS = (SceneError, RunError, fem.ConvergenceError, contact.ConvergenceError, fem.InputError, contact.InputError)
+# error, its estimate, and True or the status of an answer that does not meet the tolerance
+Comparison = tuple[float, float, bool | str]
 
 
-class NoWitness(RuntimeError):
+class NoReference(RuntimeError):
     """There is an answer, but no reference to compare it with."""
 
 
-def judged(posed: Callable[[], tuple[float, float, bool | str]], tolerance: float) -> Outcome:
-    """Return the outcome of a case.
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """One extreme value of one quantity.
 
-    Parameters
+    Attributes
     ----------
-    posed : callable
-        Function that computes answer and reference and returns the error, its estimate, and True or the status of an
-        answer that does not meet the tolerance.
-    tolerance : float
-        Requested relative tolerance.
+    part : str
+        "free wave", "stator", "contact" or "chain".
+    varied : str
+        Name of the quantity, or "corner" for a random combination of extreme values.
+    value : float
+        Value of the quantity, or number of the corner.
+    unit : str
+        SI unit; "" for a dimensionless quantity.
     """
+
+    part: str
+    varied: str
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """The outcome of a case.
+
+    Attributes
+    ----------
+    verdict : str
+        One of `VERDICTS`.
+    guard : str
+        Status of the answer or message of the refusal; "" for an answer without a remark.
+    relative_error : float
+        Difference between answer and reference, normalised as the estimate; nan without a reference.
+    relative_estimate : float
+        Stated relative error; nan without an answer.
+    seconds : float
+        Processor time.
+    """
+
+    verdict: str
+    guard: str
+    relative_error: float
+    relative_estimate: float
+    seconds: float
+
+
+def cases_of(part: str, varied: dict[str, tuple]) -> list[Case]:
+    """Return the cases of quantities by name, each a tuple that begins with its unit and its values."""
+    return [
+        Case(part=part, varied=name, value=float(value), unit=unit)
+        for name, (unit, values, *_) in varied.items()
+        for value in values
+    ]
+
+
+def judge(part: ModuleType, case: Case) -> Outcome:
+    """Return the outcome of a case of a part: a module with ``TOLERANCE``, ``VARIED`` and ``compared``."""
+    tolerance = case.value if case.varied.startswith("tolerance") else part.TOLERANCE
+    return judged(lambda: part.compared(case, tolerance), tolerance)
+
+
+def judged(compared: Callable[[], Comparison], tolerance: float) -> Outcome:
+    """Return the outcome of a function that computes answer and reference, asked for with a relative tolerance."""
     start_time = time.process_time()
 
     def outcome(verdict: str, guard: str = "", error: float = math.nan, estimate: float = math.nan) -> Outcome:
@@ -48,17 +113,10 @@ def judged(posed: Callable[[], tuple[float, float, bool | str]], tolerance: floa
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            error, estimate, kept = posed()
-    except NoWitness as lacking:
-        return outcome("flagged", f"answered, but no witness: {lacking}")
-    except (
-        SceneError,
-        RunError,
-        fem.ConvergenceError,
-        contact.ConvergenceError,
-        fem.InputError,
-        contact.InputError,
-    ) as refusal:
+            error, estimate, kept = compared()
+    except NoReference as lacking:
+        return outcome("flagged", f"answered, but without a reference: {lacking}")
+    except REFUSALS as refusal:
         return outcome("refused", str(refusal))
     except Exception as defect:
         return outcome("WRONG", f"{type(defect).__name__}: {defect}")

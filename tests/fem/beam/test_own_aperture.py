@@ -10,7 +10,7 @@ from fem.beam import point_potential
 from fem.beam.electrode_charges import electrode_charges
 from fem.beam.line_source import LineSource
 from fem.beam.own_aperture import STEPS, _between_mirrors, finger_coupling, sheet_lengths
-from fem.beam.point_potential import PointPotential
+from fem.beam.point_potential import StripPotential
 from fem.beam.reception import aperture_coupling, with_apertures
 from fem.condense.transducer import finger_ports
 from fem.geometry import Transducer
@@ -45,7 +45,7 @@ def one_mode(k: complex, potential: complex = 1.0, slope: complex = 0.0) -> Line
 def test_a_mode_is_a_double_integral_of_a_hankel_function(k):
     x = np.array([0.0, 0.3e-3, 2e-3, 6e-3])
     mean = [over_the_aperture(lambda y, x=each: k / 2 * hankel2(0, k * np.hypot(x, y))) for each in x]
-    found = PointPotential(one_mode(k), 8e-3).strips(x, np.array([0.01e-3, 1e-3, APERTURE]))[-1] / APERTURE
+    found = StripPotential(one_mode(k), x, APERTURE)(np.array([0.01e-3, 1e-3, APERTURE]))[-1] / APERTURE
     np.testing.assert_allclose(found, mean, atol=1e-7)
     if k.imag > -100:
         coupling = aperture_coupling(np.array([k]), APERTURE, APERTURE, x[-1])[0]
@@ -56,7 +56,7 @@ def test_the_static_pole_is_a_double_integral_of_a_logarithm():
     x = np.array([0.0, 0.3e-3, 2e-3, 6e-3])
     mean = [over_the_aperture(lambda y, x=each: np.log(np.hypot(x, y)) / np.pi).real for each in x]
     source = one_mode(6300 - 1j, potential=0.0, slope=1.0)
-    found = PointPotential(source, 8e-3).strips(x, np.array([APERTURE]))[0] / APERTURE
+    found = StripPotential(source, x, APERTURE)(np.array([APERTURE]))[0] / APERTURE
     np.testing.assert_allclose(found, mean, atol=1e-8)
 
 
@@ -68,10 +68,10 @@ def test_wide_strips_take_the_path_of_steepest_descent(monkeypatch):
         potential=np.array([1.0, 0.4j, -0.3]),
     )
     x, lengths = np.array([0.0, 0.3e-3, 2e-3, 9e-3]), np.array([0.2e-3, 3e-3, 55e-3, 58e-3, 60e-3])
-    table = PointPotential(source, 0.07)
-    direct = table.strips(x, lengths)
+    table = StripPotential(source, x, lengths[-1])
+    direct = table(lengths)
     monkeypatch.setattr(point_potential, "MAX_PANELS", 0)
-    found = table.strips(x, lengths)
+    found = StripPotential(source, x, lengths[-1])(lengths)
     np.testing.assert_allclose(found, direct, rtol=1e-6)
     assert abs(found[2:] - direct[2:]).max() > 0
 

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fem.condense.columns import condensed, lines
+from fem.condense.columns import columns_from_left, condensed
 from fem.condense.join import exchanged, joined, repeated
 from fem.condense.transducer import Condensation, FingerShape, finger_cell, half_cells
 from fem.discretize.grading import Resolution
@@ -29,7 +29,7 @@ def depth(request):
 
 def widths(piece):
     """Widths of a piece's columns from left to right."""
-    return [column.width for _, column, _ in lines(piece, np.zeros(len(piece.matrix)))]
+    return [column.width for _, column, _ in columns_from_left(piece, np.zeros(len(piece.matrix)))]
 
 
 def close(one, other, tolerance=1e-11):
@@ -97,7 +97,7 @@ def test_mirrored_half_is_the_other_half():
         assert close(falling.matrix, computed.matrix)
         assert (widths(falling)) == pytest.approx((widths(rising))[::-1], rel=1e-14)
         sides = np.sin(1.0 + np.arange(2 * depth.size + 2))
-        for ours, theirs in zip(lines(falling, sides), lines(computed, sides), strict=True):
+        for ours, theirs in zip(columns_from_left(falling, sides), columns_from_left(computed, sides), strict=True):
             assert ours[0] == pytest.approx(theirs[0], rel=1e-12)
             assert close(ours[2], theirs[2], 1e-9)
 
@@ -132,7 +132,7 @@ def test_lines_between_carry_no_force(depth):
     cell = finger_cell(Condensation(depth, FREQUENCY), SHAPE, RESOLUTION)
     block = repeated(joined(cell, exchanged(cell)), 2)
     sides = np.cos(1.0 + np.arange(2 * n + 2)).astype(complex)
-    columns = list(lines(block, sides, 5.0))
+    columns = list(columns_from_left(block, sides, 5.0))
     assert [start for start, _, _ in columns] == pytest.approx(
         5.0 + np.append(0.0, np.cumsum(widths(block))[:-1]), rel=1e-12
     )

@@ -18,32 +18,27 @@ from fem import (
     solve_driven,
     surface_of,
 )
-from studies.evidence.stability.verdict import NoWitness
+from studies.evidence.stability.verdict import Comparison, NoReference
 
 
-def compared(motor, witness: str, tolerance: float, balance: float) -> tuple[float, float, bool | str]:
-    """Solve a motor and compare it with a reference.
+def against(motor, kind: str, tolerance: float, balance: float) -> Comparison:
+    """Solve a motor and compare motion or admittance with a reference, whichever has the larger error over estimate.
 
     Parameters
     ----------
     motor : studies.evidence.stability.stator.Motor
-    witness : str
+    kind : str
         "direct", "size", "circuit" or "finer".
     tolerance : float
         Relative tolerance of the motion.
     balance : float
         Bound on the residual of the power balance over the apparent power.
-
-    Returns
-    -------
-    error, estimate, kept
-        Values for motion or admittance, whichever has the larger ratio of error to estimate; see `verdict.judged`.
     """
     wave = motor.wave(tolerance)
     try:
-        admittance, motion = WITNESSES[witness](motor, wave)
+        admittance, motion = REFERENCES[kind](motor, wave)
     except ConvergenceError as lacking:
-        raise NoWitness(str(lacking)) from None
+        raise NoReference(str(lacking)) from None
     if not wave.power_residual < balance:
         return wave.power_residual, 0.0, "the power balance does not close"
     pairs = [(_difference(wave.motion(motor.place), motion), wave.relative_error)]
@@ -107,4 +102,4 @@ def _circuit(motor, _) -> tuple[complex, np.ndarray]:
     return admittance, motion / (1 + motor.source_impedance * admittance)
 
 
-WITNESSES = {"direct": _direct, "finer": _finer, "size": _size, "circuit": _circuit}
+REFERENCES = {"direct": _direct, "finer": _finer, "size": _size, "circuit": _circuit}

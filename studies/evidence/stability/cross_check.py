@@ -34,7 +34,7 @@ BESIDE, HIGHER, STILL = 1e-2, 0.1, 1e-4
 
 
 @dataclass(frozen=True, kw_only=True)
-class SecondOpinion:
+class CrossCheck:
     """A steady velocity from runs in time.
 
     Attributes
@@ -43,7 +43,7 @@ class SecondOpinion:
         m/s.
     error : float
         Estimated error in m/s, from the resolutions and the remaining settling.
-    way : str
+    method : str
         "stepped" or "exact".
     cycles : int
         Number of computed cycles.
@@ -51,11 +51,11 @@ class SecondOpinion:
 
     velocity: float
     error: float
-    way: str
+    method: str
     cycles: int
 
 
-def second_opinion(state: SteadyState) -> SecondOpinion:
+def cross_check(state: SteadyState) -> CrossCheck:
     """Return the steady velocity to which runs in time from an answer extrapolate.
 
     Parameters
@@ -106,8 +106,8 @@ def second_opinion(state: SteadyState) -> SecondOpinion:
             higher = _quarters(_rows(problem, stepped, resolutions[0], begin, cycles))[1]
             if abs(higher - b2) > max(error, STILL * reference):
                 raise ConvergenceError("not settled", f"the velocity still depends on the start after {cycles} cycles")
-    return SecondOpinion(
-        velocity=float(side * settled[-1] * unit), error=float(error * unit), way="stepped" if stepped else "exact",
+    return CrossCheck(
+        velocity=float(side * settled[-1] * unit), error=float(error * unit), method="stepped" if stepped else "exact",
         cycles=cycles,
     )  # fmt: skip
 
