@@ -1,14 +1,13 @@
-r"""Roots: of a scalar function between two points, and of what is known at the nodes of a segment.
+r"""Roots of a scalar function between two points, and of the interpolant of values at the nodes of a segment.
 
-*Bracketed*: regula falsi with the modification of Anderson and Bjorck (BIT 13 (1973) 253) and a bisection now and then,
-`bracketed`, or for a loop of one's own two steps in turn: `trial` says where to evaluate next, `narrowed` takes the
-value.
+*Bracketed roots* (`bracketed`): regula falsi with the modification of Anderson and Bjorck (BIT 13 (1973) 253), and
+every twelfth step a bisection. A loop that evaluates the function itself uses its two halves: `trial` returns the next
+point, and `narrowed` the new bracket.
 
-*Of an interpolant*: its first sign change.
-
-Values at Chebyshev-Lobatto points in sigma on [-1, 1] define a polynomial (barycentric formula, Berrut and Trefethen,
-SIAM Review 46 (2004) 501). A guard is positive until its first root; even roots and several roots between two nodes
-are searched too.
+*Roots of an interpolant* (`first_root`): values at Chebyshev-Lobatto points in sigma on [-1, 1] define a polynomial
+(barycentric formula, Berrut and Trefethen, SIAM Review 46 (2004) 501). A guard is positive until its first root.
+Between two nodes it may also turn negative and positive again, or touch zero; this is searched where the values and
+slopes at the nodes allow it.
 """
 
 from contact.jit.compiled import compiled, formula
@@ -45,7 +44,7 @@ def bracketed(function, a: float, b: float, *, tolerance: float = 0.0) -> float:
 
 @formula
 def trial(a, fa, b, fb, count):
-    """Return where a bracketed root is to be tried next: the secant's zero, every twelfth time the middle."""
+    """Return the next point at which a bracketed function is evaluated: the secant's zero, or the middle."""
     x = b - fb * (b - a) / (fb - fa)
     if not min(a, b) < x < max(a, b) or count % 12 == 11:
         x = 0.5 * (a + b)
@@ -54,10 +53,13 @@ def trial(a, fa, b, fb, count):
 
 @formula
 def narrowed(a, fa, b, fb, x, f):
-    """Return the bracket (a, fa, b, fb) after f was found at x, which becomes b; fa may be scaled down."""
+    """Return the bracket (a, fa, b, fb) with the value f at x, which becomes b.
+
+    If a stays, fa is reduced by Anderson and Bjorck's factor, so that the next secant does not end on the same side.
+    """
     if (f > 0.0) == (fb > 0.0):
-        kept = 1.0 - f / fb
-        return a, fa * (kept if kept > 0.0 else 0.5), x, f
+        factor = 1.0 - f / fb
+        return a, fa * (factor if factor > 0.0 else 0.5), x, f
     return b, fb, x, f
 
 
@@ -87,15 +89,15 @@ def root(a, b, sigma, bary, values):
 @compiled
 def largest(values):
     """Return the largest magnitude."""
-    most = 0.0
+    result = 0.0
     for k in range(values.size):
-        most = max(most, abs(values[k]))
-    return most
+        result = max(result, abs(values[k]))
+    return result
 
 
 @compiled
 def _wiggles(u, v, du, dv):
-    """Return whether the cubic with these ends and end slopes (times width) turns within the interval."""
+    """Return True if the cubic with the end values u, v and end slopes du, dv (times width) has an extremum inside."""
     quadratic, linear = 3.0 * (2.0 * (u - v) + du + dv), 2.0 * (3.0 * (v - u) - 2.0 * du - dv)
     if (du < 0.0) != (dv < 0.0):
         return True
@@ -106,15 +108,15 @@ def _wiggles(u, v, du, dv):
 
 @compiled
 def first_root(sigma, bary, rates, values):
-    """Return the earliest place in sigma where a guard turns negative, 2.0 if nowhere.
+    """Return the smallest sigma at which a guard turns negative, 2.0 if it does not.
 
-    Even roots and several roots between two nodes are searched where the cubic through values and slopes turns close
-    enough to zero; what the nodes resolve is then found.
+    An interval between two nodes is searched for further roots if the cubic through the values and slopes at its ends
+    has an extremum inside and may come close to zero.
     """
     n = sigma.size
     for j in range(1, n):
         low = min(values[j - 1], values[j])
-        # how far the cubic may reach below its ends: the slopes are wanted only where that may matter
+        # an upper estimate of how far the cubic reaches below its ends, without the slopes, which cost a sum each
         steps = abs(values[j] - values[j - 1])
         if j > 1:
             steps = max(steps, abs(values[j - 1] - values[j - 2]))
@@ -147,9 +149,10 @@ def _slope(rates, j, values):
 
 @compiled
 def _searched(start, stop, sigma, bary, values):
-    """Return the first place between two nodes where the interpolant turns negative, 2.0 if nowhere.
+    """Return the first sigma between two nodes at which the interpolant turns negative, 2.0 if it does not.
 
-    Negative beyond the rounding of the interpolation: a guard that starts from zero with zero slope is no root.
+    Values within the rounding of the interpolation do not count as negative: a guard that starts from zero with zero
+    slope has no root there.
     """
     rounding = -1e-13 * largest(values)
     parts = 8

@@ -34,10 +34,11 @@ if TYPE_CHECKING:
     from studies.record.record import Record
     from studies.refusal import RunError, SceneError
     from studies.report.datasheet import Datasheet, datasheet
-    from studies.scene.blocks import Drive, IsotropicSolid, PiezoelectricSolid, Stator, Transducer
+    from studies.scene.blocks import IsotropicSolid, PiezoelectricSolid, Stator, Transducer
+    from studies.scene.drive import Drive, Wave
     from studies.scene.file import shipped_scenes
     from studies.scene.scene import Scene
-    from studies.scene.slider import Damping, Slider, Wave
+    from studies.scene.slider import Damping, Slider
     from studies.sweeps import Sweep, sweep
 
 _PUBLIC = {
@@ -53,10 +54,11 @@ _PUBLIC = {
     "record.record": "Record",
     "refusal": "RunError SceneError",
     "report.datasheet": "Datasheet datasheet",
-    "scene.blocks": "Drive IsotropicSolid PiezoelectricSolid Stator Transducer",
+    "scene.blocks": "IsotropicSolid PiezoelectricSolid Stator Transducer",
     "scene.file": "shipped_scenes",
     "scene.scene": "Scene",
-    "scene.slider": "Damping Slider Wave",
+    "scene.slider": "Damping Slider",
+    "scene.drive": "Drive Wave",
     "sweeps": "Sweep sweep",
 }  # names by the module that defines them
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names.split()}

@@ -42,10 +42,11 @@ from contact.codes import Slips
 from contact.jit.compiled import compiled, native
 from contact.law.protocol import slip_limit
 
-# events of a contact in a cycle; phases of a cycle at which (3) and (4) of a bent limit are evaluated
+# Largest number of events of a contact in a cycle; phases per cycle at which (3) and (4) of a bent limit are evaluated
 MAX_EVENTS, SCANNED = 60, 128
-# Newton steps in rad at which the search for an event ends. The next step would be the square of this one. Means err by
-# the square of that, the friction power of closed integrals by that itself.
+# Newton step in rad at which the search for an event ends: with quadrature, and with closed integrals. The remaining
+# error e of the phase is about the square of this step. The means err by e^2, but the friction power of closed
+# integrals by e.
 ROOT, CLOSED_ROOT = 1e-5, 1e-9
 
 
@@ -59,7 +60,7 @@ class Each(IntEnum):
     TANGENTIAL_COS = 4
     TANGENTIAL_SIN = 5
     FRICTION = 6  # mean power lost to friction, per radian
-    SHARE = 7  # part of the cycle in contact
+    SHARE = 7  # fraction of the cycle in contact
 
 
 class MeanForces(NamedTuple):
@@ -98,6 +99,7 @@ def _crossing(path, alpha, beta, anchor, low, high, rises, close):
 
     `rises`: whether it is negative at `low` and positive at `high`; else the other way round. `close`: see `ROOT`.
     """
+    # of one harmonic: base + co cos phi + si sin phi + drift phi
     a, b, d, e = first_harmonic(path)
     co, si, drift = alpha * a + beta * d, alpha * b + beta * e, -beta * path.v
     base, phi = alpha * path.h + beta * (anchor.x - anchor.y), 0.5 * (low + high)
@@ -169,7 +171,8 @@ def _next_slip(problem, path, s, window, anchor, start, stop, close):
         low, high = low + shift, high + shift
     while low < stop:
         a, b = max(low, start), min(high, stop)
-        # below rounding: a spring that comes back to its limit after a whole cycle of stick has not slipped
+        # The margin must be negative beyond rounding: a contact that sticks for a whole cycle and returns to its limit
+        # has not slipped.
         if b > a and _stick_margin(problem, path, s, anchor, b) < -1e-14:
             return _crossing(path, problem.law.limit_rate(problem, 0.0), -s, anchor, a, b, False, close)
         low, high = low + TURN, high + TURN
@@ -178,33 +181,36 @@ def _next_slip(problem, path, s, window, anchor, start, stop, close):
 
 @compiled
 def _add_stick(problem, path, rule, work, start, stop, anchor):
-    """Add the integrals of a time of stick, cut where x = 0 (5), at which the force of a ball is not smooth."""
+    """Add the integrals over an interval of stick, cut where x = 0, at which the force of a ball is not smooth.
+
+    Between two turning points of y (5) x is monotonic and has at most one zero. They are computed for the first
+    harmonic: y' = 0 where e cos phi - d sin phi = v, that is at centre - half and centre + half in every cycle.
+    """
     offset = anchor.x - anchor.y
     if rule.weight.size == 0:
         add_integrals(problem, path, rule, work, start, stop, 0.0, offset)
         return
     _, _, d, e = first_harmonic(path)
     size = np.hypot(d, e)
-    # y of the first harmonic turns at centre - half, centre + half, and so on in every cycle
     centre, half = np.arctan2(-d, e), 0.0
     if abs(path.v) < size:
         half = np.arccos(path.v / size)
         centre += TURN * np.floor((start - centre + half) / TURN)
-    begin, left, before, side = start, start, anchor.x, 0
+    begin, left, x_left, number = start, start, anchor.x, 0
     while left < stop:
         right = stop
-        while half > 0.0 and side < 16:
-            turning = centre + (half if side % 2 == 1 else -half) + TURN * (side // 2)
-            side += 1
+        while half > 0.0 and number < 16:  # the next turning point, of which some may lie before `start`
+            turning = centre + (half if number % 2 == 1 else -half) + TURN * (number // 2)
+            number += 1
             if turning > left:
                 right = min(turning, stop)
                 break
-        after = offset + motion_at(path, right)[2]
-        if before * after < 0.0:
-            root = _crossing(path, 0.0, 1.0, anchor, left, right, after > 0.0, ROOT)
+        x_right = offset + motion_at(path, right)[2]
+        if x_left * x_right < 0.0:
+            root = _crossing(path, 0.0, 1.0, anchor, left, right, x_right > 0.0, ROOT)
             add_integrals(problem, path, rule, work, begin, root, 0.0, offset)
             begin = root
-        before, left = after, right
+        x_left, left = x_right, right
     add_integrals(problem, path, rule, work, begin, stop, 0.0, offset)
 
 
@@ -265,13 +271,14 @@ def _next_slip_scanned(problem, path, s, anchor, start, stop):
 
 @compiled
 def _first_passage(problem, path, windows, half, counts):
-    """Return where the cycle of a contact begins: where it closes, or where slip ends if it never opens.
+    """Return the part of a cycle through which a contact is followed: from its closing, or from the end of a slip.
 
-    `half`: of the arc in contact, by the first harmonic.
+    `half`: half of the arc in contact, by the first harmonic. A contact that never opens (`half` = pi) is stretched
+    backwards by the slider's drift, so that it slips in that direction `back` in every cycle; at the end of that slip
+    its deformation is known.
     """
     law = problem.law
     if half == np.pi:
-        # a cycle with v > 0 stretches every contact backwards, so it must slip that way, up to the window's end
         back = 1.0 if path.v < 0.0 else -1.0
         if law.bent:
             start = _slip_end(problem, path, back, windows[0], 0.0, TURN)
@@ -283,7 +290,7 @@ def _first_passage(problem, path, windows, half, counts):
             if kind == Slips.ALWAYS:
                 return Passage(0.0, TURN, back, 0.0)
         return Passage(start, start + TURN, 0.0, back * slip_limit(problem, motion_at(path, start)[0]))
-    start, stop = path.crest - half, path.crest + half
+    start, stop = path.crest - half, path.crest + half  # of the first harmonic, refined by Newton's method
     for _ in range(8 if path.wave.normal_cos.size > 1 else 0):
         z, rate, _, _ = motion_at(path, start)
         z_end, rate_end, _, _ = motion_at(path, stop)
@@ -299,22 +306,24 @@ def _first_passage(problem, path, windows, half, counts):
 
 @compiled
 def _add_contact(problem, path, rule, work):
-    """Add the integrals of one contact over one cycle of the motion that repeats; return half of its arc in contact."""
+    """Add the integrals of one contact over one cycle of a periodic motion; return half of its arc in contact."""
     counts, c = work.counts, problem.law.limit_rate(problem, 0.0)
     if path.h <= -path.reach:
         return 0.0
     half = add_closed_normal(problem, path, work) if rule.weight.size == 0 else arc(path.h, path.reach)
-    rides = half == np.pi
+    never_opens = half == np.pi
     windows = _window(path, c, 1.0), _window(path, c, -1.0)
     passage = _first_passage(problem, path, windows, half, counts)
-    if problem.law.bent and rides:  # of several windows it is not known which one is the last to slip
+    if problem.law.bent and never_opens:
+        # There may be several windows, and which of them slips last is known only after a first cycle.
         slip, x, _ = _follow_contact(problem, path, rule, work, windows, passage, False)
         passage = Passage(passage.start, passage.stop, slip, x)
     _, _, slips = _follow_contact(problem, path, rule, work, windows, passage, True)
     counts[Counted.SLIPS] += slips
-    # slip one way only, by less than a fraction of the spring's range: it takes many cycles to forget
+    # A contact that slips in one direction only, by less than 0.4 of its limit per cycle, keeps its initial deformation
+    # for many cycles.
     forgets = TURN * abs(path.v) >= 0.4 * slip_limit(problem, path.h)
-    if rides and (slips == 0 or (slips == 1 and not forgets)):
+    if never_opens and (slips == 0 or (slips == 1 and not forgets)):
         counts[Counted.STUCK] += 1
     return half
 
@@ -427,7 +436,7 @@ def contact_cycles(problem, h, v, rule, work, out):
     force, means, paths, wave = work.force, work.means, problem.paths, work.path
     for i in range(paths.height.size):
         _clear(work)
-        # phase 0 on the crest of u_z: sines and cosines of small phases are cheaper
+        # Phases are counted from the crest of u_z, because sines and cosines of small phases are cheaper.
         reach = normal_amplitude(paths, i)
         co, si = (paths.normal_cos[i] / reach, paths.normal_sin[i] / reach) if reach > 0.0 else (1.0, 0.0)
         _, _, d, e = at_phase(paths, i, co, si)

@@ -37,7 +37,7 @@ class Mean(IntEnum):
 
 
 class Counted(IntEnum):
-    """Places in the counts: contacts made, slips begun, contacts that stick on with their memory."""
+    """Places in the counts: contacts made, slips begun, contacts whose deformation depends on earlier cycles."""
 
     MADE = 0
     SLIPS = 1
@@ -165,17 +165,22 @@ def add_integrals(problem, path, rule, work, start, stop, slip, offset):
 
 @compiled
 def _add_closed(problem, path, work, start, stop, slip, offset):
-    """Add the closed integrals of Q, of its first harmonic and of the friction power over a piece."""
+    """Add the closed integrals of Q, of its first harmonic and of the friction power over a piece.
+
+    With x = base + co cos phi + si sin phi + drift (phi - start), Q = stiffness x. In slip x = s c z, and the friction
+    power is stiffness c z g_s with g_s = alpha + beta cos phi + gamma sin phi, eq. (3) of `cycle_mean`.
+    """
     h, v, force, law = path.h, path.v, work.force, problem.law
     a, b, d, e = first_harmonic(path)
     c = law.limit_ratio(problem, h)  # one number: X = c z makes all integrals closed
     stiffness = problem.stiffness * law.coefficient(problem, h) / c
     c1, s1, c2, s2 = np.cos(start), np.sin(start), np.cos(stop), np.sin(stop)
+    # integrals of 1, cos, sin and their products
     width = stop - start
     cos, sin = s2 - s1, c1 - c2
     cos_cos = 0.5 * (width + s2 * c2 - s1 * c1)
     cos_sin, sin_sin = 0.5 * (s2 * s2 - s1 * s1), width - cos_cos
-    if slip != 0.0:  # x = s c z, lost c z g_s
+    if slip != 0.0:
         base, co, si, drift = slip * c * h, slip * c * a, slip * c * b, 0.0
         alpha, beta, gamma = -slip * v, slip * e - c * b, c * a - slip * d
         work.means[Mean.FRICTION] += stiffness * c * (
@@ -296,7 +301,7 @@ def _add_harmonics(problem, path, rule, work, scale):
 
 @summed
 def _first_harmonic_sums(problem, path, rule, start, width, slip, offset):
-    """Return the integrals of normal force and traction over a smooth piece of a path of one harmonic."""
+    """Return the integrals of normal and tangential force over a smooth piece of a path of one harmonic."""
     law, shape = problem.law, problem.shape
     h, v = path.h, path.v
     a, b, d, e = first_harmonic(path)

@@ -3,13 +3,24 @@ r"""Rows of contacts on a surface wave with overtones: one pass along the wave, 
 A bare crystal has no dispersion, so that each harmonic n of the contacts' forces feeds an overtone in phase, with the
 compliance Gamma of the fundamental (`march`; n = 1, 2 ... N)
 
-    dU_n/dx = i g sum_i (P_n + C* Q_n) exp(i n k x) delta(x - x_i),        U_1 given at the slider's edge, U_n = 0.
+    dU_n/dx = i g sum_i (P_n + C* Q_n) exp(i n k x) delta(x - x_i)                                              (1)
 
-Between two of the M samples of a cycle the surface moves along a straight line. On such a path contact, stick and slip
-end at roots of linear functions, and all integrals are closed. P_n is the coefficient of the piecewise constant mean
-force; with it sum_n n omega Im(U_n* P_n + ...)/2 is the power of the path to rounding. Amplitudes and forces are both
-multiplied by s_n = (n pi/M)/sin(n pi/M), which makes a contact that never lifts off nor slips exact. The error falls
-as 1/M^2 (tests/contact/test_pillars_overtones.py).
+with U_1 given at the slider's edge and the other U_n = 0 there. Each row is passed by the implicit midpoint rule: its
+forces are those at the mean of the amplitudes on its two sides, which is iterated (`overtone_march`).
+
+Between two of the M samples of a cycle the surface moves along a straight line, so that z and y of a contact are linear
+in the fraction t of the interval. On such a path contact, stick and slip end at roots of linear functions, and all
+integrals are closed (`_cycle`). With x the deformation, c z its limit and dz, dy the changes of z and y in the
+interval,
+
+    stick               x(t) = x(0) + t dy,    until  c z(t) - s x(t) = 0,
+                        t_s = (c z(0) - s x(0))/(s dy - c dz)             for the s for which this is smaller,      (2)
+    slip towards s      x(t) = s c z(t),       to the end of the interval,
+                        friction work over the stiffness  int c z (s dy - c dz) dt.                                 (3)
+
+P_n is the coefficient of the piecewise constant mean force; with it sum_n n omega Im(U_n* P_n + ...)/2 is the power of
+the path to rounding. Amplitudes and forces are both multiplied by s_n = (n pi/M)/sin(n pi/M), with which the result is
+exact for a contact that never lifts off nor slips. The error falls as 1/M^2 (tests/contact/test_pillars_overtones.py).
 """
 
 from enum import IntEnum
@@ -21,16 +32,16 @@ from contact.averaged.cycle_mean import Each
 from contact.jit.compiled import compiled, native
 from contact.law.elastic import coulomb_limit
 
-MAX_PASSES = 400  # of the midpoint at one row
-SETTLED = 1e-13  # change of the midpoint over the incident amplitude
-SHRINKING = 0.97  # ratio of successive changes above which the midpoint moves by half the step
+MAX_PASSES = 400  # iterations of the amplitudes at one row
+SETTLED = 1e-13  # change of the amplitudes over the incident amplitude at which the iteration ends
+SHRINKING = 0.97  # ratio of successive changes above which the step is halved
 
 
 class Classes(NamedTuple):
     """Contacts in classes, ordered by the rows as the wave meets them."""
 
-    first: np.ndarray  # index of the first class of each row, and
-    behind: np.ndarray  # of that behind its last
+    first: np.ndarray  # index of the first class of each row
+    behind: np.ndarray  # index after the last class of each row
     weight: np.ndarray
     normal_stiffness: np.ndarray  # N/m
     tangential_stiffness: np.ndarray
@@ -38,7 +49,7 @@ class Classes(NamedTuple):
 
 
 class Waves(NamedTuple):
-    """What comes in, and how the rows see it."""
+    """The incident wave, and its phase at the rows."""
 
     turn: np.ndarray  # exp(-i k x) of the rows as the wave meets them, (m,)
     orbit: np.ndarray  # C, (1,)
@@ -47,10 +58,10 @@ class Waves(NamedTuple):
 
 
 class Spectrum(NamedTuple):
-    """Amplitudes in m half-way through each row, in its frame, shape (m, N), and forces in N, shape (m, 2, N)."""
+    """Amplitudes in m at each row, means of its two sides with the phase at the row, and forces in N, (m, 2, N)."""
 
-    along: np.ndarray  # of the wave that is followed
-    against: np.ndarray  # of the one from the other side, U_1 alone, shape (m, 1); given
+    along: np.ndarray  # of the wave that is followed, (m, N)
+    against: np.ndarray  # of the wave from the other side, U_1 alone, (m, 1); input
     force: np.ndarray  # sum P_n and sum Q_n
 
 
@@ -64,7 +75,7 @@ class At(IntEnum):
 
 
 class Over(IntEnum):
-    """Rows of `Samples.mean`, over the intervals between samples: <z>, <x> of a contact, forces of a row in N."""
+    """Rows of `Samples.mean`, means over each interval: z and x of a contact, forces of a row in N."""
 
     Z = 0
     X = 1
@@ -77,7 +88,7 @@ class Samples(NamedTuple):
 
     table: np.ndarray  # exp(i n phi_j), (N, M + 1)
     scale: np.ndarray  # s_n, (N,)
-    before: np.ndarray  # amplitudes that reach a row, in its frame, m, (N,)
+    before: np.ndarray  # amplitudes that reach a row, with the phase at the row, m, (N,)
     surface: np.ndarray  # (len(At), M + 1), m
     mean: np.ndarray  # (len(Over), M)
 
@@ -94,9 +105,10 @@ def samples(number: int, count: int) -> Samples:
 
 @compiled
 def _cycle(surface, mean, c, back, out):
-    """Fill <z> and <x> of each interval from z and y at the samples, and friction and share in contact in `out`.
+    """Fill the means of z and x in each interval from z and y at the samples; friction and share in contact in `out`.
 
-    `back`: sign of the stretch by the slider's drift, with which a contact that never opens begins.
+    The cycle is followed from a sample without contact. If there is none, it begins at the limit of the deformation on
+    the side `back`, to which the slider's drift stretches the contact, and the second cycle is recorded.
     """
     z, y = surface[At.Z], surface[At.Y]
     count = z.size - 1
@@ -106,7 +118,7 @@ def _cycle(surface, mean, c, back, out):
             start = j
             break
     x, turns = 0.0, 1
-    if start < 0:  # after one cycle the drift has stretched it as far as it goes
+    if start < 0:
         start, x, turns = 0, back * coulomb_limit(c, z[0]), 2
     friction = share = 0.0
     for _ in range(turns):
@@ -117,29 +129,29 @@ def _cycle(surface, mean, c, back, out):
             if low <= 0.0 and high <= 0.0:
                 mean[Over.Z, j] = mean[Over.X, j] = x = 0.0
                 continue
-            part = 1.0
+            touching = 1.0  # fraction of the interval in contact, in which z goes from `low` to `high`
             if low < 0.0:
-                part, low, x = high / (high - low), 0.0, 0.0
+                touching, low, x = high / (high - low), 0.0, 0.0
             elif high < 0.0:
-                part, high = low / (low - high), 0.0
-            moved = (y[j + 1] - y[j]) * part
-            limit, rise = coulomb_limit(c, low), coulomb_limit(c, high - low)
-            # the first of both gaps c z - s x to close ends the stick, and slip lasts to the interval's end
+                touching, high = low / (low - high), 0.0
+            dy = (y[j + 1] - y[j]) * touching
+            limit, c_dz = coulomb_limit(c, low), coulomb_limit(c, high - low)
+            # eq. (2): stick lasts for the fraction `stick` of the time in contact, then slip towards `slip`
             slip, stick = 0.0, 1.0
             for s in (1.0, -1.0):
-                closing = s * moved - rise
+                closing = s * dy - c_dz
                 if closing > 0.0 and limit - s * x < stick * closing:
                     slip, stick = s, max((limit - s * x) / closing, 0.0)
-            after = x + moved * stick
-            total = 0.5 * (x + after) * stick
-            if slip != 0.0:
-                middle = limit + 0.5 * rise * (1.0 + stick)
-                total += slip * middle * (1.0 - stick)
-                friction += middle * (1.0 - stick) * (slip * moved - rise)
-                after = slip * (limit + rise)
+            after = x + dy * stick
+            mean_x = 0.5 * (x + after) * stick
+            if slip != 0.0:  # eq. (3)
+                mean_limit = limit + 0.5 * c_dz * (1.0 + stick)  # of c z while it slips
+                mean_x += slip * mean_limit * (1.0 - stick)
+                friction += mean_limit * (1.0 - stick) * (slip * dy - c_dz)
+                after = slip * (limit + c_dz)
             x = after if z[j + 1] > 0.0 else 0.0
-            share += part
-            mean[Over.Z, j], mean[Over.X, j] = 0.5 * (low + high) * part, total * part
+            share += touching
+            mean[Over.Z, j], mean[Over.X, j] = 0.5 * (low + high) * touching, mean_x * touching
     out[Each.FRICTION], out[Each.SHARE] = friction / (2.0 * np.pi), share / count
 
 
@@ -188,6 +200,42 @@ def _row(classes, j, approach, w, back, spectrum, cycle, out):
             spectrum.force[j, side, n] = _coefficient(mean[Over.NORMAL + side], table, scale, n)
 
 
+@compiled
+def _surface_motion(waves, spectrum, cycle, j):
+    """Fill u_z and u_x at the samples from the amplitudes of the row j."""
+    table, surface, scale, orbit = cycle.table, cycle.surface, cycle.scale, waves.orbit[0]
+    along, against = spectrum.along, spectrum.against
+    for i in range(cycle.mean.shape[1] + 1):
+        u_z = u_x = 0.0
+        for n in range(scale.size):
+            a, c = along[j, n], table[n, i]
+            b = against[j, 0] if n == 0 else 0.0j
+            p = scale[n] * (a + b)
+            q = scale[n] * (orbit * a + orbit.conjugate() * b)
+            u_z += p.real * c.real - p.imag * c.imag
+            u_x += q.real * c.real - q.imag * c.imag
+        surface[At.U_Z, i], surface[At.U_X, i] = u_z, u_x
+
+
+@compiled
+def _improved(classes, waves, spectrum, before, out, j, step):
+    """Move the amplitudes of the row j by a part `step` of the way to the root of (4); return the largest change.
+
+    The change of the normal force with a_n is estimated as that of springs, each for its share of the cycle in contact:
+    a_n = before_n + h F_n + spring (a_n - old a_n).
+    """
+    along, force, orbit, half = spectrum.along, spectrum.force, waves.orbit[0], 0.5j * waves.g
+    spring, change = 0.0j, 0.0
+    for k in range(classes.first[j], classes.behind[j]):
+        spring += half * classes.weight[k] * classes.normal_stiffness[k] * out[Each.SHARE, k]
+    for n in range(before.size):
+        by_forces = before[n] + half * (force[j, 0, n] + orbit.conjugate() * force[j, 1, n])
+        new = (by_forces - spring * along[j, n]) / (1.0 - spring)
+        change = max(change, abs(new - along[j, n]))
+        along[j, n] += step * (new - along[j, n])
+    return change
+
+
 @native(
     "t t f1 f f t t f2",
     {"classes.first": "m", "classes.behind": "m", "classes.weight": "n", "classes.normal_stiffness": "n",
@@ -199,13 +247,16 @@ def _row(classes, j, approach, w, back, spectrum, cycle, out):
 def overtone_march(classes, waves, approach, w, side, spectrum, cycle, out):
     """Follow the wave through all rows; fill its amplitudes, the forces and the rows of `cycle_mean.Each`.
 
-    g = 0 keeps `spectrum.along` as it is. `w`: velocity over omega, m; `side`: sign of the motion before w = 0. The
-    search for each row's midpoint begins with the forces that are there. Returns how many midpoints did not settle.
+    g = 0 keeps `spectrum.along` as it is. `w`: velocity over omega, m; `side`: sign of the motion before w = 0. With
+    h = i g/2, the amplitudes at a row (means of its two sides) are the root of
+
+        a_n = before_n + h (P_n + C* Q_n)(a),       behind the row  2 a_n - before_n.                                (4)
+
+    Its search begins with the forces that are there. Returns how many rows did not settle.
     """
-    table, surface, scale, before = cycle.table, cycle.surface, cycle.scale, cycle.before
-    number, count, orbit, half = scale.size, cycle.mean.shape[1], waves.orbit[0], 0.5j * waves.g
+    before, force, along = cycle.before, spectrum.force, spectrum.along
+    number, orbit, half = cycle.scale.size, waves.orbit[0], 0.5j * waves.g
     back = 1.0 if (w < 0.0 or (w == 0.0 and side < 0.0)) else -1.0
-    along, against, force = spectrum.along, spectrum.against, spectrum.force
     size = abs(waves.incident[0])
     failed = 0
     for j in range(waves.turn.size):
@@ -216,35 +267,18 @@ def overtone_march(classes, waves, approach, w, side, spectrum, cycle, out):
                 came = waves.incident[n] if j == 0 else before[n]
                 before[n] = came * turn
                 along[j, n] = before[n] + half * (force[j, 0, n] + orbit.conjugate() * force[j, 1, n])
-        share, last, change = 1.0, np.inf, np.inf
+        step, last, change = 1.0, np.inf, np.inf
         for _ in range(MAX_PASSES):
-            for i in range(count + 1):
-                u_z = u_x = 0.0
-                for n in range(number):
-                    a, c = along[j, n], table[n, i]
-                    b = against[j, 0] if n == 0 else 0.0j
-                    p = scale[n] * (a + b)
-                    q = scale[n] * (orbit * a + orbit.conjugate() * b)
-                    u_z += p.real * c.real - p.imag * c.imag
-                    u_x += q.real * c.real - q.imag * c.imag
-                surface[At.U_Z, i], surface[At.U_X, i] = u_z, u_x
+            _surface_motion(waves, spectrum, cycle, j)
             _row(classes, j, approach, w, back, spectrum, cycle, out)
             if waves.g == 0.0:
                 change = 0.0
                 break
-            # contacts in touch are springs to a change of the amplitudes, each for its share of the cycle
-            spring, change = 0.0j, 0.0
-            for k in range(classes.first[j], classes.behind[j]):
-                spring += half * classes.weight[k] * classes.normal_stiffness[k] * out[Each.SHARE, k]
-            for n in range(number):
-                fed = before[n] + half * (force[j, 0, n] + orbit.conjugate() * force[j, 1, n])
-                new = (fed - spring * along[j, n]) / (1.0 - spring)
-                change = max(change, abs(new - along[j, n]))
-                along[j, n] += share * (new - along[j, n])
+            change = _improved(classes, waves, spectrum, before, out, j, step)
             if change <= SETTLED * size:
                 break
             if change > SHRINKING * last:
-                share *= 0.5
+                step *= 0.5
             last = change
         if change > 1e-10 * size:
             failed += 1

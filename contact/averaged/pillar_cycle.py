@@ -4,7 +4,12 @@ Contacts at the same x form a row. Contacts of a row with equal height and stiff
 about x) form a class, which is computed once with the sum of their weights. The cycle means are those of
 `cycle_mean.contact_cycles`: closed for flat pillars, by quadrature for balls. In both P = k_n p(z), and Q is k_t times
 a function of approach and deformation. The tangential spring of a ball does not act back on its normal motion, so that
-its friction power is all that it takes from the wave and does not give to the slider.
+it is not conservative. The friction power of a ball is defined as the power that it takes from the wave and does not
+give to the slider.
+
+`contact_cycles` solves contacts of one stiffness and one slip limit c. All classes are brought to that form by scaling:
+with normal lengths over a unit and tangential lengths over c times that unit, P/k_n and Q/(c k_t) are the forces of a
+contact with stiffness, mu and c equal to 1.
 """
 
 import numpy as np
@@ -25,8 +30,6 @@ SAME_ROW = 1e-9  # positions closer than this times the slider's length are equa
 STEP = 1e-7  # step of finite differences, relative to the incident amplitude
 # The ratio Q_1/u_x is used as a stiffness only if |u_x| exceeds this fraction of its largest possible value.
 TANGENTIAL_SHARE = 0.3
-
-
 NODES = 24  # per smooth piece of a ball's cycle; errors of 1e-10 of the largest force
 
 
@@ -36,31 +39,11 @@ class PillarCycle:
     def __init__(self, pillars: Pillars, wave: PassingWave, loading: bool):
         self.pillars, self.wave, self.shape = pillars, wave, SHAPES.index(pillars.shape)
         self.g = wave.compliance_per_width if loading else 0.0
-        x, y = pillars.x, pillars.y
-        heights = pillars.heights - 0.5 * pillars.curvature * (x**2 + y**2)
-        across = y if pillars.tilt == "free" else np.zeros_like(y)
-        step = SAME_ROW * max(float(np.ptp(x)), 1e-300)
-        position = np.round((x - x.min()) / step) if np.ptp(x) > 0.0 else np.zeros_like(x)
-        table = np.stack([position, across, heights, pillars.normal_stiffness, pillars.tangential_stiffness])
-        # sorted by row first; equal columns are one class
-        order = np.lexsort(table[::-1])
-        new = np.ones(x.size, dtype=bool)
-        new[1:] = np.any(np.diff(table[:, order], axis=1) != 0.0, axis=0)
-        self.classes = np.empty(x.size, dtype=int)
-        self.classes[order] = np.cumsum(new) - 1
-        first_of_class = order[new]
-        self.weight = np.bincount(self.classes, pillars.weights)
-        self.x, self.y, self.height = x[first_of_class], across[first_of_class], heights[first_of_class]
-        self.k_n = pillars.normal_stiffness[first_of_class]
-        self.k_t = pillars.tangential_stiffness[first_of_class]
-        self.limit_slope = pillars.limit_slope[first_of_class]
-        _, self.first, self.row = np.unique(position[first_of_class], return_index=True, return_inverse=True)
-        self.row_x = self.x[self.first]
+        self._set_classes(pillars)
         self.turn = np.exp(-1j * wave.wavenumber * self.row_x)
         self.incident = np.array([wave.forward, wave.backward])
         self.evaluations = 0
         rule = CLOSED if self.shape == Shape.PUNCH else quadrature(NODES)
-        # with tangential lengths over c, P/k_n and Q/(c k_t) are those of a contact with stiffness, mu and c of 1
         paths = Paths(*np.empty((5, self.x.size)))
         self.problem = Problem(
             stiffness=1.0, contact_damping=0.0, normal_damping=0.0, preload=1.0, tangential_damping=0.0, load=0.0,
@@ -69,6 +52,32 @@ class PillarCycle:
         )  # fmt: skip
         self._rule, self._work = rule, cycle_arrays(1, max(len(rule.node), 1))
         self.reset()
+
+    def _set_classes(self, pillars: Pillars):
+        """Sort the contacts into classes and rows.
+
+        Per class: `weight`, `x`, `y`, `height`, `k_n`, `k_t`, `limit_slope` and its number of the `row`; per row: the
+        `first` class and `row_x`; per contact: its number in `classes`.
+        """
+        x, y = pillars.x, pillars.y
+        heights = pillars.heights - 0.5 * pillars.curvature * (x**2 + y**2)
+        across = y if pillars.tilt == "free" else np.zeros_like(y)
+        step = SAME_ROW * max(float(np.ptp(x)), 1e-300)
+        position = np.round((x - x.min()) / step) if np.ptp(x) > 0.0 else np.zeros_like(x)
+        # one column per contact, sorted by position first; equal columns are one class
+        table = np.stack([position, across, heights, pillars.normal_stiffness, pillars.tangential_stiffness])
+        order = np.lexsort(table[::-1])
+        is_first = np.ones(x.size, dtype=bool)
+        is_first[1:] = np.any(np.diff(table[:, order], axis=1) != 0.0, axis=0)
+        self.classes = np.empty(x.size, dtype=int)
+        self.classes[order] = np.cumsum(is_first) - 1
+        member = order[is_first]  # one contact of each class
+        self.weight = np.bincount(self.classes, pillars.weights)
+        self.x, self.y, self.height = x[member], across[member], heights[member]
+        self.k_n, self.k_t = pillars.normal_stiffness[member], pillars.tangential_stiffness[member]
+        self.limit_slope = pillars.limit_slope[member]
+        _, self.first, self.row = np.unique(position[member], return_index=True, return_inverse=True)
+        self.row_x = self.x[self.first]
 
     def reset(self):
         """Set the amplitudes of the undisturbed wave."""
@@ -89,8 +98,8 @@ class PillarCycle:
 
     def approaches(self, height, pitch: float, roll: float):
         """Return the mean approach of each class for a height of the plane (or one per row) and tilts in rad."""
-        own = height[self.row] if np.ndim(height) else height
-        plane = tilted(Coordinates(-own, 0.0), pitch, roll, self.x, self.y)
+        height_at_row = height[self.row] if np.ndim(height) else height
+        plane = tilted(Coordinates(-height_at_row, 0.0), pitch, roll, self.x, self.y)
         return body.approach(self, slice(None), 0.0, plane)  # uses `self.height`
 
     def mean_normal(self, height):
@@ -120,7 +129,7 @@ class PillarCycle:
 
     @property
     def waves(self):
-        """The amplitudes that are searched, complex, (k,): none without loading."""
+        """The unknown amplitudes, complex: U+ and U- at all rows, or none if the contacts do not act on the wave."""
         return np.concatenate([self.forward, self.backward]) if self.g > 0.0 else np.empty(0, complex)
 
     @waves.setter
@@ -137,36 +146,37 @@ class PillarCycle:
         if self.g == 0.0:
             return np.empty(0, complex)
         amplitude = np.stack([self.forward, self.backward], axis=1)
-        used = self._proportional(forces) if slope is None else slope
-        found = march(self.turn, self._driving(forces), used, amplitude, self.g, self.incident)
-        return (found - amplitude).T.ravel()
+        slope = self._proportional(forces) if slope is None else slope
+        new_amplitude = march(self.turn, self._driving(forces), slope, amplitude, self.g, self.incident)
+        return (new_amplitude - amplitude).T.ravel()
 
     def _proportional(self, forces):
         """Return the slope for forces P_1 = s_n u_z and Q_1 = s_t u_x, which is exact for sticking contacts."""
         normal, tangential = self.row_forces(forces)[..., 0].T
         (u_z, u_x), c = self.amplitudes(), self.wave.orbit
-        reach = abs(self.forward) + abs(self.backward)
-        seen = abs(u_x) > TANGENTIAL_SHARE * abs(c) * reach
-        normal = np.divide(normal, u_z, out=np.zeros_like(u_z), where=abs(u_z) > 1e-9 * reach)
-        tangential = np.divide(tangential, u_x, out=np.zeros_like(u_x), where=seen)
-        # u_z = q_0 + q_1 and u_x = C q_0 + C* q_1 in F = (P_1 + C* Q_1, P_1 + C Q_1)
-        shares = np.array([[abs(c) ** 2, c.conjugate() ** 2], [c**2, abs(c) ** 2]])
-        return normal[:, None, None] + shares * tangential[:, None, None]
+        largest = abs(self.forward) + abs(self.backward)  # possible |u_z| of a standing wave; times |C| that of u_x
+        moves = abs(u_x) > TANGENTIAL_SHARE * abs(c) * largest
+        s_n = np.divide(normal, u_z, out=np.zeros_like(u_z), where=abs(u_z) > 1e-9 * largest)
+        s_t = np.divide(tangential, u_x, out=np.zeros_like(u_x), where=moves)
+        # dF/dq of F = (P_1 + C* Q_1, P_1 + C Q_1) with u_z = q_0 + q_1 and u_x = C q_0 + C* q_1
+        by_tangential = np.array([[abs(c) ** 2, c.conjugate() ** 2], [c**2, abs(c) ** 2]])
+        return s_n[:, None, None] + by_tangential * s_t[:, None, None]
 
     def tangent(self, approach, w: float, side: float, forces: MeanForces):
         """Return the derivatives of the rows' forces with respect to their amplitudes, shape (m, 4, 4); see `march`."""
         if self.g == 0.0:
             return None
-        here, size = self._driving(forces).view(float), max(self.wave.amplitude, 1e-300)
+        driving, size = self._driving(forces).view(float), max(self.wave.amplitude, 1e-300)
         slope = np.empty((self.turn.size, 4, 4))
-        kept = self.forward, self.backward
+        amplitudes = self.forward, self.backward
+        # real and imaginary part of U+, then of U-, at all rows at once: the forces of a row depend on its own only
         for k, step in enumerate((STEP, 1j * STEP, STEP, 1j * STEP)):
-            moved = list(kept)
-            moved[k // 2] = kept[k // 2] + step * size
-            self.forward, self.backward = moved
-            there = self._driving(self.forces(approach, w, side)).view(float)
-            slope[:, :, k] = (there - here) / (STEP * size)
-        self.forward, self.backward = kept
+            changed = list(amplitudes)
+            changed[k // 2] = amplitudes[k // 2] + step * size
+            self.forward, self.backward = changed
+            changed_driving = self._driving(self.forces(approach, w, side)).view(float)
+            slope[:, :, k] = (changed_driving - driving) / (STEP * size)
+        self.forward, self.backward = amplitudes
         return slope
 
     def row_forces(self, forces: MeanForces):

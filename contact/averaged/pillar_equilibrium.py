@@ -3,16 +3,17 @@ r"""Averaged equilibrium of a slider on many contacts, coupled to the wave on wh
 The unknowns are the mean approach H of the slider's plane, its tilts theta about y and psi about x, the velocity v, and
 the wave's amplitudes at the rows of contacts. They satisfy
 
-    sum <P> = F,  sum <P> x = F x_F,  sum <P> y = F y_F,  sum <Q> = load + R_t v,
+    sum <P> = F,  sum <P> x = F x_F,  sum <P> y = F y_F,  sum <Q> = load + R_t v,                               (1)
 
 and the amplitudes are those that the contacts' first harmonics leave (`PillarCycle.wave_step`). The cycle means,
 including the weights, come from `PillarCycle` or `OvertoneCycle`. The contacts may differ in position, height, radius
 and stiffness. A load that acts at a height b above the surface tilts the slider: it shifts x_F by -b load/F.
 
 On a prescribed wave, `equilibrium` computes H first and then v. This is not possible here, because the wave amplitudes
-at the rows depend on v, and H, theta and psi depend on these amplitudes. One iteration therefore changes all unknowns:
-each step is that of Newton's method for the slider at constant amplitudes, beside the step of the amplitudes at a
-constant place of the slider. What both leave out, Anderson's method learns from the last steps (J. ACM 12 (1965) 547).
+at the rows depend on v, and H, theta and psi depend on these amplitudes. One iteration therefore changes all unknowns.
+Each step consists of Newton's step of the slider at constant amplitudes, and of the step of the amplitudes for a slider
+that does not move. Anderson's method (J. ACM 12 (1965) 547) estimates from the last steps what this neglects, the
+coupling of the two.
 """
 
 import math
@@ -30,27 +31,33 @@ CLOSE = 1e-12  # tolerance of the scaled residuals and of the change of the wave
 # For a wave of many periods or a sum of 10^5 forces, rounding keeps the change of the amplitudes above CLOSE. Residuals
 # and changes below ROUNDING are accepted if they no longer fall.
 ROUNDING = 1e-11
-STEP = 1e-6  # of finite differences, of the scaled unknowns
-MAX_MOVE, MAX_WAVE = 1.0, 0.5  # of a scaled unknown, and of an amplitude over the incident one, in one step
-MEMORY = 16  # steps that Anderson's method combines
-# The derivatives are computed anew, where the residuals were smallest, if in PATIENCE steps the residuals do not fall
-# below FALL of what they were. USELESS: the search ends after so many times without progress.
+STEP = 1e-6  # of the finite differences, in scaled unknowns
+# Largest change in one step: of a scaled unknown, and of an amplitude over the incident one
+MAX_MOVE, MAX_WAVE = 1.0, 0.5
+MEMORY = 16  # number of steps that Anderson's method combines
+# Stagnation: in PATIENCE steps the residuals have not fallen below FALL times their value before. The search then
+# returns to the place of the smallest residuals and computes the derivatives there. It ends after USELESS stagnations
+# in a row without progress, or after MAX_EVALUATIONS.
 PATIENCE, FALL, USELESS, MAX_EVALUATIONS = 4, 0.3, 6, 2500
-# A step after which the residuals are larger, and above FAR, is taken SHORTER times as long instead: once, or up to
-# SHORTENINGS times by a careful search, which is one without progress at the last derivatives.
+# If a step increases the residuals, to more than FAR, it is replaced by one that is shorter by the factor SHORTER:
+# once, or up to SHORTENINGS times in a careful search (one that has stagnated).
 FAR, SHORTER, SHORTENINGS = 0.3, 0.4, 7
-# The amplitudes are moved alone until their change is below START of the incident amplitude, and in a careful search
-# after each step until it is below INNER of the residuals; in at most WAIT evaluations. Where it does not fall to SLOW
-# of the last change, the derivatives of the forces in the amplitudes are computed.
+# At the start the amplitudes alone are moved until their change is below START of the incident amplitude; in a careful
+# search also after each step, until it is below INNER of the residuals; in both cases for at most WAIT evaluations. If
+# the change does not fall below SLOW times the last one, the derivatives of the forces in the amplitudes are computed.
 START, INNER, WAIT, SLOW = 0.1, 0.1, 12, 0.5
-# Most Newton steps of H and tilts under the normal forces alone; SOFT times the stiffnesses is added to each of them,
-# because a single pillar in contact does not hold the tilts.
+# Largest number of Newton steps of H and tilts under the normal forces alone. SOFT times the mean stiffness is added to
+# the diagonal of their matrix, which is singular if a single pillar is in contact.
 LEVELLINGS, SOFT = 60, 1e-9
 HEIGHT, PITCH, ROLL, SPEED = range(4)
 
 
 class Anderson:
-    """Anderson's method: steps of an iteration improved by what the last ones have shown."""
+    """Anderson's method, which improves the step f(x) of a fixed-point iteration by the last steps.
+
+    With the changes dx and df of the last places x and steps f, it takes f - gamma (dx + df), where gamma minimises
+    |f - gamma df|.
+    """
 
     def __init__(self):
         self.places, self.steps = [], []
@@ -61,8 +68,9 @@ class Anderson:
         self.places, self.steps = [*self.places[-kept:], place], [*self.steps[-kept:], step]
         if len(self.steps) == 1:
             return step
-        moved, left = np.diff(self.places, axis=0), np.diff(self.steps, axis=0)
-        return step - np.linalg.lstsq(left.T, step, rcond=1e-10)[0] @ (moved + left)
+        dx, df = np.diff(self.places, axis=0), np.diff(self.steps, axis=0)
+        gamma = np.linalg.lstsq(df.T, step, rcond=1e-10)[0]
+        return step - gamma @ (dx + df)
 
 
 def _largest(values) -> float:
@@ -92,14 +100,15 @@ class Equilibrium:
     def __init__(self, cycle: PillarCycle):
         pillars, wave = cycle.pillars, cycle.wave
         self.cycle = cycle
-        # load on the slider, N, and place (x, y) at which it and the preload act together, m
+        # load on the slider, N, and the point (x_F, y_F) at which the resultant of load and preload acts, m
         self.load, self.preload_at = 0.0, pillars.preload_at
         self.preload, self.friction = pillars.preload, pillars.friction_coefficient * pillars.preload
         rest = float(approach(self.preload / float(np.sum(cycle.weight * cycle.k_n)), cycle.shape))
         self.amplitude = max(wave.amplitude, 1e-300)
         self.length = max(wave.amplitude, rest)
         self.speed = max(abs(wave.orbit) * wave.amplitude, 1e-3 * self.length)
-        # pillars on a line do not tilt along it: any arm serves
+        # Half the extent along x and y, the unit of length of the moments. If all pillars lie on one line, the tilt
+        # along it has no effect, and the arm is arbitrary.
         self.arm = np.array([0.5 * float(np.ptp(each)) or 1.0 for each in (pillars.x, pillars.y)])
         tilts = {"held": (), "pitch": (PITCH,), "free": (PITCH, ROLL)}[pillars.tilt]
         self.soft = pillars.backing == "soft"
@@ -112,7 +121,7 @@ class Equilibrium:
         self.begin()
         sign = abs(wave.forward) ** 2 - abs(wave.backward) ** 2
         self.unknowns[SPEED] = -0.6 * wave.orbit.imag * sign / self.amplitude
-        # of the amplitudes in a step of all unknowns: the root of the mean square counts
+        # weight of the amplitudes in a step of all unknowns: their root mean square counts as one unknown
         self.weight = 1.0 / math.sqrt(max(cycle.waves.size, 1))
 
     def begin(self):
@@ -170,7 +179,7 @@ class Equilibrium:
         return self._carrying(self.row_load, np.where(force >= self.row_load, self.rows, above), cycle.sums)
 
     def _evaluate(self, side: float):
-        """Return the residuals of the four equations over F, F arm, F arm and mu F, at the current wave amplitudes."""
+        """Return the residuals of (1) over F, F arm, F arm and mu F, at the current wave amplitudes."""
         cycle, y = self.cycle, self.unknowns
         if self.soft:
             self.rows = self._row_heights()
@@ -178,10 +187,10 @@ class Equilibrium:
         side = side if w == 0.0 else np.sign(w)
         self.place = cycle.approaches(self.rows if self.soft else y[HEIGHT], y[PITCH], y[ROLL])
         self.moving, self.forces = (w, side), cycle.forces(self.place, w, side)
-        found, at = self._generalised(self.forces.normal, self.forces.tangential), np.array(self.preload_at)
-        self.traction = float(found[SPEED]) * self.friction
+        sums = self._generalised(self.forces.normal, self.forces.tangential)
+        self.traction = float(sums[SPEED]) * self.friction
         opposed = self.load + cycle.pillars.tangential_damping * w * cycle.wave.omega
-        return found - np.array([1.0, *(at / self.arm), opposed / self.friction])
+        return sums - np.array([1.0, *(np.array(self.preload_at) / self.arm), opposed / self.friction])
 
     def _generalised(self, normal, tangential):
         """Return sum P, sum P x, sum P y and sum Q of forces per class, over F, F arm, F arm and mu F."""
@@ -257,9 +266,9 @@ class Equilibrium:
                 raise
             self.begin()
             left = _Search(self, active, side, careful=True).run()
-        height, pitch, roll, found = self.unknowns.tolist()
+        height, pitch, roll, w = self.unknowns.tolist()
         return Balance(
-            height=float(np.mean(self.rows)) if self.soft else height, tilt=(pitch, roll), w=found,
+            height=float(np.mean(self.rows)) if self.soft else height, tilt=(pitch, roll), w=w,
             traction=self.traction, forces=self.forces, error=left * self.speed,
         )  # fmt: skip
 

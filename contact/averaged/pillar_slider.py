@@ -1,6 +1,7 @@
 """Equilibria of one slider on pillars under loads: moving, held, at the stall."""
 
 import math
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -36,6 +37,7 @@ class PillarSlider:
         else:
             self.cycle = PillarCycle(pillars, wave, self.loading)
         self.equilibrium, self.truncation = Equilibrium(self.cycle), 0.0
+        self.moves = False  # whether the last equilibrium moves
 
     def begin_at(self, near: PillarMotion) -> None:
         """Start the next search from a motion of the same pillars."""
@@ -45,7 +47,7 @@ class PillarSlider:
             self.equilibrium.unknowns = state.unknowns.copy()
             if self.loading == near.loading and self.loading:
                 self.cycle.begin(state.forward * size, state.backward * size)
-        self.truncation = near.truncation
+        self.moves, self.truncation = near.velocity != 0.0, near.truncation
 
     def rest(self, side: float, load: float = 0.0) -> Balance:
         """Return the equilibrium in the limit v -> 0 of motions of sign `side`."""
@@ -53,12 +55,21 @@ class PillarSlider:
 
     def under(self, load: float) -> Balance:
         """Return the equilibrium under a signed load; the slider moves or is held."""
-        start = self.equilibrium.unknowns.copy()
+        start, waves = self.equilibrium.unknowns.copy(), (self.cycle.forward, self.cycle.backward)
         if self.wave.amplitude == 0.0:
             return self._bracketed(load)
+        if not self.moves:
+            # one contact at rest takes 8 evaluations; a search for the velocity of a held slider gives up after 200
+            with suppress(ConvergenceError):
+                low, high, held = self._at_rest(load)
+                if low.traction <= load <= high.traction:
+                    return replace(held, traction=load)
+            self.equilibrium.unknowns = start.copy()
+            self.cycle.begin(*waves)
         try:
             equilibrium = self.equilibrium.solve(load)
-            if self._is_moving(equilibrium):
+            self.moves = self._is_moving(equilibrium)
+            if self.moves:
                 return equilibrium
         except ConvergenceError:
             pass
@@ -72,11 +83,7 @@ class PillarSlider:
 
     def _bracketed(self, load):
         """Return the equilibrium by a bracketing search for the velocity, after a check whether the slider is held."""
-        side = -1.0 if load <= 0.0 else 1.0
-        other = self.rest(-side, load)
-        # computed last, so that the wave amplitudes belong to these forces if the slider is held
-        held = self.rest(side, load)
-        low, high = (other, held) if side < 0.0 else (held, other)
+        low, high, held = self._at_rest(load)
         reach = abs(self.wave.forward) + abs(self.wave.backward)
         fastest = FULL_SLIP * reach * (abs(self.wave.orbit) + float(self.cycle.limit_slope.max()))
         problem = self.cycle.problem._replace(  # forces in N, velocities over omega in m
@@ -92,6 +99,14 @@ class PillarSlider:
             )
         self.equilibrium.unknowns[SPEED] = search.velocity
         return self.equilibrium.solve(load)
+
+    def _at_rest(self, load) -> tuple[Balance, Balance, Balance]:
+        """Return the equilibria at v = 0 with the least and the largest <sum Q>, and that of the two that is held."""
+        side = -1.0 if load <= 0.0 else 1.0
+        other = self.rest(-side, load)
+        # computed last, so that the wave amplitudes belong to these forces if the slider is held
+        held = self.rest(side, load)
+        return (other, held, held) if side < 0.0 else (held, other, held)
 
     @staticmethod
     def left(problem, slider, w):

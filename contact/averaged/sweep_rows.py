@@ -6,10 +6,10 @@ state is a sweep of one problem.
 
 The error of the velocity is the largest of
 
-- the harmonics left out, the residual and the quadrature's error;
+- the errors by neglected harmonics, by the residual and by quadrature;
 - a share of the second-order correction, and rounding;
-- where the slider is held or hardly moves: the velocity at a larger amplitude. Averaging may have misjudged the
-  threshold, by up to 12 (f_n/f)^2 in amplitude.
+- if the slider is held or hardly moves: the velocity at a larger amplitude. Averaging may have misjudged the threshold,
+  by up to 12 (f_n/f)^2 in amplitude.
 """
 
 from typing import NamedTuple
@@ -62,7 +62,7 @@ class SweepArrays(NamedTuple):
     """Work arrays of a sweep."""
 
     work: Work
-    tried: np.ndarray  # (len(Entry),): row of a problem on a changed wave
+    tried: np.ndarray  # (len(Entry),): row of the same problem on a changed wave
     paths: Paths  # scaled paths of the problem
     changed_paths: Paths  # of the problem on a changed wave
 
@@ -190,7 +190,7 @@ def _with_error(problem, factor, ratio_change, phase_change, out):
 
 @compiled
 def _error_from_wave(problem, spare, base, wave_error, work, tried):
-    """Return the change of the first-order velocity `base` by the wave's relative error; inf where it is not found.
+    """Return the change of the first-order velocity `base` by the wave's relative error; inf if it cannot be computed.
 
     Root of the sum of squares over larger or smaller amplitudes, another u_x/u_z and another phase between u_x and u_z.
     """
@@ -210,19 +210,20 @@ def _error_from_wave(problem, spare, base, wave_error, work, tried):
 
 @compiled
 def _change(problem, base, slope, work, tried):
-    """Return how far the first-order velocity of a problem is from `base`: two secant steps where they are small.
+    """Return the distance of the first-order velocity of a problem from `base`.
 
-    `slope`: of the mean force in the velocity at `base`, of a problem nearby.
+    A Newton step with the slope of the mean force in the velocity at `base`, of a problem nearby, and a secant step are
+    enough if both are small; otherwise the equilibrium is solved.
     """
     if slope < 0.0:
-        before, f = base, _surplus(problem, base, work)
-        v = base - f / slope
+        f_base = _surplus(problem, base, work)
+        v = base - f_base / slope
         if abs(v - base) < NEARBY * abs(base):
-            g = _surplus(problem, v, work)
-            if v != before and g != f:
-                last = v - g * (v - before) / (g - f)
-                if abs(last - v) < 0.1 * abs(v - base):
-                    return abs(last - base)
+            f = _surplus(problem, v, work)
+            if v != base and f != f_base:
+                secant = v - f * (v - base) / (f - f_base)
+                if abs(secant - v) < 0.1 * abs(v - base):
+                    return abs(secant - base)
     return abs(tried[Entry.COARSE] - base) if balance_row(problem, 0, work, tried) == Status.DONE else np.inf
 
 

@@ -1,8 +1,9 @@
 r"""The averaged equations through time: first the bounce with the velocity, then the velocity alone.
 
-While the bounce lives, Runge-Kutta's classical method follows it in fixed steps, and the velocity takes the mean
-traction at the middle of each (it moves by 1e-4 of its range in one). Once the bounce's share in the mean traction,
-quadratic in its amplitude, is below the tolerance, the velocity equation is left: Dormand and Prince's pair of orders 5
+As long as the slider bounces, the classical Runge-Kutta method follows height and height's rate in fixed steps. The
+velocity changes by 1e-4 of its range in such a step, and is advanced with the mean tangential force at the middle of
+the step (`follow_bounce`). The effect of the bounce on this force is quadratic in its amplitude. When it is below the
+tolerance, only the velocity equation remains (`accelerate`), which is solved by Dormand and Prince's pair of orders 5
 and 4 with its continuous extension (Hairer, Norsett and Wanner, *Solving Ordinary Differential Equations I*, II.5-6).
 """
 
@@ -76,23 +77,23 @@ def fast_state(fast):
 
 
 class Span(NamedTuple):
-    """What is followed, and what is recorded."""
+    """End and accuracy of a run, and what it records."""
 
-    stop: float  # A whole number of cycles, as phase
-    tolerance: float  # In V; also the largest squared bounce that counts as dead
-    per_period: int  # Steps per period of the bounce
-    rule: Rule  # Quadrature of a smooth piece, of at most `equilibrium.FINE_NODES` nodes
+    stop: float  # phase at the end, a whole number of cycles
+    tolerance: float  # of V; also the squared amplitude below which the bounce is neglected
+    per_period: int  # steps per period of the bounce
+    rule: Rule  # quadrature of a smooth piece, of at most `equilibrium.FINE_NODES` nodes
     second_order: int  # 1: with the correction of second order, 0: without
-    # (k,), (k, 2) arrays: Phases to report, rising; v and z_s there
-    at: np.ndarray
-    rows: np.ndarray
+    at: np.ndarray  # (k,): phases at which v and z_s are recorded, increasing
+    rows: np.ndarray  # (k, 2): v and z_s at these phases
 
 
 @compiled
 def follow_bounce(problem, state, span, work):
-    """Follow bounce and velocity until the bounce has died or the end; return (phase, samples taken, `Status`).
+    """Follow bounce and velocity until the bounce is negligible or the end; return (phase, samples taken, `Status`).
 
-    state, here (h, h', V), is changed in place.
+    `state`, here (h, h', V), is changed in place. `gain` is the second-order correction of the mean normal force; it is
+    kept from the middle of one step to the next. `largest` is the largest squared amplitude in a period of the bounce.
     """
     rule = span.rule
     stop, per_period, at, rows = span.stop, span.per_period, span.at, span.rows
@@ -108,7 +109,7 @@ def follow_bounce(problem, state, span, work):
         middle, w = _bounce_step(problem, h, w, gain, rule, 0.5 * d)
         h, w = _bounce_step(problem, middle, w, gain, rule, 0.5 * d)
         v_middle = v + 0.5 * d * force_left(problem, tangential_force, v)
-        for _ in range(2 if steps == 0 else 1):
+        for _ in range(2 if steps == 0 else 1):  # in the first step there is no force of the step before
             if span.second_order:
                 cycle(problem, middle, v_middle, rule, work.second)
                 respond(problem, work.second)
@@ -123,6 +124,7 @@ def follow_bounce(problem, state, span, work):
             v_middle = v + 0.5 * d * force_left(problem, tangential_force, v_middle)
         if stuck > 0:
             return phase, taken, Status.STICKS
+        # trapezoidal rule for the damper
         v = (v * (1.0 - 0.5 * d * problem.tangential_damping) + d * (tangential_force - problem.load)) / (
             1.0 + 0.5 * d * problem.tangential_damping
         )
@@ -155,7 +157,7 @@ def _rate(problem, h, v, rule, work, max_rounds):
 
 @compiled
 def accelerate(problem, state, phase, taken, span, work, k):
-    """Follow the velocity with the bounce dead; return the `Status`. `k`: (7,) work array."""
+    """Follow the velocity without the bounce; return the `Status`. `k`: (7,) work array, the stages' rates."""
     stop, at, rows, tolerance = span.stop, span.at, span.rows, 0.1 * span.tolerance
     h, v, rule, second = state[At.POSITION], state[At.VELOCITY], span.rule, work.second
     max_rounds = 3 if span.second_order else 0

@@ -29,23 +29,23 @@ from contact.jit.compiled import compiled
 from contact.law.hysteretic import Memory
 from contact.roots import first_root
 
-# contacts from which on segments span their events: below, the other solver is as fast
+# Smallest number of contacts for this solver; with fewer, the other one (`event_driven`) is as fast.
 MANY = 12
-# events and pieces of a contact on one segment, and pieces of no length in a row
+# Largest number of pieces of a contact on one segment, and of successive pieces without length
 MAX_PIECES, MAX_IDLE = 200, 20
-# rows of `Span.series` and `Nodes.slider` that the motion fills, and those of its accelerations
+# Number of rows of `Nodes.slider` that have a series in `Span.series`: position, travel, velocities, accelerations
 MOTION = 6
 
 
 class Span(NamedTuple):
-    """Work arrays of a segment that spans events."""
+    """Work arrays of a segment that spans events; N is the number of nodes of a piece and of Legendre moments."""
 
     legendre: np.ndarray  # (N + 2, N): Legendre's polynomials at the nodes of a piece
     # (MOTION, N + 2): coefficients of the rows of `Nodes.slider`, travel from the segment's start
     series: np.ndarray
-    moments: np.ndarray  # (2, N): of the forces
+    moments: np.ndarray  # (2, N): sum of int F L_k d sigma, of the normal and the tangential forces
     start: np.ndarray  # (1,): travel where the piece begins
-    # As at the segment's start
+    # the state at the segment's start
     regime: np.ndarray
     sign: np.ndarray
     deformation: np.ndarray
@@ -237,7 +237,13 @@ def _all_followed(problem, grid, state, work, task, outer, following):
 
 @compiled
 def _followed(problem, grid, state, work, task, outer, i, following):
-    """Follow one contact from event to event over the segment; return the reason for ending."""
+    """Follow one contact from event to event over the segment; return the reason for ending.
+
+    Each pass of the loop computes one piece: up to the earliest event on it, to the end of the segment, or shorter if
+    its forces are too rough for the nodes (then it is repeated with half the length). The moments of its forces are
+    added, and the contact enters its next regime. `entered`: the contact has just closed, so that its force has a root
+    at the start of the piece.
+    """
     nodes, stop, memory = work.nodes, outer.phase + outer.length, following.memory
     phase, length, entered, idle = outer.phase, outer.length, False, 0
     for _ in range(MAX_PIECES):
@@ -293,7 +299,11 @@ def _fill_piece(problem, grid, state, work, outer, piece, i, memory):
 
 @compiled
 def _move(grid, work, outer, piece, first):
-    """Fill the slider's motion at the nodes of a piece from node `first` on, the travel from the piece's start."""
+    """Fill the slider's motion at the nodes of a piece from node `first` on, the travel from the piece's start.
+
+    The series of the segment are evaluated with Legendre's polynomials by their recurrence,
+    (k + 1) L_(k+1) = (2k + 1) sigma L_k - k L_(k-1).
+    """
     span, slider, n = work.span, work.nodes.slider, grid.sigma.size
     legendre, series = span.legendre, span.series
     at = 2.0 * (piece.phase - outer.phase) / outer.length - 1.0
@@ -350,7 +360,7 @@ def _ended_at_event(problem, grid, state, work, outer, piece, i, memory):
 
 @compiled
 def _project(grid, span, nodes, problem, piece, outer, i):
-    """Add the moments of a contact's forces on a piece, whose Legendre polynomials are laid out."""
+    """Add the moments of a contact's forces on a piece; `Span.legendre` holds the polynomials at its nodes."""
     own, n = nodes.contact, nodes.guard.size
     scale = 2.0 * piece.length / outer.length
     for j in range(n):

@@ -120,33 +120,34 @@ def _front_on_curve(memory, i, s, z, c, constant):
     """Return (eta_f, M there) of an open line that meets the curve at the end of the chain (safeguarded Newton)."""
     sigma, bary, last = memory.grid.sigma, memory.grid.bary, memory.number[i] - 1
     corner, curve, n = memory.corner[i, last], memory.curve[i, last], sigma.size
-    same, other = (curve[ON_U], curve[ON_W]) if s > 0.0 else (curve[ON_W], curve[ON_U])
+    # u and w of the curve for s = +1, w and u for s = -1: the first is constant along the open line
+    first, second = (curve[ON_U], curve[ON_W]) if s > 0.0 else (curve[ON_W], curve[ON_U])
     rates = curve[RATE_U] if s > 0.0 else curve[RATE_W]
-    if s * (same[0] - constant) <= 0.0:  # the whole curve slips
+    if s * (first[0] - constant) <= 0.0:  # the whole curve slips
         return corner[ETA], corner[MOMENT]
-    if s * (same[n - 1] - constant) >= 0.0:  # nothing of it slips
+    if s * (first[n - 1] - constant) >= 0.0:  # nothing of it slips
         return min((curve[ON_W, n - 1] - curve[ON_U, n - 1]) / (2.0 * c), z), curve[ON_MOMENT, n - 1]
     a, b = -1.0, 1.0
     for j in range(1, n):  # s u falls along the curve: two neighbouring nodes bracket the root
-        if s * (same[j] - constant) <= 0.0:
+        if s * (first[j] - constant) <= 0.0:
             a, b = sigma[j - 1], sigma[j]
             break
-    place = 0.5 * (a + b)
+    root = 0.5 * (a + b)
     for _ in range(80):
-        gap = s * (interpolate(place, sigma, bary, same) - constant)
+        gap = s * (interpolate(root, sigma, bary, first) - constant)
         if gap > 0.0:
-            a = place
+            a = root
         else:
-            b = place
-        rate = s * interpolate(place, sigma, bary, rates)
-        step = place - gap / rate if rate < 0.0 else 0.5 * (a + b)
-        if not a < step < b:
-            step = 0.5 * (a + b)
-        if abs(step - place) < 1e-15 or b - a < 1e-15:
+            b = root
+        rate = s * interpolate(root, sigma, bary, rates)
+        new = root - gap / rate if rate < 0.0 else 0.5 * (a + b)
+        if not a < new < b:
+            new = 0.5 * (a + b)
+        if abs(new - root) < 1e-15 or b - a < 1e-15:
             break
-        place = step
-    eta = s * (interpolate(place, sigma, bary, other) - constant) / (2.0 * c)
-    return min(max(eta, 0.0), z), interpolate(place, sigma, bary, curve[ON_MOMENT])
+        root = new
+    eta = s * (interpolate(root, sigma, bary, second) - constant) / (2.0 * c)
+    return min(max(eta, 0.0), z), interpolate(root, sigma, bary, curve[ON_MOMENT])
 
 
 @compiled
@@ -218,9 +219,10 @@ def freeze(memory, i, regime, s, z, x, c):
 
 @compiled
 def _begin_slip(memory, i, s):
-    """Return the regime in which slip towards s begins, annulus or slip; removes frozen lines of the same sign.
+    """Return the regime in which slip towards s begins, annulus or slip.
 
-    They have the u or w of the open line and become a part of it.
+    Frozen lines of the same sign at the end of the chain have the u (or w) of the open line. They become a part of it
+    and are removed.
     """
     while memory.number[i] > 0 and memory.kind[i, memory.number[i] - 1] * s > 0.0:
         memory.number[i] -= 1
@@ -293,9 +295,10 @@ def guard(problem, memory, i, regime, which, s, point, eta):
         return FAR_SIDE + slip_speed(s, z_rate, x_rate, c)
     k = memory.number[i] - 1
     own, other = (U, W) if s > 0.0 else (W, U)
-    if which == Guard.ANNULUS_PIECE:  # u (or w) of the open line has not come to that of the piece's inner end
+    if which == Guard.ANNULUS_PIECE:  # u (or w) of the open line, less that at the inner end of the last piece
         return FAR_SIDE + s * (memory.corner[i, k, own] - x) + c * z
-    if memory.kind[i, k] != 0:  # as in `front`, but smooth where the segment has run too far
+    # ANNULUS_EDGE: distance of the edge from the front
+    if memory.kind[i, k] != 0:  # as in `front`, but without its limits, so that it is smooth beyond the event
         eta = 0.5 * (z + s * (memory.corner[i, k, other] - x) / c)
     else:  # a contact that opens just as it closed goes back along its curve: the front is at the edge all the way
         eta -= 1e-11
@@ -345,7 +348,9 @@ def moment_rate(problem, z, x_rate):
 def jump(memory, i, regime, s, old, new, c):
     """Move a contact along a straight line from one point (z, x) to another; return (regime, sign, x).
 
-    The chain at the end is exact for a line of any length. An open contact is first pressed on at x = 0.
+    The chain at the end is exact for a line of any length. A separated contact is first pressed to the approach z at
+    x = 0. Then, by the change (dz, dx): a contact that grows without slip, |dx| <= c dz, writes a curve; otherwise slip
+    comes in from the edge, and the pieces that the front has passed are removed.
     """
     (old_z, old_x, _, _), (z, x, _, _), sigma = old, new, memory.grid.sigma
     if z <= 0.0:

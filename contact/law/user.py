@@ -6,14 +6,14 @@ A file of plain Python that numba compiles (numbers, `math` or `numpy` functions
         '''Tangential force in N of a contact that slips at slip_speed >= 0 in m/s; at 0 the largest that it holds.'''
         return 0.15 * normal_force + 2e-3 * contact.radius * approach / 1e-9 * slip_speed
 
-and, where Cattaneo's and Mindlin's spring is not wanted,
+and, to replace the spring of Cattaneo and Mindlin,
 
     def limit(approach, normal_force, contact):                  # m, the deformation at which slip begins
     def stuck(approach, normal_force, deformation, contact):     # N in stick, up to the limit
 
-The exact method places its events at contact, release, slip and stick. A kink of the user's functions in between is no
-event: the segments around it become shorter until the truncation allowed is kept (some ten more per kink). Guards,
-transitions and memory of a user's own are not taken; a file that defines them is refused.
+The exact method has events at contact, release, slip and stick. A kink of the user's functions in between is no event:
+the segments around it are shortened until the truncation error is small enough, which takes about ten more segments per
+kink. A file cannot define guards, transitions or a memory of its own; one that does is refused.
 
 `contact` has friction_coefficient, radius, effective_modulus, tangential_modulus (SI units) and punch (0 or 1). Without
 `limit` and `stuck` the spring is that of `law.elastic` with the coefficient sliding(..., 0, ...)/normal_force.
@@ -45,11 +45,11 @@ ARGUMENTS = {
     "limit": ("approach", "normal_force", "contact"),
     "stuck": ("approach", "normal_force", "deformation", "contact"),
 }
-# what `protocol.Law` has besides, and a user's file may not define: guards, transitions and memory
+# Functions of `protocol.Law` that a user's file may not define: guards, transitions and memory
 RESERVED = ("force", "guard", "guard_rate", "follow", "memory")
-# Numbers of the law: those of `Contact`, and K
+# Place of K in `Law.numbers`, behind the fields of `Contact`
 STIFFNESS = 5
-# Least approach at which the coefficient is asked for, scaled; relative step of differences
+# Smallest scaled approach at which the coefficient is evaluated; relative step of differences
 CLOSEST, STEP = 1e-9, 1e-5
 # Approaches in m and slip speeds in m/s at which a law is tried when it is read
 TRIED_APPROACHES, TRIED_SPEEDS = np.logspace(-12, -6, 25), (0.0, 1e-3, 1.0)
@@ -58,7 +58,7 @@ POINT, WEIGHT = (tuple(map(float, each)) for each in np.polynomial.legendre.legg
 
 
 class Contact(NamedTuple):
-    """What a user's functions know of the contact."""
+    """Parameters of the contact that are passed to a user's functions."""
 
     friction_coefficient: float
     radius: float  # m
@@ -96,11 +96,11 @@ class UserLaw:
                 raise InputError("slider.law", rule)
         for name, arguments in ARGUMENTS.items():
             function = self.functions.get(name)
-            wanted = f"{name}({', '.join(arguments)})"
+            signature = f"{name}({', '.join(arguments)})"
             if function is None and name == "sliding":
-                raise InputError("slider.law", f"must define {wanted}, but {self.name} has none")
+                raise InputError("slider.law", f"must define {signature}, but {self.name} has none")
             if function is not None and len(inspect.signature(_plain(function)).parameters) != len(arguments):
-                raise InputError("slider.law", f"must define {wanted}, but {self.name} takes other arguments")
+                raise InputError("slider.law", f"must define {signature}, but {self.name} takes other arguments")
 
     @classmethod
     def of(cls, source: "UserLaw | str | Path | ModuleType") -> "UserLaw":
@@ -134,13 +134,13 @@ def _functions(name, source):
         exec(compile(source, name, "exec"), vars(module))
     except Exception as error:
         raise InputError("slider.law", f"names {name}, which cannot be run: {type(error).__name__}: {error}") from None
-    own = {
+    functions = {
         key: formula(each)
         for key, each in vars(module).items()
         if isinstance(each, FunctionType) and each.__module__ == module.__name__
     }
-    vars(module).update(own)
-    return own
+    vars(module).update(functions)
+    return functions
 
 
 @lru_cache(64)
@@ -150,13 +150,13 @@ def tried(user: UserLaw, contact: Contact, stiffness: float) -> tuple[float, flo
     Raises an InputError for forces that are negative or not finite.
     """
     shape, ratio = int(contact.punch), contact.effective_modulus / (4.0 * contact.tangential_modulus)
-    pushes = stiffness * load(TRIED_APPROACHES, shape)
-    places = list(zip(TRIED_APPROACHES, pushes, strict=True))
-    forces = np.array([[_value(user, "sliding", z, p, w, contact) for w in TRIED_SPEEDS] for z, p in places])
-    coefficients = forces[:, 0] / pushes
-    slopes = ratio * coefficients
+    normal_forces = stiffness * load(TRIED_APPROACHES, shape)
+    trials = list(zip(TRIED_APPROACHES, normal_forces, strict=True))
+    forces = np.array([[_value(user, "sliding", z, p, w, contact) for w in TRIED_SPEEDS] for z, p in trials])
+    coefficients = forces[:, 0] / normal_forces
+    slopes = ratio * coefficients  # X/z
     if "limit" in user.functions:
-        slopes = np.array([_value(user, "limit", z, p, contact) / z for z, p in places])
+        slopes = np.array([_value(user, "limit", z, p, contact) / z for z, p in trials])
     bent = any(np.ptp(each) > 1e-12 * np.max(each) for each in (slopes, coefficients))
     rated = bool(np.max(np.ptp(forces, axis=1)) > 1e-12 * np.max(forces))
     middle, limits = len(slopes) // 2, slopes * TRIED_APPROACHES
@@ -223,35 +223,36 @@ def force_unit(problem):
 
 
 def _sliding(user):
-    """Return the sliding force over kappa."""
-    own = user.functions["sliding"]
+    """Return the function for the sliding force over kappa."""
+    user_sliding = user.functions["sliding"]
 
     def sliding(problem, z, w):
         up = 0.5 * (z + abs(z))
         unit = force_unit(problem)
         normal_force = unit * load(up, problem.shape)
-        return own(up * problem.length, normal_force, w * problem.length * problem.omega, contact_of(problem)) / unit
+        speed = w * problem.length * problem.omega
+        return user_sliding(up * problem.length, normal_force, speed, contact_of(problem)) / unit
 
     return _named(sliding, user)
 
 
 def _limit(user):
     """Return the functions by field of `Law` of a coefficient and a slip limit that depend on the approach."""
-    own = user.functions["sliding"]
+    user_sliding = user.functions["sliding"]
 
     def coefficient(problem, z):
         up = max(z, CLOSEST)
         normal_force = force_unit(problem) * load(up, problem.shape)
-        return own(up * problem.length, normal_force, 0.0, contact_of(problem)) / normal_force
+        return user_sliding(up * problem.length, normal_force, 0.0, contact_of(problem)) / normal_force
 
     coefficient = _named(coefficient, user)
     if "limit" in user.functions:
-        given = user.functions["limit"]
+        user_limit = user.functions["limit"]
 
         def limit_ratio(problem, z):
             up = max(z, CLOSEST)
             normal_force = force_unit(problem) * load(up, problem.shape)
-            return given(up * problem.length, normal_force, contact_of(problem)) / (up * problem.length)
+            return user_limit(up * problem.length, normal_force, contact_of(problem)) / (up * problem.length)
 
     else:
 
@@ -282,12 +283,12 @@ def _back(energy, user):
 
 def _own_spring(user):
     """Return the functions by field of `Law` of a user's spring: energy by quadrature, inverse by bisection."""
-    own = user.functions["stuck"]
+    user_stuck = user.functions["stuck"]
 
     def stuck(problem, z, x):
         up, unit = max(z, CLOSEST), force_unit(problem)
         size = abs(x) * problem.length
-        force = own(up * problem.length, unit * load(up, problem.shape), size, contact_of(problem)) / unit
+        force = user_stuck(up * problem.length, unit * load(up, problem.shape), size, contact_of(problem)) / unit
         return force if x >= 0.0 else -force
 
     stuck = _named(stuck, user)
@@ -303,12 +304,12 @@ def _own_spring(user):
         return 0.5 * (low + high)
 
     def energy(problem, z, x):
-        # the force may have a root at the limit: nodes crowd there
-        most, total = max(slip_limit(problem, z), x), 0.0
-        start = math.sqrt(max(1.0 - x / most, 0.0)) if most > 0.0 else 1.0
+        # int_0^x Q dx with x = limit (1 - s^2), because the force may have a square root at the limit
+        limit, total = max(slip_limit(problem, z), x), 0.0
+        start = math.sqrt(max(1.0 - x / limit, 0.0)) if limit > 0.0 else 1.0
         for k in range(len(POINT)):
             s = start + (1.0 - start) * 0.5 * (POINT[k] + 1.0)
-            total += WEIGHT[k] * stuck(problem, z, most * (1.0 - s * s)) * 2.0 * s * most
+            total += WEIGHT[k] * stuck(problem, z, limit * (1.0 - s * s)) * 2.0 * s * limit
         return 0.5 * (1.0 - start) * total
 
     energy = _named(energy, user)

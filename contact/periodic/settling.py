@@ -141,7 +141,13 @@ def _same(speed, problem):
 
 
 def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, target: Periodic) -> Reached:
-    """Return True if a slider from rest reaches a stable periodic motion, or which motion it reaches instead."""
+    """Check whether a slider from rest reaches the stable periodic motion `target`.
+
+    Two runs are followed, from rest and from a slightly different state. If both come to the target together, it is
+    reached. If only one does, or both at very different times, it is a matter of chance, which is a doubt. If neither
+    does, the motion that they come to is reached instead, or, if the bounce has not decayed by then, the difference is
+    a doubt.
+    """
     motion = target.motion.copy()
     motion.move(0.0, 0.5 * math.pi, np.empty(0))  # from the trough of u_z to its upward zero
     problem, begin = _start(slider, orbits, balance.load_sign)
@@ -152,37 +158,37 @@ def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, target:
         _refuse_unless_affordable(problem, math.inf)
         first = _run_from(problem, begin, rate, near)
         # an irregular transient may end much earlier or later from another start
-        again = first.passed > REGULAR or not first.arrived
-        second = _run_from(problem, _perturbed(begin), rate, near) if again else first
+        is_irregular = first.passed > REGULAR or not first.arrived
+        second = _run_from(problem, _perturbed(begin), rate, near) if is_irregular else first
     except ConvergenceError as failed:
         return Reached(doubt=unit, reason=f"whether a slider from rest comes to it was not seen: {failed}")
     if first.arrived and second.arrived:
         if _together(first, second, near.same):
             return Reached()
-        late = first if first.passed > second.passed else second
-        return _irregular(late, second.passed + first.passed - late.passed, unit, target.speed)
+        later = first if first.passed > second.passed else second
+        return _irregular(later, second.passed + first.passed - later.passed, unit, target.speed)
     if first.arrived or second.arrived:
         run = second if first.arrived else first
         return _irregular(run, first.passed + second.passed - run.passed, unit, target.speed)
     run = second if second.period or second.sticks else first
     run = replace(run, error=max(first.error, second.error, abs(first.speed - second.speed)), starts=2)
-    apart = abs(run.speed - target.speed) + run.error
-    if apart <= near.same:
+    difference = abs(run.speed - target.speed) + run.error
+    if difference <= near.same:
         return Reached()
     if run.period or run.sticks or run.passed + run.cycles > SURELY * near.decay_cycles:
         return Reached(instead=run)
     reason = f"a start from rest still bounces after {run.passed + run.cycles} cycles"
-    later = [each.eventual for each in (first, second) if not math.isnan(each.eventual)]
-    doubt = max([apart, *(abs(speed - target.speed) for speed in later)])
-    return Reached(doubt=doubt, reason=reason, speed=later[0] if later else run.speed)
+    decayed = [each.eventual for each in (first, second) if not math.isnan(each.eventual)]
+    doubt = max([difference, *(abs(speed - target.speed) for speed in decayed)])
+    return Reached(doubt=doubt, reason=reason, speed=decayed[0] if decayed else run.speed)
 
 
 def _together(first, second, same):
     """Return True if two runs from almost the same start stay together or soon reach the same motion."""
-    both = min(first.velocities.size, second.velocities.size)
-    apart = float(np.max(np.abs(first.velocities[:both] - second.velocities[:both])))
+    common = min(first.velocities.size, second.velocities.size)
+    difference = float(np.max(np.abs(first.velocities[:common] - second.velocities[:common])))
     soon = max(first.passed, second.passed) <= IRREGULAR and abs(first.speed - second.speed) <= same
-    return apart <= same or (soon and bool(second.period or second.sticks))
+    return difference <= same or (soon and bool(second.period or second.sticks))
 
 
 def _irregular(run, other, unit, speed):
@@ -325,7 +331,11 @@ def _arrived(rows, near):
 
 
 def _period(rows):
-    """Return (period in cycles or 0, estimated distance from the repeating motion)."""
+    """Return (period in cycles or 0, estimated distance from the periodic motion).
+
+    The rows of the last three periods are compared with those one period before. `left` is the ratio of this difference
+    to the same difference two periods earlier, and the distance is the sum of a geometric series with this ratio.
+    """
     for period in range(1, PERIODS + 1):
         if len(rows) < 6 * period:
             break

@@ -1,10 +1,19 @@
 r"""The trapezoidal rule across an edge where a force begins or ends as a fractional power of time.
 
-For f = C t^a from an edge on, sampled at (j + theta) h, the rule's sum is the integral plus C h^(a+1) zeta(-a, theta),
-zeta Hurwitz's function (Navot, J. Math. and Phys. 40 (1961) 271; Lyness and Ninham, Math. Comp. 21 (1967) 162).
-Contact, release and the end of stick are such edges with a = 3/2; at x = 0 the traction has a jump in curvature, a = 2
-on both sides. Subtracting the terms a = 3/2 and 5/2 leaves the rule its accuracy for smooth periodic functions. For a
-punch a = 1 and 2, and x = 0 is no edge.
+For f = C t^a, t > 0 the time from an edge, sampled at t = (j + theta) h, j = 0, 1 ..., the rule's sum is
+
+    h sum_j f = int f dt + C h^(a+1) zeta(-a, theta),                                                           (1)
+
+zeta Hurwitz's function (Navot, J. Math. and Phys. 40 (1961) 271; Lyness and Ninham, Math. Comp. 21 (1967) 162). The
+last term is the *excess*. For integers zeta(-n, theta) = -B_(n+1)(theta)/(n + 1) with Bernoulli's polynomials.
+
+Contact, release and the end of stick are edges of a force P = K p(z), p = z^m (`law.normal`), with m = 3/2 for a sphere
+and 1 for a punch. With z = z' t + z'' t^2/2,
+
+    p(z) = p(z') [p(t) + m z''/(2 z') t p(t) + ...],     the terms a = m and a = m + 1.                         (2)
+
+At x = 0 the tangential force of a sphere has a jump in curvature, a = 2 on both sides; for a punch it is smooth there.
+Subtracting these terms leaves the rule its accuracy for smooth periodic functions.
 """
 
 from contact.codes import Shape
@@ -33,8 +42,8 @@ def zeta_five_halves(theta):
 
 @compiled
 def edge_excess(theta, h, first, second, shape):
-    """Return what the rule's sum has too much for first p(t) + second t p(t), the nearest sample at theta h."""
-    if shape == Shape.PUNCH:  # zeta(-1, theta) and zeta(-2, theta): Bernoulli's polynomials
+    """Return the excess (1) of the rule for first p(t) + second t p(t), the nearest sample at theta h."""
+    if shape == Shape.PUNCH:  # zeta(-1, theta) = -B_2/2 and zeta(-2, theta) = -B_3/3
         b2, b3 = theta * (theta - 1.0) + 1.0 / 6.0, theta * (theta - 0.5) * (theta - 1.0)
         return -h * h * (0.5 * first * b2 + h * second * b3 / 3.0)
     root = h**0.5
@@ -43,22 +52,31 @@ def edge_excess(theta, h, first, second, shape):
 
 @compiled
 def contact_edge(problem, z_rate, z_bend, h):
-    """Return the coefficients of p(t) and t p(t) in the elastic force at contact or release: z = z' t + z'' t^2/2."""
+    """Return the coefficients of p(t) and t p(t) in the elastic force at contact or release, eq. (2).
+
+    `z_rate`, `z_bend`: z' and z''. The second term is limited to the first one at t = h.
+    """
     first, half = problem.stiffness * load(z_rate, problem.shape), 0.5 * slope(1.0, problem.shape)
     return first, first * min(max(half * z_bend / z_rate, -1.0 / h), 1.0 / h)
 
 
 @compiled
 def closing_share(ratio, shape):
-    """Return Q/(mu P) of a contact that closes with |x'|/(c z') = ratio < 1, and what its change goes with."""
+    """Return Q/(mu P) of a contact that closes with |x'|/(c z') = ratio < 1, and p'(1 - ratio)/2.
+
+    Q/(mu K) = p(z) - p(z - |x|/c), and z - |x|/c = (1 - ratio) z. The second result is the factor of the relative
+    change of z - |x|/c in time, as m/2 in eq. (2).
+    """
     return 1.0 - load(1.0 - ratio, shape), 0.5 * slope(1.0 - ratio, shape)
 
 
 @compiled
 def slip_edge(problem, z_old, z_new, below, above, v_old, v_new, h):
-    """Return what the rule's sum has too much for mu P - |Q| where stick ends within the step.
+    """Return the excess (1) of the rule for mu P - |Q| if stick ends within the step.
 
-    It is mu K p(z - |x|/c); `below` and `above` are |x| - X(z) at the ends of the step, v their rates.
+    Before the end of stick, mu P - |Q| = mu K p(z - |x|/c) = mu K p((X - |x|)/c), which falls to zero there; time is
+    counted backwards from it. `below` and `above` are |x| - X(z) at the ends of the step, `v_old` and `v_new` their
+    rates, and `s` is the fraction of the step at which stick ends.
     """
     if above <= 0.0:
         return 0.0
@@ -66,13 +84,14 @@ def slip_edge(problem, z_old, z_new, below, above, v_old, v_new, h):
     s = rising_root(below, above, h * v_old, h * v_new)
     v_edge = max(v_old + s * (v_new - v_old), 0.0)
     z = max((1.0 - s) * z_old + s * z_new, 1e-6 * max(z_old, z_new))
-    # locally the limit is that of one coefficient
+    # c and mu at this approach: a limit that is not proportional to z is replaced by X = c z near the edge
     limit = slip_limit(problem, z)
     c, friction = limit / z, problem.law.stuck(problem, z, limit) / load(z, shape)
     bend = 0.5 * slope(1.0, shape) * (v_old - v_new) / max(v_edge, 1e-300)
     first = friction * problem.stiffness * load(v_edge / c, shape)
     excess = edge_excess(s, h, first, first * min(max(bend, -1.0), 1.0) / h, shape)
-    if problem.law.rated and v_new >= 0.0:  # zeta(0, theta): the force falls at once to that of slip at this speed
+    if problem.law.rated and v_new >= 0.0:
+        # The force drops at once to that of slip at this speed: a = 0 after the edge, zeta(0, 1 - s) = s - 1/2.
         fall = problem.stiffness * (friction * load(z, shape) - problem.law.sliding(problem, z, v_edge))
         excess += fall * h * (s - 0.5)
     return excess
@@ -80,19 +99,25 @@ def slip_edge(problem, z_old, z_new, below, above, v_old, v_new, h):
 
 @compiled
 def curvature(shape):
-    """Return z^2 p''/2p, which makes the jump in curvature of Q at x = 0."""
+    """Return z^2 p''/2p = m (m - 1)/2, to which the jump in curvature of Q at x = 0 is proportional."""
     return 0.5 * slope(1.0, shape) * (slope(1.0, shape) - 1.0)
 
 
 @compiled
 def passage_excess(s, h, bend):
-    """Return what the rule's sum has too much for -bend t |t|, which passes zero a fraction s into a step."""
+    """Return the excess (1) of the rule for -bend t |t|, which passes zero at the fraction s of a step.
+
+    Both sides have a = 2: h^3 bend [zeta(-2, s) - zeta(-2, 1 - s)] = -(2/3) bend h^3 B_3(s).
+    """
     return -2.0 / 3.0 * bend * h**3 * s * (s - 0.5) * (s - 1.0)
 
 
 @compiled
 def last_part(v0, v1, whole):
-    """Return (place, integral from there to 1) of the root of the parabola with ends v0 > 0 > v1 and this integral."""
+    """Return (root s, integral from s to 1) of a parabola on [0, 1] with the ends v0 > 0 > v1 and the integral `whole`.
+
+    The parabola is v0 + s (v1 - v0) + bulge s (1 - s).
+    """
     bulge = 6.0 * (whole - 0.5 * (v0 + v1))
     s = v0 / (v0 - v1)
     for _ in range(3):
@@ -112,7 +137,7 @@ def cubic(s, y0, y1, r0, r1):
 
 @compiled
 def rising_root(y0, y1, r0, r1):
-    """Return the place at which the cubic rises through zero, y0 <= 0 < y1 (Newton from the secant)."""
+    """Return s at which the `cubic` rises through zero, y0 <= 0 < y1 (Newton's method from the secant)."""
     s = y0 / (y0 - y1)
     bend, twist = 3.0 * (y1 - y0) - 2.0 * r0 - r1, 2.0 * (y0 - y1) + r0 + r1
     for _ in range(5):

@@ -133,10 +133,10 @@ class CrossedBeam:
         total, x, y = 0.0, np.asarray(x, dtype=float), np.asarray(y, dtype=float)
         for row, beam in self._moving:
             s, t = row.local(x, y)
-            own = beam.charge_error(s, t)
-            if own is None:
+            relative = beam.charge_error(s, t)
+            if relative is None:
                 return None
-            total = total + own * abs(beam.motion(s, t)[2])
+            total = total + relative * abs(beam.motion(s, t)[2])
         return total / abs(self.motion(x, y)[2])
 
     def shadowed(self, slowing: float) -> float:
@@ -150,10 +150,11 @@ class CrossedBeam:
             wavenumber = 2 * np.pi * beam.wave.frequency / beam.wave.phase_velocity
             for other in self.rows:
                 for each in other.transducers if other is not row else ():
-                    across = np.sin(row.angle - other.angle), np.cos(row.angle - other.angle)
-                    way = abs(np.array(across)) @ [each.aperture, np.ptp(each.extent)]
+                    # distance that the wave travels below the transducer: its sides projected on the wave's direction
+                    direction = np.sin(row.angle - other.angle), np.cos(row.angle - other.angle)
+                    distance = abs(np.array(direction)) @ [each.aperture, np.ptp(each.extent)]
                     size = abs(self._of_row(row, beam.motion, *self._plan(other, each))[2, 0])
-                    total += size * min(wavenumber * way * each.metallisation * slowing, 2.0)
+                    total += size * min(wavenumber * distance * each.metallisation * slowing, 2.0)
         return float(total)
 
     def _plan(self, row: Row, each: Transducer) -> tuple[np.ndarray, np.ndarray]:
@@ -174,14 +175,15 @@ class CrossedBeam:
             wave = self.wave
             wavelength = wave.phase_velocity / wave.frequency
             parts = []
-            for some, near in _pieces(s, row.transducers, CLEAR * wavelength):
-                if near or np.count_nonzero(some) <= FEW:
-                    parts.append((some, evaluate(s[some], t[some])))
+            for members, near in _pieces(s, row.transducers, CLEAR * wavelength):
+                if near or np.count_nonzero(members) <= FEW:
+                    parts.append((members, evaluate(s[members], t[members])))
                 else:
-                    parts.append((some, _interpolated(evaluate, s[some], t[some], wavelength / PER_WAVELENGTH)))
+                    step = wavelength / PER_WAVELENGTH
+                    parts.append((members, _interpolated(evaluate, s[members], t[members], step)))
             values = np.empty((len(parts[0][1]), len(s)), dtype=complex)
-            for some, part in parts:
-                values[:, some] = part
+            for members, part in parts:
+                values[:, members] = part
             return values.reshape(-1, *x.shape)
         return evaluate(s, t).reshape(-1, *x.shape)
 
@@ -268,35 +270,37 @@ def crossed_beam(
         if not {"+", "-"} <= set(each.signs):
             raise BeamError(f"transducer {each.name!r} must have + and - fingers beside transducers at an angle")
     drive = as_drive(drive)
-    at = np.array(places or ((stator.length / 2, 0.0),)).T
+    points = np.array(places or ((stator.length / 2, 0.0),)).T
     rows = rows_of(stator, width, transducers, drive)
     waves = [
-        solve(row.stator, row.transducers, _own(drive, row), tuple(dict.fromkeys(map(float, row.local(*at)[0]))))
+        solve(
+            row.stator, row.transducers, _row_drive(drive, row), tuple(dict.fromkeys(map(float, row.local(*points)[0])))
+        )
         for row in rows
     ]
     fields = [with_apertures(wave.solution.fields) for wave in waves]
     admittances, names = _admittances(transducers, rows, waves, fields, frequency)
     circuit = solve_circuit(admittances, names, transducers, drive, frequency)
     beams = []
-    for row, wave, own in zip(rows, waves, fields, strict=True):
-        mine = _part(circuit, own.names, row)
+    for row, wave, row_fields in zip(rows, waves, fields, strict=True):
+        row_circuit = _row_circuit(circuit, row_fields.names, row)
         if not driven_names(row, drive):
             wave = surface_wave(
-                Solution(fields=wave.solution.fields, circuit=mine),
+                Solution(fields=wave.solution.fields, circuit=row_circuit),
                 relative_error=wave.relative_error,
                 admittance_error=wave.admittance_error,
             )
-        beams.append(aperture_beam(wave, Solution(fields=own, circuit=mine)))
+        beams.append(aperture_beam(wave, Solution(fields=row_fields, circuit=row_circuit)))
     return CrossedBeam(rows=rows, beams=tuple(beams), circuit=circuit, length=stator.length, width=width)
 
 
-def _own(drive: Drive, row: Row) -> Drive:
+def _row_drive(drive: Drive, row: Row) -> Drive:
     """Drive for solving one row alone; a row without sources is driven at its first transducer."""
     sources = {each.name: drive.sources[each.name] for each in row.transducers if each.name in drive.sources}
     return replace(drive, sources=sources) if any(sources.values()) else Drive(sources={row.transducers[0].name: 1.0})
 
 
-def _part(circuit: Circuit, names: tuple[str, ...], row: Row) -> Circuit:
+def _row_circuit(circuit: Circuit, names: tuple[str, ...], row: Row) -> Circuit:
     """Part of the circuit at the ports of a row; if none is driven, the power balance takes all ports as sources."""
     index = [circuit.names.index(name) for name in names]
     sources = [index.index(at) for at in circuit.sources if at in index] or range(len(index))
@@ -318,7 +322,7 @@ def _admittances(transducers, rows, waves, fields, frequency) -> tuple[np.ndarra
         own = slice(start, start + len(each.names))
         out[own, own] = each.admittances
     plan = {each.name: each for each in transducers}
-    charges = [_unit_charges(wave, own) for wave, own in zip(waves, fields, strict=True)]
+    charges = [_unit_charges(wave, each) for wave, each in zip(waves, fields, strict=True)]
     for one in range(len(rows)):
         for other in range(one):
             for i, senders in enumerate(charges[one]):

@@ -216,18 +216,20 @@ class CutSource:
         section, unit = self.section, self.section.length_unit
         nearly_real = abs(k.imag) < NEARLY_REAL * abs(k.real)
         right = np.where(nearly_real, carried > 0, k.imag < 0)
-        kept = (~nearly_real | (right == (k.real > 0))) & (abs(k.imag) < LOCAL * self.wavenumber * unit / (2 * np.pi))
+        is_forward = ~nearly_real | (right == (k.real > 0))
+        kept = is_forward & (abs(k.imag) < LOCAL * self.wavenumber * unit / (2 * np.pi))
         # beyond the disc of the reduced basis there are no waves, but artefacts of the basis, which may grow
-        within = abs(k) < SIZES[1] * self.wavenumber * unit
-        kept &= np.where(right, k.imag, -k.imag) < np.where(within, allowed, 0.0)
+        in_disc = abs(k) < SIZES[1] * self.wavenumber * unit
+        growth = np.where(right, k.imag, -k.imag)
+        kept &= growth < np.where(in_disc, allowed, 0.0)
         surface = np.zeros(len(k), dtype=bool)
-        # the most localised mode near that of the k_y before, and its twin in a plate
+        # in each direction: the most localised mode near the surface wave at the k_y before, and its twin in a plate
         for side in (right, ~right):
-            apart = abs(k) / abs(expected * unit) - 1
-            some = np.flatnonzero(side & nearly_real & kept)
+            distance = abs(k) / abs(expected * unit) - 1
+            candidates = np.flatnonzero(side & nearly_real & kept)
             share = np.zeros(len(k))
-            share[some] = section.surface_share(self.reduced.basis @ shapes[:, some])
-            share[some] /= 1 + (apart[some] / NEAR_HALF_SPACE) ** 2
+            share[candidates] = section.surface_share(self.reduced.basis @ shapes[:, candidates])
+            share[candidates] /= 1 + (distance[candidates] / NEAR_HALF_SPACE) ** 2
             best = np.argmax(share)
             surface |= (share > TWIN_SHARE * share[best]) & (abs(k / k[best] - 1) < TWIN_MODES)
         factors = np.ones((len(left), 1), dtype=complex)

@@ -37,18 +37,21 @@ class Fingers(NamedTuple):
     first: np.ndarray
     last: np.ndarray
     half_width: float
-    moments: np.ndarray  # shape (fingers, TERMS)
+    moments: np.ndarray  # shape (..., fingers, TERMS)
 
     @classmethod
     def of(cls, x: np.ndarray, charge: np.ndarray, finger: np.ndarray) -> "Fingers":
-        """Return the fingers of charges at nodes x from left to right; ``finger``: number of each node's finger."""
+        """Return the fingers of charges at nodes x from left to right, (..., nodes).
+
+        ``finger``: number of each node's finger, (nodes,).
+        """
         starts = np.flatnonzero(np.diff(finger, prepend=finger[0] - 1))
         stops = np.append(starts[1:], len(x))
         first, last = x[starts], x[stops - 1]
         # ``tiny`` avoids a division by zero if every finger is a single node (a line of charge)
         half = float((last - first).max()) / 2 or np.finfo(float).tiny
         local = (x - np.repeat((first + last) / 2, stops - starts)) / half
-        moments = np.add.reduceat(charge[:, None] * np.vander(local, TERMS, increasing=True), starts)
+        moments = np.add.reduceat(charge[..., None] * np.vander(local, TERMS, increasing=True), starts, axis=-2)
         return cls(first, last, half, moments)
 
     @property
@@ -60,11 +63,14 @@ class Fingers(NamedTuple):
         """Return the phase of waves across half a finger, rad; below MAX_PHASE the series of `sums` is accurate."""
         return abs(wavenumbers) * self.half_width
 
+    def powers(self, wavenumbers: np.ndarray) -> np.ndarray:
+        """Return (i k a)^n / n! of equation (2), shape (TERMS, *shape of k)."""
+        ratios = np.multiply.outer(1j * self.half_width / np.arange(1, TERMS), wavenumbers)  # i k a / n
+        return np.cumprod(np.concatenate([np.ones((1, *wavenumbers.shape)), ratios]), axis=0)
+
     def sums(self, wavenumbers: np.ndarray) -> np.ndarray:
         """Return the transform (2) of the charges of each finger, shape (fingers, *shape of k)."""
-        ratios = np.multiply.outer(1j * self.half_width / np.arange(1, TERMS), wavenumbers)  # i k a / n
-        powers = np.cumprod(np.concatenate([np.ones((1, *wavenumbers.shape)), ratios]), axis=0)  # (i k a)^n / n!
-        return np.tensordot(self.moments, powers, axes=1)
+        return np.tensordot(self.moments, self.powers(wavenumbers), axes=1)
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ that act by it: those of all transducers together, or the one of a strip under a
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import groupby
 
 import numpy as np
 
@@ -33,18 +34,6 @@ class Emitter:
         """Charges of the nodes."""
         return np.concatenate([each.charge for each in self.sheets])
 
-    @cached_property
-    def _sheet(self) -> np.ndarray:
-        """Number of the sheet of each node."""
-        return np.repeat(np.arange(len(self.sheets)), [len(each.x) for each in self.sheets])
-
-    @cached_property
-    def _finger(self) -> np.ndarray:
-        """Number of the finger of each node, counted through all sheets."""
-        number = np.concatenate([each.finger for each in self.sheets])
-        another = (np.diff(number, prepend=number[0]) != 0) | (np.diff(self._sheet, prepend=0) != 0)
-        return np.cumsum(another)
-
     def plane_waves(self, places: np.ndarray, distance: float) -> np.ndarray:
         """Motion u in the section, k_y = 0, at positions in m, by the modes that reach a distance in m; (places, 3)."""
         ones = np.ones((len(self.sheets), 1))
@@ -62,7 +51,7 @@ class Emitter:
         out = np.zeros((len(places), 3, shapes.shape[1]), dtype=complex)
         if not along.size:
             return out
-        sources, sheets, amplitudes = self._sources_beside(places, side * along)
+        sources, waves = self._sources_beside(places, side * along, shapes)
         count = len(sources)
         at = side * np.append(sources, places)
         is_place = np.arange(len(at)) >= count
@@ -78,28 +67,33 @@ class Emitter:
                 arrived *= steps[key]
             before = at[number]
             if not is_place[number]:
-                arrived += amplitudes[number] * shapes[sheets[number]]
+                arrived += waves[number]
                 sends = True
             elif sends:
                 out[number - count] = np.einsum("cmn,mn->cn", branch.motion, arrived)
         return out
 
-    def _sources_beside(self, places, along) -> tuple[np.ndarray, np.ndarray, list]:
-        """Positions of the charges, their sheets, and their amplitudes (numbers, or arrays of the shape of ``along``).
+    def _sources_beside(self, places, along, shapes) -> tuple[np.ndarray, list[np.ndarray]]:
+        """Positions of the charges, and what they send, (modes, n) or, where that is the same for all modes, (n,).
 
-        All charges of a finger without any requested position on it are combined to one source at its centre, by the
-        Taylor series of the exponentials about the centre.  ``along`` is signed by the direction of the branch.
+        The charges of all sheets on the same fingers are added.  All charges of a finger without any requested position
+        on it are combined to one source at its centre, by the Taylor series of the exponentials about the centre,
+        equation (2) of `Fingers`.  ``along`` is signed by the direction of the branch.
         """
-        # A finger is combined if no requested position lies on it, provided that the series is accurate for the widest
-        # finger (MAX_PHASE).  `whole` marks the combined fingers, `single` the nodes of all others.
-        fingers = Fingers.of(self.x, self.charge, self._finger)
-        ordered = np.sort(places)
-        whole = np.searchsorted(ordered, fingers.first) == np.searchsorted(ordered, fingers.last, side="right")
-        whole &= fingers.phase(along).max() < MAX_PHASE
-        single = ~whole[self._finger]
-        sheets = self._sheet[np.searchsorted(self._finger, np.flatnonzero(whole))]
-        return (
-            np.append(fingers.middles[whole], self.x[single]),
-            np.append(sheets, self._sheet[single]),
-            [*fingers._replace(moments=fingers.moments[whole]).sums(along), *self.charge[single]],
-        )
+        positions, waves, first, ordered = [], [], 0, np.sort(places)
+        for _, same_nodes in groupby(self.sheets, key=lambda sheet: id(sheet.x)):
+            sheets = list(same_nodes)
+            x, finger, own_shapes = sheets[0].x, sheets[0].finger, shapes[first : first + len(sheets)]
+            first += len(sheets)
+            charge = np.stack([each.charge for each in sheets])
+            fingers = Fingers.of(x, charge, finger)
+            # A finger is combined if no requested position lies on it, provided that the series is accurate for the
+            # widest finger (MAX_PHASE).  `whole` marks the combined fingers, `single` the nodes of all others.
+            whole = np.searchsorted(ordered, fingers.first) == np.searchsorted(ordered, fingers.last, side="right")
+            whole &= fingers.phase(along).max() < MAX_PHASE
+            single = ~whole[finger - finger[0]]
+            moments = np.tensordot(own_shapes, fingers.moments[:, whole], axes=(0, 0))  # (n, fingers, TERMS)
+            of_fingers = moments @ np.moveaxis(fingers.powers(along), 2, 0)  # (n, fingers, modes)
+            positions += [fingers.middles[whole], x[single]]
+            waves += [*of_fingers.transpose(1, 2, 0), *(charge[:, single].T @ own_shapes)]
+        return np.concatenate(positions), waves

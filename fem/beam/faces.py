@@ -3,15 +3,31 @@
 At k_y the field of a bare stator 0 < x < L is that of an infinitely long one plus all guided modes of the section from
 each face, with the amplitudes c (from x = 0, to the right) and d (from x = L, to the left),
 
-    c = R_0 (b + E d),    d = R_L (a + E c),    E = diag exp(-i kappa_p L),
+    c = R_0 (b + E d),    d = R_L (a + E c),    E = diag exp(-i kappa_p L),                                     (1)
 
-where a and b are the amplitudes at x = L and x = 0 of the waves that the charges excite.  The reflection matrix R of a
-face follows from its condition on the nodal fluxes or the displacements (ends.py).  For k_y != 0 a face couples
-sagittal and shear-horizontal (SH) modes, so that the section has all three displacements.
+where a and b are the amplitudes at x = L and x = 0 of the waves that the charges excite, so that
+
+    c = (1 - R_0 E R_L E)^-1 R_0 (b + E R_L a).                                                                 (2)
+
+The reflection matrix R of a face follows from its condition on the nodal fluxes or the displacements (ends.py).  For
+k_y != 0 a face couples sagittal and shear-horizontal (SH) modes, so that the section has all three displacements.
 
 In a solid isotropic about z the modes at k_y are those at k_y = 0, rotated.  With g = u_s / k, the displacement along
-the wave vector over its length, a sagittal mode has u_x = kappa g and u_y = k_y g; an SH mode w has u_x = -k_y w and
-u_y = kappa w.
+the wave vector over its length, e = (u_z, phi), and w the displacement of an SH mode,
+
+    sagittal   u_x = kappa g,    u_y = k_y g,     (u_z, phi) = e,        kappa^2 = k^2 - k_y^2,
+    SH         u_x = -k_y w,     u_y = kappa w,   (u_z, phi) = 0.                                               (3)
+
+The nodal flux of a mode on a line x = const is K1(k_y) v - i kappa K2 v, with K1(k_y) = K1 + k_y K1'.  Let the indices
+0, 1 and 2 denote the unknowns of u_x, of u_y / i and of (u_z, phi).  By symmetry K1 couples 0 with 2, K1' couples 0
+with 1, and K2 couples none of them.  Inserting (3), and kappa^2 where it appears, leaves
+
+                sagittal                                          SH
+    flux_0      K1_02 e - i k^2 K2_00 g  + k_y^2 X_0 g            kappa k_y X_0 w
+    flux_1      kappa k_y X_1 g                                   -k^2 K2_11 w  - k_y^2 X_1 w
+    flux_2      kappa (K1_20 g - i K2_22 e)                       -k_y K1_20 w                                  (4)
+
+with X_0 = i K2_00 - i K1'_01 and X_1 = K1'_10 - K2_11.
 
 The response has poles on or near the real axis of k_y, where 2 kappa L plus the phases of both reflections is a
 multiple of 2 pi (a resonance).  The contour of lateral.py stays at the distance D from them except near the origin.  A
@@ -147,28 +163,27 @@ class Faces:
     def _at_node(self, lateral: complex, sources: list[ChargeSheet], gap: float) -> tuple[np.ndarray, np.ndarray]:
         """Wavenumbers (2, modes) and motion (2, 3, sources, modes) of the reflected waves.
 
-        The equations of the module docstring are solved for c = (1 - R_0 E R_L E)^-1 R_0 (b + E R_L a) on the modes
-        that do not decay before they reach a face (``kept``); each face then reflects these into all modes.
+        Equation (2) is solved for the modes that do not decay before they reach a face (``kept``); each face then
+        reflects these into all modes.
         """
         if abs(lateral) < NEARLY_ZERO * self.highest:
             lateral = NEARLY_ZERO * self.highest
         modes, to_right, to_left = self.at(lateral)
         forward, backward = (each / modes.section.length_unit for each in (modes.wavenumbers, -modes.backwards))
         kept = np.flatnonzero(np.minimum(-forward.imag, -backward.imag) * gap < -np.log(KEPT))
-        # a and b
-        at_right, at_left = (
-            amplitudes[kept, None] * np.stack([each.transform(k[kept], place) for each in sources], axis=1)
-            for amplitudes, k, place in ((to_right, forward, self.length), (to_left, -backward, 0.0))
+        a, b = (
+            amplitudes[kept, None] * np.stack([each.transform(k[kept], face) for each in sources], axis=1)
+            for amplitudes, k, face in ((to_right, forward, self.length), (to_left, -backward, 0.0))
         )
-        left = end_reflection(modes, self.ends, 0, kept)
-        alike = modes.section.lateral_odd is not None
-        right = left if alike else end_reflection(modes, self.ends, 1, kept)
-        across, back = (np.exp(-1j * each[kept] * self.length)[:, None] for each in (forward, backward))
-        round_trip = left[kept] @ (back * right[kept]) * across[:, 0]
-        first_pass = left[kept] @ (at_left + back * (right[kept] @ at_right))
-        from_left = np.linalg.solve(np.eye(len(kept)) - round_trip, first_pass)
-        from_right = right @ (at_right + across * from_left)
-        from_left = left @ (at_left + back * from_right[kept])
+        r_0 = end_reflection(modes, self.ends, 0, kept)
+        mirror_images = modes.section.lateral_odd is not None
+        r_l = r_0 if mirror_images else end_reflection(modes, self.ends, 1, kept)
+        # E of the waves to the right and to the left, whose wavenumbers differ without mirror symmetry
+        e_right, e_left = (np.exp(-1j * each[kept] * self.length)[:, None] for each in (forward, backward))
+        round_trip = r_0[kept] @ (e_left * r_l[kept]) * e_right[:, 0]
+        c = np.linalg.solve(np.eye(len(kept)) - round_trip, r_0[kept] @ (b + e_left * (r_l[kept] @ a)))  # (2)
+        from_right = r_l @ (a + e_right * c)  # (1), all modes
+        from_left = r_0 @ (b + e_left * from_right[kept])
         rows = [modes.section.surface_dofs[name] for name in ("ux", "uy", "uz")]
         # Where y -> -y is a symmetry the unknown of u_y is u_y / i.
         factors = np.array([1.0, 1.0 if modes.section.solid.mirror_y is None else 1j, 1.0])[:, None]
@@ -205,9 +220,9 @@ class _TurnedModes:
     count: int
     wavenumbers: np.ndarray  # (n,), at k_y = 0
     sent: np.ndarray  # (n,): k times the amplitude that 1 C/m excites at k_y = 0
-    kinds: np.ndarray  # (n,): kind of each unknown, 0 for u_x, 1 for u_y (over i), 2 for u_z and phi
-    # (n, n) each, unknowns by modes.  ``shapes``: u_s / k on the unknowns of u_x and of u_y, and u_z and phi, all at
-    # k_y = 0.  ``flux``: nodal fluxes without their factors kappa and k_y.  ``by_square``: their coefficient of k_y^2.
+    kinds: np.ndarray  # (n,): index of each unknown in equation (4), 0 for u_x, 1 for u_y / i, 2 for u_z and phi
+    # (n, n) each, unknowns by modes.  ``shapes``: g or w on the unknowns of u_x and of u_y, and e, all at k_y = 0.
+    # ``flux``: the fluxes (4) without their factors kappa and k_y.  ``by_square``: their coefficient of k_y^2.
     shapes: np.ndarray
     flux: np.ndarray
     by_square: np.ndarray
@@ -216,9 +231,10 @@ class _TurnedModes:
         section = self.section
         k, k_y, sagittal = (self.wavenumbers, lateral * section.length_unit, np.arange(section.size) < self.count)
         kappa = wavenumber_along(k, k_y)
-        turned = [np.where(sagittal, kappa, -k_y), -1j * np.where(sagittal, k_y, kappa), np.ones_like(kappa)]
-        right = np.array(turned)[self.kinds] * self.shapes
+        # factors of equations (3) and (4), (kinds, modes)
+        of_shapes = [np.where(sagittal, kappa, -k_y), -1j * np.where(sagittal, k_y, kappa), np.ones_like(kappa)]
         of_flux = [np.where(sagittal, one, other) for one, other in ((1, kappa * k_y), (kappa * k_y, 1), (kappa, k_y))]
+        right = np.array(of_shapes)[self.kinds] * self.shapes
         right_flux = np.array(of_flux)[self.kinds] * self.flux + k_y**2 * self.by_square
         left, left_flux = right.copy(), -right_flux
         for each in (left, left_flux):
@@ -240,47 +256,46 @@ class _TurnedModes:
 def _turned_modes(fields: PortFields, source: LineSource) -> _TurnedModes:
     """Modes of a section with all displacements, from the sagittal modes of its solution at k_y = 0.
 
-    Sagittal modes are those of the solution, the SH modes those of `shear_modes`.  The nodal flux at k_y is
-    K1(k_y) v - i kappa K2 v with K1(k_y) = K1 + k_y K1', ``first`` and ``by_k_y``.  Inserting v of the module docstring
-    and kappa^2 = k^2 - k_y^2 leaves, for each kind of unknown and of mode, a factor 1, kappa, k_y or kappa k_y times a
-    fixed vector, ``flux``, and a part in k_y^2, ``by_square``.
+    Sagittal modes are those of the solution, the SH modes those of `shear_modes`.  The fluxes are those of equation
+    (4).
     """
     plane, section = fields.modes, with_all_displacements(fields)
-    second, first, _, _ = section.lateral_matrices(fields.frequency, 0.0)
-    by_k_y = section.lateral_matrices(fields.frequency, 1.0)[1] - first
+    k2, k1, _, _ = section.lateral_matrices(fields.frequency, 0.0)
+    k1_prime = section.lateral_matrices(fields.frequency, 1.0)[1] - k1
     u_x, u_y, u_z, phi = (column[column >= 0] for column in section.dofs.T)
     tangential, _, normal, potential = (column[column >= 0] for column in plane.section.dofs.T)
-    of_shear, shear = shear_modes(section, fields.frequency)
+    shear_wavenumbers, w = shear_modes(section, fields.frequency)
     moving, count = plane.wavenumbers != 0, plane.section.size
-    k = np.append(plane.wavenumbers, of_shear)
-    lines = plane.right / np.where(moving, k[:count], 1.0)
-    even = plane.right.copy()
+    k = np.append(plane.wavenumbers, shear_wavenumbers)
+    g = plane.right / np.where(moving, k[:count], 1.0)
+    e = plane.right.copy()
     sent = np.zeros(section.size, dtype=complex)
     sent[:count][moving] = source.amplitudes * k[:count][moving]
-    if not moving.all():
+    if not moving.all():  # the constant potential, k = 0: the limits of g and of k times the amplitude
         slope, motion = static_mode(plane)
-        lines[:, ~moving], even[:, ~moving] = -1j * motion[:, None], plane.section.constant_potential[:, None]
+        g[:, ~moving], e[:, ~moving] = -1j * motion[:, None], plane.section.constant_potential[:, None]
         sent[:count][~moving] = 1j * slope * load_scale(section.solid, "charge")
     shapes = np.zeros((section.size, section.size), dtype=complex)
     for of_field in (u_x, u_y):
-        shapes[of_field, :count], shapes[of_field, count:] = lines[tangential], shear
-    shapes[u_z, :count], shapes[phi, :count] = even[normal], even[potential]
+        shapes[of_field, :count], shapes[of_field, count:] = g[tangential], w
+    shapes[u_z, :count], shapes[phi, :count] = e[normal], e[potential]
     kinds = np.full(section.size, 2)
     kinds[u_x], kinds[u_y] = 0, 1
 
     def product(matrix, to: int, of: int) -> np.ndarray:
-        """Rows of kind ``to`` and columns of kind ``of`` of a matrix, times the shapes on the unknowns ``of``."""
+        """Block of a matrix from unknowns of kind ``of`` to those of kind ``to``, times the shapes on the former."""
         return matrix[np.ix_(kinds == to, kinds == of)] @ shapes[kinds == of]
 
-    # the nodal flux K1(k_y) v - i kappa K2 v, with kappa^2 = k^2 - k_y^2
+    # equation (4); the product X_0 g in the columns of sagittal modes is X_0 w in those of SH modes
     flux, by_square = np.zeros_like(shapes), np.zeros_like(shapes)
     sagittal = np.arange(section.size) < count
-    crossed = (1j * product(second, 0, 0) - 1j * product(by_k_y, 0, 1), product(by_k_y, 1, 0) - product(second, 1, 1))
-    flux[kinds == 0] = np.where(sagittal, product(first, 0, 2) - 1j * k**2 * product(second, 0, 0), crossed[0])
-    by_square[kinds == 0] = np.where(sagittal, crossed[0], 0)
-    flux[kinds == 1] = np.where(sagittal, crossed[1], -(k**2) * product(second, 1, 1))
-    by_square[kinds == 1] = np.where(sagittal, 0, -crossed[1])
-    flux[kinds == 2] = np.where(sagittal, product(first, 2, 0) - 1j * product(second, 2, 2), -product(first, 2, 0))
+    x_0 = 1j * product(k2, 0, 0) - 1j * product(k1_prime, 0, 1)
+    x_1 = product(k1_prime, 1, 0) - product(k2, 1, 1)
+    flux[kinds == 0] = np.where(sagittal, product(k1, 0, 2) - 1j * k**2 * product(k2, 0, 0), x_0)
+    by_square[kinds == 0] = np.where(sagittal, x_0, 0)
+    flux[kinds == 1] = np.where(sagittal, x_1, -(k**2) * product(k2, 1, 1))
+    by_square[kinds == 1] = np.where(sagittal, 0, -x_1)
+    flux[kinds == 2] = np.where(sagittal, product(k1, 2, 0) - 1j * product(k2, 2, 2), -product(k1, 2, 0))
     return _TurnedModes(
         section=section,
         frequency=fields.frequency,

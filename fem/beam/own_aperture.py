@@ -6,7 +6,7 @@ oscillates near both ends (`sheet_lengths`).  The potential of every finger is t
 `point_potential.py`, the potential of a charge on sheet b of one finger tested by sheet a of another, minus the value
 that the section gives where both sheets are present, is
 
-    D_ab(x) = [T(a) - a Z(x)] - [T(b) - b Z(x)],    a, b = (L_a +- L_b) / 2,
+    D_ab(x) = [T(a) - a Z(x)] - [T(b) - b Z(x)],    a, b = (L_a +- L_b) / 2,                                    (1)
 
 with Z(x) the potential of a line of charge in the section, which is infinitely long in y.
 
@@ -16,7 +16,7 @@ the density q / (pi (a^2 - x^2)^(1/2)), and its dipole moment adds a density pro
 the potential varies across a finger, the finger gets an additional dipole moment M, to first order that of a strip on a
 half-space,
 
-    M = -(a^2 / 2) (d phi / d x) / [x d G(x; 0) / d x],    x << wavelength.
+    M = -(a^2 / 2) (d phi / d x) / [x d G(x; 0) / d x],    x << wavelength.                                     (2)
 """
 
 from functools import lru_cache
@@ -73,12 +73,12 @@ def sheet_lengths(transducer: Transducer, fineness: int = 0, most: int = MAX_UNK
     ``fineness``: number of finer sets of STEPS that are skipped; ``most``: largest number of sheets on all fingers.
     """
     fingers, aperture = sum(sign in "+-" for sign in transducer.signs), transducer.aperture
-    allowed = [
+    sets = [  # for each set of STEPS, without sheets that would be too short
         np.array([aperture, *(shorter for shorter in ends if shorter > SHORTEST_SHEET * aperture)])
         for ends in ([aperture - 2 * step * transducer.period for step in steps] for steps in STEPS)
     ]
-    fitting = [lengths for lengths in allowed if len(lengths) * fingers <= most] or allowed[-1:]
-    return fitting[min(fineness, len(fitting) - 1)]
+    small_enough = [lengths for lengths in sets if len(lengths) * fingers <= most] or sets[-1:]
+    return small_enough[min(fineness, len(small_enough) - 1)]
 
 
 def section_potential(source: LineSource, distances: np.ndarray) -> np.ndarray:
@@ -109,7 +109,7 @@ def image_potential(source: LineSource, aperture: float, x: np.ndarray, width: f
 
 
 def polarisability(source: LineSource, finger_width: float) -> complex:
-    """Dipole moment of a strip per length, C, over the potential gradient across it in V/m."""
+    """Dipole moment of a strip per length, C, over the potential gradient across it in V/m: equation (2)."""
     a, k = finger_width / 2, source.wavenumbers
     slope = np.sum(-1j * k * source.potential * np.exp(-1j * k * a)) + source.slope
     return complex(-a / (2 * slope))

@@ -8,11 +8,21 @@ distance up to half a wavelength and are constant from there on.
 The potential of a charge that is uniform on |y| < A / 2, integrated over |y| < B / 2 at a distance x, is the integral
 of G over the correlation of the two intervals, which is a trapezium.  With a = (A + B) / 2 and b = |A - B| / 2,
 
-    K_AB(x) = T(a, x) - T(b, x),    T(h, x) = 2 int_0^h (h - y) G((x^2 + y^2)^(1/2)) dy.
+    K_AB(x) = T(a, x) - T(b, x),    T(h, x) = 2 int_0^h (h - y) G((x^2 + y^2)^(1/2)) dy.                        (1)
 
-If h is many wavelengths long, T(h) = h Z - 2 int_0^oo y G dy + 2 int_h^oo (y - h) G dy with Z the potential of a line
-of charge.  The second term is proportional to x H_1(k x) for every mode, and the third is integrated along the path of
-steepest descent from y = h.
+If h is many wavelengths long, and Z is the potential of a line of charge, then
+
+    T(h, x) = h Z - 2 int_0^oo y G dy + 2 int_h^oo (y - h) G dy.                                                (2)
+
+For a mode the second term is g_p x H_1(k_p x), because int r H_0(k r) dr = r H_1(k r) / k.  The third is integrated
+along the path of steepest descent from y = h,
+
+    y = h - i (R / h) s / k,    R^2 = x^2 + h^2,    where exp(-i k r) = exp(-i k R) exp(-s) to first order in s,  (3)
+
+by Gauss and Laguerre's rule.  The pole at k = 0, with r = (x^2 + y^2)^(1/2), has closed integrals:
+
+    int_0^h log r dy = h log R - h + x arctan(h / x),
+    int_0^h y log r dy = (R^2 log R - x^2 log x) / 2 - h^2 / 4.                                                 (4)
 """
 
 from functools import cache, cached_property
@@ -145,30 +155,31 @@ class _Antiderivatives:
 
 
 def _wide(source: LineSource, x: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
-    """T(h, x) for a length h of many wavelengths, and its derivative with respect to h, shape (x,) each."""
-    reach = np.hypot(x, h)
+    """T(h, x) by (2) for a length h of many wavelengths, and its derivative with respect to h, shape (x,) each."""
+    reach = np.hypot(x, h)  # R
+    # the pole at k = 0, by (4)
     angle, squares = x * np.arctan2(h, x), x**2 * np.log(np.where(x > 0, x, 1.0))
-    inner = h * np.log(reach) - h + angle
+    log_integral = h * np.log(reach) - h + angle
     static = 2 * source.slope / np.pi
-    value = static * (h * inner - (reach**2 * np.log(reach) - squares) / 2 + h**2 / 4) + 0j
-    slope = static * inner + 0j
+    value = static * (h * log_integral - (reach**2 * np.log(reach) - squares) / 2 + h**2 / 4) + 0j
+    derivative = static * log_integral + 0j
     s, weights = laguerre_rule(LAGUERRE)
     for k, potential in zip(source.wavenumbers, source.potential, strict=True):
-        line = np.exp(-1j * k * x)
-        near = np.full(len(x), 2j / np.pi / k)
+        line = np.exp(-1j * k * x)  # Z over g_p
+        second = np.full(len(x), 2j / np.pi / k)  # x H_1(k x), its limit at x = 0
         some = (abs(k) * x > SERIES) & (-k.imag * x < DECAYED)
-        near[some] = x[some] * line[some] * scaled_hankel(1, k * x[some])
-        near[-k.imag * x >= DECAYED] = 0.0
-        value += potential * (h * line + near)
-        slope += potential * line
-        if -k.imag * h < DECAYED:
+        second[some] = x[some] * line[some] * scaled_hankel(1, k * x[some])
+        second[-k.imag * x >= DECAYED] = 0.0
+        value += potential * (h * line + second)
+        derivative += potential * line
+        if -k.imag * h < DECAYED:  # the third term, with y - h = ``path`` of (3)
             path = -1j * (reach / h)[:, None] * s / k
             z = k * np.sqrt(reach[:, None] ** 2 + path * (2 * h + path))
-            sent = scaled_hankel(0, z) * np.exp(s - 1j * (z - (k * reach)[:, None])) * weights
-            sent *= (-1j * reach / h * np.exp(-1j * k * reach))[:, None] * potential
-            value += np.sum(sent * path, axis=1)
-            slope -= np.sum(sent, axis=1)
-    return value, slope
+            integrand = scaled_hankel(0, z) * np.exp(s - 1j * (z - (k * reach)[:, None])) * weights
+            integrand *= (-1j * reach / h * np.exp(-1j * k * reach))[:, None] * potential
+            value += np.sum(integrand * path, axis=1)
+            derivative -= np.sum(integrand, axis=1)
+    return value, derivative
 
 
 def _sum_of_modes(source: LineSource, r: np.ndarray) -> np.ndarray:

@@ -4,7 +4,7 @@ In the section a transducer sends waves of amplitude c_p, and another one receiv
 distance of their centres.  For fingers of finite length, charges that are uniform over lengths W_i and W_j along y
 (sheets, own_aperture.py) receive B_ij,p times this amplitude,
 
-    B_ij,p = int dk_y / 2 pi  W_i sinc(k_y W_i / 2) sinc(k_y W_j / 2) (k_p / kappa_p) exp(-i (kappa_p - k_p) L)
+    B_ij,p = int dk_y / 2 pi  W_i sinc(k_y W_i / 2) sinc(k_y W_j / 2) (k_p / kappa_p) exp(-i (kappa_p - k_p) L)    (1)
 
 if their centres have the same y; if these differ by d, the integrand has the factor cos(k_y d).
 
@@ -12,17 +12,24 @@ Massless fingers scatter by their charges alone.  The wave that a transducer sen
 response of the section minus the transmitted wave, and the waves of all other transducers pass it as if its surface
 were bare.  W_j B_ij,p does not change if i and j are exchanged, so that the admittance matrix is symmetric.
 
-For one transducer, let q_b be the charges of sheet b, a_b the amplitudes of the arriving waves, U_b the potentials of
-the fingers that would cause q_b in the section, O the overlaps of the sheets, L_c the length of sheet c, D the change
-of the potentials in own_aperture.py and V the potentials of the ports.  Then
+For one transducer, let q_b be the charges of its fingers on sheet b (a vector over the fingers), a_b the amplitudes of
+the arriving waves, U_b the potentials of the fingers that would cause q_b in the section, O_cb = min(L_c, L_b) the
+overlaps of the sheets of lengths L, D_cb the change of the potentials in own_aperture.py and V the potentials of the
+fingers by the voltages.  Then, with the matrices Q_a and Q_U of the section,
 
-    q_b = Q_a a_b + Q_U U_b,    sum_b O_cb U_b - sum_b D_cb q_b = L_c V  for all sheets c,
+    q_b = Q_a a_b + Q_U U_b,                                                                                    (2)
+    sum_b O_cb U_b - sum_b D_cb q_b = L_c V     for all sheets c.                                               (3)
 
-with the matrices Q_a and Q_U of the section.  An arriving beam phi(y) is projected on the sheets f_c: sum_b O_cb a_b =
-int f_c phi dy.
+Sheet 0 is the whole aperture, so that L_c = O_c0 and O^-1 L V = V on sheet 0, zero on the others.  With this, (2)
+in (3) gives the system that `_response` solves for the U of all sheets,
+
+    (1 - O^-1 D Q_U) U = [V on sheet 0] + O^-1 D Q_a a.                                                         (4)
+
+An arriving beam phi(y) is projected on the sheets f_c: sum_b O_cb a_b = int f_c phi dy.
 
 The waves between transducers are those at the receiver's centre.  Those of a force are a_b there and a_b + A_bf on
-finger f, which adds the potential sum_b A_bf Q_U^-1 Q_a to U, that of the wave on each finger.
+finger f.  By (2) the change A has the same effect as additional potentials (Q_U^-1 Q_a A)_f, which are added to the
+right side of (4).
 
 Limits: the solid must be isotropic about z and the ends must absorb.  Otherwise transducers receive waves, and respond
 to their own charges, as in the section.  Open strips always respond as in the section.
@@ -33,6 +40,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import combinations
 from threading import Lock
+from typing import NamedTuple
 
 import numpy as np
 
@@ -49,11 +57,11 @@ from fem.waveguide.network import Network, PortSolution, Scatterer, Sheet
 from fem.waveguide.port_fields import PortFields, StatorRow
 from fem.waveguide.row_solver import Element, solve_row
 
-SHORTEST = 0.5  # least aperture over wavelength: shorter fingers are not line sources
-# Size of the system of waves between transducers, two per sheet and mode.  Waves that decay by exp(-NEEDED) or more on
-# the way are left out first, then steps of the charges along the fingers.
+SHORTEST = 0.5  # smallest aperture over wavelength: shorter fingers are not line sources
+# Largest size of the system of waves between transducers, two waves per sheet and mode.  To keep it, modes that decay
+# by exp(-NEEDED) or more on the way are left out first, then shorter sheets.
 MAX_WAVES, NEEDED = 3000, 11.5
-# Nodes for interpolation over a band, at least and per rad of phase; the admittance is accurate to 1e-5.
+# Nodes for interpolation over a band: smallest number, and number per rad of phase; the admittance is accurate to 1e-5.
 LEAST_NODES, NODES_PER_SWING = 5, 1.2
 
 
@@ -239,65 +247,88 @@ def _solved(own_apertures: OwnApertures, row: StatorRow, *, fineness: int) -> Po
     section = network.modes.section
     surface = network.modes.wavenumbers[network.modes.rayleigh].real.mean() / section.length_unit
     refuse_short_apertures(transducers, 2 * np.pi / surface)
+    lengths, kept = _sheets_and_modes(network, transducers, fineness)
+    travel = _travel(network, transducers, kept, lengths, own_apertures.mirror_width)
+    outside, changes = _from_forces(network, transducers, kept, lengths, own_apertures.mirror_width)
+    responses = _responses(own_apertures, row, kept, lengths, changes)
+    network = replace(network, scatterers=tuple(each.scatterer for each in responses))
+    return replace(row, network=network).solved(_port_solution(network, responses, travel, outside, kept))
+
+
+def _sheets_and_modes(
+    network: Network, transducers: tuple[Transducer, ...], fineness: int
+) -> tuple[list[np.ndarray], np.ndarray]:
+    """Lengths of the sheets of each transducer, and numbers of the modes that couple transducers, within MAX_WAVES."""
     # Between transducers the waves that couple them are enough: what a force adds nearby decays before the next one.
     between = np.diff(network.segments[1:-1], axis=1).ravel()
-    gaps = between if len(between) else [abs(gap) for _, _, gap in _ways_from_forces(network)]
+    gaps = between if len(between) else [abs(gap) for _, _, gap in _force_gaps(network)]
     kept = network.survivors(float(min(gaps))) if len(gaps) else np.empty(0, int)
     decay = -network.modes.wavenumbers[kept].imag * float(min(gaps, default=0.0))
     needed = np.count_nonzero(decay < NEEDED)
     lengths = []
     for each in transducers:
         fingers = max(sum(sign in "+-" for sign in each.signs), 1)
-        most = MAX_WAVES // max(2 * needed * len(transducers), 1)  # forces alone do not change the sheets
-        limit = {} if len(transducers) == 1 else {"most": min(MAX_UNKNOWNS, most * fingers)}
+        most_sheets = MAX_WAVES // max(2 * needed * len(transducers), 1)  # forces alone do not change the sheets
+        limit = {} if len(transducers) == 1 else {"most": min(MAX_UNKNOWNS, most_sheets * fingers)}
         lengths.append(sheet_lengths(each, fineness, **limit))
-    room = max(MAX_WAVES // (2 * sum(map(len, lengths))), needed if len(transducers) > 1 else 1)
-    kept = np.sort(kept[np.argsort(decay, kind="stable")[:room]])
-    travel = _travel(network, transducers, kept, lengths, own_apertures.mirror_width)
-    outside, changes = _from_forces(network, transducers, kept, lengths, own_apertures.mirror_width)
+    most_modes = max(MAX_WAVES // (2 * sum(map(len, lengths))), needed if len(transducers) > 1 else 1)
+    return lengths, np.sort(kept[np.argsort(decay, kind="stable")[:most_modes]])
+
+
+def _responses(
+    own_apertures: OwnApertures, row: StatorRow, kept: np.ndarray, lengths: list[np.ndarray], changes: list[np.ndarray]
+) -> list[_Response]:
+    """Response of each transducer; equal transducers share a scatterer, and without forces a response."""
+    network = row.network
     responses, couplings, by_kind = [], {}, {}
     for index, (plain, transducer, own_lengths) in enumerate(
-        zip(network.scatterers, transducers, lengths, strict=True)
+        zip(network.scatterers, row.transducers, lengths, strict=True)
     ):
-        kind = id(plain), transducer.aperture  # equal transducers share a scatterer, and without forces a response
+        kind = id(plain), transducer.aperture
         if kind not in couplings:
             couplings[kind] = own_apertures.coupling(network, replace(transducer, name="", center=0.0), own_lengths)
         key = (*kind, index if network.forces else 0)
         if key not in by_kind:
             by_kind[key] = _response(plain, transducer.signs, kept, own_lengths, couplings[kind], changes[index])
         responses.append(by_kind[key])
-    network = replace(network, scatterers=tuple(each.scatterer for each in responses))
+    return responses
+
+
+def _port_solution(
+    network: Network, responses: list[_Response], travel: np.ndarray, outside: np.ndarray | None, kept: np.ndarray
+) -> PortSolution:
+    """Solve the row for the waves between the transducers, and return the fields for a unit at each port."""
     ports, first = len(network.ports), np.cumsum([0, *(len(each.sent) for each in responses)])
-    volts = [np.eye(ports)[[*numbers, *network.forces]] for numbers in network.numbers]
+    # of each transducer: which ports and forces its last columns belong to
+    own_ports = [np.eye(ports)[[*numbers, *network.forces]] for numbers in network.numbers]
     elements = [
         Element(
             scattering=each.sent[:, : stop - start],
-            excitation=each.sent[:, stop - start :] @ own_volts,
+            excitation=each.sent[:, stop - start :] @ selection,
             leaves=np.arange(start, stop),
             arrives=np.arange(start, stop),
         )
-        for each, own_volts, start, stop in zip(responses, volts, first, first[1:], strict=False)
+        for each, selection, start, stop in zip(responses, own_ports, first, first[1:], strict=False)
     ]
     solved = solve_row(elements, travel, outside)
     sides, incoming, charges, sheets = [], [], [], []
-    for each, own_volts, element in zip(responses, volts, elements, strict=True):
-        weights = np.concatenate([solved.arriving[element.arrives], own_volts])
+    for each, selection, element in zip(responses, own_ports, elements, strict=True):
+        weights = np.concatenate([solved.arriving[element.arrives], selection])
         sheets.append(each.sheets(weights))
         shares = each.lengths / each.lengths[0]
         sides.append(sum(share * sheet.sides for share, sheet in zip(shares, sheets[-1], strict=True)))
         incoming.append(each.incoming(weights))
         charges.append(each.scatterer.reactions(sides[-1]))
-    solution = PortSolution(
+    return PortSolution(
         sides=tuple(sides),
         incoming=tuple(incoming),
         segments=network.segment_waves(sides, incoming),
         reactions=np.concatenate(charges),
         coupling=solved.coupling,
-        waves=np.concatenate([np.tile(kept, 2 * len(each)) for each in lengths]),
+        waves=np.concatenate([np.tile(kept, 2 * len(each.lengths)) for each in responses]),
         sheets=tuple(sheets),
         own_apertures=True,
     )
-    return replace(row, network=network).solved(solution)
 
 
 def _by_fingers(scatterer: Scatterer, signs: str) -> tuple[Scatterer, np.ndarray]:
@@ -352,10 +383,10 @@ def _travel(
     return out
 
 
-def _ways_from_forces(network: Network) -> list[tuple[int, int, float]]:
-    """Return number of the port, number of the transducer and distance between them, for each force and transducer.
+def _force_gaps(network: Network) -> list[tuple[int, int, float]]:
+    """Return number of the port, number of the transducer and gap between them, for each force and transducer.
 
-    The distance is that to the nearest line of the transducer, length units; positive if it lies on the right.
+    The gap is the distance to the nearest line of the transducer, length units; positive if it lies on the right.
     """
     edges = [(place, place + each.piece.width) for place, each in zip(network.places, network.scatterers, strict=True)]
     places = [(number, network.ports[number].place) for number in network.forces]
@@ -378,90 +409,110 @@ def _from_forces(
     The amplitudes (waves, ports) are those at the centre of a transducer, None without a force; their rows are those of
     `_travel`.  A force of a width w sends its waves as a sheet of charge of this length does.
 
-    On each finger the mean over a sheet is B of `aperture_coupling` at its own distance instead of that of the centre:
-    the changes of the amplitudes are (sheets, fingers, 2 modes, forces) for each transducer.
+    The changes A of the module docstring are (sheets, fingers, 2 modes, forces) for each transducer: on each finger the
+    mean over a sheet is B of equation (1) at the distance of the finger instead of that of the centre.
     """
     modes, unit, m = network.modes, network.modes.section.length_unit, len(kept)
     first = np.cumsum([0, *(2 * m * len(each) for each in lengths)])
     out = np.zeros((first[-1], len(network.ports)), dtype=complex)
     numbers = list(network.forces)
-    places = [
+    finger_x = [  # middles of the fingers "+" and "-" of each transducer, length units
         (each.center + (np.flatnonzero([sign in "+-" for sign in each.signs]) - (len(each.signs) - 1) / 2) * each.pitch)
         / unit
         for each in transducers
     ]
     changes = [
         np.zeros((len(own), len(fingers), 2, m, len(numbers)), dtype=complex)
-        for own, fingers in zip(lengths, places, strict=True)
+        for own, fingers in zip(lengths, finger_x, strict=True)
     ]
-    for number, index, gap in _ways_from_forces(network):
-        port, force, own = network.ports[number], network.forces[number], lengths[index]
+    for number, index, gap in _force_gaps(network):
+        port, force, own_lengths = network.ports[number], network.forces[number], lengths[index]
         k, sent = (modes.wavenumbers, force.right) if gap > 0 else (-modes.backwards, force.left)
-        middle = abs(gap) + network.scatterers[index].piece.width / 2
+        direction = int(gap < 0)  # 0 to the right, 1 to the left
+        to_centre = abs(gap) + network.scatterers[index].piece.width / 2
         mean_beams = [
             aperture_coupling(
                 k[kept] / unit,
                 port.width * unit,
-                own,
+                own_lengths,
                 distance * unit,
                 mirror_width,
                 transducers[index].center_y - port.center * unit,
                 tangential=port.component == "x",
             )
-            for distance in (middle, *abs(places[index] - port.place))
+            for distance in (to_centre, *abs(finger_x[index] - port.place))
         ]
-        amplitudes = np.linalg.solve(np.minimum.outer(own, own) / own[:, None], np.array(mean_beams))
+        overlaps = np.minimum.outer(own_lengths, own_lengths) / own_lengths[:, None]  # O / L, as in `_travel`
+        amplitudes = np.linalg.solve(overlaps, np.array(mean_beams))  # at the centre, then on each finger
         amplitudes *= (sent * np.exp(-1j * k * abs(gap)))[kept]
-        block = out[first[index] : first[index + 1], number].reshape(len(own), 2, m)
-        block[:, int(gap < 0)] = amplitudes[0]
-        changes[index][:, :, int(gap < 0), :, numbers.index(number)] = np.swapaxes(amplitudes[1:] - amplitudes[0], 0, 1)
+        block = out[first[index] : first[index + 1], number].reshape(len(own_lengths), 2, m)
+        block[:, direction] = amplitudes[0]
+        on_fingers = np.swapaxes(amplitudes[1:] - amplitudes[0], 0, 1)
+        changes[index][:, :, direction, :, numbers.index(number)] = on_fingers
     return out if numbers else None, [each.reshape(*each.shape[:2], 2 * m, len(numbers)) for each in changes]
 
 
-def _response(
-    plain: Scatterer, signs: str, kept: np.ndarray, lengths: np.ndarray, change: Coupling, of_forces: np.ndarray
-) -> _Response:
-    """Response of a transducer with fingers of finite length, from that of the section.
+class _InSection(NamedTuple):
+    """Response of a transducer in the section to unit modes from both sides and unit finger potentials.
 
-    The equations are those of the module docstring, with the reactions on the fingers as charges:
-
-        q_b = Q_a a_b + Q_U U_b                           ``by_waves``, ``by_fingers``
-        U - O^-1 D q = O^-1 L V,  O^-1 D = ``change_by_charge``
-        (1 - O^-1 D Q_U) U = O^-1 L V + O^-1 D Q_a a      ``system``, ``load``, for the U of all sheets
-        sent = S_a a + S_U U                              ``leaving``, without the waves that pass the bare surface
-
-    D contains the dipoles: those that the section's charges have, ``dipole``, and those that the gradient of the
-    changed potential adds, ``added`` (own_aperture.py).  ``kept``: modes by which the transducers are coupled.
-    ``of_forces``: changes of amplitudes from finger to finger (`_from_forces`).  A wave acts on finger f as the
-    potential -(Q_U^-1 Q_a)_f, ``effective``, which its amplitude on f multiplies.
+    The columns are the modes from the left, those from the right, and the fingers.
     """
-    scatterer, moments = _by_fingers(plain, signs)
-    modes, width = scatterer.modes, scatterer.piece.width
-    at, m, sheets = scatterer.at, len(kept), len(lengths)
-    fingers, ports = scatterer.potentials.shape
-    arriving = np.zeros((at.ports.start, 2 * m + fingers), dtype=complex)
-    arriving[at.left, :m] = modes.right[:, kept]
-    arriving[at.right, m : 2 * m] = modes.left[:, kept]
+
+    lines: np.ndarray  # (2 n, 2 modes + fingers): fields on both lines
+    charge_by_waves: np.ndarray  # Q_a, (fingers, 2 modes), of reactions
+    charge_by_potentials: np.ndarray  # Q_U, (fingers, fingers)
+    leaving: np.ndarray  # (2 modes, 2 modes + fingers): waves sent, without those that pass the bare surface
+    effective: np.ndarray  # Q_U^-1 Q_a, (fingers, 2 modes): finger potentials that have the effect of a wave
+    dipoles: np.ndarray  # (fingers, fingers): dipole moment of each finger per charge on each finger
+
+
+def _in_section(scatterer: Scatterer, moments: np.ndarray, kept: np.ndarray, arriving: np.ndarray) -> _InSection:
+    """Response in the section; ``arriving``: incident fields on both lines, (2 n, 2 modes), ``moments``: by sides."""
+    modes, width, at, m = scatterer.modes, scatterer.piece.width, scatterer.at, len(kept)
+    fingers = len(scatterer.potentials)
+    incident = np.concatenate([arriving, np.zeros((len(arriving), fingers))], axis=1)
     potentials = np.eye(fingers, 2 * m + fingers, 2 * m)
-    lines = scatterer.sides(arriving, potentials)
+    lines = scatterer.sides(incident, potentials)
     sides = np.concatenate([lines, potentials])
     reactions = scatterer.piece.matrix[at.ports] @ sides
-    by_waves, by_fingers = reactions[:, : 2 * m], reactions[:, 2 * m :]
+    by_waves, by_potentials = reactions[:, : 2 * m], reactions[:, 2 * m :]
     # In a floating section the same potential on all fingers causes no charge; a constant removes this null vector.
-    gauge = abs(np.diag(by_fingers)).sum() / max(fingers, 1) ** 2 if modes.section.floating_potential else 0.0
-    dipole = np.linalg.solve((by_fingers + gauge).T, (moments @ sides[:, 2 * m :]).T).T
-    effective = np.linalg.solve(by_fingers + gauge, by_waves)
+    gauge = abs(np.diag(by_potentials)).sum() / max(fingers, 1) ** 2 if modes.section.floating_potential else 0.0
+    dipoles = np.linalg.solve((by_potentials + gauge).T, (moments @ sides[:, 2 * m :]).T).T
+    effective = np.linalg.solve(by_potentials + gauge, by_waves)
+    passed = np.append(np.exp(-1j * modes.wavenumbers[kept] * width), np.exp(1j * modes.backwards[kept] * width))
+    outgoing = lines - incident
+    leaving = np.concatenate(
+        [modes.right_amplitudes(outgoing[at.right])[kept], modes.left_amplitudes(outgoing[at.left])[kept]]
+    )
+    leaving[:, : 2 * m] -= np.diag(passed)
+    return _InSection(lines, by_waves, by_potentials, leaving, effective, dipoles)
 
-    medium, unit = modes.section.solid, modes.section.length_unit
+
+def _change_by_charges(
+    scatterer: Scatterer, signs: str, lengths: np.ndarray, change: Coupling, dipoles: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """O^-1 D of equation (4), and the dipoles that the change of the potentials adds, per charge (reaction).
+
+    Both are matrices over the fingers of all sheets, (sheets fingers, sheets fingers).  ``change`` has the blocks of
+    `Coupling`: C of charges to potentials, X of dipoles to potentials, Y of dipoles to gradients.  A charge has the
+    dipoles P of the section, ``dipoles``, and causes the gradient G of the potential on each finger; with the
+    polarisability alpha of a strip this adds the dipoles A, which act back on the potentials by G^T (reciprocity):
+
+        G = X^T + Y P,    A = alpha O^-1 G,    D = C + X P + P^T G + G^T A.
+    """
+    section = scatterer.modes.section
+    medium, unit = section.solid, section.length_unit
     scale = medium.stress_unit / medium.potential_unit**2  # of charges in SI to reactions
     charged = np.flatnonzero([sign in "+-" for sign in signs])
-    numbers = np.subtract.outer(charged, charged) + len(signs) - 1
-    charges, mixed, between = (
-        scale * unit**power * each[..., numbers]
+    offsets = np.subtract.outer(charged, charged) + len(signs) - 1  # place of each pair of fingers in ``change``
+    charges, mixed, moments = (
+        scale * unit**power * each[..., offsets]
         for power, each in enumerate((change.charges, change.mixed, change.moments))
     )
     polarisability = -change.polarisability / (scale * unit**2)
     inverse = np.linalg.inv(np.minimum.outer(lengths, lengths))  # O^-1
+    sheets, fingers = len(lengths), len(charged)
     size = sheets * fingers
 
     def stacked(each: np.ndarray) -> np.ndarray:
@@ -472,38 +523,53 @@ def _response(
         """O^-1 times a matrix over the fingers of all sheets; O mixes the sheets of each finger alone."""
         return np.tensordot(inverse, each.reshape(sheets, fingers, size), axes=1).reshape(size, size)
 
-    gradient = np.swapaxes(mixed, 2, 3) + between @ dipole  # by the charges
-    change_by_charge = stacked(charges + mixed @ dipole + dipole.T @ gradient)
-    gradient = stacked(gradient)
+    by_sheets = np.swapaxes(mixed, 2, 3) + moments @ dipoles  # G
+    direct = stacked(charges + mixed @ dipoles + dipoles.T @ by_sheets)
+    gradient = stacked(by_sheets)
     added = polarisability * projected(gradient)
-    change_by_charge = projected(change_by_charge + gradient.T @ added)
-    before_forces = sheets * 2 * m + ports
-    columns = before_forces + of_forces.shape[-1]
-    by_arriving = np.zeros((sheets, fingers, columns), dtype=complex)
-    load = np.zeros((sheets, fingers, columns), dtype=complex)
-    for sheet in range(sheets):
-        by_arriving[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] = by_waves
-    load[0, :, sheets * 2 * m : before_forces] = scatterer.potentials
-    load[..., before_forces:] = np.einsum("fp,sfpn->sfn", effective, of_forces)
-    load += (change_by_charge @ by_arriving.reshape(size, columns)).reshape(load.shape)
-    system = np.eye(size) - (change_by_charge.reshape(size, sheets, fingers) @ by_fingers).reshape(size, size)
-    finger_potentials = np.linalg.solve(system, load.reshape(size, columns)).reshape(load.shape)
-    on_fingers = by_arriving + by_fingers @ finger_potentials
+    return projected(direct + gradient.T @ added), added
 
-    passed = np.append(np.exp(-1j * modes.wavenumbers[kept] * width), np.exp(1j * modes.backwards[kept] * width))
-    out = lines - arriving
-    leaving = np.concatenate([modes.right_amplitudes(out[at.right])[kept], modes.left_amplitudes(out[at.left])[kept]])
-    leaving[:, : 2 * m] -= np.diag(passed)
-    sent = leaving[:, 2 * m :] @ finger_potentials
+
+def _response(
+    plain: Scatterer, signs: str, kept: np.ndarray, lengths: np.ndarray, change: Coupling, of_forces: np.ndarray
+) -> _Response:
+    """Response of a transducer with fingers of finite length, from that of the section: equation (4).
+
+    ``kept``: modes by which the transducers are coupled; ``of_forces``: changes A of the amplitudes from finger to
+    finger (`_from_forces`).  The waves that it sends are S_a a + S_U U, with the blocks S of ``leaving``.
+    """
+    scatterer, moments = _by_fingers(plain, signs)
+    modes, at, m, sheets = scatterer.modes, scatterer.at, len(kept), len(lengths)
+    fingers, ports = scatterer.potentials.shape
+    arriving = np.zeros((at.ports.start, 2 * m), dtype=complex)
+    arriving[at.left, :m] = modes.right[:, kept]
+    arriving[at.right, m:] = modes.left[:, kept]
+    section = _in_section(scatterer, moments, kept, arriving)
+    change_by_charge, added = _change_by_charges(scatterer, signs, lengths, change, section.dipoles)
+
+    size, waves = sheets * fingers, sheets * 2 * m
+    before_forces = waves + ports
+    columns = before_forces + of_forces.shape[-1]
+    by_arriving = np.zeros((sheets, fingers, columns), dtype=complex)  # Q_a a
+    load = np.zeros((sheets, fingers, columns), dtype=complex)  # right side of (4)
     for sheet in range(sheets):
-        sent[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] += leaving[:, : 2 * m]
-    dipoles = (added @ on_fingers.reshape(size, columns)).reshape(finger_potentials.shape)
+        by_arriving[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] = section.charge_by_waves
+    load[0, :, waves:before_forces] = scatterer.potentials
+    load[..., before_forces:] = np.einsum("fp,sfpn->sfn", section.effective, of_forces)
+    load += (change_by_charge @ by_arriving.reshape(size, columns)).reshape(load.shape)
+    by_potentials = (change_by_charge.reshape(size, sheets, fingers) @ section.charge_by_potentials).reshape(size, size)
+    finger_potentials = np.linalg.solve(np.eye(size) - by_potentials, load.reshape(size, columns)).reshape(load.shape)
+    charges = by_arriving + section.charge_by_potentials @ finger_potentials  # equation (2)
+
+    sent = section.leaving[:, 2 * m :] @ finger_potentials
+    for sheet in range(sheets):
+        sent[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] += section.leaving[:, : 2 * m]
     return _Response(
         scatterer=scatterer,
         lengths=lengths,
-        arriving=arriving[:, : 2 * m],
-        lines=lines,
+        arriving=arriving,
+        lines=section.lines,
         potentials=finger_potentials,
-        sent=sent.reshape(sheets * 2 * m, columns),
-        dipoles=dipoles,
+        sent=sent.reshape(waves, columns),
+        dipoles=(added @ charges.reshape(size, columns)).reshape(finger_potentials.shape),
     )

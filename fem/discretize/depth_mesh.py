@@ -18,13 +18,16 @@ from fem.input_error import InputError
 from fem.materials import fields as coupled_fields
 from fem.materials.medium import medium, units, vacuum_medium
 
-HALF_SPACE_DEPTH, MAX_DEPTH = 2.0, 8.0  # wavelengths of ordinary solid above the absorbing layer
-# Wavelengths: least height of the element that is graded; under narrower fingers it is divided into more layers.
+# Depth of ordinary solid above the absorbing layer, in wavelengths: of a half-space, and the largest
+HALF_SPACE_DEPTH, MAX_DEPTH = 2.0, 8.0
+# Smallest height of the element that is graded, in wavelengths; under narrower fingers it is divided into more layers.
 FINGER_SCALE = 0.125
-# Most unknowns on a vertical line, at a typical polynomial order; a driven stator then takes about MINUTES_AT_MAX.
+# Largest number of unknowns on a vertical line, at a typical polynomial order; a driven stator then takes about
+# MINUTES_AT_MAX.
 MAX_UNKNOWNS, TYPICAL_ORDER = 2000, 7
 MINUTES_AT_MAX = 10
-# Length units; the field of a transducer without net charge decays as the square of the distance.
+# Height of the vacuum in length units; the field of a transducer without net charge decays as the square of the
+# distance.
 VACUUM_HEIGHT = 64.0
 
 
@@ -61,9 +64,39 @@ def discretise(
     """
     names = lateral_fields(stator.solid) if lateral else coupled_fields(stator.solid)
     body = medium(stator.solid, names)
-    unit = wavelength
-    largest = resolution.element_size
-    unknowns = stator.thickness / unit / largest * TYPICAL_ORDER * len(names)
+    _refuse_thick(stator, resolution, wavelength, len(names))
+    depth = _solid_depth(stator, wavelength, least_depth)
+    top, layers = _graded_top(resolution, depth, surface_scale / wavelength)
+    solid = _solid_heights(stator, resolution, depth, top, layers)
+    below = []
+    if stator.absorbs_below:
+        below = absorber(stator.solid, body, resolution.order, resolution.absorber, lateral=lateral)
+    above = np.empty(0)
+    media = [each for _, _, each in below] + [body] * len(solid)
+    solid_elements = len(media)
+    if stator.above == "vacuum" and "phi" in names:
+        above = _vacuum_heights(top, layers, resolution.element_size)
+        media += [vacuum_medium(*units(stator.solid))] * len(above)
+    heights = np.concatenate([[height.real for height, _, _ in below], solid, above])
+    breakpoints = np.concatenate([[0.0], np.cumsum(heights)])
+    breakpoints -= breakpoints[solid_elements]
+    stretched = solid.astype(complex) if stator.absorbs_below else solid
+    return Section(
+        heights=np.concatenate([[height * stretch for height, stretch, _ in below], stretched, above]),
+        breakpoints=breakpoints,
+        media=tuple(media),
+        order=resolution.order,
+        length_unit=wavelength,
+        dofs=_numbered(names, solid_elements, len(media), resolution.order, stator),
+        surface=solid_elements * resolution.order,
+        bottom=len(below) * resolution.order,
+        surface_speed=_surface_speed(stator.solid),
+    )
+
+
+def _refuse_thick(stator: Stator, resolution: Resolution, unit: float, fields: int) -> None:
+    """Raise a ConvergenceError if a plate is so thick that its section would take far too long; ``fields``: number."""
+    unknowns = stator.thickness / unit / resolution.element_size * TYPICAL_ORDER * fields
     if unknowns > MAX_UNKNOWNS and not stator.absorbs_below:
         minutes = MINUTES_AT_MAX * (unknowns / MAX_UNKNOWNS) ** 3
         raise ConvergenceError(
@@ -71,60 +104,55 @@ def discretise(
             f"about {unknowns:.3g} unknowns on a line, takes {minutes:.2g} minutes "
             'or more and is not begun: take a thinner one, or bottom = "absorbing" where the bottom does not matter'
         )
-    layers = resolution.edge_layers if np.isfinite(surface_scale) else 0
+
+
+def _solid_depth(stator: Stator, unit: float, least_depth: float) -> float:
+    """Depth of the ordinary solid, length units: the thickness, or what lies above an absorbing layer."""
     depth = stator.thickness / unit if np.isfinite(stator.thickness) else least_depth
-    if stator.absorbs_below:
-        # Every thickness stands for the same half-space, but an absorbing layer near the surface causes errors of 1e-4.
-        depth = min(max(depth, least_depth), MAX_DEPTH)
-        drawn = max(stator.pieces, key=lambda piece: piece.depth, default=None)
-        if drawn is not None and drawn.depth / unit > MAX_DEPTH * (1 + 1e-6):
-            raise InputError(
-                "piece",
-                f"must be drawn down to at most {MAX_DEPTH * unit * 1e3:.4g} mm ({MAX_DEPTH:g} wavelengths) where the "
-                "bottom absorbs, below which the program continues the solid by itself: it is drawn down to "
-                f"{drawn.depth * 1e3:.4g} mm",
-                owner=drawn.name,
-            )
-        depth = depth if drawn is None else max(depth, drawn.depth / unit)
-    scale = surface_scale / unit
-    top = min(max(scale, FINGER_SCALE), depth / 2, largest) if layers else min(depth, largest)
-    layers = edge_layers(resolution, top, min(scale, top)) if layers else 0
+    if not stator.absorbs_below:
+        return depth
+    # Every thickness stands for the same half-space, but an absorbing layer near the surface causes errors of 1e-4.
+    depth = min(max(depth, least_depth), MAX_DEPTH)
+    deepest = max(stator.pieces, key=lambda piece: piece.depth, default=None)
+    if deepest is None:
+        return depth
+    if deepest.depth / unit > MAX_DEPTH * (1 + 1e-6):
+        raise InputError(
+            "piece",
+            f"must be drawn down to at most {MAX_DEPTH * unit * 1e3:.4g} mm ({MAX_DEPTH:g} wavelengths) where the "
+            "bottom absorbs, below which the program continues the solid by itself: it is drawn down to "
+            f"{deepest.depth * 1e3:.4g} mm",
+            owner=deepest.name,
+        )
+    return max(depth, deepest.depth / unit)
+
+
+def _graded_top(resolution: Resolution, depth: float, scale: float) -> tuple[float, int]:
+    """Height of the uppermost element, and number of layers that it is graded into; ``scale``: half a finger."""
+    largest = resolution.element_size
+    if not (resolution.edge_layers and np.isfinite(scale)):
+        return min(depth, largest), 0
+    top = min(max(scale, FINGER_SCALE), depth / 2, largest)
+    return top, edge_layers(resolution, top, min(scale, top))
+
+
+def _solid_heights(stator: Stator, resolution: Resolution, depth: float, top: float, layers: int) -> np.ndarray:
+    """Heights of the elements of the ordinary solid from the bottom up, length units."""
+    largest = resolution.element_size
+    surface = graded(top, layers, largest=largest)
+    if depth <= top * (1 + 1e-9):
+        return np.asarray(surface)
     corner_layers = resolution.edge_layers if bottom_corners(stator) and layers else 0
-    pieces = []
-    if depth > top * (1 + 1e-9):
-        sizes = graded(depth - top, corner_layers, largest=largest, smallest_first=True, ratio=CORNER_RATIO)
-        pieces.append(sizes)
-    pieces.append(graded(top, layers, largest=largest))
-    heights = np.concatenate(pieces)
-    complex_heights = heights.astype(complex) if stator.absorbs_below else heights
-    below = []
-    if stator.absorbs_below:
-        below = absorber(stator.solid, body, resolution.order, resolution.absorber, lateral=lateral)
-    heights = np.concatenate([[each.real for each, _, _ in below], heights])
-    complex_heights = np.concatenate([[each * stretch for each, stretch, _ in below], complex_heights])
-    solid_elements = len(heights)
-    media = [each for _, _, each in below] + [body] * (solid_elements - len(below))
-    if stator.above == "vacuum" and "phi" in names:
-        gap = vacuum_medium(*units(stator.solid))
-        sizes = graded(top, layers, largest=largest, smallest_first=True).tolist()
-        while sum(sizes) < VACUUM_HEIGHT:
-            sizes.append(min(sum(sizes), 0.5) if sum(sizes) < 2 else sum(sizes))
-        heights = np.concatenate([heights, sizes])
-        complex_heights = np.concatenate([complex_heights, sizes])
-        media += [gap] * len(sizes)
-    breakpoints = np.concatenate([[0.0], np.cumsum(heights)])
-    breakpoints -= breakpoints[solid_elements]
-    return Section(
-        heights=complex_heights,
-        breakpoints=breakpoints,
-        media=tuple(media),
-        order=resolution.order,
-        length_unit=unit,
-        dofs=_numbered(names, solid_elements, len(media), resolution.order, stator),
-        surface=solid_elements * resolution.order,
-        bottom=len(below) * resolution.order,
-        surface_speed=_surface_speed(stator.solid),
-    )
+    rest = graded(depth - top, corner_layers, largest=largest, smallest_first=True, ratio=CORNER_RATIO)
+    return np.concatenate([rest, surface])
+
+
+def _vacuum_heights(top: float, layers: int, largest: float) -> np.ndarray:
+    """Heights of the elements of the vacuum from the surface up, length units: they grow with the distance."""
+    heights = graded(top, layers, largest=largest, smallest_first=True).tolist()
+    while (reached := sum(heights)) < VACUUM_HEIGHT:
+        heights.append(min(reached, 0.5) if reached < 2 else reached)
+    return np.array(heights)
 
 
 def lateral_fields(solid) -> tuple[str, ...]:

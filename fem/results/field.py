@@ -70,7 +70,7 @@ class WaveField:
     order : int
         Of the elements through the depth: every ``order``-th node is an element's end.
     densities : Densities or None
-        Strain energy and power flow, where they were asked for.
+        Strain energy and power flow, if they were requested.
     inside : ndarray of bool, shape (nx, nz), or None
         Whether a node lies in the solid, where a meshed piece leaves some of the grid empty: there the field is 0.
         What a mesh has above z = 0 is not on the grid.
@@ -116,61 +116,19 @@ def wave_field(
     per_wavelength : float
         Lines per surface wavelength in the segments.
     places : tuple of float
-        m from the left end: where a line is to stand as well, as far as they lie in segments.
+        m from the left end: positions of additional lines; those outside the segments are ignored.
     span : tuple of float, optional
-        m from the left end: only lines between these places.
+        m from the left end: only lines between these two positions.
     energies : bool
-        Whether strain energy and power flow are wanted too.
+        True to compute strain energy and power flow too.
     """
-    solution = wave.solution
-    section = solution.fields.section.full
+    section = wave.solution.fields.section.full
     step = wave.phase_velocity / wave.frequency / per_wavelength
-    nearby = SAME_LINE * step
-    low, high = (0.0, wave.length) if span is None else span
     depth = section.nodes[section.body]
-    parts: list[_Part] = []
-    meshed: list[PieceField] = []
-    # Where the section's potential floats, phi is known up to a constant in each segment: the modes give it relative to
-    # the transducer on the left.  All potentials are referred to the first transducer by adding ``offset``.
-    offset: complex = 0.0  # mean potential of the transducer passed last, relative to the first one, scaled
-    step_in_mean: complex = 0.0  # jump from that potential to the mean potential of the next transducer
-    passed = False  # True to the right of the first piece of the row
-    for piece in wave.pieces:
-        if isinstance(piece, UniformSegment) and piece.beyond:
-            continue  # another section: not on this grid
-        start, stop = max(piece.start, low), min(piece.stop, high)
-        seen = start < stop
-        if isinstance(piece, CondensedPiece):
-            end = piece.index in ENDS
-            offset += 0.0 if end else step_in_mean
-            passed |= not end
-            if seen:
-                if not isinstance(recovered(solution, piece.index), ColumnsField):
-                    meshed.append(_on_mesh(solution, piece, step, offset, energies=energies))
-                part = _in_piece(solution, piece, depth, step, slopes=energies)
-                part = part.chosen((part.x > start - nearby) & (part.x < stop + nearby))
-        else:
-            if seen:
-                x = _lines(start, stop, step, places)
-                part = _Part(x, *_between(solution, piece, x, first=not passed, slopes=energies))
-            step_in_mean = _gauge_step(solution, piece) if passed else 0.0
-        if not seen:
-            continue
-        part.values[..., 3] += offset * part.inside
-        if parts and part.x[0] < parts[-1].x[-1] + nearby:  # the line shared with the piece before
-            part = part.chosen(slice(1, None))
-        parts.append(part)
+    parts, meshed = _row_parts(wave, span or (0.0, wave.length), step, places, energies=energies)
     units = section.field_units
     values = np.concatenate([part.values for part in parts]) * units
     inside = np.concatenate([np.broadcast_to(part.inside, part.values.shape[:2]) for part in parts])
-    own = None
-    if energies:
-        along = np.concatenate([part.along for part in parts]) * units
-        upward = np.concatenate([part.raised(section, depth) for part in parts]) * units
-        own = densities(solution.fields.stator.solid, wave.frequency, values, along, upward)
-        first = np.cumsum([0, *(len(part.x) for part in parts)])
-        for part, start in zip(parts, first, strict=False):
-            _in_other_solids(own, wave.frequency, part, slice(start, start + len(part.x)), units)
     return WaveField(
         x=np.concatenate([part.x for part in parts]),
         z=depth,
@@ -178,20 +136,81 @@ def wave_field(
         potential=values[:, :, 3],
         frequency=wave.frequency,
         order=section.order,
-        densities=own,
+        densities=_grid_densities(wave, parts, values, depth) if energies else None,
         inside=None if inside.all() else inside,
         pieces=tuple(meshed),
     )
 
 
+def _row_parts(
+    wave: SurfaceWave, span: tuple[float, float], step: float, places: tuple[float, ...], *, energies: bool
+) -> tuple[list["_Part"], list[PieceField]]:
+    """Fields of all pieces and segments of the row within a span, from left to right; meshed pieces also on their mesh.
+
+    ``step``: distance of the lines, m; ``places``: of additional lines, m.
+
+    If the section's potential floats, phi is known up to a constant in each segment: the modes give it relative to the
+    transducer on the left.  All potentials are referred to the first transducer by adding ``offset``.
+    """
+    solution = wave.solution
+    section = solution.fields.section.full
+    depth = section.nodes[section.body]
+    same_line = SAME_LINE * step
+    parts: list[_Part] = []
+    meshed: list[PieceField] = []
+    offset: complex = 0.0  # mean potential of the transducer passed last, relative to the first one, scaled
+    step_in_mean: complex = 0.0  # jump from that potential to the mean potential of the next transducer
+    passed_first = False  # True to the right of the first piece of the row
+    for piece in wave.pieces:
+        if isinstance(piece, UniformSegment) and piece.beyond:
+            continue  # another section: not on this grid
+        start, stop = max(piece.start, span[0]), min(piece.stop, span[1])
+        in_span = start < stop
+        if isinstance(piece, CondensedPiece):
+            is_end = piece.index in ENDS
+            offset += 0.0 if is_end else step_in_mean
+            passed_first |= not is_end
+            if in_span:
+                if not isinstance(recovered(solution, piece.index), ColumnsField):
+                    meshed.append(_on_mesh(solution, piece, step, offset, energies=energies))
+                part = _in_piece(solution, piece, depth, step, slopes=energies)
+                part = part.on_lines((part.x > start - same_line) & (part.x < stop + same_line))
+        else:
+            if in_span:
+                x = _lines(start, stop, step, places)
+                part = _Part(x, *_between(solution, piece, x, first=not passed_first, slopes=energies))
+            step_in_mean = _gauge_step(solution, piece) if passed_first else 0.0
+        if not in_span:
+            continue
+        part.values[..., 3] += offset * part.inside
+        if parts and part.x[0] < parts[-1].x[-1] + same_line:  # the line shared with the piece before
+            part = part.on_lines(slice(1, None))
+        parts.append(part)
+    return parts, meshed
+
+
+def _grid_densities(wave: SurfaceWave, parts: list["_Part"], values: np.ndarray, depth: np.ndarray) -> Densities:
+    """Strain energy and power flow on the grid; ``values``: the fields in SI units, (nx, nz, 4)."""
+    fields = wave.solution.fields
+    section = fields.section.full
+    units = section.field_units
+    along = np.concatenate([part.along for part in parts]) * units
+    upward = np.concatenate([part.upward_slopes(section, depth) for part in parts]) * units
+    whole = densities(fields.stator.solid, wave.frequency, values, along, upward)
+    first = np.cumsum([0, *(len(part.x) for part in parts)])
+    for part, start in zip(parts, first, strict=False):
+        _in_other_solids(whole, wave.frequency, part, slice(start, start + len(part.x)), units)
+    return whole
+
+
 def _in_other_solids(whole: Densities, frequency: float, part: "_Part", lines: slice, units: np.ndarray) -> None:
-    """Put the densities of a part's nodes in other solids than the stator's into those of the whole field."""
+    """Replace the densities at a part's nodes that lie in other solids than the stator's; ``lines``: of the part."""
     for solid, nodes in part.solids:
         known = (each for each in (part.values, part.along, part.upward) if each is not None)
         fields = ((each[nodes] * units)[None] for each in known)
-        own = densities(solid, frequency, *fields)
+        of_solid = densities(solid, frequency, *fields)
         for name in Densities.__annotations__:
-            getattr(whole, name)[lines][nodes] = getattr(own, name)[0]
+            getattr(whole, name)[lines][nodes] = getattr(of_solid, name)[0]
 
 
 @dataclass(frozen=True)
@@ -201,19 +220,20 @@ class _Part:
     x: np.ndarray
     values: np.ndarray
     along: np.ndarray | None
-    upward: np.ndarray | None = None  # where it is not that of the section's elements
-    inside: np.ndarray = field(default_factory=lambda: np.ones((1, 1), dtype=bool))  # whether there is a solid
+    upward: np.ndarray | None = None  # None: by the polynomials of the section's elements
+    # True at nodes in a solid, (lines, nodes) or (1, 1)
+    inside: np.ndarray = field(default_factory=lambda: np.ones((1, 1), dtype=bool))
     solids: tuple[tuple[Solid, np.ndarray], ...] = ()  # others than the stator's, and the nodes in them
 
-    def chosen(self, which) -> "_Part":
-        """Part of the grid on some of its lines."""
+    def on_lines(self, which) -> "_Part":
+        """The part on some of its lines."""
         cut = (None if each is None else each[which] for each in (self.along, self.upward))
         inside = self.inside if len(self.inside) == 1 else self.inside[which]
         along, upward = cut
         solids = tuple((solid, nodes[which]) for solid, nodes in self.solids)
         return _Part(self.x[which], self.values[which], along, upward, inside, solids)
 
-    def raised(self, section, depth: np.ndarray) -> np.ndarray:
+    def upward_slopes(self, section, depth: np.ndarray) -> np.ndarray:
         """Derivatives along z per m."""
         if self.upward is not None:
             return self.upward
@@ -249,16 +269,16 @@ def _on_mesh(solution: Solution, piece: CondensedPiece, step: float, offset: com
     places = np.stack(np.meshgrid(even, even, indexing="ij"), axis=-1).reshape(-1, 2)
     corner = (np.arange(count)[:, None] * (count + 1) + np.arange(count)).ravel()
     cut = np.stack([corner, corner + count + 1, corner + count + 2, corner + 1], axis=1)
-    # the assembly is that of the first of several equal pieces: it says what this one is made of, not where it stands
+    # Equal pieces share the assembly of the first one: its solids are those of this piece, its position is not.
     solids = {"stator": solution.fields.stator.solid} | dict(inside.assembly.piece.solids)
-    points, values, found = [], [], []
-    for name, at, fields in inside.on_elements(places):
+    points, values, by_solid = [], [], []
+    for name, positions, fields in inside.on_elements(places):
         fields[0, ..., 3] += offset
         fields *= section.field_units
-        points.append(at.reshape(-1, 2) * unit + [piece.start, 0.0])
+        points.append(positions.reshape(-1, 2) * unit + [piece.start, 0.0])
         values.append(fields[0].reshape(-1, 4))
         if energies:
-            found.append(densities(solids[name], frequency, fields[0], fields[1] / unit, fields[2] / unit))
+            by_solid.append(densities(solids[name], frequency, fields[0], fields[1] / unit, fields[2] / unit))
     flat = np.concatenate(values)
     return PieceField(
         span=(piece.start, piece.stop),
@@ -266,7 +286,7 @@ def _on_mesh(solution: Solution, piece: CondensedPiece, step: float, offset: com
         quads=(np.arange(len(flat) // len(places))[:, None, None] * len(places) + cut).reshape(-1, 4),
         displacement=flat[:, :3],
         potential=flat[:, 3],
-        densities=flattened(found) if energies else None,
+        densities=flattened(by_solid) if energies else None,
     )
 
 
@@ -284,7 +304,7 @@ def free_field(
     per_wavelength : float
         Lines per wavelength.
     energies : bool
-        Whether strain energy and power flow are wanted too.
+        True to compute strain energy and power flow too.
 
     Returns
     -------
@@ -295,10 +315,10 @@ def free_field(
     x = _lines(*span, wavelength / per_wavelength, ())
     exponent = -(2j * np.pi / wavelength + wave.attenuation)
     values = np.exp(exponent * x)[:, None, None] * wave.profile
-    own = None
+    field_densities = None
     if energies:
         upward = upward_slope(values, wave.order, np.diff(wave.depth[:: wave.order]))
-        own = densities(wave.solid, wave.frequency, values, exponent * values, upward)
+        field_densities = densities(wave.solid, wave.frequency, values, exponent * values, upward)
     return WaveField(
         x=x,
         z=wave.depth,
@@ -306,19 +326,19 @@ def free_field(
         potential=values[:, :, 3],
         frequency=wave.frequency,
         order=wave.order,
-        densities=own,
+        densities=field_densities,
     )
 
 
 def _lines(start: float, stop: float, step: float, places) -> np.ndarray:
-    """Evenly spaced lines of a segment, with those that stand at given places."""
+    """Evenly spaced lines of a segment, and lines at the requested places in it."""
     even = np.linspace(start, stop, max(MIN_INTERVALS, int(np.ceil((stop - start) / step))) + 1)
-    wanted = np.array([place for place in places if start + SAME_LINE * step < place < stop - SAME_LINE * step])
-    if not len(wanted):
+    requested = np.array([place for place in places if start + SAME_LINE * step < place < stop - SAME_LINE * step])
+    if not len(requested):
         return even
-    near = abs(even[:, None] - wanted).min(axis=1) < REPLACED * step
-    near[[0, -1]] = False
-    return np.union1d(even[~near], wanted)
+    replaced = abs(even[:, None] - requested).min(axis=1) < REPLACED * step
+    replaced[[0, -1]] = False
+    return np.union1d(even[~replaced], requested)
 
 
 def _constant_shape(solution: Solution) -> tuple[int, complex, complex] | None:

@@ -206,9 +206,9 @@ def _unreduced_attempt(problem: BandProblem, level_tolerance: float) -> tuple[Ba
     The discretisation is the finest of those that meet the tolerance at three frequencies.
     """
     (low, high), drive, stator = problem.limits, problem.drive, problem.stator
-    given = {"drive": drive, "tolerance": level_tolerance, "places": tuple(problem.places)}
+    options = {"drive": drive, "tolerance": level_tolerance, "places": tuple(problem.places)}
     waves = [
-        driven_wave(stator, problem.transducers, frequency=frequency, **given)
+        driven_wave(stator, problem.transducers, frequency=frequency, **options)
         for frequency in (low, (low + high) / 2, high)
     ]
     finest = max((wave.solution.fields.resolution for wave in waves), key=lambda resolution: resolution.order)
@@ -226,11 +226,15 @@ def _unreduced_attempt(problem: BandProblem, level_tolerance: float) -> tuple[Ba
         max(more * getattr(wave, name) for more, wave in zip(growth, waves, strict=True))
         for name in ("relative_error", "admittance_error")
     )
-    own = 0.0
+    interpolation_error = 0.0
     if stator.placement.whole is not None and level_error <= problem.tolerance:
         potentials = waves[0].solution.fields.network.scatterers[0].potentials
-        model, own = model.interpolated(potentials, problem.places, WHOLE_SHARE * problem.tolerance)
-    band = Band(model=model, relative_error=level_error + own, admittance_error=admittance_error + own)
+        model, interpolation_error = model.interpolated(potentials, problem.places, WHOLE_SHARE * problem.tolerance)
+    band = Band(
+        model=model,
+        relative_error=level_error + interpolation_error,
+        admittance_error=admittance_error + interpolation_error,
+    )
     return band, level_error
 
 

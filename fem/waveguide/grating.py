@@ -3,19 +3,20 @@
 One cell is half a gap, a finger and half a gap, condensed to its lines (fem/condense).  A field that changes from cell
 to cell by a factor lambda (Floquet 1883, Bloch 1928), u_right = lambda u_left, g_right = -lambda g_left, obeys
 
-    [lambda A_lr + A_ll + A_rr + A_lr^T / lambda] u = 0,
+    [lambda A_lr + A_ll + A_rr + A_lr^T / lambda] u = 0,                                                        (1)
 
 with the fingers at zero potential (shorted) or each without charge (open).  If two pitches are one wavelength, a wave
 couples to its reflection, and no wave propagates between the two frequencies at which lambda = -1:
 
-    B(omega^2) u = 0,    B = A_ll + A_rr - A_lr - A_lr^T,    complex symmetric.
+    B(omega^2) u = 0,    B = A_ll + A_rr - A_lr - A_lr^T,    complex symmetric.                                 (2)
 
-B's zeros are found by successive linear problems (Ruhe 1973) and polished by the symmetric Rayleigh functional
-omega^2 - u^T B u / (u^T B' u), which squares the error.  From a stop band's edges f1 < f2: velocity p (f1 + f2), p the
-pitch, and reflectivity per finger |r| = pi (f2 - f1) / (f2 + f1) (coupled modes: Plessky and Koskela 2000).  Where
-x -> -x is a symmetry, one of the two standing waves leaves every finger without net charge: an edge that the open and
-the shorted grating share.  The bottom absorbs, so that the body is a half-space; losses are left out.  Half a cell has
-no resonance near a stop band: it is condensed at a few Chebyshev nodes in omega^2 and interpolated.
+The frequencies at which B is singular are computed by successive linear problems (Ruhe 1973) and refined by the
+symmetric Rayleigh functional omega^2 - u^T B u / (u^T B' u), which squares the error.  From a stop band's edges f1 <
+f2: velocity p (f1 + f2), p the pitch, and reflectivity per finger |r| = pi (f2 - f1) / (f2 + f1) (coupled modes:
+Plessky and Koskela 2000).  Where x -> -x is a symmetry, one of the two standing waves leaves every finger without net
+charge: an edge that the open and the shorted grating share.  The bottom absorbs, so that the body is a half-space;
+losses are left out.  Half a cell has no resonance near a stop band: it is condensed at a few Chebyshev nodes in omega^2
+and interpolated.
 """
 
 from dataclasses import dataclass, replace
@@ -36,15 +37,15 @@ from fem.input_error import InputError
 from fem.materials import Solid, fields
 from fem.materials.christoffel import slowest_wavelength
 
-STATIC = 1e-3  # of the stop band's frequency: there the admittance is the capacitance's, to 1e-5
-REACH = 0.04  # of the stop band's frequency, either side: where cells are interpolated
-NODES = 6
-STEP = 1e-4  # relative, of omega^2, for the derivative of B
-NEAR = 0.25  # relative distance of omega^2 within which edges are looked for
-STEPS = 8
-WAVES = 8
-SHIFT = -1.03 + 0.02j  # near the factors of a stop band, of which none equals it
-SQUARE_TOLERANCE = 1e-11  # relative change of omega^2
+STATIC = 1e-3  # frequency over the stop band's at which the admittance is that of the capacitance, to 1e-5
+REACH = 0.04  # half-width of the range in which cells are interpolated, over the stop band's frequency
+NODES = 6  # of that interpolation
+STEP = 1e-4  # relative step in omega^2 of the difference for B'
+NEAR = 0.25  # largest relative distance in omega^2 of an edge from the expected frequency
+STEPS = 8  # largest number of refinements of an edge
+SQUARE_TOLERANCE = 1e-11  # relative change of omega^2 at which they end
+WAVES = 8  # number of eigenvalues lambda that are computed
+SHIFT = -1.03 + 0.02j  # of the eigenvalue problem: near the lambda of a stop band, and equal to none of them
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,8 +119,11 @@ class Grating:
     def factors(self, frequency: float, *, open_fingers: bool) -> tuple[np.ndarray, np.ndarray]:
         """The lambda nearest to -1 at a frequency in Hz, shape (WAVES,), and their fields in mid-gap, (n, WAVES).
 
-        Of [[0, 1], [-A_lr^T, -(A_ll + A_rr)]] x = lambda [[1, 0], [0, A_lr]] x, x = (u, lambda u), inverted about a
-        shift beside -1.
+        They are eigenvalues of (1) in linear form, with x = (u, lambda u),
+
+            [[0, 1], [-A_lr^T, -(A_ll + A_rr)]] x = lambda [[1, 0], [0, A_lr]] x,
+
+        which is solved by shift and inversion about SHIFT.
         """
         from scipy.linalg import lu_factor, lu_solve
         from scipy.sparse.linalg import LinearOperator, eigs
@@ -140,7 +144,7 @@ class Grating:
     def surface_factor(self, frequency: float, *, open_fingers: bool) -> complex:
         """Lambda = exp(-i k p) of the surface wave that runs or decays to the right, near the first stop band.
 
-        Of the pair lambda, 1 / lambda the smaller one, or if both have size 1 that with Re k p > 0 below pi.
+        Of the pair lambda, 1 / lambda it is the smaller one, or if both have size 1 the one with 0 < Re k p < pi.
         """
         values, shapes = self.factors(frequency, open_fingers=open_fingers)
         near = np.flatnonzero((abs(np.log(abs(values) + 1e-300)) < 1.0) & (values.real < 0))
@@ -156,14 +160,16 @@ class Grating:
 
         start = (2 * np.pi * self.middle) ** 2
         matrix, slope = self._matrix_and_slope(start, open_fingers)
-        inverse, vectors = eig(np.linalg.solve(matrix, slope))  # -1 / (omega^2 - start)
+        # B + (omega^2 - start) B' = 0 has the eigenvalues -1 / (omega^2 - start) of B^-1 B'
+        inverse, vectors = eig(np.linalg.solve(matrix, slope))
         near = np.flatnonzero(abs(inverse) * start * NEAR > 1)
         share = self.section.surface_share(vectors[:, near]) if len(near) else np.zeros(0)
-        chosen = near[np.argsort(-share)[:2]]
-        if len(chosen) < 2:
+        surface_waves = near[np.argsort(-share)[:2]]
+        if len(surface_waves) < 2:
             raise ConvergenceError(f"no two standing waves near {self.middle:g} Hz: the cut guides no surface wave")
         edges = sorted(
-            self._polished((start - 1 / inverse[index]).real, vectors[:, index], open_fingers) for index in chosen
+            self._polished((start - 1 / inverse[index]).real, vectors[:, index], open_fingers)
+            for index in surface_waves
         )
         return StopBand(lower=edges[0], upper=edges[1], pitch=self.pitch)
 
@@ -185,14 +191,18 @@ class Grating:
         raise ConvergenceError(f"a stop band's edge near {np.sqrt(square) / (2 * np.pi):g} Hz does not settle")
 
     def capacitance(self) -> float:
-        """Of a finger pair far below its resonances, F per metre of aperture, fingers at +V/2 and -V/2 in turn."""
+        """Capacitance of a finger pair far below its resonances, F per metre of aperture.
+
+        With fingers at +V/2 and -V/2 in turn lambda = -1, so that B u + (A_lp - A_rp) v = 0 with the finger's potential
+        v = V/2.  The charge of the finger is minus its reaction, A_pp v + (A_lp - A_rp)^T u.
+        """
         frequency = STATIC * self.middle
         cell = self.cell(frequency, open_fingers=False)
         at, finger = cell.at, cell.at.ports.start
         matrix = self.edge_matrix((2 * np.pi * frequency) ** 2, open_fingers=False)
-        load = cell.matrix[at.left, finger] - cell.matrix[at.right, finger]
-        lines = -np.linalg.solve(matrix, load)
-        reaction = cell.matrix[finger, finger] + load @ lines
+        by_potential = cell.matrix[at.left, finger] - cell.matrix[at.right, finger]
+        line = -np.linalg.solve(matrix, by_potential)
+        reaction = cell.matrix[finger, finger] + by_potential @ line
         medium = self.section.solid
         return float(-0.5 * reaction.real * medium.stress_unit / medium.potential_unit**2)
 
@@ -217,13 +227,13 @@ def grating(solid: Solid, *, period: float, metallisation: float, above: str, re
     """
     if "phi" not in fields(solid):
         raise InputError("solid", f"must be piezoelectric under a grating of fingers, and {solid.name} is not")
-    row = Transducer(
+    pair = Transducer(
         name="grating", center=0.0, finger_pairs=1, period=period, metallisation=metallisation, aperture=1.0
     )
     bare = replace(solid, mechanical_quality=np.inf, dielectric_loss=0.0)
     middle = automatic_period(bare, 1.0, metallisation) / period
     unit = slowest_wavelength(bare, middle)
     stator = Stator(solid=bare, length=period, thickness=np.inf, ends="absorbing", above=above)
-    section = discretise(stator, resolution, wavelength=unit, surface_scale=row.finger_width / 2)
-    shape = FingerShape.of(row, unit)
-    return Grating(section=section, shape=shape, pitch=row.pitch, resolution=resolution, middle=middle)
+    section = discretise(stator, resolution, wavelength=unit, surface_scale=pair.finger_width / 2)
+    shape = FingerShape.of(pair, unit)
+    return Grating(section=section, shape=shape, pitch=pair.pitch, resolution=resolution, middle=middle)

@@ -190,40 +190,41 @@ def _flux(second, first, wavenumbers, shapes):
 def _radiation_impedance(second, first, zeroth, wavenumbers, shapes, flux):
     """X = F V^-1, improved by Newton's method on the Riccati equation (X - K1^T) K2^-1 (X - K1) = K0 - omega^2 M.
 
-    The eigensolver gives strongly evanescent modes to few digits.  The correction Z obeys G^T Z + Z G = -R with
-    G = K2^-1 (X - K1) = V (-i k) V^-1, so that in the basis of the modes it is one division.
+    The eigensolver gives strongly evanescent modes to few digits.  With the residual R of the equation the correction Z
+    obeys G^T Z + Z G = -R, where G = K2^-1 (X - K1) = V (-i k) V^-1.  In the basis of the modes, Z' = V^T Z V and
+    R' = V^T R V, this is Z'_ij = R'_ij / (i (k_i + k_j)).
     """
-    ends = _symmetric(np.linalg.solve(shapes.T, flux.T).T)
+    impedance = _symmetric(np.linalg.solve(shapes.T, flux.T).T)
     sums = 1j * (wavenumbers[:, None] + wavenumbers[None, :])
     weights = np.where(sums == 0, 0.0, 1.0 / np.where(sums == 0, 1.0, sums))
-    largest = abs(zeroth).max()
-    before, best = np.inf, ends
+    scale = abs(zeroth).max()
+    best_residual, best = np.inf, impedance
     for _ in range(POLISHING_STEPS):
-        slope = ends - first
-        residual = slope.T @ np.linalg.solve(second, slope) - zeroth
-        remains = float(abs(residual).max() / largest)
-        if remains >= 0.5 * before:
+        difference = impedance - first  # X - K1
+        residual = difference.T @ np.linalg.solve(second, difference) - zeroth
+        relative = float(abs(residual).max() / scale)
+        if relative >= 0.5 * best_residual:
             break
-        before, best = remains, ends
-        if remains < 1e-15:
+        best_residual, best = relative, impedance
+        if relative < 1e-15:
             break
-        in_modes = weights * (shapes.T @ residual @ shapes)
+        in_modes = weights * (shapes.T @ residual @ shapes)  # Z'
         half = np.linalg.solve(shapes.T, in_modes)
-        ends = _symmetric(ends + np.linalg.solve(shapes.T, half.T).T)
+        impedance = _symmetric(impedance + np.linalg.solve(shapes.T, half.T).T)
     slow = (abs(wavenumbers) < SLOW) & (wavenumbers != 0)  # the constant potential has no flux
-    own = flux[:, slow]
-    missed = float(np.max(abs(best @ shapes[:, slow] - own).max(axis=0) / abs(own).max(axis=0), initial=0.0))
-    if not (before < RICCATI_TOLERANCE and missed < MODES_TOLERANCE):
+    fluxes = flux[:, slow]
+    missed = float(np.max(abs(best @ shapes[:, slow] - fluxes).max(axis=0) / abs(fluxes).max(axis=0), initial=0.0))
+    if not (best_residual < RICCATI_TOLERANCE and missed < MODES_TOLERANCE):
         raise ConvergenceError(
-            f"the guided modes leave a residual of {before:.1e} in the equation of the radiation impedance and miss "
-            f"their own fluxes by {missed:.1e}: ask for a looser tolerance, take less extreme "
+            f"the guided modes leave a residual of {best_residual:.1e} in the equation of the radiation impedance and "
+            f"miss their own fluxes by {missed:.1e}: ask for a looser tolerance, take less extreme "
             "fingers or, in a stator far smaller than a wavelength, a higher frequency"
         )
     return best
 
 
 def _grounded(constant, wavenumbers, shapes):
-    """Shapes of unit norm; the mode that approximates the constant potential is replaced by it where it exists."""
+    """Shapes of unit norm.  In a floating section the mode nearest to the constant potential is replaced by it."""
     shapes = shapes / np.sqrt(np.sum(abs(shapes) ** 2, axis=0))
     if constant is not None:
         at = int(np.argmin(abs(wavenumbers) + (abs(constant @ shapes) < 0.9)))
@@ -257,10 +258,11 @@ def _both_ways(constant, second, first, skew, zeroth):
 
 
 def _goes_right(wavenumbers, shapes, flux):
-    """Direction by the sign of the power flux where a mode carries power and hardly decays, by its decay elsewhere.
+    """True for modes that go right.
 
-    With loss the two agree.  The error of an absorbing layer may let a surface wave grow by 1e-4 or less in the
-    direction in which it propagates: there only the flux is right.
+    The power flux decides for a mode that carries power and hardly decays, and the decay for all others.  With loss the
+    two agree.  By the error of an absorbing layer a surface wave may grow by 1e-4 or less in the direction in which it
+    propagates; then only the flux is right.
     """
     carried = -np.imag(np.sum(flux * np.conj(shapes), axis=0))
     apparent = np.sum(abs(flux * shapes), axis=0)

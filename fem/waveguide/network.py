@@ -115,8 +115,7 @@ class _Segment:
     modes: GuidedModes
     start: float
     stop: float
-    # distance that the modes travel, length units; 0 if the segment is semi-infinite
-    way: float
+    travel: float  # distance that the modes travel from end to end, length units; 0 if the segment is semi-infinite
     kept: np.ndarray  # indices of the modes that couple the ends
     first: int  # number in the row of their first wave: waves to the right, then waves to the left
     forces: tuple[int, ...]  # ports of the network that are forces on it, from left to right
@@ -139,7 +138,7 @@ class _Segment:
     @property
     def half(self) -> float:
         """Distance from the position of the unknown amplitudes to the point of arrival, length units."""
-        return 0.0 if self.forces else self.way / 2
+        return 0.0 if self.forces else self.travel / 2
 
     def arriving(self, towards: str) -> np.ndarray:
         """Propagation factors of the coupling modes over the distance `half`."""
@@ -162,7 +161,7 @@ class _Segment:
         if by_end:
             products = 0.5 * (products + products.T)
         return np.linalg.solve(
-            tests @ shapes[:, kept], self.passed(towards, self.way - self.half)[kept, None] * products
+            tests @ shapes[:, kept], self.passed(towards, self.travel - self.half)[kept, None] * products
         )
 
 
@@ -228,20 +227,20 @@ class Network:
             forces = self.forces_on(index)
             # A force excites modes anew: they reach the nearest edge after a distance shorter than the segment.
             length = min([stop - start, *(abs(places[each] - edge) for each in forces for edge in (start, stop))])
-            kept, way = self.survivors(length), stop - start
+            kept, travel = self.survivors(length), stop - start
             semi_infinite = [absorbs[0] and index == 0, absorbs[1] and index == len(self.segments) - 1]
             # No wave returns from an absorbing end: a piece beside it receives only the waves from outside and those of
             # forces between the two.
             if any(semi_infinite):
                 kept = np.append(waves, np.setdiff1d(kept, waves)) if forces and not all(semi_infinite) else waves
-                way = 0.0
+                travel = 0.0
             before = segments[-1] if segments else None
             segments.append(
                 _Segment(
                     modes=self.modes,
                     start=start,
                     stop=stop,
-                    way=way,
+                    travel=travel,
                     kept=kept,
                     first=before.first + 2 * len(before.kept) if before else 0,
                     forces=forces,

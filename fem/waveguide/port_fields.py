@@ -14,6 +14,7 @@ transducer causes in another, the aperture is the narrower of the two.
 """
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -75,7 +76,8 @@ class StatorRow:
         by_name = {each.name: each for each in self.transducers}
         apertures = np.array([by_name[port.name].aperture for port in ports])[:, None]
         count, excitations = len(ports), solution.reactions.shape[1]
-        # of the charges by the ports, then by forces and waves from outside, which act on the whole aperture
+        # Widths over which charges are summed: of the two apertures the narrower one for charges that another port
+        # causes, and the whole aperture for those by forces and waves from outside.
         widths = np.repeat(apertures, excitations, axis=1)
         if not solution.own_apertures:
             widths[:, :count] = np.minimum(apertures, apertures.T)
@@ -152,29 +154,29 @@ def transducer_ports(transducer: Transducer, mean: bool) -> tuple[Port, ...]:
 
 
 def _means(transducers: tuple[Transducer, ...], pieces: CondensedPieces, floating: bool) -> set[str]:
-    """Transducers whose mean potential is not arbitrary, because it is referred to another one or to the ground.
+    """Names of the transducers whose mean potential is not arbitrary, because something else determines it.
 
-    On a section whose potential is floating these are the transducers with electrodes in a meshed piece that is
-    grounded, and all but one of those that meshed pieces connect.
+    In a floating section these are the transducers with electrodes in a meshed piece that is grounded, and all but one
+    of those that meshed pieces connect to each other.
     """
     names = {each.name for each in transducers}
     if not (floating or pieces.whole):
         return names
-    # for each transducer: the first name among those that meshed pieces connect to it
+    # Transducers that meshed pieces connect form a group, which is named after its first transducer.
     group = {name: name for name in names}
-    grounded: set[str] = set()
+    grounded: set[str] = set()  # names of groups
     for _, piece in pieces.between:
-        own = {group[port.name[:-1]] for port in piece.ports}
-        group = {name: min(own) if each in own else each for name, each in group.items()}
-        if own & grounded or (own and piece.grounded):
-            grounded.add(min(own))
-    return {name for name, one in group.items() if name != one or one in grounded}
+        connected = {group[port.name[:-1]] for port in piece.ports}
+        group = {name: min(connected) if each in connected else each for name, each in group.items()}
+        if connected & grounded or (connected and piece.grounded):
+            grounded.add(min(connected))
+    return {name for name, first in group.items() if name != first or first in grounded}
 
 
 def electrode_potentials(transducer: Transducer, ports: tuple[Port, ...]) -> np.ndarray:
     """Potentials of a transducer's two electrodes for a unit at each of its ports, shape (2, ports)."""
-    there = [float(sign in transducer.signs) for sign in "+-"]
-    columns = [(0.5, -0.5) if port.kind == "voltage" else there for port in ports]
+    exists = [float(sign in transducer.signs) for sign in "+-"]
+    columns = [(0.5, -0.5) if port.kind == "voltage" else exists for port in ports]
     return np.array(columns).reshape(-1, 2).T
 
 
@@ -232,60 +234,95 @@ def joined_row(
     object, and there are none if one mesh is the whole stator.  ``pieces``: meshed pieces and ends of the stator, by
     default no pieces and plain ends; ``forces``: on the bare surface.
     """
-    section = modes.section
-    unit, gaps, pieces = (
-        section.length_unit,
-        outer_gaps(stator, transducers),
-        pieces or no_pieces(stator, section.length_unit),
-    )
-    means = _means(transducers, pieces, section.floating_potential)
+    pieces = pieces or no_pieces(stator, modes.section.length_unit)
+    means = _means(transducers, pieces, modes.section.floating_potential)
     own_ports = [transducer_ports(each, each.name in means) for each in transducers]
     ports = tuple(port for own in own_ports for port in own)
     potentials = [electrode_potentials(each, own) for each, own in zip(transducers, own_ports, strict=True)]
-    scatterers = {
-        id(superelement): Scatterer(piece=superelement, modes=modes, potentials=own)
-        for superelement, own in zip(superelements, potentials, strict=not pieces.whole)
-    }
     first = np.cumsum([0, *map(len, own_ports)])
-    row = [  # place, scatterer, its ports of the network, its transducer
-        ((each.extent[0] - gap[0]) / unit, scatterers[id(superelement)], np.arange(*first[index : index + 2]), index)
-        for index, (each, gap, superelement) in enumerate(
-            zip(transducers, gaps, superelements, strict=not pieces.whole)
+    numbers = [np.arange(*first[index : index + 2]) for index in range(len(transducers))]
+    row = _mesh_elements(modes, transducers, pieces, numbers, potentials, len(ports))
+    if not pieces.whole:
+        row += _transducer_elements(
+            modes, outer_gaps(stator, transducers), transducers, superelements, numbers, potentials
         )
-    ]
-    by_electrode = {  # potential of each electrode for a unit at each port
-        f"{each.name}{sign}": np.eye(len(ports))[first[index] : first[index + 1]].T @ potentials[index][k]
-        for index, each in enumerate(transducers)
-        for k, sign in enumerate("+-")
-    }
-    for place, piece in pieces.between:
-        table = np.array([by_electrode[port.name] for port in piece.ports]).reshape(-1, len(ports))
-        numbers = np.flatnonzero(table.any(axis=0))
-        row.append((place, Scatterer(piece=piece, modes=modes, potentials=table[:, numbers]), numbers, None))
-    row.sort(key=lambda each: each[0])
+    row.sort(key=lambda each: each.place)
     network = Network(
         modes=modes,
-        scatterers=tuple(scatterer for _, scatterer, _, _ in row),
-        places=tuple(place for place, _, _, _ in row),
+        scatterers=tuple(each.scatterer for each in row),
+        places=tuple(each.place for each in row),
         start=pieces.start,
         stop=pieces.stop,
         ends=pieces.ends,
-        ports=ports
-        + tuple(
-            Port(
-                kind="force",
-                name=each.name,
-                component=each.component,
-                place=each.position / unit,
-                width=each.width / unit,
-                center=each.center_y / unit,
-            )
-            for each in forces
-        ),
-        numbers=tuple(numbers for _, _, numbers, _ in row),
+        ports=ports + tuple(_force_port(each, modes.section.length_unit) for each in forces),
+        numbers=tuple(each.numbers for each in row),
     )
-    owners = tuple(owner for _, _, _, owner in row)
+    owners = tuple(each.owner for each in row)
     return StatorRow(stator=stator, transducers=transducers, network=network, owners=owners, resolution=resolution)
+
+
+class _RowElement(NamedTuple):
+    """A transducer or a meshed piece in the row."""
+
+    place: float  # of its left line, length units
+    scatterer: Scatterer
+    numbers: np.ndarray  # numbers of the network's ports that determine its potentials
+    owner: int | None  # number of its transducer; None for a meshed piece
+
+
+def _transducer_elements(
+    modes: GuidedModes,
+    gaps: list[tuple[float, float]],
+    transducers: tuple[Transducer, ...],
+    superelements: list[FingerColumns],
+    numbers: list[np.ndarray],
+    potentials: list[np.ndarray],
+) -> list[_RowElement]:
+    """Elements of the transducers; equal ones share a superelement and therefore a scatterer.  ``gaps``: outer gaps."""
+    scatterers = {
+        id(superelement): Scatterer(piece=superelement, modes=modes, potentials=own)
+        for superelement, own in zip(superelements, potentials, strict=True)
+    }
+    unit = modes.section.length_unit
+    return [
+        _RowElement((each.extent[0] - gap[0]) / unit, scatterers[id(superelement)], numbers[index], index)
+        for index, (each, gap, superelement) in enumerate(zip(transducers, gaps, superelements, strict=True))
+    ]
+
+
+def _mesh_elements(
+    modes: GuidedModes,
+    transducers: tuple[Transducer, ...],
+    pieces: CondensedPieces,
+    numbers: list[np.ndarray],
+    potentials: list[np.ndarray],
+    ports: int,
+) -> list[_RowElement]:
+    """Elements of the meshed pieces; an electrode in a mesh has the potential of the transducer's electrode."""
+    by_electrode = {  # potential of each electrode for a unit at each of the network's ports
+        f"{each.name}{sign}": np.eye(ports)[own_numbers].T @ own_potentials[electrode]
+        for each, own_numbers, own_potentials in zip(transducers, numbers, potentials, strict=True)
+        for electrode, sign in enumerate("+-")
+    }
+    elements = []
+    for place, piece in pieces.between:
+        table = np.array([by_electrode[port.name] for port in piece.ports]).reshape(-1, ports)
+        used = np.flatnonzero(table.any(axis=0))
+        scatterer = Scatterer(piece=piece, modes=modes, potentials=table[:, used])
+        elements.append(_RowElement(place, scatterer, used, None))
+    return elements
+
+
+def _force_port(force: LineForce, unit: float) -> Port:
+    """Port of a line force, in length units."""
+    return Port(
+        kind="force",
+        name=force.name,
+        component=force.component,
+        place=force.position / unit,
+        width=force.width / unit,
+        center=force.center_y / unit,
+    )
 
 
 def _refuse_a_source(admittances: np.ndarray, names: tuple[str, ...]) -> None:
@@ -313,9 +350,9 @@ def _uncharged(charges: np.ndarray, voltage: np.ndarray) -> np.ndarray:
     ``charges``: of the ports, means included, by unit potentials of these, then by forces and waves from outside.
     """
     count, excitations = charges.shape
-    given = np.append(voltage, np.ones(excitations - count, dtype=bool))
-    out = np.eye(excitations, dtype=complex)[:, given]
+    independent = np.append(voltage, np.ones(excitations - count, dtype=bool))  # the others are mean potentials
+    out = np.eye(excitations, dtype=complex)[:, independent]
     if not voltage.all():
-        rows = charges[~voltage] / abs(np.diag(charges))[~voltage, None]
-        out[~given] = -np.linalg.solve(rows[:, ~given], rows[:, given])
+        net_charges = charges[~voltage] / abs(np.diag(charges))[~voltage, None]  # scaled, one row per mean
+        out[~independent] = -np.linalg.solve(net_charges[:, ~independent], net_charges[:, independent])
     return out

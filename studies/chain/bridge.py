@@ -13,41 +13,18 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, Self
 
-import numpy as np
-
 import contact
 from studies.chain.solved_stator import SolvedStator
 from studies.record import Record
 from studies.scene import Scene
-from studies.scene.slider import Friction, LawText, Slider, Wave
+from studies.scene.drive import Wave
+from studies.scene.friction import Friction, LawText
+from studies.scene.slider import Slider
 
 if TYPE_CHECKING:
     from studies.chain.ring_up import RingUp
     from studies.chain.surface_motion import SurfaceMotion
     from studies.chain.travel import WaveAlong
-
-
-def _orbits(frequency: float, motion) -> tuple:
-    """Return the orbits of u_x, u_y and u_z, shape (3, balls)."""
-    return tuple(
-        contact.Orbit(frequency=frequency, normal=complex(u_z), tangential=complex(u_x)) for u_x, _, u_z in motion.T
-    )
-
-
-def wave_along(motion, slider: Slider):
-    """Return the orbits under a slider that moves along x, per volt."""
-    from studies.chain.travel import WaveAlong
-
-    wave, places = motion.wave, slider.places
-
-    def orbits(displacements):
-        balls = np.array([motion.along(x + displacements, y) for x, y in places])
-        return [_orbits(wave.frequency, at.T) for at in np.moveaxis(balls, 2, 0)]
-
-    behind, ahead = min(x for x, _ in places), max(x for x, _ in places)
-    return WaveAlong(
-        wavelength=wave.phase_velocity / wave.frequency, limits=(-behind, wave.length - ahead), orbits=orbits
-    )
 
 
 def given_orbits(wave: Wave) -> tuple:
@@ -63,21 +40,21 @@ def scaled(orbits: tuple, level: float) -> tuple:
 @lru_cache(10_000)  # of a sweep's points many have the same
 def contact_slider(slider: Slider):
     """Return the ``contact.Slider`` of a block whose preload and moduli are numbers; of pillars, that of a mean one."""
+    share, radius, moduli = slider.share, slider.radius, (slider.effective_modulus, slider.tangential_modulus)
     if slider.pillars is not None:
-        from studies.chain.pillars import one_pillar
+        from studies.chain.pillars import mean_pillar
 
-        return one_pillar(slider)
-    share = slider.share
+        share, radius, moduli = mean_pillar(slider)
     return contact.Slider(
-        radius=slider.radius,
+        radius=radius,
         mass=slider.mass / share,
         preload=slider.preload_force / share,
         load=slider.load / share,
         friction_coefficient=slider.static_coefficient,
-        effective_modulus=slider.effective_modulus,
-        tangential_modulus=slider.tangential_modulus,
+        effective_modulus=moduli[0],
+        tangential_modulus=moduli[1],
         law="hysteretic" if slider.remembers else "elastic",
-        reciprocal=slider.reciprocal,
+        reciprocal=slider.reciprocal and slider.pillars is None,
         stick_band=slider.stick_band,
         contact_damping=slider.damping.contact,
         normal_damping=slider.damping.normal / share,

@@ -3,7 +3,7 @@
 import time
 
 import fem
-from studies.chain import resolve
+from studies.chain import fem_model
 from studies.chain.left_out import left_out
 from studies.chain.solver_errors import answered
 from studies.record import Record
@@ -14,7 +14,7 @@ def free_wave_record(scene: Scene, tolerance: float) -> Record:
     """Return the record of the free wave of a section."""
     start_time = time.perf_counter()
     with answered():
-        wave = fem.free_wave(resolve.stator(scene.stator), frequency=scene.frequency, tolerance=tolerance)
+        wave = fem.free_wave(fem_model.stator(scene.stator), frequency=scene.frequency, tolerance=tolerance)
     names = ("u_x", "u_y", "u_z", "phi_V")
     columns = {"z_m": wave.depth}
     columns |= {f"{name}_per_m_of_u_z": wave.profile[:, k] for k, name in enumerate(names)}

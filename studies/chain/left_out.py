@@ -7,7 +7,7 @@ condition is true.
 from collections.abc import Iterator
 
 import fem
-from studies.chain import resolve
+from studies.chain import fem_model
 from studies.chain.ring_up import RingUp
 from studies.scene import Scene
 
@@ -26,7 +26,7 @@ def left_out(
     beam : bool
         True if a beam model with finite apertures computes the surface motion.
     reason : str
-        Why there is no beam (`studies.chain.resolve.section_reason`).
+        Why there is no beam (`studies.chain.fem_model.section_reason`).
     ringing : RingUp or None
         Ring-up of the surface in a burst; None if the slider stands over a transducer or a meshed piece.
     trajectories : sequence of (float, contact.Trajectory)
@@ -47,7 +47,7 @@ def left_out(
 
 def _free(scene: Scene) -> Iterator[tuple[bool, str]]:
     """Yield the neglected effects of a free wave, in a scene without transducers."""
-    fields = fem.fields(resolve.solid(scene.stator))
+    fields = fem.fields(fem_model.solid(scene.stator))
     yield True, "electrodes: the scene has no transducer"
     yield True, "finite elements along x: the wave is a mode of the section through the depth"
     meshes = (
@@ -60,7 +60,7 @@ def _free(scene: Scene) -> Iterator[tuple[bool, str]]:
 
 def _driven(scene: Scene) -> Iterator[tuple[bool, str]]:
     """Yield the neglected effects in the section of a driven stator."""
-    stator = resolve.stator(scene.stator)
+    stator = fem_model.stator(scene.stator)
     names = fem.fields(stator.solid)
     symmetric = fem.medium(stator.solid, names).parity is not None
     thin = stator.thickness * scene.frequency < _surface_speed(stator)
@@ -71,7 +71,7 @@ def _driven(scene: Scene) -> Iterator[tuple[bool, str]]:
     )
     yield stator.above == "none", "electric field in the vacuum above: D_n = 0 on the bare surface"
     yield thin, "a Rayleigh wave: the plate is thinner than a wavelength, so that the wave is a plate mode"
-    whole = resolve.whole_stator(scene).placement.whole
+    whole = fem_model.whole_stator(scene).placement.whole
     yield whole is None, "finite elements in the uniform segments: the field there is a sum of guided modes"
     yield True, "the field inside the stator: only the motion of the surface is computed"
 
@@ -91,7 +91,7 @@ def _diffraction(scene: Scene, beam: bool, reason: str) -> Iterator[tuple[bool, 
         return
     where = "the field inside" if scene.driven_obliquely else "surface.csv and the field inside"
     burst, reflects = scene.burst is not None and scene.slider is not None, scene.stator.ends != "absorbing"
-    anisotropic = len(scene.transducer) > 1 and not fem.isotropic_about_normal(resolve.solid(scene.stator))
+    anisotropic = len(scene.transducer) > 1 and not fem.isotropic_about_normal(fem_model.solid(scene.stator))
     between = "beam spreading between the transducers: in this cut, reception is that of plane waves"
     returning = "beam spreading of the waves that return to the transducers: their circuit is that of the plane section"
     yield True, f"diffraction in {where}: plane waves are assumed there; --field adds surface_map.csv, with diffraction"
@@ -152,7 +152,7 @@ def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
     if scene.stator is not None:
         from studies.chain.moduli import direction_dependence
 
-        sizes = direction_dependence(resolve.solid(scene.stator))
+        sizes = direction_dependence(fem_model.solid(scene.stator))
         yield bool(sizes), f"the contact's dependence on direction: {sizes}"
         fixed = scene.burst is not None and slider.travel is False
         yield fixed, "change of the wave along the slider's travel: slider.travel is false"

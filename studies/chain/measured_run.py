@@ -1,28 +1,33 @@
-"""Comparison of a run with a vibrometer's scan or the trace of a burst: field and motion at the measured points."""
+"""Comparison of a run with measured velocities, a vibrometer's scan or the trace of a burst, at the measured points."""
 
 from collections.abc import Callable
 
 import numpy as np
 
-from studies.chain import resolve
+from studies.chain import fem_model
+from studies.chain.predictor import Predictor
 from studies.chain.scan_prediction import along_places, over_frequency, placed
 from studies.lab.encoder import aligned, travelled_distance
 from studies.lab.measurement import Measurement
 from studies.record import Record
 from studies.record.scan_comparison import compared_scan
-from studies.record.velocity_comparison import deviations
+from studies.record.velocity_comparison import compared, deviations
 from studies.refusal import SceneError
 from studies.scene import Scene
 
 
 def beside(record: Record, measured: Measurement, *, progress: Callable[[str], None]) -> dict:
-    """Return the block ``measured`` of a run for a scan, or for velocity or position over the time of a burst.
+    """Return the block ``measured`` of a run: for velocities, a scan, or velocity or position over a burst's time.
 
     Raises
     ------
     SceneError
-        If the scan does not lie on the stator, or the run has no burst at the trace's level.
+        If nothing can be compared: the motor has no velocity at the levels, the scan does not lie on the stator, or
+        the run has no burst at the trace's level.
     """
+    if measured.quantity == "velocity":
+        progress("velocities at the measured levels")
+        return compared(measured, _velocities_at(record, measured.levels, progress=progress))
     if measured.scan is None:
         return _trace(record, measured)
     scene = record.scene
@@ -35,9 +40,24 @@ def beside(record: Record, measured: Measurement, *, progress: Callable[[str], N
     return scan_block(scene, scan, predicted)
 
 
+def _velocities_at(record: Record, levels: tuple[float, ...], *, progress: Callable[[str], None]) -> list[float | None]:
+    """Return the steady velocities in m/s of a run at some levels (V or m), None where the motor has none.
+
+    Velocities at levels of the run are taken from its points. The others are computed with the same solution of the
+    stator.
+    """
+    known = {point[record.level]: point.get("velocity_m_per_s") for point in record.points}
+    missing = [level for level in dict.fromkeys(levels) if level not in known]
+    if missing:
+        changes = [{record.scene.level_key: level} for level in missing]
+        answers = Predictor.of_record(record, progress=progress).answers(changes)
+        known |= {level: answer.get("velocity_m_per_s") for level, answer in zip(missing, answers, strict=True)}
+    return [known[level] for level in levels]
+
+
 def scan_block(scene: Scene, scan, predicted) -> dict:
     """Return the comparison of a placed scan with its prediction."""
-    velocity = resolve.surface_velocity(scene.stator)
+    velocity = fem_model.surface_velocity(scene.stator)
     return compared_scan(
         scan, predicted, wavelength=velocity / scene.frequency, source=scene.driven_transducer.place[0]
     )

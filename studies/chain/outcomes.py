@@ -2,12 +2,13 @@
 
 from collections.abc import Iterable
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 
 import contact
 from studies.chain.bridge import DrivenContact
-from studies.chain.points import contact_load, half_thrust
+from studies.chain.points import contact_load
 from studies.refusal import SceneError
 
 RISE = 1.0 - 0.36787944117144233  # fraction 1 - 1/e of the final velocity, which defines the start-up time
@@ -89,6 +90,15 @@ def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict, *, a
             if power > 0.0:
                 answer["motor_efficiency"] = power_out * share / power
     return answer
+
+
+def half_thrust(slider, orbits: tuple, thrust: float, tolerance: float) -> tuple[float, float]:
+    """Return the mechanical power in W under half of the blocked ``thrust`` (N), and its ratio to the wave's power."""
+    if not thrust > 0.0:
+        return 0.0, 0.0
+    state = contact.steady(replace(slider, load=0.5 * thrust), orbits, tolerance=tolerance)
+    power_out, power_in = 0.5 * thrust * abs(state.velocity), state.ledger.wave * orbits[0].frequency
+    return power_out, power_out / power_in if power_in > 0.0 else 0.0
 
 
 def refuse_of_pillars(also: Iterable[str]) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 import fem
-from studies.chain import resolve
+from studies.chain import fem_model, resolve
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.ranges import read_range
@@ -36,7 +36,7 @@ def frequencies(scene: Scene, count: int | None, least: int = 2):
     Without a count they are at least so many, and follow the ripple of waves that return: 4 in v / (2 length).
     """
     driven = scene.driven_transducer
-    velocity = resolve.surface_velocity(scene.stator)
+    velocity = fem_model.surface_velocity(scene.stator)
     middle = velocity / driven.wavelength
     half = middle * min(LOBES / driven.finger_pairs, MAX_HALF_BAND)
     if count is None:
@@ -76,5 +76,5 @@ def group_delay(at, transfer, way: float):
 
 def expected(scene: Scene):
     """Return the ``fem.TransducerEstimate`` of the driven transducer: no reflections, bulk waves, bottom or ends."""
-    stator = resolve.stator(scene.stator)
-    return fem.transducer_estimate(stator.solid, resolve.driven(scene), stator.bare_surface)
+    stator = fem_model.stator(scene.stator)
+    return fem.transducer_estimate(stator.solid, fem_model.driven(scene), stator.bare_surface)

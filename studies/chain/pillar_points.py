@@ -173,7 +173,6 @@ class PillarBurst:
     relative_error: float
     method: str = "averaged"
     rang: float = 0.0
-    status: str = Status.OK.value
 
 
 def burst(body: PillarContact, level: float, steady, duration: float) -> PillarBurst:

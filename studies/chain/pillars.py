@@ -18,7 +18,7 @@ A given [wave], whose surface points move towards +x at its crests, runs towards
 import math
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -58,9 +58,20 @@ def resolved_pillars(slider: Slider) -> Slider:
     return replace(slider, pillars=replace(block, **own)) if own else slider
 
 
+class Layout(NamedTuple):
+    """Where the pillars of a slider stand, in m; x and y from the slider's centre."""
+
+    x: np.ndarray
+    y: np.ndarray
+    heights: np.ndarray
+    diameter: np.ndarray  # of each
+    pitch: float  # mean
+    across: float  # pitch along y
+
+
 @lru_cache(16)
-def layout(slider: Slider) -> dict:
-    """Return x, y, heights and diameters of the pillars as arrays, the mean pitch, and the pitch along y, all in m."""
+def layout(slider: Slider) -> Layout:
+    """Return where the pillars of a slider stand, from its grid or its file."""
     block = slider.pillars
     if block.file is not None:
         x, y, heights, diameter = _of_file(block)
@@ -84,7 +95,7 @@ def layout(slider: Slider) -> dict:
         tallest = heights[np.abs(heights).argmax()]
         rule = f"must be larger than every deviation of the heights, of which one is {tallest:g} m"
         block.refuse("height", f"{rule}, got {block.height:g} m")
-    return {"x": x, "y": y, "heights": heights, "diameter": diameter, "pitch": pitch, "across": float(across)}
+    return Layout(x, y, heights, diameter, pitch, float(across))
 
 
 def _of_file(block) -> tuple[np.ndarray, ...]:
@@ -142,9 +153,9 @@ def neighbours(radius_over_pitch):
 
 def stiffnesses(slider: Slider, interaction: bool | None = None):
     """Return k_n and k_t of the pillars of a resolved slider, N/m, arrays; `interaction`: other than the scene's."""
-    block, place = slider.pillars, layout(slider)
-    a = place["diameter"] / 2
-    near = neighbours(a.mean() / place["pitch"]) if (block.interaction if interaction is None else interaction) else 1.0
+    block, geometry = slider.pillars, layout(slider)
+    a = geometry.diameter / 2
+    near = neighbours(a.mean() / geometry.pitch) if (block.interaction if interaction is None else interaction) else 1.0
     normal, tangential = near / (2 * a * slider.effective_modulus), near / (8 * a * slider.tangential_modulus)
     if block.height is not None:
         E, h, A = block.youngs_modulus, block.height, np.pi * a**2
@@ -157,42 +168,36 @@ def stiffnesses(slider: Slider, interaction: bool | None = None):
 @lru_cache(16)
 def pillars_of(slider: Slider, interaction: bool | None = None):
     """Return the `contact.Pillars` of a resolved slider."""
-    place, (k_n, k_t) = layout(slider), stiffnesses(slider, interaction)
+    geometry, (k_n, k_t) = layout(slider), stiffnesses(slider, interaction)
     with slider_keys():
         return contact.Pillars(
-            x=place["x"], y=place["y"], heights=place["heights"], normal_stiffness=k_n, tangential_stiffness=k_t,
+            x=geometry.x, y=geometry.y, heights=geometry.heights, normal_stiffness=k_n, tangential_stiffness=k_t,
             friction_coefficient=slider.friction_coefficient, preload=slider.preload_force,
             tangential_damping=slider.damping.tangential, tilt=slider.tilt, preload_at=slider.preload_at,
             load_height=slider.load_height, backing=slider.backing, curvature=slider.pillars.curvature,
         )  # fmt: skip
 
 
-def one_pillar(slider: Slider):
-    """Return the `contact.Slider` of one mean pillar of a resolved slider, with its share of mass, preload and load."""
-    place, (k_n, k_t) = layout(slider), stiffnesses(slider)
-    radius, number = float(place["diameter"].mean() / 2), place["x"].size
-    return contact.Slider(
-        radius=radius, mass=slider.mass / number, preload=slider.preload_force / number, load=slider.load / number,
-        friction_coefficient=slider.friction_coefficient, effective_modulus=float(k_n.mean()) / (2 * radius),
-        tangential_modulus=float(k_t.mean()) / (8 * radius), law="elastic", reciprocal=False, stick_band=0.0,
-        contact_damping=slider.damping.contact, normal_damping=slider.damping.normal / number,
-        tangential_damping=slider.damping.tangential / number, shape="punch",
-    )  # fmt: skip
+def mean_pillar(slider: Slider) -> tuple[int, float, tuple[float, float]]:
+    """Return the number of pillars of a resolved slider, their mean radius in m, and E* and G* of their stiffnesses."""
+    diameter, (k_n, k_t) = layout(slider).diameter, stiffnesses(slider)
+    radius = float(diameter.mean() / 2)
+    return diameter.size, radius, (float(k_n.mean()) / (2 * radius), float(k_t.mean()) / (8 * radius))
 
 
 def extent(slider: Slider) -> tuple[float, float]:
     """Return the ends of the pillars along x on the stator, m."""
-    place, centre = layout(slider), slider.center[0]
-    half = place["diameter"] / 2
-    return centre + float((place["x"] - half).min()), centre + float((place["x"] + half).max())
+    geometry, centre = layout(slider), slider.center[0]
+    half = geometry.diameter / 2
+    return centre + float((geometry.x - half).min()), centre + float((geometry.x + half).max())
 
 
 def strip_width(slider: Slider) -> float:
     """Return the width of the strip over which the pillars spread their load, m."""
     if slider.pillars.width is not None:
         return slider.pillars.width
-    place = layout(slider)
-    return float(np.ptp(place["y"])) + place["across"]
+    geometry = layout(slider)
+    return float(np.ptp(geometry.y)) + geometry.across
 
 
 def given_wave(scene: Scene):
@@ -207,15 +212,15 @@ def given_wave(scene: Scene):
 def check_pillars(scene: Scene) -> None:
     """Refuse pillars beyond the stator or on a transducer's fingers; the slider is resolved."""
     slider = scene.slider
-    place = layout(slider)
+    geometry = layout(slider)
     pillars_of(slider)
     if scene.stator is None:
         return
-    half, middle, (left, right) = place["diameter"] / 2, slider.center[1], extent(slider)
+    half, middle, (left, right) = geometry.diameter / 2, slider.center[1], extent(slider)
     if left < 0.0 or right > scene.stator.length:
         rule = f"must keep the pillars on the stator, 0 to {scene.stator.length:g} m"
         raise SceneError("slider.position", f"{rule}, got some from {left:g} to {right:g} m")
-    beside = float((np.abs(middle + place["y"]) + half).max())
+    beside = float((np.abs(middle + geometry.y) + half).max())
     if beside > (side := scene.stator.width / 2):
         rule = f"must keep the pillars on the stator, y from -{side:g} to {side:g} m"
         raise SceneError("slider.position", f"{rule}, got some at y = {beside:g} m")

@@ -2,23 +2,17 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
-
-import numpy as np
 
 import contact
 from studies.chain.bridge import DrivenContact
+from studies.chain.bursts import STEADY_METHODS, followed_burst, method_of
 from studies.chain.propagation import judged, velocity_sensitivities
 from studies.chain.solver_errors import slider_keys
 from studies.chain.tally import burst_tally, burst_values, steady_tally
 from studies.record.status import Status
-from studies.refusal import SceneError
-from studies.scene import Scene
 
-SAMPLES = 2000  # instants of a stored trajectory; they do not affect the integration
-STEADY_METHODS, BURST_METHODS = ("auto", "exact", "averaged"), ("auto", "exact", "stepped")
-SHAPED_METHODS = ("auto", "stepped")  # burst methods that accept an envelope
 SHARE = 0.25  # fraction of the tolerance for the contact and, in the first attempt, for the stator
 
 
@@ -116,7 +110,7 @@ def point_answer(driven: DrivenContact, level: float, tolerance: float, *, burst
 
 def _point_on_balls(driven: DrivenContact, level: float, tolerance: float, bursting: bool) -> PointAnswer:
     orbits, goal = driven.at(level), SHARE * tolerance
-    method = _method(driven.scene, "the steady state", STEADY_METHODS)
+    method = method_of(driven.scene, "the steady state", STEADY_METHODS)
 
     def steady(some: tuple):
         return contact.steady(driven.slider, some, tolerance=goal, method=method)
@@ -167,68 +161,6 @@ def _nearby(slider, state, steady):
     return velocity
 
 
-def followed_burst(driven: DrivenContact, level: float, velocity: float, tolerance: float, after: float | None = None):
-    """Return the trajectory of the slider during and after the burst, and the values of a point that its travel adds.
-
-    ``velocity``: the steady one at this level.  The trajectory covers the time ``after`` (s) from the end of the burst.
-    If this is None, it covers the stop of the slider and some periods of its tangential resonance.
-    """
-    held = _held_burst(driven, driven.at(level), velocity, tolerance, after)
-    return (held, {}) if driven.along is None else _along(driven, held, level)
-
-
-def _held_burst(driven: DrivenContact, orbits: tuple, velocity: float, tolerance: float, after: float | None):
-    """Return the trajectory of a slider under which the wave stays that at its place."""
-    slider, duration, ringing = driven.slider, driven.scene.burst, driven.ringing
-    friction = slider.least_friction(len(orbits))
-    stopping_time = abs(velocity) * slider.mass / friction if friction > 0 else 0.0
-    ringing_time = 20 / slider.tangential_resonance(len(orbits)) if slider.preload > 0 else 0.0
-    after = min(1.2 * stopping_time + ringing_time, 10 * duration) if after is None else after
-    method = _method(driven.scene, "a burst", BURST_METHODS)
-
-    def followed(envelope=None, after=after):
-        options = {"tolerance": tolerance, "samples": SAMPLES, "method": method, "envelope": envelope}
-        return contact.burst(slider, orbits, duration=duration, after=after, **options)
-
-    if ringing is None or ringing.envelope is None or method not in SHAPED_METHODS:
-        return followed()
-    ring_down = ringing.ring_down
-    try:
-        if ring_down is None:
-            return followed(ringing.envelope)
-        return followed(ringing.envelope, (after + float(ring_down.time[-1]), ring_down))
-    except contact.ConvergenceError:
-        if method != "auto":
-            raise
-        return followed()  # this motion needs the event-based solver, which accepts no envelope
-
-
-def _along(driven: DrivenContact, trajectory, level: float):
-    """Return the trajectory with the slider's travel along the wave field, and the additional values of the point.
-
-    If the slider hardly moves, the trajectory is unchanged.
-    """
-    from studies.chain.travel import MIN_TRAVEL, travelled, with_travel
-
-    during = trajectory.time <= trajectory.duration * (1 + 1e-12)
-    expected = float(np.trapezoid(trajectory.velocity[during], trajectory.time[during]))
-    if driven.scene.slider.travel is None and abs(expected) <= MIN_TRAVEL * driven.along.wavelength:
-        return trajectory, {}
-    travel = travelled(driven.slider, driven.along, level, trajectory.duration, expected)
-    if travel.ended:
-        raise contact.ConvergenceError(
-            "not applicable",
-            f"a ball reaches the stator's end {travel.time[-1]:.3g} s after the start: shorten drive.burst, or set "
-            "slider.travel = false for the velocity that the wave at the slider's place would give",
-        )
-    # assume that the relative error of averaging is the same for the change by travel as for the burst at one point
-    speed = contact.reference_speed(trajectory.velocity_at_burst_end, trajectory.orbits)
-    averaging_error = abs(travel.held_velocity[-1] - trajectory.velocity_at_burst_end) / speed
-    with_change = with_travel(trajectory, travel)
-    error = trajectory.answer.error + travel.error + averaging_error * abs(travel.change)
-    return replace(with_change, answer=replace(with_change.answer, error=error)), {"travel_m": float(travel.place[-1])}
-
-
 def contact_load(slider, orbits: tuple, threshold: float) -> dict:
     """Return the contact pressure on the highest crest, and the margin of the amplitude below the threshold.
 
@@ -243,15 +175,6 @@ def contact_load(slider, orbits: tuple, threshold: float) -> dict:
     return load
 
 
-def half_thrust(slider, orbits: tuple, thrust: float, tolerance: float) -> tuple[float, float]:
-    """Return the mechanical power in W under half of the blocked ``thrust`` (N), and its ratio to the wave's power."""
-    if not thrust > 0.0:
-        return 0.0, 0.0
-    state = contact.steady(replace(slider, load=0.5 * thrust), orbits, tolerance=tolerance)
-    power_out, power_in = 0.5 * thrust * abs(state.velocity), state.ledger.wave * orbits[0].frequency
-    return power_out, power_out / power_in if power_in > 0.0 else 0.0
-
-
 def _summary(driven: DrivenContact) -> tuple[dict, float]:
     """Return the values of threshold and release that exist, and the factor on the orbits at the threshold."""
     limits, factors = {}, {}
@@ -262,17 +185,3 @@ def _summary(driven: DrivenContact) -> tuple[dict, float]:
             if driven.scene.wave is None:
                 limits[f"{name}_voltage_V"] = factor
     return limits, factors["threshold"]
-
-
-def _method(scene: Scene, what: str, available: tuple[str, ...]) -> str:
-    """Return the solution method for a task, steady state or burst.
-
-    A method that exists only for the other task selects "auto" for this one.
-    """
-    wanted = scene.slider.method
-    if wanted in available:
-        return wanted
-    if scene.burst is None or wanted not in STEADY_METHODS + BURST_METHODS:
-        names = " or ".join(f'"{name}"' for name in available)
-        raise SceneError("slider.method", f"must be {names} for {what}, got {wanted!r}")
-    return "auto"

@@ -14,7 +14,7 @@ import numpy as np
 
 import contact
 import fem
-from studies.chain import resolve
+from studies.chain import fem_model
 from studies.chain.spectrum import response
 from studies.scene import Scene
 
@@ -88,7 +88,7 @@ def switched(driven: "DrivenContact", *, progress: Callable[[str], None]) -> tup
 
 def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str], None]) -> RingUp:
     """Return the ring-up at the point ``place`` = (x, y) in m of a scene with transducers, a burst and a frequency."""
-    scene, x = resolve.first_row(scene, place)
+    scene, x = fem_model.first_row(scene, place)
     driven = scene.driven_transducer
     half_band = min(LOBES / driven.finger_pairs, MAX_HALF_BAND) * scene.frequency
     prepared = response(
@@ -104,7 +104,7 @@ def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str
         response_envelope = fem.burst_response(
             prepared,
             x,
-            drive=resolve.drive(scene),
+            drive=fem_model.drive(scene),
             frequency=scene.frequency,
             duration=scene.burst,
             tolerance=TOLERANCE,

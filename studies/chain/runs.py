@@ -16,12 +16,12 @@ import fem
 from studies.chain import resolve
 from studies.chain.blocks import amplitude_blocks, node, surface_columns, unresolved, wave_block
 from studies.chain.bridge import DrivenContact
+from studies.chain.changed_contacts import ChangedContacts
 from studies.chain.electrical import electrical_block, with_powers
 from studies.chain.free_wave import free_wave_record
 from studies.chain.left_out import left_out
 from studies.chain.model_error import with_model_error
-from studies.chain.points import SHARE, SliderAnswer
-from studies.chain.predictor import Predictor
+from studies.chain.points import SHARE, SliderAnswer, slider_answer
 from studies.chain.ring_up import RingUp
 from studies.chain.solved_stator import SolvedStator, stator_alone
 from studies.chain.surface_motion import SurfaceMotion
@@ -84,11 +84,11 @@ def run(
 def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None) -> Record:
     say = progress or LOGGER.info
     scene = resolve.resolved(scene)
-    predictor = Predictor(scene.to_table(), tolerance=tolerance, as_run=True, progress=say)
     if scene.wave is not None:
-        record = _given(scene, predictor)
+        record = _given(scene, tolerance, say)
     elif scene.transducer:
-        record = _driven(scene, predictor)
+        contacts = ChangedContacts(scene.to_table(), tolerance=tolerance, as_run=True, progress=say)
+        record = _driven(scene, contacts)
     else:
         record = free_wave_record(scene, tolerance)
     if scene.uncertain is not None:
@@ -99,29 +99,29 @@ def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None)
     return replace(record, warnings=warnings_of(record))
 
 
-def _given(scene: Scene, predictor: Predictor) -> Record:
+def _given(scene: Scene, tolerance: float, say: Callable[[str], None]) -> Record:
     """Return the record of a scene with a prescribed wave: its orbit, then the contact."""
     start_time = time.perf_counter()
-    answer = predictor.slider_answer(DrivenContact.given(scene))
+    answer = slider_answer(DrivenContact.given(scene), tolerance=tolerance, progress=say)
     return Record(
         scene=scene,
-        tolerance=predictor.tolerance,
+        tolerance=tolerance,
         wave={"frequency_Hz": scene.wave.frequency, "surface_ratio": scene.wave.tangential_ratio},
-        **answer.blocks(predictor.tolerance),
+        **answer.blocks(tolerance),
         seconds={"contact": time.perf_counter() - start_time},
         left_out=left_out(scene),
     )
 
 
-def _driven(scene: Scene, predictor: Predictor) -> Record:
+def _driven(scene: Scene, contacts: ChangedContacts) -> Record:
     """Return the record of a driven stator: the motion of its surface, then the contact under a slider."""
-    start_time, tolerance = time.perf_counter(), predictor.tolerance
+    start_time, tolerance = time.perf_counter(), contacts.tolerance
     places, ringing, seconds = scene.places, None, {}
     if scene.slider is None:
-        motion = predictor.motion(stator_alone(scene), places, tolerance)
+        motion = contacts.motion(stator_alone(scene), places, tolerance)
         blocks = amplitude_blocks(scene, motion, places[0], tolerance)
     else:
-        motion, answer, ringing, seconds["contact"] = _with_contact(scene, predictor)
+        motion, answer, ringing, seconds["contact"] = _with_contact(scene, contacts)
         blocks = answer.blocks(tolerance)
         # under pillars the centre is one place of many
         vanished = "" if scene.slider.pillars is not None else node(motion, places)
@@ -151,35 +151,34 @@ def _driven(scene: Scene, predictor: Predictor) -> Record:
     return replace(record, seconds={"stator": time.perf_counter() - start_time - sum(seconds.values())} | seconds)
 
 
-def _with_contact(scene: Scene, predictor: Predictor) -> tuple[SurfaceMotion, SliderAnswer, RingUp | None, float]:
+def _with_contact(scene: Scene, contacts: ChangedContacts) -> tuple[SurfaceMotion, SliderAnswer, RingUp | None, float]:
     """Return surface motion, answer, ring-up, and the time in s of the contact.
 
     The stator is solved in up to ROUNDS rounds, until it is as accurate as the velocity needs.
     """
     stator, places, seconds = stator_alone(scene), scene.places, 0.0
-    motion = predictor.motion(stator, places, SHARE * predictor.tolerance)
-    ringing = predictor.ring_up(DrivenContact.of_stator(scene, SolvedStator.of(motion, places), motion))
+    motion = contacts.motion(stator, places, SHARE * contacts.tolerance)
 
-    def answered() -> SliderAnswer:
+    def answered() -> tuple[SliderAnswer, RingUp | None]:
         nonlocal seconds
+        driven = contacts.bursting(DrivenContact.of_stator(scene, SolvedStator.of(motion, places), motion), motion)
         contact_start = time.perf_counter()
-        driven = DrivenContact.of_stator(scene, SolvedStator.of(motion, places), motion)
-        answer = predictor.slider_answer(driven, motion)
+        answer = slider_answer(driven, tolerance=contacts.tolerance, progress=contacts.progress)
         seconds += time.perf_counter() - contact_start
-        return answer
+        return answer, driven.ringing
 
-    answer = answered()
+    answer, ringing = answered()
     for _ in range(ROUNDS - 1):
         section, whole = motion.wave.relative_error, motion.relative_error(places)
         rings = 0.0 if ringing is None else ringing.error
-        goal = needed_section_tolerance(answer, section, predictor.tolerance, rings, beam_share=1 - section / whole)
+        goal = needed_section_tolerance(answer, section, contacts.tolerance, rings, beam_share=1 - section / whole)
         if goal is None:
             break
         try:
-            motion = predictor.motion(stator, places, goal)
+            motion = contacts.motion(stator, places, goal)
         except RunError:
             break  # the answer of the round before is recorded, with its error
-        answer = answered()
+        answer, _ = answered()
         if motion.wave.relative_error >= section or motion.relative_error(places) > STALLED * whole:
             break
     return motion, answer, ringing, seconds

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from studies.chain import passband, resolve
+from studies.chain import fem_model, passband
 from studies.chain.scattering import scattering_matrix
 from studies.chain.solved_stator import stator_alone
 from studies.chain.spectrum import response
@@ -69,7 +69,7 @@ def over_frequency(scene: Scene, scan: Scan, *, tolerance: float, progress: Call
     alone = stator_alone(scene)
     prepared = response(alone, at[0], at[-1], places=(place,), tolerance=tolerance, progress=progress)
     progress(f"stator: {len(at)} frequencies")
-    waves = prepared.waves(at, resolve.drive(alone))
+    waves = prepared.waves(at, fem_model.drive(alone))
     component = ("u_x", "u_z").index(scan.component)
     motion = np.array([wave.motion(place)[component] for wave in waves])
     return motion[number]
@@ -96,13 +96,15 @@ def at_other_velocity(scene: Scene, scan: Scan, motion: np.ndarray, factor: floa
     """
     if factor == 1.0:
         return motion
-    velocity = resolve.surface_velocity(scene.stator)
+    velocity = fem_model.surface_velocity(scene.stator)
     frequency = scene.frequency if scan.frequency is None else scan.frequency
     distance = abs(scan.x - scene.driven_transducer.place[0])
     return motion * np.exp(-2j * np.pi * frequency / velocity * (1.0 / factor - 1.0) * distance)
 
 
-def network_prediction(scene: Scene, data: NetworkData, tolerance: float, progress=None, option="--data") -> np.ndarray:
+def network_prediction(
+    scene: Scene, data: NetworkData, *, tolerance: float, progress: Callable[[str], None]
+) -> np.ndarray:
     """Return the S-parameters of a scene's transducers with two combs at the frequencies of a file, (n, ports, ports).
 
     Raises
@@ -113,8 +115,8 @@ def network_prediction(scene: Scene, data: NetworkData, tolerance: float, progre
     names = [each.name for each in scene.transducer if each.has_two_combs]
     if data.ports != len(names):
         rule = f"{data.name!r} has {data.ports} ports, and the scene {len(names)} transducers with two combs"
-        raise SceneError(option, rule)
-    refuse_other_range(scene, data, option)
+        raise SceneError("--data", rule)
+    refuse_other_range(scene, data, "--data")
     return scattering_matrix(scene, data.frequency, data.reference, tolerance, progress)[2]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 import contact
 import fem
-from studies.chain import resolve
+from studies.chain import fem_model
 from studies.chain.pillars import layout, strip_width
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -24,12 +24,12 @@ def stator_wave(scene: Scene, motion):
     ``motion`` is a `studies.chain.surface_motion.SurfaceMotion`. The misfit is relative to the larger of both waves.
     """
     slider, wave = scene.slider, motion.wave
-    stator = resolve.stator(scene.stator)
+    stator = fem_model.stator(scene.stator)
     half_space = fem.rayleigh(stator.solid, stator.bare_surface)
     orbit = complex(half_space.displacement[0])
     wavelength, width = wave.phase_velocity / wave.frequency, strip_width(slider)
-    place = layout(slider)
-    reach = max(wavelength, float(np.ptp(place["x"])) / 2)
+    geometry = layout(slider)
+    reach = max(wavelength, float(np.ptp(geometry.x)) / 2)
     across, _ = np.polynomial.legendre.leggauss(ACROSS)
     weights = np.polynomial.legendre.leggauss(ACROSS)[1] / 2
     centre, middle = slider.center
@@ -64,7 +64,7 @@ def mean_amplitudes(slider, wave) -> tuple[float, float]:
 
     The amplitude at the slider's centre would depend on whether a standing wave has a node there.
     """
-    turn = np.exp(-1j * wave.wavenumber * layout(slider)["x"])
+    turn = np.exp(-1j * wave.wavenumber * layout(slider).x)
     forward, backward = wave.forward * turn, wave.backward / turn
     normal, tangential = forward + backward, wave.orbit * forward + np.conj(wave.orbit) * backward
     rms_normal, rms_tangential = (float(np.sqrt(np.mean(np.abs(each) ** 2))) for each in (normal, tangential))

@@ -6,7 +6,7 @@ from functools import lru_cache
 import contact
 from studies.chain.surface_motion import SurfaceMotion
 from studies.scene import Scene
-from studies.scene.blocks import Drive
+from studies.scene.drive import Drive
 
 COARSE_ERROR = 0.05  # relative, of the coarsest discretisation, which has no estimate of its own: 1.7 to 4.5 % seen
 MAX_DRIVES = 10_000  # in memory

@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 import fem
-from studies.chain import resolve
+from studies.chain import fem_model
 from studies.chain.solver_errors import answered
 from studies.scene import Scene
 
@@ -59,8 +59,8 @@ def response(
 
     ``places``: where the motion is wanted, m from the left end; ``tolerance``: relative, of the motion there.
     """
-    block, transducers = resolve.whole_stator(scene), resolve.section_row(scene)
-    common = {"drive": resolve.drive(scene), "tolerance": tolerance, "places": tuple(places)}
+    block, transducers = fem_model.whole_stator(scene), fem_model.section_row(scene)
+    common = {"drive": fem_model.drive(scene), "tolerance": tolerance, "places": tuple(places)}
 
     def alone(frequency: float):
         progress(f"stator: {frequency / 1e6:.5g} MHz")
@@ -81,7 +81,7 @@ def response(
 
 def groups(scene: Scene, frequencies: np.ndarray) -> list[np.ndarray]:
     """Return rising frequencies in Hz as the bands that `port_admittances` solves, or each by itself."""
-    block, row = resolve.whole_stator(scene), resolve.section_row(scene)
+    block, row = fem_model.whole_stator(scene), fem_model.section_row(scene)
     edges = _edges(frequencies[0], frequencies[-1])[1:-1]
     bands = np.split(frequencies, np.searchsorted(frequencies, edges))
     if len(frequencies) <= MAX_SINGLE * len(bands) or not _takes_bands(block, row, ()):
@@ -99,7 +99,7 @@ def port_admittances(scene: Scene, frequencies, tolerance: float, progress: Call
         progress(f"stator: {which} of {len(frequencies)}, from {group[0] / 1e6:.5g} MHz")
         done = last
         with answered(f"from {group[0] / 1e6:.6g} to {group[-1] / 1e6:.6g} MHz"):
-            parts.append(resolve.port_admittance(scene, group, tolerance))
+            parts.append(fem_model.port_admittance(scene, group, tolerance))
     return fem.PortAdmittance(
         names=parts[0].names,
         frequency=frequencies,

@@ -4,6 +4,8 @@ Averaged states are computed together in a compiled loop and cost microseconds e
 its error is below a fraction of the tolerance; otherwise the motion itself is solved, as in a run.
 """
 
+import os
+
 import contact
 from studies.chain.bridge import DrivenContact
 from studies.chain.points import SHARE, point_answer
@@ -13,9 +15,7 @@ from studies.record.status import Status
 AVERAGED_METHODS = ("auto", "averaged")  # methods of a scene that allow the compiled loop of averaged states
 
 
-def steady_answers(
-    states: list[tuple[DrivenContact, float]], tolerance: float, *, threads: int | None = None
-) -> list[dict]:
+def steady_answers(states: list[tuple[DrivenContact, float]], tolerance: float) -> list[dict]:
     """Return the steady state of each contact at a level.
 
     Parameters
@@ -31,7 +31,7 @@ def steady_answers(
     list of dict
         ``velocity_m_per_s``, ``regime``, ``relative_error`` and ``status``; only ``status`` if there is no answer.
     """
-    answers = averaged_answers(states, tolerance, threads=threads)
+    answers = averaged_answers(states, tolerance)
     return [
         steady_answer(driven, level, tolerance) if answer is None else answer
         for answer, (driven, level) in zip(answers, states, strict=True)
@@ -58,39 +58,29 @@ def rated(point: dict, parts: tuple[float, float], tolerance: float) -> dict:
     return point | {"finer": point["relative_error"] > tolerance and parts[0] > SHARE * tolerance}
 
 
-def averaged_answers(
-    states: list[tuple[DrivenContact, float]], tolerance: float, *, threads: int | None = None
-) -> list[dict | None]:
+def averaged_answers(states: list[tuple[DrivenContact, float]], tolerance: float) -> list[dict | None]:
     """Return the averaged steady state of each contact as in `steady_answers`, or None if its error is too large."""
+    answers: list[dict | None] = [None] * len(states)
     sliders = [driven.scene.slider for driven, _ in states]
-    takes = [each.method in AVERAGED_METHODS and each.pillars is None for each in sliders]
-    rows = iter(
-        averaged(
-            [
-                (driven.slider, driven.orbits, driven.stator_error, level)
-                for (driven, level), taken in zip(states, takes, strict=True)
-                if taken
-            ],
-            threads,
-        )
-    )
-    answers = []
-    for taken in takes:
-        velocity, regime, of_contact, of_stator, thrust = next(rows) if taken else (0.0, "unknown", 0.0, 0.0, 0.0)
-        good = regime != "unknown" and of_contact <= SHARE * tolerance
-        state = {"velocity_m_per_s": velocity, "regime": regime, "thrust_N": thrust}
-        state |= judged(tolerance, of_stator, of_contact)
-        answers.append(rated(state, (of_stator, of_contact), tolerance) if good else None)
+    taken = [k for k, each in enumerate(sliders) if each.method in AVERAGED_METHODS and each.pillars is None]
+    some = (states[k] for k in taken)
+    contacts = [(driven.slider, driven.orbits, driven.stator_error, level) for driven, level in some]
+    for k, (velocity, regime, of_contact, of_stator, thrust) in zip(taken, averaged(contacts), strict=True):
+        if regime != "unknown" and of_contact <= SHARE * tolerance:
+            state = {"velocity_m_per_s": velocity, "regime": regime, "thrust_N": thrust}
+            state |= judged(tolerance, of_stator, of_contact)
+            answers[k] = rated(state, (of_stator, of_contact), tolerance)
     return answers
 
 
-def averaged(contacts: list[tuple], threads: int | None = None) -> list[tuple]:
+def averaged(contacts: list[tuple]) -> list[tuple]:
     """Return averaged steady states, each of (slider, orbits, wave error, factor on the orbits).
 
     An answer is a tuple of velocity, regime, error, error by the wave, and blocked thrust.  Contacts with the same
     number of orbits are computed in one compiled loop (`contact.steady_sweep`).  The regime is "unknown" where
-    averaging does not apply.
+    averaging does not apply.  The loop takes the threads that SAWMOTOR_THREADS allows, by default all processors.
     """
+    threads = int(os.environ.get("SAWMOTOR_THREADS", 0)) or None
     answers: list[tuple] = [()] * len(contacts)
     for count in {len(orbits) for _, orbits, _, _ in contacts}:
         members = [at for at, each in enumerate(contacts) if len(each[1]) == count]

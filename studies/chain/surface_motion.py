@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import fem
-from studies.chain import resolve
+from studies.chain import fem_model
 from studies.chain.solver_errors import answered
 from studies.scene import Scene
 from studies.scene.blocks import Stator
@@ -127,7 +127,7 @@ def solved_motion(
         with answered():
             if scene.crossed:
                 return crossed_motion(scene, places, solve)
-            whole = resolve.whole_stator(scene), resolve.transducers(scene), resolve.drive(scene)
+            whole = fem_model.whole_stator(scene), fem_model.transducers(scene), fem_model.drive(scene)
             wave = solve(*whole, tuple(dict.fromkeys(x for x, _ in places)))
             return surface_motion(wave, scene.stator, places, slider=slider)
     except fem.BeamError as error:
@@ -140,11 +140,11 @@ def solved_motion(
 def crossed_motion(scene, places, solve) -> SurfaceMotion:
     """Return the motion of a scene with turned transducers; ``solve`` as of `fem.crossed_beam`."""
     beam = fem.crossed_beam(
-        resolve.whole_stator(scene),
-        resolve.transducers(scene),
+        fem_model.whole_stator(scene),
+        fem_model.transducers(scene),
         width=scene.stator.width,
         frequency=scene.frequency,
-        drive=resolve.drive(scene),
+        drive=fem_model.drive(scene),
         solve=solve,
         places=tuple(places),
     )
@@ -155,10 +155,10 @@ def surface_motion(wave, block: Stator, places, *, slider: bool = True) -> Surfa
     """Return the motion of a solved stator (fem.SurfaceWave) for places (x, y) in m: that of the beam or the section.
 
     ``stator.diffraction`` is True: the finite aperture (fem.BeamError where it cannot be computed); False: the plane
-    section; None: the finite aperture under a slider, where `resolve.section_reason` has nothing against it and the
+    section; None: the finite aperture under a slider, where `fem_model.section_reason` has nothing against it and the
     error that it adds to the section's is smaller than what it changes.
     """
-    reason = resolve.section_reason(block, wave.solution.fields.stator, places if slider else None)
+    reason = fem_model.section_reason(block, wave.solution.fields.stator, places if slider else None)
     if reason:
         return SurfaceMotion(wave=wave, reason=reason)
     spread = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave, mirror_width=block.mirror_width))

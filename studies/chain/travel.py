@@ -16,10 +16,13 @@ same answer.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 
 import contact
+from studies.chain.surface_motion import SurfaceMotion
+from studies.scene.slider import Slider
 
 MIN_TRAVEL = 0.1  # wavelengths: a shorter travel is neglected
 PER_WAVELENGTH = 12  # displacements in the table; the period of a standing wave is half a wavelength
@@ -38,6 +41,22 @@ class WaveAlong:
     wavelength: float  # m
     limits: tuple[float, float]  # displacements in m between which all balls stay on the stator
     orbits: Callable = field(repr=False)  # displacements in m, (k,), to k tuples of `contact.Orbit` per volt
+
+    @classmethod
+    def under(cls, slider: Slider, motion: SurfaceMotion) -> Self:
+        """Return the orbits under a slider on the motion of a stator's surface."""
+        wave, places = motion.wave, slider.places
+
+        def orbit(u_x, u_z):
+            return contact.Orbit(frequency=wave.frequency, normal=complex(u_z), tangential=complex(u_x))
+
+        def orbits(displacements):
+            balls = np.array([motion.along(x + displacements, y) for x, y in places])
+            return [tuple(orbit(u_x, u_z) for u_x, _, u_z in at) for at in np.moveaxis(balls, 2, 0)]
+
+        behind, ahead = min(x for x, _ in places), max(x for x, _ in places)
+        limits = -behind, wave.length - ahead
+        return cls(wavelength=wave.phase_velocity / wave.frequency, limits=limits, orbits=orbits)
 
     def scaled(self, factor: float) -> "WaveAlong":
         """Return the orbits multiplied by a factor."""

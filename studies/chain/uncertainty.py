@@ -87,23 +87,6 @@ def with_bands(record: Record, *, progress: Callable[[str], None] | None = None)
     return replace(record, points=points, uncertainty=block)
 
 
-def velocities_at(
-    record: Record, levels: tuple[float, ...], *, progress: Callable[[str], None] | None = None
-) -> list[float | None]:
-    """Return the steady velocities in m/s of a run at some levels (V or m), None where the motor has none.
-
-    Velocities at levels of the run are taken from its points. The others are computed with the same solution of the
-    stator.
-    """
-    known = {point[record.level]: point.get("velocity_m_per_s") for point in record.points}
-    missing = [level for level in dict.fromkeys(levels) if level not in known]
-    if missing:
-        changes = [{record.scene.level_key: level} for level in missing]
-        answers = Predictor.of_record(record, progress=progress).answers(changes)
-        known |= {level: answer.get("velocity_m_per_s") for level, answer in zip(missing, answers, strict=True)}
-    return [known[level] for level in levels]
-
-
 def _centre(record: Record) -> np.ndarray:
     """Return the answers of the run: velocities, then threshold and release as amplitudes and as voltages."""
     limits = [record.summary.get(key, np.nan) for key in KEYS]

@@ -11,9 +11,10 @@ from itertools import pairwise
 import numpy as np
 
 import fem
-from studies.chain import resolve
+from studies.chain import fem_model
+from studies.chain.ball_effects import NODE
 from studies.chain.bridge import DrivenContact
-from studies.chain.model_error import NODE, SHARED
+from studies.chain.model_error import SHARED
 from studies.chain.points import contact_load
 from studies.chain.scene_warnings import scene_warnings
 from studies.record import Record
@@ -35,7 +36,7 @@ def warnings_of(record: Record) -> tuple[str, ...]:
     """Return all warnings about a run, ordered from the drive to the slider."""
     warnings = list(scene_warnings(record.scene))
     if record.scene.piece:
-        stator, row = resolve.whole_stator(record.scene), resolve.transducers(record.scene)
+        stator, row = fem_model.whole_stator(record.scene), fem_model.transducers(record.scene)
         warnings += stator.piece_warnings(record.scene.frequency, row)
     if record.scene.transducer:
         for each in (_drive, _off_resonance, _section, _left_out):
@@ -45,7 +46,7 @@ def warnings_of(record: Record) -> tuple[str, ...]:
         for of_contact in (_contact, _points, _other_motion):
             warnings += of_contact(record, driven)
         if record.scene.slider.pillars is not None:
-            from studies.chain.pillar_budget import pillar_warnings
+            from studies.chain.pillar_effects import pillar_warnings
 
             warnings += _left_out(record) if not record.scene.transducer else ()
             warnings += pillar_warnings(record)
@@ -79,7 +80,7 @@ def _drive(record: Record) -> Iterator[str]:
         )
     if limits is None or limits.tensile_stress is None:
         return
-    c = resolve.solid(scene.stator).stiffness
+    c = fem_model.solid(scene.stator).stiffness
     stiffness = c[0, 0] - c[0, 2] ** 2 / c[2, 2]  # plane strain, no traction on the surface
     wavenumber = 2 * math.pi * record.wave["frequency_Hz"] / record.wave["phase_velocity_m_per_s"]
     u_x = highest * float(abs(record.surface["u_x_m_per_V"]).max())
@@ -109,12 +110,12 @@ def _off_resonance(record: Record) -> Iterator[str]:
     scene, driven, drive = record.scene, record.scene.driven_transducer, record.scene.drive
     if driven.pattern is not None or driven.split or drive.source_impedance or drive.match != "none":
         return
-    stator, present = resolve.stator(scene.stator), scene.frequency
+    stator, present = fem_model.stator(scene.stator), scene.frequency
     half_band = 2 / max(driven.finger_pairs, 4)
     frequencies = np.append(np.linspace(1 - half_band, 1 + half_band, 801) * present, present)
     try:
         relative_amplitudes = fem.relative_amplitude(
-            stator.solid, resolve.driven(scene), frequencies, surface=stator.bare_surface
+            stator.solid, fem_model.driven(scene), frequencies, surface=stator.bare_surface
         )
     except fem.ConvergenceError:
         return  # the half-space of this cut has no surface wave: no estimate is possible
@@ -134,20 +135,20 @@ def _section(record: Record) -> Iterator[str]:
     """Yield warnings about the finite aperture, about lossless stators with reflecting ends and about thin plates."""
     for each in record.model_error:
         if each["effect"] == "finite aperture" and abs(each["size"]) > SPREADS:
-            refused = fem.beam_refusal(resolve.whole_stator(record.scene))
+            refused = fem.beam_refusal(fem_model.whole_stator(record.scene))
             yield (
                 f"the plane section neglects that the aperture is finite, about {100 * each['size']:+.0f} % of u_z: "
                 + (refused or "stator.diffraction = true includes it")
             )
     stator, wave, frequency = record.scene.stator, record.surface_wave, record.scene.frequency
-    if stator.ends != "absorbing" and math.isinf(resolve.solid(stator).mechanical_quality):
+    if stator.ends != "absorbing" and math.isinf(fem_model.solid(stator).mechanical_quality):
         yield (
             "the stator is lossless and its ends reflect, so that the amplitude depends on fractions of a wavelength "
             f"(standing-wave ratio {record.wave['standing_wave_ratio']:.3g}): give stator.mechanical_quality, "
             'or ends = "absorbing"'
         )
     if isinstance(stator.thickness, str) or stator.bottom == "absorbing":
-        if fem.absorber_kind(resolve.solid(stator)) == "viscous":
+        if fem.absorber_kind(fem_model.solid(stator)) == "viscous":
             yield (
                 "no fast absorbing layer is known for the half-space of this cut, whose slowness curve is too concave "
                 "at the x axis: a viscous layer is used, which converges slowly; a stator.thickness of a few "

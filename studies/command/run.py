@@ -51,7 +51,7 @@ def call(arguments: argparse.Namespace) -> int:
     measured = None
     if arguments.measured is not None:
         from studies.lab.measurement_csv import read_measured
-        from studies.record.velocity_comparison import compared, refuse_incomparable
+        from studies.record.velocity_comparison import refuse_incomparable
 
         measured = read_measured(arguments.measured)
         refuse_incomparable(scene, measured)
@@ -77,16 +77,10 @@ def call(arguments: argparse.Namespace) -> int:
         drawing = stack.enter_context(Drawing()) if plotted else None
         with Progress() as progress:
             record = run_chain(scene, tolerance=tolerance, progress=progress)
-            if measured is not None and measured.quantity != "velocity":
+            if measured is not None:
                 from studies.chain.measured_run import beside
 
                 record = replace(record, measured=beside(record, measured, progress=progress))
-            elif measured is not None:
-                from studies.chain.uncertainty import velocities_at
-
-                progress("velocities at the measured levels")
-                predicted = velocities_at(record, measured.levels, progress=progress)
-                record = replace(record, measured=compared(measured, predicted))
             whole = record.to_dict()
             if result is not None:
                 progress("writing the results")

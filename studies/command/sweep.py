@@ -10,7 +10,6 @@ from studies.command.options import add_shared
 from studies.command.output import print_answer, results_folder, say
 from studies.command.scene_argument import changed_file, read_tolerance
 from studies.progress import Progress
-from studies.record.status import Status
 from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, RunError, SceneError
 from studies.scene import scene_path
 from studies.scene.override import read_axes
@@ -37,6 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def call(arguments: argparse.Namespace) -> int:
     """Compute what is missing of a sweep's points, and say what they came to."""
+    from studies.record.status import Status
     from studies.sweeps import sweep
 
     table, over = changed_file(arguments).table, read_axes(arguments.over)
@@ -65,14 +65,14 @@ def call(arguments: argparse.Namespace) -> int:
 
 def _expected_time(table: dict, over: Any, tolerance: float) -> tuple[str, ...]:
     """Return a sentence on the expected time of a sweep that takes more than a minute."""
-    from studies.chain.predictor import Predictor
+    from studies.chain.changed_scenes import ChangedScenes
     from studies.report.explanation import long_sweep
     from studies.sweeps.plan import designed
 
     with suppress(SceneError, RunError):  # which the sweep says itself
         design = designed(table, over, tolerance=tolerance)
         (first,) = design.values([0])
-        scene = Predictor(table, tolerance=tolerance).scene(dict(zip(design.question.keys, first, strict=True)))
+        scene = ChangedScenes(table).scene(dict(zip(design.question.keys, first, strict=True)))
         return long_sweep(scene, tolerance=tolerance, stators=design.stators, points=len(design))
     return ()
 

@@ -2,11 +2,12 @@
 
 Method: the scene with its frequency, levels, sizes, loads and constants changed at random by up to the factors in
 `VARIED`, each variation run at a tolerance drawn with it and again for a converged answer at a tenth of the error that
-the first run states; the error of every point of the first against the second is divided by the first's estimate.  A
-variation counts as kept if that holds at its worst point.  Points at rest in both, whose error and estimate are
-nothing, do not count.  Expected: at least 95 of 100 kept, the median estimate within ten times the true error.
-Materials, cuts, ends and layouts drawn at random too: `tests/studies/test_calibration.py`.  Run time: about 5 min
-on two cores for ``twente-contact``, twice that for ``twente``.
+the first run states.  The true error of a point is the difference between the two runs; its ratio to the estimate of
+the first run is formed at every point.  A variation keeps the promise if the ratio at its worst point is at most 2.
+Points at rest in both runs, whose error and estimate are zero, do not count.  Expected: at least 95 of 100 variations
+keep the promise, and the median estimate is within a factor of ten of the true error. Materials, cuts, ends and layouts
+drawn at random too: `tests/studies/test_calibration.py`.  Run time: about 5 min on two cores for ``twente-contact``,
+twice that for ``twente``.
 """
 
 import math
@@ -37,23 +38,26 @@ VARIED = {
     "stator.thickness": 1.2, "slider.radius": 2.0, "slider.mass": 2.0, "slider.preload": 2.0,
     "slider.friction_coefficient": 1.5, "slider.effective_modulus": 1.5, "slider.tangential_modulus": 1.5,
 }  # fmt: skip
+# Promised largest true error over its estimate; per cent of the variations that must keep the promise; largest factor
+# between the median estimate and the true error, either way
 PROMISED, SHARE, MEDIAN = 2.0, 95, 10.0
 BETTER = 0.1  # tolerance of the converged answer over the error of the first
-FINEST = 3e-7
-WORTHLESS = 0.3  # a converged answer whose own error exceeds this part of the first's estimate tells nothing
+FINEST = 3e-7  # smallest tolerance that is asked of a converged answer
+WORTHLESS = 0.3  # a converged answer whose own error exceeds this part of the first's estimate is no reference
 MAX_REFUSED = 3  # variations without a comparison for each one with it, before the study gives up
 
 
 @dataclass(frozen=True, kw_only=True)
 class Checked:
-    """A scene's worst point.
+    """The worst point of a variation: that of the largest ratio of true error to estimate.
 
     Attributes
     ----------
     index : int
+        Number of the variation.
     tolerance : float
     true, estimate : float
-        Errors in the sense of the tolerance.
+        Relative errors: of the velocity over max(|v|, omega |u_x|/10), or of the amplitude or free-wave velocity.
     refusal : str
         Why there is no answer to compare; empty if there is one.
     seconds : float
@@ -68,12 +72,12 @@ class Checked:
 
     @property
     def ratio(self) -> float:
-        """True error over its estimate; 0 where there was none to make."""
+        """True error over its estimate; 0 without a true error, infinite if only the estimate is 0."""
         return self.true / self.estimate if self.estimate > 0 else (math.inf if self.true > 0 else 0.0)
 
 
 def drawn(scene: Scene, seed: int, index: int) -> tuple[Scene, float]:
-    """Return a variation of a scene and a tolerance; the same numbers give the same ones.
+    """Return a variation of a scene and a tolerance; both depend on `seed` and `index` only.
 
     Raises
     ------

@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from studies.chain import passband, resolve
+from studies.chain import fem_model, passband
 from studies.chain.scan_prediction import placed, predicted_scan
 from studies.chain.scattering import reference_impedance, scattering_matrix
 from studies.export.exported import Exported
@@ -196,12 +196,12 @@ def virtual_scan(scene: Scene, recording: Recording, tolerance: float, progress)
 
 def _points(scene: Scene, kind: str, band) -> Scan:
     """Return a scan without values yet."""
-    wavelength = resolve.surface_velocity(scene.stator) / scene.frequency
+    wavelength = fem_model.surface_velocity(scene.stator) / scene.frequency
     driven, (place, middle) = scene.driven_transducer, scene.places[0]
     around = ((each.name, each.place[0], each.half_length) for each in scene.transducer)
     rows = {name: (center - half, center + half) for name, center, half in around}
     ahead, length = place >= driven.place[0], scene.stator.length
-    low, high = resolve.free_span(rows.values(), rows[driven.name][ahead], length, CLEAR * wavelength)
+    low, high = fem_model.free_span(rows.values(), rows[driven.name][ahead], length, CLEAR * wavelength)
     low, high = (low, min(high, length - wavelength)) if ahead else (max(low, wavelength), high)
     if high <= low:
         low, high = max(place - 2 * wavelength, 0.0), min(place + 2 * wavelength, length)

@@ -13,7 +13,7 @@ import numpy as np
 
 import contact
 from studies.chain.bridge import DrivenContact
-from studies.chain.points import followed_burst
+from studies.chain.bursts import followed_burst
 from studies.chain.predictor import Predictor
 from studies.chain.resolve import resolved
 from studies.chain.scan_prediction import at_other_velocity, network_prediction, placed, predicted_scan
@@ -126,13 +126,14 @@ class MeasurementPredictor(Predictor):
 
         A scan's phase has no origin of its own: the prediction is turned by the angle that fits best.
         """
-        scene, stator = self._resolved(numbers)
+        scene, stator = self.resolved(numbers)
         if stator is None:
             raise SceneError(f"measurements {measurement.name}", "needs a scene with a stator")
         key = stator, id(data)
         if isinstance(data, NetworkData):
             if key not in self._fields:
-                self._keep(key, data, network_prediction(scene, data, self.tolerance))
+                scattering = network_prediction(scene, data, tolerance=self.tolerance, progress=self.progress)
+                self._keep(key, data, scattering)
             known = self._fields[key][1]
             return np.concatenate([known.real.ravel(), known.imag.ravel()])
         scan = placed(scene, data, "measurements")

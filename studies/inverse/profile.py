@@ -1,10 +1,9 @@
 """Profile likelihood intervals: each number is fixed at a series of values while all others are fitted again.
 
-An end of the interval is where the sum of squares exceeds its minimum by the quantile of chi^2 with one degree of
-freedom (of F, where the standard deviations come from the residuals themselves).  The
-square root of the excess is nearly linear in the number, so that a few refits locate the end.  An end is open where the
-number's range ends before it, or where another number has reached an end of its range: then the ranges would determine
-the interval, and not the data.
+At an end of the interval the sum of squares exceeds its minimum by the quantile of chi^2 with one degree of freedom, or
+of F if the standard deviations are estimated from the residuals.  The square root of the excess is nearly linear in the
+number, so that a few refits locate the end.  An end is open if the number's range ends before it, or if another number
+has reached an end of its range, because then the ranges would determine the interval and not the data.
 """
 
 from dataclasses import dataclass
@@ -16,10 +15,10 @@ from scipy.stats import chi2, f
 from studies.inverse.directions import LEVEL
 from studies.inverse.least_squares import Problem
 
-AGREES = 3e-3  # of the interval's half width
+AGREES = 3e-3  # tolerance of an end, relative to its distance from the minimum
 MAX_REFITS = 24
-AT_END = 1e-4  # of the range: nearer to an end than this is at it
-BETTER = 1e-3  # a sum of squares lower by more than this is a better minimum
+AT_END = 1e-4  # distance from an end of a range, relative to the range, below which a number has reached it
+BETTER = 1e-3  # decrease of the sum of squares that counts as a better minimum
 
 
 @dataclass(frozen=True)
@@ -27,7 +26,7 @@ class End:
     """One end of an interval."""
 
     x: np.ndarray  # all inner values there
-    closed: bool  # whether the data determine this end
+    closed: bool  # True if the data determine this end
     because: str = ""  # why it is open
 
 
@@ -47,32 +46,36 @@ def allowed_excess(degrees: int | None) -> float:
 def profile(problem: Problem, minimum: tuple, least: float, j: int, *, sign: float, step: float, allowed: float) -> End:
     """Return the end of the interval of component j, downwards (``sign`` -1) or upwards.
 
-    ``minimum``: where the profile begins, and the sum of squares there; ``least``: that from which the excess counts;
-    ``step``: expected distance of the end; ``allowed``: excess there.  Raises BetterMinimumError.
+    ``minimum``: where the profile begins, and the sum of squares there; ``least``: the sum of squares from which the
+    excess is counted; ``step``: expected distance of the end; ``allowed``: excess there.  Raises BetterMinimumError.
     """
-    (best, first_square), target = minimum, np.sqrt(allowed)
-    wall = problem.high[j] if sign > 0 else problem.low[j]
-    room, at = abs(wall - best[j]), {0.0: (best, first_square)}  # refits by their distance
+    (best, first_square), allowed_root = minimum, np.sqrt(allowed)
+    bound = problem.high[j] if sign > 0 else problem.low[j]
+    room = abs(bound - best[j])
+    refits = {0.0: (best, first_square)}  # inner values and sum of squares by the distance from the minimum
 
-    def gap(distance):
-        """Return by how much the square root of the excess is beyond its end."""
-        if distance not in at:
-            nearest = max((each for each in at if each < distance), default=0.0)
-            at[distance] = problem.minimum(_between(at[nearest][0], best, j, best[j] + sign * distance), fixed=j)
-        here, squares = at[distance]
+    def beyond_end(distance):
+        """Return the square root of the excess at a distance, less its value at the end."""
+        if distance not in refits:
+            nearest = max((each for each in refits if each < distance), default=0.0)
+            start = _between(refits[nearest][0], best, j, best[j] + sign * distance)
+            refits[distance] = problem.minimum(start, fixed=j)
+        here, squares = refits[distance]
         if squares < least - BETTER * max(1.0, least):
             raise BetterMinimumError(here)
-        return np.sqrt(max(squares - least, 0.0)) - target
+        return np.sqrt(max(squares - least, 0.0)) - allowed_root
 
+    # bracket the end between ``inner`` and ``outer``
     inner, outer = 0.0, min(max(step, 1e-6 * room), room)
-    while (beyond := gap(outer)) < 0.0:
+    while (value := beyond_end(outer)) < 0.0:
         if outer >= room:
-            ending = problem.parameters[j].outer(wall)
-            return End(at[outer][0], False, f"its range ends at {ending:.4g}")
-        slope = (beyond - gap(0.0)) / outer
-        further = -gap(0.0) / slope / outer if slope > 0.0 else 3.0
-        inner, outer = outer, min(outer * float(np.clip(1.02 * further, 1.2, 3.0)), room)
-    x, _ = at[brentq(gap, inner, outer, xtol=AGREES * outer, maxiter=MAX_REFITS, disp=False)]
+            ending = problem.parameters[j].outer(bound)
+            return End(refits[outer][0], False, f"its range ends at {ending:.4g}")
+        # linear extrapolation from the minimum, as a factor on ``outer``
+        slope = (value - beyond_end(0.0)) / outer
+        factor = -beyond_end(0.0) / slope / outer if slope > 0.0 else 3.0
+        inner, outer = outer, min(outer * float(np.clip(1.02 * factor, 1.2, 3.0)), room)
+    x, _ = refits[brentq(beyond_end, inner, outer, xtol=AGREES * outer, maxiter=MAX_REFITS, disp=False)]
     near = AT_END * (problem.high - problem.low)
     for k, parameter in enumerate(problem.parameters):
         if k != j and min(x[k] - problem.low[k], problem.high[k] - x[k]) < near[k]:

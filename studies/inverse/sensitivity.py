@@ -82,7 +82,7 @@ def expected_seconds(scene: Scene) -> float:
     moved = sum(predictor.needs_stator(key) for key in keys)
     point = BALLS_SECONDS
     if predictor.one_by_one:
-        point = PILLARS_SECONDS + PILLAR_SECONDS * layout(predictor.scene({}).slider)["x"].size
+        point = PILLARS_SECONDS + PILLAR_SECONDS * layout(predictor.scene({}).slider).x.size
     return OTHER_SECONDS + STATOR_MOVES * moved * (stator + point) + MOVES * (len(keys) + 1 - moved) * point
 
 

@@ -25,7 +25,7 @@ from dataclasses import fields, replace
 import numpy as np
 
 import contact
-from studies.chain import resolve
+from studies.chain import fem_model, resolve
 from studies.export.averaged_motor import averaged_motor, first_drive, other_drives
 from studies.export.motor_model import AveragedMotor, push, ring_speed
 from studies.motor.controllers import MotorNumbers, controller
@@ -175,7 +175,7 @@ def refuse_beyond(scene: Scene, distance: float) -> None:
     places = [x for x, _ in resolved.slider.places]
     fingers = () if resolved.crossed else [(each.place[0], each.half_length) for each in resolved.transducer]
     rows = [(middle - half, middle + half) for middle, half in fingers]
-    left, right = resolve.free_span(rows, resolved.slider.center[0], resolved.stator.length)
+    left, right = fem_model.free_span(rows, resolved.slider.center[0], resolved.stator.length)
     low, high = left - min(places), right - max(places)
     if not low < distance < high:
         rule = f"must keep the slider on the free surface, {low * 1e3:.4g} to {high * 1e3:.4g} mm from its place"

@@ -7,7 +7,7 @@ import numpy as np
 
 import contact
 from studies.chain.bridge import DrivenContact
-from studies.chain.predictor import Predictor
+from studies.chain.changed_contacts import ChangedContacts
 from studies.chain.resolve import resolved
 from studies.chain.solved_stator import of_stator
 from studies.chain.steps import Steps
@@ -60,11 +60,11 @@ def step_scatter(scene: Scene, motor: AveragedMotor, progress) -> tuple[float, f
     uncertain_inputs = tuple(each for each in known if each.key in LEVELS or not of_stator(each.key))
     if not uncertain_inputs:
         return None
-    predictor = Predictor(resolved(replace(scene, uncertain=None)).to_table(), tolerance=1e-2, steps=1)
+    contacts = ChangedContacts(resolved(replace(scene, uncertain=None)).to_table(), tolerance=1e-2)
     steps = []
     for sample in sampled(uncertain_inputs, DRAWS):  # as if the inputs varied from step to step by their uncertainty
         factor, changes = without_level(sample)
-        driven = predictor.contact(changes)
+        driven = contacts.contact(changes)
         orbits = driven.at(factor * motor.levels[-1])
         steps.append(contact.step(driven.slider, orbits, cycles=SCATTER_CYCLES).displacement)
     return float(np.mean(steps)), float(np.std(steps, ddof=1))

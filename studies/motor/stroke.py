@@ -11,9 +11,9 @@ it follows the mean. Expected: Fresnel fringes of the aperture. Run time: about 
 import numpy as np
 
 import contact
-from studies.chain import bridge, resolve
+from studies.chain import fem_model
 from studies.chain.steady import averaged
-from studies.chain.travel import travelled
+from studies.chain.travel import WaveAlong, travelled
 from studies.record.plots import COLOURS, curve, family, finished, lines
 from studies.record.quantities import quantity
 from studies.scene import Scene
@@ -42,7 +42,7 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, tolerance: flo
     if driven.record is None:
         driven.scene.refuse("wave", "must be absent: along a given wave every place is alike")
     resolved_scene, slider, motion = driven.scene, driven.slider, driven.record.surface_motion
-    along, center = bridge.wave_along(motion, resolved_scene.slider), resolved_scene.slider.center[0]
+    along, center = WaveAlong.under(resolved_scene.slider, motion), resolved_scene.slider.center[0]
     low, high = _span(resolved_scene, along.wavelength)
     half_wavelength = along.wavelength / 2
     positions = np.linspace(low + half_wavelength / 2, high - half_wavelength / 2, count)
@@ -92,8 +92,8 @@ def _span(scene: Scene, wavelength: float) -> tuple[float, float]:
     """Return the range of the slider centre in m in which all balls stay on the free surface of the stator."""
     center = scene.slider.center[0]
     balls = [x - center for x, _ in scene.slider.places]
-    rows = [each.extent for each in resolve.transducers(scene)]
-    left, right = resolve.free_span(rows, center, scene.stator.length, CLEAR * wavelength)
+    rows = [each.extent for each in fem_model.transducers(scene)]
+    left, right = fem_model.free_span(rows, center, scene.stator.length, CLEAR * wavelength)
     return left - min(balls), right - max(balls)
 
 

@@ -8,12 +8,13 @@ from studies.study import Panel, judged
 
 BURST = 0.3  # duration of the burst, s
 STEPS = (1e-9, 3e-9, 5e-9, 10e-9, 20e-9)  # m
-CHOSEN = 10e-9  # amplitude in m of the burst whose slopes are judged
+JUDGED = 10e-9  # amplitude in m of the burst whose slopes are judged
 
 
 def figure_2(seed: Seed):
     """Fig. 2: tangential force against deformation."""
-    x, curves, ends = {}, {}, []
+    x, curves = {}, {}
+    force_ratios, scaled_limits = [], []  # Q(x_max) / (mu P), and x_max / P^(2/3), which must not depend on P
     for share in (0.5, 1.0, 2.0):
         force = share * seed.slider.preload
         z = seed.slider.approach_under(force, 1)
@@ -22,13 +23,13 @@ def figure_2(seed: Seed):
         name = f"P = {force * 1e3:.3g} mN"
         x[name] = deformation * 1e9
         curves[name] = seed.slider.tangential_force(deformation, z) * 1e3
-        ends.append(curves[name][-1] / (seed.slider.friction_coefficient * force * 1e3))
-        ends.append(limit / share ** (2 / 3))
+        force_ratios.append(curves[name][-1] / (seed.slider.friction_coefficient * force * 1e3))
+        scaled_limits.append(limit / share ** (2 / 3))
     data = {"x": x, "left": curves, "x_axis": "tangential deformation x (nm)", "left_axis": "Q (mN)"}
     finding = judged('Fig. 2: "The displacement x_max(P) can be found by substituting Q = mu P in equation 2."',
-                     "Q(x_max) / (mu P) at three P", ends[2], expected="1",
-                     holds=all(abs(end - 1) < 1e-12 for end in ends[::2])
-                     and max(ends[1::2]) - min(ends[1::2]) < 1e-12 * max(ends[1::2]),
+                     "Q(x_max) / (mu P) at three P", force_ratios[1], expected="1",
+                     holds=all(abs(ratio - 1) < 1e-12 for ratio in force_ratios)
+                     and max(scaled_limits) - min(scaled_limits) < 1e-12 * max(scaled_limits),
                      remark="x_max grows as P^(2/3): it is (mu E/4 G) z")  # fmt: skip
     return [Panel(name="fig_2", title="Fig. 2: tangential stiffness", data=data)], [finding]
 
@@ -50,16 +51,18 @@ def figure_5a(seed: Seed):
         )
         name = f"{amplitude * 1e9:g} nm"
         x[name], curves[name] = motion.time * 1e3, motion.velocity * 1e3
-        if amplitude == CHOSEN:
-            chosen, final = motion, steady
-    rising = chosen.time <= chosen.duration
-    v, end = chosen.velocity, chosen.velocity_at_burst_end
+        if amplitude == JUDGED:
+            judged_burst, final = motion, steady
+    time = judged_burst.time
+    rising = time <= judged_burst.duration
+    v, end = judged_burst.velocity, judged_burst.velocity_at_burst_end
     up = rising & (v < 0.8 * end)
     down = ~rising & (v < 0.8 * end) & (v > 0.1 * end)
 
     def bend(part):
-        slope = np.polynomial.Polynomial.fit(chosen.time[part], v[part], 1)
-        return float(np.max(abs(slope(chosen.time[part]) - v[part])) / end)
+        """Return the largest distance of a part of the curve from its best straight line, over the final velocity."""
+        line = np.polynomial.Polynomial.fit(time[part], v[part], 1)
+        return float(np.max(abs(line(time[part]) - v[part])) / end)
 
     findings = [
         judged('Fig. 5(a): "After a certain time the slider converges to a steady state velocity."',

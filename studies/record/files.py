@@ -64,30 +64,23 @@ def write_run(record: "Record", folder: Path, *, field: bool) -> None:
             write_columns(folder / "surface_map.csv", columns)
 
 
-def flat(point: dict) -> dict:
-    """Return a point with complex numbers in two columns, ``..._re`` and ``..._im``, and lists in ``_0``, ``_1``."""
+def flat(values: dict) -> dict:
+    """Return numbers or arrays by name, complex ones as ``..._re`` and ``..._im``, lists as ``..._0``, ``..._1``."""
     columns: dict = {}
-    for key, value in point.items():
-        if isinstance(value, complex):
-            columns |= {f"{key}_re": value.real, f"{key}_im": value.imag}
-        elif isinstance(value, (list, tuple)):
+    for key, value in values.items():
+        if isinstance(value, (list, tuple)):
             columns |= {f"{key}_{index}": each for index, each in enumerate(value)}
+        elif np.iscomplexobj(value):
+            columns |= {f"{key}_re": value.real, f"{key}_im": value.imag}
         else:
             columns[key] = value
     return columns
 
 
 def write_columns(path: Path, columns: dict) -> None:
-    """Write arrays as columns; a complex one becomes two, ``..._re`` and ``..._im``."""
-    keys, values = [], []
-    for name, array in columns.items():
-        if array.dtype.kind == "c":
-            keys += [f"{name}_re", f"{name}_im"]
-            values += [array.real, array.imag]
-        else:
-            keys.append(name)
-            values.append(array)
-    write_table(path, keys, zip(*(column.tolist() for column in values), strict=True))
+    """Write arrays as columns; a complex one becomes two, as in `flat`."""
+    columns = flat(columns)
+    write_table(path, columns, zip(*(each.tolist() for each in columns.values()), strict=True))
 
 
 def write_table(path: Path, keys, rows) -> None:

@@ -341,9 +341,10 @@ class Record:
             level = quantity(self.level)
             levels = [point[self.level] * level.scale for point in self.points]
             parts.append(f"{len(levels)} points, {min(levels):.4g} to {max(levels):.4g} {level.shown}")
-            speeds = [1e3 * point["velocity_m_per_s"] for point in self.points if "velocity_m_per_s" in point]
+            shown = quantity("velocity_m_per_s")
+            speeds = [point["velocity_m_per_s"] * shown.scale for point in self.points if "velocity_m_per_s" in point]
             if speeds:
-                parts.append(f"velocity {min(speeds):.4g} to {max(speeds):.4g} mm/s")
+                parts.append(f"velocity {min(speeds):.4g} to {max(speeds):.4g} {shown.shown}")
         elif "phase_velocity_m_per_s" in self.wave:
             parts.append(f"free wave, {self.wave['phase_velocity_m_per_s']:.6g} m/s")
         if self.error:

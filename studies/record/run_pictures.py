@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from studies.record.plots import COLOURS, curve, finished, legend_below, saved, shaded
+from studies.record.pillar_pictures import power, pressure, slider_wave
+from studies.record.plots import COLOURS, curve, finished, saved, shaded
 from studies.record.quantities import quantity
 
 if TYPE_CHECKING:
@@ -17,13 +18,6 @@ if TYPE_CHECKING:
 MAX_WAVELENGTHS = 40  # of a surface whose ripple a picture of this width resolves
 WINDOW, WINDOW_ROOM = 12, 2.4  # wavelengths about the slider that are drawn larger; height of the axes for it
 MARKS = {"stick": "s", "slip": "o", "intermittent": "^"}
-MAX_DOTS = 20_000  # pillars drawn; of more, evenly chosen ones
-# of the wave's power under a slider on pillars: key of a point, label, colour
-POWERS = (
-    ("friction_power_W", "friction", "intermittent"),
-    ("thrust_power_W", "thrust", "second"),
-    ("wave_power_out_W", "remaining in the wave", "slip"),
-)
 
 
 def pictures(record: "Record") -> dict[str, Callable]:
@@ -142,9 +136,10 @@ def _measured(record: "Record", ax, scale: float) -> None:
     points = record.measured["points"]
     known = {p[record.level]: p["velocity_m_per_s"] for p in record.points if "velocity_m_per_s" in p}
     known |= {p[record.level]: p["predicted_m_per_s"] for p in points if "predicted_m_per_s" in p}
+    speed = quantity("velocity_m_per_s").scale
     at, speeds = zip(*sorted(known.items()), strict=True)
-    curve(ax, [x * scale for x in at], [v * 1e3 for v in speeds], "-", "line", "predicted")
-    bars = [point["error_m_per_s"] * 1e3 for point in points] if "error_m_per_s" in points[0] else None
+    curve(ax, [x * scale for x in at], [v * speed for v in speeds], "-", "line", "predicted")
+    bars = [point["error_m_per_s"] * speed for point in points] if "error_m_per_s" in points[0] else None
     at, speeds = _shown(points, record.level, "velocity_m_per_s")
     style = {"markersize": 5, "markerfacecolor": "none", "capsize": 3, "label": "measured"}
     ax.errorbar(at, speeds, yerr=bars, fmt="D", color=COLOURS["second"], **style)
@@ -154,13 +149,14 @@ def trajectories(record: "Record", ax):
     """Draw v(t) of a burst at each level."""
     import matplotlib
 
-    shown = quantity(record.level)
+    shown, across, up = quantity(record.level), quantity("time_s"), quantity("velocity_m_per_s")
     colours = matplotlib.colormaps["cividis"]
     count = max(len(record.trajectories) - 1, 1)
     for index, (level, motion) in enumerate(record.trajectories):
         label = f"{level * shown.scale:g} {shown.shown}" if index in (0, count) else None
-        ax.plot(motion.time * 1e3, motion.velocity * 1e3, color=colours(index / count), linewidth=1, label=label)
-    return finished(ax, quantity("time_s").axis, quantity("velocity_m_per_s").axis, record.scene.title)
+        time, velocity = motion.time * across.scale, motion.velocity * up.scale
+        ax.plot(time, velocity, color=colours(index / count), linewidth=1, label=label)
+    return finished(ax, across.axis, up.axis, record.scene.title)
 
 
 def surface(record: "Record", ax, *, curves: bool = False):
@@ -171,12 +167,12 @@ def surface(record: "Record", ax, *, curves: bool = False):
     ``curves`` the curves are drawn along the whole surface whatever its length, for an axis that the caller limits.
     """
     columns, scene = record.surface, record.scene
-    label, scale = quantity("x_m").axis, quantity("x_m").scale
+    label, scale, up = quantity("x_m").axis, quantity("x_m").scale, quantity("amplitude_m_per_V")
     x = columns["x_m"] * scale
     what = "y = 0" if scene.driven_obliquely else "plane section"
     wavelength = scale * record.wave.get("phase_velocity_m_per_s", math.inf) / record.wave["frequency_Hz"]
     rippled = not curves and x[-1] - x[0] > MAX_WAVELENGTHS * wavelength
-    sizes = [abs(columns[f"u_{axis}_m_per_V"]) * 1e9 for axis in "zx"]
+    sizes = [abs(columns[f"u_{axis}_m_per_V"]) * up.scale for axis in "zx"]
     for size, colour, name in zip(sizes, ("slip", "intermittent"), (f"|u_z|, {what}", "|u_x|"), strict=True):
         if rippled:
             at, low, high = _ranges(x, size, wavelength)
@@ -200,10 +196,10 @@ def surface(record: "Record", ax, *, curves: bool = False):
             ("normal", "slip", "finite aperture"),
             ("tangential", "intermittent", None),
         ):
-            curve(ax, place, [abs(record.wave[f"{part}_m_per_V"]) * 1e9], "D", colour, label_of_part, size=6.0)
+            curve(ax, place, [abs(record.wave[f"{part}_m_per_V"]) * up.scale], "D", colour, label_of_part, size=6.0)
     ax.set_ylim(bottom=0, top=WINDOW_ROOM * max(size.max() for size in sizes) if rippled else None)
     title = f"{scene.title}: {record.wave['frequency_Hz'] / 1e6:g} MHz"
-    return finished(ax, label, quantity("amplitude_m_per_V").axis, title, columns=3, grid=False)
+    return finished(ax, label, up.axis, title, columns=3, grid=False)
 
 
 def _ranges(x, size, width: float):
@@ -232,15 +228,15 @@ def _window(record: "Record", ax, x, sizes, wavelength: float) -> None:
 
 def profile(record: "Record", ax):
     """Draw the free wave's displacements against depth."""
-    columns = record.surface
-    depth = -columns["z_m"] * 1e3
+    columns, across = record.surface, quantity("depth_m")
+    depth = -columns["z_m"] * across.scale
     for name, colour in (("u_z", "slip"), ("u_x", "intermittent"), ("u_y", "second")):
         values = columns[f"{name}_per_m_of_u_z"]
         if abs(values).max() > 1e-9:
             part, label = (values.imag, f"Im {name}") if name == "u_x" else (values.real, f"Re {name}")
             curve(ax, depth, part, ".-", colour, label)
     title = f"{record.scene.title}: {record.wave['phase_velocity_m_per_s']:.2f} m/s"
-    return finished(ax, quantity("depth_m").axis, "displacement over u_z at the surface", title)
+    return finished(ax, across.axis, "displacement over u_z at the surface", title)
 
 
 def errors(record: "Record", ax):
@@ -251,64 +247,3 @@ def errors(record: "Record", ax):
     ax.axhline(record.tolerance, color=COLOURS["line"], linestyle="--", linewidth=1, label="asked for")
     ax.set_yscale("log")
     return finished(ax, quantity(record.level).axis, quantity("relative_error").axis, record.scene.title)
-
-
-def _at_last_level(record: "Record") -> str:
-    """Return the level whose pillars and waves a record keeps, for a title."""
-    shown = quantity(record.level)
-    known = [point[record.level] for point in record.points if "velocity_m_per_s" in point]
-    return f" at {known[-1] * shown.scale:g} {shown.shown}" if known else ""
-
-
-def slider_wave(record: "Record", ax):
-    """Draw amplitude and phase of the waves along the slider, the phase on an axis of its own."""
-    table = record.slider_wave
-    x = np.asarray(table["x_m"]) * 1e3
-    ahead = np.abs(table["forward_m"]).max() >= np.abs(table["backward_m"]).max()
-    names = ("forward_m", "backward_m") if ahead else ("backward_m", "forward_m")
-    main, other = (np.asarray(table[name]) for name in names)
-    ax.plot(x, np.abs(main) * 1e9, color=COLOURS["slip"], label="driving wave, amplitude")
-    ax.plot(x, np.abs(other) * 1e9, color=COLOURS["stick"], label="opposing wave, amplitude")
-    for style, n in zip(("--", "-.", ":"), (2, 3, 4), strict=True):
-        if f"overtone_{n}_m" in table:
-            size = np.abs(np.asarray(table[f"overtone_{n}_m"])) * 1e9
-            ax.plot(x, size, style, color=COLOURS["second"], label=f"its overtone {n}, amplitude")
-    ax.set_ylim(bottom=0.0)
-    right = ax.twinx()
-    phase = np.unwrap(np.angle(main))
-    right.plot(x, phase - phase[0 if ahead else -1], dashes=(8, 3), color=COLOURS["intermittent"], label="phase")
-    right.set_ylabel(quantity("phase_rad").axis)
-    legend_below(ax, [each for axis in (ax, right) for each in axis.get_lines()], columns=3)
-    title = f"{record.scene.title}: wave under the slider{_at_last_level(record)}"
-    return finished(ax, quantity("offset_m").axis, quantity("normal_amplitude_m").axis, title, columns=0)
-
-
-def pressure(record: "Record", ax):
-    """Draw the mean force on each pillar as a dot at its place."""
-    table = record.pillars
-    step = -(-len(table["x_m"]) // MAX_DOTS)
-    x, y, force = (np.asarray(table[name])[::step] for name in ("x_m", "y_m", "normal_force_N"))
-    size = float(np.clip(6e4 / x.size, 2.0, 200.0))
-    dots = ax.scatter(x * 1e3, y * 1e3, c=force * 1e3, s=size, marker="s", cmap="viridis", linewidths=0.6)
-    ax.set_aspect("equal", adjustable="box")
-    ax.figure.colorbar(dots, ax=ax, label=quantity("normal_force_N").axis)
-    title = f"Forces on the pillars{_at_last_level(record)}"
-    return finished(ax, quantity("offset_m").axis, quantity("y_m").axis, title, columns=0, grid=False)
-
-
-def power(record: "Record", ax):
-    """Draw where the power of the waves below the slider goes at each level, as stacked bars."""
-    points = [point for point in record.points if "wave_power_in_W" in point]
-    scale = quantity(record.level).scale
-    places, bottom = np.arange(len(points)), np.zeros(len(points))
-    for key, label, colour in POWERS:
-        values = np.array([100 * point[key] / point["wave_power_in_W"] for point in points])
-        if values.any():
-            ax.bar(places, values, bottom=bottom, color=COLOURS[colour], label=label)
-            bottom = bottom + values
-    for place, point in zip(places, points, strict=True):
-        ax.text(place, 101.0, f"{point['wave_power_in_W']:.3g} W", ha="center", fontsize="small")
-    ax.set_xticks(places, [f"{point[record.level] * scale:.4g}" for point in points])
-    ax.set_ylim(0.0, 108.0)
-    across, up = quantity(record.level).axis, quantity("power_share").axis
-    return finished(ax, across, up, f"{record.scene.title}: power of the wave", columns=3, grid=False)

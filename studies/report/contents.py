@@ -4,8 +4,8 @@ import cmath
 import math
 from collections.abc import Iterator
 
+from studies.chain.fem_model import solid
 from studies.chain.moduli import direction_dependence
-from studies.chain.resolve import solid
 from studies.record.quantities import quantity
 from studies.report.intermediate import si
 from studies.scene import Scene
@@ -41,9 +41,9 @@ def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
         if slider.pillars is not None:
             from studies.chain.pillars import layout, stiffnesses
 
-            position, (k_n, k_t) = layout(slider), stiffnesses(slider)
+            geometry, (k_n, k_t) = layout(slider), stiffnesses(slider)
             lines = [
-                f"{weight}, {position['x'].size} pillars of {position['diameter'].mean() * 1e6:.4g} um, {moduli}",
+                f"{weight}, {geometry.x.size} pillars of {geometry.diameter.mean() * 1e6:.4g} um, {moduli}",
                 f"stiffness of a pillar {k_n.mean():.4g} N/m, along the surface {k_t.mean():.4g} N/m",
             ]
             yield "slider", lines

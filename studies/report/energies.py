@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import contact
 from studies.chain.bridge import DrivenContact
-from studies.chain.points import SHARE, STEADY_METHODS
+from studies.chain.bursts import STEADY_METHODS
+from studies.chain.points import SHARE
 from studies.record import Record
 
 MAX_POINTS = 3  # first moving point, middle point, last point

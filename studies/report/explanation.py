@@ -14,7 +14,7 @@ import numpy as np
 
 import contact
 import fem
-from studies.chain import resolve
+from studies.chain import fem_model, resolve
 from studies.chain.left_out import left_out
 from studies.chain.points import SHARE
 from studies.chain.ring_up import RingUp
@@ -83,7 +83,7 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
         if slider.pillars is not None:
             from studies.chain.pillars import layout
 
-            number = layout(slider)["x"].size
+            number = layout(slider).x.size
             seconds += PILLAR * number * len(scene.levels)
             block_bytes += PILLAR_BYTES * number / KEPT
         contacts = len(set(slider.offsets))  # contacts at the same place move identically
@@ -123,7 +123,7 @@ def band_seconds(scene: Scene, frequencies: np.ndarray, *, tolerance: float) -> 
     """Return the expected time in s of the admittances of a resolved scene at rising frequencies in Hz."""
     plane = replace(scene, slider=None, stator=replace(scene.stator, diffraction=False))
     one = plan(plane, tolerance=tolerance)["expected"]["stator_seconds"]
-    ports = sum(each.has_two_combs for each in scene.transducer) if resolve.diffracts(scene) else 1
+    ports = sum(each.has_two_combs for each in scene.transducer) if fem_model.diffracts(scene) else 1
     return one * ports**2 * sum(BAND if len(group) > 1 else 1 for group in groups(scene, frequencies))
 
 
@@ -166,9 +166,9 @@ def explanation(plan: dict) -> str:
 
 def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, float]:
     """Return the parts of a driven stator, the keywords for `left_out`, the operations and the bytes of the blocks."""
-    slider, (along, _) = scene.slider, resolve.first_row(scene, (0.0, 0.0))
-    stator, row = resolve.whole_stator(along), resolve.transducers(along)
-    sections = len(resolve.rows(scene)) if scene.crossed else 1
+    slider, (along, _) = scene.slider, fem_model.first_row(scene, (0.0, 0.0))
+    stator, row = fem_model.whole_stator(along), fem_model.transducers(along)
+    sections = len(fem_model.rows(scene)) if scene.crossed else 1
     resolutions = [*fem.planned_levels(stator, tolerance if slider is None else tolerance * SHARE)]
     if scene.stator.ends != "absorbing" and resolutions[-1] + 1 < len(fem.LEVELS):
         resolutions.append(resolutions[-1] + 1)  # resonances between reflecting ends amplify the error
@@ -201,7 +201,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
         sections * sum(_operations(sizes[k]) for k in resolutions),
         sections * sum(sorted(sizes[k].block_bytes for k in resolutions)[-2:]),
     )
-    reason = resolve.section_reason(scene.stator, stator, None if slider is None else slider.places)
+    reason = fem_model.section_reason(scene.stator, stator, None if slider is None else slider.places)
     if not reason:
         how = "guided modes at every wavenumber across the aperture, evaluated under the slider"
         parts.append({"name": "beam", "facts": [how]})

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from studies.chain import pillars, resolve
+from studies.chain import fem_model, pillars
 from studies.record.plots import COLOURS, finished
 from studies.record.quantities import quantity
 from studies.record.surface_map import surface_map
@@ -18,12 +18,12 @@ def draw_surface_map(beam, scene: Scene, ax):
     amplitude = abs(motion[2]).T * 1e9
     colours = ax.pcolormesh(x * 1e3, y * 1e3, amplitude, cmap="viridis", shading="gouraud", rasterized=True)
     ax.figure.colorbar(colours, ax=ax, label="|u_z| (nm/V)")
-    for each in resolve.transducers(scene):
+    for each in fem_model.transducers(scene):
         ax.add_patch(Polygon(each.corners * 1e3, fill=False, edgecolor="white", linewidth=1.2))
     touching = ""
     if scene.slider is not None and scene.slider.pillars is not None:
         layout, touching = pillars.layout(scene.slider), "; orange: the pillars' area"
-        (left, along), (low, across) = ((layout[axis].min(), np.ptp(layout[axis])) for axis in "xy")
+        (left, along), (low, across) = ((each.min(), np.ptp(each)) for each in (layout.x, layout.y))
         x_center, y_center = scene.slider.center
         corner = 1e3 * (x_center + left), 1e3 * (y_center + low)
         ax.add_patch(Rectangle(corner, 1e3 * along, 1e3 * across, fill=False, edgecolor=orange, linewidth=1.2))

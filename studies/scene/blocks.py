@@ -1,6 +1,6 @@
-"""The blocks of a scene: stator, transducers and drive, in the words of the scene file.
+"""The blocks of a scene that the wave runs on: stator, materials, transducers and meshed pieces.
 
-Everything is in SI units once read.  Amplitudes and voltages are peak values, x runs along the surface from the
+Everything is in SI units once read.  x runs along the surface from the
 stator's left end, z out of the surface.  The sentence beside each key is its entry in ``studies/scenes/README.md``.
 """
 
@@ -8,16 +8,13 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Annotated, Any, ClassVar
 
-import fem
 from studies.refusal import shown
-from studies.scene.block import Block, Blocks, Within, keys_of
-from studies.scene.numbers import AMPLITUDE, NUMBER, Listed, Quantity, Row, as_pair, impedance, matrix, place
+from studies.scene.block import Block, Within
+from studies.scene.numbers import NUMBER, Listed, Quantity, Row, as_pair, impedance, matrix, place
 from studies.scene.rule import FLAG, TEXT, Count, Named, choice, signs
 
 MIN_WIDTH = 1e-3  # of a finger or a gap, relative to the pitch; narrower ones take ever finer elements
 ORIENTATION = choice("Z", "X", "YZ", "128YX", "ST-X") | Row((NUMBER,) * 3, "three angles [phi, theta, psi] in degrees")
-SUCH = ', such as "50 ohm"'
-SOURCES = Named('a table of transducers such as { left = 1, right = "0.5 at 90 deg" }', AMPLITUDE)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -273,171 +270,3 @@ class Piece(Block):
     def label(self) -> str:
         """Its name, or that of its file."""
         return self.name or PurePath(self.file).stem
-
-
-@dataclass(frozen=True, kw_only=True)
-class Element(Block):
-    """One element of a ladder between the source and its transducer; the block is given once for each, in order."""
-
-    block: ClassVar[str] = "drive.match"
-    series_L: Annotated[float | None, Quantity("H"), "Inductance in series."] = None
-    series_C: Annotated[float | None, Quantity("F"), "Capacitance in series."] = None
-    series_R: Annotated[float | None, Quantity("ohm"), "Resistance in series."] = None
-    shunt_L: Annotated[float | None, Quantity("H"), "Inductance across the line."] = None
-    shunt_C: Annotated[float | None, Quantity("F"), "Capacitance across the line."] = None
-    shunt_R: Annotated[float | None, Quantity("ohm"), "Resistance across the line."] = None
-    Q: Annotated[
-        float | None,
-        Quantity(),
-        "Quality factor of the inductance or capacitance at drive.frequency. Absent: lossless.",
-    ] = None
-
-    def check_one(self) -> Any:
-        names = [name for name in keys_of(Element) if name != "Q" and getattr(self, name) is not None]
-        if len(names) != 1:
-            known = ", ".join(name for name in keys_of(Element) if name != "Q")
-            yield "", f"must be a table of one element, one of {known}, got {', '.join(names) or 'none'}"
-        elif names[0].endswith("R") and self.Q is not None:
-            yield "Q", "must be absent with a resistance"
-
-    @property
-    def name(self) -> str:
-        """Its place and kind, such as series_L."""
-        return next(name for name in keys_of(Element) if getattr(self, name) is not None)
-
-    def __str__(self) -> Any:
-        return f"{self.name} {getattr(self, self.name):.4g} {keys_of(Element)[self.name].rule.unit}"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Recovery(Block):
-    """A receiving transducer whose load keeps the power, or feeds it back to the source in phase."""
-
-    block: ClassVar[str] = "drive.recovery"
-    receiver: Annotated[str, TEXT, "Name of the transducer that receives; the load replaces its termination."]
-    load: Annotated[
-        str | float | complex,
-        impedance("matched"),
-        "Impedance of the load. matched: the complex conjugate of the transducer's impedance at drive.frequency.",
-    ] = "matched"
-    rectifier: Annotated[
-        float | None,
-        Quantity("ohm"),
-        "Resistance behind a full-bridge rectifier with a capacitor, instead of load; the load is then 8/pi^2 of it.",
-    ] = None
-    efficiency: Annotated[
-        float,
-        Quantity(),
-        "Returned power over the power in the load, due to rectifier and return path; above 1 with an amplifier.",
-    ] = 1.0
-    circulation: Annotated[
-        bool,
-        FLAG,
-        "true: an ideal combiner adds the returned power in phase to that of the source. drive.voltage or "
-        "drive.power is that of both together: the motion is unchanged, and the source supplies less.",
-    ] = False
-
-    def check_load(self) -> Any:
-        if self.rectifier is not None and self.load not in ("matched", self.rectifier_load):
-            yield "load", "must be absent with drive.recovery.rectifier: it is the load"
-        elif self.load != "matched" and not complex(self.load).real > 0:
-            yield "load", f"must have a resistance, which takes the power, got {self.load!r} ohm"
-
-    @property
-    def rectifier_load(self) -> float | None:
-        """Resistance in ohm that stands for the rectifier, if there is one."""
-        return None if self.rectifier is None else fem.rectifier_resistance(self.rectifier)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Drive(Block):
-    """The source: its frequency and, with transducers, which one it drives at which peak voltages."""
-
-    block: ClassVar[str] = "drive"
-    frequency: Annotated[
-        float | str,
-        Quantity("Hz") | choice("center"),
-        "Frequency of the source. center: the frequency of the strongest surface wave per volt, for the driven "
-        "transducer alone; its period must be a number.",
-    ]
-    transducer: Annotated[
-        str | None,
-        TEXT,
-        "Name of the driven transducer; required if the scene has transducers, unless sources is given.",
-    ] = None
-    sources: Annotated[
-        tuple[tuple[str, complex], ...] | None,
-        SOURCES,
-        "Amplitude and phase of the source at each driven transducer, relative to the voltage; replaces transducer.",
-    ] = None
-    voltage: Annotated[
-        tuple[float, ...] | None,
-        Listed(Quantity("V", zero=True), ranged=True),
-        "Peak voltage of the source, one value or several. If the scene has transducers, voltage or power is required.",
-    ] = None
-    power: Annotated[
-        tuple[float, ...] | None,
-        Listed(Quantity("W", zero=True), ranged=True),
-        "Available power of the sources, instead of voltage: V^2/(8 R) for each, where R is the resistance of "
-        "source_impedance.",
-    ] = None
-    burst: Annotated[
-        float | None,
-        Quantity("s"),
-        "Duration of the drive; the slider starts from rest. Absent: the steady state only.",
-    ] = None
-    source_impedance: Annotated[
-        float | complex,
-        impedance(),
-        "Impedance between each source and its transducer: a resistance or [resistance, reactance].",
-    ] = 0.0
-    match: Annotated[
-        str | tuple,
-        choice("none", "auto") | Blocks(Element, least=1),
-        "Matching network between each source and its transducer. auto: the lossless L-section of least stored "
-        "energy that delivers all available power at drive.frequency; or its elements, from the source on, such as "
-        '[{ series_L = "2.6 uH", Q = 80 }, { shunt_C = "1 nF" }].',
-    ] = "none"
-    recovery: Annotated[Recovery | None, Within(Recovery), "Use of the power that another transducer receives."] = None
-
-    def check_power(self) -> Any:
-        if self.power is None:
-            return
-        if self.voltage is not None:
-            yield "voltage", "must be absent with drive.power: it follows from the power"
-        if complex(self.source_impedance).real == 0:
-            yield "power", f"needs a drive.source_impedance with a resistance{SUCH}, which limits the power"
-
-    def check_match(self) -> Any:
-        if self.match == "auto" and complex(self.source_impedance).real == 0:
-            yield "match", f'needs a drive.source_impedance with a resistance for "auto"{SUCH}'
-        if self.match == "auto" and len(self.sources or ()) > 1:
-            rule = 'must be "none" or a ladder with several sources: what each should see depends on the others'
-            yield "match", rule
-
-    def check_sources(self) -> Any:
-        if self.sources is not None and not any(amplitude for _, amplitude in self.sources):
-            sources = shown(dict(self.sources))
-            yield "sources", f"must have at least one amplitude that is not 0, got {sources}"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.sources is not None:  # they count; the first that is on is the one that reports are about
-            first = next(name for name, amplitude in self.sources if amplitude)
-            object.__setattr__(self, "transducer", first)
-
-    @property
-    def driven(self) -> dict[str, complex]:
-        """Amplitude of the source at each driven transducer, relative to the voltage."""
-        if self.sources is not None:
-            return dict(self.sources)
-        return {} if self.transducer is None else {self.transducer: 1.0}
-
-    @property
-    def levels(self) -> tuple[float, ...]:
-        """Peak voltages of the source in V, those of the powers where these are given; empty without either."""
-        if self.power is None:
-            return self.voltage or ()
-        squares = sum(abs(amplitude) ** 2 for amplitude in self.driven.values())
-        per_watt = 8 * complex(self.source_impedance).real / squares
-        return tuple((per_watt * power) ** 0.5 for power in self.power)

@@ -1,5 +1,6 @@
 """A scene file: its TOML table, and the line of every key for what is said about it."""
 
+import re
 import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,10 +10,12 @@ from typing import Any, Self
 
 from studies.refusal import SceneError, nearest, shown
 from studies.scene.lines import key_lines, line_of
-from studies.scene.override import replaced, setting_of
+from studies.scene.override import replaced, setting_of, walk
 from studies.scene.syntax import explained
 
 SHIPPED = Path(__file__).parents[1] / "scenes"
+# Keys that name a file; slider.law does where it ends with .py
+FILES = re.compile(r"piece\.\d+\.file|slider\.law|slider\.pillars\.file")
 SCHEMA = "schema.json"  # beside the shipped scenes, which name it in their first line
 
 
@@ -66,23 +69,11 @@ class SceneFile:
 
 def _with_whole_paths(table: dict, scene: Path) -> dict:
     """Return a scene's table with the files of its meshes, law and pillars from the root on: it runs from anywhere."""
-    pieces, slider = table.get("piece"), table.get("slider")
-    if isinstance(pieces, list):
-        table = table | {"piece": [_with_whole_path(each, scene, "file") for each in pieces]}
-    law = slider.get("law") if isinstance(slider, dict) else None
-    if isinstance(law, str) and law.endswith(".py"):
-        table = table | {"slider": _with_whole_path(slider, scene, "law")}
-    if isinstance(slider, dict) and isinstance(slider.get("pillars"), dict):
-        own = {"pillars": _with_whole_path(slider["pillars"], scene, "file")}
-        table = table | {"slider": table["slider"] | own}
+    for key, name in walk(table):
+        named = FILES.fullmatch(key) is not None and isinstance(name, str) and name != ""
+        if named and (key != "slider.law" or name.endswith(".py")) and not Path(name).is_absolute():
+            table = replaced(table, key, str((scene.parent / name).resolve()))
     return table
-
-
-def _with_whole_path(block: Any, scene: Path, key: str) -> Any:
-    name = block.get(key) if isinstance(block, dict) else None
-    if not isinstance(name, str) or not name or Path(name).is_absolute():
-        return block
-    return block | {key: str((scene.parent / name).resolve())}
 
 
 def shipped_scenes() -> dict[str, Path]:

@@ -3,6 +3,7 @@
 import tomllib
 from collections.abc import Iterator
 from datetime import date, time
+from typing import Any
 
 from studies.refusal import SceneError, nearest, shown
 
@@ -76,7 +77,7 @@ def value_at(table: dict, key: str):
     return at
 
 
-def walk(value, path: str = "") -> Iterator[tuple[str, object]]:
+def walk(value, path: str = "") -> Iterator[tuple[str, Any]]:
     """Yield the dotted path and the value of every key and list entry inside a table."""
     pairs = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for key, inner in pairs:

@@ -7,7 +7,7 @@ import json
 from collections.abc import Sequence
 
 import fem
-from studies.scene import blocks, pillars, slider
+from studies.scene import blocks, drive, friction, pillars, slider
 from studies.scene.block import Block, keys_of
 from studies.scene.file import SCHEMA, SHIPPED, shipped_scenes
 from studies.scene.scene import Scene
@@ -18,14 +18,14 @@ BLOCKS = {
     "[stator]": blocks.Stator,
     "[[transducer]]": blocks.Transducer,
     "[[piece]]": blocks.Piece,
-    "[drive]": blocks.Drive,
-    "[[drive.match]]": blocks.Element,
-    "[drive.recovery]": blocks.Recovery,
-    "[wave]": slider.Wave,
+    "[drive]": drive.Drive,
+    "[[drive.match]]": drive.Element,
+    "[drive.recovery]": drive.Recovery,
+    "[wave]": drive.Wave,
     "[slider]": slider.Slider,
     "[slider.damping]": slider.Damping,
-    "[slider.friction_coefficient]": slider.Friction,
-    "[slider.law]": slider.LawText,
+    "[slider.friction_coefficient]": friction.Friction,
+    "[slider.law]": friction.LawText,
     "[slider.pillars]": pillars.Pillars,
     "[stator.material], a piezoelectric crystal or ceramic": blocks.PiezoelectricSolid,
     "[stator.material], an isotropic solid": blocks.IsotropicSolid,

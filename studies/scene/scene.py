@@ -9,11 +9,12 @@ import fem
 from studies.refusal import SceneError
 from studies.scene import consistency
 from studies.scene.block import Block, Blocks, Within
-from studies.scene.blocks import Drive, Piece, Stator, Transducer
+from studies.scene.blocks import Piece, Stator, Transducer
+from studies.scene.drive import Drive, Wave
 from studies.scene.file import SceneFile
 from studies.scene.override import merged
 from studies.scene.rule import TEXT
-from studies.scene.slider import Slider, Wave
+from studies.scene.slider import Slider
 from studies.scene.uncertain import Uncertain, split_tolerances
 
 

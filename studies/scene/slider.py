@@ -1,41 +1,16 @@
-"""The blocks of a scene that a contact needs: the slider with its damping, and a given surface motion."""
+"""The block of a scene's slider, with its damping."""
 
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
-from studies.refusal import SceneError, shown
 from studies.scene.block import Block, Within, keys_of
+from studies.scene.friction import Friction, LawFile, LawText
 from studies.scene.numbers import Listed, Quantity, Row, as_pair, place
 from studies.scene.pillars import Pillars
-from studies.scene.rule import FLAG, TEXT, Count, Plain, Rule, choice
+from studies.scene.rule import FLAG, TEXT, Count, choice
 
 PLACE = Row((Quantity("m", negative=True),) * 2, "[x, y] in m")
 ALONE = ("radius", "contacts", "heights")  # keys that pillars replace
-
-
-@dataclass(frozen=True, kw_only=True)
-class Wave(Block):
-    """A given surface motion: u_z and, a quarter period from it, u_x, which at the crest moves towards +x."""
-
-    block: ClassVar[str] = "wave"
-    frequency: Annotated[float, Quantity("Hz"), "Frequency of the surface motion."]
-    normal_amplitude: Annotated[
-        tuple[float, ...], Listed(Quantity("m", zero=True), ranged=True), "Peak of u_z, one value or several."
-    ]
-    tangential_ratio: Annotated[float, Quantity(), "Amplitude ratio |u_x|/|u_z|."]
-    burst: Annotated[
-        float | None, Quantity("s"), "Duration of the wave; the slider starts from rest. Absent: the steady state only."
-    ] = None
-    wavelength: Annotated[
-        float | None,
-        Quantity("m"),
-        "Wavelength of the wave, which runs towards -x; required for pillars at different positions along x.",
-    ] = None
-    compliance: Annotated[
-        float | None,
-        Quantity("1/Pa"),
-        "Compliance Gamma of the surface, G_zz = Gamma/(k - k_R); required for pillars that load the wave.",
-    ] = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,78 +33,6 @@ class Damping(Block):
         Quantity("N s/m", zero=True),
         "Viscous damping of the slider's velocity along x (R_t of Feenstra and Breedveld).",
     ] = 0.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Friction(Block):
-    """A friction coefficient that depends on slip speed, contact pressure, or both: a table instead of a number."""
-
-    block: ClassVar[str] = "slider.friction_coefficient"
-    static: Annotated[float, Quantity(), "Coefficient at rest and at low pressure."]
-    sliding: Annotated[
-        float | None,
-        Quantity(zero=True),
-        "Coefficient at high slip speed w: mu = sliding + (static - sliding) exp(-w/speed). Requires speed.",
-    ] = None
-    speed: Annotated[
-        float | None, Quantity("m/s"), "Slip speed over which the difference decays by a factor e. Requires sliding."
-    ] = None
-    high_pressure: Annotated[
-        float | None,
-        Quantity(),
-        "Static coefficient at high mean pressure p: static approaches it as 1/(1 + p/pressure), and sliding "
-        "changes in proportion. Requires pressure.",
-    ] = None
-    pressure: Annotated[
-        float | None,
-        Quantity("Pa"),
-        "Mean contact pressure at which half of the difference remains. Requires high_pressure.",
-    ] = None
-
-    def check_pairs(self) -> Any:
-        for one, other in (("sliding", "speed"), ("high_pressure", "pressure")):
-            for present, missing in ((one, other), (other, one)):
-                if getattr(self, present) is not None and getattr(self, missing) is None:
-                    yield missing, f"is required and missing: {present} is given"
-        if self.sliding is None and self.high_pressure is None and self.speed is None and self.pressure is None:
-            yield ("static", "alone is a number: friction_coefficient = 0.3; or give sliding with speed as well")
-
-
-@dataclass(frozen=True, kw_only=True)
-class LawText(Block):
-    """A tangential law of one's own, with its text, as a resolved scene keeps it."""
-
-    block: ClassVar[str] = "slider.law"
-    name: Annotated[str, TEXT, "Name of the file."]
-    source: Annotated[
-        str,
-        Plain("the text of a file", lambda value: isinstance(value, str) and value != "", {"type": "string"}),
-        "Content of the file: Python code that defines sliding(approach, normal_force, slip_speed, contact) in SI "
-        "units.",
-    ]
-
-    def __str__(self) -> Any:
-        return self.name
-
-
-class LawFile(Rule):
-    """A file of Python that holds a tangential law; what is read is its text."""
-
-    expected = 'a file such as "my_law.py", from the scene\'s folder'
-
-    def takes(self, value: Any) -> Any:
-        return isinstance(value, str) and value.endswith(".py")
-
-    def read(self, path: Any, value: Any) -> Any:
-        try:
-            with open(value, encoding="utf-8") as file:
-                return LawText(name=value.replace("\\", "/").rsplit("/", 1)[-1], source=file.read())
-        except (OSError, UnicodeDecodeError) as error:
-            why = getattr(error, "strerror", None) or "it is no UTF-8 text"
-            raise SceneError(path, f"names the file {shown(value)}, which cannot be read: {why}") from None
-
-    def schema(self) -> Any:
-        return {"type": "string", "pattern": r"\.py$"}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,7 +10,7 @@ sent, the susceptance is that of the static capacitance within 25 %. Run time: a
 import numpy as np
 
 import fem
-from studies.chain import passband, resolve
+from studies.chain import fem_model, passband
 from studies.chain.spectrum import driving_point, port_admittances
 from studies.record.plots import lines
 from studies.scene import Scene
@@ -33,7 +33,7 @@ def run(scene: Scene, *, count: int | None = None, tolerance: float = 1e-2, prog
     resolved = passband.driven_scene(scene)
     at = passband.frequencies(resolved, count, 81)
     ports = port_admittances(resolved, at, tolerance, progress)
-    admittance = driving_point(ports, resolve.transducers(resolved), resolve.drive(resolved))
+    admittance = driving_point(ports, fem_model.transducers(resolved), fem_model.drive(resolved))
     theory = passband.expected(resolved)
     susceptance, conductance = 2 * np.pi * at * theory.capacitance, theory.conductance(at)
     findings = (

@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 import fem
-from studies.chain import passband, resolve
+from studies.chain import fem_model, passband
 from studies.chain.surface_motion import solved_motion
 from studies.record.plots import curve, finished
 from studies.record.quantities import quantity
@@ -48,8 +48,8 @@ def run(
     """
     row_scene = whole = passband.driven_scene(scene)
     scan = None if measured is None else scan_file(whole, measured, "place")
-    row_scene, place = resolve.first_row(row_scene, row_scene.places[0])
-    transducers, driven = resolve.transducers(row_scene), resolve.driven(row_scene)
+    row_scene, place = fem_model.first_row(row_scene, row_scene.places[0])
+    transducers, driven = fem_model.transducers(row_scene), fem_model.driven(row_scene)
     section = replace(row_scene, stator=replace(row_scene.stator, diffraction=False))
     try:
         wave = solved_motion(section, [(place, 0.0)], tolerance=tolerance, progress=progress).wave
@@ -57,7 +57,7 @@ def run(
         # on the slider's side of the driven transducer, up to the next one or the end
         edge, clear = driven.extent[place >= driven.center], CLEAR * wave.phase_velocity / wave.frequency
         rows = [each.extent for each in transducers]
-        x = np.linspace(*resolve.free_span(rows, edge, row_scene.stator.length, clear), count)
+        x = np.linspace(*fem_model.free_span(rows, edge, row_scene.stator.length, clear), count)
         y = np.linspace(-0.75, 0.75, count) * driven.aperture
         axis, across = beam.motion(x), beam.motion(place, y)
     except (fem.BeamError, fem.ConvergenceError) as error:

@@ -10,7 +10,7 @@ plate has no such wave. Run time: about 5 s.
 import numpy as np
 
 import fem
-from studies.chain import resolve
+from studies.chain import fem_model, resolve
 from studies.record.plots import curve, finished
 from studies.record.quantities import quantity
 from studies.scene import Scene
@@ -35,7 +35,7 @@ def run(scene: Scene, *, count: int = 60, progress=None) -> Answered:
     if scene.stator is None:
         scene.refuse("stator", "is missing: a given wave has no section to guide it")
     scene = resolve.resolved(scene)
-    stator, drive = resolve.stator(scene.stator), scene.frequency
+    stator, drive = fem_model.stator(scene.stator), scene.frequency
     frequencies = np.linspace(LOWEST, HIGHEST, count) * drive
     progress(f"{count} frequencies of {scene.title}")
     at, wavenumbers, near = _propagating(stator, frequencies)

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import fem
-from studies.chain import passband, resolve
+from studies.chain import fem_model, passband
 from studies.chain.solver_errors import answered
 from studies.record.plots import PALETTE, curve, lines
 from studies.refusal import RunError
@@ -97,12 +97,12 @@ class _Asked:
     @classmethod
     def of(cls, scene: Scene, width: float | None, tolerance: float) -> "_Asked":
         place = scene.places[0] if scene.slider is None else scene.slider.center
-        stator = resolve.whole_stator(scene)
+        stator = fem_model.whole_stator(scene)
         wavelength = fem.rayleigh(stator.solid, stator.bare_surface).velocity / scene.frequency
         reason = "stator.diffraction is false" if scene.stator.diffraction is False else fem.beam_refusal(stator)
         if not reason and stator.ends != "absorbing":
             reason = "the beam of a force needs stator.ends = 'absorbing'"
-        narrowest = min(each.aperture for each in resolve.section_row(scene))
+        narrowest = min(each.aperture for each in fem_model.section_row(scene))
         if reason and width is not None:
             scene.refuse("stator", f"must allow a beam for a strip of a given width: {reason}")
         own = width or (narrowest if reason else wavelength / 2)
@@ -142,8 +142,8 @@ class _Asked:
         try:
             with answered(f"at {frequency / 1e6:.6g} MHz"):
                 return solve(
-                    resolve.whole_stator(scene), resolve.section_row(scene), frequency=float(frequency),
-                    tolerance=self.tolerance, drive=resolve.drive(scene), **options,
+                    fem_model.whole_stator(scene), fem_model.section_row(scene), frequency=float(frequency),
+                    tolerance=self.tolerance, drive=fem_model.drive(scene), **options,
                 )  # fmt: skip
         except fem.InputError as error:
             if error.key != "force.position":
@@ -174,7 +174,7 @@ def _over_the_band(asked: _Asked, at: np.ndarray, progress) -> list[Panel]:
                 progress(f"stator: force along {component} at {frequency / 1e6:.5g} MHz")
                 circuits.append(asked.response(component, frequency).circuit)
         else:
-            circuits = prepared.forced(at, asked.force(component), resolve.drive(asked.scene))
+            circuits = prepared.forced(at, asked.force(component), fem_model.drive(asked.scene))
         for number, port in enumerate(circuits[0].names):
             for unit, field in (("A", "currents"), ("V", "voltages")):
                 values = np.array([getattr(each, field)[number] for each in circuits])
@@ -193,8 +193,8 @@ def _band(asked: _Asked, at: np.ndarray):
     """Return the `fem.Band` of the plane section."""
     scene = asked.scene
     return fem.frequency_band(
-        resolve.whole_stator(scene), resolve.section_row(scene), lowest=float(at.min()), highest=float(at.max()),
-        drive=resolve.drive(scene), tolerance=asked.tolerance, places=(asked.place[0],),
+        fem_model.whole_stator(scene), fem_model.section_row(scene), lowest=float(at.min()), highest=float(at.max()),
+        drive=fem_model.drive(scene), tolerance=asked.tolerance, places=(asked.place[0],),
     )  # fmt: skip
 
 
@@ -203,13 +203,13 @@ def _reciprocity(asked: _Asked, answers: dict, progress) -> tuple:
     if asked.spreads:
         worst, quantity, high = max(each.scattering_error for each in answers.values()), BY_CHARGES, 0.3
     else:
-        drive, scene = resolve.drive(asked.scene), asked.scene
+        drive, scene = fem_model.drive(asked.scene), asked.scene
         if len(drive.sources) > 1 or drive.match:
             return ()
         progress("stator: the response to a volt")
         driven = asked.solved(fem.driven_wave, scene.frequency, places=(asked.place[0],))
         (name, volts), worst = next(iter(drive.sources.items())), 0.0
-        own = next(each.aperture for each in resolve.section_row(scene) if each.name == name)
+        own = next(each.aperture for each in fem_model.section_row(scene) if each.name == name)
         for component, answer in answers.items():
             moved = driven.motion(asked.place[0])["xz".index(component)] * own / asked.width
             current = answer.circuit.currents[answer.circuit.names.index(name)]

@@ -12,7 +12,7 @@ the velocity of the Rayleigh wave. Run time: about 8 s.
 import numpy as np
 
 import fem
-from studies.chain import passband, resolve
+from studies.chain import fem_model, passband
 from studies.chain.spectrum import response
 from studies.chain.surface_motion import solved_motion
 from studies.record.plots import curve, lines, shaded
@@ -45,12 +45,12 @@ def run(
     driven = resolved.driven_transducer
     prepared = response(resolved, at[0], at[-1], places=(place,), tolerance=tolerance, progress=progress)
     progress(f"stator: {len(at)} frequencies")
-    waves = prepared.waves(at, resolve.drive(resolved))
+    waves = prepared.waves(at, fem_model.drive(resolved))
     normal = np.array([each.motion(place)[1] for each in waves])
     covered = any(each.covered(place) for each in waves)
     surface = normal if covered else np.array([each.rayleigh_motion(place)[1] for each in waves])
     way = abs(place - driven.place[0])
-    free = fem.free_wave(resolve.stator(resolved.stator), frequency=float(np.median(at)), tolerance=1e-4)
+    free = fem.free_wave(fem_model.stator(resolved.stator), frequency=float(np.median(at)), tolerance=1e-4)
     theory, late = (passband.expected(resolved).normal(at) * np.exp(-free.attenuation * way), way / free.velocity)
     delay = passband.group_delay(at, surface, late)
     band = np.array(_half_power(at, abs(surface)))
@@ -91,7 +91,7 @@ def run(
 
 def _aperture(scene: Scene, place: float, tolerance: float, progress) -> tuple[dict, tuple[Finding, ...]]:
     """Return the amplitude of the finite aperture at the drive's frequency, where it counts, and what it changes."""
-    if not resolve.diffracts(scene):
+    if not fem_model.diffracts(scene):
         return {}, ()
     progress("stator: the beam at the drive's frequency")
     at = (place, 0.0) if scene.slider is None else scene.slider.center

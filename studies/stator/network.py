@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 import fem
-from studies.chain import passband, resolve
+from studies.chain import fem_model, passband
 from studies.chain.scan_prediction import refuse_other_range
 from studies.chain.scattering import reference_impedance, scattering_matrix
 from studies.chain.spectrum import driving_point
@@ -78,7 +78,7 @@ def run(
     ]
     if len(names) > 1:
         first, second = (each.place[0] for each in resolved.transducer if each.name in names[:2])
-        velocity = resolve.surface_velocity(resolved.stator)
+        velocity = fem_model.surface_velocity(resolved.stator)
         way = abs(second - first) / velocity
         delay = passband.group_delay(at, scattering[:, 1, 0], way)
         data, title = ({"frequency_Hz": at, "group_delay_s": delay}, f"{resolved.title}: {names[0]} to {names[1]}")
@@ -87,7 +87,7 @@ def run(
         panels.append(Panel(name="group_delay", title=title, data=data))
     models = {}
     for name in names:
-        seen = driving_point(ports, resolve.transducers(resolved), name)
+        seen = driving_point(ports, fem_model.transducers(resolved), name)
         models[name] = [fem.motional_model(at, seen, branches) for branches in (1, BRANCHES)]
         panels.append(_circuit_panel(name, at, seen, models[name]))
     answer = []

@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 
 import fem
-from studies.chain import passband, resolve
+from studies.chain import fem_model, passband
 from studies.chain.solver_errors import answered
 from studies.chain.spectrum import port_admittances
 from studies.record.plots import COLOURS, curve, lines
@@ -38,10 +38,10 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None
         Of the P-matrices and of the admittances.
     """
     resolved = passband.driven_scene(scene)
-    stator = resolve.whole_stator(resolved)
+    stator = fem_model.whole_stator(resolved)
     if stator.placement.whole is not None:
         resolved.refuse("piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there")
-    row = tuple(sorted(resolve.section_row(resolved), key=lambda each: each.center))
+    row = tuple(sorted(fem_model.section_row(resolved), key=lambda each: each.center))
     if len({each.aperture for each in row}) > 1:
         resolved.refuse("transducer", "must have equal apertures for this study: their waves are one beam")
     ports = [k for k, each in enumerate(row) if {"+", "-"} <= set(each.signs)]

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 import fem
-from studies.chain import passband, resolve
+from studies.chain import fem_model, passband, resolve
 from studies.chain.solver_errors import answered
 from studies.record.plots import lines
 from studies.scene import Scene
@@ -36,7 +36,7 @@ def run(scene: Scene, *, band: str | None = None, count: int = 11, tolerance: fl
     resolved = resolve.resolved(scene)
     if not resolved.piece:
         resolved.refuse("piece", "is missing: this study asks what a meshed piece sends back")
-    stator, middle = resolve.whole_stator(resolved), resolved.frequency
+    stator, middle = fem_model.whole_stator(resolved), resolved.frequency
     at = middle * np.linspace(1 - REACH, 1 + REACH, count) if count > 1 else np.array([middle])
     if band is not None:
         at = passband.band_frequencies(resolved, band)

@@ -3,7 +3,7 @@
 ``sweep("twente", {"slider.preload": "1 mN:100 mN:50", "drive.voltage": "5:60:12"}, out="map")``.  A point is the scene
 with some keys changed; its row is what a run of that scene would find.  What several points share is computed
 once in each worker: the stator for each frequency and geometry, then the contact for batches of points
-(``predictor``).
+(``changed_contacts``).
 A row is written when its batch is done and is durable when it is counted; the same call goes on with what is
 missing, and with points that were lost with their worker.
 """
@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from studies.chain.predictor import Predictor
+from studies.chain.changed_scenes import ChangedScenes
 from studies.refusal import InterruptedRunError, SceneError
 from studies.scene import Scene, read_table
 from studies.scene.numbers import Quantity
@@ -98,7 +98,7 @@ def _table(scene: Any) -> dict:
 def _refuse_hopeless(design: Design) -> None:
     """Refuse a sweep whose first, middle and last point break one and the same rule of no axis."""
     question, refusals = design.question, []
-    scenes = Predictor(question.table, tolerance=question.tolerance)
+    scenes = ChangedScenes(question.table)
     for own in design.values(np.array([0, len(design) // 2, len(design) - 1])):
         try:
             scenes.scene(dict(zip(question.keys, own, strict=True)))

@@ -15,7 +15,8 @@ from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-from studies.chain.predictor import Predictor, Shared
+from studies.chain.changed_contacts import Shared
+from studies.chain.predictor import Predictor
 from studies.record.status import Status
 from studies.refusal import RunError
 from studies.sweeps.plan import Design, Question
@@ -147,7 +148,7 @@ def solved_points(
         set_workers(threads)
         os.environ["SAWMOTOR_THREADS"] = str(threads)
     many = [dict(zip(question.keys, own, strict=True)) for own in values]
-    answers = predictor.answers(many, question.also, threads=threads)
+    answers = predictor.answers(many, question.also)
     rows = [
         (point, *(_kept(answer.get(name)) for name in question.outcomes))
         for point, answer in zip(points, answers, strict=True)

@@ -15,8 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
+from studies.chain.changed_scenes import ChangedScenes
 from studies.chain.outcomes import ALSO, AMPLITUDES, ELECTRICAL, FREE, refuse_of_pillars
-from studies.chain.predictor import Predictor
 from studies.chain.solved_stator import PLACE_KEYS, of_stator
 from studies.refusal import SceneError
 from studies.scene.keys import rule_at
@@ -184,12 +184,12 @@ def _places(table: dict, columns: dict) -> tuple[tuple[float, float], ...]:
     moved = {key: dict.fromkeys(columns[key]) for key in PLACE_KEYS if key in columns}
     if math.prod(map(len, moved.values())) > PLACES:
         return ()
-    predictor = Predictor(table, tolerance=1.0)
+    scenes = ChangedScenes(table)
     places: dict[tuple[float, float], None] = {}
     first = {key: column[0] for key, column in columns.items()}
     for row in product(*moved.values()):
         with suppress(SceneError):  # said at its point
-            slider = predictor.scene(first | dict(zip(moved, row, strict=True))).slider
+            slider = scenes.scene(first | dict(zip(moved, row, strict=True))).slider
             places |= dict.fromkeys(() if slider is None else (slider.center, *slider.places))
     return tuple(places)
 

@@ -13,7 +13,7 @@ from PIL import Image
 
 import fem
 from fem import reference_matrices
-from studies.chain import resolve
+from studies.chain import fem_model
 from studies.record.plots import COLOURS, arrow, curve, finished, legend_below, new_figure, saved, shaded, titled
 from studies.record.quantities import quantity
 from studies.record.run_pictures import surface, velocity
@@ -238,7 +238,7 @@ def depth_weights(z: np.ndarray, order: int) -> np.ndarray:
 
 def _depth(run):
     """Draw the depth profiles of the free wave and of the driven stator, compared with that of the half-space."""
-    stator, scene, (name, place) = resolve.stator(run.scene.stator), run.scene, run.focus
+    stator, scene, (name, place) = fem_model.stator(run.scene.stator), run.scene, run.focus
     free = fem.free_wave(stator, frequency=scene.frequency, tolerance=1e-6)
     line = run.field.displacement[np.searchsorted(run.field.x, place - 1e-9)]
 

@@ -10,7 +10,7 @@ import numpy as np
 
 import fem
 from fem import LEVELS, one_blas_thread, solve_driven, surface_beam, surface_wave
-from studies.chain import resolve
+from studies.chain import fem_model
 from studies.chain import run as run_chain
 from studies.chain.solver_errors import answered
 from studies.chain.surface_motion import SurfaceMotion, crossed_motion
@@ -150,10 +150,10 @@ def run_field(run: str | Path | Record, *, progress: Callable[[str], None]) -> R
 def _driven(record: Record, progress) -> RunField:
     scene, motion = record.scene, motion_again(record, progress=progress)
     wave, crossed = motion.wave, motion.beam if isinstance(motion.beam, fem.CrossedBeam) else None
-    rows = resolve.transducers(scene) if crossed is None else crossed.rows[0].transducers
+    rows = fem_model.transducers(scene) if crossed is None else crossed.rows[0].transducers
     places = tuple(dict.fromkeys(map(motion.in_section, scene.places)))
 
-    whole = resolve.whole_stator(scene).placement.whole
+    whole = fem_model.whole_stator(scene).placement.whole
 
     def strips(row, sign: str):
         """Return the edges of the fingers; a mesh of the whole stator defines its own edges."""
@@ -195,12 +195,12 @@ def motion_again(record: Record, *, progress) -> SurfaceMotion:
 
     if scene.crossed:
         return crossed_motion(scene, (), solve)
-    whole = resolve.whole_stator(scene), resolve.transducers(scene), resolve.drive(scene)
+    whole = fem_model.whole_stator(scene), fem_model.transducers(scene), fem_model.drive(scene)
     return SurfaceMotion(wave=solve(*whole))
 
 
 def _free(record: Record) -> RunField:
-    scene, stator = record.scene, resolve.whole_stator(record.scene)
+    scene, stator = record.scene, fem_model.whole_stator(record.scene)
     with answered():
         wave = fem.free_wave(stator, frequency=scene.frequency, tolerance=record.tolerance)
     wavelength = wave.velocity / wave.frequency

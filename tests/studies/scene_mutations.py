@@ -12,11 +12,13 @@ from hypothesis import strategies as st
 from studies import SceneError, shipped_scenes
 from studies.scene import Scene, blocks, read_table
 from studies.scene.block import keys_of
-from studies.scene.blocks import Drive, IsotropicSolid, Piece, PiezoelectricSolid, Stator, Transducer
+from studies.scene.blocks import IsotropicSolid, Piece, PiezoelectricSolid, Stator, Transducer
+from studies.scene.drive import Drive, Wave
+from studies.scene.friction import Friction
 from studies.scene.numbers import Quantity
 from studies.scene.pillars import Pillars
 from studies.scene.quantity import POWERS, si_value
-from studies.scene.slider import Damping, Friction, Slider, Wave
+from studies.scene.slider import Damping, Slider
 
 BLOCKS = (
     Scene, Stator, PiezoelectricSolid, IsotropicSolid, Transducer, Piece, Drive, Wave, Slider, Damping, Friction,

@@ -7,7 +7,7 @@ import pytest
 import contact
 from studies import Scene, SceneError, Wave
 from studies.__main__ import main
-from studies.chain import bridge, predictor, run, runs
+from studies.chain import bridge, changed_contacts, run, runs
 from studies.chain.bridge import DrivenContact
 from studies.chain.points import SliderAnswer
 from studies.chain.runs import needed_section_tolerance
@@ -185,13 +185,13 @@ def test_the_error_holds_against_a_sharper_run(chip, driven):
 
 def test_a_stator_that_is_too_rough_for_the_slider_is_solved_again(chip, monkeypatch):
     monkeypatch.setattr(runs, "SHARE", 30.0)
-    solved, goals = predictor.solved_motion, []
+    solved, goals = changed_contacts.solved_motion, []
 
     def noted(scene, places, *, tolerance, **given):
         goals.append(tolerance)
         return solved(scene, places, tolerance=tolerance, **given)
 
-    monkeypatch.setattr(predictor, "solved_motion", noted)
+    monkeypatch.setattr(changed_contacts, "solved_motion", noted)
     record = run(chip, tolerance=1e-3)
     assert len(goals) == 2
     assert goals[1] < 1e-3 < goals[0]

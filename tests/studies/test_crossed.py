@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from studies import Scene, run
-from studies.chain import resolve
+from studies.chain import fem_model, resolve
 from studies.refusal import SceneError
 from studies.report.surface_map import draw_surface_map
 from studies.stator import beam
@@ -84,8 +84,8 @@ def test_places_and_angles_that_change_nothing(small):
     assert same.transducer[0].center == plain.center
     assert not same.crossed
     assert (
-        replace(resolve.transducers(resolve.resolved(same))[0], angle=0.0)
-        == resolve.transducers(resolve.resolved(small))[0]
+        replace(fem_model.transducers(resolve.resolved(same))[0], angle=0.0)
+        == fem_model.transducers(resolve.resolved(small))[0]
     )
 
 
@@ -106,7 +106,7 @@ def test_a_drive_across_is_refused(chip):
     assert "would be moved across by 'front' at 90 deg" in message
     assert "drive.sources must drive" in refused(chip, drive={"transducer": None, "sources": {"front": 1.0, "left": 0}})
     turned = resolve.resolved(chip.replace(drive={"transducer": "front"}, transducer={"front": {"angle": "40 deg"}}))
-    alone, place = resolve.first_row(turned, turned.slider.center)
+    alone, place = fem_model.first_row(turned, turned.slider.center)
     (front,) = alone.transducer
     assert not alone.crossed
     assert place - front.place[0] == pytest.approx(9e-3 * np.sin(np.radians(40.0)))

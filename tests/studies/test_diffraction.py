@@ -6,7 +6,7 @@ import pytest
 import contact
 import fem
 from studies import Scene, run, sweep
-from studies.chain import bridge, resolve
+from studies.chain import bridge, fem_model
 from studies.chain.surface_motion import surface_motion
 from studies.refusal import SceneError
 from studies.study import driven_contact
@@ -111,8 +111,8 @@ def test_where_the_beam_is_not_known(small):
     free = small.replace(
         stator={"ends": "free", "material": "LiNbO3 (Kovacs)", "orientation": "128YX"}, drive={"voltage": "5 V"}
     )
-    refusal = fem.beam_refusal(resolve.stator(free.stator))
-    assert resolve.section_reason(free.stator, resolve.stator(free.stator), [(0.0, 1e-3)]) == refusal
+    refusal = fem.beam_refusal(fem_model.stator(free.stator))
+    assert fem_model.section_reason(free.stator, fem_model.stator(free.stator), [(0.0, 1e-3)]) == refusal
     with pytest.raises(SceneError, match=r"stator\.diffraction must be false or absent: in this cut the field"):
         run(free.replace(stator={"diffraction": True}), tolerance=0.05)
 
@@ -222,7 +222,7 @@ def test_side_faces_that_reflect_make_the_beam_of_its_images(small):
 
 def test_the_beam_is_the_default_in_any_cut_and_beside_the_axis():
     """The section does not know y: on 128YX it made the velocity of outer balls 2.4 times too large."""
-    assert resolve.diffracts(Scene.load("lithium-niobate-128yx"))
+    assert fem_model.diffracts(Scene.load("lithium-niobate-128yx"))
     motor = Scene.load("twente-left").replace(stator={"ends": "free"})
-    assert not resolve.diffracts(motor)
-    assert resolve.diffracts(motor.replace(slider={"contacts": (("0 mm", "-3.5 mm"), ("0 mm", "3.5 mm"))}))
+    assert not fem_model.diffracts(motor)
+    assert fem_model.diffracts(motor.replace(slider={"contacts": (("0 mm", "-3.5 mm"), ("0 mm", "3.5 mm"))}))

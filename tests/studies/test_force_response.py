@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fem
-from studies.chain import resolve
+from studies.chain import fem_model, resolve
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.stator.force_response import run
@@ -22,10 +22,10 @@ def driven(scene, place):
     """The section's answer to 1 V."""
     resolved = resolve.resolved(scene)
     return fem.driven_wave(
-        resolve.whole_stator(resolved),
-        resolve.transducers(resolved),
+        fem_model.whole_stator(resolved),
+        fem_model.transducers(resolved),
         frequency=resolved.frequency,
-        drive=resolve.drive(resolved),
+        drive=fem_model.drive(resolved),
         tolerance=1e-2,
         places=(place,),
     )
@@ -48,7 +48,7 @@ def test_the_current_per_newton_is_the_velocity_of_the_beam_per_volt(scene):
     # the wave of a point: Gamma (k / 2 pi r)^(1/2), with the ripple of the plate
     far = along.data["x_m"] > 12e-3
     r = along.data["x_m"][far] - 9e-3
-    solid = resolve.stator(resolve.resolved(scene).stator).solid
+    solid = fem_model.stator(resolve.resolved(scene).stator).solid
     point = fem.wave_compliance(solid, "open") * np.sqrt(2.2e6 / (2182.0 * r))
     assert abs(along.data["normal_m_per_N"][far]) == pytest.approx(point, rel=0.5)
 

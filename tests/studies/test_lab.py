@@ -12,12 +12,14 @@ from matplotlib.figure import Figure
 import contact
 import fem
 from studies.__main__ import main
-from studies.chain import resolve
+from studies.chain import fem_model, resolve
 from studies.chain.scan_prediction import at_other_velocity, placed
+from studies.chain.scattering import scattering_matrix
 from studies.export.instruments import Recording, csv_files, touchstone_files, virtual_scan
 from studies.inverse import fit, read_measurement, read_parameter
 from studies.inverse.prediction import MeasurementPredictor
 from studies.lab.encoder import aligned, averaged, low_pass, travelled_distance
+from studies.lab.measurement import Measurement
 from studies.lab.measurement_csv import measured_scan, read_measured
 from studies.lab.network import NetworkData, read_network
 from studies.lab.scan import Scan, scan_csv
@@ -160,7 +162,7 @@ def test_another_wave_velocity_turns_the_phase_along_the_way():
     chosen = resolve.resolved(SMALL)
     scan = Scan(name="", x=np.array([0.03, 0.05]), y=np.zeros(2), values=np.ones(2, complex))
     turned = at_other_velocity(chosen, scan, np.ones(2, complex), 1.001)
-    velocity = fem.rayleigh(resolve.solid(chosen.stator), "open").velocity
+    velocity = fem.rayleigh(fem_model.solid(chosen.stator), "open").velocity
     expected = 2 * np.pi * 2.2e6 / velocity * (1 - 1 / 1.001) * 0.02
     assert np.angle(turned[1] / turned[0]) == pytest.approx(expected, rel=1e-9)
 
@@ -282,6 +284,17 @@ def test_network_deviations_are_those_put_in():
     assert numbers["G"] == pytest.approx(10.0, abs=1.0)
     assert numbers["resonance"] == pytest.approx(100 * (1 / math.sqrt(0.98) - 1), abs=0.2)
     assert "K2 over the predicted 0.98" in said
+
+
+def test_a_network_analysers_file_is_predicted_as_its_study_computes_it():
+    at, scene = np.array([2.19e6, 2.2e6]), resolve.resolved(SMALL)
+    count = sum(each.has_two_combs for each in scene.transducer)
+    file = NetworkData(name="lab.snp", frequency=at, scattering=np.zeros((2, count, count)), reference=50.0)
+    measurement = Measurement(name="lab.snp", quantity="network", values=tuple(file.flat()), network=file)
+    (predicted,) = fit_predictor().predict([(measurement, {})])
+    expected = scattering_matrix(scene, at, 50.0, 1e-2, lambda text: None)[2]
+    np.testing.assert_array_equal(predicted, [*expected.real.ravel(), *expected.imag.ravel()])
+    assert np.ptp(predicted) > 0.1
 
 
 def test_an_encoder_is_a_low_pass_filter_and_a_trace_is_moved_to_where_it_fits():

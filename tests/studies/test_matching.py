@@ -10,7 +10,7 @@ from studies.chain.resolve import resolved
 from studies.record.text import answer
 from studies.refusal import SceneError
 from studies.scene import read_table
-from studies.scene.blocks import Element
+from studies.scene.drive import Element
 from studies.scene.toml import document
 from studies.sweeps import sweep
 

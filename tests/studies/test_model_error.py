@@ -11,8 +11,9 @@ import pytest
 import contact
 import fem
 from studies import Record, Scene, run
-from studies.chain import bridge, resolve
-from studies.chain.model_error import _vacuum, model_error
+from studies.chain import bridge, fem_model
+from studies.chain.model_error import model_error
+from studies.chain.stator_effects import _vacuum
 from studies.record.text import sentences
 from tests.fem.stators import comb, plate, solution, wave_of
 
@@ -95,7 +96,7 @@ def test_closed_forms_of_the_seed(motor):
 )
 def test_contacts_at_a_node_of_u_z_have_no_load_to_compare(motor, monkeypatch, normal, loads):
     """|u_z| below 1e-6 |u_x| under every contact: the change relative to u_z says nothing; one contact is enough."""
-    from studies.chain import model_error as module
+    from studies.chain import ball_effects as module
 
     asked = []
     monkeypatch.setattr(module, "_loaded", lambda record, voltages: asked.append(voltages) or [0.01] * len(voltages))
@@ -116,7 +117,7 @@ def test_vacuum_put_back(name):
     ((_, _, size, _),) = _vacuum(SimpleNamespace(scene=scene))
     x, motions = np.array([1.0, 2.3, 4.0]), []
     for above in ("none", "vacuum"):
-        stator = plate(resolve.solid(scene.stator), length=12.0, thickness=2.0, bottom="absorbing", above=above)
+        stator = plate(fem_model.solid(scene.stator), length=12.0, thickness=2.0, bottom="absorbing", above=above)
         solved = solution(stator, (comb(stator, "a", 4.0, finger_pairs=2),), order=5)
         unit = solved.fields.section.length_unit
         motions.append(abs(wave_of(solved).motion((5.5 + x) * unit)[1]))
@@ -165,7 +166,7 @@ def test_a_heavy_slider_changes_the_wave_by_much(motor):
 
 
 def test_a_model_error_of_a_tenth_is_a_warning_and_one_of_the_whole_no_answer(motor, monkeypatch):
-    from studies.chain import model_error as module
+    from studies.chain import ball_effects as module
     from studies.chain.model_error import with_model_error
     from studies.chain.warnings import warnings_of
 

@@ -8,7 +8,8 @@ import fem
 from fem.waveguide.port_fields import stator_row
 from studies import Scene
 from studies.__main__ import main
-from studies.chain.resolve import resolved, stator, transducers
+from studies.chain.fem_model import stator, transducers
+from studies.chain.resolve import resolved
 from studies.refusal import SceneError
 from studies.scene import read_table
 from studies.stator import network

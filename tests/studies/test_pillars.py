@@ -231,7 +231,7 @@ def test_a_file_lies_in_the_folder_of_its_scene(tmp_path, monkeypatch):
     (tmp_path / "folder" / "scene.toml").write_text(document(table), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     loaded = Scene.load("folder/scene.toml")
-    assert pillars.layout(loaded.slider)["heights"].tolist() == [0.0, 1e-9]
+    assert pillars.layout(loaded.slider).heights.tolist() == [0.0, 1e-9]
 
 
 @pytest.mark.parametrize(
@@ -410,7 +410,7 @@ def test_what_is_recovered_behind_a_slider_is_what_it_leaves():
 
 def test_the_size_of_first_order_in_the_load_is_that_of_the_exact_root(driven):
     from studies.chain.bridge import DrivenContact
-    from studies.chain.pillar_budget import leak
+    from studies.chain.pillar_effects import leak
     from studies.chain.pillar_points import PillarContact
 
     motion = PillarContact.of(DrivenContact.of_run(driven)).motion(150.0)

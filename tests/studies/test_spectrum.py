@@ -8,7 +8,8 @@ import pytest
 from fem import ConvergenceError, automatic_period, best_frequency, best_period
 from studies import Scene
 from studies.chain import run
-from studies.chain.resolve import drive, resolved, stator, transducers
+from studies.chain.fem_model import drive, stator, transducers
+from studies.chain.resolve import resolved
 from studies.chain.spectrum import Response, response
 from studies.scene import read_table
 from tests.studies.settings import assigned

@@ -17,8 +17,9 @@ import pytest
 import threadpoolctl
 
 import contact
-from studies.chain import outcomes, predictor, run
-from studies.chain.predictor import Predictor, Shared
+from studies.chain import changed_contacts, outcomes, run
+from studies.chain.changed_contacts import Shared
+from studies.chain.predictor import Predictor
 from studies.refusal import RunError, SceneError
 from studies.report.explanation import long_sweep
 from studies.scene import Scene, read_table
@@ -191,13 +192,13 @@ def test_every_bad_point_is_a_row_with_its_reason():
 
 def counted(monkeypatch):
     """Return a list that fills with frequency and tolerance of every stator that is solved."""
-    solved, solve = [], predictor.solved_motion
+    solved, solve = [], changed_contacts.solved_motion
 
     def noted(scene, *rest, tolerance, **options):
         solved.append((scene.frequency, tolerance))
         return solve(scene, *rest, tolerance=tolerance, **options)
 
-    monkeypatch.setattr(predictor, "solved_motion", noted)
+    monkeypatch.setattr(changed_contacts, "solved_motion", noted)
     return solved
 
 
@@ -263,7 +264,7 @@ def test_a_stator_without_an_answer_costs_its_own_points_alone(monkeypatch):
 
 def test_a_point_near_the_threshold_gets_a_better_stator(tmp_path, monkeypatch):
     # a stator that is just good enough by itself
-    monkeypatch.setattr("studies.chain.predictor.SHARE", 1.0)
+    monkeypatch.setattr("studies.chain.changed_contacts.SHARE", 1.0)
     solved = counted(monkeypatch)
     voltages = [5.0, 11.2, 40.0]
     found = sweep(PLANE, {"drive.voltage": voltages}, tolerance=2.5e-4, out=tmp_path / "s")
@@ -305,7 +306,7 @@ def test_what_has_no_answer_is_said_each_time_and_tried_once(monkeypatch):
         raise RunError("its error stays large")
 
     tried, motors = [], Predictor(PLANE, tolerance=3e-2, coarse=True)
-    monkeypatch.setattr(predictor, "solved_motion", failing)
+    monkeypatch.setattr(changed_contacts, "solved_motion", failing)
     for _ in range(2):
         with pytest.raises(RunError, match="stays large"):
             motors.contact({"slider.mass": 1e-4})

@@ -11,7 +11,8 @@ import pytest
 
 from studies import Scene
 from studies.chain import run
-from studies.chain.resolve import resolved, transducers
+from studies.chain.fem_model import transducers
+from studies.chain.resolve import resolved
 from studies.scene import read_table
 from studies.scene.toml import document
 from studies.view.run_field import run_field

@@ -20,9 +20,10 @@ import numpy as np
 import contact
 import fem
 from studies.chain import pillars
+from studies.chain.ball_effects import LOAD, point_admittance
 from studies.chain.bridge import DrivenContact
 from studies.chain.pillar_points import PillarContact, bounce_ratio
-from studies.chain.radiation import point_admittance
+from studies.chain.stator_effects import Rows
 from studies.record import Record
 
 # Ratio of the compliance of silicon on 128YX lithium niobate under a pressure that travels with the wave to the static
@@ -35,10 +36,8 @@ RAYLEIGH_OVER_SHEAR, ISOTROPIC = 0.919402, 0.183486  # isotropic half-space, nu 
 SAMPLE = 0.18  # rms relative change of the velocity between random seeds, times sqrt(number of pillars)
 ADHESION = 0.05  # J/m^2: work of adhesion of clean oxides in air
 MAX_COMPARED = 20_000  # largest number of pillars for which the motion is computed again with interaction
-LOAD = "load of the slider on the wave"
 OVERTONES = "overtones of the wave under the pillars"
 MARGIN = "the margin to bulk waves (it leaks from 100 % on)"
-Rows = Iterator[tuple[str, str, float, str]]
 
 
 def pillar_rows(record: Record) -> list[list[tuple]]:
@@ -60,12 +59,8 @@ def _at_level(record: Record, body: PillarContact, motion, point: dict) -> Rows:
         how = "rms misfit of two plane waves to the surface mode under the slider"
         yield "beating and spreading of the wave under the slider", "u_z", body.misfit, how
     vibration = bounce_ratio(slider, wave.frequency) ** 2
-    yield (
-        "the slider's own vibration",
-        "velocity",
-        vibration,
-        "square of the contact resonance over the wave's frequency",
-    )
+    how = "square of the contact resonance over the wave's frequency"
+    yield "the slider's own vibration", "velocity", vibration, how
     if wave.compliance > 0.0:
         if not motion.loading and motion.loading_number > 0.0:
             yield (LOAD, "velocity", motion.loading_number, "loading number 2 Gamma F/(w A), about the phase in rad")
@@ -77,14 +72,10 @@ def _at_level(record: Record, body: PillarContact, motion, point: dict) -> Rows:
     yield from leak(record, motion)
     if slider.pillars.height_scatter > 0.0:
         sample_error = SAMPLE / math.sqrt(motion.pillars.number)
-        yield (
-            "another seed of the heights",
-            "velocity",
-            sample_error,
-            "0.18 over the square root of the number of pillars, rms",
-        )
+        how = "0.18 over the square root of the number of pillars, rms"
+        yield "another seed of the heights", "velocity", sample_error, how
     yield from _neighbours(body, motion, slider, level)
-    mean_radius = float(pillars.layout(slider)["diameter"].mean()) / 2
+    mean_radius = float(pillars.layout(slider).diameter.mean()) / 2
     pull_off = math.sqrt(8 * math.pi * mean_radius**3 * slider.effective_modulus * ADHESION) * motion.pillars.number
     how = f"pull-off of flat punches, {ADHESION:g} J/m^2; a roughness of some nm removes it"
     yield "adhesion of perfectly flat pillars", "the preload", pull_off / slider.preload_force, how
@@ -93,9 +84,9 @@ def _at_level(record: Record, body: PillarContact, motion, point: dict) -> Rows:
 def _compliance(body, motion, slider, level) -> Rows:
     """Yield the effect of the elastic deformation of stator and slider on the scale of the wavelength."""
     layout, wave = pillars.layout(slider), motion.wave
-    if wave.amplitude == 0.0 or layout["x"].size < 2:
+    if wave.amplitude == 0.0 or layout.x.size < 2:
         return
-    area = (float(np.ptp(layout["x"])) + layout["pitch"]) * pillars.strip_width(slider)
+    area = (float(np.ptp(layout.x)) + layout.pitch) * pillars.strip_width(slider)
     pressure = float(np.abs(motion.first_normal).sum()) / area
     if body.driven.scene.wave is not None and body.driven.scene.wave.wavelength is None:
         return
@@ -128,9 +119,9 @@ def leak(record: Record, motion) -> Rows:
     length = float(np.ptp(motion.row_x))
     if record.scene.stator is None or not motion.loading or length == 0.0:
         return
-    from studies.chain import resolve
+    from studies.chain import fem_model
 
-    stator = resolve.stator(record.scene.stator)
+    stator = fem_model.stator(record.scene.stator)
     half_space = fem.rayleigh(stator.solid, stator.bare_surface)
     margin = half_space.limiting_velocity / half_space.velocity - 1
     # The loading number approximates the phase advance. The angle of exit_over_entry cannot replace it because it is
@@ -153,8 +144,8 @@ def leak(record: Record, motion) -> Rows:
 def _neighbours(body, motion, slider, level) -> Rows:
     """Yield the effect of the elastic interaction of neighbouring pillars, by solving the motion again with it."""
     layout = pillars.layout(slider)
-    radius_over_pitch = float(layout["diameter"].mean()) / 2 / layout["pitch"]
-    if slider.pillars.interaction or layout["x"].size > MAX_COMPARED or layout["x"].size < 4 or radius_over_pitch > 0.4:
+    radius_over_pitch = float(layout.diameter.mean()) / 2 / layout.pitch
+    if slider.pillars.interaction or layout.x.size > MAX_COMPARED or layout.x.size < 4 or radius_over_pitch > 0.4:
         return
     if motion.velocity == 0.0:
         return

@@ -1,0 +1,212 @@
+"""The contacts of a scene with changed keys, on stators that are solved once and kept.
+
+A change of the stator, its transducers or the frequency requires a new solution of the section and its circuit; a
+change of the slider requires a new contact alone; voltage, power and burst require neither.
+"""
+
+import logging
+import math
+import time
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import fem
+from studies.chain import fem_model
+from studies.chain.bridge import DrivenContact
+from studies.chain.changed_scenes import ChangedScenes
+from studies.chain.points import SHARE
+from studies.chain.ring_up import RingUp, ring_up
+from studies.chain.solved_stator import SolvedStator, stator_alone
+from studies.chain.spectrum import response
+from studies.chain.surface_motion import SurfaceMotion, solved_motion, surface_motion
+from studies.chain.travel import WaveAlong
+from studies.refusal import RunError, SceneError
+from studies.scene import Scene
+
+LOGGER = logging.getLogger("studies.run")
+MAX_PLACES = 1_000_000  # of all solved stators in memory, about 300 MB
+GAIN = 0.1  # tolerance of the stator at a step, over that of the step before
+# Of the velocity's tolerance, for a stator solved in a band: a band that is one level finer costs half as much again,
+# a second band costs twice as much
+BAND_SHARE = 0.1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shared:
+    """What one solution of the stator, or of a band of them, serves."""
+
+    # (x, y) in m that it is evaluated at, for all contacts that stand on some of them
+    places: tuple[tuple[float, float], ...] = ()
+    # lowest and highest frequency in Hz, if there are enough of them to interpolate over a band
+    limits: tuple[float, ...] = ()
+    slider: bool | None = None  # whether it drives sliders; None: if the scene has one before it is changed
+
+
+class ChangedContacts(ChangedScenes):
+    """The contacts of one scene with some of its keys changed.
+
+    Parameters
+    ----------
+    table : dict
+        The scene's TOML document.
+    tolerance : float
+        Of the velocity, over its reference speed.
+    shared : Shared
+        What the solutions of the stator are used for.
+    coarse : bool
+        True takes the stator's coarsest discretisation.
+    as_run : bool
+        True accepts a stator that misses its tolerance, with its error, and reports progress in detail.
+    progress : callable, optional
+        Told what is being computed.
+    """
+
+    def __init__(
+        self, table: dict, *, tolerance: float, shared: Shared = Shared(), coarse: bool = False,
+        as_run: bool = False, progress: Callable[[str], None] | None = None,
+    ) -> None:  # fmt: skip
+        super().__init__(table)
+        self.tolerance, self.coarse, self.as_run = tolerance, coarse, as_run
+        self.slider = "slider" in table if shared.slider is None else shared.slider
+        self.places, self.limits, self.progress = shared.places, shared.limits, progress or LOGGER.info
+        self.seconds = 0.0  # spent on stators
+        self._count = 0
+        self._solved: dict[tuple, SolvedStator | Exception] = {}
+        self._latest: tuple[tuple | None, SurfaceMotion | Any] = (None, None)
+        self._ring_up, self._band = lru_cache(64)(ring_up), lru_cache(4)(response)
+
+    def contact(self, changes: dict, step: int = 0) -> DrivenContact:
+        """Return the contact with some keys changed; its stator is solved at a step, unless a solution is known.
+
+        Raises
+        ------
+        SceneError
+            If the text or the physics refuses a value.
+        RunError
+            If the stator misses its tolerance.
+        """
+        scene, stator = self.resolved(changes)
+        if stator is None:
+            return DrivenContact.given(scene)
+        places, shared = self.own_and_shared_places(scene)
+        try:
+            solved = self._solution(stator, shared, step)
+        except RunError:  # a place in a node of the wave must not cost the others
+            if shared == places:
+                raise
+            solved = self._solution(stator, places, step)
+        motion = self.motion(stator, places, self._goal(stator, places, step)) if scene.on_pillars else None
+        return DrivenContact.of_stator(scene, solved, motion)
+
+    def motion(self, stator: Scene, places: Any, goal: float) -> SurfaceMotion:
+        """Return the surface motion of a `stator_alone` at places (x, y) in m; only the latest is kept.
+
+        ``goal``: its relative error.  RunError where it is not reached; a run takes what was reached, with its error.
+        """
+        question = stator, places, goal
+        latest, motion = self._latest  # once: a worker may have several threads
+        if latest != question:
+            self._count += 1
+            if not self.as_run:
+                self.progress(f"stator {self._count}")
+            start_time, solve = time.perf_counter(), fem.one_blas_thread(solved_motion)
+            options = {"progress": self.progress, "missed": True} if self.as_run else {}
+            try:
+                motion = solve(stator, places, tolerance=goal, slider=self.slider, **options)
+            finally:
+                self.seconds += time.perf_counter() - start_time
+            self._latest = question, motion
+        return motion
+
+    def motion_of(self, driven: DrivenContact, step: int = 0) -> SurfaceMotion | None:
+        """Return the surface motion in which a slider may travel; None if it may not, or the wave is given."""
+        if driven.solved is None or driven.scene.slider.travel is False:
+            return None
+        stator, places = stator_alone(driven.scene), tuple(driven.solved.at)
+        return self.motion(stator, places, self._goal(stator, places, step))
+
+    def bursting(self, driven: DrivenContact, motion: SurfaceMotion | None) -> DrivenContact:
+        """Return a contact with the ring-up of its burst, and with the motion's field along the slider's travel."""
+        slider, along = driven.scene.slider, None
+        if motion is not None and driven.scene.burst is not None and slider.travel is not False:
+            along = WaveAlong.under(slider, motion)
+        return replace(driven, ringing=self.ring_up(driven), along=along)
+
+    def ring_up(self, driven: DrivenContact) -> RingUp | None:
+        """Return how the surface's motion grows and fades in a burst; None with a given wave and under a transducer."""
+        center = driven.scene.slider.center
+        if driven.scene.burst is None or driven.solved is None or driven.solved.at[center][-1]:
+            return None
+        alone = stator_alone(driven.scene)
+        bursting = replace(alone, drive=replace(alone.drive, burst=driven.scene.burst))
+        return self._ring_up(bursting, center, progress=self.progress)
+
+    def solve_together(self, many: Iterable[dict], step: int) -> None:
+        """Solve the frequencies of one geometry side by side, where they make a band."""
+        if len(self._solved) * max(1, len(self.places)) > MAX_PLACES:
+            self._solved.clear()
+        groups: dict = {}
+        for changes in many if self.limits else ():
+            with suppress(SceneError):  # raised again when the point is answered
+                scene, stator = self.resolved(changes)
+                places = self.own_and_shared_places(scene)[1]
+                if self._in_band(stator, places) and (stator, places, step) not in self._solved:
+                    fixed = replace(stator, drive=replace(stator.drive, frequency=self.limits[0]))
+                    groups.setdefault((fixed, places), {})[stator.frequency] = stator
+        for (fixed, places), stators in groups.items():
+            start_time = time.perf_counter()
+            # a band that fails leaves each of its stators to be solved alone, which says why it fails
+            with suppress(RunError, ValueError, ArithmeticError, fem.ConvergenceError):
+                along, goal = tuple(dict.fromkeys(x for x, _ in places)), self._goal(fixed, places, step)
+                band = self._band(fixed, *self.limits, places=along, tolerance=goal, progress=_silent)
+                waves = band.waves(list(stators), fem_model.drive(fixed))
+                for stator, wave in zip(stators.values(), waves, strict=True):
+                    motion = surface_motion(wave, stator.stator, places, slider=self.slider)
+                    self._solved[stator, places, step] = SolvedStator.of(motion, places)
+            self.seconds += time.perf_counter() - start_time
+
+    def own_and_shared_places(self, scene: Scene) -> tuple[tuple, tuple]:
+        """Return the places of a scene, and those that one solution of the stator serves."""
+        places = scene.places
+        if scene.slider is None:
+            return places, places
+        # with all balls on the axis the section may stand for the wave, and knows no place off it
+        off_axis, length = any(y for _, y in places), scene.stator.length
+        shared = tuple((x, y) for x, y in self.places if 0.0 <= x <= length and (off_axis or not y))
+        return places, shared if set(places) <= set(shared) else places
+
+    def _solution(self, stator: Scene, places: Any, step: int) -> SolvedStator:
+        """Return what is kept of a stator solved as `motion` does, or raise why there is none."""
+        question = stator, places, step
+        if question not in self._solved:
+            try:
+                motion = self.motion(stator, places, self._goal(*question))
+                self._solved[question] = SolvedStator.of(motion, places, coarse=self.coarse)
+            except Exception as error:
+                self._solved[question] = error
+        solution = self._solved[question]
+        if isinstance(solution, Exception):
+            raise solution.with_traceback(None)
+        return solution
+
+    def _in_band(self, stator: Scene, places: Any) -> bool:
+        """Return whether a stator is solved as one of a band: a range was given, and no finite aperture."""
+        return (
+            bool(self.limits)
+            and not (stator.crossed or stator.piece)
+            and not fem_model.spreads(stator.stator, places if self.slider else None)
+        )
+
+    def _goal(self, stator: Scene, places: Any, step: int) -> float:
+        """Return the relative error allowed of a stator at a step."""
+        if self.coarse:
+            return math.inf
+        share = BAND_SHARE if self._in_band(stator, places) else SHARE
+        return self.tolerance * (share * GAIN**step if self.slider else 1.0)
+
+
+def _silent(text: str) -> None:
+    """Report no progress: what is solved here is one of many."""

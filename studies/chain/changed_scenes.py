@@ -1,0 +1,87 @@
+"""A scene with some of its keys changed, resolved again only where a change requires it.
+
+Of many changed scenes most share their blocks.  A block that was read and a stator or slider that was resolved are
+kept by their keys and values.
+"""
+
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any
+
+from studies.chain import fem_model, resolve
+from studies.chain.solved_stator import at_one_volt
+from studies.refusal import SceneError
+from studies.scene import Scene
+from studies.scene.block import keys_of
+from studies.scene.blocks import Stator
+from studies.scene.drive import Drive
+from studies.scene.override import replaced
+
+MAX_BLOCKS = 10_000  # of each kind, in memory
+
+
+class ChangedScenes:
+    """The scene of a TOML document ``table`` with some of its keys changed."""
+
+    def __init__(self, table: dict) -> None:
+        self._rules = {name: key.rule for name, key in keys_of(Scene).items()}
+        for key in table:
+            if key not in self._rules:
+                raise SceneError(key, "is no key of a scene")
+        self.table = table
+        self._block, self._slider = (lru_cache(MAX_BLOCKS)(self._read), lru_cache(MAX_BLOCKS)(resolve.resolved_slider))
+        self._stator = lru_cache(64)(_resolved_stator)
+
+    def scene(self, changes: dict) -> Scene:
+        """Return the scene with some of its keys changed; SceneError if it breaks a rule of the text."""
+        own: dict[str, list] = {}
+        blocks = {}
+        for key, value in changes.items():
+            name, dot, _ = key.partition(".")
+            if dot:
+                own.setdefault(name, []).append((key, value))
+        for name in self.table | own:
+            question = name, tuple(own.get(name, ()))
+            try:
+                blocks[name] = self._block(*question)
+            except TypeError:  # a table among the values is no key of the memory
+                blocks[name] = self._read(*question)
+            if isinstance(blocks[name], SceneError):
+                raise blocks[name].with_traceback(None)
+        return Scene(**blocks)
+
+    def resolved(self, changes: dict) -> tuple[Scene, Scene | Any]:
+        """Return the scene with numbers for automatic values, and its stator alone at 1 V; None for a given wave."""
+        scene, stator = self.scene(changes), None
+        blocks: dict[str, Any] = {}
+        if scene.stator is not None:
+            computed_circuit = scene.drive.match == "auto" or scene.drive.recovery is not None
+            spread = computed_circuit and fem_model.diffracts(scene)
+            stator = self._stator(scene.stator, scene.transducer, scene.piece, at_one_volt(scene.drive), spread)
+            resolve.refuse_gaps(scene)
+            if scene.crossed:
+                resolve.refuse_covered(replace(scene, transducer=stator.transducer))
+            drive = replace(stator.drive, voltage=scene.levels, burst=scene.drive.burst)
+            blocks = {"stator": stator.stator, "transducer": stator.transducer, "drive": drive}
+        if scene.slider is not None:
+            on = None if scene.slider.ball is None else scene.stator
+            blocks["slider"] = self._slider(scene.slider, on)
+            if scene.burst is not None:
+                resolve.refuse_endless_burst(scene, float((stator or scene).frequency))
+        same = all(getattr(scene, key) == each for key, each in blocks.items())
+        return scene if same else replace(scene, **blocks), stator
+
+    def _read(self, name: str, changes: tuple) -> Any:
+        """Return a block with some keys changed, or why it is refused."""
+        table = {name: self.table[name]} if name in self.table else {}
+        try:
+            for key, value in changes:
+                table = replaced(table, key, value)
+            return self._rules[name].read(name, table[name])
+        except SceneError as error:
+            return error.with_traceback(None)
+
+
+def _resolved_stator(stator: Stator, transducer: tuple, piece: tuple, drive: Drive, spread: bool) -> Scene:
+    alone = Scene(stator=stator, transducer=transducer, piece=piece, drive=drive)
+    return resolve.resolved(alone, spread=spread)

@@ -1,0 +1,234 @@
+"""The blocks of a scene as objects of ``fem``: stator, meshed pieces, transducers, drive; and which model of its beam.
+
+The scene is resolved: its automatic values are numbers.
+"""
+
+import math
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+import fem
+from studies.chain.solver_errors import stator_keys
+from studies.refusal import SceneError
+from studies.scene import Scene
+from studies.scene.block import keys_of
+from studies.scene.blocks import LENGTHS, IsotropicSolid, PiezoelectricSolid, Stator, Transducer
+
+ROUNDED = 1e-6  # relative change of a length by the roundings of a mesh file
+
+
+def solid(block: Stator):
+    """Return the stator's ``fem.Solid``, rotated to its orientation."""
+    with stator_keys("stator.material"):
+        crystal = _crystal(block.material)
+        own = _present(block, "mechanical_quality", "dielectric_loss")
+        return fem.rotated(replace(crystal, **own) if own else crystal, block.orientation)
+
+
+def surface_velocity(block: Stator) -> float:
+    """Return the velocity of the Rayleigh wave under a bare surface without charge (D_n = 0), m/s."""
+    return fem.rayleigh(solid(block), "open").velocity
+
+
+def _crystal(material: str | PiezoelectricSolid | IsotropicSolid):
+    """Return the ``fem.Solid`` of a name of the catalogue or of a table, in the crystal's frame."""
+    if isinstance(material, PiezoelectricSolid):
+        return fem.anisotropic(**_present(material, *keys_of(PiezoelectricSolid)))
+    if isinstance(material, IsotropicSolid):
+        return fem.isotropic(**_present(material, *keys_of(IsotropicSolid)))
+    return fem.material(material)
+
+
+def stator(block: Stator):
+    """Return the ``fem.Stator`` of a stator block."""
+    rotated, own = solid(block), _present(block, "length", "bottom", "ends", "above")
+    thickness = math.inf if block.thickness == "half-space" else block.thickness
+    with stator_keys("stator"):
+        return fem.Stator(solid=rotated, thickness=thickness, **own)
+
+
+def whole_stator(scene: Scene):
+    """Return the ``fem.Stator`` of a scene with its meshed pieces."""
+    return replace(stator(scene.stator), pieces=pieces(scene)) if scene.piece else stator(scene.stator)
+
+
+def pieces(scene: Scene) -> tuple:
+    """Return the ``fem.MeshPiece`` objects of a scene, one for each place."""
+    meshed = []
+    for index, block in enumerate(scene.piece):
+        path = f"piece.{index}"
+        solids = tuple(
+            (name, _piece_solid(material, scene.stator, f"{path}.materials.{name}"))
+            for name, material in block.materials or ()
+        )
+        try:
+            mesh = _mesh(block.file, LENGTHS[block.length_unit])
+        except fem.MeshError as error:
+            raise SceneError(f"{path}.file", f"names {error}") from None
+        low, high = mesh.extent
+        count, length = len(block.position), scene.stator.length
+        if count > 1 and count * (high - low) > (1 + ROUNDED) * length:
+            rule = f"must name at most as many places as fit on the stator, {length * 1e3:g} mm long"
+            raise SceneError(f"{path}.position", f"{rule}, got {count} of a mesh {(high - low) * 1e3:.6g} mm wide")
+        meshed += [
+            fem.MeshPiece(name=block.label, mesh=mesh, position=place, solids=solids, electrodes=block.electrodes or ())
+            for place in block.position
+        ]
+    return tuple(meshed)
+
+
+def _mesh(file: str, unit: float):
+    """Return the ``fem.SectionMesh`` of a file as it is now."""
+    path = Path(file)
+    stamp = path.stat().st_mtime_ns if path.is_file() else 0
+    return _read_mesh(file, unit, stamp)
+
+
+@lru_cache(32)
+def _read_mesh(file: str, unit: float, stamp: int):
+    return fem.read_mesh(file, unit)
+
+
+def _piece_solid(material, block: Stator, path: str):
+    """Return the ``fem.Solid`` of a surface group of a mesh, in the orientation of the stator."""
+    with stator_keys(path):
+        return fem.rotated(_crystal(material), block.orientation)
+
+
+def transducers(scene: Scene) -> tuple:
+    """Return the ``fem.Transducer`` objects of a scene whose periods are numbers."""
+    with stator_keys("transducer"):
+        return tuple(_transducer(block, block.wavelength) for block in scene.transducer)
+
+
+def free_span(rows, x: float, length: float, clear: float = 0.0) -> tuple[float, float]:
+    """Return the ends in m of the free surface about x: those of the stator, or ``clear`` from the fingers before them.
+
+    ``rows``: left and right end of each row of fingers.
+    """
+    left = max((right + clear for _, right in rows if right <= x), default=0.0)
+    return left, min((left - clear for left, _ in rows if left >= x), default=length)
+
+
+def section_row(scene: Scene) -> tuple:
+    """Return `transducers` for models with a single section along x; a SceneError if some lie on other lines."""
+    if scene.crossed:
+        rule = "must all have the angle 0 and y = 0 here: this answer is that of one section along x"
+        raise SceneError("transducer", f"{rule}; sawmotor run, sweep and view accept rotated ones")
+    return transducers(scene)
+
+
+def rows(scene: Scene) -> tuple:
+    """Return the `fem.rows_of` a scene with turned transducers."""
+    return fem.rows_of(stator(scene.stator), scene.stator.width, transducers(scene), drive(scene))
+
+
+def first_row(scene: Scene, place: tuple[float, float]) -> tuple[Scene, float]:
+    """Return the scene of the section that the answers of a rotated scene refer to, and the position of a point in it.
+
+    ``place``: (x, y) in m; its position along the section is in m.
+    """
+    if not scene.crossed:
+        return scene, place[0]
+    row = rows(scene)[0]
+    blocks, drive = {each.name: each for each in scene.transducer}, scene.drive
+    alone = tuple(
+        replace(blocks[each.name], center=each.center, angle=0.0, pattern=each.pattern) for each in row.transducers
+    )
+    sources = tuple((name, size) for name, size in drive.driven.items() if name in [each.name for each in alone])
+    return replace(
+        scene,
+        stator=replace(scene.stator, length=row.stator.length),
+        transducer=alone,
+        drive=replace(drive, sources=sources) if drive.sources is not None else drive,
+    ), float(row.local(*place)[0])
+
+
+def driven(scene: Scene):
+    """Return the ``fem.Transducer`` that is driven; the first one if there are several."""
+    return next(each for each in transducers(scene) if each.name == scene.drive.transducer)
+
+
+def _transducer(block: Transducer, period: float):
+    (x, y), alike = block.place, "name finger_pairs metallisation aperture termination pattern split".split()
+    own = {name: getattr(block, name) for name in alike}
+    return fem.Transducer(center=x, center_y=y, angle=math.radians(block.angle % 360), period=period, **own)
+
+
+def unturned(block: Transducer, period: float):
+    """Return the ``fem.Transducer`` of a block in the axes of its waves."""
+    return _transducer(replace(block, center=block.place[0], angle=0.0), period)
+
+
+def drive(scene: Scene):
+    """Return the ``fem.Drive`` of a scene with transducers."""
+    return fem.Drive(
+        sources=scene.drive.driven, impedance=scene.drive.source_impedance, match=_ladder(scene.drive.match)
+    )
+
+
+def _ladder(match: str | tuple) -> tuple:
+    """Return the ``fem.Element`` objects of a ladder as read."""
+    elements = []
+    for each in () if isinstance(match, str) else match:
+        place, kind = each.name.split("_")
+        value, quality = getattr(each, each.name), math.inf if each.Q is None else each.Q
+        elements.append(fem.Element(place=place, kind=kind, value=value, quality=quality))
+    return tuple(elements)
+
+
+def diffracts(scene: Scene) -> bool:
+    """Return True if finite apertures are computed: as the scene requests, or by default if it has a slider."""
+    return not scene.piece and spreads(scene.stator, None if scene.slider is None else scene.slider.places)
+
+
+@lru_cache(64)
+def spreads(block: Stator, places: tuple | None) -> bool:
+    """Return True if finite apertures are computed for contacts at places (x, y); ``places`` is None without slider."""
+    return not section_reason(block, stator(block), places)
+
+
+def section_reason(block: Stator, whole, places) -> str:
+    """Return why the plane section stands for the finite aperture; empty where the beam is to be computed.
+
+    Contacts beside the axis, y != 0 in ``places`` (x, y), lie where the beam's amplitude varies along y, which the
+    section does not describe.  Between reflecting ends the beam takes several times as long as the section, and it is
+    computed by default only for such contacts.
+
+    Parameters
+    ----------
+    block : Stator
+    whole : fem.Stator
+        Of this block, with its meshed pieces.
+    places : sequence of (float, float) or None
+        Of the contacts, m; None without a slider.
+    """
+    if block.diffraction is not None:
+        return "" if block.diffraction else "stator.diffraction is false"
+    if places is None:
+        return "stator.diffraction is absent, and the scene has no slider"
+    refusal = fem.beam_refusal(whole)
+    if refusal or whole.ends == "absorbing" or any(y for _, y in places):
+        return refusal
+    return (
+        "stator.diffraction is absent, and between reflecting ends the beam takes 2 to 4 times as long as the section; "
+        "true computes it"
+    )
+
+
+def port_admittance(scene: Scene, frequency, tolerance: float, *, spread: bool | None = None):
+    """Return the `fem.PortAdmittance` of a scene at one or several frequencies in Hz, one for all its answers."""
+    return fem.port_admittance(
+        whole_stator(scene),
+        section_row(scene),
+        frequency=frequency,
+        tolerance=tolerance,
+        finite_apertures=diffracts(scene) if spread is None else spread,
+        mirror_width=scene.stator.mirror_width,
+    )
+
+
+def _present(block, *names: str) -> dict:
+    """Return the keys of a block that are present, with their values."""
+    return {name: getattr(block, name) for name in names if getattr(block, name) is not None}

@@ -1,0 +1,196 @@
+"""Estimates of the effects on u_z and on the power that the model of a driven stator neglects.
+
+Each function takes the record of a run and yields (effect, quantity, size, source) as `studies.chain.model_error`
+describes.  The size of the finite aperture is that of a ripple; its sign may be wrong in cuts in which a beam hardly
+spreads.
+
+Sources:
+
+- side faces: `fem.surface_beam`;
+- finite aperture: `fem.Slowness`, the angular spectrum of a slit;
+- mass of the electrodes: perturbation theory (Auld, Acoustic Fields and Waves in Solids, vol. 2, 1973, chapter 12).
+"""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+import fem
+from studies.chain import fem_model
+from studies.record import Record
+
+# Relative error of |u_z| if the charge is assumed uniform along the fingers. Measured on PZT-8 for combs of 3 to 30
+# pairs and apertures of 5 to 30 wavelengths: 2.6 to 10 % at the worst of 80 points, 0.9 to 3.7 % rms
+# (tests/fem/beam/test_finger_ends.py).
+UNIFORM_CHARGE = 0.05
+# Relative error of |u_z| that remains with the static charge at the finger ends: the minimum, and the increase per
+# finger pair. Measured on PZT-8, rms over 80 points: 0.9 to 1.1 % with 2 to 10 pairs, 4.7 % with 30
+# (tests/fem/beam/test_finger_ends.py).
+UNEVEN_CHARGE, UNEVEN_PER_PAIR = 0.01, 0.0016
+# Change of |u_z| by the vacuum over its share of the permittivity times K2, the largest measured: 2.4 in twente-left,
+# 4.0 in twente, 1.3 in lithium-niobate-128yx, 3.4 in lithium-niobate-yz (sawmotor run SCENE --set
+# stator.above=vacuum).
+VACUUM_FACTOR = 4.0
+ALUMINIUM, FILM = 2700.0, 100e-9  # density in kg/m3 and thickness in m of the electrodes
+
+Rows = Iterator[tuple]  # effect, quantity, size, source and, for a size that is not relative, its unit
+
+
+def stator_effects(record: Record) -> Rows:
+    """Yield the neglected effects on u_z; they do not depend on the level."""
+    for each in (_aperture, _finger_ends, _vacuum, _electrode_mass):
+        yield from each(record)
+
+
+def wavelength(record: Record) -> float:
+    """Return the wavelength of the surface wave, m."""
+    return record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
+
+
+def _aperture(record: Record) -> Rows:
+    """Yield the largest effect at the contacts on u_z of the finite aperture or, in a beam model, of the side faces."""
+    motion, block = record.surface_motion, record.scene.stator
+    places = record.scene.contact_places
+    if record.scene.piece:
+        # a meshed piece has no guided modes to test; compare with the extents of the transducers
+        spans = [each.extent for each in fem_model.transducers(record.scene)]
+        covered = any(low <= x <= high for x, _ in places for low, high in spans)
+    else:
+        covered = any(motion.covered(place) for place in places)
+    if covered:
+        return
+    if motion.beam is None:
+        worst = max(_spread(record, *zip(*places, strict=True)) - 1, key=abs)
+        how = "angular spectrum of the driven aperture, on the cut's slowness curve"
+        yield "finite aperture", "u_z", float(worst), how
+        return
+    if record.scene.crossed:
+        yield from _crossed(record, places)
+        return
+    beam, at = motion.beam, tuple(zip(*places, strict=True))
+    same, other = map(beam.with_side_faces, (beam.mirror_width, None if block.mirror_width else block.width))
+    as_modelled = motion.at(places) if same is beam else same.motion(*at)
+    ratios = abs(other.motion(*at)[2] / as_modelled[2])
+    worst = max((float(each) - 1 for each in ratios), key=abs)
+    how = "the beam with side faces that reflect like mirrors, compared with the beam without side faces"
+    yield "side faces", "u_z", worst, how
+
+
+def _crossed(record: Record, places) -> Rows:
+    """Yield the neglected effects of crossing beams: images in the side faces, and metal of transducers they pass."""
+    beam, (x, y) = record.surface_motion.beam, zip(*places, strict=True)
+    amplitude, solid = abs(beam.motion(x, y)[2]), fem_model.solid(record.scene.stator)
+    images = float((beam.first_images(x, y) / amplitude).max())
+    how = "first images of the beams in both side faces, which are assumed to reflect everything in phase"
+    yield "side faces", "u_z", images, how
+    bare, metal = (fem.rayleigh(solid, surface).velocity for surface in ("open", "metallised"))
+    phase_shift = float(beam.shadowed(1 - metal / bare) / amplitude.min())
+    how = "phase change of a beam along the fingers that it crosses, from the velocities with and without metal"
+    yield "metal of the transducers in the way of crossing beams", "u_z", phase_shift, how
+
+
+def _spread(record: Record, x, y) -> np.ndarray:
+    """Return the amplitude radiated by the driven aperture, relative to a plane wave.
+
+    ``x`` is measured from the left end of the stator and ``y`` from its axis, both in m.
+    """
+    driven, stator = record.scene.driven_transducer, fem_model.stator(record.scene.stator)
+    wave, frequency = record.wave, record.wave["frequency_Hz"]
+    try:
+        curve = fem.Slowness.of_half_space(stator.solid, frequency, stator.bare_surface)
+    except fem.ConvergenceError:
+        # some directions have no surface wave: assume the velocity along x in all directions
+        curve = fem.Slowness.circle(2 * math.pi * frequency / wave["phase_velocity_m_per_s"])
+    return curve.spectrum(driven.aperture, np.subtract(x, driven.place[0]), y)
+
+
+def _finger_ends(record: Record) -> Rows:
+    """Yield the effect of the charge distribution along the fingers.
+
+    The section, and a beam at a covered point, take the charge as uniform. Other beams represent it by steps or by the
+    static charge at the finger ends; the remaining error is yielded.
+    """
+    driven, motion = record.scene.driven_transducer, record.surface_motion
+    beam, effect, ceramic = motion.beam, "charge at the finger ends", "in lead zirconate titanate"
+    places = record.scene.contact_places
+    if beam is None or any(motion.covered(place) for place in places):
+        yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
+        return
+    at = tuple(zip(*places, strict=True))
+    charge_error = beam.charge_error(*at)
+    if charge_error is not None:
+        yield (effect, "u_z", float(charge_error.max()), "change by fewer steps of the charge along the fingers")
+        return
+    if record.scene.crossed:
+        yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
+        return
+    stator = fem_model.stator(record.scene.stator)
+    longer = beam.with_longer_fingers(fem.end_excess(stator.solid, stator.bare_surface))
+    changes = abs(longer.motion(*at)[2]) / abs(motion.at(places)[2]) - 1
+    yield effect, "u_z", float(max(changes, key=abs)), "static charge at the ends of fingers in a long row"
+    remainder = max(UNEVEN_CHARGE, UNEVEN_PER_PAIR * driven.finger_pairs)
+    effect = "ripple of the charge along the fingers"
+    yield effect, "u_z", remainder, f"error that remains with static charge at the ends, {ceramic}"
+
+
+def _vacuum(record: Record) -> Rows:
+    """Yield the effect of the field in the vacuum on u_z, which is of second order.
+
+    The charges grow by the share eps_0 / eps_p, and the potential of the wave, to which they couple, falls by as much.
+    """
+    if record.scene.stator.above == "none":
+        solid = fem_model.solid(record.scene.stator)
+        permittivity = solid.permittivity
+        squared_permittivity = permittivity[0, 0] * permittivity[2, 2] - permittivity[0, 2] ** 2
+        share = fem.VACUUM_PERMITTIVITY / math.sqrt(squared_permittivity)
+        try:
+            bare, metal = (fem.rayleigh(solid, surface).velocity for surface in ("open", "metallised"))
+            size = VACUUM_FACTOR * share * 2 * (bare - metal) / bare
+            how = "eps_0 over the permittivity of the solid, times the coupling K2 of the surface wave"
+        except fem.ConvergenceError:
+            size, how = share, "eps_0 over the permittivity of the solid: K2 of a leaky wave is not known"
+        yield "vacuum above the surface", "u_z", size, how
+
+
+def amplitude_per_power(record: Record) -> float | None:
+    """Return the constant C of u_z = C (P / (W f))^(1/2) in SI units, or None if it cannot be determined.
+
+    P is half of the power that the transducer takes in, W the aperture and f the frequency. u_z is the amplitude of the
+    surface mode half a wavelength outside the driven fingers. C is unknown if the ends of the stator reflect, if
+    several sources drive, or if that point is covered by electrodes.
+    """
+    scene, wave, power = record.scene, record.surface_wave, record.electrical["power_W_per_V2"]
+    driven = fem_model.driven(scene)
+    if scene.crossed:  # the beam row of the driven transducer has its own axes
+        transducers = record.surface_motion.beam.rows[0].transducers
+        driven = next(each for each in transducers if scene.drive.driven.get(each.name))
+    (left, right), half_wavelength = driven.extent, wavelength(record) / 2
+    sample_x = right + half_wavelength if driven.center < wave.length / 2 else left - half_wavelength
+    is_free = 0 <= sample_x <= wave.length and not wave.covered(sample_x)
+    several = "sources" in record.electrical
+    if several or scene.stator.ends != "absorbing" or not is_free or not power > 0:
+        return None
+    per_width = power / 2 / driven.aperture
+    return float(abs(wave.rayleigh_motion(sample_x)[1])) / math.sqrt(per_width / record.wave["frequency_Hz"])
+
+
+def _electrode_mass(record: Record) -> Rows:
+    constant, wave = amplitude_per_power(record), record.wave
+    if constant is None:
+        return
+    omega = 2 * math.pi * wave["frequency_Hz"]
+    # |u|^2 per power and width
+    motion = constant**2 / wave["frequency_Hz"] * (1 + wave["surface_ratio"] ** 2)
+    slower = -wave["phase_velocity_m_per_s"] / 4 * ALUMINIUM * FILM * omega**2 * motion
+    effect = "mass of 100 nm aluminium on the fingers"
+    # phase accumulated from the middle of the transducer to its end
+    phase = math.pi * record.scene.driven_transducer.finger_pairs * slower
+    yield (effect, "u_z", phase, "first-order perturbation of the velocity under the fingers, over half of the row")
+
+
+def heating(record: Record) -> Rows:
+    """Yield the power that may heat the stator, at the largest level."""
+    highest = max(record.scene.levels, default=0.0)
+    power = record.electrical["power_W_per_V2"] * highest**2
+    yield "heating of the stator", f"the whole power taken in at {highest:g} V", power, "admittance", "W"

@@ -1,0 +1,81 @@
+"""The pictures of a run with a slider on pillars: the wave below it, the forces on its pillars, and the power."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from studies.record.plots import COLOURS, finished, legend_below
+from studies.record.quantities import quantity
+
+if TYPE_CHECKING:
+    from studies.record import Record
+
+MAX_DOTS = 20_000  # pillars drawn; of more, evenly chosen ones
+# of the wave's power under a slider on pillars: key of a point, label, colour
+POWERS = (
+    ("friction_power_W", "friction", "intermittent"),
+    ("thrust_power_W", "thrust", "second"),
+    ("wave_power_out_W", "remaining in the wave", "slip"),
+)
+
+
+def _at_last_level(record: "Record") -> str:
+    """Return the level whose pillars and waves a record keeps, for a title."""
+    shown = quantity(record.level)
+    known = [point[record.level] for point in record.points if "velocity_m_per_s" in point]
+    return f" at {known[-1] * shown.scale:g} {shown.shown}" if known else ""
+
+
+def slider_wave(record: "Record", ax):
+    """Draw amplitude and phase of the waves along the slider, the phase on an axis of its own."""
+    table, across, up = record.slider_wave, quantity("offset_m"), quantity("normal_amplitude_m")
+    x = np.asarray(table["x_m"]) * across.scale
+    ahead = np.abs(table["forward_m"]).max() >= np.abs(table["backward_m"]).max()
+    names = ("forward_m", "backward_m") if ahead else ("backward_m", "forward_m")
+    main, other = (np.asarray(table[name]) for name in names)
+    ax.plot(x, np.abs(main) * up.scale, color=COLOURS["slip"], label="driving wave, amplitude")
+    ax.plot(x, np.abs(other) * up.scale, color=COLOURS["stick"], label="opposing wave, amplitude")
+    for style, n in zip(("--", "-.", ":"), (2, 3, 4), strict=True):
+        if f"overtone_{n}_m" in table:
+            size = np.abs(np.asarray(table[f"overtone_{n}_m"])) * up.scale
+            ax.plot(x, size, style, color=COLOURS["second"], label=f"its overtone {n}, amplitude")
+    ax.set_ylim(bottom=0.0)
+    right = ax.twinx()
+    phase = np.unwrap(np.angle(main))
+    right.plot(x, phase - phase[0 if ahead else -1], dashes=(8, 3), color=COLOURS["intermittent"], label="phase")
+    right.set_ylabel(quantity("phase_rad").axis)
+    legend_below(ax, [each for axis in (ax, right) for each in axis.get_lines()], columns=3)
+    title = f"{record.scene.title}: wave under the slider{_at_last_level(record)}"
+    return finished(ax, across.axis, up.axis, title, columns=0)
+
+
+def pressure(record: "Record", ax):
+    """Draw the mean force on each pillar as a dot at its place."""
+    table = record.pillars
+    step = -(-len(table["x_m"]) // MAX_DOTS)
+    shown = {"x_m": quantity("offset_m"), "y_m": quantity("y_m"), "normal_force_N": quantity("normal_force_N")}
+    x, y, force = (np.asarray(table[name])[::step] * each.scale for name, each in shown.items())
+    size = float(np.clip(6e4 / x.size, 2.0, 200.0))
+    dots = ax.scatter(x, y, c=force, s=size, marker="s", cmap="viridis", linewidths=0.6)
+    ax.set_aspect("equal", adjustable="box")
+    ax.figure.colorbar(dots, ax=ax, label=shown["normal_force_N"].axis)
+    title = f"Forces on the pillars{_at_last_level(record)}"
+    return finished(ax, shown["x_m"].axis, shown["y_m"].axis, title, columns=0, grid=False)
+
+
+def power(record: "Record", ax):
+    """Draw where the power of the waves below the slider goes at each level, as stacked bars."""
+    points = [point for point in record.points if "wave_power_in_W" in point]
+    scale = quantity(record.level).scale
+    places, bottom = np.arange(len(points)), np.zeros(len(points))
+    for key, label, colour in POWERS:
+        values = np.array([100 * point[key] / point["wave_power_in_W"] for point in points])
+        if values.any():
+            ax.bar(places, values, bottom=bottom, color=COLOURS[colour], label=label)
+            bottom = bottom + values
+    for place, point in zip(places, points, strict=True):
+        ax.text(place, 101.0, f"{point['wave_power_in_W']:.3g} W", ha="center", fontsize="small")
+    ax.set_xticks(places, [f"{point[record.level] * scale:.4g}" for point in points])
+    ax.set_ylim(0.0, 108.0)
+    across, up = quantity(record.level).axis, quantity("power_share").axis
+    return finished(ax, across, up, f"{record.scene.title}: power of the wave", columns=3, grid=False)
