@@ -110,8 +110,12 @@ class Passage(NamedTuple):
 
 
 @compiled
-def _tabulate(paths, per_cycle, before, after, table):
-    """Fill surface displacement and velocity of one cycle under an envelope that goes from `before` to `after`."""
+def tabulate_cycle(paths, per_cycle, before, after, table):
+    """Fill scaled displacement and velocity of the surface in one cycle under an envelope from `before` to `after`.
+
+    `table` (4, per_cycle + 1, contacts) has its rows in the order of `Plane`; `before` and `after` are the complex
+    factors on the wave at the ends of the cycle, between which the envelope is linear.
+    """
     h = 2.0 * np.pi / per_cycle
     turn = (after - before) / (2.0 * np.pi)
     for k in range(per_cycle + 1):
@@ -308,7 +312,7 @@ def _run_side_by_side(runs, states, task, work):
     e = envelope[0] if shaped else 1.0 + 0.0j
     most = 0
     for m in range(per_cycle.size):
-        _tabulate(of_run(runs.paths, m), per_cycle[m], e, e, work.table[m])
+        tabulate_cycle(of_run(runs.paths, m), per_cycle[m], e, e, work.table[m])
         _begin(from_row(runs.numbers[m], of_run(runs.paths, m), runs.law), states[m], per_cycle[m], work, m)
         most = max(most, per_cycle[m])
     for cycle in range(task.number):
@@ -316,7 +320,7 @@ def _run_side_by_side(runs, states, task, work):
             slider[Row.TRAVELLED, m] = 0.0
             if shaped:
                 before, after = envelope[cycle], envelope[cycle + 1]
-                _tabulate(of_run(runs.paths, m), per_cycle[m], before, after, work.table[m])
+                tabulate_cycle(of_run(runs.paths, m), per_cycle[m], before, after, work.table[m])
         # the runs alternate, so that the processor computes several of them at the same time
         for k in range(most):
             for m in range(per_cycle.size):

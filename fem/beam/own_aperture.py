@@ -86,8 +86,13 @@ def section_potential(source: LineSource, distances: np.ndarray) -> np.ndarray:
     return np.exp(-1j * np.outer(distances, source.wavenumbers)) @ source.potential + source.slope * distances
 
 
-def _between_mirrors(k: complex, aperture: float, x: np.ndarray, width: float, highest: float) -> np.ndarray:
-    """Mean of a mode over the aperture between mirrors, a sum over k_y = 2 pi n / width, minus the section's value."""
+def mirrored_mode_mean(k: complex, aperture: float, x: np.ndarray, width: float, highest: float) -> np.ndarray:
+    """Mean of a mode over the aperture between two mirrors, minus its value in the plane section.
+
+    The mean is a sum over k_y = 2 pi n / width up to ``highest``. ``k`` and ``highest`` are in rad/m, ``aperture``, the
+    distances ``x`` (n,) along the propagation and the distance ``width`` of the mirrors in m. The mode has a unit
+    amplitude, so that the result, shape (n,), has no unit.
+    """
     lateral = np.arange(1, int(highest * width / (2 * np.pi))) * (2 * np.pi / width)
     along = wavenumber_along(k, lateral)
     shares = 2 / (aperture * width) * sheet_spectrum(aperture, lateral) ** 2 * turned(k, along)
@@ -101,7 +106,7 @@ def image_potential(source: LineSource, aperture: float, x: np.ndarray, width: f
     slow = abs(k) < highest / WIDEST * SLOW  # the other modes decay before they reach the mirrors
     part = source.some(slow)
     total = sum(
-        potential * _between_mirrors(each, aperture, x, width, highest)
+        potential * mirrored_mode_mean(each, aperture, x, width, highest)
         for each, potential in zip(part.wavenumbers, part.potential, strict=True)
     )
     alone = StripPotential(part, x, aperture)(np.array([aperture]))[0]

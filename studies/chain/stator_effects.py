@@ -39,7 +39,7 @@ Rows = Iterator[tuple]  # effect, quantity, size, source and, for a size that is
 
 def stator_effects(record: Record) -> Rows:
     """Yield the neglected effects on u_z; they do not depend on the level."""
-    for each in (_aperture, _finger_ends, _vacuum, _electrode_mass):
+    for each in (_aperture, _finger_ends, vacuum_effect, _electrode_mass):
         yield from each(record)
 
 
@@ -134,7 +134,7 @@ def _finger_ends(record: Record) -> Rows:
     yield effect, "u_z", remainder, f"error that remains with static charge at the ends, {ceramic}"
 
 
-def _vacuum(record: Record) -> Rows:
+def vacuum_effect(record: Record) -> Rows:
     """Yield the effect of the field in the vacuum on u_z, which is of second order.
 
     The charges grow by the share eps_0 / eps_p, and the potential of the wave, to which they couple, falls by as much.

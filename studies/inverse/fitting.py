@@ -93,7 +93,7 @@ def fit(
     minima = problem.minima()
     for _ in range(4):
         try:
-            return replace(_explored(problem, minima, degrees, estimated, next_measurements), fixed=fixed)
+            return replace(fit_about(problem, minima, degrees, estimated, next_measurements), fixed=fixed)
         except BetterMinimumError as minimum:
             minima = [problem.minimum(minimum.x), *minima]
     raise RunError(
@@ -125,7 +125,7 @@ def prepared(
     return Problem(predictor=predictor, parameters=free, measurements=tuple(curves)), fixed, estimated
 
 
-def _explored(problem: Any, minima: Any, degrees: int, estimated: bool, next_measurements: bool) -> Fit:
+def fit_about(problem: Any, minima: Any, degrees: int, estimated: bool, next_measurements: bool) -> Fit:
     """Return the fit about its least minimum: directions, profiles and, if asked for, next measurements."""
     if estimated:
         scale = math.sqrt(minima[0][1] / degrees) or 1e-9

@@ -59,7 +59,7 @@ def run(scene: Scene, *, outcomes: tuple[str, ...] | None = None, tolerance: flo
     changes = both_sides(predictor, tuple(name for name, rows in slopes.items() if rows), level)
     title, findings, panels = predictor.table.get("title", ""), [], []
     for name, rows in slopes.items():
-        findings += _without_effect(predictor, name, rows, level)
+        findings += without_effect(predictor, name, rows, level)
         sides = changes.get(name, {})
         order = sorted(rows, key=lambda key: -abs(rows[key][0]))
         columns = zip(*((key, *rows[key], *sides[key]) for key in order), strict=True)
@@ -86,7 +86,7 @@ def expected_seconds(scene: Scene) -> float:
     return OTHER_SECONDS + STATOR_MOVES * moved * (stator + point) + MOVES * (len(keys) + 1 - moved) * point
 
 
-def _without_effect(predictor: MeasurementPredictor, outcome: str, rows: dict, level: float) -> list[Finding]:
+def without_effect(predictor: MeasurementPredictor, outcome: str, rows: dict, level: float) -> list[Finding]:
     """Return which numbers have no effect, and what happens if all of them are changed together."""
     silent = [key for key, (value, _) in rows.items() if abs(value) < NO_EFFECT and key != "level"]
     if not silent:

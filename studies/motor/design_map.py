@@ -134,7 +134,7 @@ def figure(record: Panel, ax):
     (x_scale, x_label), (y_scale, y_label) = (key_axis(data[f"{at}_key"], np.abs(data[at]).max()) for at in "xy")
     x, y = x_scale * np.asarray(data["x"], float), y_scale * np.asarray(data["y"], float)
     if value.count() and np.ptp(value) > 0.0:
-        levels = _levels(value.compressed())
+        levels = contour_levels(value.compressed())
         shades = BoundaryNorm(levels, 256)
         drawn = ax.contourf(x, y, value, levels=levels, cmap="viridis", norm=shades)
         bar = ax.figure.colorbar(drawn, ax=ax, label=data["label"], ticks=levels)
@@ -159,7 +159,7 @@ def figure(record: Panel, ax):
     return finished(ax, x_label, y_label, record.title, grid=False)
 
 
-def _levels(values) -> list[float]:
+def contour_levels(values) -> list[float]:
     """Return contour levels: uniform, or a 1-2-5 series if the values cover more than a decade.
 
     Half of a map may lie below a hundredth of its largest value, where uniform levels would show one colour.

@@ -213,5 +213,5 @@ def test_the_bracket_of_the_stall_is_widened_where_the_slider_still_moves(monkey
     monkeypatch.setattr(stalls, "steady", moving)
     monkeypatch.setattr(stalls, "mean_motion", lambda body, orbits: SimpleNamespace(velocity=1.0))
     body = replace(slider(), preload=100.0)
-    answer = stalls._full_stall(body, (orbit(5e-9),), Answer(value=1.0, error=0.005, reasons=()), 1e-5)
+    answer = stalls.full_stall(body, (orbit(5e-9),), Answer(value=1.0, error=0.005, reasons=()), 1e-5)
     assert abs(answer.value - stall) <= answer.error < 2e-3 * stall

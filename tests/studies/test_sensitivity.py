@@ -11,7 +11,7 @@ from studies import run as run_chain
 from studies.inverse import elasticity
 from studies.inverse.elasticity import answers_at, both_sides, elasticities, numbers
 from studies.inverse.prediction import MeasurementPredictor
-from studies.inverse.sensitivity import _without_effect, run, tables
+from studies.inverse.sensitivity import run, tables, without_effect
 
 
 @pytest.fixture(scope="module")
@@ -122,9 +122,9 @@ def test_numbers_of_a_stator(monkeypatch):
 def test_what_is_said_to_have_no_effect_is_tried(predictor):
     """A number that does move the answer among the silent ones contradicts the finding."""
     rows = elasticities(predictor, ("release",), 6.3e-9, lambda text: None)["release"]
-    (silent,) = _without_effect(predictor, "release", rows, 6.3e-9)
+    (silent,) = without_effect(predictor, "release", rows, 6.3e-9)
     assert silent.confirmed
-    (wrong,) = _without_effect(predictor, "release", rows | {"slider.radius": (0.0, 0.0)}, 6.3e-9)
+    (wrong,) = without_effect(predictor, "release", rows | {"slider.radius": (0.0, 0.0)}, 6.3e-9)
     assert not wrong.confirmed
 
 
