@@ -62,6 +62,7 @@ def test_a_file_that_prose_names_exists(folder):
     assert not missing, "\n".join(missing)
 
 
+@cache
 def prose(text: str, ending: str) -> str:
     """Return a document, or the comments and docstrings of a source."""
     if ending != ".py":

@@ -155,7 +155,7 @@ class CutSource:
         """
         low, high = (each * self.wavenumber for each in FADE)
         floats = self.section.floating_potential
-        options = {"cusp": True} if floats else {"max_tilt": TILT_GROUNDED}
+        options: dict = {"cusp": True} if floats else {"max_tilt": TILT_GROUNDED}
         options["coarser"] = spacing * (SPACING_FLOATING if floats else SPACING_GROUNDED)
         narrow = NARROWER * low, NARROWER * high
         rule = lateral_rule(self.wavenumber, rounded_reach(reach), (low, high), mirror_width, narrow=narrow, **options)
@@ -423,7 +423,8 @@ def _singular_vectors(fields: np.ndarray, group: np.ndarray, section: Section, s
     exact = exact[:, np.any(exact, axis=0)]
     exact = exact / np.linalg.norm(exact, axis=0)
     own = own - exact @ (exact.T @ own)
-    vectors, values, _ = np.linalg.svd(np.linalg.qr(own.T, mode="r").T, full_matrices=False)
+    triangular = np.asarray(np.linalg.qr(own.T, mode="r"))
+    vectors, values, _ = np.linalg.svd(triangular.T, full_matrices=False)
     kept = np.hstack([exact, vectors[:, values > singular * values[0]]])
     out = np.zeros((len(fields), kept.shape[1]))
     out[group] = kept

@@ -235,7 +235,7 @@ class Section:
         second, first, zeroth = sums
         return second, first, zeroth
 
-    def lateral_matrices(self, frequency: float, wavenumber: float) -> tuple[np.ndarray, ...]:
+    def lateral_matrices(self, frequency: float, wavenumber: complex) -> tuple[np.ndarray, ...]:
         """Matrices of a uniform segment for fields that vary as exp(-i k_y y), k_y in radians per length unit.
 
         K2, K1, its counterpart in the test functions (K1(-k_y)^T; K1^T where y -> -y is a symmetry, because the odd
