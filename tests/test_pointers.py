@@ -5,7 +5,6 @@ import importlib
 import io
 import json
 import re
-import tokenize
 from contextlib import redirect_stdout
 from functools import cache
 from pathlib import Path
@@ -25,6 +24,10 @@ BARE = re.compile(
 QUOTED = re.compile(r"(?<!`)`{1,2}([A-Za-z_]\w*(?:\.\w+)*)(?:\(\))?`{1,2}(?!`)")
 COMMAND = re.compile(r"\bsawmotor ((?!did\b|there\b)[a-z]+)(?: [^`;\n]*?(--[a-z-]+))?")
 DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef)
+NAME_FIELDS = {
+    ast.Name: ("id",), ast.Attribute: ("attr",), ast.arg: ("arg",), ast.keyword: ("arg",), ast.FunctionDef: ("name",),
+    ast.ClassDef: ("name",), ast.alias: ("name", "asname"),
+}  # fmt: skip
 # endings of columns whose names are composed of a quantity and a unit
 COMPOSED = (*(f"_{unit}" for unit in ("m", "mm", "nm", "ms", "rad", "mm_per_s", "UNIT", "0", "1")),)
 OTHERS = ("scipy", "numpy", "network")  # other libraries, and files that are named in an example
@@ -37,6 +40,7 @@ SOURCES = sorted(
     for folder in PACKAGES
     for ending in ("py", "md")
     for path in (ROOT / folder).rglob(f"*.{ending}")
+    if path != Path(__file__)  # which plants pointers to nothing
 )
 
 
@@ -63,15 +67,23 @@ def test_a_file_that_prose_names_exists(folder):
 
 
 @cache
+def prose_and_words(text: str) -> tuple[str, frozenset[str]]:
+    """Return comments and docstrings of a source, and its identifiers with the words of its other strings."""
+    prose, docstrings, words = re.findall(r"(?:^|\s)#[^\n]*", text), set(), set()
+    for node in ast.walk(ast.parse(text)):  # a docstring is met before its own node, which lies deeper
+        if isinstance(node, DOCUMENTED) and ast.get_docstring(node, clean=False):
+            docstrings.add(id(node.body[0].value))
+            prose.append(node.body[0].value.value)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in docstrings:
+            words.update(re.findall(r"\w+", node.value))
+        for field in NAME_FIELDS.get(type(node), ()):
+            words.update((getattr(node, field) or "").split("."))
+    return "\n".join(prose), frozenset(words)
+
+
 def prose(text: str, ending: str) -> str:
     """Return a document, or the comments and docstrings of a source."""
-    if ending != ".py":
-        return text
-    comments = (
-        token.string for token in tokenize.generate_tokens(io.StringIO(text).readline) if token.type == tokenize.COMMENT
-    )
-    docstrings = (ast.get_docstring(node) or "" for node in ast.walk(ast.parse(text)) if isinstance(node, DOCUMENTED))
-    return "\n".join([*comments, *docstrings])
+    return prose_and_words(text)[0] if ending == ".py" else text
 
 
 def bare_names(text: str, ending: str) -> list[str]:
@@ -79,26 +91,12 @@ def bare_names(text: str, ending: str) -> list[str]:
     return [name for name in BARE.findall(prose(text, ending)) if name not in EXAMPLES]
 
 
-def words_of(text: str) -> set[str]:
-    """Return the identifiers of a source and the words of its strings, docstrings not counted."""
-    tree, words = ast.parse(text), set()
-    documented = [node for node in ast.walk(tree) if isinstance(node, DOCUMENTED) and ast.get_docstring(node)]
-    docstrings = {id(node.body[0].value) for node in documented}
-    for node in ast.walk(tree):
-        names = [getattr(node, field, None) for field in ("id", "attr", "arg", "name", "asname")]
-        if isinstance(node, ast.Constant) and id(node) not in docstrings:
-            names.append(node.value)
-        for name in names:
-            words |= set(re.findall(r"\w+", name)) if isinstance(name, str) else set()
-    return words
-
-
 @cache
 def code_words() -> set[str]:
     """Return the words of all sources, and the names of their files and folders."""
-    sources = [path for path in SOURCES if path.suffix == ".py" and path.name != Path(__file__).name]
+    sources = [path for path in SOURCES if path.suffix == ".py"]
     named = {word for path in sources for word in (path.stem, path.parent.name)}
-    return named.union(*(words_of((ROOT / path).read_text(encoding="utf-8")) for path in sources))
+    return named.union(*(prose_and_words((ROOT / path).read_text(encoding="utf-8"))[1] for path in sources))
 
 
 def gone_names(text: str) -> list[str]:
