@@ -13,7 +13,7 @@ from studies import Scene, run, sweep
 from studies.chain import pillars
 from studies.chain.changed_scenes import ChangedScenes
 from studies.chain.resolve import resolved
-from studies.inverse import Measurement, sensitivity
+from studies.inverse import Measurement, elasticity, sensitivity
 from studies.record import Record
 from studies.refusal import SceneError
 from studies.scene import read_table
@@ -601,7 +601,7 @@ def test_what_is_not_known_of_pillars_is_refused_before_anything_is_computed():
 
 def test_sensitivity_knows_the_thrust_of_pillars(monkeypatch):
     """Against a difference of stalls by the contact's own interface."""
-    monkeypatch.setattr(sensitivity, "numbers", lambda predictor: ["slider.friction_coefficient"])
+    monkeypatch.setattr(elasticity, "numbers", lambda predictor: ["slider.friction_coefficient"])
     small = scene({"normal_amplitude": [20e-9]})
     record = sensitivity.run(small, outcomes=("thrust",))
     rows = dict(zip(record.panels[0].data["key"], record.panels[0].data["elasticity"], strict=True))
