@@ -8,11 +8,11 @@ computed, the force is spread over the narrowest aperture of the plane section. 
 currents are computed at those frequencies too. Expected: the charges that the waves of the force induce carry the same
 currents within 30 %, because they take these waves at the centre of each transducer, and within 2 % far away; in the
 plane section the current into the driven transducer per newton equals the velocity at the force per volt within three
-tolerances. An estimated error above the tolerance is a remark, also near the force, where evanescent waves are left out.
-Run time: about 8 s; a frequency of a band takes 2 s with a beam and 0.05 s in the plane section.
+tolerances. An estimated error above the tolerance is a remark, also near the force, whose evanescent waves are left
+out. Run time: about 8 s; a frequency of a band takes 2 s with a beam and 0.05 s in the plane section.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from studies.chain import fem_model, passband
 from studies.chain.solver_errors import answered
 from studies.record.plots import PALETTE, curve, lines
 from studies.refusal import RunError
+from studies.report.explanation import band_seconds, plan
 from studies.scene import Scene
 from studies.study import Answered, Panel, judged, of_record, study
 
@@ -91,6 +92,18 @@ def run(
                f"largest estimated error over the rms motion, which is at x = {worst_x * 1e3:.4g} mm", worst, **bound),
     )  # fmt: skip
     return panels, findings, answer
+
+
+def expected_seconds(scene: Scene, band: str | None = None, tolerance: float = 1e-3) -> float:
+    """Return about how long the study takes for a scene, s: two forces, at one frequency and at those of a band."""
+    resolved = passband.driven_scene(scene)
+    one = len(FORCES) * plan(replace(resolved, slider=None), tolerance=tolerance)["expected"]["stator_seconds"]
+    seconds = 5.0 + one
+    if band is not None:
+        at = passband.band_frequencies(resolved, band)
+        spreads = _ForceProblem.of(resolved, None, tolerance).spreads
+        seconds += len(at) * one if spreads else band_seconds(resolved, at, tolerance=tolerance)
+    return seconds
 
 
 @dataclass(frozen=True, kw_only=True)
