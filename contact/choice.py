@@ -102,7 +102,7 @@ class Answered:
 class Result(NamedTuple):
     """Result of a method in scaled units: its run, the estimated and the allowed error, and its statistics."""
 
-    run: object
+    run: tuple
     error: float
     allowed: float
     statistics: dict

@@ -287,6 +287,6 @@ def _pardiso_solution(matrix, load: np.ndarray) -> np.ndarray:
     from pypardiso import PyPardisoSolver
 
     solver = PyPardisoSolver(mtype=MATRIX_TYPE, phase=13)
-    answer = solver._call_pardiso(_upper(matrix), np.asfortranarray(load, dtype=complex))
+    answer = solver._call_pardiso(_upper(matrix), np.asfortranarray(load, dtype=complex))  # noqa: SLF001 - see above
     solver.free_memory(everything=True)
     return answer

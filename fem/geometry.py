@@ -278,7 +278,7 @@ def outer_gaps(stator: Stator, transducers: tuple[Transducer, ...]) -> list[tupl
     Each is half a gap between fingers, or less if a neighbour or an end of the stator is near.
     """
     gaps, placed = [], stator.placement
-    others = [each.extent for each in (*placed.between, *transducers)]
+    others = [*(each.extent for each in placed.between), *(each.extent for each in transducers)]
     for transducer in transducers:
         half = transducer.half_gap
         left, right = transducer.extent

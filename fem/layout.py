@@ -415,8 +415,8 @@ def _check_overlaps(placed: Placement, length: float, transducers: tuple[Transdu
         spans.append(_Span(right_end.extent[0], float("inf"), "piece", right_end.name))
     spans += [_Span(*each.extent, "transducer", each.name) for each in transducers]
     for left, right in pairwise(sorted(spans, key=lambda span: (span.low, span.high))):
-        # the message begins with a piece: with the right one if both are pieces
-        piece_span, other = (right, left) if right.kind == "piece" else (left, right)
+        # the message begins with a piece: with the left one if both are pieces
+        piece_span, other = (left, right) if left.kind == "piece" else (right, left)
         overlap = left.high > right.low + 1e-3 * tolerance
         # two pieces may touch, but between a piece and a finger there must be bare surface
         touch = left.kind != right.kind and left.high > right.low - tolerance

@@ -102,6 +102,15 @@ class Panel:
     title: str
     data: dict = field(repr=False)  # arrays and numbers in SI units, named with their unit
 
+    @classmethod
+    def of_rows(cls, name: str, title: str, rows: list[dict]) -> "Panel":
+        """Return a panel whose columns are those of rows with the same keys."""
+        return cls(name=name, title=title, data={key: [row[key] for row in rows] for key in rows[0]})
+
+    def rows(self) -> list[dict]:
+        """Return the rows of its columns."""
+        return [dict(zip(self.data, values, strict=True)) for values in zip(*self.data.values(), strict=True)]
+
 
 @dataclass(frozen=True, kw_only=True)
 class StudyRecord:
@@ -279,21 +288,17 @@ def run_study(
     folder: Path,
     *,
     progress: Callable[[str], None],
-    over: dict | None = None,
     options: dict | None = None,
     quick: bool = False,
 ) -> StudyRecord | Record:
     """Run a study, write its numbers into an empty directory and return its record.
 
-    ``scene``, axes (``over``) and ``options`` of the command line are for studies that take them; ``quick`` is the
-    small version, with the arguments in the module's ``QUICK``.
+    ``scene`` and ``options`` of the command line are for studies that take them; ``quick`` is the small version, with
+    the arguments in the module's ``QUICK``.
     """
-    study_module = module(name)
-    taken, options_of_study = (
-        signature(study_module.run).parameters,
-        (options or {}) | ({"over": over} if over else {}),
-    )
-    for option in options_of_study:
+    study_module, options = module(name), dict(options or {})
+    taken = signature(study_module.run).parameters
+    for option in options:
         if option not in taken:
             own = [each for each in COMMAND_OPTIONS if each in taken]
             rule = f", which takes --{', --'.join(own)}" if own else ", which takes no options"
@@ -301,8 +306,8 @@ def run_study(
     if scene is not None:
         if "scene" not in taken:
             raise SceneError("study", f"{name} has its own scenes and takes none")
-        options_of_study["scene"] = scene
-    record = study_module.run(progress=progress, **(study_module.QUICK if quick else {}) | options_of_study)
+        options["scene"] = scene
+    record = study_module.run(progress=progress, **(study_module.QUICK if quick else {}) | options)
     if isinstance(record, Record):
         from studies.record.files import write_run
 

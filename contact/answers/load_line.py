@@ -160,17 +160,18 @@ def stall(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: float
     if averaged_answer.error <= tolerance * guess:
         return averaged_answer
     try:
-        found = _full_stall(slider, listed, averaged_answer, min(STALL_TOLERANCE, 0.5 * tolerance))
+        found = full_stall(slider, listed, averaged_answer, min(STALL_TOLERANCE, 0.5 * tolerance))
         return found.judged(tolerance, guess)
     except ConvergenceError as failed:
         reason = f"the full motion near the stall was not found: {failed}"
         return replace(averaged_answer, reasons=(*averaged_answer.reasons, reason)).judged(tolerance, guess)
 
 
-def _full_stall(slider, orbits, near, tolerance):
-    """Return the load at which the full motion stalls, bracketed and extrapolated from smaller loads.
+def full_stall(slider, orbits, near, tolerance):
+    """Return the load in N at which the full motion stalls, bracketed and extrapolated from smaller loads.
 
-    Its relative error is at most twice `tolerance`, half of it for the steady states and half for the search.
+    ``near`` is the stall of the averaged motion, from which the search starts. The relative error of the answer is at
+    most twice `tolerance`, half of it for the steady states and half for the search.
 
     A secant through the last two loads that move extrapolates to zero velocity. The next load lies a little below that
     estimate (`APPROACH`), because a load above the stall gives no slope. Where the secant fails - the slider is held or

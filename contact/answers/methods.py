@@ -385,7 +385,7 @@ def _refined(burst, follow, error, levels, least):
         velocity = float(fine[0][-1])
         estimate = error(level, fine, float(np.max(np.abs(fine[0] - coarse[0]))), burst.reference(velocity))
         if estimate <= burst.allowed(velocity) or level == len(levels) - 1:
-            return level, fine, Result(None, estimate, burst.allowed(velocity), {})
+            return level, fine, Result((), estimate, burst.allowed(velocity), {})
         level += 1
         coarse, fine = fine, follow(level)
 

@@ -69,20 +69,20 @@ def pillar_motion(
     """
     load = bounds.non_negative("load", load, "N")
     if loading != HARMONICS:
-        return _motion(pillars, wave, load, loading, near, 1)
+        return truncated_motion(pillars, wave, load, loading, near, 1)
     if pillars.backing == "soft" or pillars.shape != "punch":
         raise InputError("loading", 'must not be "harmonics" with a soft backing or with balls', loading)
     if near is not None and near.harmonics > 1:
-        return _motion(pillars, wave, load, True, near, near.harmonics)
+        return truncated_motion(pillars, wave, load, True, near, near.harmonics)
     try:
-        motion = _motion(pillars, wave, load, True, near, 1)
+        motion = truncated_motion(pillars, wave, load, True, near, 1)
     except InputError:  # the slider cannot carry the load without the overtones, but perhaps with them
-        motion = _motion(pillars, wave, load, True, None, NUMBERS[0])
+        motion = truncated_motion(pillars, wave, load, True, None, NUMBERS[0])
     change = 0.0
     for number in NUMBERS:
         last = motion.velocity
         try:
-            motion = _motion(pillars, wave, load, True, motion, number)
+            motion = truncated_motion(pillars, wave, load, True, motion, number)
         except ConvergenceError:
             if number == NUMBERS[-1]:
                 raise
@@ -93,8 +93,12 @@ def pillar_motion(
     return replace(motion, relative_error=motion.relative_error + change, truncation=change)
 
 
-def _motion(pillars, wave, load, loading, near, harmonics) -> PillarMotion:
-    """Return the motion with a fixed number of harmonics; see `pillar_motion`."""
+def truncated_motion(pillars, wave, load, loading, near, harmonics) -> PillarMotion:
+    """Return the motion of a wave whose harmonics above a fixed number are left out.
+
+    ``harmonics`` counts the driven wave as the first, so that 1 leaves out all overtones. The other parameters are
+    those of `pillar_motion`, ``loading`` True, False or None.
+    """
     slider = PillarSlider(pillars, wave, loading, harmonics)
     if near is not None:
         slider.begin_at(near)

@@ -147,8 +147,11 @@ def follow_bounce(problem, state, span, work):
 
 
 @compiled
-def _rate(problem, h, v, rule, work, max_rounds):
-    """Return (V', h) at velocity V, after at most `max_rounds` rounds of `equilibrium.settle` (0: h is kept)."""
+def averaged_rate(problem, h, v, rule, work, max_rounds):
+    """Return (V', h): the scaled acceleration at the scaled mean velocity `v`, and the riding height.
+
+    The height follows after at most `max_rounds` rounds of `equilibrium.settle`; 0 keeps it.
+    """
     if max_rounds > 0:
         h, _ = settle(problem, rule, h, v, work, max_rounds)
     cycle(problem, h, v, rule, work)
@@ -162,10 +165,10 @@ def accelerate(problem, state, phase, taken, span, work, k):
     h, v, rule, second = state[At.POSITION], state[At.VELOCITY], span.rule, work.second
     max_rounds = 3 if span.second_order else 0
     if span.second_order:
-        _rate(problem, h, v, rule, second, 8)
+        averaged_rate(problem, h, v, rule, second, 8)
     else:  # the fast motion stays that of the start
         h = riding(problem, rule)
-    k[0], h = _rate(problem, h, v, rule, second, max_rounds)
+    k[0], h = averaged_rate(problem, h, v, rule, second, max_rounds)
     top = full_slip_speed(problem.paths, 0.0)
     d = min(stop - phase, 0.02 * top / (abs(k[0]) + 1e-300))
     rejected = 0
@@ -177,7 +180,7 @@ def accelerate(problem, state, phase, taken, span, work, k):
             new_v = v  # of the last stage: the velocity after the step
             for j in range(i):
                 new_v += d * _TABLE[i, j] * k[j]
-            k[i], h = _rate(problem, h, new_v, rule, second, max_rounds)
+            k[i], h = averaged_rate(problem, h, new_v, rule, second, max_rounds)
         error = 0.0
         for i in range(7):
             error += d * _ERROR[i] * k[i]

@@ -38,13 +38,13 @@ class Motion:
         contacts = problem.contacts
         self.problem, self.grid, self.truncation = problem, grid, truncation
         tally, sums = np.zeros(event_driven.TALLY, np.int64), np.zeros(len(Sum))
-        self._carry(np.zeros(3 + contacts), np.ones(contacts), np.zeros(contacts, np.int64), tally, sums)
+        self.carry(np.zeros(3 + contacts), np.ones(contacts), np.zeros(contacts, np.int64), tally, sums)
         remembers = problem.law.guard is hysteretic.guard
         self.begun = None  # energies at the start of what the sums cover, set by `begin`
         self.memory = hysteretic.blank(contacts, grid) if remembers else None
 
-    def _carry(self, state, sign, regime, tally, sums):
-        """Set the arrays that the kernels change."""
+    def carry(self, state, sign, regime, tally, sums):
+        """Take these arrays, which the kernels change, as the motion's own; all scaled."""
         self.state, self.sign, self.regime, self.tally, self.sums = state, sign, regime, tally, sums
         # what the kernels take: the arrays themselves
         self.carried = segment.State(state[:3], state[3:], sign, regime, tally, sums)
@@ -67,7 +67,7 @@ class Motion:
     def copy(self) -> "Motion":
         """Return an independent motion in the same state."""
         other = copy.copy(self)
-        other._carry(*(each.copy() for each in (self.state, self.sign, self.regime, self.tally, self.sums)))
+        other.carry(*(each.copy() for each in (self.state, self.sign, self.regime, self.tally, self.sums)))
         if self.memory is not None:
             other.memory = hysteretic.copy(self.memory)
         return other

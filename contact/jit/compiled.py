@@ -42,7 +42,7 @@ PACKAGE_CACHE = HERE / "__pycache__"
 _MARKS = (b"@compiled", b"@formula", b"@native", b"@summed")
 # modules whose constants are compiled into kernels, and the compilers themselves
 _FROZEN = ("codes.py", "collocation.py", "problem.py", "compiled.py", "compiler.py")
-_PLAIN = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
+PLAIN = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 _LOCK = threading.RLock()
 # shapes of calls that a kernel remembers as fitting
 MAX_KEPT_SHAPES = 1000
@@ -53,17 +53,17 @@ _CODES = {"<f8": "f", "<i8": "i", "<c16": "c"}
 
 def compiled(function):
     """Return the function, compiled by numba when it is needed; a decorator."""
-    return function if _PLAIN else Kernel(function)
+    return function if PLAIN else Kernel(function)
 
 
 def summed(function):
     """Return the function, compiled so that its sums may be reordered and vectorised; a decorator."""
-    return function if _PLAIN else Kernel(function, {"reassoc", "nsz"})
+    return function if PLAIN else Kernel(function, {"reassoc", "nsz"})
 
 
 def formula(function):
     """Return the function, inlined in kernels and plain Python for Python (numbers or arrays); a decorator."""
-    return function if _PLAIN else Formula(function)
+    return function if PLAIN else Formula(function)
 
 
 def native(types: str, shapes: Mapping[str, str] | None = None):
@@ -78,7 +78,7 @@ def native(types: str, shapes: Mapping[str, str] | None = None):
     shapes : mapping of str to str, optional
         Shapes of arrays by argument, see `contact.jit.shapes`.
     """
-    return lambda function: function if _PLAIN else Native(function, tuple(types.split()), shapes)
+    return lambda function: function if PLAIN else Native(function, tuple(types.split()), shapes)
 
 
 def per_thread(make, most: int = 16):
@@ -126,7 +126,7 @@ class Kernel:
     @cached_property
     def dispatcher(self):
         """Numba's own, for calls from Python; cached on disk."""
-        numba, folder = _numba(), _folder()
+        numba, folder = _numba(), cache_folder()
         usual = numba.config.CACHE_DIR
         numba.config.CACHE_DIR = folder or usual
         try:
@@ -225,7 +225,7 @@ ORDINARY: dict[str, str] = {}
 
 def _from_file(name):
     """Return the function of a file in any of the folders, None without a complete file that can be loaded."""
-    for folder in _folders():
+    for folder in cache_folders():
         code = _read(Path(folder) / name)
         if code is not None:
             try:
@@ -242,7 +242,7 @@ def _compiled_to_file(name, kernel, words, arguments):
     """
     from contact.jit.compiler import machine_code
 
-    folder = _folder()
+    folder = cache_folder()
     if folder is None:
         return _entry(machine_code(kernel, words, arguments, _numba()))
     path = Path(folder) / name
@@ -369,10 +369,10 @@ def _entry(code):
 
 
 @cache
-def _folders():
+def cache_folders():
     """Return the folders in which machine code is looked for, that of the user's choice first."""
     try:
-        digest = _digest()
+        digest = source_digest()
     except Exception:  # compilers or processor cannot be identified: nothing is stored
         return ()
     chosen, user = os.environ.get("NUMBA_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME")
@@ -383,17 +383,17 @@ def _folders():
 
 
 @cache
-def _folder():
+def cache_folder():
     """Return the first folder that can be written to, None if there is none."""
-    for folder in _folders():
+    for folder in cache_folders():
         if _is_writable(Path(folder)):
             return folder
     try:
         _temporary().mkdir(mode=0o700)
     except OSError:
         return None
-    _folders.cache_clear()
-    return next((folder for folder in _folders() if _is_writable(Path(folder))), None)
+    cache_folders.cache_clear()
+    return next((folder for folder in cache_folders() if _is_writable(Path(folder))), None)
 
 
 def _home():
@@ -434,7 +434,8 @@ def _is_own(folder):
     return stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o077
 
 
-def _digest():
+def source_digest():
+    """Return 16 hexadecimal digits that change with the kernels' sources, the compilers and the processor."""
     import llvmlite
 
     llvm, digest = _llvm(), hashlib.sha256()

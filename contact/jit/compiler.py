@@ -35,17 +35,17 @@ def machine_code(kernel, words: list[str], arguments: tuple, numba) -> bytes:
     codegen = cpu_target.target_context.codegen()
     usual = codegen._library_class
     with global_compiler_lock:
-        codegen._library_class, codegen.set_env = _put_off(usual), lambda name, environment: None
+        codegen._library_class, codegen.set_env = deferred_library(usual), lambda name, environment: None
         try:
-            library = _lowered(kernel, words, arguments, numba)
+            library = lowered(kernel, words, arguments, numba)
         finally:
             codegen._library_class = usual
             del codegen.set_env
-    return _optimised(library)
+    return optimised(library)
 
 
-def _put_off(usual):
-    """Return numba's class of code libraries, made to link but neither to optimise nor to emit anything."""
+def deferred_library(usual):
+    """Return a subclass of numba's class of code libraries that links but neither optimises nor emits machine code."""
 
     class Lowered(usual):
         def _optimize_functions(self, module):
@@ -63,13 +63,13 @@ def _put_off(usual):
     return Lowered
 
 
-def _lowered(kernel, words, arguments, numba):
-    """Return numba's code library of the entry, not optimised."""
+def lowered(kernel, words, arguments, numba):
+    """Return numba's code library of a kernel's entry, not optimised; the parameters are those of `machine_code`."""
     from numba.core import types
 
     given, words = [], iter(words)
     for k, (kind, argument) in enumerate(zip(kernel.types, arguments, strict=True)):
-        given.append((f"given{k}", _type_of(kind, argument, words, numba)))
+        given.append((f"given{k}", argument_type(kind, argument, words, numba)))
     table = _record()("Arguments", tuple(given))
     scope = {"opened": _opened(table), "kernel": kernel}
     source = (
@@ -83,7 +83,7 @@ def _lowered(kernel, words, arguments, numba):
     return numba.cfunc(signature, error_model="numpy")(scope["entry"])._library
 
 
-def _type_of(kind, argument, words, numba):
+def argument_type(kind, argument, words, numba):
     """Return numba's type of an argument; of a named tuple that of the record which lies in the table."""
     if argument is None:
         return numba.none
@@ -97,7 +97,7 @@ def _type_of(kind, argument, words, numba):
     return _record()(
         type(argument).__name__,
         tuple(
-            (name, _type_of("t" if isinstance(field, tuple) else "", field, words, numba))
+            (name, argument_type("t" if isinstance(field, tuple) else "", field, words, numba))
             for name, field in zip(argument._fields, argument, strict=True)
         ),
     )
@@ -213,7 +213,7 @@ def _linked(library):
     return modules[0]
 
 
-def _optimised(library):
+def optimised(library):
     """Return the object file of the library's entry."""
     import llvmlite.binding as llvm
 

@@ -12,11 +12,11 @@ def ready() -> bool:
 
     if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
         return True
-    return any(True for folder in compiled._folders() for _ in Path(folder).glob("*.o"))
+    return any(True for folder in compiled.cache_folders() for _ in Path(folder).glob("*.o"))
 
 
 def how_often() -> str:
     """Return how often the kernels are compiled that are not there yet, in words."""
     from contact.jit import compiled
 
-    return "once" if compiled._folder() is not None else "at every start, for no folder can be written to"
+    return "once" if compiled.cache_folder() is not None else "at every start, for no folder can be written to"

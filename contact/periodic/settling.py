@@ -104,14 +104,14 @@ def long_run(slider: Slider, orbits: tuple[Orbit, ...], direction: float) -> Lon
 
     `direction` is that of `problem.scaled`.
     """
-    problem, begin = _start(slider, orbits, direction)
-    rate = _relaxation(problem)
+    problem, begin = start_at_rest(slider, orbits, direction)
+    rate = relaxation_rate(problem)
     _refuse_unless_affordable(problem, rate)
-    first = _run_from(problem, begin, rate)
+    first = run_from(problem, begin, rate)
     settled = first.period or first.sticks
     if settled and first.passed <= REGULAR:
         return first
-    second = _run_from(problem, _perturbed(begin), rate)
+    second = run_from(problem, _perturbed(begin), rate)
     apart = abs(first.speed - second.speed)
     if not settled:
         other = second if second.period or second.sticks else first
@@ -125,7 +125,7 @@ def long_run(slider: Slider, orbits: tuple[Orbit, ...], direction: float) -> Lon
 
 def mean_from_rest(slider: Slider, orbits: tuple[Orbit, ...], direction: float, cycles: int) -> float:
     """Return the mean velocity in m/s over the second half of `cycles` cycles from rest, by the event-driven solver."""
-    problem, begin = _start(slider, orbits, direction)
+    problem, begin = start_at_rest(slider, orbits, direction)
     _refuse_unless_affordable(problem, math.inf)
     motion = Motion(problem, grid=collocation(10), truncation=1e-7)
     position, normal_velocity, velocity = begin[:3]
@@ -150,16 +150,16 @@ def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, target:
     """
     motion = target.motion.copy()
     motion.move(0.0, 0.5 * math.pi, np.empty(0))  # from the trough of u_z to its upward zero
-    problem, begin = _start(slider, orbits, balance.load_sign)
+    problem, begin = start_at_rest(slider, orbits, balance.load_sign)
     same = _same(target.speed, problem)
     unit, near = same / SAME, Near(motion.state, target.speed, same, target.growth)
-    rate = _relaxation(problem)
+    rate = relaxation_rate(problem)
     try:
         _refuse_unless_affordable(problem, math.inf)
-        first = _run_from(problem, begin, rate, near)
+        first = run_from(problem, begin, rate, near)
         # an irregular transient may end much earlier or later from another start
         is_irregular = first.passed > REGULAR or not first.arrived
-        second = _run_from(problem, _perturbed(begin), rate, near) if is_irregular else first
+        second = run_from(problem, _perturbed(begin), rate, near) if is_irregular else first
     except ConvergenceError as failed:
         return Reached(doubt=unit, reason=f"whether a slider from rest comes to it was not seen: {failed}")
     if first.arrived and second.arrived:
@@ -216,8 +216,11 @@ class Near(NamedTuple):
         return 1.0 / -math.log(self.growth) if self.growth < 1.0 - MULTIPLIER_ERROR else math.inf
 
 
-def _start(slider, orbits, direction):
-    """Return (problem, state at rest); at phase 0 u_z of the first contact crosses zero upwards."""
+def start_at_rest(slider, orbits, direction):
+    """Return the scaled problem and the state (3 + contacts,) of a slider at rest, in its units.
+
+    At phase 0 u_z of the first contact crosses zero upwards. `direction` is that of `problem.scaled`.
+    """
     start = -0.5 * math.pi - float(np.angle(orbits[0].normal))
     problem = scaled(slider, orbits, direction=direction, start=start)
     return problem, _rest(slider, orbits, problem)
@@ -228,8 +231,11 @@ def _perturbed(begin):
     return begin + 1e-6 * (np.arange(begin.size) == 1)
 
 
-def _run_from(problem, begin, rate, near=None):
-    """Return the mean of the motion from one start; the run ends early if it comes close to the motion `near`."""
+def run_from(problem, begin, rate, near=None):
+    """Return the mean of the motion from the scaled state `begin`, as a `LongRun`.
+
+    `rate` is that of `relaxation_rate`. The run ends early if it comes close to the motion `near`.
+    """
     motion = Motion(problem, grid=collocation(14), truncation=1e-11)
     motion.place(*begin[:3], begin[3:])
     budget = BUDGET / (MEMORY if motion.memory is not None else 1.0)
@@ -289,7 +295,7 @@ def _eventual(problem, motion, near):
     return float(np.mean(rows[-max(1, cycles // 10) :, Column.MEAN_VELOCITY]))
 
 
-def _relaxation(problem):
+def relaxation_rate(problem):
     """Return the rate per radian at which v relaxes: damper, plus friction force over the range of surface speeds."""
     reach = float(np.max(tangential_amplitude(problem.paths, np.arange(problem.contacts)))) + 1e-300
     return problem.tangential_damping + 0.3 * full_friction(problem) / reach

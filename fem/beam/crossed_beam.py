@@ -175,12 +175,12 @@ class CrossedBeam:
             wave = self.wave
             wavelength = wave.phase_velocity / wave.frequency
             parts = []
-            for members, near in _pieces(s, row.transducers, CLEAR * wavelength):
+            for members, near in near_and_between(s, row.transducers, CLEAR * wavelength):
                 if near or np.count_nonzero(members) <= FEW:
                     parts.append((members, evaluate(s[members], t[members])))
                 else:
                     step = wavelength / PER_WAVELENGTH
-                    parts.append((members, _interpolated(evaluate, s[members], t[members], step)))
+                    parts.append((members, interpolated_on_grid(evaluate, s[members], t[members], step)))
             values = np.empty((len(parts[0][1]), len(s)), dtype=complex)
             for members, part in parts:
                 values[:, members] = part
@@ -188,16 +188,22 @@ class CrossedBeam:
         return evaluate(s, t).reshape(-1, *x.shape)
 
 
-def _pieces(s: np.ndarray, transducers: tuple[Transducer, ...], clear: float) -> list[tuple[np.ndarray, bool]]:
-    """Split the points by s into those near a transducer and those between: masks, each with True for "near"."""
+def near_and_between(s: np.ndarray, transducers: tuple[Transducer, ...], clear: float) -> list[tuple[np.ndarray, bool]]:
+    """Split points by their s (m) into those within ``clear`` (m) of a transducer's extent and those between.
+
+    Returns pairs of a mask over the points and True for "near".
+    """
     edges = np.array([each.extent + clear * np.array([-1, 1]) for each in transducers])
     edges = np.maximum.accumulate(edges[np.argsort(edges[:, 0])].ravel())
     piece = np.searchsorted(edges, s)
     return [(piece == number, bool(number % 2)) for number in set(piece.tolist())]
 
 
-def _interpolated(evaluate, s: np.ndarray, t: np.ndarray, step: float) -> np.ndarray:
-    """Values at many points, interpolated from a grid whose lines are ``step`` apart, in m."""
+def interpolated_on_grid(evaluate, s: np.ndarray, t: np.ndarray, step: float) -> np.ndarray:
+    """Interpolate ``evaluate(s, t)``, shape (components, points), from a grid whose lines are ``step`` apart.
+
+    ``s``, ``t`` and ``step`` are in m; splines of order 5.
+    """
     from scipy.ndimage import map_coordinates
 
     lines = [

@@ -72,7 +72,7 @@ MAX_REFINEMENTS = 3
 MAX_BASIS_SHARE = 0.8
 
 
-class _Poles(NamedTuple):
+class Poles(NamedTuple):
     """Modes of both directions at one k_y.
 
     ``wavenumbers`` (modes,) are in rad/m; ``right`` is True for modes that run to the right, ``surface`` for those of
@@ -96,7 +96,7 @@ class CutSource:
         A charge, or a force along x or z.
     section : Section
         Section with all fields, but without the layers of elements for the finger edges.
-    reduced : _Reduced
+    reduced : ReducedSection
         Matrices of the section on a reduced basis.
     frequency : float
         Hz.
@@ -106,16 +106,18 @@ class CutSource:
         True if the field is that of the surface wave alone.
     static : float
         As in `LineSource`; here 0, because the modes contain the pole at k = 0.
+    kept_poles : dict
+        Poles at the nodes of the rules that were integrated so far, by the number of nodes and the last node.
     """
 
     section: Section = field(repr=False)
-    reduced: "_Reduced" = field(repr=False)
+    reduced: "ReducedSection" = field(repr=False)
     frequency: float
     wavenumber: float
     surface_only: bool = False
     static: float = 0.0
     load: Load = "charge"
-    _spectra: dict = field(default_factory=dict, repr=False, compare=False)
+    kept_poles: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def error(self) -> float:
@@ -127,19 +129,14 @@ class CutSource:
         """The same source with the surface wave alone."""
         return replace(self, surface_only=True)
 
-    @property
-    def rough(self) -> "CutSource":
-        """The same source on half of the basis: accurate to 1e-3, at a fifth of the cost."""
-        return replace(self, reduced=self.reduced.half, _spectra={})
-
     def loaded(self, load: Load) -> "CutSource":
         """Source of another load in the same section."""
-        return replace(self, load=load, _spectra={})
+        return replace(self, load=load, kept_poles={})
 
     def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
         """`LineSource.surface_wavenumbers`, at real lateral wavenumbers of either sign."""
         sizes, which = np.unique(abs(np.asarray(lateral)), return_inverse=True)
-        poles = self._spectrum(sizes)
+        poles = self.poles_at(sizes)
         forward = np.array([np.mean(each.wavenumbers[each.surface & each.right]) for each in poles])
         backward = np.array([np.mean(each.wavenumbers[each.surface & ~each.right]) for each in poles])
         return np.where(np.asarray(lateral) < 0, -backward[which], forward[which])
@@ -153,7 +150,7 @@ class CutSource:
         """
         low, high = (each * self.wavenumber for each in FADE)
         floats = self.section.floating_potential
-        options = {"cusp": True} if floats else {"max_tilt": TILT_GROUNDED}
+        options: dict = {"cusp": True} if floats else {"max_tilt": TILT_GROUNDED}
         options["coarser"] = spacing * (SPACING_FLOATING if floats else SPACING_GROUNDED)
         narrow = NARROWER * low, NARROWER * high
         rule = lateral_rule(self.wavenumber, rounded_reach(reach), (low, high), mirror_width, narrow=narrow, **options)
@@ -168,9 +165,9 @@ class CutSource:
     def _branches_at(self, rule: LateralRule, distance: float) -> Iterator[Branch]:
         """Waves to both sides at the nodes of a rule, without those that decay within ``distance`` (m)."""
         key = (len(rule.nodes), complex(rule.nodes[-1]))
-        if key not in self._spectra:
-            self._spectra[key] = self._spectrum(rule.nodes)
-        poles = self._spectra[key]
+        if key not in self.kept_poles:
+            self.kept_poles[key] = self.poles_at(rule.nodes)
+        poles = self.kept_poles[key]
         for side in (1, -1):
             for sign in (1, -1):
                 along, motion = [], []
@@ -186,8 +183,11 @@ class CutSource:
                     k[: len(some), node], u[:, : len(some), node] = some, moved.T
                 yield Branch(side, rule, k, u, ((sign, np.ones(3)),))
 
-    def _spectrum(self, nodes) -> list[_Poles]:
-        """Modes at every node; the surface wave is followed from k_y = 0 on, so that nodes must be close together."""
+    def poles_at(self, nodes) -> list[Poles]:
+        """Modes at lateral wavenumbers ``nodes``, rad/m.
+
+        The surface wave is followed from the first node on, so that nodes must be close together.
+        """
         out, surface_wavenumber = [], self.wavenumber
         for node in nodes:
             lateral = max(abs(node), NEARLY_ZERO * self.wavenumber) * (node / abs(node) if node else 1.0)
@@ -195,13 +195,13 @@ class CutSource:
             # to the opposite side of its lateral phase: by Im k_y at 45 degrees, the limit of this module.
             allowed = abs(np.imag(lateral)) + GROWTH * self.wavenumber
             out.append(
-                self._poles(*self.reduced.modes(lateral), surface_wavenumber, allowed * self.section.length_unit)
+                self.select_poles(*self.reduced.modes(lateral), surface_wavenumber, allowed * self.section.length_unit)
             )
             surface_waves = out[-1].wavenumbers[out[-1].surface & out[-1].right]
             surface_wavenumber = next(iter(surface_waves), surface_wavenumber)
         return out
 
-    def _poles(self, k, shapes, left, carried, expected: complex, allowed: float) -> _Poles:
+    def select_poles(self, k, shapes, left, carried, expected: complex, allowed: float) -> Poles:
         """Select the forward modes that are not local, and identify the surface wave among them.
 
         A mode is right-going if its power flows to the right or, if it hardly propagates, if it decays to the right.
@@ -238,21 +238,22 @@ class CutSource:
         shapes, left = factors * (self.reduced.surface @ shapes), factors.conj() * left
         scale, at = load_scale(section.solid, self.load), SURFACE_FIELDS.index(LOADED[self.load])
         column, row = scale * shapes[:3] * left[at], scale * shapes[at] * left[:3]
-        return _Poles(k[kept] / unit, right[kept], surface[kept], column.T[kept], row.T[kept])
+        return Poles(k[kept] / unit, right[kept], surface[kept], column.T[kept], row.T[kept])
 
 
-def _surface(section: Section) -> list[int]:
+def surface_unknowns(section: Section) -> list[int]:
     """Numbers of the unknowns u_x, u_y, u_z and, in a piezoelectric solid, phi at the surface."""
     return [section.surface_dofs[name] for name in SURFACE_FIELDS if name in section.surface_dofs]
 
 
-class _Polynomials(NamedTuple):
+class LateralPolynomials(NamedTuple):
     """Coefficients of K2, K1, K1t and K0 - omega^2 M as quadratic polynomials of k_y in rad/m."""
 
     coefficients: list[tuple]
 
     @classmethod
-    def of(cls, section: Section, frequency: float, wavenumber: float) -> "_Polynomials":
+    def of(cls, section: Section, frequency: float, wavenumber: float) -> "LateralPolynomials":
+        """Fit the polynomials of a section at a frequency in Hz, through k_y = 0 and plus and minus ``wavenumber``."""
         step = wavenumber * section.length_unit
         matrices = (section.lateral_matrices(frequency, sign * step) for sign in (-1, 0, 1))
         return cls(
@@ -266,9 +267,9 @@ class _Polynomials(NamedTuple):
         """The four matrices at a lateral wavenumber in rad/m."""
         return [a + lateral * (b + lateral * c) for a, b, c in self.coefficients]
 
-    def projected(self, basis: np.ndarray) -> "_Polynomials":
+    def projected(self, basis: np.ndarray) -> "LateralPolynomials":
         """The polynomials projected on a basis."""
-        return _Polynomials([tuple(basis.T @ each @ basis for each in parts) for parts in self.coefficients])
+        return LateralPolynomials([tuple(basis.T @ each @ basis for each in parts) for parts in self.coefficients])
 
     def operator(self, along: complex, lateral: complex) -> np.ndarray:
         """L at a wave vector: k_x in radians per length unit, k_y in rad/m."""
@@ -279,29 +280,31 @@ class _Polynomials(NamedTuple):
         )
 
 
-class _Reduced(NamedTuple):
-    """Section on a reduced basis (n, r).  The basis is real, so that reciprocity and the sign of losses are kept."""
+class ReducedSection(NamedTuple):
+    """Section on a reduced basis.  The basis is real, so that reciprocity and the sign of losses are kept.
+
+    Attributes
+    ----------
+    basis : ndarray, shape (n, r)
+        Columns over the n unknowns of the section, orthonormal.
+    matrices : LateralPolynomials
+        Matrices of the section, projected on the basis.
+    surface : ndarray, shape (4, r)
+        u_x, u_y, u_z and phi at the surface.
+    odd : ndarray of bool, shape (r,), or None
+        Parity of the columns under x -> -x, where that is a symmetry.
+    opposite : bool
+        True if y -> -y is a symmetry, so that k and -k are modes together.
+    error : float
+        Relative error of the response at wave vectors between those that made the basis.
+    """
 
     basis: np.ndarray
-    matrices: _Polynomials
-    surface: np.ndarray  # (4, r): u_x, u_y, u_z and phi at the surface
-    odd: np.ndarray | None  # (r,): parity of the columns under x -> -x, where that is a symmetry
-    opposite: bool  # whether y -> -y is a symmetry, so that k and -k are modes together
-    error: float  # of the response at wave vectors between those that made the basis, relative
-
-    @property
-    def half(self) -> "_Reduced":
-        """The same on the half of the vectors of each parity with the largest singular values."""
-        odd = np.zeros(len(self.surface.T), dtype=bool) if self.odd is None else self.odd
-        groups = [np.flatnonzero(odd), np.flatnonzero(~odd)]
-        kept = np.concatenate([each[: (len(each) + 1) // 2] for each in groups])
-        matrices = [tuple(each[np.ix_(kept, kept)] for each in parts) for parts in self.matrices.coefficients]
-        return self._replace(
-            basis=self.basis[:, kept],
-            matrices=_Polynomials(matrices),
-            surface=self.surface[:, kept],
-            odd=None if self.odd is None else self.odd[kept],
-        )
+    matrices: LateralPolynomials
+    surface: np.ndarray
+    odd: np.ndarray | None
+    opposite: bool
+    error: float
 
     def response(self, along: complex, lateral: complex) -> np.ndarray:
         """Fields at the surface for unit loads at the surface, (4, 4)."""
@@ -334,13 +337,13 @@ class _Reduced(NamedTuple):
         return k.real[grows & (abs(k.imag) < NEARLY_REAL * abs(k.real)) & (abs(k) < SIZES[1] * surface_wavenumber)]
 
 
-def _reduced(section: Section, frequency: float, wavenumber: float, singular: float) -> _Reduced:
+def _reduced(section: Section, frequency: float, wavenumber: float, singular: float) -> ReducedSection:
     """Reduce a section to the fields of unit loads on its surface at wave vectors within a disc.
 
     The number of wave vectors is doubled until the reduced response agrees with the section's at others between them.
     Responses at the wavenumbers of modes that grow are added until none does.
     """
-    whole, surface, snapshots = _Polynomials.of(section, frequency, wavenumber), _surface(section), []
+    whole, surface, snapshots = LateralPolynomials.of(section, frequency, wavenumber), surface_unknowns(section), []
     loads, odd = np.eye(section.size)[:, surface], section.lateral_odd
     groups = [np.ones(section.size, dtype=bool)] if odd is None else [odd, ~odd]
     scale = wavenumber * np.exp(1j * TILT)
@@ -361,7 +364,7 @@ def _reduced(section: Section, frequency: float, wavenumber: float, singular: fl
         basis = np.hstack(columns)
         parity = None if odd is None else np.arange(basis.shape[1]) < columns[0].shape[1]
         opposite = section.solid.mirror_y is not None
-        reduced = _Reduced(basis, whole.projected(basis), basis[surface], parity, opposite, np.inf)
+        reduced = ReducedSection(basis, whole.projected(basis), basis[surface], parity, opposite, np.inf)
         largest_error = 0.0
         for trial in trials:
             true = np.linalg.solve(whole.operator(*vector(*trial)), loads)[surface]
@@ -401,7 +404,8 @@ def _singular_vectors(fields: np.ndarray, group: np.ndarray, section: Section, s
     exact = exact[:, np.any(exact, axis=0)]
     exact = exact / np.linalg.norm(exact, axis=0)
     own = own - exact @ (exact.T @ own)
-    vectors, values, _ = np.linalg.svd(np.linalg.qr(own.T, mode="r").T, full_matrices=False)
+    triangular = np.asarray(np.linalg.qr(own.T, mode="r"))
+    vectors, values, _ = np.linalg.svd(triangular.T, full_matrices=False)
     kept = np.hstack([exact, vectors[:, values > singular * values[0]]])
     out = np.zeros((len(fields), kept.shape[1]))
     out[group] = kept

@@ -176,7 +176,7 @@ class Faces:
             for amplitudes, k, face in ((to_right, forward, self.length), (to_left, -backward, 0.0))
         )
         r_0 = end_reflection(modes, self.ends, 0, kept)
-        mirror_images = modes.section.lateral_odd is not None
+        mirror_images = modes.section.full.lateral_odd is not None
         r_l = r_0 if mirror_images else end_reflection(modes, self.ends, 1, kept)
         # E of the waves to the right and to the left, whose wavenumbers differ without mirror symmetry
         e_right, e_left = (np.exp(-1j * each[kept] * self.length)[:, None] for each in (forward, backward))
@@ -184,7 +184,7 @@ class Faces:
         c = np.linalg.solve(np.eye(len(kept)) - round_trip, r_0[kept] @ (b + e_left * (r_l[kept] @ a)))  # (2)
         from_right = r_l @ (a + e_right * c)  # (1), all modes
         from_left = r_0 @ (b + e_left * from_right[kept])
-        rows = [modes.section.surface_dofs[name] for name in ("ux", "uy", "uz")]
+        rows = [modes.section.full.surface_dofs[name] for name in ("ux", "uy", "uz")]
         # Where y -> -y is a symmetry the unknown of u_y is u_y / i.
         factors = np.array([1.0, 1.0 if modes.section.solid.mirror_y is None else 1j, 1.0])[:, None]
         motion = [
@@ -263,7 +263,7 @@ def _turned_modes(fields: PortFields, source: LineSource) -> _TurnedModes:
     k2, k1, _, _ = section.lateral_matrices(fields.frequency, 0.0)
     k1_prime = section.lateral_matrices(fields.frequency, 1.0)[1] - k1
     u_x, u_y, u_z, phi = (column[column >= 0] for column in section.dofs.T)
-    tangential, _, normal, potential = (column[column >= 0] for column in plane.section.dofs.T)
+    tangential, _, normal, potential = (column[column >= 0] for column in plane.section.full.dofs.T)
     shear_wavenumbers, w = shear_modes(section, fields.frequency)
     moving, count = plane.wavenumbers != 0, plane.section.size
     k = np.append(plane.wavenumbers, shear_wavenumbers)

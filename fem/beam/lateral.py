@@ -192,7 +192,7 @@ def inverse_transform(
     return total
 
 
-def wavenumber_along(wavenumbers: complex | np.ndarray, lateral: np.ndarray) -> np.ndarray:
+def wavenumber_along(wavenumbers: complex | np.ndarray, lateral: complex | np.ndarray) -> np.ndarray:
     """Wavenumbers along x, kappa = (k^2 - k_y^2)^(1/2), of modes that run to the right.
 
     Parameters

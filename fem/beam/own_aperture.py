@@ -86,8 +86,13 @@ def section_potential(source: LineSource, distances: np.ndarray) -> np.ndarray:
     return np.exp(-1j * np.outer(distances, source.wavenumbers)) @ source.potential + source.slope * distances
 
 
-def _between_mirrors(k: complex, aperture: float, x: np.ndarray, width: float, highest: float) -> np.ndarray:
-    """Mean of a mode over the aperture between mirrors, a sum over k_y = 2 pi n / width, minus the section's value."""
+def mirrored_mode_mean(k: complex, aperture: float, x: np.ndarray, width: float, highest: float) -> np.ndarray:
+    """Mean of a mode over the aperture between two mirrors, minus its value in the plane section.
+
+    The mean is a sum over k_y = 2 pi n / width up to ``highest``. ``k`` and ``highest`` are in rad/m, ``aperture``, the
+    distances ``x`` (n,) along the propagation and the distance ``width`` of the mirrors in m. The mode has a unit
+    amplitude, so that the result, shape (n,), has no unit.
+    """
     lateral = np.arange(1, int(highest * width / (2 * np.pi))) * (2 * np.pi / width)
     along = wavenumber_along(k, lateral)
     shares = 2 / (aperture * width) * sheet_spectrum(aperture, lateral) ** 2 * turned(k, along)
@@ -101,7 +106,7 @@ def image_potential(source: LineSource, aperture: float, x: np.ndarray, width: f
     slow = abs(k) < highest / WIDEST * SLOW  # the other modes decay before they reach the mirrors
     part = source.some(slow)
     total = sum(
-        potential * _between_mirrors(each, aperture, x, width, highest)
+        potential * mirrored_mode_mean(each, aperture, x, width, highest)
         for each, potential in zip(part.wavenumbers, part.potential, strict=True)
     )
     alone = StripPotential(part, x, aperture)(np.array([aperture]))[0]
@@ -126,33 +131,40 @@ def finger_coupling(
 ) -> Coupling:
     """Change of a transducer's potentials by its own charges, for sheets of the given lengths (m).
 
-    D_ab(x) of the module docstring is tabulated at all distances between points on two fingers and averaged over them
-    with the weights of a charge, 1 / ACROSS each, and of a unit dipole, x / sum x^2.
+    D_ab(x) of equation (1) is evaluated at all distances between points on two fingers and averaged over them with the
+    weights of a charge, 1 / ACROSS each, and of a unit dipole, x / sum x^2.
     """
     half, count = transducer.finger_width / 2, len(transducer.signs)
     across = half * np.cos(np.pi * (np.arange(ACROSS) + 0.5) / ACROSS)
-    apart = np.arange(1 - count, count) * transducer.pitch
-    distances = abs(apart[:, None, None] + np.subtract.outer(across, across))
+    offsets = np.arange(1 - count, count) * transducer.pitch
+    distances = abs(offsets[:, None, None] + np.subtract.outer(across, across))
     # A point's distance to itself is replaced by the one for which the rule gives the exact mean of log |x| over two
     # densities 1 / sqrt(1 - s^2).
     distances[count - 1][np.eye(ACROSS, dtype=bool)] = half / (ACROSS * 2 ** (2 - 1 / ACROSS))
-    different, which = np.unique(distances.round(12), return_inverse=True)
-    line, strips = section_potential(source, different), _strip_potential(source, tuple(different), lengths[0])
-    sums, gaps = (np.add.outer(lengths, lengths) / 2, abs(np.subtract.outer(lengths, lengths)) / 2)
-    spans, number = np.unique(np.concatenate([[0.0], sums.ravel(), gaps.ravel()]).round(12), return_inverse=True)
-    change = np.zeros((len(spans), len(different)), dtype=complex)
-    change[1:] = strips(spans[1:]) - np.multiply.outer(spans[1:], line)
-    of_sums, of_gaps = np.split(number[1:], 2)
-    between = (change[of_sums] - change[of_gaps]).reshape(*sums.shape, -1)
+    distinct, number = np.unique(distances.round(12), return_inverse=True)
+    change = _change_of_potential(source, lengths, distinct)
+    if mirror_width is not None:
+        images = image_potential(source, transducer.aperture, distinct, mirror_width)
+        change += np.multiply.outer(np.outer(lengths, lengths) / transducer.aperture, images)
+    change = change[..., number.reshape(distances.shape)]  # (sheets, sheets, offsets, ACROSS, ACROSS)
+    charge, dipole = np.full(ACROSS, 1 / ACROSS), across / np.sum(across**2)
+    pairs = ((charge, charge), (charge, dipole), (dipole, dipole))
+    charges, mixed, moments = (change @ right @ left for left, right in pairs)
+    return Coupling(charges, mixed, moments, polarisability(source, transducer.finger_width))
+
+
+def _change_of_potential(source: LineSource, lengths: np.ndarray, distances: np.ndarray) -> np.ndarray:
+    """D_ab of equation (1) in V m per C/m at distances in m, shape (sheets, sheets, distances)."""
+    line, strips = section_potential(source, distances), _strip_potential(source, tuple(distances), lengths[0])
+    sums, differences = (np.add.outer(lengths, lengths) / 2, abs(np.subtract.outer(lengths, lengths)) / 2)
+    spans = np.concatenate([[0.0], sums.ravel(), differences.ravel()]).round(12)  # a and b of all pairs of sheets
+    distinct, number = np.unique(spans, return_inverse=True)
+    terms = np.zeros((len(distinct), len(distances)), dtype=complex)  # T(a) - a Z; 0 for a = 0
+    terms[1:] = strips(distinct[1:]) - np.multiply.outer(distinct[1:], line)
+    of_sums, of_differences = np.split(number[1:], 2)
+    change = (terms[of_sums] - terms[of_differences]).reshape(*sums.shape, -1)
     # The zero of the potential is arbitrary if the section floats.  For fingers without net charge it cancels, but only
     # after a loss of digits, so that it is subtracted here.
     if source.slope:
-        between -= np.multiply.outer(np.outer(lengths, lengths), between[0, 0].mean(keepdims=True)) / lengths[0] ** 2
-    if mirror_width is not None:
-        images = image_potential(source, transducer.aperture, different, mirror_width)
-        between += np.multiply.outer(np.outer(lengths, lengths) / transducer.aperture, images)
-    between = between[..., which.reshape(distances.shape)]
-    charge, dipole = np.full(ACROSS, 1 / ACROSS), across / np.sum(across**2)
-    pairs = ((charge, charge), (charge, dipole), (dipole, dipole))
-    charges, mixed, moments = (between @ right @ left for left, right in pairs)
-    return Coupling(charges, mixed, moments, polarisability(source, transducer.finger_width))
+        change -= np.multiply.outer(np.outer(lengths, lengths), change[0, 0].mean(keepdims=True)) / lengths[0] ** 2
+    return change

@@ -8,7 +8,7 @@ from fem.circuit import Drive, as_drive
 from fem.geometry import Stator, Transducer, turn
 
 PARALLEL = 1e-9  # rad; transducers whose angles differ by less are parallel
-# Periods added to the length of a rotated row, so that the grid of `crossed_beam._interpolated` lies on its stator.
+# Periods added to the length of a rotated row: the grid of `crossed_beam.interpolated_on_grid` lies on its stator.
 ROOM = 4.0
 
 

@@ -171,7 +171,7 @@ class SurfaceBeam:
             static = self._returned(*(each.ravel() for each in np.broadcast_arrays(x, y)), self.faces.static)
             rule = rule + abs(static[0, 0]).reshape(size.shape) / size
         places, where = np.unique(np.broadcast_to(x, size.shape), return_inverse=True)
-        of_places = (self.wave.motion(places), self._beyond_the_modes(places))
+        of_places = (self.wave.motion(places), self.motion_beyond_modes(places))
         section, left_out = (abs(each).max(axis=0)[where.reshape(size.shape)] for each in of_places)
         left_out = np.maximum(left_out, self.source.error * section)
         if self.strips:  # transducers receive less than in the section, where beams do not spread
@@ -271,14 +271,8 @@ class SurfaceBeam:
         )
 
     def with_side_faces(self, width: float | None) -> "SurfaceBeam":
-        """Beam of the same charges between mirrors ``width`` (m) apart, or without mirrors if None.
-
-        It is for estimates, accurate to 1e-3, because the source is a rough one (`CutSource.rough`).
-        """
-        if width == self.mirror_width and self.source.rough is self.source:
-            return self
-        strips = tuple(each._replace(source=each.source.rough) for each in self.strips)
-        return replace(self, mirror_width=width, source=self.source.rough, strips=strips)
+        """Beam of the same charges between mirrors ``width`` (m) apart, or without mirrors if None."""
+        return replace(self, mirror_width=width)
 
     def with_longer_fingers(self, periods: float) -> "SurfaceBeam":
         """The same charges per length on fingers that are longer at both ends, by a part of their period."""
@@ -400,7 +394,7 @@ class SurfaceBeam:
         within = abs(y - centers) < lengths / 2
         if self.strips:
             within &= nearest >= len(self.charges)
-        return np.insert(self._beyond_the_modes(places), 1, 0.0, axis=0)[:, column] * within
+        return np.insert(self.motion_beyond_modes(places), 1, 0.0, axis=0)[:, column] * within
 
     def _distances(self, x) -> np.ndarray:
         """Distance along x from each point to the nearest charge or force, m."""
@@ -427,8 +421,11 @@ class SurfaceBeam:
             ratios.append(np.where(distance < wavelength, 1.0, spread))
         return np.minimum(np.max(ratios, axis=0), 1.0)
 
-    def _beyond_the_modes(self, places) -> np.ndarray:
-        """Motion of the section minus that of the modes at k_y = 0 by the same charges, shape (2, places)."""
+    def motion_beyond_modes(self, places) -> np.ndarray:
+        """Motion of the section at ``places`` (m) minus that of the modes at k_y = 0 by the same charges.
+
+        Shape (2, places): u_x and u_z in m. It measures what the modes of the beam leave out.
+        """
         rest = self.wave.motion(places)
         for emitter in self._section_emitters:
             rest -= emitter.plane_waves(places, self.wavelength).T[[0, 2]]

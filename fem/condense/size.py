@@ -1,6 +1,7 @@
 """Size of a driven stator's discretised problem: the steps of `fem.condense.transducer` are counted, not computed."""
 
 from dataclasses import dataclass, field
+from typing import cast
 
 import numpy as np
 
@@ -110,7 +111,7 @@ def stator_size(
     scale = min(each.finger_width / 2 for each in row)
     section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
     count = _Count(section, frequency)
-    pieces = transducer_superelements(count, stator, row, resolution)
+    pieces = cast("list[_Counted]", transducer_superelements(count, stator, row, resolution))  # what `count` makes
     meshes = {
         contents: assembled(
             piece,

@@ -146,7 +146,7 @@ class Section:
 
     def surface_share(self, shapes: np.ndarray) -> np.ndarray:
         """Squared motion at the surface over its integral through the depth."""
-        inside = self._motion_weights @ abs(shapes) ** 2
+        inside = self.motion_weights @ abs(shapes) ** 2
         above = np.sum(abs(self.surface_rows @ shapes) ** 2, axis=0)
         return np.divide(above, inside, out=np.zeros_like(inside), where=inside > 0)  # the constant potential: 0
 
@@ -177,8 +177,11 @@ class Section:
         return columns[columns >= 0]
 
     @cached_property
-    def _motion_weights(self) -> np.ndarray:
-        """Quadrature weights of the displacements over the depth (stretched if absorbing), (size,); zero for phi."""
+    def motion_weights(self) -> np.ndarray:
+        """Quadrature weights of the displacements over the depth, (size,), in length units; zero for phi.
+
+        In an absorbing layer the depth is that of the stretched coordinate, in absolute value.
+        """
         weights = np.zeros(len(self.dofs))
         lumped = reference_matrices(self.order).mass.sum(axis=1)
         for element, height in enumerate(abs(self.heights)):
@@ -232,7 +235,7 @@ class Section:
         second, first, zeroth = sums
         return second, first, zeroth
 
-    def lateral_matrices(self, frequency: float, wavenumber: float) -> tuple[np.ndarray, ...]:
+    def lateral_matrices(self, frequency: float, wavenumber: complex) -> tuple[np.ndarray, ...]:
         """Matrices of a uniform segment for fields that vary as exp(-i k_y y), k_y in radians per length unit.
 
         K2, K1, its counterpart in the test functions (K1(-k_y)^T; K1^T where y -> -y is a symmetry, because the odd

@@ -94,7 +94,7 @@ class Medium:
                 return odd
         return None
 
-    def lateral(self, wavenumber: float) -> "LateralTables":
+    def lateral(self, wavenumber: complex) -> "LateralTables":
         """Return the terms of a lateral wavenumber in radians per length unit."""
         if self.mirror_y is None:
             xy, zy = -1j * wavenumber * self.xy, -1j * wavenumber * self.zy

@@ -130,8 +130,8 @@ def anisotropic(
     return Solid(
         name=name,
         source=source,
-        stiffness=stiffness,
-        coupling=coupling,
+        stiffness=_table("stiffness", stiffness, _UNITS["stiffness"]),
+        coupling=_table("coupling", coupling, _UNITS["coupling"]),
         permittivity=_positive_definite("permittivity", relative, "relative to vacuum") * VACUUM_PERMITTIVITY,
         density=density,
         mechanical_quality=mechanical_quality,

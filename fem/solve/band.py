@@ -281,7 +281,9 @@ def _attempt(problem: BandProblem, level_tolerance: float) -> tuple[Band, float]
     worst = max(check.worst for check in checks)
     growth = max(1.0, worst / checks[0].here / ESTIMATE_EXCESS)
     level_error = growth * wave.relative_error
-    model, motion_error, admittance_error = _reduced(problem, nodes, checks, worst, problem.tolerance - level_error)
+    model, motion_error, admittance_error = reduced_model(
+        problem, nodes, checks, worst, problem.tolerance - level_error
+    )
     # an error of a piece's matrix acts through the waves that the piece sends back
     piece_error = max(1.0, worst / checks[0].here) * model.piece_error
     band = Band(
@@ -313,7 +315,7 @@ class _Check:
         return cls(solution=solution, motion=surface.motion(problem.places), here=here, worst=worst)
 
 
-def _reduced(
+def reduced_model(
     problem: BandProblem, nodes: NodeSolutions, checks: list[_Check], worst: float, motion_allowance: float
 ) -> tuple[ReducedModel, float, float]:
     """Project on the fewest fields that reproduce the checks; return the model and its errors of motion and admittance.
@@ -328,7 +330,7 @@ def _reduced(
         last = truncation <= LAST_TRUNCATION * min(problem.tolerance, 1e-3)
         model = project(problem, nodes, truncation)
         try:
-            errors = _errors(model, problem, checks, worst)
+            errors = reduction_errors(model, problem, checks, worst)
         except ConvergenceError:  # too few fields to represent the ends
             if last:
                 raise
@@ -338,8 +340,14 @@ def _reduced(
         truncation *= TRUNCATION_STEP
 
 
-def _errors(model: ReducedModel, problem: BandProblem, checks: list[_Check], worst: float) -> tuple[float, float]:
-    """Errors of a reduced model's motion and admittance at the worst frequency of the band."""
+def reduction_errors(
+    model: ReducedModel, problem: BandProblem, checks: list[_Check], worst: float
+) -> tuple[float, float]:
+    """Relative errors of a reduced model's motion and admittance at the worst frequency of the band.
+
+    Each check compares the model with a full solution at its frequency, where resonances amplify by ``check.here``; at
+    the worst frequency they amplify by ``worst``.
+    """
     unamplified = []
     for check in checks:
         solution = driven_solution(model.row(check.solution.fields.frequency).solved(), problem.drive)

@@ -12,6 +12,7 @@ from fem.analytic.half_space import rayleigh
 from fem.convergence_error import refuse_above
 from fem.discretize.error_estimate import LEVELS, refine
 from fem.discretize.grading import Resolution
+from fem.geometry import Above
 from fem.materials import Solid
 from fem.waveguide.grating import Grating, StopBand, grating
 
@@ -43,7 +44,7 @@ class CellParameters:
     solid: Solid
     period: float
     metallisation: float
-    above: str
+    above: Above
     free_velocity: float
     metallised_velocity: float
     shorted: StopBand
@@ -63,7 +64,7 @@ class CellParameters:
 
 
 def cell_parameters(
-    solid: Solid, *, period: float, metallisation: float, above: str = "none", tolerance: float
+    solid: Solid, *, period: float, metallisation: float, above: Above = "none", tolerance: float
 ) -> CellParameters:
     """Velocities, stop bands, reflectivity, K2 and capacitance of a periodic transducer's cells.
 

@@ -210,7 +210,7 @@ def guided_modes(
     largest = motion[np.arange(len(resolved)), abs(motion).argmax(axis=1)]
     return SegmentModes(
         frequency=float(modes.frequency),
-        lateral_wavenumber=float(lateral / unit),
+        lateral_wavenumber=float(lateral.real / unit),  # here k_y is real
         wavenumbers=modes.wavenumbers[resolved] / unit,
         surface=np.flatnonzero(np.isin(resolved, modes.rayleigh)),
         depth=section.nodes[section.body],

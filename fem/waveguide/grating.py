@@ -32,7 +32,7 @@ from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes, lagrange_weights
-from fem.geometry import Stator, Transducer
+from fem.geometry import Above, Stator, Transducer
 from fem.input_error import InputError
 from fem.materials import Solid, fields
 from fem.materials.christoffel import slowest_wavelength
@@ -213,7 +213,7 @@ def _coupling(cell: FingerColumns) -> tuple[np.ndarray, np.ndarray]:
     return matrix[at.left, at.left] + matrix[at.right, at.right], matrix[at.left, at.right]
 
 
-def grating(solid: Solid, *, period: float, metallisation: float, above: str, resolution: Resolution) -> Grating:
+def grating(solid: Solid, *, period: float, metallisation: float, above: Above, resolution: Resolution) -> Grating:
     """Discretise one cell of an infinite grating on a half-space.
 
     Parameters

@@ -51,7 +51,7 @@ class GuidedModes:
     left_flux: np.ndarray = field(repr=False)
     # k_y in radians per length unit, of fields that vary as exp(-i k_y y).  Where y -> -y is a symmetry of
     # the solid, the unknowns that change sign (u_y) are u_y / i.
-    lateral_wavenumber: float = 0.0
+    lateral_wavenumber: complex = 0.0
 
     @cached_property
     def _symmetric_matrices(self) -> tuple[np.ndarray, ...]:
@@ -63,7 +63,7 @@ class GuidedModes:
                 "the radiation impedance at a lateral wavenumber is known where y -> -y is a symmetry of the solid; "
                 "this cut has no such symmetry"
             )
-        second, first, _, zeroth = self.section.lateral_matrices(self.frequency, self.lateral_wavenumber)
+        second, first, _, zeroth = self.section.full.lateral_matrices(self.frequency, self.lateral_wavenumber)
         return second, first, zeroth
 
     @cached_property
@@ -132,7 +132,7 @@ def power(displacement: np.ndarray, flux: np.ndarray, frequency: float) -> np.nd
     return -np.pi * frequency * np.imag(np.sum(flux * np.conj(displacement), axis=0))
 
 
-def guided_modes(section: LineSpace, frequency: float, lateral_wavenumber: float = 0.0) -> GuidedModes:
+def guided_modes(section: LineSpace, frequency: float, lateral_wavenumber: complex = 0.0) -> GuidedModes:
     """All modes of a uniform segment with a bare surface at a frequency in Hz.
 
     ``lateral_wavenumber``: k_y in radians per length unit; it takes a `Section` with all fields (``lateral=True`` in
@@ -141,7 +141,7 @@ def guided_modes(section: LineSpace, frequency: float, lateral_wavenumber: float
     if lateral_wavenumber:
         if section is not section.full:
             raise ValueError("modes at a lateral wavenumber need the full section: solve one frequency, not a band")
-        second, first, adjoint, zeroth = section.lateral_matrices(frequency, lateral_wavenumber)
+        second, first, adjoint, zeroth = section.full.lateral_matrices(frequency, lateral_wavenumber)
         skew = first - adjoint
     else:
         second, first, zeroth = section.matrices(frequency)
@@ -178,9 +178,9 @@ def guided_modes(section: LineSpace, frequency: float, lateral_wavenumber: float
     )
 
 
-def _odd(section: LineSpace, lateral_wavenumber: float) -> np.ndarray | None:
+def _odd(section: LineSpace, lateral_wavenumber: complex) -> np.ndarray | None:
     """Unknowns that change sign under x -> -x, where that is a symmetry."""
-    return section.lateral_odd if lateral_wavenumber else section.odd
+    return section.full.lateral_odd if lateral_wavenumber else section.odd
 
 
 def _flux(second, first, wavenumbers, shapes):

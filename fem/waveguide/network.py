@@ -17,6 +17,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -165,6 +166,45 @@ class _Segment:
         )
 
 
+class _Scattered(NamedTuple):
+    """Response of a scatterer in the row.
+
+    The columns are the m coupling modes that arrive from the left, those that arrive from the right, and the ports that
+    determine its potentials.
+    """
+
+    element: Element
+    sides: np.ndarray  # (2 n + ports of the piece, columns)
+    incoming: np.ndarray  # (2 n, columns): the part of the lines that comes in
+
+
+def _scattered(
+    scatterer: Scatterer, ports: np.ndarray, before: _Segment, after: _Segment, excitations: int
+) -> _Scattered:
+    """Response of a scatterer between two segments; ``ports``: those of the network that determine its potentials."""
+    modes, at = scatterer.modes, Blocks(scatterer.modes.section.size)
+    m, count = len(before.kept), len(before.kept) + len(after.kept)
+    incoming = np.zeros((2 * at.size, count + len(ports)), dtype=complex)
+    incoming[at.left, :m] = modes.right[:, before.kept] * before.arriving("right")
+    incoming[at.right, m:count] = modes.left[:, after.kept] * after.arriving("left")
+    potentials = np.zeros((len(scatterer.potentials), count + len(ports)))
+    potentials[:, count:] = scatterer.potentials
+    lines = scatterer.sides(incoming, potentials)
+    # What the piece sends is the field of its lines less the incoming part.  The amplitudes of the coupling modes in it
+    # are the scattering matrix, the first ``count`` columns, and the excitation by the ports.
+    outgoing = lines - incoming
+    sent = np.concatenate([before.sent("left", outgoing[at.left]), after.sent("right", outgoing[at.right])])
+    excitation = np.zeros((count, excitations), dtype=complex)
+    excitation[:, ports] = sent[:, count:]
+    element = Element(
+        scattering=sent[:, :count],
+        excitation=excitation,
+        leaves=np.append(before.left, after.right),
+        arrives=np.append(before.right, after.left),
+    )
+    return _Scattered(element, np.concatenate([lines, potentials]), incoming)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Network:
     """Scatterers in a row between two ends."""
@@ -258,50 +298,29 @@ class Network:
         """
         if any(scatterer.piece.size == 0 for scatterer in self.scatterers):
             return self._solve_whole(waves)
-        modes, ports, at = self.modes, len(self.ports), Blocks(self.modes.section.size)
-        segments, excitations = self._coupled_segments(waves), len(self.ports) + 2 * len(waves)
+        ports = len(self.ports)
+        segments, excitations = self._coupled_segments(waves), ports + 2 * len(waves)
         # segments[-side] is the first segment (segments[0]) at the left end, side 0, and the last one at the right end
         sent_back = [self._sent_back(side, segments[-side].kept) for side in (0, 1)]
         elements = [self._end(side, segments[-side], sent_back[side], excitations) for side in (0, 1)]
-        answers = []
-        for scatterer, mine, before, after in zip(self.scatterers, self.numbers, segments, segments[1:], strict=False):
-            # Columns of a scatterer's response: the m coupling modes that arrive from the left, those that arrive from
-            # the right (together `count`), and the ports that determine its potentials.
-            m, count = len(before.kept), len(before.kept) + len(after.kept)
-            incoming = np.zeros((2 * at.size, count + len(mine)), dtype=complex)
-            incoming[at.left, :m] = modes.right[:, before.kept] * before.arriving("right")
-            incoming[at.right, m:count] = modes.left[:, after.kept] * after.arriving("left")
-            potentials = np.zeros((len(scatterer.potentials), count + len(mine)))
-            potentials[:, count:] = scatterer.potentials
-            lines = scatterer.sides(incoming, potentials)
-            # What the piece sends is the field of its lines less the incoming part. The amplitudes of the coupling
-            # modes in it are the scattering matrix, first `count` columns, and the excitation by the ports.
-            out = lines - incoming
-            sent = np.concatenate([before.sent("left", out[at.left]), after.sent("right", out[at.right])])
-            excitation = np.zeros((count, excitations), dtype=complex)
-            excitation[:, mine] = sent[:, count:]
-            elements.append(
-                Element(
-                    scattering=sent[:, :count],
-                    excitation=excitation,
-                    leaves=np.append(before.left, after.right),
-                    arrives=np.append(before.right, after.left),
-                )
+        responses = [
+            _scattered(scatterer, own_ports, before, after, excitations)
+            for scatterer, own_ports, before, after in zip(
+                self.scatterers, self.numbers, segments, segments[1:], strict=False
             )
-            answers.append((np.concatenate([lines, potentials]), incoming))
+        ]
+        elements += [each.element for each in responses]
         solved = solve_row(elements, outside=self._outside(segments, waves, excitations))
 
-        # Superposition: the responses above, weighted by the amplitudes that arrive and by one for the excited port.
-        of_scatterers = elements[2:]  # the first two are the ends
+        # Superposition: the responses, weighted by the amplitudes that arrive and by one for the excited port.
         sides, arrived = [], []
         reactions = np.zeros((ports, excitations), dtype=complex)
-        for scatterer, mine, element, (answer, incoming) in zip(
-            self.scatterers, self.numbers, of_scatterers, answers, strict=True
-        ):
-            weights = np.concatenate([solved.arriving[element.arrives], np.eye(ports, excitations)[mine]])
-            sides.append(answer @ weights)
-            arrived.append(incoming @ weights)
-            reactions[mine] += scatterer.reactions(sides[-1])
+        for scatterer, own_ports, response in zip(self.scatterers, self.numbers, responses, strict=True):
+            arriving = solved.arriving[response.element.arrives]
+            weights = np.concatenate([arriving, np.eye(ports, excitations)[own_ports]])
+            sides.append(response.sides @ weights)
+            arrived.append(response.incoming @ weights)
+            reactions[own_ports] += scatterer.reactions(sides[-1])
         from_ends = [
             sent @ (segments[-side].arriving(towards)[:, None] * solved.arriving[elements[side].arrives])
             for side, (towards, sent) in enumerate(zip(("left", "right"), sent_back, strict=True))

@@ -88,7 +88,7 @@ class StatorRow:
         weights[:, : len(names)] /= medium.potential_unit
         charge_unit = medium.stress_unit / medium.potential_unit
         currents = charge_currents(charges[voltage] @ weights * charge_unit, self.frequency)
-        _refuse_a_source(currents[:, : len(names)], names)
+        check_passive(currents[:, : len(names)], names)
         fields = solution.weighted(weights)
         return PortFields(
             **vars(fields),
@@ -325,7 +325,7 @@ def _force_port(force: LineForce, unit: float) -> Port:
     )
 
 
-def _refuse_a_source(admittances: np.ndarray, names: tuple[str, ...]) -> None:
+def check_passive(admittances: np.ndarray, names: tuple[str, ...]) -> None:
     """Raise a ConvergenceError if an admittance matrix is not passive, beyond rounding and discretisation errors."""
     if not len(names):
         return

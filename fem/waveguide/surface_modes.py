@@ -15,7 +15,7 @@ TWIN_SHARE = 0.4
 
 
 def surface_modes(
-    wavenumbers: np.ndarray, share: np.ndarray, expected: float | None, lateral_wavenumber: float = 0.0
+    wavenumbers: np.ndarray, share: np.ndarray, expected: float | None, lateral_wavenumber: complex = 0.0
 ) -> np.ndarray:
     """Select the surface wave among modes that propagate in one direction: their indices, most localised first.
 
@@ -27,7 +27,7 @@ def surface_modes(
         Squared motion at the surface over its integral through the depth.
     expected : float or None
         Approximate sqrt(k_x^2 + k_y^2) of the surface wave, such as that of the half-space, if it is known.
-    lateral_wavenumber : float
+    lateral_wavenumber : complex
         k_y.
     """
     localised = share

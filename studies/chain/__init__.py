@@ -3,7 +3,7 @@
 ``run`` answers a scene (`studies.chain.runs`), a `studies.chain.predictor.Predictor` the same scene for other values.
 """
 
-__all__ = ["run"]
+__all__ = ["run"]  # noqa: F822 - `__getattr__` finds it
 
 
 def __getattr__(name: str):

@@ -59,7 +59,7 @@ def loads_on_wave(record: Record) -> list[list[tuple]]:
     how = "averaged equilibrium of the contacts on a wave that they load (elastic law)"
     voltages = np.unique([point["voltage_V"] for point in record.points if point["voltage_V"] > 0.0])
     some = voltages[np.unique(np.linspace(0, voltages.size - 1, LOADS).round().astype(int))] if voltages.size else ()
-    sizes = _loaded(record, some)
+    sizes = wave_load(record, some)
     for own, point in zip(rows, record.points, strict=True):
         if point["voltage_V"] > 0.0:
             size = float(np.interp(point["voltage_V"], some, sizes))
@@ -67,7 +67,7 @@ def loads_on_wave(record: Record) -> list[list[tuple]]:
     return rows
 
 
-def _loaded(record: Record, voltages) -> list[float]:
+def wave_load(record: Record, voltages) -> list[float]:
     """Return the relative changes of a wave that passes below the slider, in a strip as wide as the aperture.
 
     If the averaged equilibrium does not converge, the change is the loading number, which approximates the phase that

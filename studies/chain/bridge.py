@@ -110,8 +110,8 @@ class DrivenContact:
         ``motion``: of the surface, of which sliders on pillars need more than the orbits.
         """
         places, slider = scene.places, scene.slider
-        tangential, normal, _, _ = solved.at[places[0]]
-        amplitudes, passing = (abs(normal), abs(tangential)), None
+        first, passing = solved.at[places[0]], None
+        amplitudes = abs(first.normal), abs(first.tangential)
         if scene.on_pillars:
             from studies.chain.slider_wave import mean_amplitudes, stator_wave
 
@@ -119,7 +119,7 @@ class DrivenContact:
             amplitudes = mean_amplitudes(slider, passing[0])
         return cls(
             scene=scene, orbits=() if slider is None else solved.orbits(slider.places), solved=solved, passing=passing,
-            amplitudes=amplitudes, stator_error=max(solved.at[place][2] for place in places),
+            amplitudes=amplitudes, stator_error=max(solved.at[place].relative_error for place in places),
         )  # fmt: skip
 
     @classmethod

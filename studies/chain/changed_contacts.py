@@ -86,7 +86,7 @@ class ChangedContacts(ChangedScenes):
         SceneError
             If the text or the physics refuses a value.
         RunError
-            If the stator misses its tolerance.
+            If the stator misses its tolerance, or the model does not resolve the motion under a contact.
         """
         scene, stator = self.resolved(changes)
         if stator is None:
@@ -98,6 +98,9 @@ class ChangedContacts(ChangedScenes):
             if shared == places:
                 raise
             solved = self._solution(stator, places, step)
+        refusals = [solved.at[place].refusal for place in places if solved.at[place].refusal]
+        if refusals and scene.slider is not None:
+            raise RunError(refusals[0])
         motion = self.motion(stator, places, self._goal(stator, places, step)) if scene.on_pillars else None
         return DrivenContact.of_stator(scene, solved, motion)
 
@@ -138,7 +141,7 @@ class ChangedContacts(ChangedScenes):
     def ring_up(self, driven: DrivenContact) -> RingUp | None:
         """Return how the surface's motion grows and fades in a burst; None with a given wave and under a transducer."""
         center = driven.scene.slider.center
-        if driven.scene.burst is None or driven.solved is None or driven.solved.at[center][-1]:
+        if driven.scene.burst is None or driven.solved is None or driven.solved.at[center].covered:
             return None
         alone = stator_alone(driven.scene)
         bursting = replace(alone, drive=replace(alone.drive, burst=driven.scene.burst))

@@ -58,18 +58,16 @@ class ChangedScenes:
             computed_circuit = scene.drive.match == "auto" or scene.drive.recovery is not None
             spread = computed_circuit and fem_model.diffracts(scene)
             stator = self._stator(scene.stator, scene.transducer, scene.piece, at_one_volt(scene.drive), spread)
-            resolve.refuse_gaps(scene)
-            if scene.crossed:
-                resolve.refuse_covered(replace(scene, transducer=stator.transducer))
             drive = replace(stator.drive, voltage=scene.levels, burst=scene.drive.burst)
             blocks = {"stator": stator.stator, "transducer": stator.transducer, "drive": drive}
         if scene.slider is not None:
             on = None if scene.slider.ball is None else scene.stator
             blocks["slider"] = self._slider(scene.slider, on)
-            if scene.burst is not None:
-                resolve.refuse_endless_burst(scene, float((stator or scene).frequency))
-        same = all(getattr(scene, key) == each for key, each in blocks.items())
-        return scene if same else replace(scene, **blocks), stator
+        if not all(getattr(scene, key) == each for key, each in blocks.items()):
+            scene = replace(scene, **blocks)
+        if scene.slider is not None:
+            resolve.check_slider(scene)
+        return scene, stator
 
     def _read(self, name: str, changes: tuple) -> Any:
         """Return a block with some keys changed, or why it is refused."""

@@ -36,21 +36,15 @@ def resolved(scene: Scene, *, spread: bool | None = None) -> Scene:
         if scene.transducer:
             scene = _with_source_numbers(scene)
         _check_layout(scene)
-        refuse_gaps(scene)
         if scene.crossed:
             scene = replace(scene, stator=replace(scene.stator, diffraction=True))
-        if scene.transducer:
-            scene = _with_circuit(scene, spread)
-    if scene.slider is None:
-        return scene
-    if scene.burst is not None:
-        refuse_endless_burst(scene, scene.frequency)
-    scene = replace(scene, slider=resolved_slider(scene.slider, scene.stator))
-    if scene.slider.pillars is not None:
-        from studies.chain.pillars import check_pillars
-
-        check_pillars(scene)
-    tolerances(scene)
+    if scene.slider is not None:
+        scene = replace(scene, slider=resolved_slider(scene.slider, scene.stator))
+        check_slider(scene)
+    if scene.transducer:
+        scene = _with_circuit(scene, spread)
+    if scene.slider is not None:
+        tolerances(scene)
     return scene
 
 
@@ -153,12 +147,23 @@ def _check_layout(scene: Scene) -> None:
     if not fem.isotropic_about_normal(block.solid):
         rule = "may be rotated, or stand beside the middle line, only in solids isotropic about z, unlike this cut of"
         raise SceneError("transducer", f"{rule} {block.solid.name}")
-    refuse_covered(scene)
 
 
-def refuse_gaps(scene: Scene) -> None:
+def check_slider(scene: Scene) -> None:
+    """Refuse a resolved slider that stands where it cannot, or whose burst takes too long to compute."""
+    _refuse_gaps(scene)
+    _refuse_covered(scene)
+    if scene.burst is not None:
+        _refuse_endless_burst(scene)
+    if scene.slider.pillars is not None:
+        from studies.chain.pillars import check_pillars
+
+        check_pillars(scene)
+
+
+def _refuse_gaps(scene: Scene) -> None:
     """Raise a SceneError if a contact lies on a meshed piece where this has no plain surface."""
-    if scene.slider is None or not scene.piece:
+    if not scene.piece:
         return
     reached = [(x, x) for x, _ in scene.slider.places]
     if scene.slider.pillars is not None:
@@ -173,19 +178,20 @@ def refuse_gaps(scene: Scene) -> None:
                 raise SceneError("slider.position", f"{rule} no plain surface at z = 0, got some at {got} mm")
 
 
-def refuse_covered(scene: Scene) -> None:
+def _refuse_covered(scene: Scene) -> None:
     """Raise a SceneError if a contact lies on a rotated transducer."""
-    row = transducers(scene)
-    for place in () if scene.slider is None else scene.slider.places:
-        for each, block in zip(row, scene.transducer, strict=True):
-            if block.turned and fem.covers(each, place):
-                where = f"({place[0] * 1e3:g}, {place[1] * 1e3:g}) mm"
-                raise SceneError("slider.position", f"must keep the contacts off {each.name!r}, got one at {where}")
+    if not scene.crossed:
+        return
+    for each, block in zip(transducers(scene), scene.transducer, strict=True):
+        for x, y in scene.slider.places if block.turned else ():
+            if fem.covers(each, (x, y)):
+                rule = f"must keep the contacts off {each.name!r}, got one at ({x * 1e3:g}, {y * 1e3:g}) mm"
+                raise SceneError("slider.position", rule)
 
 
-def refuse_endless_burst(scene: Scene, frequency: float) -> None:
+def _refuse_endless_burst(scene: Scene) -> None:
     """Raise a SceneError if a burst takes longer than an hour to compute; the message names the longest duration."""
-    slider = scene.slider
+    slider, frequency = scene.slider, scene.frequency
     every_event = slider.remembers or slider.reciprocal or slider.stick_band > 0
     method = slider.method if slider.method in CYCLE_SECONDS else "averaged" if scene.wave is not None else "stepped"
     if every_event and method != "stepped":

@@ -14,7 +14,6 @@ from pathlib import Path
 
 import fem
 from studies.chain import resolve
-from studies.chain.blocks import amplitude_blocks, node, surface_columns, unresolved, wave_block
 from studies.chain.bridge import DrivenContact
 from studies.chain.changed_contacts import ChangedContacts
 from studies.chain.electrical import electrical_block, with_powers
@@ -24,6 +23,7 @@ from studies.chain.model_error import with_model_error
 from studies.chain.points import SHARE, SliderAnswer, slider_answer
 from studies.chain.ring_up import RingUp
 from studies.chain.solved_stator import SolvedStator, stator_alone
+from studies.chain.surface_blocks import amplitude_blocks, node, surface_columns, unresolved, wave_block
 from studies.chain.surface_motion import SurfaceMotion
 from studies.chain.warnings import warnings_of
 from studies.record import Record
@@ -125,8 +125,8 @@ def _driven(scene: Scene, contacts: ChangedContacts) -> Record:
         blocks = answer.blocks(tolerance)
         # under pillars the centre is one place of many
         vanished = "" if scene.slider.pillars is not None else node(motion, places)
-        if still := vanished or unresolved(motion, places):
-            blocks |= {"shortfall": still, "refused": True}
+        if refusal := vanished or unresolved(motion, places):
+            blocks |= {"shortfall": f"no answer: {refusal}", "refused": True}
     if motion.beam is not None:
         scene = replace(scene, stator=replace(scene.stator, diffraction=True))
     electrical = electrical_block(scene, motion)

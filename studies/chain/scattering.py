@@ -1,6 +1,7 @@
 """S-parameters of a scene's transducers: what a network analyser would measure between them."""
 
 import logging
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -63,7 +64,9 @@ def network(
     return result
 
 
-def scattering_matrix(scene: Scene, at: Any, reference: float, tolerance: float, progress: Any) -> Any:
+def scattering_matrix(
+    scene: Scene, at: np.ndarray, reference: float, tolerance: float, progress: Callable[[str], None]
+) -> tuple[list[str], Any, np.ndarray]:
     """Return names, `fem.PortAdmittance` and S, (frequencies, ports, ports), of a resolved scene in its order."""
     names = [each.name for each in scene.transducer if each.has_two_combs]
     ports = port_admittances(scene, at, tolerance, progress)

@@ -2,8 +2,10 @@
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import NamedTuple
 
 import contact
+from studies.chain.surface_blocks import unresolved
 from studies.chain.surface_motion import SurfaceMotion
 from studies.scene import Scene
 from studies.scene.drive import Drive
@@ -19,12 +21,21 @@ def of_stator(key: str) -> bool:
     return own and key not in ("drive.voltage", "drive.power", "drive.burst")
 
 
+class PlaceAnswer(NamedTuple):
+    """Motion of the surface at one place, per volt of the source."""
+
+    tangential: complex  # u_x, m per V
+    normal: complex  # u_z, m per V
+    relative_error: float
+    covered: bool  # whether it lies under a transducer
+    refusal: str  # why the motion there is no answer; empty where it is one
+
+
 @dataclass(frozen=True, kw_only=True)
 class SolvedStator:
     """Motion at some places and admittance of a solved stator, per volt of the source."""
 
-    # by place (x, y) in m: u_x and u_z in m per V, relative error, whether it lies under a transducer
-    at: dict[tuple[float, float], tuple[complex, complex, float, bool]]
+    at: dict[tuple[float, float], PlaceAnswer]  # by place (x, y) in m
     frequency: float  # Hz
     admittance: complex  # S
     power: float  # mean, from all sources into the stator, W per V^2
@@ -34,18 +45,20 @@ class SolvedStator:
         """Evaluate a surface motion at places (x, y) in m; ``coarse``: it is that of the coarsest discretisation."""
         tangential, _, normal = motion.at(places)
         errors = [COARSE_ERROR] * len(places) if coarse else motion.errors(places)
-        covered = map(motion.covered, places)
-        rows = zip(map(complex, tangential), map(complex, normal), map(float, errors), covered, strict=True)
+        at = {}
+        for place, u_x, u_z, error in zip(places, tangential, normal, errors, strict=True):
+            covered, refusal = motion.covered(place), unresolved(motion, [place])
+            at[place] = PlaceAnswer(complex(u_x), complex(u_z), float(error), covered, refusal)
         return cls(
-            at=dict(zip(places, rows, strict=True)), frequency=float(motion.wave.frequency),
+            at=at, frequency=float(motion.wave.frequency),
             admittance=motion.circuit.admittance, power=motion.circuit.power,
         )  # fmt: skip
 
     def orbits(self, places) -> tuple:
         """Return the contact.Orbit of 1 V at some of the places."""
         return tuple(
-            contact.Orbit(frequency=self.frequency, tangential=tangential, normal=normal)
-            for tangential, normal, _, _ in (self.at[place] for place in places)
+            contact.Orbit(frequency=self.frequency, tangential=each.tangential, normal=each.normal)
+            for each in (self.at[place] for place in places)
         )
 
 

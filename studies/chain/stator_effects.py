@@ -39,7 +39,7 @@ Rows = Iterator[tuple]  # effect, quantity, size, source and, for a size that is
 
 def stator_effects(record: Record) -> Rows:
     """Yield the neglected effects on u_z; they do not depend on the level."""
-    for each in (_aperture, _finger_ends, _vacuum, _electrode_mass):
+    for each in (_aperture, _finger_ends, vacuum_effect, _electrode_mass):
         yield from each(record)
 
 
@@ -69,9 +69,8 @@ def _aperture(record: Record) -> Rows:
         yield from _crossed(record, places)
         return
     beam, at = motion.beam, tuple(zip(*places, strict=True))
-    same, other = map(beam.with_side_faces, (beam.mirror_width, None if block.mirror_width else block.width))
-    as_modelled = motion.at(places) if same is beam else same.motion(*at)
-    ratios = abs(other.motion(*at)[2] / as_modelled[2])
+    other = beam.with_side_faces(None if block.mirror_width else block.width)
+    ratios = abs(other.motion(*at)[2] / motion.at(places)[2])
     worst = max((float(each) - 1 for each in ratios), key=abs)
     how = "the beam with side faces that reflect like mirrors, compared with the beam without side faces"
     yield "side faces", "u_z", worst, how
@@ -134,7 +133,7 @@ def _finger_ends(record: Record) -> Rows:
     yield effect, "u_z", remainder, f"error that remains with static charge at the ends, {ceramic}"
 
 
-def _vacuum(record: Record) -> Rows:
+def vacuum_effect(record: Record) -> Rows:
     """Yield the effect of the field in the vacuum on u_z, which is of second order.
 
     The charges grow by the share eps_0 / eps_p, and the potential of the wave, to which they couple, falls by as much.

@@ -80,7 +80,8 @@ def averaged(contacts: list[tuple]) -> list[tuple]:
     number of orbits are computed in one compiled loop (`contact.steady_sweep`).  The regime is "unknown" where
     averaging does not apply.  The loop takes the threads that SAWMOTOR_THREADS allows, by default all processors.
     """
-    threads = int(os.environ.get("SAWMOTOR_THREADS", 0)) or None
+    wanted = os.environ.get("SAWMOTOR_THREADS", "")
+    threads = int(wanted) if wanted.isdecimal() and int(wanted) else None
     answers: list[tuple] = [()] * len(contacts)
     for count in {len(orbits) for _, orbits, _, _ in contacts}:
         members = [at for at, each in enumerate(contacts) if len(each[1]) == count]

@@ -22,6 +22,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="velocity, thrust, efficiency or step_resolution; twice for the front of two goals",
     )
     parser.add_argument(
+        "--minimise",
+        action="append",
+        default=[],
+        metavar="GOAL",
+        help="power_W, contact_pressure, normal_amplitude or a key of --over: with --subject 'velocity >= 50 mm/s' the "
+        "least that reaches a velocity",
+    )
+    parser.add_argument(
         "--over",
         action="extend",
         nargs="+",
@@ -52,8 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def call(arguments: argparse.Namespace) -> int:
     """Search for the best motor within ranges; print it and leave its scene beside all evaluations."""
-    from studies.inverse.design_report import draw_design, write_design
-    from studies.inverse.goals import read_constraint, read_variable
+    from studies.inverse.goals import LEAST, read_constraint, read_variable
     from studies.inverse.optimum import Options
     from studies.inverse.optimum import design as search
 
@@ -64,7 +71,7 @@ def call(arguments: argparse.Namespace) -> int:
     with Progress() as progress:
         optimum = search(
             table,
-            arguments.maximise,
+            [*arguments.maximise, *(LEAST + name for name in arguments.minimise)],
             variables,
             [read_constraint(text) for text in arguments.subject],
             options=Options(
@@ -74,7 +81,6 @@ def call(arguments: argparse.Namespace) -> int:
             ),
             progress=progress,
         )
-        write_design(optimum, out)
-        draw_design(optimum, out / "design.png")
+        optimum.write(out)
     print_answer(arguments, optimum.to_dict(), f"{optimum}\n{'results':<16}{out}")
     return 0

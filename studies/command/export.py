@@ -2,8 +2,8 @@
 
 import argparse
 import re
-from collections.abc import Callable
 from contextlib import nullcontext
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -88,13 +88,18 @@ def call(arguments: argparse.Namespace) -> int:
     return 0
 
 
-# by format: pattern of its files' endings, and the options of the command that it takes beside the scene's own
+# by format: pattern of its files' endings, module of studies.export that writes it, and the options of the command that
+# it takes beside the scene's own
 FORMATS = {
-    "fmu": (r"\.fmu", ("fmi",)), "c": (r"\.[ch]", ()), "gds": (r"\.gds", ("size",)), "dxf": (r"\.dxf", ("size",)),
-    "uff": (r"\.uff", ("scan", "band", "noise", "seed")),
-    "csv": (r"\.csv", ("scan", "band", "noise", "seed", "bandwidth", "sampling")),
-    "touchstone": (r"\.s\d+p", ("band", "z0", "noise", "seed")), "vtu": (r"\.vtu", ()),
-}  # fmt: skip
+    "fmu": (r"\.fmu", "simulators", ("fmi",)),
+    "c": (r"\.[ch]", "simulators", ()),
+    "gds": (r"\.gds", "mask_files", ("size",)),
+    "dxf": (r"\.dxf", "mask_files", ("size",)),
+    "uff": (r"\.uff", "instruments", ("scan", "band", "noise", "seed")),
+    "csv": (r"\.csv", "instruments", ("scan", "band", "noise", "seed", "bandwidth", "sampling")),
+    "touchstone": (r"\.s\d+p", "instruments", ("band", "z0", "noise", "seed")),
+    "vtu": (r"\.vtu", "instruments", ()),
+}
 
 
 def names_file(out: Path, arguments: argparse.Namespace, scene: Scene) -> bool:
@@ -106,7 +111,7 @@ def names_file(out: Path, arguments: argparse.Namespace, scene: Scene) -> bool:
         If the file exists, is of another format, or would be one of several that need each other.
     """
     suffix, wanted = out.suffix.lower(), arguments.format
-    known = [name for name, (pattern, _) in FORMATS.items() if re.fullmatch(pattern, suffix)]
+    known = [name for name, (pattern, *_) in FORMATS.items() if re.fullmatch(pattern, suffix)]
     if not known or (out.is_dir() and read_manifest(out)):
         return False
     if wanted not in known:
@@ -128,14 +133,9 @@ def names_file(out: Path, arguments: argparse.Namespace, scene: Scene) -> bool:
 
 def exported(arguments: argparse.Namespace, scene: Scene, name: str, *, tolerance: float, progress) -> Exported:
     """Return what a call of the command exports, nothing written; options that a format does not take are refused."""
-    from studies.export import instruments, mask_files, simulators
+    from studies.export import instruments
     from studies.report.explanation import announced
 
-    calls: dict[str, Callable[..., Exported]] = {
-        "fmu": simulators.fmu_files, "c": simulators.c_files, "gds": mask_files.gds_files, "dxf": mask_files.dxf_files,
-        "uff": instruments.uff_files, "csv": instruments.csv_files, "touchstone": instruments.touchstone_files,
-        "vtu": instruments.vtu_files,
-    }  # fmt: skip
     taken = checked(arguments)
     options: dict[str, Any] = {key: value for key in taken if (value := getattr(arguments, key)) not in (None, [])}
     if arguments.format in ("uff", "csv", "touchstone"):
@@ -143,7 +143,8 @@ def exported(arguments: argparse.Namespace, scene: Scene, name: str, *, toleranc
         options = {"recording": recording}
         if arguments.format == "touchstone" or recording.scan == "frequency":
             say(announced(instruments.expected_seconds(scene, recording, tolerance)))
-    return calls[arguments.format](scene, name, tolerance=tolerance, progress=progress, **options)
+    module = import_module(f"studies.export.{FORMATS[arguments.format][1]}")
+    return getattr(module, f"{arguments.format}_files")(scene, name, tolerance=tolerance, progress=progress, **options)
 
 
 def checked(arguments: argparse.Namespace) -> tuple[str, ...]:
@@ -153,8 +154,8 @@ def checked(arguments: argparse.Namespace) -> tuple[str, ...]:
         raise SceneError("--format", f"is missing; known: {', '.join(FORMATS)}")
     if wanted not in FORMATS:
         raise SceneError("--format", f"{wanted!r} is not one of {', '.join(FORMATS)}{resembling(wanted, FORMATS)}")
-    _, taken = FORMATS[wanted]
-    every = {option for _, options in FORMATS.values() for option in options}
+    *_, taken = FORMATS[wanted]
+    every = {option for *_, options in FORMATS.values() for option in options}
     for option in sorted(every - set(taken)):
         if getattr(arguments, option) not in (None, []):
             raise SceneError(f"--{option}", f"is not taken by the format {wanted}")

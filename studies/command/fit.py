@@ -46,7 +46,7 @@ def call(arguments: argparse.Namespace) -> int:
     from fem import blas_on_one_thread
     from studies.inverse import fit as fitted
     from studies.inverse import read_measurement, read_parameter
-    from studies.inverse.fit_report import draw_fit, write_fit
+    from studies.inverse.fit_picture import draw_fit
 
     tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
     measurements = [read_measurement(file, tuple(settings)) for file, *settings in arguments.data]
@@ -56,7 +56,7 @@ def call(arguments: argparse.Namespace) -> int:
             scene, measurements, parameters, tolerance=tolerance, next_measurements=arguments.next, progress=progress
         )
         if result is not None:
-            write_fit(result_of_fit, result.folder)
+            result_of_fit.write(result.folder)
             result.commit()
             if not (arguments.no_plot or arguments.json):
                 with committed_pictures(result):

@@ -66,7 +66,7 @@ class Version(argparse.Action):
 
 
 def parser(wanted: str | None = None) -> Call:
-    """Return the parser of the whole command; of a command that is ``asked`` for by name, its arguments alone."""
+    """Return the parser of the whole command; of a command that is ``wanted``, its arguments alone."""
     top = Call(
         prog="sawmotor",
         description="Surface-acoustic-wave motors from drive voltage to slider velocity.",

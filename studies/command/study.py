@@ -70,21 +70,13 @@ def call(arguments: argparse.Namespace) -> int:
         origin = Origin(kind="study", name=f"{arguments.name} of {scene.name}", source=scene.source)
         name = f"{name}-{scene.name}"
     out = results_folder(arguments, name)
+    arguments.over = read_axes(arguments.over) or None
+    options = {key: value for key in COMMAND_OPTIONS if (value := getattr(arguments, key)) is not None}
     if not arguments.quick:
         say(announced(expected_seconds(arguments.name, arguments.scene)))
     with result_directory(out, origin, named_by_user=arguments.out is not None) as result, Progress() as progress:
         done = run_study(
-            arguments.name,
-            arguments.scene,
-            result.folder,
-            progress=progress,
-            over=read_axes(arguments.over),
-            options={
-                name: value
-                for name in COMMAND_OPTIONS
-                if name != "over" and (value := getattr(arguments, name)) is not None
-            },
-            quick=arguments.quick,
+            arguments.name, arguments.scene, result.folder, progress=progress, options=options, quick=arguments.quick
         )
         result.commit()
         with committed_pictures(result):

@@ -1,10 +1,16 @@
 """``sawmotor sweep``: many points of one scene, here, on processes or on a Dask cluster."""
 
 import argparse
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
 
 from studies.command.options import add_shared
-from studies.command.output import results_folder
+from studies.command.output import print_answer, results_folder, say
 from studies.command.scene_argument import changed_file, read_tolerance
+from studies.progress import Progress
+from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, RunError, SceneError
 from studies.scene import scene_path
 from studies.scene.override import read_axes
 
@@ -30,8 +36,54 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def call(arguments: argparse.Namespace) -> int:
     """Compute what is missing of a sweep's points, and say what they came to."""
-    from studies.sweeps.answer import run_sweep
+    from studies.record.status import Status
+    from studies.sweeps import sweep
 
-    table = changed_file(arguments).table
-    out = results_folder(arguments, f"{scene_path(arguments.scene).stem}-sweep")
-    return run_sweep(arguments, table, read_axes(arguments.over), read_tolerance(arguments.tolerance), out)
+    table, over = changed_file(arguments).table, read_axes(arguments.over)
+    tolerance, also = (
+        read_tolerance(arguments.tolerance),
+        tuple(filter(None, map(str.strip, arguments.also.split(",")))),
+    )
+    axes = over if arguments.points is None else [Path(arguments.points), over]
+    say(_moving_periods(table, over))
+    say(_expected_time(table, axes, tolerance))
+    with Progress() as progress:
+        result = sweep(
+            table, axes, tolerance=tolerance, also=also, progress=progress.points,
+            out=results_folder(arguments, f"{scene_path(arguments.scene).stem}-sweep"),
+            workers=arguments.scheduler or arguments.workers,
+        )  # fmt: skip
+    print_answer(arguments, result.summary, str(result))
+    if not result.failed:
+        return 0
+    first = result.summary["reasons"][0]
+    say([f"{result.failed} of {result.points} points have no answer within the tolerance; point "
+         f"{first['first_point']}: {first['status']}"])  # fmt: skip
+    answered = sum(result.counts.get(kind, 0) for kind in (Status.OK, Status.ABOVE_TOLERANCE))
+    return EXIT_INEXACT if answered else EXIT_NO_ANSWER
+
+
+def _expected_time(table: dict, over: Any, tolerance: float) -> tuple[str, ...]:
+    """Return a sentence on the expected time of a sweep that takes more than a minute."""
+    from studies.chain.changed_scenes import ChangedScenes
+    from studies.report.explanation import long_sweep
+    from studies.sweeps.plan import designed
+
+    with suppress(SceneError, RunError):  # which the sweep says itself
+        design = designed(table, over, tolerance=tolerance)
+        (first,) = design.values([0])
+        scene = ChangedScenes(table).scene(dict(zip(design.question.keys, first, strict=True)))
+        return long_sweep(scene, tolerance=tolerance, stators=design.stators, points=len(design))
+    return ()
+
+
+def _moving_periods(table: dict, over: dict) -> Iterator[str]:
+    """Yield what is to be known where the frequency moves and takes the transducers' periods with it."""
+    transducers = table.get("transducer", ()) if "drive.frequency" in over else ()
+    automatic = [k for k, each in enumerate(transducers) if each.get("period", "auto") == "auto"]
+    keys = [key for key in (f"transducer.{k}.period" for k in automatic) if key not in over]
+    if keys:
+        yield (
+            'every frequency gets its own transducers, for their period is "auto"; a number at '
+            f"{' and '.join(keys)}, such as that in the scene.toml of a run, keeps them and makes one band of all"
+        )

@@ -66,11 +66,9 @@ def run(*, parts: tuple[str, ...] | None = None, blocks: tuple[str, ...] = tuple
     for name in blocks:
         progress(f"left out: {name}")
         commands.append(_command(name, *COMMANDS[name]))
-    columns = {column: [row[column] for row in rows] for column in rows[0]}
-    saved = {key: [each[key] for each in commands] for key in commands[0]}
     panels = (
-        Panel(name="parts", title="What the parts that are left out would cost", data=columns),
-        Panel(name="blocks", title="What absent blocks save", data=saved),
+        Panel.of_rows("parts", "What the parts that are left out would cost", rows),
+        Panel.of_rows("blocks", "What absent blocks save", commands),
     )
     return panels, _findings(rows, commands)
 

@@ -60,9 +60,8 @@ def run(
                 "tolerance": tolerance, "order": wave.order, "unknowns": wave.unknowns, "seconds": seconds,
                 "relative_error": abs(wave.velocity / exact.velocity - 1), "stated": wave.relative_error,
             })  # fmt: skip
-        data = {key: [row[key] for row in rows] for key in rows[0]}
         name = material.split()[0].replace("-", "_")
-        panels.append(Panel(name=f"convergence_{name}", title=title, data=data))
+        panels.append(Panel.of_rows(f"convergence_{name}", title, rows))
         depth = -wave.depth * FREQUENCY / exact.velocity
         near = depth <= SHOWN
         meshed, analytic = wave.profile[near, :3], exact.profile(depth[near])[0]

@@ -6,8 +6,9 @@ from importlib.resources import files
 import numpy as np
 
 from studies.export import reduced_motor
-from studies.export.averaged_motor import DIGITS, AveragedMotor
 from studies.export.c_translation import c_source
+from studies.export.force_grid import DIGITS
+from studies.export.motor_model import AveragedMotor
 
 PREFIX = "model_"
 SOURCES = files("studies.export") / "sources"

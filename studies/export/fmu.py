@@ -16,8 +16,8 @@ from io import BytesIO
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
-from studies.export.averaged_motor import AveragedMotor
 from studies.export.c_source import description, header, source, source_text, token
+from studies.export.motor_model import AveragedMotor
 from studies.refusal import RunError
 from studies.results.content import provenance
 

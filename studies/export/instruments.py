@@ -16,7 +16,8 @@ from studies.chain.scattering import reference_impedance, scattering_matrix
 from studies.export.exported import Exported
 from studies.lab.csv_columns import csv_text
 from studies.lab.encoder import recorded, travelled_distance
-from studies.lab.scan import Scan, scan_csv, scan_uff
+from studies.lab.scan import Scan, scan_csv
+from studies.lab.scan_uff import scan_uff
 from studies.record.quantities import quantity
 from studies.refusal import SceneError
 from studies.report.explanation import band_seconds
@@ -35,30 +36,17 @@ COARSE = 2  # points per wavelength of an area: places enough for the beam, not 
 
 @dataclass(frozen=True, kw_only=True)
 class Recording:
-    """How instruments record, in the words of the command.
+    """How instruments record, in the words of the command."""
 
-    Attributes
-    ----------
-    scan : str or None
-        What a vibrometer scans. "x": from the driven transducer to the next one or the stator's end, 8 points per
-        wavelength; "y": across the beam at the slider; "xy": an area; "frequency": at the slider, over ``band``.
-    band : str or None
-        START:STOP:N in MHz.
-    noise, seed : str or None, int or None
-        Share of the largest value that is the standard deviation of each real number, and the seed of the noise.
-    bandwidth, sampling : str or None
-        Low-pass filter and averaging time of an encoder.
-    z0 : str or None
-        Reference impedance of a network analyser.
-    """
-
+    # What a vibrometer scans. "x": from the driven transducer to the next one or the stator's end, 8 points per
+    # wavelength; "y": across the beam at the slider; "xy": an area; "frequency": at the slider, over `band`
     scan: str | None = None
-    band: str | None = None
-    noise: str | None = None
-    seed: int | None = None
-    bandwidth: str | None = None
-    sampling: str | None = None
-    z0: str | None = None
+    band: str | None = None  # START:STOP:N in MHz
+    noise: str | None = None  # share of the largest value that is the standard deviation of each real number
+    seed: int | None = None  # of the noise
+    bandwidth: str | None = None  # of an encoder's low-pass filter
+    sampling: str | None = None  # averaging time of an encoder
+    z0: str | None = None  # reference impedance of a network analyser
 
     def __post_init__(self) -> None:
         """Refuse a wrong noise before anything is computed."""

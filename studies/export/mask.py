@@ -16,48 +16,30 @@ import numpy as np
 
 import fem
 from studies.chain import fem_model, resolve
-from studies.record.quantities import quantity
-from studies.refusal import SceneError, nearest, needed
+from studies.refusal import SceneError, nearest
 from studies.scene import Scene
 from studies.scene.blocks import Transducer
 from studies.scene.numbers import Quantity
 from studies.scene.override import toml_value
 
 LAYERS = {"fingers": 1, "busbars": 2, "pads": 3, "marks": 10, "outline": 20}
-COMBS = {"+": "plus", "-": "minus", "o": "open"}
 # in periods: largest default side of a pad; distance of a pad from the edge of the chip
 PAD_PERIODS, CLEAR_PERIODS = 4.0, 0.5
 SHOWN_SPANS = 3  # of what meshed pieces draw, in the warning
-MAX_COORDINATE = 2**31 - 1  # largest coordinate of a GDSII file, in units of its precision
-GDS_PRECISION = 1e-9  # m
 
 
 @dataclass(frozen=True, kw_only=True)
 class Sizes:
-    """Dimensions of a mask in m that a scene does not contain. None selects the default for each transducer.
+    """Dimensions of a mask in m that a scene does not contain. None selects the default for each transducer."""
 
-    Attributes
-    ----------
-    busbar : float or None
-        Width of a busbar; by default one period.
-    end_gap : float or None
-        Distance from the end of a finger to the busbar of the other comb; by default the gap between two fingers.
-    pad : float or None
-        Side of a square pad, 0 for none; by default four periods, or less if the chip is too small.
-    mark : float
-        Length of an alignment cross, 0 for none.
-    margin : float
-        Distance from the centre of a cross to the edges of the chip.
-    grid : float
-        Grid of the lithography; the coordinates of all corners are multiples of it.
-    """
-
-    busbar: float | None = None
-    end_gap: float | None = None
-    pad: float | None = None
-    mark: float = 2e-4
-    margin: float = 3e-4
-    grid: float = 5e-9
+    busbar: float | None = None  # width of a busbar; by default one period
+    end_gap: float | None = (
+        None  # from the end of a finger to the other comb's busbar; by default the gap of two fingers
+    )
+    pad: float | None = None  # side of a square pad, 0 for none; by default four periods, less if the chip is too small
+    mark: float = 2e-4  # length of an alignment cross, 0 for none
+    margin: float = 3e-4  # distance from the centre of a cross to the edges of the chip
+    grid: float = 5e-9  # of the lithography; the coordinates of all corners are multiples of it
 
     @classmethod
     def read(cls, settings: list[str]) -> "Sizes":
@@ -146,20 +128,19 @@ def _left_out(stator: fem.Stator) -> str:
 
 def _transducer(block: Transducer, sizes: Sizes, length: float, width: float) -> Iterator[Polygon]:
     """Yield the polygons of a transducer before snapping."""
-    pitch = block.wavelength / (4 if block.split else 2)
-    half_aperture, finger = block.aperture / 2, block.metallisation * pitch
+    pitch, finger = _pitch_and_finger(block)
+    half_aperture = block.aperture / 2
     gap = pitch - finger if sizes.end_gap is None else sizes.end_gap
     busbar = block.wavelength if sizes.busbar is None else sizes.busbar
     signs = block.pattern or ("++--" if block.split else "+-") * block.finger_pairs
     first = -len(signs) * pitch / 2 + (pitch - finger) / 2
     last = first + (len(signs) - 1) * pitch + finger
 
+    along, across = _axes(block)
+
     def polygon(layer: str, comb: str, left: float, right: float, low: float, high: float) -> Polygon:
-        angle = radians(block.angle % 360)
-        # exact for multiples of 90 deg
-        c, s = (each if abs(each) > 1e-12 else 0.0 for each in (cos(angle), sin(angle)))
         box = np.array([[left, low], [right, low], [right, high], [left, high]])
-        corners = np.array(block.place) + box @ np.array([[c, s], [-s, c]])
+        corners = np.array(block.place) + box @ np.array([along, across])
         return Polygon(layer=layer, transducer=block.name, comb=comb, corners=corners)
 
     for k, sign in enumerate(signs):
@@ -181,15 +162,27 @@ def _transducer(block: Transducer, sizes: Sizes, length: float, width: float) ->
             yield polygon("pads", sign, -side / 2, side / 2, *sorted((side_sign * outer, side_sign * (outer + side))))
 
 
+def _axes(block: Transducer) -> tuple[np.ndarray, np.ndarray]:
+    """Return the unit vectors along a transducer's wave and along its fingers, exact for multiples of 90 deg."""
+    angle = radians(block.angle % 360)
+    c, s = (each if abs(each) > 1e-12 else 0.0 for each in (cos(angle), sin(angle)))
+    return np.array([c, s]), np.array([-s, c])
+
+
+def _pitch_and_finger(block: Transducer) -> tuple[float, float]:
+    """Return the distance of neighbouring fingers and the width of one, m."""
+    pitch = block.wavelength / (4 if block.split else 2)
+    return pitch, block.metallisation * pitch
+
+
 def _pad_room(block: Transducer, side_sign: float, outer: float, length: float, width: float) -> float:
     """Return the largest side of a pad in m that keeps the clearance from the edge of the chip."""
-    angle = radians(block.angle % 360)
-    direction = side_sign * np.array([-sin(angle), cos(angle)])
+    direction = side_sign * _axes(block)[1]
     edges = np.array([[0.0, length], [-width / 2, width / 2]])
     distances = [
         (edges[axis, int(direction[axis] > 0)] - block.place[axis]) / direction[axis]
         for axis in (0, 1)
-        if abs(direction[axis]) > 1e-12
+        if direction[axis] != 0.0
     ]
     return max(min(distances) - outer - CLEAR_PERIODS * block.wavelength, 0.0)
 
@@ -223,19 +216,15 @@ def _refuse_outside(polygons, length: float, width: float, sizes: Sizes) -> None
 
 def _refuse_contact(polygons) -> None:
     """Raise an error if polygons of different combs touch."""
-    boxes = np.array([np.concatenate([each.corners.min(axis=0), each.corners.max(axis=0)]) for each in polygons])
+    polygons = sorted(polygons, key=lambda each: each.corners[:, 0].min())
+    low, high = (np.array([end(each.corners, axis=0) for each in polygons]) for end in (np.min, np.max))
     owner = [(each.transducer, each.comb, k if each.comb == "o" else -1) for k, each in enumerate(polygons)]
-    order = np.argsort(boxes[:, 0])
-    for position, k in enumerate(order):
-        later = order[position + 1 :]
-        later = later[: np.searchsorted(boxes[later, 0], boxes[k, 2], side="right")]
-        candidates = later[(boxes[later, 1] <= boxes[k, 3]) & (boxes[later, 3] >= boxes[k, 1])]
-        for other in candidates:
-            one, two = polygons[k], polygons[other]
-            if owner[k] != owner[other] and not apart(one.corners, two.corners):
-                names = " and ".join(f"{each.layer} {each.comb} of {each.transducer!r}" for each in (one, two))
-                rule = f"{names} touch: smaller size.pad, size.busbar or size.grid help"
-                raise SceneError("transducer", rule)
+    boxes_touch = np.all((low[:, None] <= high) & (high[:, None] >= low), axis=2)
+    for k, other in np.argwhere(np.triu(boxes_touch, 1)):
+        one, two = polygons[k], polygons[other]
+        if owner[k] != owner[other] and not apart(one.corners, two.corners):
+            names = " and ".join(f"{each.layer} {each.comb} of {each.transducer!r}" for each in (one, two))
+            raise SceneError("transducer", f"{names} touch: smaller size.pad, size.busbar or size.grid help")
 
 
 def _refuse_covered_marks(polygons) -> None:
@@ -264,94 +253,13 @@ def _finger_errors(blocks, polygons) -> dict[str, float]:
     """Return the largest error of a finger width and the smallest gap after snapping, m."""
     worst, smallest = 0.0, np.inf
     for block in blocks:
-        pitch = block.wavelength / (4 if block.split else 2)
-        angle = radians(block.angle % 360)
-        along = np.array([cos(angle), sin(angle)])
+        along, (_, width) = _axes(block)[0], _pitch_and_finger(block)
         edges = sorted(
             (float((each.corners @ along).min()), float((each.corners @ along).max()))
             for each in polygons
             if each.transducer == block.name and each.layer == "fingers"
         )
-        worst = max(worst, max(abs(right - left - block.metallisation * pitch) for left, right in edges))
+        worst = max(worst, max(abs(right - left - width) for left, right in edges))
         gaps = [after[0] - before[1] for before, after in pairwise(edges)]
         smallest = min([smallest, *gaps])
     return {"width_error": worst, "gap": float(smallest)}
-
-
-def draw(mask: Mask, ax, *, beam: bool) -> None:
-    """Draw a mask into an Axes in mm; ``beam`` says that the Axes already show a computed beam."""
-    from matplotlib.collections import PolyCollection
-
-    colours = {"+": "tab:red", "-": "tab:blue", "o": "tab:grey", "": "black"}
-    for comb, colour in colours.items():
-        corners = [each.corners * 1e3 for each in mask.polygons if each.comb == comb]
-        if corners:
-            face = "none" if comb == "" else colour
-            label = {"": None, "o": "open strips"}.get(comb, f"comb {comb}")
-            ax.add_collection(PolyCollection(corners, facecolors=face, edgecolors=colour, linewidths=0.4, label=label))
-    ax.set_xlim(-0.02e3 * mask.length, 1.02e3 * mask.length)
-    ax.set_ylim(-0.52e3 * mask.width, 0.52e3 * mask.width)
-    ax.set_aspect("equal")
-    ax.set_xlabel(quantity("x_m").axis)
-    ax.set_ylabel(quantity("y_m").axis)
-    ax.legend(loc="lower right", ncols=3, fontsize="small", framealpha=0.85)
-    ax.set_title(f"{mask.title}\nmask{' on the computed beam' if beam else ''}", fontsize="medium")
-
-
-def gds(mask: Mask) -> bytes:
-    """Return the mask as GDSII, unit 1 um: layers of ``LAYERS``, datatypes of `datatype`."""
-    from tempfile import TemporaryDirectory
-
-    gdstk = needed("gdstk", "a mask")
-    precision = min(GDS_PRECISION, mask.grid)
-    if max(mask.length, mask.width) / precision > MAX_COORDINATE:
-        raise SceneError("size.grid", f"must be at least {max(mask.length, mask.width) / MAX_COORDINATE:.2g} m here")
-    library = gdstk.Library("sawmotor", unit=1e-6, precision=precision)
-    cell = library.new_cell("CHIP")
-    for each in mask.polygons:
-        cell.add(gdstk.Polygon(each.corners * 1e6, layer=LAYERS[each.layer], datatype=datatype(mask, each)))
-    for name in mask.transducers:
-        corners = np.vstack([each.corners for each in mask.polygons if each.transducer == name])
-        cell.add(gdstk.Label(name, tuple(corners.mean(axis=0) * 1e6), layer=LAYERS["outline"]))
-    with TemporaryDirectory() as folder:
-        path = f"{folder}/mask.gds"
-        library.write_gds(path)
-        with open(path, "rb") as file:
-            return file.read()
-
-
-def datatype(mask: Mask, polygon: Polygon) -> int:
-    """Return the GDSII datatype: 10 n + 1, 2 or 3 for the comb +, - or o of the n-th transducer; 0 for other parts."""
-    if not polygon.transducer:
-        return 0
-    return 10 * (mask.transducers.index(polygon.transducer) + 1) + list(COMBS).index(polygon.comb) + 1
-
-
-def dxf(mask: Mask) -> bytes:
-    """Return the mask as DXF (R2010), unit 1 um: closed polylines on layers such as FINGERS_left_plus."""
-    from io import StringIO
-
-    ezdxf = needed("ezdxf", "a mask")
-    document = ezdxf.new("R2010")
-    document.units = 13  # micrometres
-    space = document.modelspace()
-    for each in mask.polygons:
-        name = layer_name(each)
-        if name not in document.layers:
-            document.layers.add(name)
-        space.add_lwpolyline(each.corners * 1e6, close=True, dxfattribs={"layer": name})
-    text = StringIO()
-    document.write(text)
-    return text.getvalue().encode("utf-8")
-
-
-def layer_name(polygon: Polygon) -> str:
-    """Return the name of a polygon's layer in a DXF file."""
-    parts = [polygon.layer.upper(), polygon.transducer, COMBS.get(polygon.comb, "")]
-    return "_".join(part for part in parts if part)
-
-
-def layer_table(mask: Mask) -> str:
-    """Return the layers of the GDSII file as CSV."""
-    rows = {(LAYERS[each.layer], datatype(mask, each)): layer_name(each) for each in mask.polygons}
-    return "layer,datatype,name\n" + "".join(f"{layer},{kind},{name}\n" for (layer, kind), name in sorted(rows.items()))

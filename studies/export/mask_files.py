@@ -1,13 +1,21 @@
 """The mask of a scene as a file, and as a picture on the beam that its transducers make."""
 
 from dataclasses import replace
+from io import StringIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from studies.export.exported import Exported
-from studies.export.mask import Mask, Sizes, draw, dxf, gds, layer_table, mask
+from studies.export.mask import LAYERS, Mask, Polygon, Sizes, mask
 from studies.record.quantities import quantity
+from studies.refusal import SceneError, needed
 from studies.scene import Scene
+
+COMBS = {"+": "plus", "-": "minus", "o": "open"}  # in the name of a layer
+MAX_COORDINATE = 2**31 - 1  # largest coordinate of a GDSII file, in units of its precision
+GDS_PRECISION = 1e-9  # m
 
 
 def gds_files(scene: Scene, name: str, *, size: list[str] | None = None, tolerance: float, progress) -> Exported:
@@ -21,6 +29,60 @@ def dxf_files(scene: Scene, name: str, *, size: list[str] | None = None, toleran
     """Return NAME.dxf."""
     drawn = mask(scene, Sizes.read(size or []))
     return _exported(drawn, {f"{name}.dxf": dxf(drawn)}, scene, tolerance, progress)
+
+
+def gds(mask: Mask) -> bytes:
+    """Return the mask as GDSII, unit 1 um: layers of ``LAYERS``, datatypes of `datatype`."""
+    gdstk = needed("gdstk", "a mask")
+    precision = min(GDS_PRECISION, mask.grid)
+    if max(mask.length, mask.width) / precision > MAX_COORDINATE:
+        raise SceneError("size.grid", f"must be at least {max(mask.length, mask.width) / MAX_COORDINATE:.2g} m here")
+    library = gdstk.Library("sawmotor", unit=1e-6, precision=precision)
+    cell = library.new_cell("CHIP")
+    for each in mask.polygons:
+        cell.add(gdstk.Polygon(each.corners * 1e6, layer=LAYERS[each.layer], datatype=datatype(mask, each)))
+    for name in mask.transducers:
+        corners = np.vstack([each.corners for each in mask.polygons if each.transducer == name])
+        cell.add(gdstk.Label(name, tuple(corners.mean(axis=0) * 1e6), layer=LAYERS["outline"]))
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "mask.gds"
+        library.write_gds(str(path))
+        return path.read_bytes()
+
+
+def datatype(mask: Mask, polygon: Polygon) -> int:
+    """Return the GDSII datatype: 10 n + 1, 2 or 3 for the comb +, - or o of the n-th transducer; 0 for other parts."""
+    if not polygon.transducer:
+        return 0
+    return 10 * (mask.transducers.index(polygon.transducer) + 1) + list(COMBS).index(polygon.comb) + 1
+
+
+def dxf(mask: Mask) -> bytes:
+    """Return the mask as DXF (R2010), unit 1 um: closed polylines on layers such as FINGERS_left_plus."""
+    ezdxf = needed("ezdxf", "a mask")
+    document = ezdxf.new("R2010")
+    document.units = 13  # micrometres
+    space = document.modelspace()
+    for each in mask.polygons:
+        name = layer_name(each)
+        if name not in document.layers:
+            document.layers.add(name)
+        space.add_lwpolyline(each.corners * 1e6, close=True, dxfattribs={"layer": name})
+    text = StringIO()
+    document.write(text)
+    return text.getvalue().encode("utf-8")
+
+
+def layer_name(polygon: Polygon) -> str:
+    """Return the name of a polygon's layer in a DXF file."""
+    parts = [polygon.layer.upper(), polygon.transducer, COMBS.get(polygon.comb, "")]
+    return "_".join(part for part in parts if part)
+
+
+def layer_table(mask: Mask) -> str:
+    """Return the layers of the GDSII file as CSV."""
+    rows = {(LAYERS[each.layer], datatype(mask, each)): layer_name(each) for each in mask.polygons}
+    return "layer,datatype,name\n" + "".join(f"{layer},{kind},{name}\n" for (layer, kind), name in sorted(rows.items()))
 
 
 def _exported(drawn: Mask, files, scene: Scene, tolerance: float, progress) -> Exported:
@@ -57,3 +119,23 @@ def _picture(drawn: Mask, scene: Scene, ax, tolerance: float, progress) -> None:
         image = ax.imshow(size, origin="lower", extent=edges, cmap="viridis", vmin=0.0, vmax=top, aspect="equal")
         ax.figure.colorbar(image, ax=ax, label=quantity("normal_m_per_V").axis, shrink=0.7)
     draw(drawn, ax, beam=beam is not None)
+
+
+def draw(mask: Mask, ax, *, beam: bool) -> None:
+    """Draw a mask into an Axes in mm; ``beam`` says that the Axes already show a computed beam."""
+    from matplotlib.collections import PolyCollection
+
+    colours = {"+": "tab:red", "-": "tab:blue", "o": "tab:grey", "": "black"}
+    for comb, colour in colours.items():
+        corners = [each.corners * 1e3 for each in mask.polygons if each.comb == comb]
+        if corners:
+            face = "none" if comb == "" else colour
+            label = {"": None, "o": "open strips"}.get(comb, f"comb {comb}")
+            ax.add_collection(PolyCollection(corners, facecolors=face, edgecolors=colour, linewidths=0.4, label=label))
+    ax.set_xlim(-0.02e3 * mask.length, 1.02e3 * mask.length)
+    ax.set_ylim(-0.52e3 * mask.width, 0.52e3 * mask.width)
+    ax.set_aspect("equal")
+    ax.set_xlabel(quantity("x_m").axis)
+    ax.set_ylabel(quantity("y_m").axis)
+    ax.legend(loc="lower right", ncols=3, fontsize="small", framealpha=0.85)
+    ax.set_title(f"{mask.title}\nmask{' on the computed beam' if beam else ''}", fontsize="medium")

@@ -2,10 +2,12 @@
 
 import numpy as np
 
-from studies.export.averaged_motor import COLUMNS, ROWS, AveragedMotor, averaged_motor
+from studies.export.averaged_motor import averaged_motor
 from studies.export.c_source import description, header, source
 from studies.export.exported import Exported
 from studies.export.fmu import FMI_VERSIONS, fmu
+from studies.export.force_grid import COLUMNS, ROWS
+from studies.export.motor_model import AveragedMotor, force_exponent
 from studies.export.reduced_motor import index
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -42,7 +44,7 @@ def tables(motor: AveragedMotor) -> dict[str, str]:
             f"# drive {drive.name}: s = {drive.amplitude!r} m per {motor.unit}, v_1 = {drive.saturation(slider)!r} "
             "(m/s)/m\n# tau = sqrt(s)/(sqrt(s) + sqrt(h + s)), nu = V/(v_1 s), <P> = n K (h + s)^e R, Q = mu <P> g\n"
             f"# n K = {slider.normal_stiffness * len(drive.orbits) * motor.share!r} N/m^e, "
-            f"e = {1.5 if slider.shape == 'sphere' else 1.0}, mu = {slider.friction_coefficient!r}\n"
+            f"e = {force_exponent(slider)}, mu = {slider.friction_coefficient!r}\n"
         )
         label = drive.name.replace(" ", "_")
         parts[f"mean_load_{label}.csv"] = own + "tau,R\n" + _rows(np.column_stack([tau, loads]))

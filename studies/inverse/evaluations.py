@@ -32,7 +32,7 @@ class Options:
 
 
 def planned(table: dict, parameters: tuple[Parameter, ...], *, also, tolerance: float) -> SweepDesign:
-    """Return the sweep whose points a search asks for; of several voltages or amplitudes the largest counts."""
+    """Return the sweep whose points a search requests; of several voltages or amplitudes the largest counts."""
     level, keys = level_key(table), [each.key for each in parameters]
     if level is not None and level not in keys:
         levels = value_at(table, level)
@@ -45,7 +45,7 @@ def planned(table: dict, parameters: tuple[Parameter, ...], *, also, tolerance: 
 class Evaluations:
     """Answers at the points of a search; a context manager, which holds the store.
 
-    ``search`` is everything beside the sweep that decides which points are asked for: goals, constraints, budget, seed;
+    ``search`` is everything beside the sweep that decides which points are requested: goals, constraints, budget, seed;
     ``coarse`` takes the stator's coarsest discretisation.
     """
 
@@ -54,12 +54,12 @@ class Evaluations:
         self.rows: list[dict] = []
         self.fixed = tuple(column[0] for axis in plan.axes if len(axis) == 1 for column in axis.columns)
         identity = plan.identity | {"search": json.dumps(search | {"coarse": coarse}, sort_keys=True)}
-        # a sweep that grows: the points asked for so far
+        # a sweep that grows: the points requested so far
         axis = Axis(self.question.keys, tuple([] for _ in self.question.keys))
         self.known: dict[tuple, int] = {}
-        self.asked = SweepDesign(question=self.question, axes=(axis,))
+        self.requested = SweepDesign(question=self.question, axes=(axis,))
         folder = None if options.out is None else Path(options.out)
-        self.store = Store(folder / "coarse" if coarse and folder else folder, self.asked, identity)
+        self.store = Store(folder / "coarse" if coarse and folder else folder, self.requested, identity)
         self.workers = chosen_workers(options.workers)
 
     def __enter__(self):
@@ -71,20 +71,20 @@ class Evaluations:
 
     def __call__(self, values: list[tuple[float, ...]]) -> list[dict]:
         """Return the outcomes at some values of the keys, with the keys; what is known is not computed again."""
-        first = len(self.asked)
+        first = len(self.requested)
         for own in values:
             if own not in self.known:
-                self.known[own] = len(self.asked)
-                for column, value in zip(self.asked.axes[0].columns, (*own, *self.fixed), strict=True):
+                self.known[own] = len(self.requested)
+                for column, value in zip(self.requested.axes[0].columns, (*own, *self.fixed), strict=True):
                     column.append(value)
-        if len(self.asked) > first:
-            Driver(self.asked, self.store, self.workers, self._tell).run()
+        if len(self.requested) > first:
+            Driver(self.requested, self.store, self.workers, self._tell).run()
             self._read(first)
         return [self.rows[self.known[own]] for own in values]
 
     def _read(self, first: int) -> None:
-        for evaluation in self.store.rows(first, len(self.asked)):
-            (expected,) = self.asked.values([evaluation["point"]])
+        for evaluation in self.store.rows(first, len(self.requested)):
+            (expected,) = self.requested.values([evaluation["point"]])
             if tuple(evaluation[key] for key in self.question.keys) != expected:
                 raise RunError(
                     f"point {evaluation['point']} of the store is another one than this search asks for: "

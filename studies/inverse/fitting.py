@@ -17,7 +17,7 @@ import numpy as np
 
 from studies.chain.scan_prediction import placed, refuse_other_range
 from studies.inverse.directions import Direction, direction, undetermined
-from studies.inverse.least_squares import CLEARLY, Problem
+from studies.inverse.least_squares import CLEARLY, Problem, standard_deviations
 from studies.inverse.next_measurement import ranked
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT, Parameter, as_measurements, as_parameters
 from studies.inverse.prediction import MeasurementPredictor
@@ -93,7 +93,7 @@ def fit(
     minima = problem.minima()
     for _ in range(4):
         try:
-            return replace(_explored(problem, minima, degrees, estimated, next_measurements), fixed=fixed)
+            return replace(fit_about(problem, minima, degrees, estimated, next_measurements), fixed=fixed)
         except BetterMinimumError as minimum:
             minima = [problem.minimum(minimum.x), *minima]
     raise RunError(
@@ -125,7 +125,7 @@ def prepared(
     return Problem(predictor=predictor, parameters=free, measurements=tuple(curves)), fixed, estimated
 
 
-def _explored(problem: Any, minima: Any, degrees: int, estimated: bool, next_measurements: bool) -> Fit:
+def fit_about(problem: Any, minima: Any, degrees: int, estimated: bool, next_measurements: bool) -> Fit:
     """Return the fit about its least minimum: directions, profiles and, if asked for, next measurements."""
     if estimated:
         scale = math.sqrt(minima[0][1] / degrees) or 1e-9
@@ -138,7 +138,7 @@ def _explored(problem: Any, minima: Any, degrees: int, estimated: bool, next_mea
     directions = undetermined(slopes, problem.parameters, problem.half_width)
     best = _nearest(problem, best, least, directions)
     lost = {key for each in directions for key in each.components}
-    information = slopes.T @ slopes + np.diag(problem.half_width**-2.0)
+    information = problem.information(slopes)
     covariance = np.linalg.inv(information)
     allowed = allowed_excess(degrees if estimated else None)
     rivals = [(x, squares) for x, squares in others if squares - least < allowed]
@@ -156,25 +156,19 @@ def _explored(problem: Any, minima: Any, degrees: int, estimated: bool, next_mea
     if next_measurements:
         problem.predictor.begin("fit: next measurements")
         candidates = tuple(ranked(problem, best, information))
-    sizes, count = np.sqrt(np.diag(covariance)), len(problem.parameters)
     return Fit(
         problem=problem, inner=best, chi2=least, degrees_of_freedom=degrees, ends=ends,
         deviation=problem.measurements[0].deviations[0] if estimated else None,
-        directions=tuple(directions), correlation=(covariance / np.outer(sizes, sizes))[:count, :count],
-        rivals=tuple(problem.numbers(x) for x, _ in rivals), covariance=covariance,
+        directions=tuple(directions), rivals=tuple(problem.numbers(x) for x, _ in rivals), covariance=covariance,
         candidates=candidates, informs=_informed(problem, slopes),
     )  # fmt: skip
 
 
 def _informed(problem: Problem, slopes: Any) -> tuple[tuple[str, dict[str, float]], ...]:
-    """Return, for each measurement, how far it alone narrows each number: the range's width over the width then.
-
-    A width is the standard deviation with the other numbers free; the ranges are a weak prior.
-    """
+    """Return, for each measurement, how far it alone narrows each number: the range's width over the width then."""
     ends, shares = np.cumsum([len(each.values) for each in problem.measurements]), []
-    prior = np.diag(problem.half_width**-2.0)
     for each, rows in zip(problem.measurements, np.split(slopes, ends)[: len(ends)], strict=True):
-        own = np.sqrt(np.diag(np.linalg.inv(rows.T @ rows + prior)))
+        own = standard_deviations(problem.information(rows))
         gains = {p.key: float(problem.half_width[k] / own[k]) for k, p in enumerate(problem.parameters)}
         shares.append((each.name, gains))
     return tuple(shares)

@@ -11,7 +11,7 @@ from studies.scene.keys import rule_at
 from studies.scene.quantity import si_value
 from studies.scene.ranges import is_number
 
-# goal: column of a point (or two, the first that it has), whether less is better
+# goal: columns of a point, of which the first that it has counts, and whether less is better
 GOALS = {
     "velocity": (("velocity_m_per_s",), False),
     "thrust": (("thrust_N",), False),
@@ -23,6 +23,27 @@ BOUNDED = {
     "velocity": "velocity_m_per_s", "thrust": "thrust_N", "contact_pressure": "contact_pressure_Pa",
     "stick_margin": "stick_margin", "normal_amplitude": "normal_amplitude_m", "power_W": "power_W",
 }  # fmt: skip
+MINIMISED = ("power_W", "contact_pressure", "normal_amplitude")  # of BOUNDED, what may be minimised beside keys
+LEAST = "least "  # before the name of what is minimised
+
+
+@dataclass(frozen=True, kw_only=True)
+class Goal:
+    """What a search makes as large, or as small, as it can."""
+
+    name: str  # of GOALS, or LEAST and what is minimised
+    columns: tuple[str, ...]  # of a point, of which the first that it has counts
+    less: bool = False  # whether less is better
+
+    def column(self, point: dict) -> str | None:
+        """Return the column that counts at a point; None without an answer."""
+        return next((name for name in self.columns if point.get(name) is not None), None)
+
+    def merit(self, point: dict) -> float:
+        """Return a number that is larger the better a point is: the quantity or its inverse; 0 without an answer."""
+        column = self.column(point)
+        value = 0.0 if column is None else abs(point[column])
+        return value if not self.less else (1.0 / value if value > 0.0 else 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,13 +55,38 @@ class Constraint:
     upper: bool
     bound: float
 
-    def excess(self, row: dict) -> float:
+    def excess(self, point: dict) -> float:
         """Return by how much a point is beyond the bound, relative to it; negative within, 1 without an answer."""
-        value = row.get(self.column)
+        value = point.get(self.column)
         if value is None:
             return 1.0
         value = abs(value) if self.column == "velocity_m_per_s" else value
         return (value - self.bound) * (1.0 if self.upper else -1.0) / (abs(self.bound) or 1.0)
+
+
+def read_goals(texts: list[str], variables: tuple[Parameter, ...]) -> tuple[Goal, ...]:
+    """Read one or two different goals: names of ``GOALS``, or "least" and an outcome or one of the varied keys.
+
+    Examples
+    --------
+    >>> [each.columns for each in read_goals(["velocity", "least power_W"], ())]
+    [('velocity_m_per_s',), ('power_W',)]
+    """
+    least = {name: BOUNDED[name] for name in MINIMISED} | {each.key: each.key for each in variables}
+    goals = []
+    for text in texts:
+        name = text.removeprefix(LEAST)
+        if text in GOALS:
+            columns, less = GOALS[text]
+            goals.append(Goal(name=text, columns=columns, less=less))
+        elif text != name and name in least:
+            goals.append(Goal(name=text, columns=(least[name],), less=True))
+        elif text != name:
+            raise SceneError(f"goals {name}", f"cannot be minimised: must be of {', '.join(least)}")
+    if not 1 <= len(goals) == len(set(texts)) == len(texts) <= 2:
+        rule = f"must be one or two different ones of {', '.join(GOALS)}, got {', '.join(texts) or 'none'}"
+        raise SceneError("goals", rule)
+    return tuple(goals)
 
 
 def read_variable(text: str) -> Parameter:

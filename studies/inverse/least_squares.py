@@ -25,6 +25,11 @@ MAX_EVALUATIONS = 60
 CLEARLY = 1e-3  # relative difference of two sums of squares below which two minima count as equally good
 
 
+def standard_deviations(information: np.ndarray) -> np.ndarray:
+    """Return the standard deviation of each x, the others free, from a Fisher information."""
+    return np.sqrt(np.diag(np.linalg.inv(information)))
+
+
 @dataclass(frozen=True, kw_only=True)
 class Problem:
     """The sum of squares as a function of x: the inner values of the parameters, then one b per systematic error."""
@@ -98,6 +103,13 @@ class Problem:
             widths.append(up[j] - down[j])
         rows = function(pairs)
         return np.array([(rows[2 * k] - rows[2 * k + 1]) / width for k, width in enumerate(widths)]).T
+
+    def information(self, slopes: np.ndarray) -> np.ndarray:
+        """Return the Fisher information over x of residuals with some derivatives; the ranges are a weak prior.
+
+        The prior of each x has a standard deviation of half its range, that of a systematic error its own.
+        """
+        return slopes.T @ slopes + np.diag(self.half_width**-2.0)
 
     def minimum(self, start, fixed: int | None = None) -> tuple[np.ndarray, float]:
         """Return (x, sum of squares) of the minimum found from a start, one component perhaps fixed."""

@@ -1,15 +1,15 @@
 """Which further measurement would narrow which number most.
 
-Each candidate adds its Fisher information, from derivatives at the best fit, to that of the data; the ranges stand for
-a weak prior (a standard deviation of half the range), so that numbers the data leave open have a finite width to begin
-with.  Candidates are measured as well as the data so far, the others as `candidates` says.
+Each candidate adds its Fisher information, from derivatives at the best fit, to that of the data
+(`Problem.information`), in which numbers that the data leave open have a finite width to begin with.  Candidates are
+measured as well as the data so far, the others as `candidates` says.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from studies.inverse.least_squares import Problem
+from studies.inverse.least_squares import Problem, standard_deviations
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
 from studies.lab.measurement import FIELD, Measurement
 from studies.report.intermediate import si
@@ -79,7 +79,7 @@ def ranked(problem: Problem, best: np.ndarray, information: np.ndarray) -> list[
     """
     shares = [np.array(each.deviations) / (np.max(np.abs(each.values)) or 1e-300) for each in problem.measurements]
     spread = float(np.median(np.concatenate(shares)))  # typical relative deviation in the data
-    before, gains = np.sqrt(np.diag(np.linalg.inv(information))), []
+    before, gains = standard_deviations(information), []
     for each in candidates(problem):
         slopes = _slopes(problem, best, each, spread)
         if slopes is not None:
@@ -95,7 +95,7 @@ def ranked(problem: Problem, best: np.ndarray, information: np.ndarray) -> list[
 
 
 def _gain(problem, name, information, slopes, before) -> Candidate:
-    after = np.sqrt(np.diag(np.linalg.inv(information + slopes.T @ slopes)))
+    after = standard_deviations(information + slopes.T @ slopes)
     k = int(np.argmin((after / before)[: len(problem.parameters)]))
     return Candidate(name=name, key=problem.parameters[k].key, before=float(before[k]), after=float(after[k]))
 

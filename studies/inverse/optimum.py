@@ -11,60 +11,24 @@ what no evaluation at the tolerance beats in both.
 import logging
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from studies.chain.outcomes import keywords
+from studies.inverse.design_result import Design
 from studies.inverse.evaluations import Evaluations, Options, planned
-from studies.inverse.goals import GOALS, read_constraint, read_variable
+from studies.inverse.goals import read_constraint, read_goals, read_variable
 from studies.inverse.parameters import ranges
 from studies.inverse.search import UNKNOWN, Search
 from studies.refusal import RunError, SceneError
-from studies.report.intermediate import si
 from studies.scene import Scene
-from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import replaced
 
 LOGGER = logging.getLogger("studies.design")
 WEIGHTS = (0.25, 0.5, 0.75)  # of the second goal, between the searches for each alone
 DEFAULT = Options()
 CHANGE = 0.05  # of each variable, for the robustness
-
-
-@dataclass(frozen=True, kw_only=True, repr=False)
-class Design:
-    """Result of a design search."""
-
-    goals: tuple[str, ...]
-    optimum: dict  # row of the best point (of two goals: of the middle of the front): keys and outcomes
-    front: list[dict]  # rows that no other beats in both goals; the optimum alone with one goal
-    # By key: smallest share of the goal that is left and whether all constraints hold, 5 % either way
-    robustness: dict
-    rows: list[dict]  # evaluations of the search, in their order
-    evaluations: int  # with those of the robustness
-    table: dict  # TOML document of the scene at the optimum
-
-    def to_dict(self) -> dict:
-        """Return what design.json holds."""
-        return {
-            "goals": list(self.goals), "optimum": self.optimum, "front": self.front, "robustness": self.robustness,
-            "evaluations": self.evaluations,
-        }  # fmt: skip
-
-    def __str__(self) -> str:
-        """Return what `sawmotor design` prints."""
-        from studies.inverse.design_report import design_answer
-
-        return design_answer(self)
-
-    def __repr__(self) -> str:
-        """Return the goals, the variables of the best motor and the number of evaluations on one line."""
-        best = ", ".join(
-            f"{key} = {si(self.optimum[key], unit_of(rule_at(key)) or '', 4)}".rstrip() for key in self.robustness
-        )
-        return f"Design({' and '.join(self.goals)}: {best}, {self.evaluations} evaluations)"
 
 
 def design(
@@ -83,7 +47,7 @@ def design(
     scene : Scene, path, name of a shipped scene, or its TOML document
         With a slider; of several voltages or amplitudes the largest counts.
     goals : str or list of str
-        One or two of ``GOALS``, to be maximised.
+        One or two: of ``GOALS``, to be maximised, or such as "least power_W" or "least slider.mass", to be minimised.
     variables : list or dict
         Texts ``"slider.preload=1 mN:20 mN"`` or `Parameter` objects, or a dict of a key's range.
     constraints : list
@@ -102,30 +66,28 @@ def design(
     if isinstance(scene, (str, Path)):
         scene = Scene.load(scene)
     table = scene.to_table() if isinstance(scene, Scene) else scene
-    goals = [goals] if isinstance(goals, str) else list(goals)
-    variables = [read_variable(each) if isinstance(each, str) else each for each in ranges(variables)]
-    constraints = [read_constraint(each) if isinstance(each, str) else each for each in constraints]
-    budget = 60 * len(variables) if options.evaluations is None else options.evaluations
-    if not set(goals) <= set(GOALS) or not 1 <= len(goals) == len(set(goals)) <= 2:
-        rule = f"must be one or two different ones of {', '.join(GOALS)}, got {', '.join(goals) or 'none'}"
-        raise SceneError("goals", rule)
-    if not variables:
+    names = [goals] if isinstance(goals, str) else list(goals)
+    varied = tuple(read_variable(each) if isinstance(each, str) else each for each in ranges(variables))
+    bounds = tuple(read_constraint(each) if isinstance(each, str) else each for each in constraints)
+    budget = 60 * len(varied) if options.evaluations is None else options.evaluations
+    aims = read_goals(names, varied)
+    if not varied:
         raise SceneError("variables", "is required: KEY=LOW:HIGH")
-    if budget < 4 * len(variables) + 8:
-        raise SceneError("evaluations", f"must be at least {4 * len(variables) + 8}, got {budget}")
-    also = keywords([*(column for goal in goals for column in GOALS[goal][0]), *(each.column for each in constraints)])
-    plan = planned(table, tuple(variables), also=tuple(sorted(also)), tolerance=options.tolerance)
-    search = {"goals": goals, "subject": [each.text for each in constraints], "evaluations": budget,
-              "seed": options.seed, "ranges": [[each.key, each.low, each.high] for each in variables]}  # fmt: skip
+    if budget < 4 * len(varied) + 8:
+        raise SceneError("evaluations", f"must be at least {4 * len(varied) + 8}, got {budget}")
+    also = keywords([*(column for goal in aims for column in goal.columns), *(each.column for each in bounds)])
+    plan = planned(table, varied, also=tuple(sorted(also)), tolerance=options.tolerance)
+    search = {"goals": names, "subject": [each.text for each in bounds], "evaluations": budget,
+              "seed": options.seed, "ranges": [[each.key, each.low, each.high] for each in varied]}  # fmt: skip
     shared = plan, search, options, progress or LOGGER.info
     with ExitStack() as stack:
         ask, coarse = stack.enter_context(Evaluations(*shared)), None
         if plan.question.stator_keys:  # of the stator, or the slider's place
             coarse = stack.enter_context(Evaluations(*shared, coarse=True))
-        searcher = Search(ask, coarse, tuple(variables), tuple(constraints), tuple(goals), options.seed)
-        scale = [searcher.run([1.0 if k == j else 0.0 for k in range(len(goals))], budget) for j in range(len(goals))]
-        if len(goals) == 2:
-            searcher.best_of_each = scale
+        searcher = Search(ask, coarse, varied, bounds, aims, options.seed)
+        best_of_each = [searcher.run(weights, budget) for weights in np.eye(len(aims)).tolist()]
+        if len(aims) == 2:
+            searcher.best_of_each = best_of_each
             for weight in WEIGHTS:
                 searcher.run([1.0 - weight, weight], budget)
         feasible = searcher.feasible(ask.rows)
@@ -136,16 +98,18 @@ def design(
         rows = [*([] if coarse is None else coarse.rows), *ask.rows]
         robustness = _robustness(searcher, optimum)
         best = table
-        for variable in variables:
+        for variable in varied:
             best = replaced(best, variable.key, optimum[variable.key])
         evaluations = len(ask.rows) + (0 if coarse is None else len(coarse.rows))
-        return Design(goals=tuple(goals), optimum=optimum, front=front, robustness=robustness, rows=rows,
-                      evaluations=evaluations, table=best)  # fmt: skip
+        return Design(
+            goals=tuple(names), columns=tuple(str(each.column(optimum)) for each in aims), optimum=optimum, front=front,
+            robustness=robustness, rows=rows, evaluations=evaluations, table=best,
+        )  # fmt: skip
 
 
 def _front(feasible: list[dict], searcher: Search) -> list[dict]:
     """Return the Pareto front: the points that no other point exceeds in all goals; with one goal the best point."""
-    rows = {tuple(searcher.goal(row, goal) for goal in searcher.goals): row for row in reversed(feasible)}
+    rows = {tuple(goal.merit(point) for goal in searcher.goals): point for point in reversed(feasible)}
     values = np.array(list(rows))
     beaten = {each: np.any(np.all(values >= each, axis=1) & np.any(values > each, axis=1)) for each in rows}
     return [rows[each] for each in sorted(rows, reverse=True) if not beaten[each]]
@@ -154,21 +118,19 @@ def _front(feasible: list[dict], searcher: Search) -> list[dict]:
 def _robustness(searcher: Search, optimum: dict) -> dict:
     """Return the share of the first goal that is left with each variable 5 % off, or a whole number 1 off."""
     goal = searcher.goals[0]
-    base, robustness = searcher.goal(optimum, goal), {}
+    base, robustness = goal.merit(optimum), {}
     own = [optimum[each.key] for each in searcher.variables]
     for k, each in enumerate(searcher.variables):
         change = 1 if each.counted else CHANGE * own[k]
         ends = [end for end in (own[k] - change, own[k] + change) if end > 0]
         rows = searcher.ask([(*own[:k], end, *own[k + 1 :]) for end in ends])
-        broken = [searcher.broken(row) for row in rows]
-        left = [
-            searcher.goal(row, goal) / base if size < UNKNOWN else 0.0 for row, size in zip(rows, broken, strict=True)
-        ]
+        broken = [searcher.broken(point) for point in rows]
+        left = [goal.merit(point) / base if size < UNKNOWN else 0.0 for point, size in zip(rows, broken, strict=True)]
         robustness[each.key] = {"least_share_of_goal": min(left, default=0.0), "keeps_constraints": not any(broken)}
     return robustness
 
 
 def _closest(searcher: Search, rows: list[dict]) -> str:
-    row = min(rows, key=searcher.broken)
-    broken = ", ".join(each.text for each in searcher.constraints if each.excess(row) > 0.0)
-    return row["status"] if searcher.broken(row) >= UNKNOWN else f"{broken} is broken by the closest"
+    point = min(rows, key=searcher.broken)
+    broken = ", ".join(each.text for each in searcher.constraints if each.excess(point) > 0.0)
+    return point["status"] if searcher.broken(point) >= UNKNOWN else f"{broken} is broken by the closest"

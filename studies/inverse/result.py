@@ -1,6 +1,10 @@
-"""The result of a fit: estimates, intervals, undetermined directions, predictive band."""
+"""The result of a fit: estimates, intervals, undetermined directions, predictive band, as text and as files."""
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 from scipy.stats import chi2
@@ -11,9 +15,25 @@ from studies.inverse.next_measurement import Candidate
 from studies.inverse.parameters import Parameter
 from studies.inverse.profile import End
 from studies.lab.measurement import Measurement
-from studies.report.intermediate import scaled_unit
+from studies.record.quantities import quantity
+from studies.record.text import labelled, table
+from studies.report.intermediate import scaled_unit, si
+from studies.results.content import write_json
 from studies.scene import Scene
+from studies.scene.toml import document
 
+QUANTITIES = {
+    "velocity": quantity("velocity_m_per_s"),
+    "burst": quantity("velocity_m_per_s"),
+    "amplitude": quantity("normal_amplitude_m"),
+    "ring-down frequency": quantity("ring_down_frequency_Hz"),
+    "position": quantity("travelled_m"),
+    "scan": quantity("surface_motion_m_per_V"),
+    "network": quantity("scattering"),
+}  # that are measured
+SHOWN_CANDIDATES = 6
+INFORMED = 2.0  # times narrower than its range, from which a measurement tells something of a number
+DOUBTFUL = 0.01  # probability of the sum of squares below which the model does not explain the data
 DRAWS, GRID = 200, 40  # of the predictive band; levels at which it is drawn
 
 
@@ -32,8 +52,7 @@ class Fit:
     directions: tuple[Direction, ...]  # undetermined
     # numbers at other minima that the data do not rule out; the intervals hold them
     rivals: tuple[dict[str, float], ...]
-    correlation: np.ndarray  # of the free numbers, the ranges as a weak prior
-    covariance: np.ndarray  # of all x, likewise
+    covariance: np.ndarray  # of all x, the ranges as a weak prior
     # next measurements, the most useful first; None where they were not asked for
     candidates: tuple[Candidate, ...] | None = None
     # by measurement: how many times narrower than its range each number is by this measurement alone
@@ -49,9 +68,17 @@ class Fit:
 
     def __str__(self) -> str:
         """Return what `sawmotor fit` prints."""
-        from studies.inverse.fit_report import fit_answer
-
-        return fit_answer(self)
+        rows = [["parameter", "value", "95 % from", "to", "unit"]]
+        for each in self.problem.parameters:
+            value, ends = self.values[each.key], self.intervals[each.key]
+            factor, unit = scaled_unit(value, each.unit)
+            low, high = ends
+            width = abs(value) if low is None or high is None else high - low
+            digits = max(4, 3 + math.ceil(-math.log10(max(width / (abs(value) or 1.0), 1e-12))))  # show the interval
+            texts = ("open" if end is None else f"{end * factor:.{digits}g}" for end in ends)
+            rows.append([each.key, f"{value * factor:.{digits + 1}g}", *texts, unit])
+        title = self.problem.predictor.table.get("title", "") or "no title"
+        return "\n".join([title, "", *table(rows), "", *labelled(self._notes())])
 
     def __repr__(self) -> str:
         """Return each estimate with its interval, and the goodness of fit, on one line."""
@@ -78,6 +105,12 @@ class Fit:
             error = float(sizes[k]) * (value if each.logarithmic else 1.0)
             by_key[each.key] = replace(each, value=value, stderr=None if each.key in lost else error)
         return by_key | {each.key: each for each in self.fixed}
+
+    @property
+    def correlation(self) -> np.ndarray:
+        """Correlation matrix of the free numbers, the ranges as a weak prior."""
+        sizes, count = np.sqrt(np.diag(self.covariance)), len(self.problem.parameters)
+        return (self.covariance / np.outer(sizes, sizes))[:count, :count]
 
     @property
     def intervals(self) -> dict[str, tuple[float | None, float | None]]:
@@ -125,6 +158,61 @@ class Fit:
         more = {"other_minima": list(self.rivals), "probability": self.probability,
                 "estimated_standard_deviation": self.deviation}  # fmt: skip
         return whole | {key: value for key, value in more.items() if value not in (None, [])}
+
+    def _notes(self) -> Iterator[tuple[str, str]]:
+        """Yield what is said below the table of the estimates: a label and a line of text."""
+        yield "goodness of fit", self._goodness()
+        for direction in self.directions:
+            yield "undetermined", direction.sentence
+        for rival in self.rivals:
+            at = (f"{each.key} = {si(rival[each.key], each.unit, 4)}".rstrip() for each in self.problem.parameters)
+            yield "also possible", f"{', '.join(at)}: another minimum that these data do not rule out"
+        for key, ends in self.ends.items():
+            for way, end in zip(("below", "above"), ends, strict=True):
+                if end is not None and not end.closed:
+                    yield "open", f"{key} {way}: {end.because}"
+        for (i, one), (j, other) in combinations(enumerate(self.values), 2):
+            if abs(self.correlation[i, j]) > 0.5:
+                yield "correlation", f"{one}, {other}: {self.correlation[i, j]:+.3f}"
+        for name, gains in self.informs if len(self.informs) > 1 else ():
+            known = [f"{key} ({gain:.3g} times narrower)" for key, gain in gains.items() if gain > INFORMED]
+            yield "informs", f"{name}: {', '.join(known) or 'none of the numbers'}"
+        if self.candidates is None:
+            yield "measure next", "not computed: it would double the time of the fit (--next asks for it)"
+        for candidate in (self.candidates or ())[:SHOWN_CANDIDATES]:
+            gain = f"{candidate.key} from {100 * candidate.before:.3g} % to {100 * candidate.after:.3g} %"
+            yield "measure next", f"{candidate.name}: {gain}"
+
+    def _goodness(self) -> str:
+        if self.deviation is not None:
+            measured = QUANTITIES[self.problem.measurements[0].quantity]
+            size = f"{self.deviation * measured.scale:.3g} {measured.shown}"
+            unknown = "the data state none, so they cannot contradict the model"
+            return f"standard deviation from the residuals {size}: {unknown}"
+        text = f"chi^2 {self.chi2:.4g} with {self.degrees_of_freedom} degrees of freedom"
+        if self.probability is None:
+            return text
+        doubt = ": the model does not explain these data" if self.probability < DOUBTFUL else ""
+        return f"{text}, probability {self.probability:.2g}{doubt}"
+
+    def write(self, folder: Path) -> None:
+        """Write fit.json and fitted.toml, the scene with the estimates, which runs, into a directory."""
+        write_json(folder / "fit.json", self.to_dict())
+        (folder / "fitted.toml").write_text(self._fitted_scene(), encoding="utf-8")
+
+    def _fitted_scene(self) -> str:
+        """Return the fitted scene as TOML, with an interval or a reason beside each fitted number."""
+        names = ", ".join(each.name for each in self.problem.measurements)
+        remarks, beside = [f"fitted to {names}; intervals of 95 % by profile likelihood, SI units"], {}
+        for key, interval in self.intervals.items():
+            low, high = ("open" if end is None else f"{end:.6g}" for end in interval)
+            text = "not determined by the data" if interval == (None, None) else f"95 %: {low} to {high}"
+            if "." in key:
+                beside[key] = text
+            else:
+                remarks.append(f"{key} = {self.values[key]:.6g}, {text}; it is no key of a scene")
+        remarks += [each.sentence for each in self.directions]
+        return document(self.scene().to_table(), remarks=tuple(remarks), beside=beside)
 
     def scene(self) -> Scene:
         """Return the scene with the estimates in place; the two names that are no keys are left out."""

@@ -8,7 +8,8 @@ import numpy as np
 from scipy.optimize import differential_evolution, minimize
 
 from studies.inverse.evaluations import Evaluations
-from studies.inverse.goals import GOALS
+from studies.inverse.goals import Constraint, Goal
+from studies.inverse.parameters import Parameter
 
 GLOBAL_SHARE, CROWD = 0.7, 8  # evaluations by differential evolution; members of a generation per variable
 REPEATED = 8  # best points of the coarse search that are evaluated at the tolerance
@@ -26,7 +27,10 @@ class Search:
     weighs both goals.
     """
 
-    def __init__(self, ask: Evaluations, coarse: Evaluations | None, variables, constraints, goals, seed: int):
+    def __init__(
+        self, ask: Evaluations, coarse: Evaluations | None, variables: tuple[Parameter, ...],
+        constraints: tuple[Constraint, ...], goals: tuple[Goal, ...], seed: int,
+    ):  # fmt: skip
         self.ask, self.coarse = ask, coarse
         self.variables, self.constraints, self.goals, self.seed = variables, constraints, goals, seed
         self.best_of_each: list[float] | None = None
@@ -39,7 +43,7 @@ class Search:
         generations = max(1, int(GLOBAL_SHARE * budget) // generation - 1)  # after the first
 
         def values(xs):
-            return np.array([self.value(row, weights) for row in self.rows(xs.T, self.coarse)])
+            return np.array([self.value(point, weights) for point in self.rows(xs.T, self.coarse)])
 
         result = differential_evolution(
             values, [(0.0, 1.0)] * count, popsize=members, maxiter=generations, rng=np.random.default_rng(self.seed),
@@ -51,66 +55,60 @@ class Search:
         free = [k for k, each in enumerate(self.variables) if not each.counted]
         if free:
             self._local(start, free, weights, left)
-        best = min(self.ask.rows, key=lambda row: self.value(row, weights))
-        return self.goal(best, self.goals[int(np.argmax(weights))])
+        best = min(self.ask.rows, key=lambda point: self.value(point, weights))
+        return self.goals[int(np.argmax(weights))].merit(best)
 
-    def rows(self, points, ask: Evaluations | None = None) -> list[dict]:
-        """Return the evaluations at points of the unit box."""
+    def rows(self, positions, ask: Evaluations | None = None) -> list[dict]:
+        """Return the evaluations at positions in the unit box."""
         return (ask or self.ask)(
-            [tuple(each.at(x) for each, x in zip(self.variables, point, strict=True)) for point in points]
+            [tuple(each.at(x) for each, x in zip(self.variables, position, strict=True)) for position in positions]
         )
 
-    def goal(self, row: dict, goal: str) -> float:
-        """Return the quantity of a goal so that larger is better; 0 where a point has no answer."""
-        columns, less = GOALS[goal]
-        value = next((abs(row[name]) for name in columns if row.get(name) is not None), 0.0)
-        return value if not less else (1.0 / value if value > 0.0 else 0.0)
-
-    def broken(self, row: dict) -> float:
+    def broken(self, point: dict) -> float:
         """Return the sum of the relative excesses over the constraints, and `UNKNOWN` where a point has no answer."""
-        if row["relative_error"] is None:
+        if point["relative_error"] is None:
             return UNKNOWN
-        return sum(max(0.0, each.excess(row)) for each in self.constraints)
+        return sum(max(0.0, each.excess(point)) for each in self.constraints)
 
-    def merit(self, row: dict, weights) -> float:
+    def merit(self, point: dict, weights) -> float:
         """Return the objective: the goal of largest weight, or 1 less the largest weighted shortfall from the best."""
-        goals = [self.goal(row, goal) for goal in self.goals]
+        merits = [goal.merit(point) for goal in self.goals]
         if self.best_of_each is None:
-            return goals[int(np.argmax(weights))]
-        shares = [1.0 - value / (best or 1.0) for value, best in zip(goals, self.best_of_each, strict=True)]
+            return merits[int(np.argmax(weights))]
+        shares = [1.0 - value / (best or 1.0) for value, best in zip(merits, self.best_of_each, strict=True)]
         return 1.0 - max(weight * share for weight, share in zip(weights, shares, strict=True))
 
-    def value(self, row: dict, weights) -> float:
+    def value(self, point: dict, weights) -> float:
         """Return the value that the search minimises: infeasible points count as worse than all feasible ones."""
-        broken = self.broken(row)
-        return INFEASIBLE + broken if broken > 0.0 else -self.merit(row, weights)
+        broken = self.broken(point)
+        return INFEASIBLE + broken if broken > 0.0 else -self.merit(point, weights)
 
     def feasible(self, rows) -> list[dict]:
         """Return the points that keep the constraints."""
-        return [row for row in rows if self.broken(row) == 0.0]
+        return [point for point in rows if self.broken(point) == 0.0]
 
     def _repeated(self, weights) -> np.ndarray:
         """Evaluate the best points of the coarse search at the tolerance; return the best of them in the unit box."""
         rows = [] if self.coarse is None else self.coarse.rows
-        best = sorted(rows, key=lambda row: self.value(row, weights))[:REPEATED]
-        rows = self.ask([tuple(row[each.key] for each in self.variables) for row in best])
-        start = min(rows, key=lambda row: self.value(row, weights))
+        best = sorted(rows, key=lambda point: self.value(point, weights))[:REPEATED]
+        rows = self.ask([tuple(point[each.key] for each in self.variables) for point in best])
+        start = min(rows, key=lambda point: self.value(point, weights))
         return np.array([each.share(start[each.key]) for each in self.variables])
 
     def _local(self, start, free, weights, budget: int) -> None:
         """Improve the best point by COBYQA, which takes the constraints themselves; whole numbers are held."""
 
         def at(part):
-            point = np.array(start, float)
-            point[free] = np.clip(part, 0.0, 1.0)
-            return self.rows([point])[0]
+            position = np.array(start, float)
+            position[free] = np.clip(part, 0.0, 1.0)
+            return self.rows([position])[0]
 
         # merit of the best feasible point, so that the objective is of the order of 1
-        scale = max((self.merit(row, weights) for row in self.feasible(self.ask.rows)), default=1.0) or 1.0
+        scale = max((self.merit(point, weights) for point in self.feasible(self.ask.rows)), default=1.0) or 1.0
 
         def size(part):
-            row = at(part)
-            return INFEASIBLE if self.broken(row) >= UNKNOWN else -self.merit(row, weights) / scale
+            point = at(part)
+            return INFEASIBLE if self.broken(point) >= UNKNOWN else -self.merit(point, weights) / scale
 
         limits = [{"type": "ineq", "fun": lambda part, each=each: -each.excess(at(part))} for each in self.constraints]
         radius = RADIUS if self.coarse is None else 10 * RADIUS

@@ -13,41 +13,25 @@ friction coefficient = 0; a common change of all parameters without effect chang
 with its stator 90 s of one processor.
 """
 
-import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import pairwise
-from typing import Any
+import csv
+import io
+from collections.abc import Iterator
 
 import numpy as np
 
 import contact
-from studies.chain.outcomes import OF_PILLARS, keywords
 from studies.chain.pillars import layout
+from studies.inverse.elasticity import SIDE, answers_at, answers_of_slider, both_sides, elasticities, numbers
 from studies.inverse.prediction import MeasurementPredictor
 from studies.record.plots import COLOURS, finished
-from studies.refusal import RunError, SceneError
 from studies.report.explanation import plan
 from studies.scene import Scene
 from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"outcomes": ("velocity",)}
-# Accuracy of each answer: that of rounding, or the tolerance that it is solved to. Start-up times of `twente-contact`
-# solved to 1e-5 and to 1e-6 differ by up to 8e-6; those of four balls at different places cost 100 times more at 1e-6.
-ACCURACY = {"velocity": 1e-11, "threshold": 1e-13, "release": 1e-13, "thrust": 1e-11, "efficiency": 1e-8,
-            "start-up time": 1e-5}  # fmt: skip
-# column of each answer
-ANSWERS = {
-    "velocity": "velocity_m_per_s", "threshold": "threshold_factor", "release": "release_factor", "thrust": "thrust_N",
-    "efficiency": "contact_efficiency", "start-up time": "start_up_time_s",
-}  # fmt: skip
-STATOR_ACCURACY = 1e-9  # of a stator's answers against each other on the same mesh
-STATOR_STEP, PHASE_STEP = 1e-3, 2e-4  # of the logarithms of its numbers
-PHASED = ("center", "position", "thickness", "frequency")  # many wavelengths: a change is one of phase
 NO_EFFECT = 1e-4  # elasticity below which a number is said to have none
-LIMITS = ("threshold", "release")
 COLUMNS = ("key", "elasticity", "error", "change_for_1_percent_more", "change_for_1_percent_less")
 NAMED, MAX_DRAWN = 4, 14  # numbers in the answer's line, and in the picture
-SIDE = 0.01  # change of a number to either side, beside its elasticity
 BENDS = 0.2  # difference of both sides, over the larger, from which the study says that the answer bends
 SILENT_STEP = 0.02  # by which the numbers without effect are changed together
 AGREEMENT = 1e-2  # of both ways, of the largest elasticity
@@ -71,42 +55,23 @@ def run(scene: Scene, *, outcomes: tuple[str, ...] | None = None, tolerance: flo
     """
     predictor = MeasurementPredictor(scene, tolerance=tolerance, progress=progress)
     level = max(predictor.contact({}).scene.levels)
-    slopes = elasticities(predictor, _of_slider(predictor) if outcomes is None else outcomes, level, progress)
+    slopes = elasticities(predictor, answers_of_slider(predictor) if outcomes is None else outcomes, level, progress)
     changes = both_sides(predictor, tuple(name for name, rows in slopes.items() if rows), level)
     title, findings, panels = predictor.table.get("title", ""), [], []
     for name, rows in slopes.items():
-        findings += _without_effect(predictor, name, rows, level)
+        findings += without_effect(predictor, name, rows, level)
         sides = changes.get(name, {})
-        keys = list(sides)
-        order = [key for key, _ in sorted(rows.items(), key=lambda item: -abs(item[1][0]))]
+        order = sorted(rows, key=lambda key: -abs(rows[key][0]))
+        columns = zip(*((key, *rows[key], *sides[key]) for key in order), strict=True)
+        data = dict.fromkeys(COLUMNS, ()) | dict(zip(COLUMNS, columns, strict=False))
+        bends = [[key, *side] for key, side in sides.items() if _bends(*side)]
         panels.append(
-            Panel(name=name.replace(" ", "_").replace("-", "_"), title=f"{title}: {name}", data={
-                "key": order, "elasticity": [rows[key][0] for key in order], "error": [rows[key][1] for key in order],
-                "change_for_1_percent_more": [sides[key][0] for key in order],
-                "change_for_1_percent_less": [sides[key][1] for key in order],
-                "bends": [[key, *sides[key]] for key in keys if _bends(*sides[key])], "level": level, "outcome": name,
-            })
+            Panel(name=name.replace(" ", "_").replace("-", "_"), title=f"{title}: {name}",
+                  data=data | {"bends": bends, "level": level, "outcome": name})
         )  # fmt: skip
     if "velocity" in slopes and not predictor.one_by_one:
         findings += _checks(predictor, slopes["velocity"], level)
     return panels, findings, [line for panel in panels for line in _in_words(panel.data)]
-
-
-def numbers(predictor: MeasurementPredictor) -> list[str]:
-    """Return the keys of a scene's positive numbers that an answer may depend on."""
-    known = (".burst", ".gravity", "stator.width", "normal_amplitude", "drive.voltage")
-    table = {name: block for name, block in predictor.table.items() if name != "uncertain"}
-    return [key for key in _positive(table) if not key.endswith(known)]
-
-
-def _positive(value: Any, path: str = "") -> Iterator[str]:
-    if isinstance(value, float) and value > 0.0:
-        yield path
-    entries: Iterable = value.items() if isinstance(value, dict) else ()
-    if isinstance(value, list) and value and isinstance(value[0], dict):
-        entries = enumerate(value)
-    for key, each in entries:
-        yield from _positive(each, f"{path}.{key}" if path else key)
 
 
 def expected_seconds(scene: Scene) -> float:
@@ -121,112 +86,12 @@ def expected_seconds(scene: Scene) -> float:
     return OTHER_SECONDS + STATOR_MOVES * moved * (stator + point) + MOVES * (len(keys) + 1 - moved) * point
 
 
-def _of_slider(predictor: MeasurementPredictor) -> tuple[str, ...]:
-    """Return the names of the answers that the slider has."""
-    pillars = predictor.one_by_one
-    return tuple(name for name, column in ANSWERS.items() if not pillars or {*keywords([column])} <= {*OF_PILLARS})
-
-
-def _together(predictor: MeasurementPredictor, outcomes: Sequence[str]) -> list[tuple[float, tuple[str, ...]]]:
-    """Return pairs of an accuracy and the names of the answers that have it, which one question gives."""
-    known = _of_slider(predictor)
-    for name in outcomes:
-        if name not in known:
-            raise SceneError("outcomes", f"must be of {', '.join(known)} for this slider, got {name!r}")
-    groups: dict[float, list[str]] = {}
-    for name in outcomes:
-        groups.setdefault(ACCURACY["velocity" if predictor.one_by_one else name], []).append(name)
-    return [(accuracy, tuple(names)) for accuracy, names in groups.items()]
-
-
-def _keys(predictor: MeasurementPredictor, names: Iterable[str]) -> list[str]:
-    """Return the keys that answers may depend on; the limits are relative to the level."""
-    return [*numbers(predictor), *([] if set(names) <= set(LIMITS) else ["level"])]
-
-
-def elasticities(
-    predictor: MeasurementPredictor, outcomes: Sequence[str], level: float, progress: Callable[[str], None] = print
-) -> dict[str, dict[str, tuple[float, float]]]:
-    """Return {outcome: {key: (d ln outcome / d ln number, its error)}}, the level itself as "level".
-
-    ``level``: voltage in V or given normal amplitude in m.
-    """
-    slopes: dict[str, dict[str, tuple[float, float]]] = {name: {} for name in outcomes}
-    for accuracy, names in _together(predictor, outcomes):
-        centre = _answers(predictor, names, level, [{}])[0]
-        for key in _keys(predictor, names) if np.any(centre > 0.0) else ():
-            progress(f"{', '.join(names)}: {key}")
-            moved = key != "level" and predictor.needs_stator(key)
-            within = max(accuracy, STATOR_ACCURACY if moved else 0.0)
-            step = within**0.2 if not moved else PHASE_STEP if key.endswith(PHASED) else STATOR_STEP
-            widths = step / np.array([1.0, 2.0] if moved else [1.0, 2.0, 4.0])
-            factors = np.exp(np.concatenate([widths, -widths])).tolist()
-            values, errors = _answers(predictor, names, level, [{key: factor} for factor in factors])
-            for name, column, start in zip(names, values.T, centre[0], strict=True):
-                # no slope without an answer, such as for a value that the scene refuses
-                if start > 0.0 and np.all(column > 0.0):
-                    error = within if name in LIMITS else max(within, *errors)
-                    slopes[name][key] = _slope(np.log(column / start), widths, error)
-    return slopes
-
-
-def _slope(logarithms: np.ndarray, widths: np.ndarray, accuracy: float) -> tuple[float, float]:
-    """Return the derivative and its error from values at +widths and -widths, each half of the one before."""
-    up, down = np.split(logarithms, 2)
-    table = ((up - down) / (2.0 * widths)).tolist()
-    for power in (4.0, 16.0)[: len(table) - 1]:  # Richardson extrapolation in the square of the step
-        change = (table[-1] - table[-2]) / (power - 1.0)
-        table = [(power * fine - coarse) / (power - 1.0) for coarse, fine in pairwise(table)]
-    return float(table[0]), float(abs(change) + 8.0 * accuracy / widths[0])
-
-
-def both_sides(
-    predictor: MeasurementPredictor, outcomes: Sequence[str], level: float
-) -> dict[str, dict[str, tuple[float | None, float | None]]]:
-    """Return {outcome: {key: relative change for 1 % more and 1 % less of the number}}; None where it has none."""
-    sides: dict[str, dict[str, tuple[float | None, float | None]]] = {name: {} for name in outcomes}
-    for _, names in _together(predictor, outcomes):
-        keys = _keys(predictor, names)
-        moves = [{key: factor} for key in keys for factor in (1.0 + SIDE, 1.0 - SIDE)]
-        centre, *values = _answers(predictor, names, level, [{}, *moves])[0]
-        for name, start, column in zip(names, centre, np.transpose(values), strict=True):
-            changes = [float(each / start - 1.0) if math.isfinite(each) else None for each in column]
-            sides[name] = dict(zip(keys, zip(changes[0::2], changes[1::2], strict=True), strict=True))
-    return sides
-
-
-def _answers(
-    predictor: MeasurementPredictor, names: Sequence[str], level: float, many: list[dict[str, float]]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return answers for sets of factors by key, (m, n), and the velocities' numerical errors over |v|, (m,).
-
-    "level" may be among the keys; an answer is NaN where there is none.  An averaged state has no numerical error.  A
-    stator that cannot be solved raises RunError: a number must not be missing in silence.
-    """
-    columns = [ANSWERS[name] for name in names]
-    level_key = predictor.scene({}).level_key
-    changes = [
-        {key: float(predictor.value(key) or 0.0) * factor for key, factor in factors.items() if key != "level"}
-        | {level_key: level * factors.get("level", 1.0)}
-        for factors in many
-    ]
-    rows = predictor.answers(changes, keywords(columns), tolerance=ACCURACY[names[0]], averaged=True)
-    errors = np.zeros(len(rows))
-    for k, row in enumerate(rows):
-        if "relative_error" not in row and not row.get("refused"):
-            raise RunError(row["status"])
-        if row.get("numerical_error") and row["velocity_m_per_s"]:
-            speed, orbits = row["velocity_m_per_s"], predictor.contact(changes[k]).at(level)
-            errors[k] = row["numerical_error"] * contact.reference_speed(speed, orbits) / abs(speed)
-    return np.abs([[row.get(column, math.nan) for column in columns] for row in rows]), errors
-
-
-def _without_effect(predictor: MeasurementPredictor, outcome: str, rows: dict, level: float) -> list[Finding]:
+def without_effect(predictor: MeasurementPredictor, outcome: str, rows: dict, level: float) -> list[Finding]:
     """Return which numbers have no effect, and what happens if all of them are changed together."""
     silent = [key for key, (value, _) in rows.items() if abs(value) < NO_EFFECT and key != "level"]
     if not silent:
         return []
-    (before, after), _ = _answers(predictor, (outcome,), level, [{}, dict.fromkeys(silent, 1.0 + SILENT_STEP)])
+    (before, after), _ = answers_at(predictor, (outcome,), level, [{}, dict.fromkeys(silent, 1.0 + SILENT_STEP)])
     allowed = 1.5 * SILENT_STEP * NO_EFFECT * len(silent)
     change = abs(float(np.log(after[0] / before[0])))
     return [
@@ -266,8 +131,7 @@ def _checks(predictor: MeasurementPredictor, rows: dict, level: float) -> list[F
 
 def _in_words(data: dict) -> Iterator[tuple[str, str]]:
     """Yield what matters most to an answer, in % for 1 % of the number, and where both sides disagree."""
-    rows = list(zip(*(data[name] for name in COLUMNS), strict=True))
-    most = [f"{key} {value:+.3g}" for key, value, *_ in rows[:NAMED] if abs(value) >= NO_EFFECT]
+    most = [f"{key} {value:+.3g}" for key, value, *_ in _rows(data)[:NAMED] if abs(value) >= NO_EFFECT]
     yield data["outcome"], f"% for 1 % of {', '.join(most) or 'any number: none'}"
     for key, more, less in data["bends"]:
         yield "", f"bends with {key}: {100 * more:+.3g} % for 1 % more, {100 * less:+.3g} % for 1 % less"
@@ -280,27 +144,25 @@ def _bends(more: float | None, less: float | None) -> bool:
     return abs(more + less) > max(BENDS * max(abs(more), abs(less)), NO_EFFECT * SIDE)
 
 
-def _cell(value: float | None) -> str:
-    return "" if value is None else repr(value)
+def _rows(data: dict) -> list[tuple]:
+    """Return the rows of a panel's ``COLUMNS``, one for each number."""
+    return list(zip(*(data[name] for name in COLUMNS), strict=True))
 
 
 def tables(record: StudyRecord) -> dict[str, str]:
     """Return sensitivity.csv."""
-    lines = ["outcome,key,elasticity,error,change_for_1_percent_more,change_for_1_percent_less"]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(("outcome", *COLUMNS))
     for panel in record.panels:
-        data = panel.data
-        lines += [
-            f"{data['outcome']},{key},{value!r},{error!r},{_cell(more)},{_cell(less)}"
-            for key, value, error, more, less in zip(*(data[name] for name in COLUMNS), strict=True)
-        ]
-    return {"sensitivity.csv": "\n".join(lines) + "\n"}
+        writer.writerows((panel.data["outcome"], *row) for row in _rows(panel.data))
+    return {"sensitivity.csv": text.getvalue()}
 
 
 @of_record
 def figure(record: Panel, ax):
     """Draw what 1 % more and 1 % less of each number make of one answer, and its elasticity, the largest on top."""
-    rows = [row for row in zip(*(record.data[name] for name in COLUMNS), strict=True) if abs(row[1]) >= NO_EFFECT]
-    rows = rows[:MAX_DRAWN]
+    rows = [row for row in _rows(record.data) if abs(row[1]) >= NO_EFFECT][:MAX_DRAWN]
     for side, (colour, label, sign) in enumerate((("slip", "1 % more", 1), ("intermittent", "1 % less", -1))):
         changes = [100 * (row[3 + side] or 0.0) for row in rows]
         places = [k - sign * 0.18 for k in range(len(rows))]

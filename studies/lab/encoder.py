@@ -4,11 +4,14 @@
 """
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
+from scipy.interpolate import make_interp_spline
+from scipy.optimize import minimize_scalar
 
 
 def travelled_distance(time: np.ndarray, velocity: np.ndarray) -> np.ndarray:
     """Return the distance in m travelled by each instant (trapezoidal rule)."""
-    return np.concatenate([[0.0], np.cumsum(np.diff(time) * 0.5 * (velocity[1:] + velocity[:-1]))])
+    return cumulative_trapezoid(velocity, time, initial=0.0)
 
 
 def low_pass(time: np.ndarray, values: np.ndarray, bandwidth: float) -> np.ndarray:
@@ -30,17 +33,10 @@ def low_pass(time: np.ndarray, values: np.ndarray, bandwidth: float) -> np.ndarr
 
 def averaged(time: np.ndarray, values: np.ndarray, span: float, at: np.ndarray) -> np.ndarray:
     """Return the means of a curve over the ``span`` in s before each instant ``at``; it is constant beyond its ends."""
-    sums = travelled_distance(time, values)
-
-    def until(instant):
-        inside = np.clip(instant, time[0], time[-1])
-        k = np.clip(np.searchsorted(time, inside, side="right") - 1, 0, len(time) - 2)
-        ahead = inside - time[k]
-        slope = (values[k + 1] - values[k]) / (time[k + 1] - time[k])
-        own = sums[k] + ahead * (values[k] + 0.5 * slope * ahead)
-        return own + np.where(instant < time[0], values[0], values[-1]) * (instant - inside)
-
-    return (until(at) - until(at - span)) / span
+    first, last = min(time[0], np.min(at) - span) - span, max(time[-1], np.max(at)) + span
+    curve = make_interp_spline([first, *time, last], np.pad(values, 1, mode="edge"), k=1)
+    integral = curve.antiderivative()
+    return (integral(at) - integral(at - span)) / span
 
 
 def recorded(
@@ -65,8 +61,6 @@ def aligned(time: np.ndarray, measured: np.ndarray, at: np.ndarray, predicted: n
 
     ``time`` and ``measured`` are the trace; ``at`` and ``predicted`` are the prediction, constant beyond its ends.
     """
-    from scipy.optimize import minimize_scalar
-
     span = 0.5 * (at[-1] - at[0])
 
     def squares(offset):
@@ -75,8 +69,5 @@ def aligned(time: np.ndarray, measured: np.ndarray, at: np.ndarray, predicted: n
     grid = np.linspace(-span, span, 401)
     best = grid[np.argmin([squares(offset) for offset in grid])]
     width = grid[1] - grid[0]
-    return float(
-        minimize_scalar(
-            squares, bounds=(best - width, best + width), method="bounded", options={"xatol": 1e-9 * span}
-        ).x
-    )
+    bounds, options = (best - width, best + width), {"xatol": 1e-9 * span}
+    return float(minimize_scalar(squares, bounds=bounds, method="bounded", options=options).x)

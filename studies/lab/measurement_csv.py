@@ -10,7 +10,7 @@ The columns of the file have the names of run.json and determine the kind of mea
 ``velocity_standard_deviation_m_per_s`` (or ``error_m_per_s``) and ``normal_amplitude_standard_deviation_m`` are
 standard deviations.  The units ``_mm_per_s``, ``_nm`` and ``_ms`` are also accepted.  Other columns are ignored, so
 that the velocity.csv of one run can be compared with another run.  Files of vibrometers and network analysers are
-recognised here and read by `scan` and `network`.
+recognised here and read by `scan`, `scan_uff` and `network`.
 """
 
 from pathlib import Path
@@ -18,7 +18,8 @@ from pathlib import Path
 from studies.lab.csv_columns import DISPLACEMENTS, TIMES, VELOCITIES, VOLTAGES, CsvColumns
 from studies.lab.measurement import Measurement
 from studies.lab.network import TOUCHSTONE, read_network
-from studies.lab.scan import UFF_ENDINGS, Scan, is_scan, scan_of_columns, scan_of_uff
+from studies.lab.scan import Scan, motions, scan_of_columns
+from studies.lab.scan_uff import UFF_ENDINGS, scan_of_uff
 from studies.refusal import SceneError
 
 
@@ -38,7 +39,7 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
             raise SceneError(option, f"{str(path)!r} cannot be read: no such file")
         return measured_scan(scan_of_uff(Path(path), option))
     table = CsvColumns.read(path, option)
-    if is_scan(table.path, table.names):
+    if motions(table.names):
         return measured_scan(scan_of_columns(table))
     position = table.column("position", DISPLACEMENTS | {"mm": 1e-3})
     voltage, amplitude = table.known("voltage", VOLTAGES), table.known("normal_amplitude", DISPLACEMENTS)

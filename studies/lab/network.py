@@ -14,24 +14,12 @@ TOUCHSTONE = re.compile(r"\.s(?P<ports>\d+)p", re.IGNORECASE)
 
 @dataclass(frozen=True, kw_only=True)
 class NetworkData:
-    """S-parameters as measured.
+    """S-parameters as measured."""
 
-    Attributes
-    ----------
-    name : str
-        Of the file.
-    frequency : ndarray, shape (n,)
-        Hz, rising.
-    scattering : ndarray, shape (n, ports, ports)
-        Complex.
-    reference : float
-        Impedance in ohm.
-    """
-
-    name: str
-    frequency: np.ndarray = field(repr=False)
-    scattering: np.ndarray = field(repr=False)
-    reference: float
+    name: str  # of the file
+    frequency: np.ndarray = field(repr=False)  # Hz, rising, shape (n,)
+    scattering: np.ndarray = field(repr=False)  # complex, shape (n, ports, ports)
+    reference: float  # impedance in ohm
 
     @property
     def ports(self) -> int:

@@ -24,56 +24,26 @@ MAX_BURST = 0.05  # longest burst, s
 
 @dataclass(frozen=True, kw_only=True)
 class MotorNumbers:
-    """Numbers of a motor that a controller uses.
+    """Numbers of a motor that a controller uses."""
 
-    Attributes
-    ----------
-    level : float
-        Largest level of the drive, V or m.
-    dead_zone : float
-        Threshold level, below which the slider does not move.
-    acceleration : float
-        Acceleration from rest at the largest level, m/s^2.
-    braking : float
-        Deceleration by friction without a wave, m/s^2.
-    delay : float
-        Delay from the drive to the wave under the slider, s.
-    speed_per_level : float
-        Steady speed at the largest level, divided by the excess of this level over the dead zone.
-    """
-
-    level: float
-    dead_zone: float
-    acceleration: float
-    braking: float
-    delay: float
-    speed_per_level: float
+    level: float  # largest level of the drive, V or m
+    dead_zone: float  # threshold level, below which the slider does not move
+    acceleration: float  # from rest at the largest level, m/s^2
+    braking: float  # deceleration by friction without a wave, m/s^2
+    delay: float  # from the drive to the wave under the slider, s
+    speed_per_level: float  # steady speed at the largest level, divided by the excess of this level over the dead zone
 
 
 @dataclass(kw_only=True)
 class Reading:
-    """Input of a controller. The controller may store its state in ``memory``, which is the same object at every call.
+    """Input of a controller."""
 
-    Attributes
-    ----------
-    time : float
-        s.
-    position : float
-        Position measured by the sensor, with delay and quantisation, m.
-    target : float
-        m.
-    period : float
-        Period of the controller, s.
-    motor : MotorNumbers
-    memory : dict
-    """
-
-    time: float
-    position: float
-    target: float
-    period: float
+    time: float  # s
+    position: float  # measured by the sensor, with delay and quantisation, m
+    target: float  # m
+    period: float  # of the controller, s
     motor: MotorNumbers
-    memory: dict = field(default_factory=dict)
+    memory: dict = field(default_factory=dict)  # the controller's own state: the same object at every call
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,33 +57,16 @@ class Command:
 
 @dataclass(frozen=True, kw_only=True)
 class TwoPhase:
-    """Controller with a coarse continuous drive followed by bursts.
+    """Controller with a coarse continuous drive followed by bursts."""
 
-    Attributes
-    ----------
-    coarse : float
-        Error above which the drive is continuous, m.
-    tolerance : float
-        Error that needs no correction, m.
-    single : float
-        Error below which a burst counts as a single step, m.
-    readings : int
-        Number of readings that are averaged before each burst, because the slider rings with little damping.
-    settle : float
-        Waiting time after a burst before the readings, s.
-    gain : float
-        Fraction of the error that a burst is meant to correct.
-    fine : float
-        Level of single steps over the threshold level. The largest level is unsuitable for small errors: a short burst
-        of a large wave makes the slider bounce, and a few cycles move it by more than the error.
-    """
-
-    coarse: float = 1e-6
-    tolerance: float = 1e-9
-    single: float = 2e-8
-    readings: int = 20
-    settle: float = 1e-3
-    gain: float = 0.9
+    coarse: float = 1e-6  # error above which the drive is continuous, m
+    tolerance: float = 1e-9  # error that needs no correction, m
+    single: float = 2e-8  # error below which a burst counts as a single step, m
+    readings: int = 20  # averaged before each burst, because the slider rings with little damping
+    settle: float = 1e-3  # waiting time after a burst before the readings, s
+    gain: float = 0.9  # fraction of the error that a burst is meant to correct
+    # Level of single steps over the threshold level. The largest level is unsuitable for small errors: a short burst of
+    # a large wave makes the slider bounce, and a few cycles move it by more than the error.
     fine: float = 5.0
 
     def __call__(self, reading: Reading) -> Command:
@@ -201,24 +154,12 @@ class BurstLength(TwoPhase):
 
 @dataclass(frozen=True, kw_only=True)
 class DeadZonePI:
-    """Continuous drive with level = dead zone + |u| in the direction of u, u = proportional e + integral (int e dt).
+    """Continuous drive with level = dead zone + |u| in the direction of u, u = proportional e + integral (int e dt)."""
 
-    Attributes
-    ----------
-    proportional : float
-        Level per m; 0 selects the value for which the steady speed is 100/s times the error.
-    integral : float
-        Level per m and s; 0 selects 20/s times ``proportional``.
-    tolerance : float
-        Error below which the drive is off, m.
-    windup : float
-        Largest magnitude of the integral part, relative to the largest level.
-    """
-
-    proportional: float = 0.0
-    integral: float = 0.0
-    tolerance: float = 1e-9
-    windup: float = 0.2
+    proportional: float = 0.0  # level per m; 0: the steady speed is 100/s times the error
+    integral: float = 0.0  # level per m and s; 0: 20/s times `proportional`
+    tolerance: float = 1e-9  # error below which the drive is off, m
+    windup: float = 0.2  # largest magnitude of the integral part, relative to the largest level
 
     def __call__(self, reading: Reading) -> Command:
         """Return the command of a reading."""

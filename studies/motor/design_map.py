@@ -20,7 +20,7 @@ from studies.chain.resolve import resolved
 from studies.record.plots import finished, logarithmic, own
 from studies.record.quantities import quantity
 from studies.refusal import RunError, SceneError
-from studies.report.intermediate import scaled_unit, si
+from studies.report.intermediate import key_axis, si
 from studies.scene import Scene
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import replaced, value_at
@@ -131,34 +131,35 @@ def figure(record: Panel, ax):
     """Draw one quantity as contours, the closed forms as lines and the point of the scene as a star."""
     data = record.data
     value = np.ma.masked_invalid(np.asarray(data["value"], float) * data["scale"])
-    (x, x_label), (y, y_label) = (_scaled(data[f"{side}_key"], data[side]) for side in "xy")
+    (x_scale, x_label), (y_scale, y_label) = (key_axis(data[f"{at}_key"], np.abs(data[at]).max()) for at in "xy")
+    x, y = x_scale * np.asarray(data["x"], float), y_scale * np.asarray(data["y"], float)
     if value.count() and np.ptp(value) > 0.0:
-        levels = _levels(value.compressed())
+        levels = contour_levels(value.compressed())
         shades = BoundaryNorm(levels, 256)
-        drawn = ax.contourf(x[0], y[0], value, levels=levels, cmap="viridis", norm=shades)
+        drawn = ax.contourf(x, y, value, levels=levels, cmap="viridis", norm=shades)
         bar = ax.figure.colorbar(drawn, ax=ax, label=data["label"], ticks=levels)
         bar.ax.tick_params(labelsize="small")
         between = [level for level in levels if level != 0.0]
-        ax.contour(x[0], y[0], value, levels=between, colors="white", linestyles="solid", linewidths=0.5)
+        ax.contour(x, y, value, levels=between, colors="white", linestyles="solid", linewidths=0.5)
     for name, style in (("threshold", ":"), ("release", "--")):
         factor = np.asarray(data[f"{name}_factor"], float)
         factor = np.log(np.where(np.isfinite(factor) & (factor > 0.0), factor, 1e6))
         if factor.min() < 0.0 < factor.max():
             options = {"levels": [0.0], "colors": "black", "linestyles": style, "linewidths": 1.6}
-            line = ax.contour(x[0], y[0], factor, **options)
+            line = ax.contour(x, y, factor, **options)
             line.set_path_effects([withStroke(linewidth=3.0, foreground="white")])
             ax.plot([], [], style, color="black", linewidth=1.6, label=f"{name} (theory)")
-    points = [(a * x[1], b * y[1]) for a in data["own_x"] for b in data["own_y"]]
-    inside = [(a, b) for a, b in points if x[0].min() <= a <= x[0].max() and y[0].min() <= b <= y[0].max()]
+    points = [(a * x_scale, b * y_scale) for a in data["own_x"] for b in data["own_y"]]
+    inside = [(a, b) for a, b in points if x.min() <= a <= x.max() and y.min() <= b <= y.max()]
     if inside:
         own(ax, [a for a, _ in inside], [b for _, b in inside], "the scene's own")
-    for side, values in ((ax.xaxis, x[0]), (ax.yaxis, y[0])):
+    for side, values in ((ax.xaxis, x), (ax.yaxis, y)):
         if _even_in_logarithm(values):
             logarithmic(side)
     return finished(ax, x_label, y_label, record.title, grid=False)
 
 
-def _levels(values) -> list[float]:
+def contour_levels(values) -> list[float]:
     """Return contour levels: uniform, or a 1-2-5 series if the values cover more than a decade.
 
     Half of a map may lie below a hundredth of its largest value, where uniform levels would show one colour.
@@ -216,13 +217,6 @@ def _own(table: dict, key: str) -> list[float]:
     value = value_at(table, key)
     values = value if isinstance(value, list) else [value]
     return [each for each in values if isinstance(each, (int, float))]
-
-
-def _scaled(key: str, values):
-    """Return ((values in a suitable unit, factor from SI), axis label)."""
-    unit, values = unit_of(rule_at(key)), np.asarray(values, float)
-    name, (factor, unit) = key.split(".")[-1].replace("_", " "), scaled_unit(abs(values).max(), unit)
-    return (values * factor, factor), f"{name} ({unit})" if unit else name
 
 
 def _even_in_logarithm(values) -> bool:

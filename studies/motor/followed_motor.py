@@ -18,7 +18,7 @@ import numpy as np
 
 from contact.jit.compiled import compiled
 from studies.export import reduced_motor as model
-from studies.export.averaged_motor import AveragedMotor
+from studies.export.motor_model import AveragedMotor
 from studies.export.reduced_motor import index
 
 # steps per cycle of the wave; error over 10 um of twente and back: 0.006 nm, with 800 steps 0.02, with 400 0.3 nm
@@ -30,7 +30,7 @@ HEIGHT, CLIMB, SPEED, PLACE, STRAIN = range(5)
 
 
 class FollowedMotor:
-    """A motor that starts at rest, with the interface of `studies.export.averaged_motor.MotorState`."""
+    """A motor that starts at rest, with the interface of `studies.export.motor_model.MotorState`."""
 
     def __init__(self, motor: AveragedMotor, *, force: float = 0.0, preload: float | None = None, steps: int = STEPS):
         drives, slider = motor.drives, motor.slider

@@ -15,7 +15,7 @@ REST_SHARE = 0.2  # last fraction of an unsettled move over which the error at r
 
 
 class Moving(Protocol):
-    """Interface of a motor model that can be integrated in time, such as `studies.export.averaged_motor.MotorState`."""
+    """Interface of a motor model that can be integrated in time, such as `studies.export.motor_model.MotorState`."""
 
     time: float
     position: float
@@ -28,108 +28,48 @@ class Moving(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class Loop:
-    """Sensor, controller period and disturbances of a position loop.
+    """Sensor, controller period and disturbances of a position loop."""
 
-    Attributes
-    ----------
-    resolution : float
-        Quantisation step of the sensor, m; 0 for none.
-    noise : float
-        Standard deviation of a reading, m.
-    delay : float
-        Age of a reading, s; a whole number of periods is used.
-    period : float
-        Period of the controller, s.
-    force : float
-        External force on the slider along +x from ``force_at`` on, N.
-    force_at : float
-        Time at which the force begins, s.
-    preload : float or None
-        Preload in N; None selects that of the scene.
-    limit : float
-        Time limit of a move, s.
-    hold : float
-        Time for which the controller must stay settled before a move ends, s.
-    seed : int
-        Seed of the noise.
-    """
-
-    resolution: float = 1e-9
-    noise: float = 3e-10
-    delay: float = 0.0
-    period: float = 1e-4
-    force: float = 0.0
-    force_at: float = 0.0
-    preload: float | None = None
-    limit: float = 1.0
-    hold: float = 5e-3
-    seed: int = 0
+    resolution: float = 1e-9  # quantisation step of the sensor, m; 0 for none
+    noise: float = 3e-10  # standard deviation of a reading, m
+    delay: float = 0.0  # age of a reading, s; a whole number of periods is used
+    period: float = 1e-4  # of the controller, s
+    force: float = 0.0  # external, on the slider along +x, from `force_at` on, N
+    force_at: float = 0.0  # s
+    preload: float | None = None  # N; None: that of the scene
+    limit: float = 1.0  # time limit of a move, s
+    hold: float = 5e-3  # time for which the controller must stay settled before a move ends, s
+    seed: int = 0  # of the noise
 
 
 @dataclass(frozen=True, kw_only=True)
 class Drives:
-    """The drives of a motor as the loop sees them.
+    """The drives of a motor as the loop sees them."""
 
-    Attributes
-    ----------
-    powers : (float, float)
-        Power of the first and of the second drive, W per squared unit of the level.
-    direction : float
-        Sign of the velocity under the first drive.
-    one_way : bool
-        True if there is no second drive.
-    frequency : float
-        Frequency of the wave in Hz, used to round bursts to whole cycles; 0 for no rounding.
-    """
-
-    powers: tuple[float, float] = (0.0, 0.0)
-    direction: float = 1.0
-    one_way: bool = False
-    frequency: float = 0.0
+    powers: tuple[float, float] = (0.0, 0.0)  # of the first and of the second drive, W per squared unit of the level
+    direction: float = 1.0  # sign of the velocity under the first drive
+    one_way: bool = False  # True if there is no second drive
+    frequency: float = 0.0  # of the wave, Hz: bursts are rounded to whole cycles; 0 for no rounding
 
 
 @dataclass(frozen=True, kw_only=True)
 class Move:
-    """One move to a target. Positions are relative to the initial position of the motor.
+    """One move to a target. Positions are relative to the initial position of the motor."""
 
-    Attributes
-    ----------
-    start, target : float
-        m.
-    time, position, velocity, level : ndarray, shape (k,)
-        Time in s, position in m, velocity in m/s, and the level of the drive (V or m) up to each instant.
-    within : dict
-        Settling time in s by error band in m; nan if the true position does not settle within the band.
-    overshoot : float
-        Largest distance beyond the target, m.
-    error_at_rest : float
-        Mean of the true position at the end of the move minus the target, m.
-    ring : float
-        Half of the range of the true position at the end of the move, m.
-    bursts : dict
-        Number of bursts by phase.
-    energy : float
-        Energy into the transducers, J.
-    cycles : float
-        Number of driven cycles of the wave.
-    settled : bool
-        True if the controller was settled at the end.
-    """
-
-    start: float
-    target: float
-    time: np.ndarray = field(repr=False)
-    position: np.ndarray = field(repr=False)
-    velocity: np.ndarray = field(repr=False)
-    level: np.ndarray = field(repr=False)
-    within: dict[float, float]
-    overshoot: float
-    error_at_rest: float
-    ring: float
-    bursts: dict[str, int]
-    energy: float
-    cycles: float
-    settled: bool
+    start: float  # m
+    target: float  # m
+    time: np.ndarray = field(repr=False)  # s, shape (k,), as the three below
+    position: np.ndarray = field(repr=False)  # m
+    velocity: np.ndarray = field(repr=False)  # m/s
+    level: np.ndarray = field(repr=False)  # of the drive up to each instant, V or m
+    within: dict[float, float]  # settling time in s by error band in m; nan if the true position does not settle in it
+    overshoot: float  # largest distance beyond the target, m
+    error_at_rest: float  # mean of the true position at the end of the move minus the target, m
+    ring: float  # half of the range of the true position at the end of the move, m
+    bursts: dict[str, int]  # number of bursts by phase
+    energy: float  # into the transducers, J
+    cycles: float  # number of driven cycles of the wave
+    settled: bool  # whether the controller was settled at the end
 
 
 def moved(

@@ -25,8 +25,9 @@ from dataclasses import fields, replace
 import numpy as np
 
 import contact
-from studies.chain import resolve
-from studies.export.averaged_motor import AveragedMotor, averaged_motor, first_drive, other_drives, push, ring_speed
+from studies.chain import fem_model, resolve
+from studies.export.averaged_motor import averaged_motor, first_drive, other_drives
+from studies.export.motor_model import AveragedMotor, push, ring_speed
 from studies.motor.controllers import MotorNumbers, controller
 from studies.motor.followed_motor import STEPS, FollowedMotor
 from studies.motor.position_loop import Drives, Loop, Move, moved, replayed
@@ -76,8 +77,8 @@ def run(
     settings, make_controller = read_loop(loop or [], controller)
     distance = None
     if target is not None:
-        given = toml_value(target) if isinstance(target, str) else target
-        distance = Quantity("m", negative=True).read("--target", given)
+        displacement = toml_value(target) if isinstance(target, str) else target
+        distance = Quantity("m", negative=True).read("--target", displacement)
         if distance == 0.0:
             raise SceneError("--target", "must not be 0: that is where the slider stands")
         refuse_beyond(scene, distance)
@@ -172,13 +173,10 @@ def refuse_beyond(scene: Scene, distance: float) -> None:
         return
     resolved = resolve.resolved(scene)
     places = [x for x, _ in resolved.slider.places]
-    low, high = -min(places), resolved.stator.length - max(places)
-    for each in resolved.transducer if not resolved.crossed else ():
-        half = each.half_length
-        if each.place[0] < min(places):
-            low = max(low, each.place[0] + half - min(places))
-        elif each.place[0] > max(places):
-            high = min(high, each.place[0] - half - max(places))
+    fingers = () if resolved.crossed else [(each.place[0], each.half_length) for each in resolved.transducer]
+    rows = [(middle - half, middle + half) for middle, half in fingers]
+    left, right = fem_model.free_span(rows, resolved.slider.center[0], resolved.stator.length)
+    low, high = left - min(places), right - max(places)
     if not low < distance < high:
         rule = f"must keep the slider on the free surface, {low * 1e3:.4g} to {high * 1e3:.4g} mm from its place"
         raise SceneError("--target", f"{rule}, got {distance * 1e3:.4g} mm")

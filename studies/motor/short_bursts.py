@@ -12,7 +12,7 @@ from studies.chain.resolve import resolved
 from studies.chain.solved_stator import of_stator
 from studies.chain.steps import Steps
 from studies.chain.uncertainty import sampled, without_level
-from studies.export.averaged_motor import AveragedMotor
+from studies.export.motor_model import AveragedMotor
 from studies.scene import Scene
 from studies.scene.keys import LEVELS, tolerances
 

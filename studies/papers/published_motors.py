@@ -10,8 +10,6 @@ within its band; the band of predictions from the voltage is as wide as the unkn
 Run time: about 40 s.
 """
 
-import csv
-import io
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -22,7 +20,7 @@ from studies.papers import published_sliders as sliders
 from studies.papers.published import Comparison, comparisons, corners, left_aside
 from studies.papers.seed import Seed
 from studies.record.plots import COLOURS, finished
-from studies.record.text import markdown
+from studies.record.text import csv_text, markdown
 from studies.study import Answered, Finding, Panel, StudyRecord, of_record, study
 
 MOTORS = tuple(dict.fromkeys(each.motor for each in comparisons()))
@@ -75,9 +73,8 @@ def run(*, motors: tuple[str, ...] = MOTORS, progress=None) -> Answered:
         if each.motor in motors:
             progress(f"{each.motor}: {each.quantity}")
             rows.append(compared(each, MODELS[each.model]))
-    columns = {key: [row[key] for row in rows] for key in rows[0]}
     title = "Published motors (bands: what the papers do not state)"
-    return (Panel(name="published_motors", title=title, data=columns),), map(_finding, rows)
+    return (Panel.of_rows("published_motors", title, rows),), map(finding_of, rows)
 
 
 @of_record
@@ -111,8 +108,7 @@ def figure(panel: Panel, ax):
 
 def tables(record: StudyRecord) -> dict[str, str]:
     """Return the tables in Markdown and in CSV, by file name."""
-    data = record.panels[0].data
-    rows = [dict(zip(data, values, strict=True)) for values in zip(*data.values(), strict=True)]
+    rows = record.panels[0].rows()
     head = ("motor", "quantity", "published", "predicted", "band", "swept", "moves it most", "verdict")
     table = []
     for row in rows:
@@ -128,11 +124,7 @@ def tables(record: StudyRecord) -> dict[str, str]:
         "",
         *(f"- {what}: {why}." for what, why in left_aside().items()),
     ]
-    file = io.StringIO()
-    writer = csv.DictWriter(file, list(data), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return {"published_motors.md": "\n".join(lines) + "\n", "published_motors.csv": file.getvalue()}
+    return {"published_motors.md": "\n".join(lines) + "\n", "published_motors.csv": csv_text(rows)}
 
 
 def compared(comparison: Comparison, model: Callable[[dict], float]) -> dict:
@@ -177,7 +169,8 @@ def _apart(ratio: float) -> str:
     return f"{100 * (ratio - 1):+.0f} %"
 
 
-def _finding(row: dict) -> Finding:
+def finding_of(row: dict) -> Finding:
+    """Return a row of the comparison as a finding, confirmed if the band reaches the published value."""
     band = f"{row['low'] * row['scale']:.3g} to {row['high'] * row['scale']:.3g} {row['unit']}".strip()
     return Finding(
         statement=f"{row['motor']}: {row['quantity']}, published {_stated(row)} {row['unit']}",

@@ -1,6 +1,8 @@
 """The answer of a run as text: a table of the points, then its errors and what the model neglects."""
 
 import codecs
+import csv
+import io
 import json
 import sys
 from collections.abc import Iterable
@@ -83,6 +85,21 @@ def markdown(head: Iterable[str], rows: Iterable[Iterable[str]]) -> list[str]:
     """
     head, *body = (f"| {' | '.join(row)} |" for row in (head, *rows))
     return [head, "|" + "---|" * (head.count(" | ") + 1), *body]
+
+
+def csv_text(rows: list[dict]) -> str:
+    """Return rows as CSV, None as an empty cell.
+
+    Examples
+    --------
+    >>> csv_text([{"a": 1, "b": None}]).splitlines()
+    ['a,b', '1,']
+    """
+    file = io.StringIO()
+    writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return file.getvalue()
 
 
 def table(rows: list[list[str]]) -> list[str]:

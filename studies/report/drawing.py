@@ -58,7 +58,6 @@ class Drawing:
 
 def serve() -> None:
     """Read a request from stdin and draw it; this is the main function of the drawing process."""
-    import matplotlib.backends.backend_agg
     import matplotlib.figure  # noqa: F401
 
     from studies.record.run_pictures import draw_run

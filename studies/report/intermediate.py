@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from studies.chain import bridge
 from studies.record import Record
+from studies.scene.keys import rule_at, unit_of
 
 PREFIXES = {-18: "a", -15: "f", -12: "p", -9: "n", -6: "\u00b5", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 CLOSED = "closed form"
@@ -56,6 +57,19 @@ def load_axis(largest: float) -> tuple[float, str]:
     """
     factor, unit = scaled_unit(largest, "N")
     return factor, f"load ({unit})"
+
+
+def key_axis(key: str, largest: float) -> tuple[float, str]:
+    """Return the factor and the label of an axis of a scene's number, with a prefix that suits its largest value (SI).
+
+    Examples
+    --------
+    >>> key_axis("slider.preload", 3e-3), key_axis("slider.friction_coefficient", 0.2)
+    ((1000.0, 'preload (mN)'), (1.0, 'friction coefficient'))
+    """
+    factor, unit = scaled_unit(largest, unit_of(rule_at(key)))
+    name = key.rpartition(".")[2].replace("_", " ")
+    return factor, f"{name} ({unit})" if unit else name
 
 
 def scaled_unit(size: float, unit: str | None) -> tuple[float, str]:

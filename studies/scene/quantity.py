@@ -103,11 +103,12 @@ def _factor(name: str, unit: str) -> float:
     if UNIT.fullmatch(name) is None:
         raise LookupError(f"{shown(name)} is no unit")
     import pint
+    from pint.util import to_units_container
 
     try:
         units = _registry().parse_units(name)
         _, roots = _registry().get_root_units(units)
-        if any(not _registry().get_dimensionality(root) for root in dict(roots._units)):
+        if any(not _registry().get_dimensionality(root) for root in to_units_container(roots)):
             # pint takes a radian for 1: "1 rad/s" would pass for 1 Hz, wrong by 2 pi
             raise LookupError(f"{shown(name)} counts angles or parts")
         return float(_registry().Quantity(1.0, units).to(unit.replace(" ", "*")).magnitude)

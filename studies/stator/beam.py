@@ -22,7 +22,7 @@ from studies.record.quantities import quantity
 from studies.record.run_pictures import draw_scan
 from studies.refusal import RunError
 from studies.scene import Scene
-from studies.stator.scan_panel import said, scan_file, scan_panel
+from studies.stator.scan_panel import scan_answer, scan_file, scan_panel
 from studies.study import Answered, Panel, judged, of_record, study
 
 QUICK = {"count": 25}
@@ -97,7 +97,7 @@ def run(
     )  # fmt: skip
     if scan is not None:
         panels.append(scan_panel(whole, scan, tolerance=tolerance, progress=progress))
-    return panels, findings, said(panels)
+    return panels, findings, scan_answer(panels)
 
 
 def _slowness(beam, wave) -> fem.Slowness:

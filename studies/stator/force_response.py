@@ -49,21 +49,21 @@ def run(
         Relative, of the surface motion two wavelengths from the force.
     """
     resolved = passband.driven_scene(scene)
-    asked = _Asked.of(resolved, width, tolerance)
+    problem = _ForceProblem.of(resolved, width, tolerance)
     progress("stator: the response to a force")
-    answers = {component: asked.response(component, resolved.frequency) for component in FORCES}
+    answers = {component: problem.response(component, resolved.frequency) for component in FORCES}
     x = np.linspace(0.0, resolved.stator.length, count)
-    x = x[abs(x - asked.place[0]) > asked.wavelength]
+    x = x[abs(x - problem.place[0]) > problem.wavelength]
     data, worst = {"x_m": x}, []
     for component, name in FORCES.items():
-        motion, error = asked.motion_and_error(answers[component], x)
+        motion, error = problem.motion_and_error(answers[component], x)
         data[f"{name}_m_per_N"] = motion
         # relative to the rms motion: beside it, minima of standing waves have a large relative error
         worst.append(float((error * abs(motion)).max() / np.sqrt(np.mean(abs(motion) ** 2))))
     answer = [
-        ("force", f"1 N on a strip of {asked.width * 1e3:.4g} mm at x = {asked.place[0] * 1e3:.6g} mm, "
-                  f"y = {asked.place[1] * 1e3:.4g} mm, {resolved.frequency / 1e6:.6g} MHz"),
-        ("method", "finite aperture" if asked.spreads else f"plane section: {asked.reason}"),
+        ("force", f"1 N on a strip of {problem.width * 1e3:.4g} mm at x = {problem.place[0] * 1e3:.6g} mm, "
+                  f"y = {problem.place[1] * 1e3:.4g} mm, {resolved.frequency / 1e6:.6g} MHz"),
+        ("method", "finite aperture" if problem.spreads else f"plane section: {problem.reason}"),
     ]  # fmt: skip
     for component in FORCES:
         circuit = answers[component].circuit
@@ -71,20 +71,20 @@ def run(
             sizes = (f"{abs(current) * 1e6:.4g} uA", f"{abs(voltage) * 1e3:.4g} mV")
             there = [size for size, value in zip(sizes, (current, voltage), strict=True) if abs(value) > ROUNDING]
             answer.append((port, f"{' and '.join(there)} per newton along {component}"))
-    beside = max(asked.motion_and_error(each, np.array(asked.beside))[1].max() for each in answers.values())
+    beside = max(problem.motion_and_error(each, np.array(problem.beside))[1].max() for each in answers.values())
     answer.append(("relative error", f"{beside:.1e} two wavelengths beside the force, asked for {tolerance:.1e}; up to "
                                      f"{max(worst):.1e} of the rms motion elsewhere"))  # fmt: skip
-    if asked.spreads:
+    if problem.spreads:
         of_currents = max(each.received_error for each in answers.values())
         answer.append(("", f"{of_currents:.1e} of the currents into transducers at a voltage of zero"))
-    panels = [Panel(name="along", title=f"{resolved.title}: u_z by 1 N at {asked.place[0] * 1e3:g} mm", data=data)]
+    panels = [Panel(name="along", title=f"{resolved.title}: u_z by 1 N at {problem.place[0] * 1e3:g} mm", data=data)]
     if band is not None:
-        panels += _over_the_band(asked, passband.band_frequencies(resolved, band), progress)
-    return panels, _reciprocity(asked, answers, progress), answer
+        panels += _over_the_band(problem, passband.band_frequencies(resolved, band), progress)
+    return panels, _reciprocity(problem, answers, progress), answer
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Asked:
+class _ForceProblem:
     """Stator, place and width of the force of a scene."""
 
     scene: Scene
@@ -95,7 +95,7 @@ class _Asked:
     reason: str  # why no beam is computed; empty if one is
 
     @classmethod
-    def of(cls, scene: Scene, width: float | None, tolerance: float) -> "_Asked":
+    def of(cls, scene: Scene, width: float | None, tolerance: float) -> "_ForceProblem":
         place = scene.places[0] if scene.slider is None else scene.slider.center
         stator = fem_model.whole_stator(scene)
         wavelength = fem.rayleigh(stator.solid, stator.bare_surface).velocity / scene.frequency
@@ -163,58 +163,58 @@ class _Asked:
         return motion[2], error * abs(motion[[0, 2]]).max(axis=0) / abs(motion[2])
 
 
-def _over_the_band(asked: _Asked, at: np.ndarray, progress) -> list[Panel]:
+def _over_the_band(problem: _ForceProblem, at: np.ndarray, progress) -> list[Panel]:
     """Return currents and voltages of all transducers per newton at frequencies in Hz; open ones have no current."""
     sizes: dict[str, dict] = {"A": {"frequency_Hz": at}, "V": {"frequency_Hz": at}}
-    prepared = None if asked.spreads else _band(asked, at)
+    prepared = None if problem.spreads else _band(problem, at)
     for component, name in FORCES.items():
         if prepared is None:
             circuits = []
             for frequency in at:
                 progress(f"stator: force along {component} at {frequency / 1e6:.5g} MHz")
-                circuits.append(asked.response(component, frequency).circuit)
+                circuits.append(problem.response(component, frequency).circuit)
         else:
-            circuits = prepared.forced(at, asked.force(component), fem_model.drive(asked.scene))
+            circuits = prepared.forced(at, problem.force(component), fem_model.drive(problem.scene))
         for number, port in enumerate(circuits[0].names):
             for unit, field in (("A", "currents"), ("V", "voltages")):
                 values = np.array([getattr(each, field)[number] for each in circuits])
                 if abs(values).max() > ROUNDING:
                     sizes[unit][f"{port}_{name}_{unit}_per_N"] = values
     titles = {"A": ("currents", "current per newton"), "V": ("voltages", "voltage per newton")}
-    where = f"at {asked.place[0] * 1e3:g} mm"
+    where = f"at {problem.place[0] * 1e3:g} mm"
     return [
-        Panel(name=name, title=f"{asked.scene.title}: {what} {where}", data=sizes[unit])
+        Panel(name=name, title=f"{problem.scene.title}: {what} {where}", data=sizes[unit])
         for unit, (name, what) in titles.items()
         if len(sizes[unit]) > 1
     ]
 
 
-def _band(asked: _Asked, at: np.ndarray):
+def _band(problem: _ForceProblem, at: np.ndarray):
     """Return the `fem.Band` of the plane section."""
-    scene = asked.scene
+    scene = problem.scene
     return fem.frequency_band(
         fem_model.whole_stator(scene), fem_model.section_row(scene), lowest=float(at.min()), highest=float(at.max()),
-        drive=fem_model.drive(scene), tolerance=asked.tolerance, places=(asked.place[0],),
+        drive=fem_model.drive(scene), tolerance=problem.tolerance, places=(problem.place[0],),
     )  # fmt: skip
 
 
-def _reciprocity(asked: _Asked, answers: dict, progress) -> tuple:
+def _reciprocity(problem: _ForceProblem, answers: dict, progress) -> tuple:
     """Return the finding that a newton gives the current that a volt gives as velocity."""
-    if asked.spreads:
+    if problem.spreads:
         worst, quantity, high = max(each.scattering_error for each in answers.values()), BY_CHARGES, 0.3
     else:
-        drive, scene = fem_model.drive(asked.scene), asked.scene
+        drive, scene = fem_model.drive(problem.scene), problem.scene
         if len(drive.sources) > 1 or drive.match:
             return ()
         progress("stator: the response to a volt")
-        driven = asked.solved(fem.driven_wave, scene.frequency, places=(asked.place[0],))
+        driven = problem.solved(fem.driven_wave, scene.frequency, places=(problem.place[0],))
         (name, volts), worst = next(iter(drive.sources.items())), 0.0
         own = next(each.aperture for each in fem_model.section_row(scene) if each.name == name)
         for component, answer in answers.items():
-            moved = driven.motion(asked.place[0])["xz".index(component)] * own / asked.width
+            moved = driven.motion(problem.place[0])["xz".index(component)] * own / problem.width
             current = answer.circuit.currents[answer.circuit.names.index(name)]
             worst = max(worst, abs(current / (2j * np.pi * scene.frequency * moved / volts) - 1))
-        quantity, high = BY_VOLT, 3 * asked.tolerance
+        quantity, high = BY_VOLT, 3 * problem.tolerance
     return (judged("A transducer receives from a force what it sends to it.", quantity, worst, high=high),)
 
 

@@ -18,7 +18,7 @@ from studies.chain.surface_motion import solved_motion
 from studies.record.plots import curve, lines, shaded
 from studies.record.run_pictures import draw_scan
 from studies.scene import Scene
-from studies.stator.scan_panel import said, scan_file, scan_panel
+from studies.stator.scan_panel import scan_answer, scan_file, scan_panel
 from studies.study import Answered, Finding, Panel, judged, of_record, study
 
 QUICK = {"count": 9, "tolerance": 0.1}
@@ -53,7 +53,7 @@ def run(
     free = fem.free_wave(fem_model.stator(resolved.stator), frequency=float(np.median(at)), tolerance=1e-4)
     theory, late = (passband.expected(resolved).normal(at) * np.exp(-free.attenuation * way), way / free.velocity)
     delay = passband.group_delay(at, surface, late)
-    band = np.array(_half_power(at, abs(surface)))
+    band = np.array(half_power_band(at, abs(surface)))
     inside = (at >= band[0]) & (at <= band[1])
     judgement = {}
     if passband.waves_return(resolved):
@@ -86,7 +86,7 @@ def run(
     ]  # fmt: skip
     if scan is not None:
         panels.append(scan_panel(resolved, scan, tolerance=tolerance, progress=progress))
-    return panels, findings + spreading, said(panels)
+    return panels, findings + spreading, scan_answer(panels)
 
 
 def _aperture(scene: Scene, place: float, tolerance: float, progress) -> tuple[dict, tuple[Finding, ...]]:
@@ -132,7 +132,7 @@ def figure(record: Panel, ax):
     return lines(ax, record, "frequency_Hz", rows, "normal_m_per_V", columns=2)
 
 
-def _half_power(at, size) -> tuple[float, float]:
+def half_power_band(at, size) -> tuple[float, float]:
     """Return where the amplitude first falls below its maximum over root 2 on either side, Hz."""
     peak = int(np.argmax(size))
     level = size[peak] / np.sqrt(2)

@@ -20,7 +20,7 @@ from studies.chain.spectrum import port_admittances
 from studies.record.plots import COLOURS, curve, lines
 from studies.record.quantities import quantity
 from studies.scene import Scene
-from studies.stator.reflector import from_the_left
+from studies.stator.reflector import from_the_left, stator_beside_pieces
 from studies.study import Answered, Panel, judged, of_record, study
 
 QUICK = {"count": 3, "tolerance": 0.2}
@@ -38,9 +38,7 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None
         Of the P-matrices and of the admittances.
     """
     resolved = passband.driven_scene(scene)
-    stator = fem_model.whole_stator(resolved)
-    if stator.placement.whole is not None:
-        resolved.refuse("piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there")
+    stator = stator_beside_pieces(resolved)
     row = tuple(sorted(fem_model.section_row(resolved), key=lambda each: each.center))
     if len({each.aperture for each in row}) > 1:
         resolved.refuse("transducer", "must have equal apertures for this study: their waves are one beam")

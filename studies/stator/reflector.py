@@ -36,12 +36,10 @@ def run(scene: Scene, *, band: str | None = None, count: int = 11, tolerance: fl
     resolved = resolve.resolved(scene)
     if not resolved.piece:
         resolved.refuse("piece", "is missing: this study asks what a meshed piece sends back")
-    stator, middle = fem_model.whole_stator(resolved), resolved.frequency
+    stator, middle = stator_beside_pieces(resolved), resolved.frequency
     at = middle * np.linspace(1 - REACH, 1 + REACH, count) if count > 1 else np.array([middle])
     if band is not None:
         at = passband.band_frequencies(resolved, band)
-    if stator.placement.whole is not None:
-        resolved.refuse("piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there")
     answers = []
     for f in at:
         progress(f"reflection at {f / 1e6:.5g} MHz")
@@ -88,6 +86,14 @@ def run(scene: Scene, *, band: str | None = None, count: int = 11, tolerance: fl
                    high=1 + tolerance, expected="at most 1"),
         ]  # fmt: skip
     return tuple(panels), tuple(findings), answer
+
+
+def stator_beside_pieces(scene: Scene) -> fem.Stator:
+    """Return the stator of a resolved scene; refuse a piece that is all of it."""
+    stator = fem_model.whole_stator(scene)
+    if stator.placement.whole is not None:
+        scene.refuse("piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there")
+    return stator
 
 
 def from_the_left(at: np.ndarray, matrices: Sequence[np.ndarray]) -> dict[str, np.ndarray]:

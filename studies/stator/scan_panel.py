@@ -34,6 +34,6 @@ def scan_panel(scene: Scene, scan: Scan, *, tolerance: float, progress) -> Panel
     return Panel(name="measured", title=f"{scene.title}: measured", data=block)
 
 
-def said(panels) -> list[tuple[str, str]]:
+def scan_answer(panels) -> list[tuple[str, str]]:
     """Return what a study answers of its scan; nothing where there is none."""
     return [row for panel in panels if panel.name == "measured" for row in scan_comparison(panel.data)]

@@ -10,108 +10,23 @@ missing, and with points that were lost with their worker.
 
 from collections.abc import Callable
 from contextlib import closing
-from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from studies.chain.changed_scenes import ChangedScenes
-from studies.record.quantities import described
-from studies.record.status import Status
-from studies.refusal import InterruptedRunError, SceneError, needed
+from studies.refusal import InterruptedRunError, SceneError
 from studies.scene import Scene, read_table
-from studies.scene.keys import rule_at
-from studies.scene.keys import unit_of as scene_unit
 from studies.scene.numbers import Quantity
-from studies.sweeps.axes import Axis
 from studies.sweeps.driver import Driver
 from studies.sweeps.plan import Design, designed
+from studies.sweeps.result import Sweep
 from studies.sweeps.store import Store
 from studies.sweeps.workers import workers as chosen_workers
 
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-
 __all__ = ["Sweep", "sweep"]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Sweep:
-    """What a sweep left.
-
-    Attributes
-    ----------
-    path : Path or None
-        The SQLite file; None for a sweep in memory.
-    points : int
-        Of the design, each with its row.
-    counts : dict
-        How many rows of each kind: ok, refused, no answer, above tolerance, lost.
-    cost : float
-        Seconds of work, in this process or in workers, earlier drivers' included.
-    seconds : float
-        Of this driver.
-    columns : callable
-        Returns the rows in the order of their points, as columns by name; what a row has not is None.
-    axes : tuple of studies.sweeps.axes.Axis
-        Keys and values.
-    """
-
-    path: Path | None
-    points: int
-    counts: dict[str, int]
-    cost: float
-    seconds: float
-    columns: Callable[[], dict[str, list]] = field(repr=False)
-    axes: tuple[Axis, ...] = field(default=(), repr=False)
-
-    @property
-    def failed(self) -> int:
-        """Rows without an answer within the tolerance."""
-        return self.points - self.counts.get(Status.OK, 0)
-
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return the rows as a pandas table, in the order of their points.
-
-        Raises
-        ------
-        RunError
-            If pandas is not installed.
-        """
-        return needed("pandas", "to_dataframe").DataFrame(self.columns()).set_index("point")
-
-    def to_xarray(self) -> "xr.Dataset":
-        """Return the rows as an xarray Dataset, a dimension for each axis; what a row has not is NaN.
-
-        Raises
-        ------
-        RunError
-            If xarray is not installed.
-
-        Examples
-        --------
-        >>> from studies import sweep
-        >>> over = {"wave.normal_amplitude": [3e-9, 9e-9, 1e-8], "slider.preload": ["1 mN", "2 mN"]}
-        >>> dict(sweep("twente-contact", over).to_xarray()["velocity_m_per_s"].sizes)
-        {'wave.normal_amplitude': 3, 'slider.preload': 2}
-        """
-        dims = ["+".join(each.keys) if len(each.keys) < 3 else "point" for each in self.axes]
-        pairs = [
-            (key, (dim, list(column), _units(key)))
-            for each, dim in zip(self.axes, dims, strict=True)
-            for key, column in zip(each.keys, each.columns, strict=True)
-        ]
-        data, shape = {}, tuple(map(len, self.axes))
-        for name, column in self.columns().items():
-            if name in dict(pairs) or name == "point":
-                continue
-            text = any(isinstance(value, str) for value in column)
-            values = np.array([value or "" for value in column] if text else np.array(column, float))
-            data[name] = (dims, values.reshape(shape), described(name))
-        return needed("xarray", "to_xarray").Dataset(data, dict(pairs))
 
 
 def sweep(
@@ -167,12 +82,6 @@ def sweep(
             path=store.path, points=len(design), counts=store.counts(), cost=store.cost(),
             seconds=perf_counter() - start_time, columns=store.columns, axes=design.axes,
         )  # fmt: skip
-
-
-def _units(key: str) -> dict[str, str]:
-    """Return the attributes in xarray of a scene's key."""
-    unit = scene_unit(rule_at(key))
-    return {} if unit is None else {"units": unit or "1"}
 
 
 def _table(scene: Any) -> dict:

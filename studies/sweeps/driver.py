@@ -1,18 +1,25 @@
 """The driver of a sweep: batches of points given out to workers, their rows kept as they come.
 
-Points of one stator follow one another, so that a worker solves it once for many of them.  If a worker's process dies,
-its batch is halved and submitted again; a single point is given up after ``MAX_ATTEMPTS`` workers have died with it.
+A row depends on its own point alone, to the last bit: neither on the other points of its batch, nor on the worker, nor
+on the number of threads.  Points of one stator follow one another, so that a worker solves it once for many of them.
+If a worker's process dies, its batch is halved and submitted again; a single point is given up after ``MAX_ATTEMPTS``
+workers have died with it.
 """
 
+import math
+import os
+import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
+from studies.chain.changed_contacts import Shared
+from studies.chain.predictor import Predictor
 from studies.record.status import Status
 from studies.refusal import RunError
-from studies.sweeps.batch import solved_points
-from studies.sweeps.plan import Design
+from studies.sweeps.plan import Design, Question
 from studies.sweeps.store import Store
 from studies.sweeps.workers import Workers
 
@@ -70,21 +77,21 @@ class Driver:
         self.size = int(min(max(fitting, self.size / 4, 1), 8 * self.size, LARGEST_BATCH))
 
     def _batches(self, points) -> Iterator[_Batch]:
-        question, at = self.design.question, 0
-        places = [question.keys.index(key) for key in question.stator_keys]
-        while at < len(points):
-            left = len(points) - at
+        question, first = self.design.question, 0
+        stator_columns = [question.keys.index(key) for key in question.stator_keys]
+        while first < len(points):
+            left = len(points) - first
             # the last batches end together
             fair = left if self.workers.slots == 1 else -(-left // (2 * self.workers.size))
-            some, stators, count = points[at : at + max(1, min(self.size, fair))], set(), 0
+            some, stators, count = points[first : first + max(1, min(self.size, fair))], set(), 0
             values = self.design.values(some)
             for own in values:
-                stators.add(str([own[k] for k in places]))
+                stators.add(str([own[k] for k in stator_columns]))
                 if len(stators) > (BAND_STATORS if question.frequencies else 1):
                     break
                 count += 1
             yield _Batch(points=tuple(some[:count].tolist()), values=tuple(values[:count]))
-            at += count
+            first += count
 
     def _finished(self, batches: Iterator[_Batch]) -> Iterator[list[tuple]]:
         """Yield lists of (batch, answer) as they come; the answer is None where a single point is lost for good."""
@@ -124,3 +131,38 @@ class Driver:
                     answers.append((batch, None))
             if answers:
                 yield answers
+
+
+def solved_points(
+    question: Question, points: list[int], values: list[tuple], threads: int | None
+) -> tuple[list[tuple], float, float]:
+    """Return the rows of a batch, each a point and its outcomes, the seconds it took, and those of its stators.
+
+    ``threads``: of the compiled loop, None for all processors.
+    """
+    start_time, predictor = time.perf_counter(), _predictor(question)
+    before = predictor.seconds
+    if threads is not None:
+        from fem import set_workers
+
+        set_workers(threads)
+        os.environ["SAWMOTOR_THREADS"] = str(threads)
+    many = [dict(zip(question.keys, own, strict=True)) for own in values]
+    answers = predictor.answers(many, question.also)
+    rows = [
+        (point, *(_kept(answer.get(name)) for name in question.outcomes))
+        for point, answer in zip(points, answers, strict=True)
+    ]
+    return rows, time.perf_counter() - start_time, predictor.seconds - before
+
+
+@lru_cache(2)
+def _predictor(question: Question) -> Predictor:
+    """Return the predictor of a question, the same for all batches that a process is given."""
+    shared = Shared(places=question.places, limits=question.frequencies, slider=question.has_slider)
+    return Predictor(question.table, tolerance=question.tolerance, shared=shared, coarse=question.coarse)
+
+
+def _kept(value):
+    """Return a value for the store: None where it is not finite."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value

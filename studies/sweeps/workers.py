@@ -92,7 +92,8 @@ class Processes(Workers):
 
     def close(self) -> None:
         """End the processes without waiting for their batches."""
-        for process in list((self._pool._processes or {}).values()):
+        # until Python 3.14 the pool has no method that ends a process at work
+        for process in list((self._pool._processes or {}).values()):  # noqa: SLF001 - see above
             process.terminate()
         self._pool.shutdown(wait=True, cancel_futures=True)
 

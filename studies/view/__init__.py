@@ -24,7 +24,7 @@ from studies.view.options import Wanted
 from studies.view.picture import Picture
 from studies.view.quantities import palette, quantity
 from studies.view.run_field import NO_STATOR, left_run, motion_again, run_field
-from studies.view.views import chosen_views, limits, near, views
+from studies.view.views import limits, near, span_views, views
 from studies.view.window import open_window
 
 __all__ = ["view"]
@@ -93,12 +93,12 @@ def _field_writers(record: Record, wanted: Wanted, show: str, progress, note) ->
     options: dict[str, Any] = {"quantity": wanted.quantity, "phase": wanted.phase, "factor": wanted.factor}
 
     def still(file) -> None:
-        stretches = views(field) if span is None else chosen_views(field, span)
+        stretches = views(field) if span is None else span_views(field, span)
         stretches = () if show == "solid" else stretches
         Picture(field, stretches, size=wanted.size or STILL_SIZE, **options).save(file, whole=bool(wanted.size))
 
     def film(file) -> None:
-        picture = Picture(field, chosen_views(field, span), size=wanted.size or MOVIE_SIZE, **options)
+        picture = Picture(field, span_views(field, span), size=wanted.size or MOVIE_SIZE, **options)
         count = wanted.frames or FRAMES
         movie.save(
             lambda number: picture.image(wanted.phase + 2 * np.pi * number / count), count, file, rate=RATE,
@@ -114,7 +114,7 @@ def _field_writers(record: Record, wanted: Wanted, show: str, progress, note) ->
         field_data.save(field, file, span=span, surface=wanted.surface, instants=instants, **reports)
 
     def window() -> None:
-        stretch = () if show == "solid" else chosen_views(field, span or near(field))[-1:]
+        stretch = () if show == "solid" else span_views(field, span or near(field))[-1:]
         open_window(Picture(field, stretch, size=WINDOW_SIZE, framed=False, **options))
 
     return {"screenshot": still, "movie": film, "html": page, "data": data, "window": window}

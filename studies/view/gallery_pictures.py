@@ -22,7 +22,7 @@ from studies.view import movie
 from studies.view.contact_view import film_contact, strip
 from studies.view.picture import Picture
 from studies.view.quantities import palette
-from studies.view.views import chosen_views, views
+from studies.view.views import span_views, views
 
 NM, MM = 1e9, 1e3
 TURN = np.linspace(0.0, 2 * np.pi, 121)
@@ -32,8 +32,8 @@ FRAMES = 16
 PALETTE_COLOURS = 128  # palette size of a diagram
 DPI = 110
 DEPTH = 3.0  # of the depth profile, in wavelengths
-GIVEN_FIELD = {"quantity": "u_z", "phase": 0.0, "factor": None}
-GIVEN = ("wave_normal", "wave_tangential")
+FIELD = {"quantity": "u_z", "phase": 0.0, "factor": None}
+SUPPLIED = ("wave_normal", "wave_tangential")
 
 
 def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
@@ -62,7 +62,7 @@ def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
         _reduce(folder / f"{picture}.png")
     for picture, name in (("wave", "u_z"), ("wave_power_flow", "power_flow")):
         progress(f"drawing {picture}")
-        still(Picture(run, views(run), size=STILL, **(GIVEN_FIELD | {"quantity": name})), folder / f"{picture}.png")
+        still(Picture(run, views(run), size=STILL, **(FIELD | {"quantity": name})), folder / f"{picture}.png")
     saved(folder / "velocity.png", lambda ax: velocity(record, ax))
     _reduce(folder / "velocity.png")
     for module, panel in gallery.others:
@@ -185,11 +185,11 @@ def ledger_rows(ledger) -> tuple[list[tuple[str, float, str]], str]:
     energies = {key: getattr(ledger, key) for key in LEDGER}
     largest = max(map(abs, energies.values())) or 1.0
     rows = [
-        (name, energies[key] * 1e12, COLOURS["slip" if key in GIVEN else "intermittent"])
+        (name, energies[key] * 1e12, COLOURS["slip" if key in SUPPLIED else "intermittent"])
         for key, name in LEDGER.items()
-        if key in GIVEN or abs(energies[key]) > 1e-6 * largest
+        if key in SUPPLIED or abs(energies[key]) > 1e-6 * largest
     ]
-    missed = sum(energies[key] * (1 if key in GIVEN else -1) for key in LEDGER)
+    missed = sum(energies[key] * (1 if key in SUPPLIED else -1) for key in LEDGER)
     return rows, f"balance to {abs(missed) / largest:.0e} of the largest"
 
 
@@ -259,7 +259,7 @@ def _depth(run):
 def _films(gallery, folder: Path, progress) -> None:
     run = gallery.wave_field
     progress("wave and contact in slow motion")
-    moving = Picture(run, chosen_views(run, None), size=MOVIE, **GIVEN_FIELD)
+    moving = Picture(run, span_views(run, None), size=MOVIE, **FIELD)
     movie.save(
         lambda number: moving.image(2 * np.pi * number / FRAMES), FRAMES, folder / "wave.gif", rate=12.0,
         palette=palette(moving.shade.colour_map),
@@ -267,7 +267,7 @@ def _films(gallery, folder: Path, progress) -> None:
     history, title = gallery.contact
     film_contact(history, title, 2 * FRAMES, folder / "contact.gif", rate=10.0, dpi=DPI)
     progress("drawing the solid")
-    still(Picture(run, size=SOLID, **GIVEN_FIELD), folder / "solid.png")
+    still(Picture(run, size=SOLID, **FIELD), folder / "solid.png")
 
 
 def still(picture: Picture, file: Path) -> None:

@@ -86,18 +86,18 @@ class Picture:
         self.plotter = self.pyvista.Plotter(off_screen=framed or None, window_size=size, shape=shape, border=False)
         self.set_quantity(quantity)
         for number, frame in enumerate(self.frames):
-            self._go_to(number)
+            self._select_renderer(number)
             self.plotter.renderer.viewport = tuple(np.divide(frame.box, 2 * self.size))
             self.plotter.enable_parallel_projection()
-            self._stand()
+            self._add_balls()
             if self.solid:
-                self._bare()
-                self._look(frame)
+                self._add_solid_without_field()
+                self._aim_at_solid(frame)
             else:
-                self._look_along(frame)
-        self._write()
+                self._aim_at_section(frame)
+        self._add_captions()
 
-    def _go_to(self, number: int) -> None:
+    def _select_renderer(self, number: int) -> None:
         """Select the renderer of a frame for drawing."""
         self.plotter.subplot(number + self.framed, 0)
 
@@ -108,17 +108,17 @@ class Picture:
         if not self.spreads:
             self.shade = shade(self.run, name)
         for number, frame in enumerate(self.frames):
-            self._go_to(number)
+            self._select_renderer(number)
             if self.spreads:
                 waves = self._length / self.run.wavelength
                 self.shade, sheet, motion = beam_sheet(self.run, name, envelope=self.size[0] < MIN_PIXELS * waves)
-                self._lay(sheet)
+                self._add_sheet(sheet)
             else:
-                drawn = self._piece(frame)
+                drawn = self._section_part(frame)
                 self.pieces.append(drawn)
                 meshed = mesh_sheets(self.run, drawn, self.shade, solid=self.solid)
                 for sheet in [*sheets(self.run, drawn, solid=self.solid), *meshed]:
-                    self._lay(sheet)
+                    self._add_sheet(sheet)
                 motion = drawn.surface
             self._add_electrodes(motion)
         self.plotter.subplot(0, 0)
@@ -175,7 +175,7 @@ class Picture:
             )  # fmt: skip
             self._moving.append(_Moving(mesh, rest, motion(corners)))
 
-    def _piece(self, frame: Frame) -> Piece:
+    def _section_part(self, frame: Frame) -> Piece:
         """Return the part of the section that a view or the solid shows."""
         run, span, bottom = self.run, (0.0, self.run.length), self.run.field.z[0]
         spacing = run.wavelength / LINES
@@ -193,7 +193,7 @@ class Picture:
             span = max(start - margin, 0.0), min(stop + margin, run.length)
         return piece(run, self.shade, span=span, bottom=bottom, spacing=spacing)
 
-    def _lay(self, sheet: Sheet) -> None:
+    def _add_sheet(self, sheet: Sheet) -> None:
         """Add a sheet to the plotter."""
         shape = sheet.rest.shape
         if sheet.quads is None:
@@ -211,7 +211,7 @@ class Picture:
         values = (np.broadcast_to(each, shape[:3]).ravel(order="F") for each in sheet[3:5])
         self._moving.append(_Moving(grid, *vectors, *values))
 
-    def _bare(self) -> None:
+    def _add_solid_without_field(self) -> None:
         """Draw the parts of the solid without a field: outside the aperture, or below the surface of a beam."""
         run = self.run
         half, width, depth = 0.5 * run.aperture, 0.5 * run.scene.stator.width, run.field.z[0]
@@ -234,7 +234,7 @@ class Picture:
             outline = np.insert(each.corners[[0, 1, 2, 3, 0]], 2, 0.1 * run.wavelength, axis=-1)
             self.plotter.add_mesh(self.pyvista.lines_from_points(MM * outline), color="black", line_width=2)
 
-    def _look(self, frame: Frame) -> None:
+    def _aim_at_solid(self, frame: Frame) -> None:
         """Set the camera to look at the whole solid from a corner."""
         camera, (left, low, right, high) = self.plotter.camera, frame.box
         self.plotter.camera_position = "xz"
@@ -245,7 +245,7 @@ class Picture:
         camera.parallel_scale = 0.52 * max(height, width * (high - low) / (right - left))
         self.plotter.add_axes(xlabel="x", ylabel="y", zlabel="z", line_width=3)
 
-    def _look_along(self, frame: Frame) -> None:
+    def _aim_at_section(self, frame: Frame) -> None:
         """Set the camera to look along y at a view, and add crystal axes and rulers."""
         camera, height = self.plotter.camera, frame.top - frame.bottom
         x, z = MM * 0.5 * (frame.view.start + frame.view.stop), MM * 0.5 * (frame.top + frame.bottom)
@@ -304,7 +304,7 @@ class Picture:
                 letters.ShallowCopy(self.pyvista.TextProperty(color="black"))
                 letters.SetFontSize(LETTERS)
 
-    def _write(self) -> None:
+    def _add_captions(self) -> None:
         """Write the captions and the legend of the electrodes."""
         run, (width, height), plotter = self.run, self.size, self.plotter
         plotter.subplot(0, 0)
@@ -312,7 +312,7 @@ class Picture:
         if self.solid or not self.framed:
             extents = self._length, run.scene.stator.width, -run.field.z[0]
             extent = " x ".join(f"{each * MM:.4g}" for each in extents)
-            more = said(run).split("; ") if self.solid else ["x in mm; drag: move, wheel: zoom"]
+            more = validity(run).split("; ") if self.solid else ["x in mm; drag: move, wheel: zoom"]
             lines = [f"{run.scene.title}: {extent} mm (x, y, z)", drive, *more]
             letters = int(np.clip(0.98 * width / (0.6 * max(map(len, lines))), 6, 12))
             plotter.add_text("\n".join(lines), position="upper_left", font_size=letters, color="black")
@@ -335,7 +335,7 @@ class Picture:
             legend.SetPosition(1 - 122 / width, 1 - (LEGEND_MARGIN + up) / height)
             legend.SetPosition2(115 / width, up / height)
 
-    def _stand(self) -> None:
+    def _add_balls(self) -> None:
         """Draw the balls of the slider on the crests of the enlarged wave."""
         for ball in overlays.balls(self.run, spreads=self.spreads):
             centre = ball.place * MM, ball.lateral * MM, (ball.radius + self.factor * ball.crest) * MM
@@ -344,7 +344,7 @@ class Picture:
             self.plotter.add_mesh(sphere, color=overlays.BALL_COLOUR, **options)
 
 
-def said(run: RunField) -> str:
+def validity(run: RunField) -> str:
     """Return a sentence on the region in which the drawn field is valid."""
     if run.free:
         return "a straight-crested free wave: the same for every y"

@@ -1,4 +1,6 @@
-"""Quantities that can colour a picture of a field: value at an instant, unit, range and colour map.
+"""Quantities that can colour a picture of a field: value at an instant, range and colour map.
+
+Title and unit are those of ``field`` and, for a free wave, of ``free_field`` in the table of quantities.
 
 A quantity at the phase omega t is mean + Re(amplitude exp(i n omega t)), with n = 1 for displacements and potential and
 n = 2 for energy and power.  The colour maps are matplotlib's RdBu_r (blue over white to red) for quantities of both
@@ -14,9 +16,9 @@ import matplotlib
 import numpy as np
 from PIL import Image
 
+from studies.record import quantities as table
 from studies.refusal import SceneError, nearest
 
-NM = 1e9
 # Colours of the marks in overlays.py that are not black, grey or white.
 MARK_COLOURS = ("#CC79A7", "#E69F00", "#009E73")
 SCALE = 192  # number of a palette's 256 colours that the colour map takes
@@ -26,27 +28,33 @@ DIVERGING, SEQUENTIAL = "RdBu_r", "Blues"
 class Quantity(NamedTuple):
     """A quantity that can colour a field."""
 
-    name: str  # on the command line
-    title: str  # in pictures
-    units: tuple[str, str]  # per volt of the source, and for a free wave over u_z at the surface
-    scales: tuple[float, float]  # factors from SI units to these units
+    name: str  # on the command line, and in the table of quantities
     parts: Callable  # returns mean and complex amplitude of a WaveField, in SI units
     signed: bool = True  # True if it takes both signs
     turns: int = 1  # n, the frequency of the quantity over that of the wave
+    envelope: bool = False  # True if only its amplitude is drawn
+
+    def entry(self, free: bool) -> table.Quantity:
+        """Return its entry in the table of quantities."""
+        return table.quantity(f"{'free_' * free}field.{self.name}")
+
+    @property
+    def title(self) -> str:
+        """Text in pictures."""
+        return f"{'amplitude of ' * self.envelope}{self.entry(False).label}"
 
 
-LENGTH = ("nm per V", "over u_z"), (NM, 1.0)
 QUANTITIES = {
     each.name: each
     for each in (
-        Quantity("u_z", "u_z", *LENGTH, lambda f: (0.0, f.displacement[..., 2])),
-        Quantity("u_x", "u_x", *LENGTH, lambda f: (0.0, f.displacement[..., 0])),
-        Quantity("u_y", "u_y", *LENGTH, lambda f: (0.0, f.displacement[..., 1])),
-        Quantity("potential", "potential", ("V per V", "V per nm"), (1.0, 1 / NM), lambda f: (0.0, f.potential)),
-        Quantity("strain_energy", "strain energy", ("mJ/m^3 per V^2", "J/m^3 per nm^2"), (1e3, NM**-2),
-                 lambda f: (f.densities.strain_energy, f.densities.strain_energy_pulse), signed=False, turns=2),
-        Quantity("power_flow", "power flow along x", ("W/m^2 per V^2", "W/m^2 per nm^2"), (1.0, NM**-2),
-                 lambda f: (f.densities.power_flow[..., 0], f.densities.power_flow_pulse[..., 0]), turns=2),
+        Quantity("u_z", lambda f: (0.0, f.displacement[..., 2])),
+        Quantity("u_x", lambda f: (0.0, f.displacement[..., 0])),
+        Quantity("u_y", lambda f: (0.0, f.displacement[..., 1])),
+        Quantity("potential", lambda f: (0.0, f.potential)),
+        Quantity("strain_energy", lambda f: (f.densities.strain_energy, f.densities.strain_energy_pulse),
+                 signed=False, turns=2),
+        Quantity("power_flow", lambda f: (f.densities.power_flow[..., 0], f.densities.power_flow_pulse[..., 0]),
+                 turns=2),
     )
 }  # fmt: skip
 
@@ -106,9 +114,9 @@ def shade(run, name: str) -> Shade:
 
 def shade_of(drawn: Quantity, size, *, free: bool) -> Shade:
     """Return the colouring by a quantity of values whose magnitudes are ``size``, in SI units."""
-    scale = drawn.scales[free]
-    label, reach = f"{drawn.title} ({drawn.units[free]})", float(np.max(size)) * scale
-    return Shade(quantity=drawn, label=label, scale=scale, reach=reach)
+    entry = drawn.entry(free)
+    label, reach = f"{drawn.title} ({entry.shown})", float(np.max(size)) * entry.scale
+    return Shade(quantity=drawn, label=label, scale=entry.scale, reach=reach)
 
 
 def palette(colour_map: str):

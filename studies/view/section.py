@@ -149,7 +149,7 @@ def beam_sheet(run: RunField, name: str, *, envelope: bool = False) -> tuple[Sha
     size = moved[..., MOTIONS.index(name), None]
     drawn = QUANTITIES[name]
     if envelope:
-        drawn = drawn._replace(title=f"amplitude of {drawn.title}", signed=False)
+        drawn = drawn._replace(envelope=True, signed=False)
     shading = shade_of(drawn, abs(size), free=False)
     rest, amplitude = np.stack(np.meshgrid(x, y, 0.0, indexing="ij"), axis=-1), size * shading.scale
     mean = abs(amplitude) if envelope else 0.0 * amplitude.real

@@ -75,7 +75,7 @@ def near(run: RunField) -> tuple[float, float]:
 def views(run: RunField) -> tuple[View, ...]:
     """Return the default views: the whole section, the driven transducer and the slider."""
     if run.free:
-        return chosen_views(run, (0.0, run.length))
+        return span_views(run, (0.0, run.length))
     driven, half_length = run.in_section(run.scene.driven_transducer.place), CLOSE * run.wavelength
     start, stop = limits(run, "slider")
     whole = View(name="the whole section", start=0.0, stop=run.length, weight=0.17)
@@ -87,7 +87,7 @@ def views(run: RunField) -> tuple[View, ...]:
     )
 
 
-def chosen_views(run: RunField, span: tuple[float, float] | None) -> tuple[View, ...]:
+def span_views(run: RunField, span: tuple[float, float] | None) -> tuple[View, ...]:
     """Return a view of the whole section and one of ``span`` (m); None selects the surroundings of the slider."""
     start, stop = span or limits(run, "slider")
     count = (stop - start) / run.wavelength

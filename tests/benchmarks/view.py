@@ -30,11 +30,11 @@ def pictures(folder: Path, quantity: str) -> tuple[float, float]:
     """Moving pictures per second of the whole stator and of the slider, 1000 x 400, each read back."""
     from studies.view.picture import Picture
     from studies.view.run_field import run_field
-    from studies.view.views import chosen_views
+    from studies.view.views import span_views
 
     found = run_field(folder, progress=lambda text: None)
     given = {"quantity": quantity, "phase": 0.0, "factor": None, "size": (1000, 400)}
-    drawn = Picture(found, chosen_views(found, None), **given)
+    drawn = Picture(found, span_views(found, None), **given)
     drawn.image(0.0)
     begun, before = time.perf_counter(), time.process_time()
     for number in range(PICTURES):

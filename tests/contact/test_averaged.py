@@ -185,7 +185,7 @@ def test_general_phase():
 @pytest.mark.parametrize("rate", [1e300, np.inf, np.nan])
 def test_rates_that_no_step_can_follow_end_the_averaged_motion(rate, monkeypatch):
     rates = chain([1.0, 1.0], repeat(rate))
-    monkeypatch.setattr(transient, "_rate", lambda _p, h, *_: (next(rates), h))
+    monkeypatch.setattr(transient, "averaged_rate", lambda _p, h, *_: (next(rates), h))
     problem, state = rest_problem(slider(), (orbit(5e-9),)), np.array([0.1, 0.0, 0.0])
     span = transient.Span(600.0, 1e-4, 8, transient.Rule(np.empty(0), np.empty(0)), 1, np.empty(0), np.empty((0, 2)))
     with np.errstate(all="ignore"):  # as in the compiled kernel

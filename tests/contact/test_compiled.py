@@ -41,20 +41,25 @@ def answer():
 RIGHT = (2, 2.0, 4.0, 6.0, 8.0)
 
 
+def homeless():
+    """Take the place of `Path.home` on a machine whose user has none."""
+    raise RuntimeError("no home")
+
+
 @pytest.fixture
 def places(monkeypatch, tmp_path):
     """Take away every folder; return the environment to give some back."""
-    compiled._folders.cache_clear()
-    compiled._folder.cache_clear()
+    compiled.cache_folders.cache_clear()
+    compiled.cache_folder.cache_clear()
     compiled.ORDINARY.clear()
     monkeypatch.setattr(compiled, "PACKAGE_CACHE", NOWHERE)
     for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
         monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr(compiled, "_home", lambda: None)
+    monkeypatch.setattr(Path, "home", homeless)
     monkeypatch.setattr(tempfile, "tempdir", str(NOWHERE))
     yield monkeypatch
-    compiled._folders.cache_clear()
-    compiled._folder.cache_clear()
+    compiled.cache_folders.cache_clear()
+    compiled.cache_folder.cache_clear()
     compiled.ORDINARY.clear()
 
 
@@ -66,7 +71,7 @@ def files(folder):
 def test_without_any_folder_the_answer_is_the_same_and_nothing_is_promised(places):
     places.setenv("NUMBA_CACHE_DIR", str(NOWHERE))
     assert answer()[0] == RIGHT
-    assert compiled._folder() is None
+    assert compiled.cache_folder() is None
     assert not kernels.ready()
     assert "every start" in kernels.how_often()
     # the compiler for calls from Python keeps nothing either
@@ -76,7 +81,7 @@ def test_without_any_folder_the_answer_is_the_same_and_nothing_is_promised(place
 @pytest.mark.parametrize("name", ["NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "home", "package"])
 def test_the_first_folder_that_can_be_written_to_keeps_the_kernels(places, tmp_path, name):
     if name == "home":
-        places.setattr(compiled, "_home", lambda: tmp_path)
+        places.setattr(Path, "home", lambda: tmp_path)
     elif name == "package":
         places.setenv("NUMBA_CACHE_DIR", str(NOWHERE))
         places.setattr(compiled, "PACKAGE_CACHE", tmp_path)
@@ -105,6 +110,9 @@ def test_without_a_home_the_kernels_lie_in_a_folder_that_only_the_user_can_write
 @pytest.mark.parametrize("spoiled", ["open to others", "a link", "somebody else's"])
 def test_a_folder_that_somebody_else_could_have_filled_is_not_used(places, tmp_path, spoiled):
     places.setattr(tempfile, "tempdir", str(tmp_path))
+    if spoiled == "somebody else's":
+        user = os.getuid()
+        places.setattr(os, "getuid", lambda: user + 1)
     own = tmp_path / f"sawmotor-{os.getuid()}"
     if spoiled == "a link":
         (tmp_path / "elsewhere").mkdir()
@@ -112,11 +120,7 @@ def test_a_folder_that_somebody_else_could_have_filled_is_not_used(places, tmp_p
     else:
         own.mkdir()
         own.chmod(0o777 if spoiled == "open to others" else 0o700)
-    if spoiled == "somebody else's":
-        user = os.getuid()
-        places.setattr(compiled, "_temporary", lambda: own)
-        places.setattr(compiled.os, "getuid", lambda: user + 1)
-    assert compiled._folder() is None
+    assert compiled.cache_folder() is None
     assert answer()[0] == RIGHT
     assert not files(tmp_path)
 
@@ -146,8 +150,8 @@ def test_another_version_of_the_compiler_has_its_own_folder(places, tmp_path):
     places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     assert answer()[0] == RIGHT
     places.setattr(llvmlite, "__version__", llvmlite.__version__ + "9")
-    compiled._folders.cache_clear()
-    compiled._folder.cache_clear()
+    compiled.cache_folders.cache_clear()
+    compiled.cache_folder.cache_clear()
     assert not kernels.ready()
     assert answer()[0] == RIGHT
     assert len(files(tmp_path)) == 2
@@ -157,7 +161,7 @@ def gone(*arguments):
     raise AttributeError("a private name of numba is gone")
 
 
-@pytest.mark.parametrize("name", ["_put_off", "_lowered", "_optimised"])
+@pytest.mark.parametrize("name", ["deferred_library", "lowered", "optimised"])
 def test_without_a_private_part_of_numba_its_ordinary_compiler_serves(places, tmp_path, name):
     places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     places.setattr(compiler, name, gone)
@@ -170,7 +174,7 @@ def test_without_a_private_part_of_numba_its_ordinary_compiler_serves(places, tm
 
 def test_without_what_llvmlite_says_of_the_processor_nothing_is_kept(places, tmp_path):
     places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    places.setattr(compiled, "_digest", gone)
+    places.setattr(compiled, "source_digest", gone)
     assert answer()[0] == RIGHT
     assert not files(tmp_path)
 
@@ -183,7 +187,7 @@ def test_threads_do_not_try_again_what_cannot_be_kept(places):
         tried.append(time.sleep(0.2))
         gone()
 
-    places.setattr(compiler, "_lowered", slowly)
+    places.setattr(compiler, "lowered", slowly)
     kernel = compiled.Native(count, ("f1", "f"))
     with ThreadPoolExecutor(2) as pool:
         answers = list(pool.map(lambda k: kernel(np.array([1.0, k]), 2.5), (2.0, 3.0)))
@@ -256,7 +260,7 @@ def test_kernels_that_call_others_are_the_same_by_numbas_ordinary_compiler(place
     found, lowered = [], interpolate.inner
     for broken in (False, True):
         if broken:
-            places.setattr(compiler, "_optimised", gone)
+            places.setattr(compiler, "optimised", gone)
         at = np.array([0.3])
         compiled.Native(read_off, ("f1", "f1", "f1", "f1"))(table.sigma, table.bary, np.cos(table.sigma), at)
         found.append(at[0])
@@ -287,7 +291,7 @@ def test_shapes_that_a_kernel_declares_are_looked_at_before_it_runs(places):
         kernel(np.arange(3.0), 2.5)
 
 
-@pytest.mark.skipif(compiled._PLAIN, reason="needs numba")
+@pytest.mark.skipif(compiled.PLAIN, reason="needs numba")
 def test_a_law_that_is_gone_is_not_taken_for_a_new_one():
     """Numba finds its types by the address of a function, which a new law's function may have again."""
     import numba
@@ -301,7 +305,7 @@ def test_a_law_that_is_gone_is_not_taken_for_a_new_one():
     gc.freeze()  # only what the laws leave behind is collected
     for _ in range(20):
         kernel = compiled.formula(FunctionType(code, {"__name__": "law"}, "sliding"))
-        record = compiler._type_of("t", Law(kernel), iter(["t"] * 2), numba)
+        record = compiler.argument_type("t", Law(kernel), iter(["t"] * 2), numba)
         assert record.fields["sliding"].dispatcher is kernel.inner
         records.append(record)
         del kernel, record

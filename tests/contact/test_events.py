@@ -144,16 +144,16 @@ def test_kernels_are_cached_under_a_digest_of_all_their_sources(monkeypatch):
     from contact.events import event_driven
     from contact.jit import compiled
 
-    before, read = compiled._digest(), type(compiled.HERE).read_bytes
+    before, read = compiled.source_digest(), type(compiled.HERE).read_bytes
     for name in ("segment.py", "elastic.py", "collocation.py", "compiler.py"):
 
         def changed(path, name=name):
             return read(path) + (b"#" if path.name == name else b"")
 
         monkeypatch.setattr(type(compiled.HERE), "read_bytes", changed)
-        assert compiled._digest() != before
+        assert compiled.source_digest() != before
         monkeypatch.undo()
-    assert compiled._digest() in os.path.basename(compiled._folder())
+    assert compiled.source_digest() in os.path.basename(compiled.cache_folder())
     assert isinstance(event_driven.travel, compiled.Native)
 
 
@@ -162,7 +162,7 @@ def test_a_kernel_refuses_what_its_machine_code_would_misread():
 
     problem = scaled(slider(), (orbit(1e-9),), direction=1.0, start=0.0)
     with pytest.raises(TypeError, match="f1 expected, got int64"):
-        averaged._mean_forces(problem, np.zeros(2), averaged.work_arrays(1), np.zeros(2, np.int64))
+        averaged.mean_tangential_forces(problem, np.zeros(2, np.int64))
     two = scaled(slider(), (orbit(1e-9), orbit(1e-9)), direction=1.0, start=0.0)
     for height in (np.zeros(4)[::2], np.zeros(2, np.float32)):
         with pytest.raises(TypeError, match="f1 expected, got float"):

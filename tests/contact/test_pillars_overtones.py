@@ -61,7 +61,7 @@ def test_the_overtones_are_those_of_time_steps_and_fft(monkeypatch):
     monkeypatch.setattr(overtone_cycle.OvertoneCycle, "wave_step", lambda self, *_: -self.waves)
     slider = grid(8, 3, pitch=90e-6, heights=scatter(24, 8e-9, 12), preload=0.12)
     passing = wave(strip_width=1e-4)
-    motion = module._motion(slider, passing, 0.0, True, pillar_motion(slider, passing), 6)
+    motion = module.truncated_motion(slider, passing, 0.0, True, pillar_motion(slider, passing), 6)
     U, P0, Q0 = marched(slider, passing, motion, 6)
     assert motion.overtone > 0.08
     assert motion.overtones[-1] == pytest.approx(U[1:], abs=5e-4 * abs(U[1]))
@@ -92,7 +92,7 @@ def test_one_harmonic_in_finer_samples_is_the_closed_form(monkeypatch):
 def test_overtones_are_as_large_as_independent_programs_say():
     # 30 N, 20 nm, 10 nm of scatter: |U_1| leaves with 11.9 nm, U_2 with 6 to 7, |v| = 1.07 to 1.14 m/s; at 1 N +3 %
     slider = gaussian(50, steps=24)
-    found = module._motion(slider, wave(), 0.0, True, pillar_motion(slider, wave()), 16)
+    found = module.truncated_motion(slider, wave(), 0.0, True, pillar_motion(slider, wave()), 16)
     assert 20.0 * abs(found.exit_over_entry) == pytest.approx(11.9, abs=0.2)
     assert 6.0 < 20.0 * found.overtone < 7.0
     assert 1.07 < -found.velocity < 1.14
@@ -107,7 +107,9 @@ def test_overtones_are_as_large_as_independent_programs_say():
 )
 def test_the_overtones_carry_power_away_and_no_more_than_there_is(name):
     slider, passing, load = SCENES[name]
-    found = module._motion(slider, passing, load, True, pillar_motion(slider, passing, load=load, loading=True), 8)
+    found = module.truncated_motion(
+        slider, passing, load, True, pillar_motion(slider, passing, load=load, loading=True), 8
+    )
     assert abs(found.ledger_residual) < 1e-12
     assert found.wave_work == pytest.approx(found.wave_power_in - found.wave_power_out, abs=1e-12 * found.wave_power_in)
     assert 0.0 <= found.friction_power <= found.wave_power_in
@@ -119,7 +121,7 @@ def test_the_overtones_carry_power_away_and_no_more_than_there_is(name):
 def test_the_number_of_harmonics_follows_the_error():
     slider, passing = grid(12, 2), wave(strip_width=0.15e-3)
     found = pillar_motion(slider, passing, loading="harmonics")
-    finer = module._motion(slider, passing, 0.0, True, found, 2 * found.harmonics)
+    finer = module.truncated_motion(slider, passing, 0.0, True, found, 2 * found.harmonics)
     assert abs(finer.velocity / found.velocity - 1.0) < 2.0 * found.relative_error < 2e-3
     # a near motion keeps the number, so that derivatives are not those of the truncation
     again = pillar_motion(slider, passing, loading="harmonics", near=found)

@@ -43,11 +43,11 @@ def test_a_phase_that_runs_is_a_frequency():
 
 def test_tabulated_velocities_are_those_of_the_tabulated_displacements():
     from contact.body import Paths
-    from contact.stepping.time_stepping import Plane, _tabulate
+    from contact.stepping.time_stepping import Plane, tabulate_cycle
 
     paths, number = Paths(*(np.array([a]) for a in (0.2, 0.3, -0.8, 0.5, 0.9))), 512
     tables = np.empty((4, number + 1, 1))
-    _tabulate(paths, number, 0.4 + 0.1j, 0.9 - 0.7j, tables)
+    tabulate_cycle(paths, number, 0.4 + 0.1j, 0.9 - 0.7j, tables)
     h = 2.0 * np.pi / number
     for displacement, velocity in ((tables[Plane.U_Z], tables[Plane.W_Z]), (tables[Plane.U_X], tables[Plane.W_X])):
         fourth = (8.0 * (displacement[3:-1] - displacement[1:-3]) - displacement[4:] + displacement[:-4]) / (12.0 * h)

@@ -39,14 +39,14 @@ def test_a_copied_hysteretic_motion_goes_on_as_the_first_while_a_contact_grows()
 def test_two_starts_that_end_at_different_speeds_widen_the_stated_error(monkeypatch):
     """Near its resonance the slider hops irregularly; the second start is told to end faster by a known amount."""
     body, wave = slider(normal_damping=0.1), orbit(6e-9, frequency=8e3)
-    calls, real = [], settling._run_from
+    calls, real = [], settling.run_from
 
     def followed(*given):
         run = real(*given)
         calls.append(run)
         return settling.replace(run, speed=run.speed + 3.0 * run.error) if len(calls) == 2 else run
 
-    monkeypatch.setattr(settling, "_run_from", followed)
+    monkeypatch.setattr(settling, "run_from", followed)
     run = settling.long_run(body, (wave,), 1.0)
     assert len(calls) == 2
     assert run.starts == 2
@@ -93,11 +93,11 @@ def test_kernels_for_other_processors_lie_in_another_folder(monkeypatch):
     import llvmlite.binding as llvm
 
     features = llvm.get_host_cpu_features()
-    own = compiled._digest()
+    own = compiled.source_digest()
 
     class Other(dict):
         def flatten(self):
             return features.flatten().replace("+sse4.2", "-sse4.2") + ",+another"
 
     monkeypatch.setattr(llvm, "get_host_cpu_features", Other)
-    assert compiled._digest() != own
+    assert compiled.source_digest() != own

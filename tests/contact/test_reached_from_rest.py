@@ -66,7 +66,7 @@ def test_what_could_not_be_seen_is_not_called_ok(monkeypatch):
     def fails(*given):
         raise settling.ConvergenceError("out of reach", "planted")
 
-    monkeypatch.setattr(settling, "_run_from", fails)
+    monkeypatch.setattr(settling, "run_from", fails)
     answer = steady(body, wave, tolerance=1e-3)
     assert answer.status == "above tolerance"
     assert answer.relative_error >= 1.0
@@ -78,8 +78,8 @@ def test_a_hysteretic_motion_that_repeats_has_the_error_of_another_order():
     body = slider(law="hysteretic", mass=2e-6, preload=2e-4, normal_damping=0.05, tangential_damping=3e-2)
     wave = Orbit(frequency=3e5, normal=4e-9, tangential=-3e-9j)
     pair = (wave, wave.scaled(np.exp(2.1j)))
-    problem, begin = settling._start(body, pair, 1.0)
-    run = settling._run_from(problem, begin, settling._relaxation(problem))
+    problem, begin = settling.start_at_rest(body, pair, 1.0)
+    run = settling.run_from(problem, begin, settling.relaxation_rate(problem))
     assert run.period
     finer = methods.rest(body, pair, problem, nodes=20, truncation=1e-13)
     finer.turn(run.passed)

@@ -14,12 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-from scipy.integrate._ivp import dop853_coefficients as dop
+from scipy.integrate import DOP853
 
-_A = np.ascontiguousarray(dop.A[:12, :12])
-_B = np.ascontiguousarray(dop.B)
-_C = np.ascontiguousarray(dop.C[:12])
-_E3, _E5 = np.ascontiguousarray(dop.E3), np.ascontiguousarray(dop.E5)
+_A = np.ascontiguousarray(DOP853.A)
+_B = np.ascontiguousarray(DOP853.B)
+_C = np.ascontiguousarray(DOP853.C)
+_E3, _E5 = np.ascontiguousarray(DOP853.E3), np.ascontiguousarray(DOP853.E5)
 APART, STICK, SLIP, CREEP = 0, 1, 2, 3
 MASS, PRELOAD, LOAD, RADIUS, E, G, CHI, R_N, R_T, OMEGA, PUNCH, RECIPROCAL, BAND, STEPS = range(14)
 

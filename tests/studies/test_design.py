@@ -130,6 +130,22 @@ def test_constraints_that_nothing_keeps_are_named():
                options=Options(evaluations=16))  # fmt: skip
 
 
+def test_the_least_amplitude_for_a_velocity_is_that_of_the_velocity_curve(tmp_path):
+    """The curve rises with the amplitude: the least that reaches 30 mm/s is where it passes 30 mm/s."""
+    key = "wave.normal_amplitude"
+    words = ["--minimise", key, "--over", f"{key}=2 nm:30 nm", "--subject", "velocity >= 30 mm/s"]
+    assert main(["design", "twente-contact", *words, "--evaluations", "24", "--out", str(tmp_path / "least")]) == 0
+    whole = json.loads((tmp_path / "least" / "design.json").read_text())
+    assert whole["goals"] == [f"least {key}"]
+    assert 0.03 <= whole["optimum"]["velocity_m_per_s"] < 0.0301
+    assert whole["robustness"][key] == {"least_share_of_goal": pytest.approx(1 / 1.05), "keeps_constraints": False}
+    assert f"# least {key} of" in (tmp_path / "least" / "optimum.toml").read_text()
+    with pytest.raises(
+        SceneError, match=r"goals slider\.mass cannot be minimised: must be of power_W, .*, slider\.pre"
+    ):
+        design(Scene.load("twente-contact"), ["least slider.mass"], VARIABLES)
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [

@@ -71,7 +71,7 @@ def test_the_map_is_drawn_with_units_lines_and_the_scenes_own_point(record):
     ],
 )
 def test_a_map_has_colours_of_their_own_over_two_decades(values, expected):
-    assert design_map._levels(np.array(values)) == pytest.approx(expected)
+    assert design_map.contour_levels(np.array(values)) == pytest.approx(expected)
 
 
 def test_a_point_without_an_answer_leaves_a_hole_and_a_remark():

@@ -18,10 +18,12 @@ from scipy.integrate import solve_ivp
 import contact
 from studies.__main__ import main
 from studies.export import reduced_motor
-from studies.export.averaged_motor import Drive, averaged_motor, mean_forces
+from studies.export.averaged_motor import averaged_motor
 from studies.export.c_source import header, source
 from studies.export.c_translation import UntranslatableError, c_source
 from studies.export.fmu import compiler, fmu
+from studies.export.force_grid import mean_forces
+from studies.export.motor_model import Drive
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 

@@ -15,7 +15,7 @@ from studies.__main__ import main
 from studies.inverse import Measurement, Parameter, Residual, fit, read_measurement, read_parameter
 from studies.inverse import fit as fit_function
 from studies.inverse.directions import undetermined
-from studies.inverse.fitting import _explored
+from studies.inverse.fitting import fit_about
 from studies.inverse.least_squares import Problem
 from studies.inverse.prediction import MeasurementPredictor
 from studies.refusal import SceneError
@@ -50,7 +50,7 @@ def explored(model, parameters, monkeypatch, **own):
     data = Measurement(name="m", quantity="velocity", level_key="voltage_V", levels=LEVELS,
                        values=tuple(model.formula(np.array(LEVELS), **model.own)), **own)  # fmt: skip
     problem = Problem(predictor=model, parameters=parameters, measurements=(data,))
-    return _explored(problem, problem.minima(), problem.points - len(parameters), False, False)
+    return fit_about(problem, problem.minima(), problem.points - len(parameters), False, False)
 
 
 def test_intervals_of_a_straight_line_are_those_of_the_textbook(monkeypatch):
@@ -91,7 +91,7 @@ def test_intervals_without_deviations_are_student_s(monkeypatch):
                        values=tuple(model.formula(np.array(LEVELS), 2.0)), deviations=(1.0,) * 7)  # fmt: skip
     free = (Parameter(key="b", low=0.5, high=8.0),)
     problem = Problem(predictor=fitted, parameters=free, measurements=(data,))
-    found = _explored(problem, problem.minima(), problem.points - 1, True, False)
+    found = fit_about(problem, problem.minima(), problem.points - 1, True, False)
     x = np.array(LEVELS)
     slope = float(x @ data.values / (x @ x))
     residual = math.sqrt(np.sum((np.array(data.values) - slope * x) ** 2) / (len(x) - 1))
@@ -123,7 +123,7 @@ def test_factors_of_a_product_stay_nearest_to_the_scene_s_own_whatever_the_misfi
                        values=tuple(2.0 * np.array(LEVELS) + scatter), deviations=(0.01,) * 7)  # fmt: skip
     free = tuple(Parameter(key=key, low=0.01, high=100.0) for key in "ab")
     problem = Problem(predictor=Model(lambda x, a, b: a * b * x, a=1.0, b=2.2), parameters=free, measurements=(data,))
-    found = _explored(problem, problem.minima(), problem.points - 2, False, False)
+    found = fit_about(problem, problem.minima(), problem.points - 2, False, False)
     assert found.chi2 > 10.0
     assert found.values["b"] / found.values["a"] == pytest.approx(2.2, rel=1e-6)
 

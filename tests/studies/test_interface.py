@@ -249,11 +249,6 @@ def test_a_record_as_a_dataset_has_units_on_variables_and_coordinate(driven, rec
 
 def test_every_public_name_is_imported_from_studies_and_no_module_hides_it():
     import studies
-    import studies.inverse.fitting
-    import studies.inverse.optimum
-    import studies.report.datasheet
-    import studies.stator.network
-    import studies.sweeps
 
     assert sorted(studies.__all__) == studies.__all__
     for name in studies.__all__:

@@ -22,7 +22,8 @@ from studies.lab.encoder import aligned, averaged, low_pass, travelled_distance
 from studies.lab.measurement import Measurement
 from studies.lab.measurement_csv import measured_scan, read_measured
 from studies.lab.network import NetworkData, read_network
-from studies.lab.scan import Scan, scan_csv, scan_of_uff, scan_uff
+from studies.lab.scan import Scan, scan_csv
+from studies.lab.scan_uff import scan_of_uff, scan_uff
 from studies.record import Record
 from studies.record.run_pictures import pictures
 from studies.record.scan_comparison import compared_scan

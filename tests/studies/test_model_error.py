@@ -13,7 +13,7 @@ import fem
 from studies import Record, Scene, run
 from studies.chain import bridge, fem_model
 from studies.chain.model_error import model_error
-from studies.chain.stator_effects import _vacuum
+from studies.chain.stator_effects import vacuum_effect
 from studies.record.text import sentences
 from tests.fem.stators import comb, plate, solution, wave_of
 
@@ -99,7 +99,7 @@ def test_contacts_at_a_node_of_u_z_have_no_load_to_compare(motor, monkeypatch, n
     from studies.chain import ball_effects as module
 
     asked = []
-    monkeypatch.setattr(module, "_loaded", lambda record, voltages: asked.append(voltages) or [0.01] * len(voltages))
+    monkeypatch.setattr(module, "wave_load", lambda record, voltages: asked.append(voltages) or [0.01] * len(voltages))
     motion = np.array([np.full(len(normal), 1j), np.zeros(len(normal)), normal]) * 1e-9
     monkeypatch.setattr(type(motor.surface_motion), "at", lambda self, places: motion)
     rows = [row for row in model_error(motor) if row["effect"] == "load of the slider on the wave"]
@@ -114,7 +114,7 @@ def test_vacuum_put_back(name):
     With VACUUM_FACTOR = 3 it is 1.6 of the row, with 5 at most 0.74 of it on lithium niobate.
     """
     scene = Scene.load(name)
-    ((_, _, size, _),) = _vacuum(SimpleNamespace(scene=scene))
+    ((_, _, size, _),) = vacuum_effect(SimpleNamespace(scene=scene))
     x, motions = np.array([1.0, 2.3, 4.0]), []
     for above in ("none", "vacuum"):
         stator = plate(fem_model.solid(scene.stator), length=12.0, thickness=2.0, bottom="absorbing", above=above)
@@ -171,7 +171,7 @@ def test_a_model_error_of_a_tenth_is_a_warning_and_one_of_the_whole_no_answer(mo
     from studies.chain.warnings import warnings_of
 
     for size, warned, refused in ((0.08, False, False), (0.13, True, False), (0.9, True, False), (1.2, True, True)):
-        monkeypatch.setattr(module, "_loaded", lambda record, voltages, size=size: [size] * len(voltages))
+        monkeypatch.setattr(module, "wave_load", lambda record, voltages, size=size: [size] * len(voltages))
         judged = with_model_error(replace(motor, warnings=(), model_error=()))
         said = [each for each in warnings_of(judged) if "load of the slider on the wave" in each]
         assert bool(said) == warned, size

@@ -120,10 +120,10 @@ def test_the_response_is_drawn(motion, tmp_path):
 def test_half_power_of_a_known_lobe():
     """1 / (1 + x^2)^(1/2) falls to 1 / sqrt 2 at x = 1; at a range's end it is the end."""
     at = np.linspace(-3.0, 2.5, 2201)
-    low, high = frequency_response._half_power(at, 1 / np.sqrt(1 + at**2))
+    low, high = frequency_response.half_power_band(at, 1 / np.sqrt(1 + at**2))
     assert (low, high) == pytest.approx((-1.0, 1.0), rel=1e-5)
     cut = at[at < 0.5]
-    assert frequency_response._half_power(cut, 1 / np.sqrt(1 + cut**2))[1] == cut[-1]
+    assert frequency_response.half_power_band(cut, 1 / np.sqrt(1 + cut**2))[1] == cut[-1]
 
 
 @pytest.mark.parametrize("study", [admittance, frequency_response])

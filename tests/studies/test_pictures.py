@@ -37,12 +37,12 @@ def found():
 
 def labelled(figure):
     """Whether every axis that has numbers says quantity and unit; shared ones say it once for the figure."""
-    whole = [text.get_text() for text in (figure._supxlabel, figure._supylabel) if text is not None]
+    whole = figure.get_supxlabel(), figure.get_supylabel()
     for ax in figure.axes:
         for axis, words in ((ax.xaxis, ax.get_xlabel()), (ax.yaxis, ax.get_ylabel())):
             ticks = [tick for tick in axis.get_ticklabels() if tick.get_visible() and tick.get_text()]
             numbers = any(re.search(r"\d", tick.get_text()) for tick in ticks)
-            if numbers and not UNIT.search(words) and not any(UNIT.search(each) for each in whole):
+            if numbers and not UNIT.search(words) and not any(map(UNIT.search, whole)):
                 return False
     return True
 
@@ -82,7 +82,10 @@ def test_slow_motion_shows_the_instant(found):
         arrows = [text for text in ax.texts if text.arrow_patch is not None]
         assert len(arrows) == (2 if index == 50 else 0)
         assert ax.get_title().startswith(str(drawn["regime"][index]))
-        assert motion._cursors[0].get_xdata()[0] == pytest.approx(drawn["time_s"][index] * 1e9)
+        lines = [line.get_xdata() for traces in motion.figure.axes[1:] for line in traces.lines]
+        times = [x for x in lines if len(x) == 2 and x[0] == x[1]]  # the upright lines: the cursors
+        assert len(times) == 5
+        assert np.ravel(times) == pytest.approx(drawn["time_s"][index] * 1e9)
         motion.figure.canvas.draw()
         pictures.append(np.array(motion.figure.canvas.buffer_rgba()))
     assert np.mean(pictures[0] != pictures[1]) > 0.01
@@ -128,7 +131,7 @@ def test_orbits_turn_the_way_the_arrows_say():
         crest = instants[np.argmax((b * np.exp(1j * instants)).real)]
         velocity = (1j * a * np.exp(1j * crest)).real
         assert np.sign(arrow.xy[0] - arrow.xyann[0]) == np.sign(velocity)
-    assert "2 anticlockwise (blue), 1 clockwise" in figure._suptitle.get_text()
+    assert "2 anticlockwise (blue), 1 clockwise" in figure.get_suptitle()
 
 
 def test_amplitude_shows_a_run_s_surface_whole_and_from_near():

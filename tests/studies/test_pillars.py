@@ -11,9 +11,13 @@ import contact
 import fem
 from studies import Scene, run, sweep
 from studies.chain import pillars
-from studies.inverse import Measurement, sensitivity
+from studies.chain.changed_scenes import ChangedScenes
+from studies.chain.resolve import resolved
+from studies.inverse import Measurement, elasticity, sensitivity
 from studies.record import Record
 from studies.refusal import SceneError
+from studies.scene import read_table
+from studies.scene.override import replaced
 
 WAVE = {
     "frequency": 9.61e6, "normal_amplitude": [5e-9, 20e-9], "tangential_ratio": 0.88995, "wavelength": 414.05e-6,
@@ -597,10 +601,28 @@ def test_what_is_not_known_of_pillars_is_refused_before_anything_is_computed():
 
 def test_sensitivity_knows_the_thrust_of_pillars(monkeypatch):
     """Against a difference of stalls by the contact's own interface."""
-    monkeypatch.setattr(sensitivity, "numbers", lambda predictor: ["slider.friction_coefficient"])
+    monkeypatch.setattr(elasticity, "numbers", lambda predictor: ["slider.friction_coefficient"])
     small = scene({"normal_amplitude": [20e-9]})
     record = sensitivity.run(small, outcomes=("thrust",))
     rows = dict(zip(record.panels[0].data["key"], record.panels[0].data["elasticity"], strict=True))
     stalls = [contact.pillar_load_line(*by_hand(friction_coefficient=0.18 * f), points=2).stall for f in (1.01, 0.99)]
     by_difference = math.log(stalls[0] / stalls[1]) / math.log(1.01 / 0.99)
     assert rows["slider.friction_coefficient"] == pytest.approx(by_difference, abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "rule"),
+    [
+        ("slider.position", 9e-3, "off the fingers of 'left'"),
+        ("slider.position", 59e-3, "on the stator, 0 to 0.06 m"),
+        ("slider.position", [0.03, 0.006], "on the stator, y from -0.007"),
+        ("slider.pillars.height", 5e-9, "larger than every deviation"),
+    ],
+)
+def test_a_sweep_or_fit_refuses_pillars_in_the_words_of_a_run(key, value, rule):
+    table = read_table("silicon-slider")
+    with pytest.raises(SceneError, match=rule) as of_run:
+        resolved(Scene.from_table("", replaced(table, key, value)))
+    with pytest.raises(SceneError) as of_sweep:
+        ChangedScenes(table).resolved({key: value})
+    assert str(of_sweep.value) == str(of_run.value)

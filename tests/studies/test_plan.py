@@ -111,8 +111,8 @@ def test_kernels_that_are_not_there_are_counted(monkeypatch, tmp_path):
     scene = changed("twente-contact")
     folder = tmp_path / "kernels"
     folder.mkdir()
-    monkeypatch.setattr(contact.jit.compiled, "_folder", lambda: str(folder))
-    monkeypatch.setattr(contact.jit.compiled, "_folders", lambda: (str(folder),))
+    monkeypatch.setattr(contact.jit.compiled, "cache_folder", lambda: str(folder))
+    monkeypatch.setattr(contact.jit.compiled, "cache_folders", lambda: (str(folder),))
     cold = plan(scene, tolerance=1e-3)
     assert any("compiled first" in fact for fact in cold["parts"][0]["facts"])
     (folder / "cycle-turn-9.o").write_bytes(b"")

@@ -10,7 +10,8 @@ import pytest
 
 import contact
 from studies.__main__ import main
-from studies.export.averaged_motor import averaged_motor, push, ring_speed
+from studies.export.averaged_motor import averaged_motor
+from studies.export.motor_model import push, ring_speed
 from studies.motor import positioning
 from studies.motor.controllers import CONTROLLERS, Command, MotorNumbers, Reading, controller
 from studies.motor.followed_motor import FollowedMotor

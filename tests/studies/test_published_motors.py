@@ -46,8 +46,8 @@ def test_a_band_is_every_corner_and_names_what_moves_it_most():
 def test_what_lies_outside_is_said_so_and_how_far():
     assert row(7.2)["verdict"] == "outside the band, whose nearer end is -50 %"
     assert row(0.6)["verdict"] == "outside the band, whose nearer end is +50 %"
-    assert not study._finding(row(7.2)).confirmed
-    assert study._finding(row(2.5)).confirmed
+    assert not study.finding_of(row(7.2)).confirmed
+    assert study.finding_of(row(2.5)).confirmed
 
 
 def test_a_published_range_is_compared_as_a_range():
@@ -59,7 +59,7 @@ def test_a_published_range_is_compared_as_a_range():
     assert row((3.0, 4.0))["verdict"] == "band and published range overlap"
     assert row((4.0, 5.0))["verdict"] == "outside the band, whose nearer end is -10 %"
     assert row((0.5, 0.8))["verdict"].startswith("outside")
-    assert "published 0.5 to 4 m" in study._finding(found).statement
+    assert "published 0.5 to 4 m" in study.finding_of(found).statement
 
 
 def test_every_row_compares_a_motor_with_its_own_prediction():

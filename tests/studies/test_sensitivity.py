@@ -8,9 +8,10 @@ import pytest
 import contact
 from studies import Scene
 from studies import run as run_chain
-from studies.inverse import sensitivity
+from studies.inverse import elasticity
+from studies.inverse.elasticity import answers_at, both_sides, elasticities, numbers
 from studies.inverse.prediction import MeasurementPredictor
-from studies.inverse.sensitivity import _answers, _without_effect, both_sides, elasticities, numbers, run, tables
+from studies.inverse.sensitivity import run, tables, without_effect
 
 
 @pytest.fixture(scope="module")
@@ -70,7 +71,7 @@ def test_richardson_s_error_is_that_of_the_last_extrapolation(monkeypatch):
             speeds = np.exp(s + s**3 + s**5 + size * s**7)
             return [{"status": "ok", "relative_error": 1e-11, "velocity_m_per_s": speed} for speed in speeds]
 
-    monkeypatch.setattr(sensitivity, "numbers", lambda predictor: [])
+    monkeypatch.setattr(elasticity, "numbers", lambda predictor: [])
     ((value, error),) = elasticities(Known(), ("velocity",), 6.3e-9, lambda text: None)["velocity"].values()
     step = 1e-11**0.2
     # Closed form: steps h, h/2, h/4 leave c h^6 / 64 of c s^7, and the last extrapolation changes 84/64 of that
@@ -81,7 +82,7 @@ def test_richardson_s_error_is_that_of_the_last_extrapolation(monkeypatch):
 
 def test_the_start_up_time_goes_as_the_mass(predictor):
     """At a given preload the averaged motion runs on the time scale of m v / (mu P)."""
-    times, _ = _answers(predictor, ("start-up time",), 6.3e-9, [{"slider.mass": 0.04}, {"slider.mass": 0.08}])
+    times, _ = answers_at(predictor, ("start-up time",), 6.3e-9, [{"slider.mass": 0.04}, {"slider.mass": 0.08}])
     assert times[1] == pytest.approx(2.0 * times[0], rel=1e-3)
     assert 2e-4 < times[0, 0] < 5e-3  # a light slider, to be quick
 
@@ -99,7 +100,7 @@ def test_an_averaged_start_is_the_exact_one(predictor):
 def test_numbers_of_a_stator(monkeypatch):
     """Against differences of whole runs; without diffraction the aperture moves nothing."""
     keys = ["stator.thickness", "transducer.0.aperture"]
-    monkeypatch.setattr("studies.inverse.sensitivity.numbers", lambda predictor: keys)
+    monkeypatch.setattr("studies.inverse.elasticity.numbers", lambda predictor: keys)
     short = Scene.load("twente-left").replace(
         stator={"length": "30 mm", "thickness": "1 mm", "diffraction": False},
         transducer={"left": {"finger_pairs": 2, "center": "6 mm"}}, slider={"position": "20 mm"},
@@ -121,9 +122,9 @@ def test_numbers_of_a_stator(monkeypatch):
 def test_what_is_said_to_have_no_effect_is_tried(predictor):
     """A number that does move the answer among the silent ones contradicts the finding."""
     rows = elasticities(predictor, ("release",), 6.3e-9, lambda text: None)["release"]
-    (silent,) = _without_effect(predictor, "release", rows, 6.3e-9)
+    (silent,) = without_effect(predictor, "release", rows, 6.3e-9)
     assert silent.confirmed
-    (wrong,) = _without_effect(predictor, "release", rows | {"slider.radius": (0.0, 0.0)}, 6.3e-9)
+    (wrong,) = without_effect(predictor, "release", rows | {"slider.radius": (0.0, 0.0)}, 6.3e-9)
     assert not wrong.confirmed
 
 

@@ -103,7 +103,7 @@ def rows():
             outcome = Outcome(
                 verdict=verdict, guard=guard, relative_error=error, relative_estimate=estimate, seconds=0.5
             )
-            made.append(stability._row(case, outcome))
+            made.append(stability.case_row(case, outcome))
     return made
 
 
@@ -111,8 +111,10 @@ def record():
     made = rows()
     return stability.StudyRecord(
         name="stability",
-        panels=tuple(stability._panel(part, [row for row in made if row["part"] == part]) for part in stability.PARTS),
-        findings=stability._findings(made),
+        panels=tuple(
+            stability.part_panel(part, [row for row in made if row["part"] == part]) for part in stability.PARTS
+        ),
+        findings=stability.atlas_findings(made),
         seconds=1.0,
     )
 
@@ -131,9 +133,9 @@ def test_the_atlas_leaves_tables_pictures_and_numbers(tmp_path):
 
 def test_one_wrong_answer_contradicts_the_atlas():
     made = rows()
-    assert [finding.confirmed for finding in stability._findings(made * 13)] == [True, True]
+    assert [finding.confirmed for finding in stability.atlas_findings(made * 13)] == [True, True]
     made[0] |= {"verdict": "WRONG"}
-    assert [finding.confirmed for finding in stability._findings(made * 13)] == [True, False]
+    assert [finding.confirmed for finding in stability.atlas_findings(made * 13)] == [True, False]
 
 
 def test_both_studies_are_listed():

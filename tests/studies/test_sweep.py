@@ -262,6 +262,29 @@ def test_a_stator_without_an_answer_costs_its_own_points_alone(monkeypatch):
     assert all(status.startswith("refused: slider.mass") for status in found[1::2])
 
 
+@pytest.mark.parametrize(("wanted", "threads"), [("1", 1), ("3", 3), ("0", None), ("", None), ("all", None)])
+def test_the_loop_of_averaged_states_takes_the_threads_of_its_process(monkeypatch, wanted, threads):
+    solved, taken = contact.steady_sweep, []
+
+    def noted(*problem, threads, **options):
+        taken.append(threads)
+        return solved(*problem, threads=threads, **options)
+
+    monkeypatch.setattr(contact, "steady_sweep", noted)
+    monkeypatch.setenv("SAWMOTOR_THREADS", wanted)
+    Predictor(read_table("twente-contact"), tolerance=1e-2).answers([{"wave.normal_amplitude": 3e-9}])
+    assert taken == [threads]
+
+
+def test_a_point_where_the_beam_is_not_resolved_has_no_answer_as_a_run_has_none(monkeypatch):
+    spread = replaced(SMALL, "stator.diffraction", True)
+    monkeypatch.setattr("fem.SurfaceBeam.unresolved", lambda self, x, y: x == 7e-3)
+    record = run(Scene.from_table("", spread), tolerance=0.1)
+    (answer,) = Predictor(spread, tolerance=0.1).answers([{"drive.voltage": 30.0}])
+    assert answer["status"] == record.shortfall
+    assert record.shortfall.startswith("no answer: in this cut the field beside the fingers")
+
+
 def test_a_point_near_the_threshold_gets_a_better_stator(tmp_path, monkeypatch):
     # a stator that is just good enough by itself
     monkeypatch.setattr("studies.chain.changed_contacts.SHARE", 1.0)

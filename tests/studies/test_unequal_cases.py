@@ -12,9 +12,9 @@ import pytest
 from PIL import Image
 
 from studies import Scene, run
-from studies.chain.blocks import wave_block
 from studies.chain.model_error import model_error
 from studies.chain.ring_up import RingUp
+from studies.chain.surface_blocks import wave_block
 from studies.chain.surface_motion import SurfaceMotion
 from studies.chain.warnings import breakdown_voltage, warnings_of
 from studies.record.plots import new_figure

@@ -34,7 +34,7 @@ from studies.view.picture import Picture
 from studies.view.quantities import shade
 from studies.view.run_field import run_field
 from studies.view.section import magnification, piece
-from studies.view.views import View, chosen_views, limits, near, views
+from studies.view.views import View, limits, near, span_views, views
 from tests.studies.legible import assert_legible
 from tests.studies.settings import assigned
 
@@ -274,7 +274,7 @@ def test_the_slider_s_view_holds_all_its_balls_and_no_empty_half(found, tmp_path
     start, stop = limits(wider, "slider")
     assert stop - start >= 0.016 + 2 * wide.radius
     assert stop - start > 14.1 * found.wavelength
-    drawn = picture_of(wider, chosen_views(wider, (start, stop)), size=(400, 600))
+    drawn = picture_of(wider, span_views(wider, (start, stop)), size=(400, 600))
     low = drawn.frames[-1].box[1]
     drawn.save(tmp_path / "a.png", whole=False)
     with Image.open(tmp_path / "a.png") as saved:
@@ -284,7 +284,7 @@ def test_the_slider_s_view_holds_all_its_balls_and_no_empty_half(found, tmp_path
 @pytest.mark.parametrize(("span", "size"), [("wavelength", (1600, 1100)), ("slider", (720, 300)), (None, (1000, 700))])
 def test_captions_rulers_and_legend_do_not_collide(found, span, size):
     """Nothing is cut by the picture's edge; captions lie between the frames, colour bar and legend beside them."""
-    shown = chosen_views(found, limits(found, span)) if span else views(found)
+    shown = span_views(found, limits(found, span)) if span else views(found)
     drawn = picture_of(found, shown, size=size)
     pixels, (paper, *_) = drawn.image(0.0), drawn.plotter.renderers
     for edge in (pixels[:2], pixels[-2:], pixels[:, :2], pixels[:, -2:]):
@@ -476,7 +476,7 @@ def test_the_window_plays_pauses_and_picks(found, monkeypatch):
     from studies.view.window import Controls
 
     monkeypatch.setattr(pyvista, "OFF_SCREEN", True)
-    solid = picture_of(found, chosen_views(found, near(found))[-1:], phase=1.0, size=(600, 400), framed=False)
+    solid = picture_of(found, span_views(found, near(found))[-1:], phase=1.0, size=(600, 400), framed=False)
     window = Controls(solid)
     assert window.playing
     assert solid.plotter.camera.parallel_scale == pytest.approx(found.wavelength * MM * 400 / 600)

@@ -72,14 +72,14 @@ def attempted(curve: str, problem: Problem, setting: dict, *, repeats: int = 1) 
     RunError
         If its process was ended, as happens where memory is short.
     """
-    return alone(f"{curve}, {_words(setting)}", _measured, curve, problem, setting, repeats)
+    return alone(f"{curve}, {_words(setting)}", measured, curve, problem, setting, repeats)
 
 
 def _words(setting: dict) -> str:
     return ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in setting.items())
 
 
-def _measured(curve: str, problem: Problem, setting: dict, repeats: int) -> Attempt:
+def measured(curve: str, problem: Problem, setting: dict, repeats: int) -> Attempt:
     begun = time.process_time()
     once = CURVES[curve][0](problem, **setting)
     admittance, motion, unknowns = once() if repeats else (None, None, 0)

@@ -107,7 +107,7 @@ def tiny(monkeypatch):
             ("ENDS", ("absorbing",)),
             ("problem", small_problem),
             ("reference", lambda posed: truth(posed.stator.thickness)),
-            ("attempted", lambda *given, repeats: attempt._measured(*given, repeats)),
+            ("attempted", lambda *given, repeats: attempt.measured(*given, repeats)),
         ):
             if hasattr(module, name):
                 monkeypatch.setattr(module, name, value)

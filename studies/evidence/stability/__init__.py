@@ -9,8 +9,6 @@ is the part of the difference that exceeds the error of the reference.
 Expected: at least 150 cases, none WRONG.  Run time: about 6 min of one processor.
 """
 
-import csv
-import io
 import math
 from collections import Counter
 from collections.abc import Callable
@@ -18,7 +16,7 @@ from importlib import import_module
 
 from studies.evidence.stability.verdict import VERDICTS, cases_of, judge
 from studies.record.plots import finished, saved
-from studies.record.text import markdown
+from studies.record.text import csv_text, markdown
 from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
 
 PARTS = {"free wave": "free", "stator": "stator", "contact": "contact", "chain": "chain"}
@@ -31,8 +29,6 @@ STYLES = {
     "WRONG": ("#D55E00", "X", 90),
 }
 COLOURS = {"free wave": "#009E73", "stator": "#0072B2", "contact": "#CC79A7", "chain": "#E69F00"}
-COLUMNS = ("part", "varied", "value", "unit", "verdict", "relative_error", "relative_estimate",
-           "seconds", "guard")  # fmt: skip
 
 
 @study()
@@ -58,8 +54,8 @@ def run(*, parts: tuple[str, ...] = tuple(PARTS), cases: int | None = None, prog
     for number, (module, case) in enumerate(selected, start=1):
         value = f"{case.value:g} {case.unit}".rstrip()
         progress(f"stability: {number} of {len(selected)}, {case.part}, {case.varied} {value}")
-        rows.append(_row(case, judge(module, case)))
-    return [_panel(part, [row for row in rows if row["part"] == part]) for part in parts], _findings(rows)
+        rows.append(case_row(case, judge(module, case)))
+    return [part_panel(part, [row for row in rows if row["part"] == part]) for part in parts], atlas_findings(rows)
 
 
 def _some(cases, number: int | None):
@@ -70,13 +66,8 @@ def _some(cases, number: int | None):
 
 def tables(record: StudyRecord) -> dict[str, str]:
     """Return the text files of the study: all cases, and a summary with a row for each quantity."""
-    rows = [row for panel in record.panels for row in _rows(panel)]
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    for row in rows:
-        writer.writerow(["" if row[name] is None else row[name] for name in COLUMNS])
-    return {"cases.csv": text.getvalue(), "summary.md": summary(rows)}
+    rows = [row for panel in record.panels for row in panel.rows()]
+    return {"cases.csv": csv_text(rows), "summary.md": summary(rows)}
 
 
 def summary(rows: list[dict]) -> str:
@@ -109,7 +100,7 @@ def summary(rows: list[dict]) -> str:
 @of_record
 def figure(record: Panel, ax):
     """Draw the verdicts of a part: one line for each quantity, with its values in order."""
-    rows = _rows(record)
+    rows = record.rows()
     names = list(dict.fromkeys((row["varied"], row["unit"]) for row in rows))
     for line, (varied, unit) in enumerate(names):
         selected = [row for row in rows if row["varied"] == varied]
@@ -137,7 +128,7 @@ def against_estimate(panels: tuple[Panel, ...], ax):
     for panel in panels:
         pairs = [
             (row["relative_estimate"], row["relative_error"])
-            for row in _rows(panel)
+            for row in panel.rows()
             if row["relative_error"] is not None and row["relative_estimate"] is not None
         ]
         drawn = [(max(estimate, 1e-16), max(error, 1e-16)) for estimate, error in pairs]
@@ -159,7 +150,7 @@ def draw(record: StudyRecord, folder, *, progress: Callable[[str], None]) -> Non
     saved(folder / "error_against_estimate.png", lambda ax: against_estimate(record.panels, ax), size=(6.5, 5.5))
 
 
-def _row(case, outcome) -> dict:
+def case_row(case, outcome) -> dict:
     """Return a case and its outcome as JSON-compatible data, with None instead of NaN."""
     numbers = {name: getattr(outcome, name) for name in ("relative_error", "relative_estimate")}
     finite = {name: float(value) if math.isfinite(value) else None for name, value in numbers.items()}
@@ -167,15 +158,9 @@ def _row(case, outcome) -> dict:
     return row | {"verdict": outcome.verdict, **finite, "seconds": float(outcome.seconds), "guard": outcome.guard}
 
 
-def _panel(part: str, rows: list[dict]) -> Panel:
-    data = {name: [row[name] for row in rows] for name in COLUMNS}
-    return Panel(name=part, title=f"{part}: {len(rows)} extreme cases", data=data)
-
-
-def _rows(panel: Panel) -> list[dict]:
-    return [
-        dict(zip(COLUMNS, values, strict=True)) for values in zip(*(panel.data[name] for name in COLUMNS), strict=True)
-    ]
+def part_panel(part: str, rows: list[dict]) -> Panel:
+    """Return the rows of the cases of one part as columns of a panel."""
+    return Panel.of_rows(part, f"{part}: {len(rows)} extreme cases", rows)
 
 
 def _ratio(row: dict) -> float | None:
@@ -186,7 +171,8 @@ def _ratio(row: dict) -> float | None:
     return error / estimate
 
 
-def _findings(rows: list[dict]) -> tuple[Finding, ...]:
+def atlas_findings(rows: list[dict]) -> tuple[Finding, ...]:
+    """Return what all rows together must show: enough cases, and none of them wrong."""
     total = Counter(row["verdict"] for row in rows)
     wrong = [row for row in rows if row["verdict"] == "WRONG"]
     worst = "; ".join(f"{row['part']}, {row['varied']} {row['value']}: {row['guard'][:80]}" for row in wrong[:5])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.special import hankel2
 
-from fem.beam.crossed_beam import _pieces, crossed_beam
+from fem.beam.crossed_beam import crossed_beam, near_and_between
 from fem.beam.electrode_charges import ElectrodeCharges
 from fem.beam.line_source import line_source
 from fem.beam.mutual_admittance import mutual_admittance
@@ -223,5 +223,5 @@ def test_refusals():
 def test_points_near_fingers_are_those_within_the_clear_distance():
     (start, stop), clear = LEFT.extent, 0.7e-3
     s = np.array([start - 1.1 * clear, start - 0.9 * clear, LEFT.center, stop + 0.9 * clear, stop + 1.1 * clear])
-    near = {tuple(np.flatnonzero(points)): is_near for points, is_near in _pieces(s, (LEFT,), clear)}
+    near = {tuple(np.flatnonzero(points)): is_near for points, is_near in near_and_between(s, (LEFT,), clear)}
     assert near == {(0,): False, (1, 2, 3): True, (4,): False}

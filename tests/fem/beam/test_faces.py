@@ -30,7 +30,7 @@ def test_wide_aperture_between_faces_is_the_section(ends, bottom):
     size = abs(section).max()
     np.testing.assert_allclose(normal, section[1], atol=1e-6 * size)
     np.testing.assert_allclose(tangential, section[0], atol=(5e-4 if bottom == "free" else 1e-6) * size)
-    assert abs(beam._beyond_the_modes(x)).max() < 1e-6 * size
+    assert abs(beam.motion_beyond_modes(x)).max() < 1e-6 * size
     absorbing = replace(beam, faces=None).motion(x)
     assert abs(absorbing[2] - section[1]).max() > 0.1 * size
 

@@ -9,7 +9,7 @@ from scipy.special import hankel2
 from fem.beam import point_potential
 from fem.beam.electrode_charges import electrode_charges
 from fem.beam.line_source import LineSource
-from fem.beam.own_aperture import STEPS, _between_mirrors, finger_coupling, sheet_lengths
+from fem.beam.own_aperture import STEPS, finger_coupling, mirrored_mode_mean, sheet_lengths
 from fem.beam.point_potential import StripPotential
 from fem.beam.reception import aperture_coupling, with_apertures
 from fem.condense.transducer import finger_ports
@@ -111,7 +111,7 @@ def test_mirrors_repeat_the_aperture():
         for each in images
         for side in (1, -1)
     )
-    found = _between_mirrors(k, APERTURE, np.array([x]), width, 16 * k.real)[0]
+    found = mirrored_mode_mean(k, APERTURE, np.array([x]), width, 16 * k.real)[0]
     assert found == pytest.approx(mean - np.exp(-1j * k * x), abs=1e-4 * abs(mean))
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.beam.crossed_beam import _interpolated
+from fem.beam.crossed_beam import interpolated_on_grid
 from fem.beam.electrode_charges import ElectrodeCharges, electrode_charges
 from fem.beam.reception import aperture_solver
 from fem.beam.surface_beam import aperture_beam, surface_beam
@@ -15,7 +15,7 @@ from fem.discretize.grading import Resolution
 from fem.input_error import InputError
 from fem.solve.band import Band, frequency_band
 from fem.solve.port_admittance import port_admittance
-from fem.waveguide.port_fields import _refuse_a_source, stator_row
+from fem.waveguide.port_fields import check_passive, stator_row
 from tests.fem.beam.test_crossed_beam import LEFT, MIDDLE, crossed, turned
 from tests.fem.stators import FREQUENCY, comb, cut, plate, solution, wave_of
 
@@ -65,10 +65,10 @@ def test_an_aperture_below_half_a_wavelength_is_refused():
 def test_a_passive_transducer_never_gives_out_power():
     """Two ports of positive conductances whose product of mutual ones is larger: a source, named by its port."""
     passive = np.array([[2.0, 1.0], [1.0, 1.0]]) * 1e-4 + 5e-4j * np.eye(2)
-    _refuse_a_source(passive, ["a", "b"])
-    _refuse_a_source(np.zeros((0, 0)), [])
+    check_passive(passive, ["a", "b"])
+    check_passive(np.zeros((0, 0)), [])
     with pytest.raises(ConvergenceError, match="transducer 'b' would give out power"):
-        _refuse_a_source(passive + np.array([[0.0, 1e-4], [1e-4, 0.0]]), ["a", "b"])
+        check_passive(passive + np.array([[0.0, 1e-4], [1e-4, 0.0]]), ["a", "b"])
 
 
 def pair_of(gap: float):
@@ -156,7 +156,7 @@ def test_many_places_near_turned_fingers():
     near = (s > own.extent[0] - 1e-3) & (s < own.extent[1] + 1e-3) & (abs(t - own.center_y) < 2e-3)
     assert near.sum() > 5
     assert abs(found.motion(x, y)[:, few] - expected).max() < 1e-4 * abs(expected).max()
-    assert _interpolated(lambda s, t: np.array([s * t]), s, t, 2e-4)[0] == pytest.approx(s * t, abs=1e-10)
+    assert interpolated_on_grid(lambda s, t: np.array([s * t]), s, t, 2e-4)[0] == pytest.approx(s * t, abs=1e-10)
 
 
 def test_the_stated_error_in_an_interference_minimum(monkeypatch):

@@ -62,7 +62,7 @@ def test_the_two_surface_waves_of_a_thick_plate():
     x = beam.charges[0].x[-1] + np.array([5e-3, 8e-3])
     twins = beam.source.wavenumbers[beam.source.surface].real
     assert 0 < np.ptp(twins) < 1e-7 * twins[0]
-    assert abs(beam._beyond_the_modes(x)).max() < 1e-7 * abs(beam.wave.motion(x)).max()
+    assert abs(beam.motion_beyond_modes(x)).max() < 1e-7 * abs(beam.wave.motion(x)).max()
 
 
 def test_two_transducers_add_up_to_the_section():

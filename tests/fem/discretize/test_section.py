@@ -102,7 +102,7 @@ def test_matrices_of_a_stretch_are_those_of_scikit_fem(solid, rest):
 def test_motion_weights_measure_the_depth():
     depth = section(plate(cut("PZT-4", "Z"), thickness=2.3), layers=2)
     weights = np.zeros(depth.dofs.shape)
-    weights[depth.dofs >= 0] = depth._motion_weights[depth.dofs[depth.dofs >= 0]]
+    weights[depth.dofs >= 0] = depth.motion_weights[depth.dofs[depth.dofs >= 0]]
     assert weights.sum(axis=0) == pytest.approx([2.3, 0.0, 2.3, 0.0], rel=1e-12)
 
 

@@ -16,7 +16,7 @@ from fem.results.evaluation import surface_of
 from fem.results.field import wave_field
 from fem.results.solution import driven_solution
 from fem.solve import band as band_module
-from fem.solve.band import _reduced, frequency_band
+from fem.solve.band import frequency_band, reduced_model
 from fem.solve.harmonic import motion_difference, solve_driven
 from tests.fem.stators import FREQUENCY, comb, cut, plate, wave_of
 
@@ -82,9 +82,9 @@ def test_the_reduction_takes_what_the_discretisation_leaves(monkeypatch, of_leve
     """At a tolerance of 1e-3: no smaller error than is left, no second discretisation where more fields would do."""
     monkeypatch.setattr("fem.solve.band.project", lambda problem, nodes, truncation: truncation)
     reached = iter([(7e-4, 0.0), (4e-4, 0.0), (1.5e-4, 0.0), (1e-5, 0.0)])
-    monkeypatch.setattr("fem.solve.band._errors", lambda *rest: next(reached))
+    monkeypatch.setattr("fem.solve.band.reduction_errors", lambda *rest: next(reached))
     problem = BandProblem(stator=None, transducers=(), limits=(1.0, 2.0), drive="a", tolerance=1e-3, places=PLACES)
-    _, of_motion, _ = _reduced(problem, None, [], 1.0, 1e-3 - of_levels)
+    _, of_motion, _ = reduced_model(problem, None, [], 1.0, 1e-3 - of_levels)
     assert of_motion == (7e-4, 4e-4, 1.5e-4)[projections - 1]
     assert of_levels + of_motion <= 1e-3 or of_levels > 1e-3
 
@@ -93,7 +93,7 @@ def test_the_reduction_takes_what_the_discretisation_leaves(monkeypatch, of_leve
 def parts(monkeypatch):
     """What `frequency_band` adds: the wave of two levels and what its reduction returned."""
     parts = {}
-    solve, reduce = band_module.driven_wave, band_module._reduced
+    solve, reduce = band_module.driven_wave, band_module.reduced_model
 
     def driven(*given, **options):
         parts["wave"] = solve(*given, **options)
@@ -104,7 +104,7 @@ def parts(monkeypatch):
         return parts["reduction"]
 
     monkeypatch.setattr(band_module, "driven_wave", driven)
-    monkeypatch.setattr(band_module, "_reduced", reduced)
+    monkeypatch.setattr(band_module, "reduced_model", reduced)
     return parts
 
 
@@ -239,5 +239,5 @@ def test_errors_of_the_reduction_are_those_at_the_sharpest_resonance(monkeypatch
         monkeypatch.setattr(band_module, name, lambda *given: MagicMock())
     checks = [SimpleNamespace(solution=MagicMock(), motion=None, here=here) for here in (2.0, 30.0)]
     # 30 is more than half of the worst, 40, and counts as 20: the reduction may err twice as much between the checks
-    found = band_module._errors(MagicMock(), MagicMock(), checks, 40.0)
+    found = band_module.reduction_errors(MagicMock(), MagicMock(), checks, 40.0)
     assert found == pytest.approx((40 * max(1e-4 / 2, 6e-4 / 20), 40 * max(2e-4 / 2, 1e-5 / 20)), rel=1e-12)

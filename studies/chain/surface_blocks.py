@@ -43,18 +43,18 @@ def wave_block(scene: Scene, motion: SurfaceMotion, place: tuple[float, float], 
 
 
 def node(motion: SurfaceMotion, places) -> str:
-    """Return a refusal if u_z vanishes under every contact, otherwise an empty string."""
+    """Return that u_z vanishes under every contact, if it does, otherwise an empty string."""
     under, largest = abs(motion.at(places)[2]).max(), abs(motion.wave.samples()[1][1]).max()
     if under > NODE * largest:
         return ""
     return (
-        f"no answer: u_z vanishes under the slider ({under:.1e} m per V, {largest:.1e} elsewhere), as in the middle of "
+        f"u_z vanishes under the slider ({under:.1e} m per V, {largest:.1e} elsewhere), as in the middle of "
         "a transducer by symmetry: choose another slider.position"
     )
 
 
 def unresolved(motion: SurfaceMotion, places) -> str:
-    """Return a refusal if the beam model does not resolve the field at a contact, otherwise an empty string."""
+    """Return why the beam model does not resolve the field at one of some places, otherwise an empty string."""
     beam = motion.beam
     if isinstance(beam, fem.SurfaceBeam) and (
         unresolved_places := [place for place in places if beam.unresolved(*place)]
@@ -62,7 +62,7 @@ def unresolved(motion: SurfaceMotion, places) -> str:
         (x, y), *_ = unresolved_places
         wavelength = abs(motion.wave.phase_velocity) / motion.wave.frequency
         return (
-            f"no answer: in this cut the field beside the fingers and within a wavelength, {wavelength:.4g} m, of "
+            f"in this cut the field beside the fingers and within a wavelength, {wavelength:.4g} m, of "
             f"their ends is not known, and a contact lies there, at ({x:g}, {y:g}) m: choose another slider.position"
         )
     return ""

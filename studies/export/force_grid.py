@@ -1,0 +1,92 @@
+"""Tables of the averaged motor's mean forces, and its numbers as `reduced_motor` reads them.
+
+The tables come from `contact.mean_load` and `contact.mean_traction`, event-exact means of a cycle, on a grid of the two
+ratios that the averaged equations know.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+import contact
+from studies.export.motor_model import Drive, force_exponent
+from studies.export.reduced_motor import index
+
+# Nodes of tau and of either side of nu: g between the nodes is within 3e-3 (at kinks) and 4e-5 (99 % of random points)
+# of the exact mean, and the steady velocity of twente-contact within 5e-6 from 0.75 to 20 nm. With 361 rows 6e-4 at
+# 0.75 nm, next to the threshold; with 601 and 401 columns 3e-6, and a C file twice as long.
+ROWS, COLUMNS = 501, 301
+SMALLEST = 1e-6  # sqrt(|nu|) next to the jump
+LARGEST = 1.0 - 1e-4  # tau of the last row: beyond lies no load
+MAX_STEP, FAST_STEP = 1e-5, 1e-6  # s
+RING_STEPS = 30.0  # per period; 80 rings to 6e-4 of their amplitude, 15: 3e-2 (test_export_motor.py)
+DEAD_BOUNCE = 1e-3  # its share in the mean force is the square of it
+DIGITS = 9  # of the numbers in the tables: Python and C read the same ones
+
+
+def force_tables(slider, drive: Drive) -> tuple[np.ndarray, np.ndarray]:
+    """Return R over tau, shape (ROWS,), and g over side, tau and sqrt|nu|, shape (2, ROWS, COLUMNS)."""
+    taus = np.linspace(0.0, 1.0, ROWS)
+    loads, forces = np.zeros(ROWS), np.zeros((2, ROWS, COLUMNS))
+    loads[0], forces[0, 0], forces[1, 0] = 1.0, 1.0, -1.0  # tau = 0: no wave, friction has one direction
+    sizes = np.linspace(0.0, 1.0, COLUMNS)
+    for k in range(1, ROWS):
+        loads[k], forces[:, k] = mean_forces(slider, drive, min(taus[k], LARGEST), sizes)
+    loads[-1] = 0.0  # tau = 1: the wave no longer reaches the slider
+    return loads, forces
+
+
+def mean_forces(slider, drive: Drive, tau: float, sizes: np.ndarray) -> tuple[float, np.ndarray]:
+    """Return the exact R and g, shape (2, k), at a ratio tau and at sqrt(|nu|) of either side.
+
+    The ratios fix both, so any amplitude serves: that of the drive at a level of 1.  The slider is made heavy: its mass
+    does not enter the means, and averaging asks for a slow bounce.
+    """
+    size = drive.amplitude
+    height = ((1.0 / tau - 1.0) ** 2 - 1.0) * size  # tau = sqrt(s)/(sqrt(s) + sqrt(h + s)) solved for h
+    loads = [contact.mean_load(height, abs(orbit.normal), slider.contact_shape) for orbit in drive.orbits]
+    preload = slider.normal_stiffness * sum(loads)
+    exponent = force_exponent(slider)
+    share = sum(loads) / (len(loads) * (height + size) ** exponent)
+    heavy = replace(slider, preload=preload, load=0.0, mass=1e30 * preload * size, tangential_damping=0.0,
+                    normal_damping=0.0, contact_damping=0.0)  # fmt: skip
+    nu = np.maximum(sizes, SMALLEST) ** 2
+    speeds = np.concatenate([-nu, nu]) * drive.saturation(slider) * size
+    forces = contact.mean_traction(heavy, drive.orbits, speeds).reshape(2, -1)
+    return share, forces / (slider.friction_coefficient * preload)
+
+
+def packed(slider, drives, tables) -> tuple[np.ndarray, np.ndarray]:
+    """Return parameters and tables as the model reads them."""
+    p = np.zeros(index.FIRST_DRIVE + 2 * index.DRIVE_SIZE)
+    contacts = len(drives[0].orbits)
+    p[index.MASS], p[index.NORMAL_DAMPING] = slider.mass, slider.normal_damping
+    p[index.TANGENTIAL_DAMPING], p[index.CONTACT_DAMPING] = slider.tangential_damping, slider.contact_damping
+    p[index.FRICTION], p[index.LIMIT_SLOPE] = slider.friction_coefficient, slider.limit_slope
+    p[index.STIFFNESS] = slider.normal_stiffness * contacts
+    p[index.EXPONENT] = force_exponent(slider)
+    p[index.TAU_NODES], p[index.NU_NODES], p[index.DRIVES] = ROWS, COLUMNS, len(drives)
+    fastest = max(slider.normal_resonance(contacts), slider.tangential_resonance(contacts))
+    p[index.MAX_STEP], p[index.FAST_STEP] = MAX_STEP, min(FAST_STEP, 1.0 / (100.0 * fastest))
+    p[index.RING_STEP] = min(MAX_STEP, 1.0 / (RING_STEPS * fastest))
+    p[index.DEAD_BOUNCE] = DEAD_BOUNCE
+    parts, length = [], 0
+    for number, (drive, table) in enumerate(zip(drives, tables, strict=True)):
+        own = index.FIRST_DRIVE + number * index.DRIVE_SIZE
+        p[own + index.AMPLITUDE], p[own + index.SATURATION] = drive.amplitude, drive.saturation(slider)
+        p[own + index.POWER], p[own + index.RESPONSE_STEP] = drive.power, drive.response_step
+        p[own + index.FACING] = -1.0 if drive.mirrored else 1.0
+        if table is None:  # all places and numbers of the first but the sign
+            first = index.FIRST_DRIVE
+            p[own : own + index.FACING] = p[first : first + index.FACING]
+            continue
+        pieces = {index.LOADS: table[0], index.FORCES: table[1].ravel()}
+        if drive.response is not None:
+            p[own + index.RESPONSE_NODES] = len(drive.response)
+            pieces[index.RESPONSE] = np.ascontiguousarray(drive.response).view(float)
+        for place, piece in pieces.items():
+            p[own + place] = length
+            parts.append(piece)
+            length += piece.size
+    rounded = [float(f"{value:.{DIGITS}g}") for value in np.concatenate(parts)]
+    return p, np.array(rounded)

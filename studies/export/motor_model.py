@@ -1,0 +1,165 @@
+"""The averaged motor: a slider that the cycle means of the contact forces move, and where it is.
+
+What the model leaves out is in ``left_out``, with its size where it is known.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+import contact
+from studies.export import reduced_motor as model
+from studies.export.reduced_motor import index
+from studies.refusal import RunError, SceneError
+from studies.scene import Scene
+
+RESPONSE_STEP = 2.5e-7  # s; half of the cycle at 2 MHz
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drive:
+    """What drives the slider one way: a transducer at 1 V of its source, or a given wave of 1 m."""
+
+    name: str  # of the transducer; "wave"
+    orbits: tuple = field(repr=False)  # contact.Orbit of each contact for a level of 1
+    # the surface under the slider from the drive's beginning over its steady motion, at even times; None: at once
+    response: np.ndarray | None = field(default=None, repr=False)
+    response_step: float = RESPONSE_STEP  # s
+    settling: float = 0.0  # s to within 1 %
+    power: float = 0.0  # into the transducer, W per V^2
+    error: float = 0.0  # relative, of the orbits
+    mirrored: bool = False  # the mirror image of the drive before it, whose tables serve
+
+    @property
+    def amplitude(self) -> float:
+        """Largest |u_z| of the contacts for a level of 1, m."""
+        return max(abs(orbit.normal) for orbit in self.orbits)
+
+    def saturation(self, slider) -> float:
+        """Return the slider velocity per normal amplitude beyond which friction has one direction all through."""
+        fastest = max(abs(each.tangential) + slider.limit_slope * abs(each.normal) for each in self.orbits)
+        return self.orbits[0].omega * fastest / self.amplitude
+
+
+@dataclass(frozen=True, kw_only=True)
+class AveragedMotor:
+    """A motor whose slider follows the cycle means of the contact forces, for exports and the position loop."""
+
+    scene: Scene = field(repr=False)  # as resolved
+    # As the contact's solvers take it: of one ball where several feel one motion
+    slider: contact.Slider = field(repr=False)
+    share: int  # equal sliders that the real one stands for; forces of the real slider are so many times larger
+    drives: tuple[Drive, ...]  # the first is that of positive levels, the second, if any, that of negative ones
+    levels: tuple[float, ...]  # of the scene, rising
+    parameters: np.ndarray = field(repr=False)
+    tables: np.ndarray = field(repr=False)
+    # Errors of the mean tangential force over mu preload at random points of the tables: largest (at kinks), and that
+    # which 99 % of the points keep
+    interpolation_error: tuple[float, float]
+    # Largest change of the steady velocity over the scene's levels, relative to max(|v|, omega |u_x|/10): by
+    # second-order averaging, and by the interpolation
+    averaging_error: float
+    velocity_error: float
+    left_out: tuple[str, ...]  # what the model does without
+
+    @property
+    def title(self) -> str:
+        """Of the scene."""
+        return self.scene.title or "untitled"
+
+    @property
+    def unit(self) -> str:
+        """Unit of the level: V, or m for a given wave."""
+        return "V" if self.scene.wave is None else "m"
+
+    @property
+    def preload(self) -> float:
+        """Preload of the real slider, N."""
+        return self.slider.preload * self.share
+
+    @property
+    def load(self) -> float:
+        """Load of the scene as a force along +x on the real slider, N: against the first drive's motion."""
+        return (
+            -float(np.copysign(self.slider.load, push(self.slider, self.orbits_at(self.levels[-1])))) * self.share + 0.0
+        )
+
+    def orbits_at(self, level: float) -> tuple:
+        """Return the contacts' orbits at a level of the first drive."""
+        return tuple(orbit.scaled(level) for orbit in self.drives[0].orbits)
+
+    def start(self, *, force: float = 0.0, preload: float | None = None) -> "MotorState":
+        """Return the motor at rest; forces in N are those of the real slider."""
+        state = np.zeros(index.STATE_SIZE)
+        preload = self.preload if preload is None else preload
+        model.begin(self.parameters, self.tables, state, preload / self.share, force / self.share)
+        return MotorState(motor=self, numbers=state)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotorState:
+    """Where a motor is; `advance` moves it on."""
+
+    motor: AveragedMotor = field(repr=False)
+    numbers: np.ndarray = field(repr=False)
+
+    def advance(self, duration: float, level: float, *, force: float = 0.0, preload: float | None = None) -> None:
+        """Move on by a duration in s under constant inputs.
+
+        Parameters
+        ----------
+        level : float
+            Of the drive, V or m; negative for the second drive.
+        force : float
+            External, along +x, N.
+        preload : float, optional
+            N, positive; the scene's when absent.
+
+        Raises
+        ------
+        SceneError
+            For a negative level without a second drive, or a preload that is not positive.
+        RunError
+            If the motion is not finite.
+        """
+        motor = self.motor
+        if level < 0.0 and len(motor.drives) == 1:
+            raise SceneError("level", f"must be zero or positive: nothing drives the other way, got {level!r}")
+        preload = motor.preload if preload is None else preload
+        if not preload > 0.0:
+            raise SceneError("preload", f"must be positive, got {preload!r} N")
+        inputs = float(level), force / motor.share, preload / motor.share, float(duration)
+        if model.advance(motor.parameters, motor.tables, self.numbers, *inputs) != 0.0:
+            raise RunError("the averaged motion is not finite: check level, force and preload")
+
+    time = property(lambda self: float(self.numbers[index.TIME]))
+    position = property(lambda self: float(self.numbers[index.POSITION]))
+    velocity = property(lambda self: float(self.numbers[index.VELOCITY]))
+    deformation = property(lambda self: model.deformation(self.motor.parameters, self.motor.tables, self.numbers))
+    surface_amplitude = property(lambda self: float(self.numbers[index.SURFACE]))
+    sticks = property(lambda self: bool(self.numbers[index.STICKS]))
+
+    def copy(self) -> "MotorState":
+        """Return a state that moves on by itself."""
+        return replace(self, numbers=self.numbers.copy())
+
+
+def force_exponent(slider: contact.Slider) -> float:
+    """Return the exponent e of the normal force over the approach: 3/2 of spheres, 1 of flat punches."""
+    return 1.5 if slider.shape == "sphere" else 1.0
+
+
+def push(slider: contact.Slider, orbits: tuple) -> float:
+    """Return the mean force of the wave along +x on a slider at rest without a load, N."""
+    return float(contact.mean_traction(replace(slider, load=0.0), orbits, np.zeros(1))[0])
+
+
+def ring_speed(slider, contacts: int) -> float:
+    """Return the largest velocity in m/s of a slider that rings in contacts which stick on a surface at rest.
+
+    The energy that the contacts hold at the limit of slip, e/(e + 1) mu P x_max with x_max = c z and e = 3/2 for
+    spheres, 1 for flat punches, becomes kinetic energy m v^2/2.
+    """
+    exponent = force_exponent(slider)
+    energy = slider.friction_coefficient * slider.preload * slider.limit_slope * slider.rest_approach(contacts)
+    return float(np.sqrt(2.0 * exponent / (exponent + 1.0) * energy / slider.mass))

@@ -1,0 +1,87 @@
+"""The best motor that a search found, and what it leaves: text, design.json, the scene at the optimum, a picture."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from studies.inverse.goals import LEAST
+from studies.record.plots import COLOURS, finished, saved
+from studies.record.quantities import quantity
+from studies.record.text import labelled, table
+from studies.report.intermediate import key_axis, si
+from studies.results.content import write_json
+from studies.scene.keys import rule_at, unit_of
+from studies.scene.toml import document
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Design:
+    """Result of a design search. A point is a dict of keys of the scene and outcomes."""
+
+    goals: tuple[str, ...]
+    columns: tuple[str, ...]  # of a point, one for each goal
+    optimum: dict  # the best point (of two goals: the middle of the front)
+    front: list[dict]  # points that no other beats in both goals; the optimum alone with one goal
+    # By key: smallest share of the goal that is left and whether all constraints hold, 5 % either way
+    robustness: dict
+    rows: list[dict]  # evaluations of the search, in their order
+    evaluations: int  # with those of the robustness
+    table: dict  # TOML document of the scene at the optimum
+
+    def to_dict(self) -> dict:
+        """Return what design.json holds."""
+        return {
+            "goals": list(self.goals), "optimum": self.optimum, "front": self.front, "robustness": self.robustness,
+            "evaluations": self.evaluations,
+        }  # fmt: skip
+
+    def __str__(self) -> str:
+        """Return what `sawmotor design` prints."""
+        rows = [["variable", "best", "5 % off leaves", "constraints"]]
+        for key, robust in self.robustness.items():
+            kept = "kept" if robust["keeps_constraints"] else "broken"
+            rows.append([key, self._best(key, 5), f"{100 * robust['least_share_of_goal']:.4g} %", kept])
+        notes: list[tuple[str, str | list[str]]] = [("at the best", [
+            f"{quantity(name).heading} {quantity(name).text(value)}" for name, value in self.optimum.items()
+            if isinstance(value, float) and "." not in name and name != "relative_error"
+        ])]  # fmt: skip
+        if len(self.front) > 1:
+            notes.append(("front", f"{len(self.front)} motors that none beats in {' and '.join(self.goals)}"))
+        notes.append(("evaluations", f"{self.evaluations}"))
+        return "\n".join([*table(rows), "", *labelled(notes)])
+
+    def __repr__(self) -> str:
+        """Return the goals, the variables of the best motor and the number of evaluations on one line."""
+        best = ", ".join(f"{key} = {self._best(key, 4)}" for key in self.robustness)
+        return f"Design({' and '.join(self.goals)}: {best}, {self.evaluations} evaluations)"
+
+    def _best(self, key: str, digits: int) -> str:
+        """Return the value of a variable at the optimum, with its unit."""
+        return si(self.optimum[key], unit_of(rule_at(key)) or "", digits).rstrip()
+
+    def write(self, folder: Path) -> None:
+        """Write design.json, optimum.toml and design.png into a directory."""
+        folder.mkdir(parents=True, exist_ok=True)
+        write_json(folder / "design.json", self.to_dict())
+        goals = " and ".join(self.goals)
+        remark = f"{'largest ' * (not goals.startswith(LEAST))}{goals} of {self.evaluations} evaluations"
+        (folder / "optimum.toml").write_text(document(self.table, remarks=(remark,)), encoding="utf-8")
+        saved(folder / "design.png", self.draw)
+
+    def draw(self, ax):
+        """Draw the goal against the evaluations, or the front of two goals, on an Axes."""
+        points = [point for point in self.rows if all(point.get(name) is not None for name in self.columns)]
+        axes = [
+            key_axis(name, self.optimum[name]) if "." in name else (quantity(name).scale, quantity(name).axis)
+            for name in self.columns
+        ]
+        single = len(self.columns) == 1
+        best, label = [self.optimum], "best that keeps the constraints"
+        if not single:
+            best, label = self.front, "front: no evaluation beats these in both"
+        looks = ((points, ".", "stick", "evaluations"), (best, "o-", "intermittent", label))
+        for some, marks, colour, name in looks:
+            values = [[abs(point[key]) * scale for point in some]
+                      for key, (scale, _) in zip(self.columns, axes, strict=True)]  # fmt: skip
+            at = [[points.index(point) for point in some], *values] if single else values
+            ax.plot(*at, marks, color=COLOURS[colour], markersize=4, label=name)
+        return finished(ax, "evaluation" if single else axes[0][1], axes[-1][1], "")

@@ -1,0 +1,140 @@
+"""Elasticities of a motor's answers, d ln(answer) / d ln(number), and their changes for 1 % of each number.
+
+The derivatives are extrapolated differences, each with its error; the step is the fifth root of the accuracy of the
+answer.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+import contact
+from studies.chain.outcomes import OF_PILLARS, keywords
+from studies.inverse.prediction import MeasurementPredictor
+from studies.refusal import RunError, SceneError
+from studies.scene.override import walk
+
+# Accuracy of each answer: that of rounding, or the tolerance that it is solved to. Start-up times of `twente-contact`
+# solved to 1e-5 and to 1e-6 differ by up to 8e-6; those of four balls at different places cost 100 times more at 1e-6.
+ACCURACY = {"velocity": 1e-11, "threshold": 1e-13, "release": 1e-13, "thrust": 1e-11, "efficiency": 1e-8,
+            "start-up time": 1e-5}  # fmt: skip
+# column of each answer
+ANSWERS = {
+    "velocity": "velocity_m_per_s", "threshold": "threshold_factor", "release": "release_factor", "thrust": "thrust_N",
+    "efficiency": "contact_efficiency", "start-up time": "start_up_time_s",
+}  # fmt: skip
+STATOR_ACCURACY = 1e-9  # of a stator's answers against each other on the same mesh
+STATOR_STEP, PHASE_STEP = 1e-3, 2e-4  # of the logarithms of its numbers
+PHASED = ("center", "position", "thickness", "frequency")  # many wavelengths: a change is one of phase
+LIMITS = ("threshold", "release")
+SIDE = 0.01  # change of a number to either side, beside its elasticity
+
+
+def numbers(predictor: MeasurementPredictor) -> list[str]:
+    """Return the keys of a scene's positive numbers that an answer may depend on, none of them in a list."""
+    known = (".burst", ".gravity", "stator.width", "normal_amplitude", "drive.voltage")
+    table = {name: block for name, block in predictor.table.items() if name != "uncertain"}
+    positive = (key for key, value in walk(table) if isinstance(value, float) and value > 0.0)
+    return [key for key in positive if not key.endswith(known) and not key.rpartition(".")[2].isdigit()]
+
+
+def answers_of_slider(predictor: MeasurementPredictor) -> tuple[str, ...]:
+    """Return the names of the answers that the slider has."""
+    pillars = predictor.one_by_one
+    return tuple(name for name, column in ANSWERS.items() if not pillars or {*keywords([column])} <= {*OF_PILLARS})
+
+
+def _together(predictor: MeasurementPredictor, outcomes: Sequence[str]) -> list[tuple[float, tuple[str, ...]]]:
+    """Return pairs of an accuracy and the names of the answers that have it, which one question gives."""
+    known = answers_of_slider(predictor)
+    for name in outcomes:
+        if name not in known:
+            raise SceneError("outcomes", f"must be of {', '.join(known)} for this slider, got {name!r}")
+    groups: dict[float, list[str]] = {}
+    for name in outcomes:
+        groups.setdefault(ACCURACY["velocity" if predictor.one_by_one else name], []).append(name)
+    return [(accuracy, tuple(names)) for accuracy, names in groups.items()]
+
+
+def _keys(predictor: MeasurementPredictor, names: Iterable[str]) -> list[str]:
+    """Return the keys that answers may depend on; the limits are relative to the level."""
+    return [*numbers(predictor), *([] if set(names) <= set(LIMITS) else ["level"])]
+
+
+def elasticities(
+    predictor: MeasurementPredictor, outcomes: Sequence[str], level: float, progress: Callable[[str], None] = print
+) -> dict[str, dict[str, tuple[float, float]]]:
+    """Return {outcome: {key: (d ln outcome / d ln number, its error)}}, the level itself as "level".
+
+    ``level``: voltage in V or given normal amplitude in m.
+    """
+    slopes: dict[str, dict[str, tuple[float, float]]] = {name: {} for name in outcomes}
+    for accuracy, names in _together(predictor, outcomes):
+        centre = answers_at(predictor, names, level, [{}])[0]
+        for key in _keys(predictor, names) if np.any(centre > 0.0) else ():
+            progress(f"{', '.join(names)}: {key}")
+            moved = key != "level" and predictor.needs_stator(key)
+            within = max(accuracy, STATOR_ACCURACY if moved else 0.0)
+            step = within**0.2 if not moved else PHASE_STEP if key.endswith(PHASED) else STATOR_STEP
+            widths = step / np.array([1.0, 2.0] if moved else [1.0, 2.0, 4.0])
+            factors = np.exp(np.concatenate([widths, -widths])).tolist()
+            values, errors = answers_at(predictor, names, level, [{key: factor} for factor in factors])
+            for name, column, start in zip(names, values.T, centre[0], strict=True):
+                # no slope without an answer, such as for a value that the scene refuses
+                if start > 0.0 and np.all(column > 0.0):
+                    error = within if name in LIMITS else max(within, *errors)
+                    slopes[name][key] = _slope(np.log(column / start), widths, error)
+    return slopes
+
+
+def _slope(logarithms: np.ndarray, widths: np.ndarray, accuracy: float) -> tuple[float, float]:
+    """Return the derivative and its error from values at +widths and -widths, each half of the one before."""
+    up, down = np.split(logarithms, 2)
+    table = ((up - down) / (2.0 * widths)).tolist()
+    for power in (4.0, 16.0)[: len(table) - 1]:  # Richardson extrapolation in the square of the step
+        change = (table[-1] - table[-2]) / (power - 1.0)
+        table = [(power * fine - coarse) / (power - 1.0) for coarse, fine in pairwise(table)]
+    return float(table[0]), float(abs(change) + 8.0 * accuracy / widths[0])
+
+
+def both_sides(
+    predictor: MeasurementPredictor, outcomes: Sequence[str], level: float
+) -> dict[str, dict[str, tuple[float | None, float | None]]]:
+    """Return {outcome: {key: relative change for 1 % more and 1 % less of the number}}; None where it has none."""
+    sides: dict[str, dict[str, tuple[float | None, float | None]]] = {name: {} for name in outcomes}
+    for _, names in _together(predictor, outcomes):
+        keys = _keys(predictor, names)
+        moves = [{key: factor} for key in keys for factor in (1.0 + SIDE, 1.0 - SIDE)]
+        centre, *values = answers_at(predictor, names, level, [{}, *moves])[0]
+        for name, start, column in zip(names, centre, np.transpose(values), strict=True):
+            changes = [float(each / start - 1.0) if math.isfinite(each) else None for each in column]
+            sides[name] = dict(zip(keys, zip(changes[0::2], changes[1::2], strict=True), strict=True))
+    return sides
+
+
+def answers_at(
+    predictor: MeasurementPredictor, names: Sequence[str], level: float, many: list[dict[str, float]]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return answers for sets of factors by key, (m, n), and the velocities' numerical errors over |v|, (m,).
+
+    "level" may be among the keys; an answer is NaN where there is none.  An averaged state has no numerical error.  A
+    stator that cannot be solved raises RunError: a number must not be missing in silence.
+    """
+    columns = [ANSWERS[name] for name in names]
+    level_key = predictor.scene({}).level_key
+    changes = [
+        {key: float(predictor.value(key) or 0.0) * factor for key, factor in factors.items() if key != "level"}
+        | {level_key: level * factors.get("level", 1.0)}
+        for factors in many
+    ]
+    rows = predictor.answers(changes, keywords(columns), tolerance=ACCURACY[names[0]], averaged=True)
+    errors = np.zeros(len(rows))
+    for k, row in enumerate(rows):
+        if "relative_error" not in row and not row.get("refused"):
+            raise RunError(row["status"])
+        if row.get("numerical_error") and row["velocity_m_per_s"]:
+            speed, orbits = row["velocity_m_per_s"], predictor.contact(changes[k]).at(level)
+            errors[k] = row["numerical_error"] * contact.reference_speed(speed, orbits) / abs(speed)
+    return np.abs([[row.get(column, math.nan) for column in columns] for row in rows]), errors

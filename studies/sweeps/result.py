@@ -1,0 +1,143 @@
+"""What a sweep left: counts and columns of its rows, as text, data frame and xarray."""
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from studies.progress import duration
+from studies.record.quantities import described, quantity
+from studies.record.status import Status
+from studies.record.text import labelled, table
+from studies.refusal import needed
+from studies.scene.keys import rule_at, unit_of
+from studies.sweeps.axes import Axis
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+REASONS = 5  # shown; all are in the rows
+SHOWN = ("velocity_m_per_s", "normal_amplitude_m", "thrust_N", "contact_efficiency", "motor_efficiency")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sweep:
+    """What a sweep left.
+
+    Attributes
+    ----------
+    path : Path or None
+        The SQLite file; None for a sweep in memory.
+    points : int
+        Of the design, each with its row.
+    counts : dict
+        How many rows of each kind: ok, refused, no answer, above tolerance, lost.
+    cost : float
+        Seconds of work, in this process or in workers, earlier drivers' included.
+    seconds : float
+        Of this driver.
+    columns : callable
+        Returns the rows in the order of their points, as columns by name; what a row has not is None.
+    axes : tuple of studies.sweeps.axes.Axis
+        Keys and values.
+    """
+
+    path: Path | None
+    points: int
+    counts: dict[str, int]
+    cost: float
+    seconds: float
+    columns: Callable[[], dict[str, list]] = field(repr=False)
+    axes: tuple[Axis, ...] = field(default=(), repr=False)
+
+    @property
+    def failed(self) -> int:
+        """Rows without an answer within the tolerance."""
+        return self.points - self.counts.get(Status.OK, 0)
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """What `sawmotor sweep --json` prints: counts, ranges of the outcomes, reasons of the failures, cost."""
+        columns = self.columns()
+        values = {name: [each for each in columns.get(name, ()) if each is not None] for name in SHOWN}
+        errors, statuses = columns["relative_error"], columns["status"]
+        failures = Counter(status for status in statuses if status != Status.OK).most_common(REASONS)
+        return {
+            "store": str(self.path), "points": self.points, "counts": self.counts,
+            "ranges": {name: [min(some), max(some)] for name, some in values.items() if some},
+            "largest_relative_error": max(
+                (error for error, status in zip(errors, statuses, strict=True) if status == Status.OK), default=None
+            ),
+            "reasons": [
+                {"status": status, "points": count, "first_point": statuses.index(status)} for status, count in failures
+            ],
+            "seconds": self.seconds, "work_seconds": self.cost,
+        }  # fmt: skip
+
+    def __str__(self) -> str:
+        """Return what `sawmotor sweep` prints."""
+        kinds = ", ".join(f"{number} {kind}" for kind, number in self.counts.items())
+        ranges = [
+            [each.heading, each.text(low), "to", each.text(high)]
+            for each, (low, high) in ((quantity(name), ends) for name, ends in self.summary["ranges"].items())
+        ]
+        notes = [
+            ("not ok", f"{each['points']} (first: point {each['first_point']}): {each['status']}")
+            for each in self.summary["reasons"]
+        ]
+        if self.summary["largest_relative_error"] is not None:
+            notes.insert(0, ("relative error", f"{self.summary['largest_relative_error']:.1e} at most, where ok"))
+        notes += [("seconds", f"{self.seconds:.2f}, {duration(self.cost)} of work"), ("results", f"{self.path}")]
+        points = labelled([("points", f"{self.points}: {kinds}")])
+        return "\n".join([*points, *(table(ranges) if ranges else []), *labelled(notes)])
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the rows as a pandas table, in the order of their points.
+
+        Raises
+        ------
+        RunError
+            If pandas is not installed.
+        """
+        return needed("pandas", "to_dataframe").DataFrame(self.columns()).set_index("point")
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return the rows as an xarray Dataset, a dimension for each axis; what a row has not is NaN.
+
+        Raises
+        ------
+        RunError
+            If xarray is not installed.
+
+        Examples
+        --------
+        >>> from studies import sweep
+        >>> over = {"wave.normal_amplitude": [3e-9, 9e-9, 1e-8], "slider.preload": ["1 mN", "2 mN"]}
+        >>> dict(sweep("twente-contact", over).to_xarray()["velocity_m_per_s"].sizes)
+        {'wave.normal_amplitude': 3, 'slider.preload': 2}
+        """
+        dims = ["+".join(each.keys) if len(each.keys) < 3 else "point" for each in self.axes]
+        pairs = [
+            (key, (dim, list(column), _units(key)))
+            for each, dim in zip(self.axes, dims, strict=True)
+            for key, column in zip(each.keys, each.columns, strict=True)
+        ]
+        data, shape = {}, tuple(map(len, self.axes))
+        for name, column in self.columns().items():
+            if name in dict(pairs) or name == "point":
+                continue
+            text = any(isinstance(value, str) for value in column)
+            values = np.array([value or "" for value in column] if text else np.array(column, float))
+            data[name] = (dims, values.reshape(shape), described(name))
+        return needed("xarray", "to_xarray").Dataset(data, dict(pairs))
+
+
+def _units(key: str) -> dict[str, str]:
+    """Return the attributes in xarray of a scene's key."""
+    unit = unit_of(rule_at(key))
+    return {} if unit is None else {"units": unit or "1"}

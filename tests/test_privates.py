@@ -1,0 +1,44 @@
+"""No test replaces or reads a private part of another module by its name in a string, where ruff does not see it."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+TESTS = Path(__file__).parent
+CALLS = {"setattr", "delattr", "getattr", "hasattr", "object", "patch", "import_module"}
+PRIVATE = re.compile(r"(?:^|\.)_[a-zA-Z]\w*$")
+PATHS = sorted(TESTS.rglob("*.py"))
+
+
+def private_names(text: str) -> list[str]:
+    """Return the private names that are given as strings to calls that look up or replace an attribute."""
+    found = []
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Call):
+            called = getattr(node.func, "attr", getattr(node.func, "id", ""))
+            words = [each.value for each in node.args[:2] if isinstance(each, ast.Constant)]
+            if called in CALLS:
+                found += [each for each in words if isinstance(each, str) and PRIVATE.search(each)]
+    return found
+
+
+def test_no_private_name_is_looked_up_by_a_string():
+    looked_up = {str(path.relative_to(TESTS)): private_names(path.read_text(encoding="utf-8")) for path in PATHS}
+    assert {path: names for path, names in looked_up.items() if names} == {}
+
+
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        ('monkeypatch.setattr(band, "_errors", None)', ["_errors"]),
+        ('monkeypatch.setattr("fem.solve.band._errors", None)', ["fem.solve.band._errors"]),
+        ('getattr(motion, "_limit")(1.0)', ["_limit"]),
+        ('with patch.object(module, "_loaded"): pass', ["_loaded"]),
+        ('monkeypatch.setattr(compiled.Kernel, "__call__", None)', []),
+        ('monkeypatch.setattr(band, "project", None)', []),
+    ],
+)
+def test_a_private_name_in_a_string_is_seen(text, names):
+    assert private_names(text) == names
