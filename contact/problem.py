@@ -58,23 +58,6 @@ class Problem(NamedTuple):
         """Least number of segments that a cycle of the full motion takes."""
         return 2.0 * math.pi / self.longest
 
-    @property
-    def row(self) -> np.ndarray:
-        """The numbers that `from_row` takes, as an array."""
-        return np.array([*self[:SHAPE], self.shape, self.length, self.omega], float)
-
-
-SHAPE = Problem._fields.index("shape")  # the first that is not a plain number
-
-
-@compiled
-def from_row(row, paths, law):
-    """Return the problem with these numbers (`Problem.row`), paths and law."""
-    return Problem(
-        row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], int(row[SHAPE]), paths,
-        row[SHAPE + 1], row[SHAPE + 2], law,
-    )  # fmt: skip
-
 
 @compiled
 def changed(problem, load, paths):

@@ -250,23 +250,30 @@ class Slider:
         if c == 0.0:
             return 0.0 * z
         if self.friction is not None:
-            return self._sheared(z)
+            limits = np.array([float(slip_limit(self._in_si, each)) if each > 0.0 else 0.0 for each in z])
+            if self.static_friction(contacts) <= self.load:
+                return limits
+            return np.minimum(-self.distance_to_rest(0.0 * z, self.load), limits)
         reduced = max(self.preload - self.load / self.friction_coefficient, 0.0)
         return c * np.minimum(z, self.rest_approach(contacts) - self.approach_under(reduced, contacts))
 
-    def _sheared(self, z):
-        """Return the deformations of contacts at approaches z, sheared together until they carry the load."""
-        si = self._in_si
-        limits = np.array([float(slip_limit(si, each)) if each > 0.0 else 0.0 for each in z])
+    def distance_to_rest(self, deformations: np.ndarray, load: float) -> float:
+        """Return how far along +x a slider with these deformations in m comes to rest under a load along -x in N.
 
-        def carried(x):
-            pairs = zip(z, np.minimum(x, limits), strict=True)
-            return self.normal_stiffness * sum(float(si.law.stuck(si, a, b)) for a, b in pairs if b > 0.0)
+        Its contacts stick on the way, or slip at their limits. At rest the sum of Q(x_i - distance) is the load.
+        """
+        si, z = self._in_si, self.rest_approaches(len(deformations))
+        touching = np.flatnonzero(z)
+        x, limits = deformations[touching], np.array([float(slip_limit(si, z[i])) for i in touching])
 
-        max_limit = float(np.max(limits))
-        if self.load == 0.0 or carried(max_limit) <= self.load:
-            return limits if self.load > 0.0 else 0.0 * z
-        return np.minimum(bracketed(lambda x: carried(x) - self.load, 0.0, max_limit), limits)
+        def left(distance):
+            at_rest = np.clip(x - distance, -limits, limits)
+            forces = (
+                np.sign(b) * float(si.law.stuck(si, z[i], abs(b))) for i, b in zip(touching, at_rest, strict=True)
+            )
+            return self.normal_stiffness * sum(forces) - load
+
+        return bracketed(left, float(np.min(x - limits)), float(np.max(x + limits)))
 
     def normal_resonance(self, contacts: int) -> float:
         """Return the frequency in Hz of the bounce at rest, sqrt(sum dP/dz / m)/2 pi."""

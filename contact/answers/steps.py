@@ -33,7 +33,6 @@ from contact.drive import towards_plus
 from contact.envelope import Envelope
 from contact.events.energy import Sum
 from contact.events.segment import Column
-from contact.law.normal import slope
 from contact.law.protocol import slip_limit
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
@@ -288,18 +287,20 @@ def _distance(rows) -> float:
 def _stopped(slider, motion):
     """Follow the slider until it is held; return (travel, phase of the last visible slip, remaining ring), scaled.
 
-    While every contact sticks, the travel plus the deformation of the contacts is constant. This sum less the
-    deformation by the load is the final position; a slip changes it. The run proceeds in intervals of half a ring
-    period. It ends after a number of intervals in which the final position changes by less than `SETTLED`. The number
-    is `QUIET_SPANS` if the largest deformation stays below the slip limit at the least approach, because no slip can
-    then follow. Otherwise it is `UNSURE_SPANS`, because the beat of bounce and ring may cause a later slip.
+    While every contact sticks, the travel so far plus the distance to rest, at which the springs carry just the load,
+    is constant: the final position. A slip changes it. The run proceeds in intervals of half a ring period. It ends
+    after a number of intervals in which the final position changes by less than `SETTLED`. The number is `QUIET_SPANS`
+    if the largest deformation stays below the slip limit at the least approach, because no slip can then follow.
+    Otherwise it is `UNSURE_SPANS`, because the beat of bounce and ring may cause a later slip.
     """
     problem, contacts, speed = motion.problem, motion.problem.contacts, abs(float(motion.state[2]))
-    # the load's own deformation of the contacts, each weighted with its share of the stiffness at rest
-    share = slope(slider.rest_approach(contacts) + slider.offsets(contacts), slider.contact_shape)
-    share = share / np.sum(share)
-    spring = np.copysign(share @ slider.rest_deformations(contacts), problem.load) / problem.length
+    holding = np.flatnonzero(slider.rest_approaches(contacts))
     still = silence(motion)
+
+    def to_rest():
+        load = math.copysign(slider.load, problem.load)
+        return slider.distance_to_rest(still.state[3:] * problem.length, load) / problem.length
+
     period = problem.omega / slider.tangential_resonance(contacts)
     friction = slider.least_friction(contacts) - slider.load
     if friction <= 0.0:  # the estimate only sets the length of the intervals
@@ -309,9 +310,11 @@ def _stopped(slider, motion):
     bounces = problem.load != 0.0 and problem.normal_damping == problem.contact_damping == 0.0
     longest = brake + ENDLESS_SPANS * 0.5 * period if bounces else 1e9
     phase, last, quiet = 0.0, 0.0, 0
-    now = settled = float(still.state[3:] @ share - spring)
+    now = settled = to_rest()
     ring, lowest, farthest = 0.0, np.full(contacts, math.inf), np.zeros(contacts)
-    while quiet < QUIET_SPANS or (quiet < UNSURE_SPANS and not _surely_sticks(problem, share, lowest, farthest)):
+    while quiet < QUIET_SPANS or (
+        quiet < UNSURE_SPANS and not _surely_sticks(problem, lowest[holding], farthest[holding])
+    ):
         span = 0.5 * period if phase >= brake else max(0.5 * period, 0.25 * brake)
         at = phase + span * np.arange(1, 33) / 32
         still.tally[:] = 0
@@ -319,9 +322,10 @@ def _stopped(slider, motion):
         phase = float(at[-1])
         approach, deformation, _, _, regime, _ = np.moveaxis(samples, -1, 0)
         # a contact that does not touch at rest does not hold the slider, so that its separation is ignored
-        loose = ~np.isin(regime, HOLDING) & ((regime != Regime.SEPARATED) | (share > 0.0))
+        loose = ~np.isin(regime, HOLDING) & ((regime != Regime.SEPARATED) | np.isin(np.arange(contacts), holding))
         slipping = np.flatnonzero(np.any(loose, axis=1))
-        before, now = now, float(still.sums[Sum.DISPLACEMENT] + still.state[3:] @ share - spring)
+        left = to_rest()
+        before, now = now, float(still.sums[Sum.DISPLACEMENT]) + left
         # many slips are shorter than the sampling interval, but the tally counts every event
         slipped = slipping.size or still.tally[Event.STICK_TO_SLIP] + still.tally[Event.RELEASE] > 0
         if slipped and abs(now - before) > VISIBLE * unit:
@@ -331,7 +335,8 @@ def _stopped(slider, motion):
             ring, lowest, farthest = 0.0, np.full(contacts, math.inf), np.zeros(contacts)
         else:
             quiet += 1
-            ring = max(ring, float(np.max(np.abs(deformation @ share - spring))))
+            one = holding[0]  # all that hold move alike
+            ring = max(ring, float(np.max(np.abs(left + deformation[:, one] - still.state[3 + one]))))
             lowest = np.minimum(lowest, np.min(approach, axis=0))
             farthest = np.maximum(farthest, np.max(np.abs(deformation), axis=0))
         if phase > longest:
@@ -340,8 +345,7 @@ def _stopped(slider, motion):
     return now, last, ring
 
 
-def _surely_sticks(problem, share, lowest, farthest):
+def _surely_sticks(problem, lowest, farthest):
     """Return True if contacts with these least approaches and largest deformations stay below the slip limit."""
-    holding = np.flatnonzero(share)
-    limits = [slip_limit(problem, float(z)) if z > 0.0 else 0.0 for z in lowest[holding]]
-    return bool(np.all(farthest[holding] < limits))
+    limits = [slip_limit(problem, float(z)) if z > 0.0 else 0.0 for z in lowest]
+    return bool(np.all(farthest < limits))

@@ -16,29 +16,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.body import (
-    Coordinates,
-    Paths,
-    Point,
-    approach,
-    approach_rate,
-    at_phase,
-    body_force,
-    contact_force,
-    of_run,
-    travel,
-)
+from contact.body import Coordinates, Point, approach, approach_rate, at_phase, body_force, contact_force, travel
 from contact.convergence_error import ConvergenceError
 from contact.events.segment import At, Column
 from contact.jit.compiled import compiled, native
 from contact.law.normal import force as elastic_force
-from contact.law.protocol import Law, slip_limit, slip_rate
-from contact.problem import from_row
+from contact.law.protocol import slip_limit, slip_rate
 from contact.stepping import end_corrections as edges
 
 
 class Row(IntEnum):
-    """Rows of `Work.slider`, with one column per run."""
+    """Places in `Work.slider`."""
 
     POSITION = 0
     NORMAL_VELOCITY = 1
@@ -68,30 +56,22 @@ class Own(IntEnum):
     SLIP = 2
 
 
-class Runs(NamedTuple):
-    """Runs of n contacts side by side, of one law: their problems (`Problem.row` and paths) and steps per cycle."""
-
-    numbers: np.ndarray
-    paths: Paths
-    per_cycle: np.ndarray
-    law: Law
-
-
 class Task(NamedTuple):
-    """What the runs do and record."""
+    """What a run does and records."""
 
     number: int  # of cycles
+    per_cycle: int  # steps
     stride: int  # cycles per recorded row; 0: no rows
-    rows: np.ndarray  # (runs, number // stride, len(Column))
-    envelope: np.ndarray  # (number + 1,), complex: factor on the waves at the ends of the cycles; empty for none
+    rows: np.ndarray  # (number // stride, len(Column))
+    envelope: np.ndarray  # (number + 1,), complex: factor on the wave at the ends of the cycles; empty for none
 
 
 class Work(NamedTuple):
     """Work arrays."""
 
-    table: np.ndarray  # (runs, len(Plane), steps + 1, n): surface motion
-    contact: np.ndarray  # (runs, len(Own), n)
-    slider: np.ndarray  # (len(Row), runs)
+    table: np.ndarray  # (len(Plane), steps + 1, n): surface motion
+    contact: np.ndarray  # (len(Own), n)
+    slider: np.ndarray  # (len(Row),)
 
 
 class Passage(NamedTuple):
@@ -250,14 +230,15 @@ def _traction(problem, point, slip):
 
 
 @compiled
-def _step(problem, k, table, own, slider, m):
-    """Move one run from step k of the cycle to the next; column m of `slider` is its motion, `own` its contacts."""
-    h, paths = slider[Row.STEP, m], problem.paths
-    rate = Coordinates(slider[Row.NORMAL_VELOCITY, m], slider[Row.VELOCITY, m])
+def _step(problem, k, work):
+    """Move the slider from step k of the cycle to the next."""
+    table, own, slider = work.table, work.contact, work.slider
+    h, paths = slider[Row.STEP], problem.paths
+    rate = Coordinates(slider[Row.NORMAL_VELOCITY], slider[Row.VELOCITY])
     force = body_force(problem, rate)
-    normal_half = rate.normal + 0.5 * h * (slider[Row.NORMAL, m] + force.normal)
-    along_half = rate.along + 0.5 * h * (slider[Row.TANGENTIAL, m] + force.along)
-    q = Coordinates(slider[Row.POSITION, m] + h * normal_half, h * along_half)
+    normal_half = rate.normal + 0.5 * h * (slider[Row.NORMAL] + force.normal)
+    along_half = rate.along + 0.5 * h * (slider[Row.TANGENTIAL] + force.along)
+    q = Coordinates(slider[Row.POSITION] + h * normal_half, h * along_half)
     # enough for rates at the step's end
     rate_next = Coordinates(2.0 * normal_half - rate.normal, 2.0 * along_half - rate.along)
     normal_force, tangential_force, normal_excess, tangential_excess = 0.0, 0.0, 0.0, 0.0
@@ -290,69 +271,56 @@ def _step(problem, k, table, own, slider, m):
             tangential_force += _traction(problem, point, slip)
     normal_velocity = normal_half + 0.5 * h * (normal_force - problem.preload) - normal_excess
     speed = along_half + 0.5 * h * (tangential_force - problem.load) - tangential_excess
-    slider[Row.POSITION, m] = q.normal
-    slider[Row.NORMAL_VELOCITY, m] = normal_velocity * slider[Row.DAMP_N, m]
-    slider[Row.VELOCITY, m] = speed * slider[Row.DAMP_T, m]
-    slider[Row.NORMAL, m], slider[Row.TANGENTIAL, m] = normal_force, tangential_force
-    slider[Row.TRAVELLED, m] += q.along
+    slider[Row.POSITION] = q.normal
+    slider[Row.NORMAL_VELOCITY] = normal_velocity * slider[Row.DAMP_N]
+    slider[Row.VELOCITY] = speed * slider[Row.DAMP_T]
+    slider[Row.NORMAL], slider[Row.TANGENTIAL] = normal_force, tangential_force
+    slider[Row.TRAVELLED] += q.along
 
 
 @native(
-    "t f2 t t",
+    "t f1 t t",
     {
-        "runs.numbers": "r 13", "runs.paths.height": "r n", "runs.paths.normal_cos": "r n", "runs.per_cycle": "r",
-        "states": "r 3+n", "task.rows": "r m 3", "work.table": "r 4 s n", "work.contact": "r 3 n",
-        "work.slider": "9 r",
+        "problem.paths.height": "n", "problem.paths.normal_cos": "n", "state": "3+n", "task.rows": "m 3",
+        "work.table": "4 s n", "work.contact": "3 n", "work.slider": "9",
     },
 )  # fmt: skip
-def _run_side_by_side(runs, states, task, work):
-    """Do the work of `run_side_by_side`; return True if all is finite."""
-    per_cycle, slider, envelope = runs.per_cycle, work.slider, task.envelope
+def _run(problem, state, task, work):
+    """Do the work of `steps`; return True if all is finite."""
+    per_cycle, slider, envelope = task.per_cycle, work.slider, task.envelope
     shaped = envelope.size > 0
     e = envelope[0] if shaped else 1.0 + 0.0j
-    most = 0
-    for m in range(per_cycle.size):
-        tabulate_cycle(of_run(runs.paths, m), per_cycle[m], e, e, work.table[m])
-        _begin(from_row(runs.numbers[m], of_run(runs.paths, m), runs.law), states[m], per_cycle[m], work, m)
-        most = max(most, per_cycle[m])
+    tabulate_cycle(problem.paths, per_cycle, e, e, work.table)
+    _begin(problem, state, per_cycle, work)
     for cycle in range(task.number):
-        for m in range(per_cycle.size):
-            slider[Row.TRAVELLED, m] = 0.0
-            if shaped:
-                before, after = envelope[cycle], envelope[cycle + 1]
-                tabulate_cycle(of_run(runs.paths, m), per_cycle[m], before, after, work.table[m])
-        # the runs alternate, so that the processor computes several of them at the same time
-        for k in range(most):
-            for m in range(per_cycle.size):
-                if k < per_cycle[m]:
-                    problem = from_row(runs.numbers[m], of_run(runs.paths, m), runs.law)
-                    _step(problem, k, work.table[m], work.contact[m], slider, m)
-        for m in range(per_cycle.size):
-            if not np.isfinite(slider[Row.POSITION, m] + slider[Row.NORMAL_VELOCITY, m] + slider[Row.VELOCITY, m]):
-                return False
-            if task.stride > 0 and (cycle + 1) % task.stride == 0:
-                row = task.rows[m, (cycle + 1) // task.stride - 1]
-                row[Column.VELOCITY], row[Column.POSITION] = slider[Row.VELOCITY, m], slider[Row.POSITION, m]
-                row[Column.MEAN_VELOCITY] = slider[Row.TRAVELLED, m] / (2.0 * np.pi)
-    for m in range(per_cycle.size):
-        states[m, At.POSITION] = slider[Row.POSITION, m]
-        states[m, At.NORMAL_VELOCITY] = slider[Row.NORMAL_VELOCITY, m]
-        states[m, At.VELOCITY] = slider[Row.VELOCITY, m]
-        for i in range(work.contact.shape[2]):
-            states[m, At.DEFORMATIONS + i] = work.contact[m, Own.X, i]
+        slider[Row.TRAVELLED] = 0.0
+        if shaped:
+            tabulate_cycle(problem.paths, per_cycle, envelope[cycle], envelope[cycle + 1], work.table)
+        for k in range(per_cycle):
+            _step(problem, k, work)
+        if not np.isfinite(slider[Row.POSITION] + slider[Row.NORMAL_VELOCITY] + slider[Row.VELOCITY]):
+            return False
+        if task.stride > 0 and (cycle + 1) % task.stride == 0:
+            row = task.rows[(cycle + 1) // task.stride - 1]
+            row[Column.VELOCITY], row[Column.POSITION] = slider[Row.VELOCITY], slider[Row.POSITION]
+            row[Column.MEAN_VELOCITY] = slider[Row.TRAVELLED] / (2.0 * np.pi)
+    state[At.POSITION], state[At.NORMAL_VELOCITY] = slider[Row.POSITION], slider[Row.NORMAL_VELOCITY]
+    state[At.VELOCITY] = slider[Row.VELOCITY]
+    for i in range(work.contact.shape[1]):
+        state[At.DEFORMATIONS + i] = work.contact[Own.X, i]
     return True
 
 
 @compiled
-def _begin(problem, state, per_cycle, work, m):
+def _begin(problem, state, per_cycle, work):
     """Set the forces of the first instant and what stays the same."""
-    slider, own, table = work.slider, work.contact[m], work.table[m]
+    slider, own, table = work.slider, work.contact, work.table
     h = 2.0 * np.pi / per_cycle
-    slider[Row.STEP, m] = h
-    slider[Row.DAMP_N, m] = 1.0 / (1.0 + 0.5 * h * problem.normal_damping)
-    slider[Row.DAMP_T, m] = 1.0 / (1.0 + 0.5 * h * problem.tangential_damping)
-    slider[Row.POSITION, m], slider[Row.NORMAL_VELOCITY, m] = state[At.POSITION], state[At.NORMAL_VELOCITY]
-    slider[Row.VELOCITY, m] = state[At.VELOCITY]
+    slider[Row.STEP] = h
+    slider[Row.DAMP_N] = 1.0 / (1.0 + 0.5 * h * problem.normal_damping)
+    slider[Row.DAMP_T] = 1.0 / (1.0 + 0.5 * h * problem.tangential_damping)
+    slider[Row.POSITION], slider[Row.NORMAL_VELOCITY] = state[At.POSITION], state[At.NORMAL_VELOCITY]
+    slider[Row.VELOCITY] = state[At.VELOCITY]
     q = Coordinates(state[At.POSITION], 0.0)
     rate = Coordinates(state[At.NORMAL_VELOCITY], state[At.VELOCITY])
     normal_force, tangential_force = 0.0, 0.0
@@ -368,31 +336,20 @@ def _begin(problem, state, per_cycle, work, m):
                 point = Point(z, x, z_rate, travel(table[Plane.W_X, 0, i], rate))
                 tangential_force += _traction(problem, point, slip)
         own[Own.Z, i], own[Own.X, i], own[Own.SLIP, i] = z, x, slip
-    slider[Row.NORMAL, m], slider[Row.TANGENTIAL, m] = normal_force, tangential_force
-
-
-def run_side_by_side(problems, states, number, per_cycle, stride, envelope) -> np.ndarray:
-    """Move several runs of n contacts through whole cycles, side by side; return rows (runs, number // stride, 3).
-
-    `states` (k, 3 + n) hold z_s, z_s', v, x_1..x_n and are changed in place; `per_cycle` (k,) are the steps in each
-    cycle; `envelope` (number + 1,) is the factor on the waves at the ends of the cycles, empty for none. A row every
-    `stride` cycles (0: none) has v, z_s and the mean v of the last one.
-    """
-    paths = Paths(*(np.array(rows) for rows in zip(*(each.paths for each in problems), strict=True)))
-    count, n = paths.height.shape
-    work = Work(
-        np.empty((count, len(Plane), int(np.max(per_cycle)) + 1, n)),
-        np.empty((count, len(Own), n)),
-        np.zeros((len(Row), count)),
-    )
-    task = Task(number, stride, np.empty((count, number // stride if stride else 0, len(Column))), envelope)
-    runs = Runs(np.array([each.row for each in problems]), paths, per_cycle, problems[0].law)
-    if not _run_side_by_side(runs, states, task, work):
-        raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")
-    return task.rows
+    slider[Row.NORMAL], slider[Row.TANGENTIAL] = normal_force, tangential_force
 
 
 def steps(problem, state, number, per_cycle, *, stride=1, envelope=None) -> np.ndarray:
-    """Move one run through whole cycles of equal steps; return its rows, see `run_side_by_side`."""
+    """Move the slider through whole cycles of equal steps; return rows (number // stride, len(`Column`)).
+
+    `state` (3 + n,) holds z_s, z_s', v, x_1..x_n and is changed in place. `envelope` (number + 1,) is the factor on the
+    wave at the ends of the cycles, None for none. A row every `stride` cycles (0: none) has v, z_s and the mean v of
+    the last one.
+    """
+    n = problem.contacts
+    work = Work(np.empty((len(Plane), per_cycle + 1, n)), np.empty((len(Own), n)), np.zeros(len(Row)))
+    rows = np.empty((number // stride if stride else 0, len(Column)))
     envelope = np.empty(0, complex) if envelope is None else envelope
-    return run_side_by_side([problem], state[None], number, np.array([per_cycle]), stride, envelope)[0]
+    if not _run(problem, state, Task(number, per_cycle, stride, rows, envelope), work):
+        raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")
+    return rows

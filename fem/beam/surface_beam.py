@@ -271,14 +271,8 @@ class SurfaceBeam:
         )
 
     def with_side_faces(self, width: float | None) -> "SurfaceBeam":
-        """Beam of the same charges between mirrors ``width`` (m) apart, or without mirrors if None.
-
-        It is for estimates, accurate to 1e-3, because the source is a rough one (`CutSource.rough`).
-        """
-        if width == self.mirror_width and self.source.rough is self.source:
-            return self
-        strips = tuple(each._replace(source=each.source.rough) for each in self.strips)
-        return replace(self, mirror_width=width, source=self.source.rough, strips=strips)
+        """Beam of the same charges between mirrors ``width`` (m) apart, or without mirrors if None."""
+        return replace(self, mirror_width=width)
 
     def with_longer_fingers(self, periods: float) -> "SurfaceBeam":
         """The same charges per length on fingers that are longer at both ends, by a part of their period."""

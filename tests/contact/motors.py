@@ -3,9 +3,11 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import brentq
 
 from contact import Orbit, Slider, steady_sweep
 from tests.oracles.contact_friction import Motor
+from tests.oracles.contact_stop import StopMotor
 
 SEED = {
     "radius": 1e-3,
@@ -56,3 +58,26 @@ def friction_motor(friction, coefficient, shape="sphere"):
     )
     same = Motor(mu=coefficient, amplitudes=amplitudes, phases=phases, heights=heights, punch=shape == "punch", **own)
     return s, waves, same
+
+
+def way_to_rest(approaches, deformations, c, power=1.5, load=0.0) -> float:
+    """Return the d at which springs of deformations x - d carry a load over mu K: z^p - (z - |x - d|/c)^p, in sum."""
+    z = np.maximum(approaches, 0.0)
+
+    def left(d):
+        x = deformations - d
+        return float(np.sum(np.sign(x) * (z**power - np.maximum(z - abs(x) / c, 0.0) ** power))) - load
+
+    return brentq(left, -1e-6, 1e-6, xtol=1e-24, rtol=1e-15)
+
+
+def stop_motor(slider: Slider, orbits, **changed) -> StopMotor:
+    """Return the same slider for the oracle without events; its load acts along -x unless changed."""
+    return StopMotor(**({
+        "mass": slider.mass, "preload": slider.preload, "mu": slider.friction_coefficient, "load": slider.load,
+        "frequency": orbits[0].frequency, "normal": tuple(each.normal for each in orbits),
+        "tangential": tuple(each.tangential for each in orbits), "radii": (slider.radius,) * len(orbits),
+        "E": slider.effective_modulus, "G": slider.tangential_modulus, "chi": slider.contact_damping,
+        "normal_damping": slider.normal_damping, "tangential_damping": slider.tangential_damping,
+        "punch": slider.shape == "punch", "band": slider.stick_band, "heights": slider.heights,
+    } | changed))  # fmt: skip

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from contact import ConvergenceError, Envelope, Orbit, burst, step
-from tests.contact.motors import orbit, slider
+from tests.contact.motors import orbit, slider, way_to_rest
 from tests.oracles.contact_motion import Motor
 
 F = 2.2e6
@@ -109,7 +109,8 @@ def test_the_final_position_after_a_ring_down_is_the_independent_one_within_its_
     )  # fmt: skip
     _, _, state = motor.run(amplitude.size - 1)
     _, _, (_, y, _, _) = motor.run(600, every=600, state=state, silent=True)
-    share = np.sqrt(motor.rest_height() + motor.offsets)
-    final = y[-1] + share @ (y[3 : 3 + contacts] - motor.sheared()) / share.sum()
+    c, K = 0.2 * s.effective_modulus / (4.0 * s.tangential_modulus), s.normal_stiffness
+    at_rest = motor.rest_height() + motor.offsets
+    final = y[-1] + way_to_rest(at_rest, y[3 : 3 + contacts], c, load=s.load / (0.2 * K))
     assert answer.displacement == pytest.approx(final, abs=answer.error)
     assert answer.error < 2e-3 * abs(final)

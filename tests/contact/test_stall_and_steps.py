@@ -26,7 +26,8 @@ from contact.averaged.sweep_rows import STALL_ERROR
 from contact.drive import towards_plus
 from contact.events.energy import Sum
 from tests.contact.aimed import drawn
-from tests.contact.motors import orbit, slider
+from tests.contact.motors import orbit, slider, stop_motor, way_to_rest
+from tests.oracles.contact_stop import TRAVEL, V, extrapolated
 
 LIGHT = {
     "mass": 2e-6,
@@ -129,13 +130,32 @@ def test_no_slip_is_missed_after_the_burst(draw, parting, cycles):
     moved = float(motion.sums[Sum.DISPLACEMENT])
     still = methods.silence(motion)
     still.move(0.0, 400.0 * problem.omega / body.tangential_resonance(len(wave)), np.empty(0))
-    depth = body.rest_approach(len(wave)) + body.offsets(len(wave))
-    share = np.maximum(depth, 0.0) ** (0.5 if body.shape == "sphere" else 0.0) * (depth > 0.0)
-    held = float(still.sums[Sum.DISPLACEMENT] + still.state[3:] @ share / np.sum(share))
-    spring = math.copysign(body.rest_deformations(len(wave)) @ share / np.sum(share), problem.load)
-    truth = side * ((moved + held) * problem.length - spring)
+    load = math.copysign(body.load, problem.load) / (body.friction_coefficient * body.normal_stiffness)
+    on = way_to_rest(
+        body.rest_approaches(len(wave)), still.state[3:] * problem.length, body.limit_slope,
+        1.5 if body.shape == "sphere" else 1.0, load,
+    )  # fmt: skip
+    truth = side * ((moved + float(still.sums[Sum.DISPLACEMENT])) * problem.length + on)
     assert abs(found.displacement - truth) <= 2.0 * found.error
     assert found.error < 1e-10 * abs(truth)
+
+
+def test_a_step_ends_where_the_springs_of_unequal_contacts_carry_just_the_load():
+    """Two heights, so that the contacts slip and stick with other deformations; truth without events."""
+    damped = LIGHT | {"normal_damping": 0.3, "tangential_damping": 0.3, "heights": (0.0, 1e-9), "load": 2e-5}
+    waves = tuple(WAVE.scaled(0.5 * np.exp(1j * phase)) for phase in (0.0, 1.5))
+    found = step(slider(**damped), waves, cycles=20)
+    motor = stop_motor(slider(**damped), waves)
+
+    def travel(per_cycle):
+        _, state = motor.run(20, per_cycle)
+        _, state = motor.run(300, per_cycle, state, silent=True)
+        assert abs(state[1][V]) < 1e-9  # it is at rest
+        return state[1][TRAVEL]
+
+    truth, error = extrapolated(travel, 500)
+    assert abs(found.displacement - truth) < 2.0 * found.error + 10.0 * error
+    assert error < 1e-5 * abs(truth)
 
 
 @pytest.mark.parametrize("cycles", [60, 200])
