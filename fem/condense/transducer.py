@@ -6,10 +6,11 @@ step; a subclass in `fem.condense.size` counts these steps without computing any
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from fem.condense.column import Skeleton, column_skeleton
 from fem.condense.columns import FingerColumns, condensed
 from fem.condense.join import exchanged, joined, mirrored, open_circuited, repeated, with_fingers, with_ports
 from fem.condense.moments import finger_dipole
@@ -24,10 +25,14 @@ class Condensation:
 
     section: Section
     frequency: float
+    skeletons: dict[float, Skeleton] = field(default_factory=dict, repr=False)  # by width, of fingers and of gaps
 
     def column(self, width: float, electrode: int | None) -> FingerColumns:
         """Condense one column of elements."""
-        return condensed(self.section, self.frequency, width=width, electrode=electrode)
+        key = round(width, 12)
+        if key not in self.skeletons:
+            self.skeletons[key] = column_skeleton(self.section, self.frequency, width)
+        return condensed(self.section, self.frequency, width=width, electrode=electrode, skeleton=self.skeletons[key])
 
     def joined(self, left: FingerColumns, right: FingerColumns, electrode: int | None = None) -> FingerColumns:
         """Join two neighbours; ``electrode`` if a finger lies on the line they share."""
