@@ -129,11 +129,6 @@ class CutSource:
         """The same source with the surface wave alone."""
         return replace(self, surface_only=True)
 
-    @property
-    def rough(self) -> "CutSource":
-        """The same source on half of the basis: accurate to 1e-3, at a fifth of the cost."""
-        return replace(self, reduced=self.reduced.half, kept_poles={})
-
     def loaded(self, load: Load) -> "CutSource":
         """Source of another load in the same section."""
         return replace(self, load=load, kept_poles={})
@@ -310,20 +305,6 @@ class ReducedSection(NamedTuple):
     odd: np.ndarray | None
     opposite: bool
     error: float
-
-    @property
-    def half(self) -> "ReducedSection":
-        """The same on the half of the vectors of each parity with the largest singular values."""
-        odd = np.zeros(len(self.surface.T), dtype=bool) if self.odd is None else self.odd
-        groups = [np.flatnonzero(odd), np.flatnonzero(~odd)]
-        kept = np.concatenate([each[: (len(each) + 1) // 2] for each in groups])
-        matrices = [tuple(each[np.ix_(kept, kept)] for each in parts) for parts in self.matrices.coefficients]
-        return self._replace(
-            basis=self.basis[:, kept],
-            matrices=LateralPolynomials(matrices),
-            surface=self.surface[:, kept],
-            odd=None if self.odd is None else self.odd[kept],
-        )
 
     def response(self, along: complex, lateral: complex) -> np.ndarray:
         """Fields at the surface for unit loads at the surface, (4, 4)."""

@@ -112,11 +112,6 @@ class LineSource:
         """The surface wave alone."""
         return self.some(self.surface)
 
-    @property
-    def rough(self) -> "LineSource":
-        """The same source: unlike those of a `CutSource`, its modes are cheap, so that none need be left out."""
-        return self
-
     def some(self, modes: np.ndarray) -> "LineSource":
         """Source with a selection of the modes, without the pole at k = 0."""
         fields = ("surface", "wavenumbers", "amplitudes", "tangential", "normal", "shear", "potential")

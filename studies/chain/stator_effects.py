@@ -69,9 +69,8 @@ def _aperture(record: Record) -> Rows:
         yield from _crossed(record, places)
         return
     beam, at = motion.beam, tuple(zip(*places, strict=True))
-    same, other = map(beam.with_side_faces, (beam.mirror_width, None if block.mirror_width else block.width))
-    as_modelled = motion.at(places) if same is beam else same.motion(*at)
-    ratios = abs(other.motion(*at)[2] / as_modelled[2])
+    other = beam.with_side_faces(None if block.mirror_width else block.width)
+    ratios = abs(other.motion(*at)[2] / motion.at(places)[2])
     worst = max((float(each) - 1 for each in ratios), key=abs)
     how = "the beam with side faces that reflect like mirrors, compared with the beam without side faces"
     yield "side faces", "u_z", worst, how
