@@ -219,7 +219,8 @@ class Near(NamedTuple):
 def start_at_rest(slider, orbits, direction):
     """Return the scaled problem and the state (3 + contacts,) of a slider at rest, in its units.
 
-    Where the wave is slow for the contacts, the slider moves with the surface from the start. At phase 0 u_z of the first contact crosses zero upwards. `direction` is that of `problem.scaled`.
+    Where the wave is slow for the contacts, the slider moves with the surface from the start. At phase 0 u_z of the
+    first contact crosses zero upwards. `direction` is that of `problem.scaled`.
     """
     problem = scaled(slider, orbits, direction=direction, start=orbits[0].upward_zero)
     begin = rest_state(slider, problem)
