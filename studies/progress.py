@@ -1,17 +1,59 @@
-"""Progress on stderr, for anything that takes longer than a second; stdout is left to the answer."""
+"""What the program is doing, as its modules log it: steps of a question at level INFO, details of a step at DEBUG.
 
+`Progress` shows it on stderr, for anything that takes longer than a second; stdout is left to the answer.
+"""
+
+import logging
 import sys
 import threading
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
+LOGGERS = ("studies", "fem")
 PATIENCE = 1.0  # s
 BETWEEN = 0.05  # of the time so far: between two lines where there is no terminal
+
+
+class _Messages(logging.Handler):
+    """Calls a function with each message; before a detail stands the step that it belongs to."""
+
+    def __init__(self, receive: Callable[[str], None]):
+        super().__init__()
+        self._receive, self._step = receive, ""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        text = record.getMessage()
+        if record.levelno > logging.DEBUG:
+            self._step = text
+        elif self._step:
+            text = f"{self._step}, {text}"
+        self._receive(text)
+
+
+@contextmanager
+def reported_to(progress: Callable[[str], None] | None) -> Iterator[None]:
+    """Call a function with a few words about each step that is logged meanwhile; None: with nothing."""
+    if progress is None:
+        yield
+        return
+    handler, loggers = _Messages(progress), [logging.getLogger(name) for name in LOGGERS]
+    levels = [each.level for each in loggers]
+    for each in loggers:
+        each.addHandler(handler)
+        each.setLevel(logging.DEBUG)
+    try:
+        yield
+    finally:
+        for each, level in zip(loggers, levels, strict=True):
+            each.removeHandler(handler)
+            each.setLevel(level)
 
 
 class Progress:
     """Shows what is being done and for how long: a live line in a terminal, now and then a line elsewhere.
 
-    Used as ``with Progress() as progress: ...``, and called with a few words.
+    Used as ``with Progress(): ...``; it shows what is logged meanwhile.
     """
 
     def __init__(self):
@@ -21,6 +63,7 @@ class Progress:
         self._live = self._first = None
         self._shown = False
         self._printed = 0.0
+        self._reports = reported_to(self)
         self._timer = threading.Timer(PATIENCE, self._appear)
         self._timer.daemon = True
 
@@ -44,9 +87,11 @@ class Progress:
 
     def __enter__(self):
         self._timer.start()
+        self._reports.__enter__()
         return self
 
     def __exit__(self, *_):
+        self._reports.__exit__(None, None, None)
         self._timer.cancel()
         with self._lock:
             self._shown = False

@@ -4,6 +4,7 @@ Each study is a file named by its question.  Its docstring says question, method
 time; ``run(...)`` returns a record; ``figure(record, ax)`` draws the record, or one of its panels.
 """
 
+import logging
 import math
 import time
 from collections.abc import Callable, Iterable
@@ -24,9 +25,10 @@ from studies.refusal import SceneError, nearest
 from studies.results.content import plain, provenance, write_json
 from studies.scene import Scene
 
+LOGGER = logging.getLogger(__name__)
+
 COMMON_ARGUMENTS = """\
-``scene`` is a path, a shipped name or a `Scene` that has what the study asks about; ``progress`` is a callable that is
-told what is being done."""
+``scene`` is a path, a shipped name or a `Scene` that has what the study asks about."""
 # Every study, in the order of the list that a user sees: the package that holds it, and the seconds that it takes on
 # its default scene, or on all its own scenes, on one processor
 STUDIES = {
@@ -168,7 +170,6 @@ Answered = (
 
 def driven_contact(
     scene: str | Scene, *, tolerance: float = 1e-3, pillars: bool = False,
-    progress: Callable[[str], None] | None = None,
 ) -> DrivenContact:  # fmt: skip
     """Return the contact of a scene with a slider, its stator solved at the largest voltage and without a burst.
 
@@ -193,7 +194,7 @@ def driven_contact(
     if not resolved_scene.transducer:
         resolved_scene.refuse("transducer", "is missing: this study needs a driven stator or a given [wave]")
     steady = resolved_scene.at_level(max(resolved_scene.levels)).with_source(burst=None)
-    driven = DrivenContact.of_run(run_chain(steady, tolerance=tolerance, progress=progress))
+    driven = DrivenContact.of_run(run_chain(steady, tolerance=tolerance))
     return replace(driven, scene=resolved_scene.with_source(frequency=driven.scene.frequency))
 
 
@@ -262,17 +263,17 @@ def study(default: str | None = None) -> Callable[[Callable[..., Answered]], Cal
 
     The record is named as the module and holds the time that the study took.  With a ``default`` the study takes a
     scene: a path, a shipped name or a `Scene`, the default when absent; the function gets it loaded.  Without a default
-    the study has its own scenes.  ``progress`` is optional for the caller and always there for the function.
+    the study has its own scenes.
     """
 
     def decorated(run: Callable[..., Answered]) -> Callable[..., StudyRecord]:
         @wraps(run)
-        def timed(*scene: str | Scene, progress: Callable[[str], None] | None = None, **options: Any) -> StudyRecord:
+        def timed(*scene: str | Scene, **options: Any) -> StudyRecord:
             start_time = time.perf_counter()
             if default is not None:
                 scene = (Scene.load(scene[0] if scene else options.pop("scene", default)),)
             with answered():
-                panels, findings, *answer = run(*scene, progress=progress or (lambda text: None), **options)
+                panels, findings, *answer = run(*scene, **options)
             return StudyRecord(
                 name=run.__module__.rpartition(".")[2], panels=tuple(panels), findings=tuple(findings),
                 seconds=time.perf_counter() - start_time, answer=tuple(answer[0]) if answer else (),
@@ -289,13 +290,7 @@ def study(default: str | None = None) -> Callable[[Callable[..., Answered]], Cal
 
 
 def run_study(
-    name: str,
-    scene: str | None,
-    folder: Path,
-    *,
-    progress: Callable[[str], None],
-    options: dict | None = None,
-    quick: bool = False,
+    name: str, scene: str | None, folder: Path, *, options: dict | None = None, quick: bool = False
 ) -> StudyRecord | Record:
     """Run a study, write its numbers into an empty directory and return its record.
 
@@ -313,7 +308,7 @@ def run_study(
         if "scene" not in taken:
             raise SceneError("study", f"{name} has its own scenes and takes none")
         options["scene"] = scene
-    record = study_module.run(progress=progress, **(study_module.QUICK if quick else {}) | options)
+    record = study_module.run(**(study_module.QUICK if quick else {}) | options)
     if isinstance(record, Record):
         from studies.record.files import write_run
 
@@ -325,12 +320,12 @@ def run_study(
     return record
 
 
-def draw_study(name: str, record: StudyRecord | Record, folder: Path, *, progress: Callable[[str], None]) -> None:
+def draw_study(name: str, record: StudyRecord | Record, folder: Path) -> None:
     """Draw the pictures of a study into a directory."""
-    progress("drawing")
+    LOGGER.info("drawing")
     study_module = module(name)
     if hasattr(study_module, "draw"):
-        study_module.draw(record, folder, progress=progress)
+        study_module.draw(record, folder)
         return
     from studies.record.plots import saved
 

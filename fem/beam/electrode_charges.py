@@ -16,6 +16,7 @@ import numpy as np
 
 from fem.beam.lateral import sheet_spectrum
 from fem.condense.columns import distinct_columns
+from fem.input_error import InputError
 from fem.results.evaluation import left_edge
 from fem.results.solution import Solution
 
@@ -178,6 +179,27 @@ def electrode_charges(solution: Solution, transducer: int) -> ElectrodeCharges:
 def all_charges(solution: Solution) -> tuple[ElectrodeCharges, ...]:
     """Charges of every transducer, from left to right."""
     return tuple(electrode_charges(solution, index) for index in range(len(solution.fields.transducers)))
+
+
+def sheets_of_forces(solution: Solution) -> list[ChargeSheet]:
+    """Strips of the forces of a solution, with N/m in place of charges."""
+    if solution.forces is None:
+        return []
+    unit, ports = solution.fields.section.length_unit, solution.fields.network.ports
+    forces = [each for each in ports if each.kind == "force"]
+    for each in forces:
+        if not np.isfinite(each.width):
+            raise InputError("force.width", "must be finite in three dimensions", each.width, "m", owner=each.name)
+    return [
+        ChargeSheet(
+            x=np.array([each.place * unit]),
+            charge=np.array([amplitude]),
+            finger=np.zeros(1, dtype=int),
+            length=each.width * unit,
+            center=each.center * unit,
+        )
+        for each, amplitude in zip(forces, solution.forces, strict=True)
+    ]
 
 
 def _finger_numbers(finger: np.ndarray, signs: str) -> np.ndarray:

@@ -7,6 +7,7 @@ that act by it: those of all transducers together, or the one of a strip under a
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +16,13 @@ from fem.beam.electrode_charges import MAX_PHASE, ChargeSheet, Fingers
 from fem.beam.line_source import Branch, LineSource
 
 SAME_STEP = 1e-15  # m: steps from node to node that differ by less share their phase factors
+
+
+class Strip(NamedTuple):
+    """A force on a strip of the surface: a sheet of one node with N/m for its charge, and the stator's response."""
+
+    sheet: ChargeSheet
+    source: LineSource | CutSource
 
 
 @dataclass(frozen=True)

@@ -27,20 +27,18 @@ from functools import cached_property, partial
 import numpy as np
 
 from fem.beam.cut_source import CutSource, cut_source
-from fem.beam.electrode_charges import ChargeSheet, ElectrodeCharges, all_charges
-from fem.beam.emitters import Emitter
+from fem.beam.electrode_charges import ChargeSheet, ElectrodeCharges, all_charges, sheets_of_forces
+from fem.beam.emitters import Emitter, Strip
 from fem.beam.faces import Faces, faces, with_all_displacements
 from fem.beam.lateral import EVANESCENT, RULES, Points, inverse_transform
 from fem.beam.line_source import LineSource, Load, line_source
 from fem.beam.own_aperture import STEPS, sheet_lengths
-from fem.beam.reception import refuse_short_apertures, with_apertures
-from fem.beam.strip_forces import Strip, sheets_of_forces, with_reciprocal_currents, with_scattering
+from fem.beam.reception import with_apertures
 from fem.circuit import Circuit
-from fem.geometry import Stator
 from fem.materials import isotropic_about_normal
 from fem.results.driven_answer import SurfaceWave
 from fem.results.power_balance import PowerBalance, power_balance
-from fem.results.solution import Solution, driven_solution
+from fem.results.solution import Solution
 
 # Wavelengths from the charges: limits of the groups of points that share a quadrature rule in k_y.
 GROUPS = (1.0, 8.0)
@@ -457,84 +455,6 @@ class SurfaceBeam:
                     out[0, some] += inward @ charge
                     out[1, some] += sideways @ charge
         return out
-
-
-def beam_refusal(stator: Stator) -> str:
-    """Sentence that says why a stator's field in three dimensions cannot be computed; empty if it can."""
-    if stator.pieces:
-        return "the field in three dimensions of a stator with meshed pieces is not computed"
-    if stator.ends != "absorbing" and not isotropic_about_normal(stator.solid):
-        return f"in this cut the field in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"
-    return ""
-
-
-def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> SurfaceBeam:
-    """Field in three dimensions of a stator that voltages or forces drive, from the section's solution.
-
-    Parameters
-    ----------
-    wave : SurfaceWave
-        Result of `fem.driven_wave`, or of `fem.forced_wave` for forces of finite width.  With free or clamped ends, or
-        if the solid is not isotropic about z, the first evaluation takes some seconds, because a problem is solved at
-        every lateral wavenumber, and the transducers receive each other's waves as in the section.
-    mirror_width : float, optional
-        Distance in m of two side faces that reflect like mirrors (u_y = 0, no shear traction).  By default the stator
-        is infinitely wide.  A real stator has free faces, for which neither holds: the difference of both answers shows
-        how much the width can matter.  In cuts without the symmetry y -> -y the images repeat the field, unmirrored.
-
-    Returns
-    -------
-    SurfaceBeam
-
-    Raises
-    ------
-    BeamError
-        If the stator has meshed pieces, if its ends are free or clamped and the solid is not isotropic about z or
-        forces act, if an aperture or a strip exceeds ``mirror_width``, or if a transducer lies beside the line y = 0
-        although there are mirrors or the solid is not isotropic about z, or a strip although there are mirrors.
-    InputError
-        If an aperture is less than half a wavelength, or the width of a force is infinite.
-
-    Examples
-    --------
-    The beam of a normal force of 1 N on a strip of 2 mm, 30 mm away and on its axis:
-
-    >>> from fem import LineForce, Stator, forced_wave, isotropic, surface_beam
-    >>> glass = isotropic(name="glass", density=2500.0, youngs_modulus=70e9, poisson_ratio=0.25)
-    >>> block = Stator(solid=glass, length=60e-3, thickness=float("inf"), ends="absorbing")
-    >>> push = LineForce(name="tip", position=10e-3, amplitude=1 / 2e-3, width=2e-3)
-    >>> wave = forced_wave(block, (), (push,), frequency=2e6, tolerance=1e-3, places=(40e-3,))
-    >>> u_x, u_y, u_z = surface_beam(wave).motion(40e-3, 0.0)
-    >>> f"{abs(u_z) * 1e9:.2f} nm"
-    '0.96 nm'
-    """
-    solution, forced = wave.solution, wave.solution.forces is not None
-    stator, transducers = solution.fields.stator, solution.fields.transducers
-    refusal = beam_refusal(stator)
-    if not refusal and forced and stator.ends != "absorbing":
-        refusal = f"the field of forces in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"
-    if refusal:
-        raise BeamError(refusal)
-    refuse_short_apertures(transducers, wave.phase_velocity / wave.frequency)
-    sheets = sheets_of_forces(solution)
-    widths = [each.aperture for each in transducers] + [each.length for each in sheets]
-    if mirror_width is not None and not max(widths) <= mirror_width < np.inf:
-        raise BeamError(f"mirror_width must be at least the largest aperture, {max(widths):g} m, got {mirror_width!r}")
-    isotropic = isotropic_about_normal(stator.solid)
-    if any(each.center_y for each in transducers) and (mirror_width is not None or not isotropic):
-        raise BeamError("transducers beside the middle line need a solid isotropic about z and absorbing sides")
-    if any(each.center for each in sheets) and mirror_width is not None:
-        raise BeamError("forces beside the middle line need absorbing sides")
-    fields = with_apertures(solution.fields, mirror_width)
-    if fields is not solution.fields:
-        solution = driven_solution(fields, solution.circuit.drive, solution.forces)
-    beam = aperture_beam(wave, solution, mirror_width)
-    if not (sheets and transducers):
-        return beam
-    if not isotropic:
-        solution = driven_solution(with_scattering(beam), solution.circuit.drive, solution.forces)
-        beam = replace(beam, solution=solution, charges=all_charges(solution))
-    return with_reciprocal_currents(beam)
 
 
 def aperture_beam(wave: SurfaceWave, solution: Solution, mirror_width: float | None = None) -> SurfaceBeam:

@@ -21,6 +21,7 @@ is therefore a check of the whole solution, not an identity of one matrix.
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -51,8 +52,8 @@ class Column:
     # shape (face unknowns, 2 n + 2): faces from sides and electrode potentials
     faces_from: np.ndarray = field(repr=False)
     inside_from: dict = field(repr=False)  # by kind of element (height, medium): its inside from its boundary
-    # shape (order + 1, 2 n + 2 + face unknowns): electric reactions at the surface nodes, from left to right, as
-    # functions of sides and faces, before the nodes are tied to the electrode; None without a potential
+    # shape (order + 1, 2 n + 2 + unknowns on the surface): electric reactions at the surface nodes, from left to right,
+    # as functions of sides and surface, before the nodes are tied to the electrode; None without a potential
     surface_rows: np.ndarray | None = field(repr=False)
 
     @property
@@ -72,7 +73,7 @@ class Column:
             corners = electrode_dofs(self.section, self.faces)[:2]
             out[:, first + self.electrode] += out[:, corners].sum(axis=1)
             out[:, corners] = 0.0
-        return out + rest @ self.faces_from
+        return out + rest @ self.faces_from[: rest.shape[1]]
 
 
 class ElementSets:
@@ -86,26 +87,48 @@ class ElementSets:
         self.rim = np.concatenate([self.left, self.right, self.bottom, self.top])
 
 
-def condensed_column(section: Section, frequency: float, *, width: float, electrode: int | None) -> Column:
-    """Condense a column of elements, its width in length units, to its sides and the finger's electrode, if any."""
-    skeleton, faces, inside_from = _skeleton(section, width, frequency)
+class Skeleton(NamedTuple):
+    """A column condensed to its sides, two empty ports and its surface; the same with and without an electrode.
+
+    ``faces`` and ``inside_from`` are those of `Column`.
+    """
+
+    matrix: np.ndarray
+    faces: np.ndarray
+    faces_from: np.ndarray  # the faces below and above the surface from the unknowns of ``matrix``
+    inside_from: dict
+
+
+def condensed_column(
+    section: Section, frequency: float, *, width: float, electrode: int | None, skeleton: Skeleton | None = None
+) -> Column:
+    """Condense a column of elements, its width in length units, to its sides and the finger's electrode, if any.
+
+    ``skeleton``: result of `column_skeleton` for this width, if it is known already.
+    """
+    whole, faces, other_faces_from, inside_from = skeleton or column_skeleton(section, frequency, width)
     at = Blocks(section.size)
     sides = at.ports.start + len(ELECTRODES)
-    drop = np.arange(sides, len(skeleton))
+    drop = np.arange(sides, len(whole))
     tied, surface_rows = np.empty(0, dtype=int), None
     if "phi" in section.surface_dofs:
         left, right, *between = electrode_dofs(section, faces)
-        surface_rows = skeleton[[left, *between, right]]
+        surface_rows = whole[[left, *between, right]]
     if electrode is not None:
         # The corners remain as empty rows of the sides; their potential is that of the electrode.
         tied = electrode_dofs(section, faces)
-        skeleton = folded(skeleton, tied, at.ports.start + electrode)
+        whole = folded(whole, tied, at.ports.start + electrode)
         drop = drop[~np.isin(drop, tied)]
-    matrix, back = schur(skeleton, np.arange(sides), drop)
-    faces_from = np.zeros((len(skeleton) - sides, sides), dtype=back.dtype)
-    faces_from[drop - sides] = back
+    matrix, back = schur(whole, np.arange(sides), drop)
+    surface_from = np.zeros((len(whole) - sides, sides), dtype=back.dtype)
+    surface_from[drop - sides] = back
+    others_from = other_faces_from[:, :sides] + other_faces_from[:, sides:] @ surface_from
     if electrode is not None:
-        faces_from[tied[tied >= sides] - sides, at.ports.start + electrode] = 1.0
+        port, corners = at.ports.start + electrode, tied[tied < sides]
+        surface_from[tied[tied >= sides] - sides, port] = 1.0
+        others_from[:, port] += other_faces_from[:, tied].sum(axis=1)
+        others_from[:, corners] = 0.0
+    faces_from = np.concatenate([surface_from, others_from])
     return Column(
         section=section,
         width=width,
@@ -119,8 +142,8 @@ def condensed_column(section: Section, frequency: float, *, width: float, electr
     )
 
 
-def _skeleton(section: Section, width: float, frequency: float) -> tuple[np.ndarray, np.ndarray, dict]:
-    """Matrix of a column over its sides, two empty ports and its faces; the faces; recovery inside the elements."""
+def column_skeleton(section: Section, frequency: float, width: float) -> Skeleton:
+    """Condense a column, its width in length units, to its sides and its surface."""
     order, sides = section.order, Blocks(section.size).ports.start + len(ELECTRODES)
     faces = _face_dofs(section, first=sides)
     dtype = np.result_type(section.heights, *(medium.xx for medium in section.media))
@@ -137,7 +160,10 @@ def _skeleton(section: Section, width: float, frequency: float) -> tuple[np.ndar
         dofs = element_dofs(section, element, faces)
         exists = np.flatnonzero(dofs >= 0)
         matrix[np.ix_(dofs[exists], dofs[exists])] += done[kind][np.ix_(exists, exists)]
-    return matrix, faces, inside_from
+    # the unknowns on the surface come first of all faces
+    kept = np.arange(sides + np.count_nonzero(faces[section.surface // order] >= 0))
+    matrix, faces_from = schur(matrix, kept, np.arange(len(kept), len(matrix)))
+    return Skeleton(matrix, faces, faces_from, inside_from)
 
 
 def element_kind(height: complex, medium: Medium) -> tuple:
@@ -156,11 +182,16 @@ def element_dofs(section: Section, element: int, faces: np.ndarray) -> np.ndarra
 
 
 def _face_dofs(section: Section, *, first: int) -> np.ndarray:
-    """Unknowns on the faces between elements: a node on a face has the fields of the line's node at that height."""
+    """Unknowns on the faces between elements: a node on a face has the fields of the line's node at that height.
+
+    They are numbered from ``first`` on, those of the surface before all others.
+    """
     exists = section.dofs[:: section.order] >= 0
     exists = np.repeat(exists[:, None, :], section.order - 1, axis=1)
-    dofs = np.full(exists.shape, -1)
-    dofs[exists] = first + np.arange(exists.sum())
+    surface_first = np.argsort(np.arange(len(exists)) != section.surface // section.order, kind="stable")
+    numbers = np.cumsum(exists[surface_first]).reshape(exists.shape) + first - 1
+    dofs = np.empty(exists.shape, dtype=int)
+    dofs[surface_first] = np.where(exists[surface_first], numbers, -1)
     return dofs
 
 

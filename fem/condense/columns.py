@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.condense.column import ELECTRODES, Column, ColumnField, condensed_column
+from fem.condense.column import ELECTRODES, Column, ColumnField, Skeleton, condensed_column
 from fem.condense.piece import Blocks, Port
 from fem.discretize.section import Section
 from fem.discretize.spectral import gll_nodes, lagrange
@@ -158,9 +158,11 @@ class LiftedHalf:
     unknowns: int
 
 
-def condensed(section: Section, frequency: float, *, width: float, electrode: int | None) -> FingerColumns:
+def condensed(
+    section: Section, frequency: float, *, width: float, electrode: int | None, skeleton: Skeleton | None = None
+) -> FingerColumns:
     """Condense one column (`condensed_column`) as a piece."""
-    column = condensed_column(section, frequency, width=width, electrode=electrode)
+    column = condensed_column(section, frequency, width=width, electrode=electrode, skeleton=skeleton)
     return FingerColumns(size=section.size, matrix=column.matrix, width=width, inside=column)
 
 

@@ -5,7 +5,7 @@ difference of the last two answers divided by g - 1 is the error reported, where
 (`fem.discretize.error_estimate`).  With an infinite tolerance only the coarsest level is solved.
 """
 
-from collections.abc import Callable
+import logging
 from functools import cache
 
 import numpy as np
@@ -25,6 +25,8 @@ from fem.results.solution import Solution, driven_solution
 from fem.threads import one_blas_thread
 from fem.waveguide.port_fields import stator_row
 
+LOGGER = logging.getLogger(__name__)
+
 
 @one_blas_thread
 def driven_wave(
@@ -35,7 +37,6 @@ def driven_wave(
     drive: str | Drive,
     tolerance: float,
     places: tuple[float, ...] = (),
-    progress: Callable[[str], None] | None = None,
 ) -> SurfaceWave:
     """Surface motion, admittance and power balance of the driven stator, per volt of the drive.
 
@@ -52,8 +53,6 @@ def driven_wave(
         estimated (1.7 to 4.5 % on Feenstra and Breedveld's stator of 3.6 to 6.7 mm).
     places : tuple of float
         m from the left end; mid-stator if empty.
-    progress : callable, optional
-        Called with a short text before each discretisation is solved.
 
     Raises
     ------
@@ -64,10 +63,9 @@ def driven_wave(
     """
     check_driven(stator, transducers, frequency, tolerance)
     at = np.array(places or (stator.length / 2,))
-    say = progress or (lambda text: None)
 
     def at_level(resolution: Resolution) -> tuple[Solution, np.ndarray]:
-        say(f"stator: order {resolution.order}, {resolution.edge_layers} edge layers")
+        LOGGER.debug(f"order {resolution.order}, {resolution.edge_layers} edge layers")
         solution = solve_driven(stator, transducers, frequency=frequency, drive=drive, resolution=resolution)
         return solution, surface_of(solution).motion(at)
 

@@ -7,7 +7,7 @@ change of the slider requires a new contact alone; voltage, power and burst requ
 import logging
 import math
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -26,7 +26,7 @@ from studies.chain.travel import WaveAlong
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 
-LOGGER = logging.getLogger("studies.run")
+LOGGER = logging.getLogger(__name__)
 MAX_PLACES = 1_000_000  # of all solved stators in memory, about 300 MB
 GAIN = 0.1  # tolerance of the stator at a step, over that of the step before
 # Of the velocity's tolerance, for a stator solved in a band: a band that is one level finer costs half as much again,
@@ -59,19 +59,17 @@ class ChangedContacts(ChangedScenes):
     coarse : bool
         True takes the stator's coarsest discretisation.
     as_run : bool
-        True accepts a stator that misses its tolerance, with its error, and reports progress in detail.
-    progress : callable, optional
-        Told what is being computed.
+        True accepts a stator that misses its tolerance, with its error.
     """
 
     def __init__(
         self, table: dict, *, tolerance: float, shared: Shared = Shared(), coarse: bool = False,
-        as_run: bool = False, progress: Callable[[str], None] | None = None,
+        as_run: bool = False,
     ) -> None:  # fmt: skip
         super().__init__(table)
         self.tolerance, self.coarse, self.as_run = tolerance, coarse, as_run
         self.slider = "slider" in table if shared.slider is None else shared.slider
-        self.places, self.limits, self.progress = shared.places, shared.limits, progress or LOGGER.info
+        self.places, self.limits = shared.places, shared.limits
         self.seconds = 0.0  # spent on stators
         self._count = 0
         self._solved: dict[tuple, SolvedStator | Exception] = {}
@@ -113,12 +111,10 @@ class ChangedContacts(ChangedScenes):
         latest, motion = self._latest  # once: a worker may have several threads
         if latest != question:
             self._count += 1
-            if not self.as_run:
-                self.progress(f"stator {self._count}")
+            LOGGER.info(f"stator {self._count}")
             start_time, solve = time.perf_counter(), fem.one_blas_thread(solved_motion)
-            options = {"progress": self.progress, "missed": True} if self.as_run else {}
             try:
-                motion = solve(stator, places, tolerance=goal, slider=self.slider, **options)
+                motion = solve(stator, places, tolerance=goal, slider=self.slider, missed=self.as_run)
             finally:
                 self.seconds += time.perf_counter() - start_time
             self._latest = question, motion
@@ -145,7 +141,7 @@ class ChangedContacts(ChangedScenes):
             return None
         alone = stator_alone(driven.scene)
         bursting = replace(alone, drive=replace(alone.drive, burst=driven.scene.burst))
-        return self._ring_up(bursting, center, progress=self.progress)
+        return self._ring_up(bursting, center)
 
     def solve_together(self, many: Iterable[dict], step: int) -> None:
         """Solve the frequencies of one geometry side by side, where they make a band."""
@@ -164,7 +160,7 @@ class ChangedContacts(ChangedScenes):
             # a band that fails leaves each of its stators to be solved alone, which says why it fails
             with suppress(RunError, ValueError, ArithmeticError, fem.ConvergenceError):
                 along, goal = tuple(dict.fromkeys(x for x, _ in places)), self._goal(fixed, places, step)
-                band = self._band(fixed, *self.limits, places=along, tolerance=goal, progress=_silent)
+                band = self._band(fixed, *self.limits, places=along, tolerance=goal)
                 waves = band.waves(list(stators), fem_model.drive(fixed))
                 for stator, wave in zip(stators.values(), waves, strict=True):
                     motion = surface_motion(wave, stator.stator, places, slider=self.slider)
@@ -209,7 +205,3 @@ class ChangedContacts(ChangedScenes):
             return math.inf
         share = BAND_SHARE if self._in_band(stator, places) else SHARE
         return self.tolerance * (share * GAIN**step if self.slider else 1.0)
-
-
-def _silent(text: str) -> None:
-    """Report no progress: what is solved here is one of many."""

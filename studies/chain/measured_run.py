@@ -1,6 +1,6 @@
 """Comparison of a run with measured velocities, a vibrometer's scan or the trace of a burst, at the measured points."""
 
-from collections.abc import Callable
+import logging
 
 import numpy as np
 
@@ -15,8 +15,10 @@ from studies.record.velocity_comparison import compared, deviations
 from studies.refusal import SceneError
 from studies.scene import Scene
 
+LOGGER = logging.getLogger(__name__)
 
-def beside(record: Record, measured: Measurement, *, progress: Callable[[str], None]) -> dict:
+
+def beside(record: Record, measured: Measurement) -> dict:
     """Return the block ``measured`` of a run: for velocities, a scan, or velocity or position over a burst's time.
 
     Raises
@@ -26,21 +28,21 @@ def beside(record: Record, measured: Measurement, *, progress: Callable[[str], N
         the run has no burst at the trace's level.
     """
     if measured.quantity == "velocity":
-        progress("velocities at the measured levels")
-        return compared(measured, _velocities_at(record, measured.levels, progress=progress))
+        LOGGER.info("velocities at the measured levels")
+        return compared(measured, _velocities_at(record, measured.levels))
     if measured.scan is None:
         return _trace(record, measured)
     scene = record.scene
     scan = placed(scene, measured.scan).as_displacement(scene.frequency)
-    progress("the field at the measured points")
+    LOGGER.info("the field at the measured points")
     if scan.kind == "frequency":
-        predicted = over_frequency(scene, scan, tolerance=max(record.tolerance, 1e-3), progress=progress)
+        predicted = over_frequency(scene, scan, tolerance=max(record.tolerance, 1e-3))
     else:
         predicted = along_places(record.surface_motion, scan)
     return scan_block(scene, scan, predicted)
 
 
-def _velocities_at(record: Record, levels: tuple[float, ...], *, progress: Callable[[str], None]) -> list[float | None]:
+def _velocities_at(record: Record, levels: tuple[float, ...]) -> list[float | None]:
     """Return the steady velocities in m/s of a run at some levels (V or m), None where the motor has none.
 
     Velocities at levels of the run are taken from its points. The others are computed with the same solution of the
@@ -50,7 +52,7 @@ def _velocities_at(record: Record, levels: tuple[float, ...], *, progress: Calla
     missing = [level for level in dict.fromkeys(levels) if level not in known]
     if missing:
         changes = [{record.scene.level_key: level} for level in missing]
-        answers = Predictor.of_record(record, progress=progress).answers(changes)
+        answers = Predictor.of_record(record).answers(changes)
         known |= {level: answer.get("velocity_m_per_s") for level, answer in zip(missing, answers, strict=True)}
     return [known[level] for level in levels]
 

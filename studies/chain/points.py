@@ -1,7 +1,7 @@
 """The points of a run: the steady velocity, its regime and its error at each level of the drive."""
 
+import logging
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -12,6 +12,8 @@ from studies.chain.propagation import judged, velocity_sensitivities
 from studies.chain.solver_errors import slider_keys
 from studies.chain.tally import burst_tally, burst_values, steady_tally
 from studies.record.status import Status
+
+LOGGER = logging.getLogger(__name__)
 
 SHARE = 0.25  # fraction of the tolerance for the contact and, in the first attempt, for the stator
 
@@ -49,7 +51,7 @@ class SliderAnswer:
         return blocks
 
 
-def slider_answer(driven: DrivenContact, *, tolerance: float, progress: Callable[[str], None]) -> SliderAnswer:
+def slider_answer(driven: DrivenContact, *, tolerance: float) -> SliderAnswer:
     """Return the answers at all levels of the scene; the contact solvers get ``SHARE`` of the tolerance."""
     scene, on_pillars = driven.scene, driven.scene.slider.pillars is not None
     summary: dict = {}
@@ -61,7 +63,7 @@ def slider_answer(driven: DrivenContact, *, tolerance: float, progress: Callable
         waiting = "" if contact.kernels.ready() else f", compiling {contact.kernels.how_often()}"
     points, parts, trajectories, last = [], [], [], None
     for number, level in enumerate(scene.levels, start=1):
-        progress(f"contact: point {number} of {len(scene.levels)}{waiting if number == 1 else ''}")
+        LOGGER.debug(f"contact: point {number} of {len(scene.levels)}{waiting if number == 1 else ''}")
         point = {} if scene.wave is not None else {"voltage_V": level}
         answer = point_answer(driven, level, tolerance)
         point |= driven.amplitudes_at(level) | answer.values

@@ -7,7 +7,7 @@ a point ends at depends on that point alone, so that its answer does not depend 
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -48,12 +48,12 @@ class Predictor(ChangedContacts):
         self.free = "wave" not in table and not table.get("transducer")
 
     @classmethod
-    def of_record(cls, record: Record, *, progress: Callable[[str], None] | None = None) -> "Predictor":
+    def of_record(cls, record: Record) -> "Predictor":
         """Return the predictor of a run's scene, its stator known, without the scene's burst and [uncertain] block."""
         scene = replace(record.scene, uncertain=None)
         if scene.burst is not None:
             scene = scene.with_source(burst=None)
-        predictor = cls(scene.to_table(), tolerance=record.tolerance, steps=1, progress=progress)
+        predictor = cls(scene.to_table(), tolerance=record.tolerance, steps=1)
         resolved, stator = predictor.resolved({})
         if stator is not None:
             places = predictor.own_and_shared_places(resolved)[0]

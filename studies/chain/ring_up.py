@@ -6,7 +6,7 @@ same factor is used for all balls and for both directions. After the burst, the 
 ring-down under the slider.
 """
 
-from collections.abc import Callable
+import logging
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from contact.envelope import Envelope
     from fem.solve.burst import BurstEnvelope
     from studies.chain.bridge import DrivenContact
+
+LOGGER = logging.getLogger(__name__)
 
 # half-width of the band over f/N, for N finger pairs: the main lobe of the transducer and a margin
 LOBES = 1.2
@@ -77,29 +79,24 @@ class RingUp:
         return f"{self.response.settling * 1e6:.4g} us to within 1 % of the steady motion"
 
 
-def switched(driven: "DrivenContact", *, progress: Callable[[str], None]) -> tuple[RingUp | None, str]:
+def switched(driven: "DrivenContact") -> tuple[RingUp | None, str]:
     """Return the ring-up under the slider of a run when its drive is switched on; else None and why there is none."""
     record, center = driven.record, driven.scene.slider.center
     if record.surface_motion.covered(center):
         return None, "the slider stands over a transducer or a meshed piece"
-    ringing = ring_up(record.scene.with_source(burst=1.0 / record.scene.frequency), center, progress=progress)
+    ringing = ring_up(record.scene.with_source(burst=1.0 / record.scene.frequency), center)
     return (None, ringing.sentence) if ringing.response is None else (ringing, "")
 
 
-def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str], None]) -> RingUp:
+def ring_up(scene: Scene, place: tuple[float, float]) -> RingUp:
     """Return the ring-up at the point ``place`` = (x, y) in m of a scene with transducers, a burst and a frequency."""
     scene, x = fem_model.first_row(scene, place)
     driven = scene.driven_transducer
     half_band = min(LOBES / driven.finger_pairs, MAX_HALF_BAND) * scene.frequency
     prepared = response(
-        scene,
-        scene.frequency - half_band,
-        scene.frequency + half_band,
-        places=(x,),
-        tolerance=TOLERANCE,
-        progress=progress,
+        scene, scene.frequency - half_band, scene.frequency + half_band, places=(x,), tolerance=TOLERANCE
     )
-    progress("stator: ring-up of the burst")
+    LOGGER.info("stator: ring-up of the burst")
     try:
         response_envelope = fem.burst_response(
             prepared,

@@ -26,12 +26,13 @@ from studies.chain.solved_stator import SolvedStator, stator_alone
 from studies.chain.surface_blocks import amplitude_blocks, node, surface_columns, unresolved, wave_block
 from studies.chain.surface_motion import SurfaceMotion
 from studies.chain.warnings import warnings_of
+from studies.progress import reported_to
 from studies.record import Record
 from studies.refusal import RunError
 from studies.scene import Scene
 from studies.scene.numbers import Quantity
 
-LOGGER = logging.getLogger("studies.run")
+LOGGER = logging.getLogger(__name__)
 # If the error of the motion is more than this fraction of that in the round before, no further round is tried, because
 # the remaining error is that of the beam, which a finer section does not reduce.
 STALLED = 0.7
@@ -53,7 +54,7 @@ def run(
         Bound of the error of the last quantity: of the slider's velocity over max(|v|, omega |u_x| / 10); without a
         slider, the relative error of the surface amplitude; for a free wave, that of its velocity.
     progress : callable, optional
-        Called with a few words about each step.
+        Called with a few words about each step, as it is logged.
 
     Returns
     -------
@@ -74,35 +75,34 @@ def run(
     """
     tolerance = Quantity(below=1.0).read("tolerance", tolerance)
     start_time = time.perf_counter()
-    with fem.blas_on_one_thread():
-        record = _run(Scene.load(scene), tolerance, progress)
+    with fem.blas_on_one_thread(), reported_to(progress):
+        record = _run(Scene.load(scene), tolerance)
     total = time.perf_counter() - start_time
     parts = record.seconds | {"other": total - sum(record.seconds.values())}
     return replace(record, seconds={"total": total, **parts})
 
 
-def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None) -> Record:
-    say = progress or LOGGER.info
+def _run(scene: Scene, tolerance: float) -> Record:
     scene = resolve.resolved(scene)
     if scene.wave is not None:
-        record = _given(scene, tolerance, say)
+        record = _given(scene, tolerance)
     elif scene.transducer:
-        contacts = ChangedContacts(scene.to_table(), tolerance=tolerance, as_run=True, progress=say)
+        contacts = ChangedContacts(scene.to_table(), tolerance=tolerance, as_run=True)
         record = _driven(scene, contacts)
     else:
         record = free_wave_record(scene, tolerance)
     if scene.uncertain is not None:
         from studies.chain.uncertainty import with_bands
 
-        record = with_bands(record, progress=say)
+        record = with_bands(record)
     record = with_model_error(record)
     return replace(record, warnings=warnings_of(record))
 
 
-def _given(scene: Scene, tolerance: float, say: Callable[[str], None]) -> Record:
+def _given(scene: Scene, tolerance: float) -> Record:
     """Return the record of a scene with a prescribed wave: its orbit, then the contact."""
     start_time = time.perf_counter()
-    answer = slider_answer(DrivenContact.given(scene), tolerance=tolerance, progress=say)
+    answer = slider_answer(DrivenContact.given(scene), tolerance=tolerance)
     return Record(
         scene=scene,
         tolerance=tolerance,
@@ -163,7 +163,7 @@ def _with_contact(scene: Scene, contacts: ChangedContacts) -> tuple[SurfaceMotio
         nonlocal seconds
         driven = contacts.bursting(DrivenContact.of_stator(scene, SolvedStator.of(motion, places), motion), motion)
         contact_start = time.perf_counter()
-        answer = slider_answer(driven, tolerance=contacts.tolerance, progress=contacts.progress)
+        answer = slider_answer(driven, tolerance=contacts.tolerance)
         seconds += time.perf_counter() - contact_start
         return answer, driven.ringing
 

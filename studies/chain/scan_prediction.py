@@ -1,6 +1,6 @@
 """Prediction of a vibrometer's scan: the surface motion of a scene at the scan's places or frequencies, per volt."""
 
-from collections.abc import Callable
+import logging
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +14,8 @@ from studies.lab.network import NetworkData
 from studies.lab.scan import COMPONENTS, Scan
 from studies.refusal import SceneError
 from studies.scene import Scene
+
+LOGGER = logging.getLogger(__name__)
 
 MAX_APART = 1e-6  # relative difference of the frequencies of scan and drive; beyond it the scan is refused
 
@@ -52,7 +54,7 @@ def along_places(motion: SurfaceMotion, scan: Scan) -> np.ndarray:
     return motion.at(places)[COMPONENTS.index(scan.component)]
 
 
-def over_frequency(scene: Scene, scan: Scan, *, tolerance: float, progress: Callable[[str], None]) -> np.ndarray:
+def over_frequency(scene: Scene, scan: Scan, *, tolerance: float) -> np.ndarray:
     """Return the component of a scan at its frequencies, complex, m per V, of the plane section.
 
     Raises
@@ -67,24 +69,22 @@ def over_frequency(scene: Scene, scan: Scan, *, tolerance: float, progress: Call
         raise SceneError("--measured", f"{scan.name!r} {rule}")
     at, number = np.unique(scan.frequency, return_inverse=True)
     alone = stator_alone(scene)
-    prepared = response(alone, at[0], at[-1], places=(place,), tolerance=tolerance, progress=progress)
-    progress(f"stator: {len(at)} frequencies")
+    prepared = response(alone, at[0], at[-1], places=(place,), tolerance=tolerance)
+    LOGGER.info(f"stator: {len(at)} frequencies")
     waves = prepared.waves(at, fem_model.drive(alone))
     component = ("u_x", "u_z").index(scan.component)
     motion = np.array([wave.motion(place)[component] for wave in waves])
     return motion[number]
 
 
-def predicted_scan(
-    scene: Scene, scan: Scan, *, tolerance: float, progress: Callable[[str], None] = lambda text: None
-) -> np.ndarray:
+def predicted_scan(scene: Scene, scan: Scan, *, tolerance: float) -> np.ndarray:
     """Return the motion of a resolved scene at the points of a placed scan, complex, m per V."""
     if scan.kind == "frequency":
-        return over_frequency(scene, scan, tolerance=tolerance, progress=progress)
+        return over_frequency(scene, scan, tolerance=tolerance)
     alone = stator_alone(scene)
     places = tuple(zip(scan.x.tolist(), scan.y.tolist(), strict=True))
     # one place: every other one, also off the axis, is evaluated from the same solution
-    motion = solved_motion(alone, places[:1], tolerance=tolerance, progress=progress, slider=True, missed=True)
+    motion = solved_motion(alone, places[:1], tolerance=tolerance, slider=True, missed=True)
     return along_places(motion, scan)
 
 
@@ -102,9 +102,7 @@ def at_other_velocity(scene: Scene, scan: Scan, motion: np.ndarray, factor: floa
     return motion * np.exp(-2j * np.pi * frequency / velocity * (1.0 / factor - 1.0) * distance)
 
 
-def network_prediction(
-    scene: Scene, data: NetworkData, *, tolerance: float, progress: Callable[[str], None]
-) -> np.ndarray:
+def network_prediction(scene: Scene, data: NetworkData, *, tolerance: float) -> np.ndarray:
     """Return the S-parameters of a scene's transducers with two combs at the frequencies of a file, (n, ports, ports).
 
     Raises
@@ -117,7 +115,7 @@ def network_prediction(
         rule = f"{data.name!r} has {data.ports} ports, and the scene {len(names)} transducers with two combs"
         raise SceneError("--data", rule)
     refuse_other_range(scene, data, "--data")
-    return scattering_matrix(scene, data.frequency, data.reference, tolerance, progress)[2]
+    return scattering_matrix(scene, data.frequency, data.reference, tolerance)[2]
 
 
 def refuse_other_range(scene: Scene, data: NetworkData, option: str) -> None:

@@ -1,7 +1,6 @@
 """S-parameters of a scene's transducers: what a network analyser would measure between them."""
 
 import logging
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +16,7 @@ from studies.scene.override import toml_value
 if TYPE_CHECKING:
     import skrf
 
-LOGGER = logging.getLogger("studies.network")
+LOGGER = logging.getLogger(__name__)
 
 
 def network(
@@ -56,7 +55,7 @@ def network(
     resolved = passband.driven_scene(scene)
     reference = reference_impedance(z0)
     at = passband.band_frequencies(resolved, band)
-    names, _, scattering = scattering_matrix(resolved, at, reference, tolerance, LOGGER.info)
+    names, _, scattering = scattering_matrix(resolved, at, reference, tolerance)
     result = library.Network(
         frequency=library.Frequency.from_f(at, unit="hz"), s=scattering, z0=reference, name=resolved.title or "network"
     )
@@ -65,11 +64,11 @@ def network(
 
 
 def scattering_matrix(
-    scene: Scene, at: np.ndarray, reference: float, tolerance: float, progress: Callable[[str], None]
+    scene: Scene, at: np.ndarray, reference: float, tolerance: float
 ) -> tuple[list[str], Any, np.ndarray]:
     """Return names, `fem.PortAdmittance` and S, (frequencies, ports, ports), of a resolved scene in its order."""
     names = [each.name for each in scene.transducer if each.has_two_combs]
-    ports = port_admittances(scene, at, tolerance, progress)
+    ports = port_admittances(scene, at, tolerance)
     order = [ports.names.index(name) for name in names]
     return names, ports, ports.scattering(reference)[np.ix_(range(len(at)), order, order)]
 

@@ -5,6 +5,7 @@ into several bands.  Where it cannot be used (fingers left out, a neighbour or a
 place under a transducer) every frequency is solved alone: slower, with the same numbers.
 """
 
+import logging
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -16,6 +17,8 @@ import fem
 from studies.chain import fem_model
 from studies.chain.solver_errors import answered
 from studies.scene import Scene
+
+LOGGER = logging.getLogger(__name__)
 
 MAX_BAND_RATIO = 1.6  # highest over lowest frequency of one band
 MAX_SINGLE = 5  # frequencies that cost less one by one than the set-up of a band
@@ -46,15 +49,7 @@ class Response:
         return list(each(lambda frequency: self.wave(float(frequency), drive), frequencies))
 
 
-def response(
-    scene: Scene,
-    lowest: float,
-    highest: float,
-    *,
-    places: tuple[float, ...],
-    tolerance: float,
-    progress: Callable[[str], None],
-) -> Response:
+def response(scene: Scene, lowest: float, highest: float, *, places: tuple[float, ...], tolerance: float) -> Response:
     """Prepare a resolved scene with transducers for frequencies from lowest to highest (Hz).
 
     ``places``: where the motion is wanted, m from the left end; ``tolerance``: relative, of the motion there.
@@ -63,14 +58,14 @@ def response(
     common = {"drive": fem_model.drive(scene), "tolerance": tolerance, "places": tuple(places)}
 
     def alone(frequency: float):
-        progress(f"stator: {frequency / 1e6:.5g} MHz")
+        LOGGER.info(f"stator: {frequency / 1e6:.5g} MHz")
         with answered(f"at {frequency / 1e6:.6g} MHz"):
             return fem.driven_wave(block, transducers, frequency=float(frequency), **common)
 
     bands = []
     if _takes_bands(block, transducers, places):
         for low, high in pairwise(_edges(lowest, highest)):
-            progress(f"stator: band {low / 1e6:.4g} to {high / 1e6:.4g} MHz")
+            LOGGER.info(f"stator: band {low / 1e6:.4g} to {high / 1e6:.4g} MHz")
             try:
                 bands.append(fem.frequency_band(block, transducers, lowest=low, highest=high, **common))
             except fem.ConvergenceError:
@@ -89,14 +84,14 @@ def groups(scene: Scene, frequencies: np.ndarray) -> list[np.ndarray]:
     return bands
 
 
-def port_admittances(scene: Scene, frequencies, tolerance: float, progress: Callable[[str], None]):
+def port_admittances(scene: Scene, frequencies, tolerance: float):
     """Return the ``fem.PortAdmittance`` of a resolved scene over rising frequencies in Hz, as a run has it at one."""
     parts: list = []
     done = 0
     for group in groups(scene, frequencies):
         last = done + len(group)
         which = f"frequency {last}" if len(group) == 1 else f"frequencies {done + 1} to {last}"
-        progress(f"stator: {which} of {len(frequencies)}, from {group[0] / 1e6:.5g} MHz")
+        LOGGER.info(f"stator: {which} of {len(frequencies)}, from {group[0] / 1e6:.5g} MHz")
         done = last
         with answered(f"from {group[0] / 1e6:.6g} to {group[-1] / 1e6:.6g} MHz"):
             parts.append(fem_model.port_admittance(scene, group, tolerance))

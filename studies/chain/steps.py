@@ -25,7 +25,7 @@ class Steps:
     reason: str = ""  # why a stator's wave is taken at full size from the first cycle; empty where it is not
 
     @classmethod
-    def of(cls, driven: DrivenContact, *, progress: Callable[[str], None]) -> "Steps":
+    def of(cls, driven: DrivenContact) -> "Steps":
         """Return the steps of a driven contact, with the ring-up of the stator's wave where it can be computed."""
         scene = driven.scene
         if scene.wave is not None:
@@ -39,7 +39,7 @@ class Steps:
             if error.status != "not applicable":
                 raise
             return cls(driven=driven, reason="the motion in the contact must be followed event by event")
-        ringing, reason = switched(driven, progress=progress)
+        ringing, reason = switched(driven)
         if ringing is None:
             return cls(driven=driven, reason=reason)
         shaped = cache(lambda cycles, share=1.0: ringing.lasting(cycles / scene.frequency, share))

@@ -104,7 +104,7 @@ class SurfaceMotion:
 
 
 def solved_motion(
-    scene: Scene, places, *, tolerance: float, progress=None, slider: bool | None = None, missed: bool = False
+    scene: Scene, places, *, tolerance: float, slider: bool | None = None, missed: bool = False
 ) -> SurfaceMotion:
     """Return the motion of a driven scene, its section solved to a tolerance at places (x, y) in m.
 
@@ -115,9 +115,8 @@ def solved_motion(
     slider = scene.slider is not None if slider is None else slider
 
     def solve(stator, row, drive, at):
-        options = {"frequency": scene.frequency, "tolerance": tolerance, "progress": progress}
         try:
-            return fem.driven_wave(stator, row, drive=drive, places=at, **options)
+            return fem.driven_wave(stator, row, frequency=scene.frequency, drive=drive, tolerance=tolerance, places=at)
         except fem.ConvergenceError as error:
             if error.reached is None or not missed:
                 raise

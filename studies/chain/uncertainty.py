@@ -14,7 +14,6 @@ If the scene names no method, ``sampled`` is used for a nonlinear answer without
 because the samples then need no further solution of the stator. Otherwise ``linear`` is used.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -36,11 +35,11 @@ KEYS = tuple(f"{name}_{unit}" for unit in ("amplitude_m", "voltage_V") for name 
 BEND = 0.1
 
 
-def with_bands(record: Record, *, progress: Callable[[str], None] | None = None) -> Record:
+def with_bands(record: Record) -> Record:
     """Return the record of a scene with [uncertain], with intervals at its points and the block ``uncertainty``."""
     settings = {key: value for key, value in record.scene.uncertain or () if key in DEFAULTS}
     options, numbers = DEFAULTS | settings, tolerances(record.scene)
-    predictor = Predictor.of_record(record, progress=progress)
+    predictor = Predictor.of_record(record)
     # changes of the answers at the upper and the lower end of each tolerance, shape (numbers, 2, answers)
     middle, *ends = _answers(predictor, record, [{}, *_moved(numbers, (1.0, -1.0))])
     changes = np.reshape(ends, (len(numbers), 2, len(middle))) - middle

@@ -25,8 +25,8 @@ def call(arguments: argparse.Namespace) -> int:
 
     tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
     warned = warn_of_scene(scene)
-    with results_of(arguments, "datasheet", "-datasheet") as (result, out), Progress() as progress:
-        sheet = computed(scene, tolerance=tolerance, progress=progress)
+    with results_of(arguments, "datasheet", "-datasheet") as (result, out), Progress():
+        sheet = computed(scene, tolerance=tolerance)
         if result is not None:
             write_json(result.folder / "datasheet.json", sheet.to_dict())
             result.commit()

@@ -68,7 +68,7 @@ def call(arguments: argparse.Namespace) -> int:
     table = changed_scene(arguments).to_table()
     variables = [read_variable(text) for text in arguments.over]
     out = results_folder(arguments, f"{scene_path(arguments.scene).stem}-design")
-    with Progress() as progress:
+    with Progress():
         optimum = search(
             table,
             [*arguments.maximise, *(LEAST + name for name in arguments.minimise)],
@@ -79,7 +79,6 @@ def call(arguments: argparse.Namespace) -> int:
                 tolerance=tolerance,
                 out=out,
             ),
-            progress=progress,
         )
         optimum.write(out)
     print_answer(arguments, optimum.to_dict(), f"{optimum}\n{'results':<16}{out}")

@@ -69,8 +69,8 @@ def call(arguments: argparse.Namespace) -> int:
     origin, named = Origin(kind="export", name=f"{arguments.format} of {name}"), arguments.out is not None
     alone = named and names_file(out, arguments, scene)
     place = nullcontext() if alone else result_directory(out, origin, named_by_user=named)
-    with place as result, Progress() as progress:
-        done = exported(arguments, scene, name, tolerance=tolerance, progress=progress)
+    with place as result, Progress():
+        done = exported(arguments, scene, name, tolerance=tolerance)
         if result is None:
             done.write_alone(out)
         else:
@@ -131,7 +131,7 @@ def names_file(out: Path, arguments: argparse.Namespace, scene: Scene) -> bool:
     return True
 
 
-def exported(arguments: argparse.Namespace, scene: Scene, name: str, *, tolerance: float, progress) -> Exported:
+def exported(arguments: argparse.Namespace, scene: Scene, name: str, *, tolerance: float) -> Exported:
     """Return what a call of the command exports, nothing written; options that a format does not take are refused."""
     from studies.export import instruments
     from studies.report.explanation import announced
@@ -144,7 +144,7 @@ def exported(arguments: argparse.Namespace, scene: Scene, name: str, *, toleranc
         if arguments.format == "touchstone" or recording.scan == "frequency":
             say(announced(instruments.expected_seconds(scene, recording, tolerance)))
     module = import_module(f"studies.export.{FORMATS[arguments.format][1]}")
-    return getattr(module, f"{arguments.format}_files")(scene, name, tolerance=tolerance, progress=progress, **options)
+    return getattr(module, f"{arguments.format}_files")(scene, name, tolerance=tolerance, **options)
 
 
 def checked(arguments: argparse.Namespace) -> tuple[str, ...]:

@@ -51,10 +51,8 @@ def call(arguments: argparse.Namespace) -> int:
     tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
     measurements = [read_measurement(file, tuple(settings)) for file, *settings in arguments.data]
     parameters = [read_parameter(text) for text in arguments.free]
-    with results_of(arguments, "fit", "-fit") as (result, out), Progress() as progress, blas_on_one_thread():
-        result_of_fit = fitted(
-            scene, measurements, parameters, tolerance=tolerance, next_measurements=arguments.next, progress=progress
-        )
+    with results_of(arguments, "fit", "-fit") as (result, out), Progress(), blas_on_one_thread():
+        result_of_fit = fitted(scene, measurements, parameters, tolerance=tolerance, next_measurements=arguments.next)
         if result is not None:
             result_of_fit.write(result.folder)
             result.commit()

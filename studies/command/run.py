@@ -1,6 +1,7 @@
 """``sawmotor run``: just the chain that a scene needs, up to the slider's velocity for each voltage."""
 
 import argparse
+import logging
 from contextlib import ExitStack
 from dataclasses import replace
 
@@ -9,6 +10,8 @@ from studies.command.output import committed_pictures, print_answer, results_of,
 from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.progress import Progress
 from studies.refusal import SceneError
+
+LOGGER = logging.getLogger(__name__)
 
 HELP = "compute a scene, up to the slider's velocity at each voltage"
 
@@ -75,15 +78,15 @@ def call(arguments: argparse.Namespace) -> int:
         result, out = stack.enter_context(results_of(arguments, "run", ""))
         plotted = result is not None and not (arguments.json or arguments.no_plot)
         drawing = stack.enter_context(Drawing()) if plotted else None
-        with Progress() as progress:
-            record = run_chain(scene, tolerance=tolerance, progress=progress)
+        with Progress():
+            record = run_chain(scene, tolerance=tolerance)
             if measured is not None:
                 from studies.chain.measured_run import beside
 
-                record = replace(record, measured=beside(record, measured, progress=progress))
+                record = replace(record, measured=beside(record, measured))
             whole = record.to_dict()
             if result is not None:
-                progress("writing the results")
+                LOGGER.info("writing the results")
                 write_run(record, result.folder, field=arguments.field)
                 result.commit()
                 with committed_pictures(result):

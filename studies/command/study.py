@@ -74,13 +74,11 @@ def call(arguments: argparse.Namespace) -> int:
     options = {key: value for key in COMMAND_OPTIONS if (value := getattr(arguments, key)) is not None}
     if not arguments.quick:
         say(announced(expected_seconds(arguments.name, arguments.scene, options)))
-    with result_directory(out, origin, named_by_user=arguments.out is not None) as result, Progress() as progress:
-        done = run_study(
-            arguments.name, arguments.scene, result.folder, progress=progress, options=options, quick=arguments.quick
-        )
+    with result_directory(out, origin, named_by_user=arguments.out is not None) as result, Progress():
+        done = run_study(arguments.name, arguments.scene, result.folder, options=options, quick=arguments.quick)
         result.commit()
         with committed_pictures(result):
-            draw_study(arguments.name, done, result.folder, progress=progress)
+            draw_study(arguments.name, done, result.folder)
     print(f"{done}\nresults  {out}")
     say([*result.notes, *([done.remark] if done.remark else [])])
     return done.exit_code

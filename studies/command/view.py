@@ -44,7 +44,7 @@ def call(arguments: argparse.Namespace) -> int:
 
     wanted = Wanted.read(arguments)
 
-    with Progress() as progress:
-        show(arguments.run, wanted, progress=progress, note=lambda text: say([text]))
+    with Progress():
+        show(arguments.run, wanted, note=lambda text: say([text]))
     print("\n".join(wanted.files.values()), end="\n" if wanted.files else "")
     return 0

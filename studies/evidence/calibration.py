@@ -10,6 +10,7 @@ drawn at random too: `tests/studies/test_calibration.py`.  Run time: about 5 min
 twice that for ``twente``.
 """
 
+import logging
 import math
 import statistics
 import time
@@ -28,6 +29,8 @@ from studies.record.plots import COLOURS, finished
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.study import Answered, Finding, Panel, judged, of_record, study
+
+LOGGER = logging.getLogger(__name__)
 
 SEED, DRAWS = 2026, 100
 QUICK = {"seed": 5, "draws": 1, "workers": 1}
@@ -155,9 +158,7 @@ def _pairs(first, finer) -> list[tuple[float, float]]:
 
 
 @study("twente")
-def run(
-    scene: Scene, *, progress: Callable[[str], None], seed: int = SEED, draws: int = DRAWS, workers: int = 2
-) -> Answered:
+def run(scene: Scene, *, seed: int = SEED, draws: int = DRAWS, workers: int = 2) -> Answered:
     """Return the calibration of a scene.
 
     Parameters
@@ -170,8 +171,6 @@ def run(
         How many that give a comparison.
     workers : int
         Processes; 1 for this one.
-    progress : callable
-        Called with what is being done.
     """
     checked: list[Checked] = []
     refused: list[Checked] = []
@@ -187,7 +186,7 @@ def run(
             batch = [next(indices) for _ in range(draws - len(checked))]
             for outcome in each_of(_variation, [scene] * len(batch), [seed] * len(batch), batch):
                 (refused if outcome.refusal else checked).append(outcome)
-                progress(f"calibration: {len(checked)} of {draws} variations, {len(refused)} without a comparison")
+                LOGGER.info(f"calibration: {len(checked)} of {draws} variations, {len(refused)} without a comparison")
     return (_panel(seed, checked, refused),), findings(seed, checked, refused)
 
 

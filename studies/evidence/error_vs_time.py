@@ -8,6 +8,7 @@ error is at most twice the stated one; from 1e-2 to 1e-5 ten times less error co
 programs and methods on the same problems: `tests/validation`.  Run time: about 2 min.
 """
 
+import logging
 import math
 import os
 import platform
@@ -25,6 +26,8 @@ from studies.record.plots import finished
 from studies.refusal import RunError
 from studies.scene import Scene
 from studies.study import Answered, Finding, Panel, judged, of_record, study
+
+LOGGER = logging.getLogger(__name__)
 
 SCENE = "twente"
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
@@ -50,7 +53,7 @@ COLUMNS = (
 @study()
 def run(
     scene: str | Path = SCENE, *, tolerances: tuple[float, ...] = TOLERANCES,
-    contact_tolerances: tuple[float, ...] = CONTACT_TOLERANCES, apart: bool = True, progress=None,
+    contact_tolerances: tuple[float, ...] = CONTACT_TOLERANCES, apart: bool = True,
 ) -> Answered:  # fmt: skip
     """Return errors, times, unknowns and memory: a panel for each of chain, stator and contact.
 
@@ -64,23 +67,21 @@ def run(
         Of the contact.
     apart : bool
         Whether each measurement has a process of its own, as figures of time and memory need.
-    progress : callable, optional
-        Told what is being done.
     """
     source = str(scene)
     measured = alone if apart else lambda what, work, *arguments: work(*arguments)
-    progress("error against time: converged answer")
+    LOGGER.info("error against time: converged answer")
     truth = measured("the converged answer", _chain, source, tolerances[-1])
     motion = measured("the converged motion", _stator, source, tolerances[-1])
 
     def rows(curve: str, work: Callable, settings: tuple, known: dict, *arguments) -> list[dict]:
         measurements = []
         for setting in settings:
-            progress(f"error against time: {curve}, {setting:g}")
+            LOGGER.info(f"error against time: {curve}, {setting:g}")
             try:
                 one = measured(f"{curve}, {setting:g}", work, source, setting, *arguments)
             except RunError as error:
-                progress(f"left out: {error}")
+                LOGGER.info(f"left out: {error}")
                 continue
             measurements.append({"curve": curve, "setting": f"tolerance {setting:g}"} | _judged(one, known))
         return measurements
@@ -91,7 +92,7 @@ def run(
     for kind, methods in (("burst", ("exact", "stepped", "averaged")), ("steady", ("exact", "averaged"))):
         known = measured(f"{kind}, converged", _contact, source, CONVERGED, kind, "exact", truth["motion"])
         for method in methods:
-            progress(f"error against time: {kind}, {method}")
+            LOGGER.info(f"error against time: {kind}, {method}")
             of_contact += rows(f"{kind}, {method}", _contact, contact_tolerances, known, kind, method, truth["motion"])
     parts = {"chain": chain, "stator": stator, "contact": of_contact}
     panels = [_panel(name, part, source) for name, part in parts.items()]

@@ -8,6 +8,7 @@ the same wave under the slider, whether the scene has a slider or not.  Run time
 """
 
 import json
+import logging
 import subprocess
 import sys
 import time
@@ -19,6 +20,8 @@ from studies.record.plots import finished
 from studies.record.text import markdown
 from studies.scene import Scene
 from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
+
+LOGGER = logging.getLogger(__name__)
 
 # Whole runs: scene, changed keys and tolerance. Diffraction is switched off, because by default it is on with a slider
 # and off without one.
@@ -46,7 +49,7 @@ SAME = 1e-11  # relative difference up to which two answers are equal but for ro
 
 
 @study()
-def run(*, parts: tuple[str, ...] | None = None, blocks: tuple[str, ...] = tuple(COMMANDS), progress=None) -> Answered:
+def run(*, parts: tuple[str, ...] | None = None, blocks: tuple[str, ...] = tuple(COMMANDS)) -> Answered:
     """Return the cost that each omission saves, and how much the answer changes if the part is included.
 
     Parameters
@@ -55,16 +58,14 @@ def run(*, parts: tuple[str, ...] | None = None, blocks: tuple[str, ...] = tuple
         Names of parts in `OMISSIONS`; all by default.
     blocks : tuple of str
         Keys of `COMMANDS`.
-    progress : callable, optional
-        Called with a line of text before each measurement.
     """
     rows = []
     for omission in (each for each in OMISSIONS if parts is None or each.part in parts):
-        progress(f"left out: {omission.part}")
+        LOGGER.info(f"left out: {omission.part}")
         rows.append(_measured(omission))
     commands = []
     for name in blocks:
-        progress(f"left out: {name}")
+        LOGGER.info(f"left out: {name}")
         commands.append(_command(name, *COMMANDS[name]))
     panels = (
         Panel.of_rows("parts", "What the parts that are left out would cost", rows),

@@ -7,6 +7,7 @@ Expected: at most twice the stated error; nine digits within 500 unknowns; the p
 the theory of a symmetric eigenproblem has it.  Run time: about 20 s.
 """
 
+import logging
 import math
 import time
 from dataclasses import replace
@@ -16,6 +17,8 @@ import numpy as np
 import fem
 from studies.record.plots import COLOURS, curve, finished
 from studies.study import Answered, Finding, Panel, judged, of_record, study
+
+LOGGER = logging.getLogger(__name__)
 
 CUTS = (("PZT-4", "Z"), ("LiNbO3 (Warner)", "128YX"))
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10)
@@ -29,7 +32,6 @@ QUICK = {"cuts": CUTS[:1], "tolerances": (1e-2, 1e-8), "repeats": 1}
 @study()
 def run(
     *, cuts: tuple[tuple[str, str], ...] = CUTS, tolerances: tuple[float, ...] = TOLERANCES, repeats: int = REPEATS,
-    progress=None,
 ) -> Answered:  # fmt: skip
     """Return velocity errors, unknowns and times at every tolerance, and the profile at the tightest.
 
@@ -41,8 +43,6 @@ def run(
         Of the velocity, from loose to tight.
     repeats : int
         Of each solution; the shortest time counts.
-    progress : callable, optional
-        Told what is being done.
     """
     panels, findings = [], []
     for material, orientation in cuts:
@@ -54,7 +54,7 @@ def run(
         title = f"{material}, {orientation}"
         rows = []
         for tolerance in tolerances:
-            progress(f"{title}: tolerance {tolerance:g}")
+            LOGGER.info(f"{title}: tolerance {tolerance:g}")
             wave, seconds = _timed(plate, tolerance, repeats)
             rows.append({
                 "tolerance": tolerance, "order": wave.order, "unknowns": wave.unknowns, "seconds": seconds,

@@ -4,7 +4,7 @@ The tables of mean forces are those of `force_grid`; the step response of the su
 `studies.chain.ring_up`.
 """
 
-from collections.abc import Callable
+import logging
 from dataclasses import replace
 
 import numpy as np
@@ -19,15 +19,15 @@ from studies.export.motor_model import RESPONSE_STEP, AveragedMotor, Drive, ring
 from studies.scene import Scene
 from studies.study import driven_contact
 
+LOGGER = logging.getLogger(__name__)
+
 PROBES = 400  # random points at which the interpolation is compared with the exact mean
 KICK_CYCLES = 10  # after which the start of a sudden wave is over
 SETTLED = 2e-4  # of the steady amplitude: from there on the wave counts as settled
 MAX_RESPONSE = 20_000  # nodes; what rings longer is taken as settled there
 
 
-def first_drive(
-    scene: Scene, *, tolerance: float = 1e-3, progress: Callable[[str], None] = lambda text: None
-) -> DrivenContact:
+def first_drive(scene: Scene, *, tolerance: float = 1e-3) -> DrivenContact:
     """Return the contact with the scene's own drive, from which `averaged_motor` goes on.
 
     Raises
@@ -41,7 +41,7 @@ def first_drive(
     if scene.slider is not None and scene.slider.heights:
         rule = "must be absent: the tables of the averaged motor take contacts of one height"
         scene.refuse("slider.heights", rule)
-    driven = driven_contact(scene, tolerance=tolerance, progress=progress)
+    driven = driven_contact(scene, tolerance=tolerance)
     if driven.slider.friction is not None:
         rule = "must be a number without a law of one's own: the tables of the averaged motor take one coefficient"
         scene.refuse("slider.friction_coefficient", rule)
@@ -50,7 +50,6 @@ def first_drive(
 
 def averaged_motor(
     scene: str | Scene, *, tolerance: float = 1e-3, first: DrivenContact | None = None,
-    progress: Callable[[str], None] = lambda text: None,
 ) -> AveragedMotor:  # fmt: skip
     """Return the averaged motor of a scene with a slider, its stator solved with each of its drives.
 
@@ -70,12 +69,12 @@ def averaged_motor(
         If the scene has no slider, its contacts differ in height, or averaging does not apply to it.
     """
     scene = Scene.load(scene)
-    driven = first or first_drive(scene, tolerance=tolerance, progress=progress)
+    driven = first or first_drive(scene, tolerance=tolerance)
     slider = driven.slider
     left_out = ["the wave is that at the initial position of the slider: its variation along the way is not included"]
-    drives = [_drive(driven, progress, left_out)]
+    drives = [_drive(driven, left_out)]
     for other in other_drives(scene):
-        drives.append(_drive(driven_contact(other, tolerance=tolerance, progress=progress), progress, left_out))
+        drives.append(_drive(driven_contact(other, tolerance=tolerance), left_out))
     if driven.scene.wave is not None:
         opposite = tuple(orbit.mirrored() for orbit in driven.orbits)
         drives.append(replace(drives[0], name="wave from the other side", orbits=opposite, mirrored=True))
@@ -87,7 +86,7 @@ def averaged_motor(
         "the phase of the ring is lost within about 10 ms, so that the velocity at the start of a later burst may be "
         "wrong by up to twice that",
     ]
-    progress("tables of mean forces")
+    LOGGER.info("tables of mean forces")
     with answered():
         tables = [None if drive.mirrored else force_tables(slider, drive) for drive in drives]
         known = _steady(slider, drives[0], driven.levels)
@@ -124,10 +123,10 @@ def other_drives(scene: Scene) -> list[Scene]:
     return [replace(scene, drive=replace(scene.drive, transducer=other.name))] if other.has_two_combs else []
 
 
-def _drive(driven: DrivenContact, progress, left_out: list) -> Drive:
+def _drive(driven: DrivenContact, left_out: list) -> Drive:
     if driven.scene.wave is not None:
         return Drive(name="wave", orbits=driven.orbits)
-    record, (ringing, reason) = driven.record, switched(driven, progress=progress)
+    record, (ringing, reason) = driven.record, switched(driven)
     if reason:
         left_out.append(f"the wave follows its drive at once, because {reason}")
     response, settling = (None, 0.0) if ringing is None else _step_response(ringing)

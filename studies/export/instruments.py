@@ -97,26 +97,26 @@ class Recording:
         return encoder
 
 
-def csv_files(scene: Scene, name: str, recording: Recording, *, tolerance: float, progress) -> Exported:
+def csv_files(scene: Scene, name: str, recording: Recording, *, tolerance: float) -> Exported:
     """Return scan.csv; with a slider, and no scan asked for, burst.csv of a burst and the motor's tables too."""
     encoder = recording.encoder(scene)
     files: dict[str, bytes | str] = {}
     answer: tuple[tuple[str, str], ...] = ()
     pictures: dict = {}
     if scene.transducer:
-        taken, remarks = virtual_scan(scene, recording, tolerance, progress)
+        taken, remarks = virtual_scan(scene, recording, tolerance)
         files["scan.csv"], answer = scan_csv(taken, remarks), _said(taken, remarks)
         pictures["scan.png"] = lambda ax: _draw(taken, ax)
     elif recording.scan is not None:
         scene.refuse("transducer", "is missing: a scan is of a driven stator")
     if scene.slider is not None and recording.scan is None:
         if scene.burst is not None:
-            files["burst.csv"] = _trace(scene, recording, encoder, tolerance, progress)
+            files["burst.csv"] = _trace(scene, recording, encoder, tolerance)
             answer += (("encoder", "burst.csv: position and velocity over time"),)
         from studies.export.averaged_motor import averaged_motor
         from studies.export.simulators import tables
 
-        motor = averaged_motor(scene, tolerance=tolerance, progress=progress)
+        motor = averaged_motor(scene, tolerance=tolerance)
         files |= tables(motor)
         forces = ", ".join(file for file in files if file.startswith("mean_"))
         answer += (("tables", f"mean forces of the averaged motor: {forces}"),)
@@ -125,9 +125,9 @@ def csv_files(scene: Scene, name: str, recording: Recording, *, tolerance: float
     return Exported(files=files, answer=answer, pictures=pictures)
 
 
-def uff_files(scene: Scene, name: str, recording: Recording, *, tolerance: float, progress) -> Exported:
+def uff_files(scene: Scene, name: str, recording: Recording, *, tolerance: float) -> Exported:
     """Return NAME.uff, the virtual vibrometer's scan as datasets 58."""
-    taken, remarks = virtual_scan(scene, recording, tolerance, progress)
+    taken, remarks = virtual_scan(scene, recording, tolerance)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "scan.uff"
         scan_uff(taken, path, remarks)
@@ -143,14 +143,14 @@ def expected_seconds(scene: Scene, recording: Recording, tolerance: float) -> fl
     return band_seconds(resolved, _frequencies(resolved, recording.band), tolerance=tolerance)
 
 
-def touchstone_files(scene: Scene, name: str, recording: Recording, *, tolerance: float, progress) -> Exported:
+def touchstone_files(scene: Scene, name: str, recording: Recording, *, tolerance: float) -> Exported:
     """Return NAME.sNp, the S-parameters of all transducers with two combs, in the scene's order."""
     import fem
 
     resolved = passband.driven_scene(scene)
     reference = reference_impedance(50.0 if recording.z0 is None else recording.z0)
     at = _frequencies(resolved, recording.band)
-    names, _, scattering = scattering_matrix(resolved, at, reference, tolerance, progress)
+    names, _, scattering = scattering_matrix(resolved, at, reference, tolerance)
     remarks = (resolved.title or name, "ports: " + ", ".join(names), *recording.remark)
     text = fem.touchstone(at, recording.noisy(scattering), reference, remarks)
     span = f"{at[0] / 1e6:.5g} to {at[-1] / 1e6:.5g} MHz"
@@ -161,7 +161,7 @@ def touchstone_files(scene: Scene, name: str, recording: Recording, *, tolerance
     )
 
 
-def vtu_files(scene: Scene, name: str, *, tolerance: float, progress) -> Exported:
+def vtu_files(scene: Scene, name: str, *, tolerance: float) -> Exported:
     """Return field.vtu and the surface map of a scene with a driven stator."""
     from studies.chain import run
     from studies.record.files import write_run
@@ -169,14 +169,14 @@ def vtu_files(scene: Scene, name: str, *, tolerance: float, progress) -> Exporte
     if not scene.transducer:
         scene.refuse("transducer", "is missing: the field of a driven stator is written")
     alone = replace(scene.with_source(burst=None), uncertain=None, slider=None)
-    record = run(alone, tolerance=tolerance, progress=progress)
+    record = run(alone, tolerance=tolerance)
     with TemporaryDirectory() as folder:
         write_run(record, Path(folder), field=True)
         kept = {each.name: each.read_bytes() for each in Path(folder).iterdir() if each.suffix == ".vtu"}
     return Exported(files=dict(sorted(kept.items())), answer=(("field", ", ".join(sorted(kept))),))
 
 
-def virtual_scan(scene: Scene, recording: Recording, tolerance: float, progress) -> tuple[Scan, tuple[str, ...]]:
+def virtual_scan(scene: Scene, recording: Recording, tolerance: float) -> tuple[Scan, tuple[str, ...]]:
     """Return what a vibrometer would record per volt, u_z, and remarks."""
     kind, share = recording.scan or "x", recording.share
     if kind not in SCANS:
@@ -185,7 +185,7 @@ def virtual_scan(scene: Scene, recording: Recording, tolerance: float, progress)
         raise SceneError("--band", f"is for --scan frequency and the format touchstone, not for --scan {kind}")
     resolved = passband.driven_scene(scene)
     empty = placed(resolved, _points(resolved, kind, recording.band))
-    motion = predicted_scan(resolved, empty, tolerance=tolerance, progress=progress)
+    motion = predicted_scan(resolved, empty, tolerance=tolerance)
     size = share * float(np.max(np.abs(motion)))
     taken = replace(
         empty, name="scan", values=recording.noisy(motion),
@@ -225,7 +225,7 @@ def _frequencies(scene: Scene, band: str | None) -> np.ndarray:
     return passband.frequencies(scene, None, FREQUENCIES) if band is None else passband.band_frequencies(scene, band)
 
 
-def _trace(scene: Scene, recording: Recording, encoder: dict[str, float], tolerance: float, progress) -> str:
+def _trace(scene: Scene, recording: Recording, encoder: dict[str, float], tolerance: float) -> str:
     """Return what an encoder records of the scene's burst at its largest level, as CSV.
 
     ``encoder``: its ``bandwidth`` in Hz and its ``sampling`` in s, where it has them; they come before the noise.
@@ -233,7 +233,7 @@ def _trace(scene: Scene, recording: Recording, encoder: dict[str, float], tolera
     from studies.chain import run
 
     level = max(scene.levels)
-    _, path = run(scene.at_level(level), tolerance=tolerance, progress=progress).trajectories[0]
+    _, path = run(scene.at_level(level), tolerance=tolerance).trajectories[0]
     columns = {scene.level_column: np.full(len(path.time), level), "time_s": path.time}
     for more, head, curve in (
         (1, "position_m", travelled_distance(path.time, path.velocity)), (0, "velocity_m_per_s", path.velocity),

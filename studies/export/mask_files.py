@@ -1,5 +1,6 @@
 """The mask of a scene as a file, and as a picture on the beam that its transducers make."""
 
+import logging
 from dataclasses import replace
 from io import StringIO
 from pathlib import Path
@@ -13,22 +14,24 @@ from studies.record.quantities import quantity
 from studies.refusal import SceneError, needed
 from studies.scene import Scene
 
+LOGGER = logging.getLogger(__name__)
+
 COMBS = {"+": "plus", "-": "minus", "o": "open"}  # in the name of a layer
 MAX_COORDINATE = 2**31 - 1  # largest coordinate of a GDSII file, in units of its precision
 GDS_PRECISION = 1e-9  # m
 
 
-def gds_files(scene: Scene, name: str, *, size: list[str] | None = None, tolerance: float, progress) -> Exported:
+def gds_files(scene: Scene, name: str, *, size: list[str] | None = None, tolerance: float) -> Exported:
     """Return NAME.gds and a table of its layers."""
     drawn = mask(scene, Sizes.read(size or []))
     files = {f"{name}.gds": gds(drawn), "layers.csv": layer_table(drawn)}
-    return _exported(drawn, files, scene, tolerance, progress)
+    return _exported(drawn, files, scene, tolerance)
 
 
-def dxf_files(scene: Scene, name: str, *, size: list[str] | None = None, tolerance: float, progress) -> Exported:
+def dxf_files(scene: Scene, name: str, *, size: list[str] | None = None, tolerance: float) -> Exported:
     """Return NAME.dxf."""
     drawn = mask(scene, Sizes.read(size or []))
-    return _exported(drawn, {f"{name}.dxf": dxf(drawn)}, scene, tolerance, progress)
+    return _exported(drawn, {f"{name}.dxf": dxf(drawn)}, scene, tolerance)
 
 
 def gds(mask: Mask) -> bytes:
@@ -85,7 +88,7 @@ def layer_table(mask: Mask) -> str:
     return "layer,datatype,name\n" + "".join(f"{layer},{kind},{name}\n" for (layer, kind), name in sorted(rows.items()))
 
 
-def _exported(drawn: Mask, files, scene: Scene, tolerance: float, progress) -> Exported:
+def _exported(drawn: Mask, files, scene: Scene, tolerance: float) -> Exported:
     counts = {layer: sum(each.layer == layer for each in drawn.polygons) for layer in ("fingers", "busbars", "pads")}
     shift, widening = (round(each * 1e9, 3) for each in (drawn.shift, drawn.width_error))  # nm
     answer = (
@@ -95,22 +98,22 @@ def _exported(drawn: Mask, files, scene: Scene, tolerance: float, progress) -> E
                  f"{widening:g} nm; narrowest gap {drawn.gap * 1e6:.4g} um"),
     )  # fmt: skip
     return Exported(
-        files=files, answer=answer, pictures={"mask.png": lambda ax: _picture(drawn, scene, ax, tolerance, progress)},
+        files=files, answer=answer, pictures={"mask.png": lambda ax: _picture(drawn, scene, ax, tolerance)},
         remarks=(drawn.left_out,) * bool(drawn.left_out),
     )  # fmt: skip
 
 
-def _picture(drawn: Mask, scene: Scene, ax, tolerance: float, progress) -> None:
+def _picture(drawn: Mask, scene: Scene, ax, tolerance: float) -> None:
     """Draw the mask on |u_z| of the finite aperture, where it can be computed."""
     from studies.chain import run
     from studies.record.surface_map import surface_map
 
     beam = None
     if scene.drive is not None and not scene.piece:  # with a mesh no finite aperture is computed
-        progress("the beam, for the picture")
+        LOGGER.info("the beam, for the picture")
         alone = replace(scene, slider=None, stator=replace(scene.stator, diffraction=True))
         alone = alone.at_level(max(scene.levels)).with_source(burst=None)
-        beam = run(alone, tolerance=max(tolerance, 1e-2), progress=progress).surface_motion.beam
+        beam = run(alone, tolerance=max(tolerance, 1e-2)).surface_motion.beam
     if beam is not None:
         _, _, motion = surface_map(beam, scene.stator)
         size = np.abs(motion[2]).T * 1e9

@@ -13,18 +13,18 @@ from studies.refusal import SceneError
 from studies.scene import Scene
 
 
-def fmu_files(scene: Scene, name: str, *, fmi: str = "3", tolerance: float, progress) -> Exported:
+def fmu_files(scene: Scene, name: str, *, fmi: str = "3", tolerance: float) -> Exported:
     """Return NAME.fmu of a scene with a slider; ``fmi``: "3" or "2"."""
     if fmi not in FMI_VERSIONS:
         raise SceneError("--fmi", f"must be one of {', '.join(FMI_VERSIONS)}, got {fmi!r}")
-    motor = averaged_motor(scene, tolerance=tolerance, progress=progress)
+    motor = averaged_motor(scene, tolerance=tolerance)
     content, remark = fmu(motor, fmi)
     return Exported(files={f"{name}.fmu": content}, answer=_answer(motor), remarks=(remark,) * bool(remark))
 
 
-def c_files(scene: Scene, name: str, *, tolerance: float, progress) -> Exported:
+def c_files(scene: Scene, name: str, *, tolerance: float) -> Exported:
     """Return motor.c and motor.h of a scene with a slider."""
-    motor = averaged_motor(scene, tolerance=tolerance, progress=progress)
+    motor = averaged_motor(scene, tolerance=tolerance)
     return Exported(files={"motor.c": source(motor), "motor.h": header(motor)}, answer=_answer(motor))
 
 

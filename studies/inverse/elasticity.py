@@ -4,8 +4,9 @@ The derivatives are extrapolated differences, each with its error; the step is t
 answer.
 """
 
+import logging
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -15,6 +16,8 @@ from studies.chain.outcomes import OF_PILLARS, keywords
 from studies.inverse.prediction import MeasurementPredictor
 from studies.refusal import RunError, SceneError
 from studies.scene.override import walk
+
+LOGGER = logging.getLogger(__name__)
 
 # Accuracy of each answer: that of rounding, or the tolerance that it is solved to. Start-up times of `twente-contact`
 # solved to 1e-5 and to 1e-6 differ by up to 8e-6; those of four balls at different places cost 100 times more at 1e-6.
@@ -64,7 +67,7 @@ def _keys(predictor: MeasurementPredictor, names: Iterable[str]) -> list[str]:
 
 
 def elasticities(
-    predictor: MeasurementPredictor, outcomes: Sequence[str], level: float, progress: Callable[[str], None] = print
+    predictor: MeasurementPredictor, outcomes: Sequence[str], level: float
 ) -> dict[str, dict[str, tuple[float, float]]]:
     """Return {outcome: {key: (d ln outcome / d ln number, its error)}}, the level itself as "level".
 
@@ -74,7 +77,7 @@ def elasticities(
     for accuracy, names in _together(predictor, outcomes):
         centre = answers_at(predictor, names, level, [{}])[0]
         for key in _keys(predictor, names) if np.any(centre > 0.0) else ():
-            progress(f"{', '.join(names)}: {key}")
+            LOGGER.info(f"{', '.join(names)}: {key}")
             moved = key != "level" and predictor.needs_stator(key)
             within = max(accuracy, STATOR_ACCURACY if moved else 0.0)
             step = within**0.2 if not moved else PHASE_STEP if key.endswith(PHASED) else STATOR_STEP

@@ -5,6 +5,7 @@ interrupted therefore requests the same points again, reads them from the store 
 """
 
 import json
+import logging
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -18,6 +19,8 @@ from studies.sweeps.plan import Design as SweepDesign
 from studies.sweeps.plan import designed
 from studies.sweeps.store import Store
 from studies.sweeps.workers import workers as chosen_workers
+
+LOGGER = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,8 +52,8 @@ class Evaluations:
     ``coarse`` takes the stator's coarsest discretisation.
     """
 
-    def __init__(self, plan: SweepDesign, search: dict, options: Options, progress, *, coarse: bool = False):
-        self.question, self.progress = replace(plan.question, coarse=coarse), progress
+    def __init__(self, plan: SweepDesign, search: dict, options: Options, *, coarse: bool = False):
+        self.question = replace(plan.question, coarse=coarse)
         self.rows: list[dict] = []
         self.fixed = tuple(column[0] for axis in plan.axes if len(axis) == 1 for column in axis.columns)
         identity = plan.identity | {"search": json.dumps(search | {"coarse": coarse}, sort_keys=True)}
@@ -94,4 +97,4 @@ class Evaluations:
 
     def _tell(self, points: int, kept: int, failed: int, cost: float) -> None:
         failures = "" if self.question.coarse else f", {failed} without an answer within the tolerance"
-        self.progress(f"{kept} {'coarse ' if self.question.coarse else ''}evaluations{failures}")
+        LOGGER.info(f"{kept} {'coarse ' if self.question.coarse else ''}evaluations{failures}")

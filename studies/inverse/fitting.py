@@ -24,10 +24,11 @@ from studies.inverse.prediction import MeasurementPredictor
 from studies.inverse.profile import BetterMinimumError, End, allowed_excess, profile
 from studies.inverse.result import Fit
 from studies.lab.measurement import FIELD, Measurement
+from studies.progress import reported_to
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 
-LOGGER = logging.getLogger("studies.fit")
+LOGGER = logging.getLogger(__name__)
 FIRST_STEP = 1.96  # standard deviations to the expected end of an interval
 
 
@@ -57,7 +58,7 @@ def fit(
         Whether further measurements are ranked; by default not for a slider on pillars, whose motions are solved one by
         one.
     progress : callable, optional
-        Told what is being done.
+        Called with a few words about each step, as it is logged.
 
     Raises
     ------
@@ -80,25 +81,24 @@ def fit(
     >>> ratio.vary, 0.69 < ratio.value < 0.71, 0 < ratio.stderr < 0.01
     (True, True, True)
     """
-    problem, fixed, estimated = prepared(
-        scene, measurements, parameters, tolerance=tolerance, progress=progress or LOGGER.info
-    )
-    free = problem.parameters
-    problem = replace(problem, measurements=_signed(problem))
-    if next_measurements is None:
-        next_measurements = not problem.predictor.one_by_one
-    degrees = problem.points - len(free)
-    if degrees < (1 if estimated else 0):
-        raise SceneError("parameters", f"asks for {len(free)} numbers from {problem.points} measured values")
-    minima = problem.minima()
-    for _ in range(4):
-        try:
-            return replace(fit_about(problem, minima, degrees, estimated, next_measurements), fixed=fixed)
-        except BetterMinimumError as minimum:
-            minima = [problem.minimum(minimum.x), *minima]
-    raise RunError(
-        "the fit has several minima, none of which is clearly the lowest: narrow the ranges of the parameters"
-    )
+    with reported_to(progress):
+        problem, fixed, estimated = prepared(scene, measurements, parameters, tolerance=tolerance)
+        free = problem.parameters
+        problem = replace(problem, measurements=_signed(problem))
+        if next_measurements is None:
+            next_measurements = not problem.predictor.one_by_one
+        degrees = problem.points - len(free)
+        if degrees < (1 if estimated else 0):
+            raise SceneError("parameters", f"asks for {len(free)} numbers from {problem.points} measured values")
+        minima = problem.minima()
+        for _ in range(4):
+            try:
+                return replace(fit_about(problem, minima, degrees, estimated, next_measurements), fixed=fixed)
+            except BetterMinimumError as minimum:
+                minima = [problem.minimum(minimum.x), *minima]
+        raise RunError(
+            "the fit has several minima, none of which is clearly the lowest: narrow the ranges of the parameters"
+        )
 
 
 def prepared(
@@ -107,11 +107,10 @@ def prepared(
     parameters: list | dict,
     *,
     tolerance: float,
-    progress: Callable[[str], None],
 ) -> tuple[Problem, tuple[Parameter, ...], bool]:
     """Return the problem of a fit, the parameters that are held, and whether the deviations are to be estimated."""
     loaded = Scene.load(scene)
-    predictor = MeasurementPredictor(loaded, tolerance=tolerance, progress=progress)
+    predictor = MeasurementPredictor(loaded, tolerance=tolerance)
     curves, wanted = as_measurements(measurements), as_parameters(parameters)
     fixed = tuple(each for each in wanted if not each.vary)
     for each in fixed:

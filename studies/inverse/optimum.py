@@ -21,11 +21,12 @@ from studies.inverse.evaluations import Evaluations, Options, planned
 from studies.inverse.goals import read_constraint, read_goals, read_variable
 from studies.inverse.parameters import ranges
 from studies.inverse.search import UNKNOWN, Search
+from studies.progress import reported_to
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.scene.override import replaced
 
-LOGGER = logging.getLogger("studies.design")
+LOGGER = logging.getLogger(__name__)
 WEIGHTS = (0.25, 0.5, 0.75)  # of the second goal, between the searches for each alone
 DEFAULT = Options()
 CHANGE = 0.05  # of each variable, for the robustness
@@ -54,7 +55,7 @@ def design(
         Texts ``"stick_margin <= 0"`` or `Constraint` objects.
     options : Options
     progress : callable, optional
-        Told what is being done; without it the logger ``studies.design`` is.
+        Called with a few words about each step, as it is logged.
 
     Raises
     ------
@@ -63,48 +64,51 @@ def design(
     RunError
         If no evaluation keeps the constraints.
     """
-    if isinstance(scene, (str, Path)):
-        scene = Scene.load(scene)
-    table = scene.to_table() if isinstance(scene, Scene) else scene
-    names = [goals] if isinstance(goals, str) else list(goals)
-    varied = tuple(read_variable(each) if isinstance(each, str) else each for each in ranges(variables))
-    bounds = tuple(read_constraint(each) if isinstance(each, str) else each for each in constraints)
-    budget = 60 * len(varied) if options.evaluations is None else options.evaluations
-    aims = read_goals(names, varied)
-    if not varied:
-        raise SceneError("variables", "is required: KEY=LOW:HIGH")
-    if budget < 4 * len(varied) + 8:
-        raise SceneError("evaluations", f"must be at least {4 * len(varied) + 8}, got {budget}")
-    also = keywords([*(column for goal in aims for column in goal.columns), *(each.column for each in bounds)])
-    plan = planned(table, varied, also=tuple(sorted(also)), tolerance=options.tolerance)
-    search = {"goals": names, "subject": [each.text for each in bounds], "evaluations": budget,
-              "seed": options.seed, "ranges": [[each.key, each.low, each.high] for each in varied]}  # fmt: skip
-    shared = plan, search, options, progress or LOGGER.info
-    with ExitStack() as stack:
-        ask, coarse = stack.enter_context(Evaluations(*shared)), None
-        if plan.question.stator_keys:  # of the stator, or the slider's place
-            coarse = stack.enter_context(Evaluations(*shared, coarse=True))
-        searcher = Search(ask, coarse, varied, bounds, aims, options.seed)
-        best_of_each = [searcher.run(weights, budget) for weights in np.eye(len(aims)).tolist()]
-        if len(aims) == 2:
-            searcher.best_of_each = best_of_each
-            for weight in WEIGHTS:
-                searcher.run([1.0 - weight, weight], budget)
-        feasible = searcher.feasible(ask.rows)
-        if not feasible:
-            raise RunError(f"none of {len(ask.rows)} evaluations keeps all constraints: {_closest(searcher, ask.rows)}")
-        front = _front(feasible, searcher)
-        optimum = front[len(front) // 2]
-        rows = [*([] if coarse is None else coarse.rows), *ask.rows]
-        robustness = _robustness(searcher, optimum)
-        best = table
-        for variable in varied:
-            best = replaced(best, variable.key, optimum[variable.key])
-        evaluations = len(ask.rows) + (0 if coarse is None else len(coarse.rows))
-        return Design(
-            goals=tuple(names), columns=tuple(str(each.column(optimum)) for each in aims), optimum=optimum, front=front,
-            robustness=robustness, rows=rows, evaluations=evaluations, table=best,
-        )  # fmt: skip
+    with reported_to(progress):
+        if isinstance(scene, (str, Path)):
+            scene = Scene.load(scene)
+        table = scene.to_table() if isinstance(scene, Scene) else scene
+        names = [goals] if isinstance(goals, str) else list(goals)
+        varied = tuple(read_variable(each) if isinstance(each, str) else each for each in ranges(variables))
+        bounds = tuple(read_constraint(each) if isinstance(each, str) else each for each in constraints)
+        budget = 60 * len(varied) if options.evaluations is None else options.evaluations
+        aims = read_goals(names, varied)
+        if not varied:
+            raise SceneError("variables", "is required: KEY=LOW:HIGH")
+        if budget < 4 * len(varied) + 8:
+            raise SceneError("evaluations", f"must be at least {4 * len(varied) + 8}, got {budget}")
+        also = keywords([*(column for goal in aims for column in goal.columns), *(each.column for each in bounds)])
+        plan = planned(table, varied, also=tuple(sorted(also)), tolerance=options.tolerance)
+        search = {"goals": names, "subject": [each.text for each in bounds], "evaluations": budget,
+                  "seed": options.seed, "ranges": [[each.key, each.low, each.high] for each in varied]}  # fmt: skip
+        shared = plan, search, options
+        with ExitStack() as stack:
+            ask, coarse = stack.enter_context(Evaluations(*shared)), None
+            if plan.question.stator_keys:  # of the stator, or the slider's place
+                coarse = stack.enter_context(Evaluations(*shared, coarse=True))
+            searcher = Search(ask, coarse, varied, bounds, aims, options.seed)
+            best_of_each = [searcher.run(weights, budget) for weights in np.eye(len(aims)).tolist()]
+            if len(aims) == 2:
+                searcher.best_of_each = best_of_each
+                for weight in WEIGHTS:
+                    searcher.run([1.0 - weight, weight], budget)
+            feasible = searcher.feasible(ask.rows)
+            if not feasible:
+                raise RunError(
+                    f"none of {len(ask.rows)} evaluations keeps all constraints: {_closest(searcher, ask.rows)}"
+                )
+            front = _front(feasible, searcher)
+            optimum = front[len(front) // 2]
+            rows = [*([] if coarse is None else coarse.rows), *ask.rows]
+            robustness = _robustness(searcher, optimum)
+            best = table
+            for variable in varied:
+                best = replaced(best, variable.key, optimum[variable.key])
+            evaluations = len(ask.rows) + (0 if coarse is None else len(coarse.rows))
+            return Design(
+                goals=tuple(names), columns=tuple(str(each.column(optimum)) for each in aims), optimum=optimum,
+                front=front, robustness=robustness, rows=rows, evaluations=evaluations, table=best,
+            )  # fmt: skip
 
 
 def _front(feasible: list[dict], searcher: Search) -> list[dict]:

@@ -4,9 +4,9 @@ The steady states of all sets and levels are asked for together, by the rule of 
 (`studies.chain.steady`); a burst is followed as in a run.
 """
 
+import logging
 import math
 import time
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -35,6 +35,8 @@ from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.override import value_at
 
+LOGGER = logging.getLogger(__name__)
+
 MAX_FIELDS = 64  # scans and networks kept, each of one stator
 
 
@@ -45,17 +47,17 @@ class MeasurementPredictor(Predictor):
     for the stator.
     """
 
-    def __init__(self, scene: Scene, *, tolerance: float = 1e-3, progress: Callable | None = None):
+    def __init__(self, scene: Scene, *, tolerance: float = 1e-3):
         if scene.wave is None and not scene.transducer:
             scene.refuse("transducer", "is missing: nothing drives the slider")
-        super().__init__(resolved(scene).to_table(), tolerance=tolerance, steps=1, progress=progress)
+        super().__init__(resolved(scene).to_table(), tolerance=tolerance, steps=1)
         self._fields: dict = {}  # of scans and networks that are known, by the stator and the data
         self._stage, self._total, self._done, self._told = "", 0, 0, 0.0
 
     def begin(self, stage: str, total: int = 0) -> None:
         """Report a stage; its predictions are counted from now on, of a total where that is known."""
         self._stage, self._total, self._done, self._told = stage, total, 0, time.monotonic()
-        self.progress(stage)
+        LOGGER.info(stage)
 
     def _count_one(self) -> None:
         """Count a prediction, and report the number of them about once a second."""
@@ -63,7 +65,7 @@ class MeasurementPredictor(Predictor):
         if self._stage and time.monotonic() > self._told + 1.0:
             self._told = time.monotonic()
             of_total = f" of {self._total}" if self._total else ""
-            self.progress(f"{self._stage}: {self._done}{of_total} predictions")
+            LOGGER.info(f"{self._stage}: {self._done}{of_total} predictions")
 
     @property
     def given_wave(self) -> bool:
@@ -132,14 +134,14 @@ class MeasurementPredictor(Predictor):
         key = stator, id(data)
         if isinstance(data, NetworkData):
             if key not in self._fields:
-                scattering = network_prediction(scene, data, tolerance=self.tolerance, progress=self.progress)
+                scattering = network_prediction(scene, data, tolerance=self.tolerance)
                 self._keep(key, data, scattering)
             known = self._fields[key][1]
             return np.concatenate([known.real.ravel(), known.imag.ravel()])
         scan = placed(scene, data, "measurements")
         if key not in self._fields:
             # solved as the scans that the program writes are: what differs is the data alone
-            motion = predicted_scan(scene, scan, tolerance=self.tolerance, progress=self.progress)
+            motion = predicted_scan(scene, scan, tolerance=self.tolerance)
             self._keep(key, data, motion)
         motion = self._fields[key][1] * numbers.get(AMPLITUDE_FACTOR, 1.0)
         motion = at_other_velocity(scene, scan, motion, numbers.get(WAVE_VELOCITY_FACTOR, 1.0))

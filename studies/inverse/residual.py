@@ -11,7 +11,7 @@ from studies.lab.measurement import Measurement
 from studies.refusal import needed
 from studies.scene import Scene
 
-LOGGER = logging.getLogger("studies.fit")
+LOGGER = logging.getLogger(__name__)
 
 
 class Residual:
@@ -56,9 +56,7 @@ class Residual:
         *,
         tolerance: float = 1e-3,
     ):
-        self._problem, self.fixed, _ = prepared(
-            scene, measurements, parameters, tolerance=tolerance, progress=LOGGER.info
-        )
+        self._problem, self.fixed, _ = prepared(scene, measurements, parameters, tolerance=tolerance)
         self.parameters = self._problem.parameters
         starts = zip(self.parameters, self._problem.starts()[0], strict=False)
         self.start = np.array([each.outer(value) for each, value in starts])

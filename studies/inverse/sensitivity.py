@@ -43,7 +43,7 @@ BALLS_SECONDS, PILLARS_SECONDS, PILLAR_SECONDS, OTHER_SECONDS = 0.1, 0.2, 1e-4, 
 
 
 @study("twente-contact")
-def run(scene: Scene, *, outcomes: tuple[str, ...] | None = None, tolerance: float = 1e-2, progress=None) -> Answered:
+def run(scene: Scene, *, outcomes: tuple[str, ...] | None = None, tolerance: float = 1e-2) -> Answered:
     """Return the elasticities of a motor.
 
     Parameters
@@ -53,9 +53,9 @@ def run(scene: Scene, *, outcomes: tuple[str, ...] | None = None, tolerance: flo
     tolerance : float
         Of the velocity, for the stator.
     """
-    predictor = MeasurementPredictor(scene, tolerance=tolerance, progress=progress)
+    predictor = MeasurementPredictor(scene, tolerance=tolerance)
     level = max(predictor.contact({}).scene.levels)
-    slopes = elasticities(predictor, answers_of_slider(predictor) if outcomes is None else outcomes, level, progress)
+    slopes = elasticities(predictor, answers_of_slider(predictor) if outcomes is None else outcomes, level)
     changes = both_sides(predictor, tuple(name for name, rows in slopes.items() if rows), level)
     title, findings, panels = predictor.table.get("title", ""), [], []
     for name, rows in slopes.items():

@@ -8,6 +8,7 @@ exactly where the drive exceeds the threshold, and leaves the surface in every c
 release; the thrust is at most mu times the preload. Run time: about 5 s.
 """
 
+import logging
 import math
 from itertools import pairwise
 
@@ -28,6 +29,8 @@ from studies.study import Answered, Panel, judged, of_record, study
 from studies.sweeps import sweep
 from studies.sweeps.axes import axis, level_key
 
+LOGGER = logging.getLogger(__name__)
+
 QUICK = {"counts": (3, 3)}
 SMALLEST = 100.0  # ratio of the largest value of a map to the smallest value with a separate colour
 # for each panel: column of the sweep and name of the quantity
@@ -40,12 +43,7 @@ PANELS = {
 
 @study("twente-contact")
 def run(
-    scene: Scene,
-    *,
-    over: dict | None = None,
-    counts: tuple[int, int] = (28, 22),
-    tolerance: float = 1e-3,
-    progress=None,
+    scene: Scene, *, over: dict | None = None, counts: tuple[int, int] = (28, 22), tolerance: float = 1e-3
 ) -> Answered:
     """Return the maps, the lines of threshold and release, and the point of the scene.
 
@@ -70,10 +68,10 @@ def run(
     has_level_axis = level in (x_key, y_key)
     if not has_level_axis:
         table = replaced(table, level, [max(resolved_scene.levels)])
-    progress(f"design map: {len(x) * len(y)} points")
+    LOGGER.info(f"design map: {len(x) * len(y)} points")
 
     def report(count, kept, failed, cost):
-        progress(f"design map: {kept} of {count} points, {failed} failed")
+        LOGGER.info(f"design map: {kept} of {count} points, {failed} failed")
 
     words = ("limits", "thrust", "efficiency")
     points = sweep(table, {y_key: y, x_key: x}, tolerance=tolerance, also=words, progress=report)

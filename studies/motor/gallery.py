@@ -7,8 +7,8 @@ and energy. Expected: pictures only; other studies judge what they show.
 Run time: about a minute.
 """
 
+import logging
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -29,6 +29,8 @@ from studies.view.run_field import run_field
 if TYPE_CHECKING:
     from contact.answers.ledger import Ledger
     from studies.view.run_field import RunField
+
+LOGGER = logging.getLogger(__name__)
 
 QUICK = {"films": False, "maps": False}
 # fractions of the largest voltage; the nearest voltages of the scene are used
@@ -51,13 +53,7 @@ class Gallery(StudyRecord):
     films: bool = True
 
 
-def run(
-    scene: str | Scene = "twente",
-    *,
-    films: bool = True,
-    maps: bool = True,
-    progress: Callable[[str], None] | None = None,
-) -> Gallery:
+def run(scene: str | Scene = "twente", *, films: bool = True, maps: bool = True) -> Gallery:
     """Compute the data of all pictures of the gallery.
 
     Parameters
@@ -68,23 +64,20 @@ def run(
         True to draw the movies and the solid.
     maps : bool
         True to compute the regime map and the admittance.
-    progress : callable, optional
-        Told what is being done.
     """
     start_time = time.perf_counter()
-    progress = progress or (lambda text: None)
     loaded = Scene.load(scene)
     if not loaded.transducer or loaded.slider is None:
         loaded.refuse("transducer", "and slider are needed: the gallery shows a whole motor")
-    progress("running the scene")
-    record = run_chain(loaded.with_source(burst=None), tolerance=1e-3, progress=progress)
-    wave_field, driven = run_field(record, progress=progress), DrivenContact.of_run(record)
+    LOGGER.info("running the scene")
+    record = run_chain(loaded.with_source(burst=None), tolerance=1e-3)
+    wave_field, driven = run_field(record), DrivenContact.of_run(record)
     moving = driven.above(1.0)
     voltage, *voltages = (
         min(moving, key=lambda level: abs(level - share * moving[-1])) for share in (CONTACT, *BURSTS)
     )
-    slow = contact_moments(record, level=voltage, progress=progress)
-    progress("bursts")
+    slow = contact_moments(record, level=voltage)
+    LOGGER.info("bursts")
     slider = driven.slider
     acceleration = slider.least_friction(len(driven.orbits)) / slider.mass
     largest = abs(contact.steady(slider, driven.at(max(voltages)), tolerance=1e-3).velocity)
@@ -106,7 +99,7 @@ def run(
         bursts=bursts,
         acceleration=acceleration,
         ledger=contact.steady(slider, driven.at(voltage), tolerance=1e-6).ledger,
-        others=tuple((each, each.run(loaded, progress=progress).panels[0]) for each in studies),
+        others=tuple((each, each.run(loaded).panels[0]) for each in studies),
         films=films,
         seconds=time.perf_counter() - start_time,
     )
@@ -117,6 +110,6 @@ def figure(record: Gallery, ax):
     return velocity(record.record, ax)
 
 
-def draw(gallery: Gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
+def draw(gallery: Gallery, folder: Path) -> None:
     """Draw all pictures of the gallery into a directory."""
-    draw_all(gallery, folder, progress=progress)
+    draw_all(gallery, folder)

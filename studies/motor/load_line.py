@@ -7,6 +7,7 @@ preload; the efficiency lies between 0 and 1 and is largest at an intermediate l
 Run time: about 2 s, plus the time of the stator.
 """
 
+import logging
 from dataclasses import replace
 from functools import partial
 
@@ -20,12 +21,14 @@ from studies.report.intermediate import load_axis, si
 from studies.scene import Scene
 from studies.study import Answered, Panel, driven_contact, judged, of_record, study
 
+LOGGER = logging.getLogger(__name__)
+
 QUICK = {"points": 3}
 LINES = 4
 
 
 @study("twente-contact")
-def run(scene: Scene, *, points: int = 17, tolerance: float = 1e-3, progress=None) -> Answered:
+def run(scene: Scene, *, points: int = 17, tolerance: float = 1e-3) -> Answered:
     """Return load lines and efficiencies.
 
     Parameters
@@ -35,11 +38,11 @@ def run(scene: Scene, *, points: int = 17, tolerance: float = 1e-3, progress=Non
     tolerance : float
         Of the slider velocity.
     """
-    driven = driven_contact(scene, tolerance=tolerance, pillars=True, progress=progress)
+    driven = driven_contact(scene, tolerance=tolerance, pillars=True)
     resolved_scene, slider, lines = driven.scene, driven.slider, {}
     on_pillars = partial(moves, driven) if resolved_scene.on_pillars else None
     for level in driven.spread(1.05, LINES, on_pillars):
-        progress(f"load line: {driven.scene.named(level)}")
+        LOGGER.info(f"load line: {driven.scene.named(level)}")
         if resolved_scene.on_pillars:
             lines[driven.scene.named(level)] = PillarContact.of(driven).load_line(level, points)
             continue

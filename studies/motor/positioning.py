@@ -18,6 +18,7 @@ in [uncertain]. Expected: rest within 2 nm of the target, and the steps of `cont
 twice the time of the stator.
 """
 
+import logging
 import math
 from collections.abc import Iterator
 from dataclasses import fields, replace
@@ -40,6 +41,8 @@ from studies.scene.numbers import Quantity
 from studies.scene.override import parts_of, toml_value
 from studies.study import Answered, Panel, judged, of_record, study
 
+LOGGER = logging.getLogger(__name__)
+
 QUICK = {"cycles": (8, 25, 100)}
 CYCLES = (2, 4, 8, 12, 16, 25, 36, 50, 72, 100, 150, 200)
 DEFAULT_TARGET = 1e-5  # m
@@ -57,7 +60,7 @@ RULES = {  # of the loop's and the controllers' numbers; others are zero or posi
 @study("twente-contact")
 def run(
     scene: Scene, *, target: str | float | None = None, controller: str = "two_phase", loop: list[str] | None = None,
-    cycles: tuple[int, ...] = CYCLES, tolerance: float = 1e-3, progress=None,
+    cycles: tuple[int, ...] = CYCLES, tolerance: float = 1e-3,
 ) -> Answered:  # fmt: skip
     """Return the moves to a target and back, and the steps of short bursts.
 
@@ -82,14 +85,14 @@ def run(
         if distance == 0.0:
             raise SceneError("--target", "must not be 0: that is where the slider stands")
         refuse_beyond(scene, distance)
-    first = first_drive(scene, tolerance=tolerance, progress=progress)
+    first = first_drive(scene, tolerance=tolerance)
     one_way = scene.wave is None and not other_drives(scene)
     direction = math.copysign(1.0, push(first.slider, first.at(max(first.levels))))
     if one_way and distance is not None and distance * direction < 0.0:
         sign, there = ("negative", "-10 um") if distance > 0.0 else ("positive", "10 um")
         rule = f'must be {sign}, such as "{there}": one transducer drives the slider that way alone'
         raise SceneError("--target", f"{rule}, got {distance * 1e6:.4g} um")
-    motor = averaged_motor(scene, tolerance=tolerance, first=first, progress=progress)
+    motor = averaged_motor(scene, tolerance=tolerance, first=first)
     numbers = motor_numbers(motor)
     reach = numbers.speed_per_level * (numbers.level - numbers.dead_zone) * settings.limit
     if distance is not None and abs(distance) > reach:
@@ -101,7 +104,7 @@ def run(
     if distance is None:
         distance = DEFAULT_TARGET * direction
         refuse_beyond(scene, distance)
-    progress("positioning: the way there and back")
+    LOGGER.info("positioning: the way there and back")
     state = FollowedMotor(motor, preload=settings.preload)
     drives = Drives(
         powers=(motor.drives[0].power, 0.0 if one_way else motor.drives[1].power), direction=direction, one_way=one_way,
@@ -114,9 +117,9 @@ def run(
     coarse = FollowedMotor(motor, preload=settings.preload, steps=STEPS // 2)
     error, _ = _difference(moves, coarse, settings)
     averaging = _difference(moves, motor.start(preload=settings.preload), settings)
-    progress("positioning: steps of short bursts")
-    steps = short_bursts(first, motor, cycles, progress)
-    scatter = step_scatter(scene, motor, progress)
+    LOGGER.info("positioning: steps of short bursts")
+    steps = short_bursts(first, motor, cycles)
+    scatter = step_scatter(scene, motor)
     findings = [
         *(judged(f"The slider comes to rest at the target ({name}).", "mean error at rest, m",
                  abs(move.error_at_rest), high=MAX_REST_ERROR,

@@ -9,6 +9,7 @@ every other point lies on the side of the lines that corresponds to its regime; 
 velocity to 1e-6 at a dozen points. Run time: about 1 s, plus the time of the stator.
 """
 
+import logging
 import math
 from dataclasses import replace
 
@@ -22,6 +23,8 @@ from studies.record.quantities import quantity
 from studies.scene import Scene
 from studies.study import Answered, Panel, driven_contact, judged, of_record, study
 
+LOGGER = logging.getLogger(__name__)
+
 QUICK = {"amplitudes": 8, "preloads": 5, "checked": 2}
 KINDS = ("stick", "slip", "intermittent", "hopping")
 AVERAGING_ERROR = 2.0  # relative error of an averaged threshold or release over (f_n/f)^2, as in `contact.threshold`
@@ -30,7 +33,7 @@ HALF_WAVE = math.gamma(1.25) / (2.0 * math.sqrt(math.pi) * math.gamma(1.75))  # 
 
 @study("twente-contact")
 def run(
-    scene: Scene, *, amplitudes: int = 36, preloads: int = 28, checked: int = 12, tolerance: float = 1e-3, progress=None
+    scene: Scene, *, amplitudes: int = 36, preloads: int = 28, checked: int = 12, tolerance: float = 1e-3
 ) -> Answered:
     """Return the map of regimes, the theoretical lines and the operating points.
 
@@ -43,7 +46,7 @@ def run(
     tolerance : float
         Of the slider velocity, for the stator.
     """
-    driven = driven_contact(scene, tolerance=tolerance, progress=progress)
+    driven = driven_contact(scene, tolerance=tolerance)
     resolved_scene, slider, per_metre = driven.scene, driven.slider, driven.at(1.0 / driven.amplitude)
     if slider.shape != "sphere" or slider.heights:
         resolved_scene.refuse("slider", "must stand on balls of equal height for a map of regimes")
@@ -51,7 +54,7 @@ def run(
     if operating_preload == 0.0 or slider.static_coefficient == 0.0:
         resolved_scene.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
     at, loads, reach = _grid(driven, per_metre, amplitudes, preloads)
-    progress(f"regime map: {at.size * loads.size} steady states")
+    LOGGER.info(f"regime map: {at.size * loads.size} steady states")
     loaded = [replace(slider, preload=float(preload)) for preload in loads]
     # for each point (preload, amplitude): index of the slider, and 0, the only set of orbits
     which = np.stack([*np.indices((loads.size, 1))], axis=-1).repeat(at.size, axis=1)
@@ -80,7 +83,7 @@ def run(
     known, expected = (kind != "unknown") & ~np.any(close, axis=0), np.select(below, KINDS[:3], KINDS[3])
     # a load changes only the threshold; the other lines depend on the normal motion alone
     agree = float(np.mean(expected[known] == kind[known]))
-    progress("regime map: checks by the event-driven method")
+    LOGGER.info("regime map: checks by the event-driven method")
     findings = (
         judged("The closed forms of threshold, release and hopping separate the simulated regimes.",
                "fraction of simulated points on the expected side", agree, holds=agree == 1.0, expected="1",

@@ -1,5 +1,6 @@
 """Steps of bursts of a few cycles: largest displacement, remaining displacement and scatter."""
 
+import logging
 import math
 from dataclasses import replace
 
@@ -16,17 +17,19 @@ from studies.export.motor_model import AveragedMotor
 from studies.scene import Scene
 from studies.scene.keys import LEVELS, tolerances
 
+LOGGER = logging.getLogger(__name__)
+
 DRAWS = 24  # number of random motors within the tolerances, for the scatter
 SCATTER_CYCLES = 100
 
 
-def short_bursts(driven: DrivenContact, motor: AveragedMotor, cycles: tuple[int, ...], progress) -> dict:
+def short_bursts(driven: DrivenContact, motor: AveragedMotor, cycles: tuple[int, ...]) -> dict:
     """Return the steps of short bursts at the largest level, from the exact contact model and from the averaged motor.
 
     The keys are columns over ``cycles``, the elastic deformation of the contacts in m, and the largest ``difference``
     between the steps of both models in m.
     """
-    bursts = Steps.of(driven, progress=progress)
+    bursts = Steps.of(driven)
     level, drive = motor.levels[-1], motor.drives[0]
     frequency = drive.orbits[0].frequency
     decay_time = 0.0 if drive.response is None else drive.response_step * len(drive.response)
@@ -51,11 +54,11 @@ def short_bursts(driven: DrivenContact, motor: AveragedMotor, cycles: tuple[int,
     }  # fmt: skip
 
 
-def step_scatter(scene: Scene, motor: AveragedMotor, progress) -> tuple[float, float] | None:
+def step_scatter(scene: Scene, motor: AveragedMotor) -> tuple[float, float] | None:
     """Return mean and standard deviation in m of the step of a burst, over random motors within [uncertain]."""
     if scene.uncertain is None:
         return None
-    progress("positioning: scatter by the tolerances")
+    LOGGER.info("positioning: scatter by the tolerances")
     known = tolerances(resolved(scene))
     uncertain_inputs = tuple(each for each in known if each.key in LEVELS or not of_stator(each.key))
     if not uncertain_inputs:

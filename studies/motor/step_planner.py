@@ -13,6 +13,7 @@ long compared with the settling of the wave and with the bounce of the start. Ru
 stator's.
 """
 
+import logging
 import math
 from collections.abc import Iterator
 
@@ -23,6 +24,8 @@ from studies.chain.steps import Steps
 from studies.record.plots import COLOURS, curve, family, finished, logarithmic
 from studies.scene import Scene
 from studies.study import Answered, Finding, Panel, driven_contact, judged, of_record, study
+
+LOGGER = logging.getLogger(__name__)
 
 QUICK = {"cycles": (64, 512), "wanted": (2e-8,), "lines": 1}
 CYCLES = tuple(2**k for k in range(3, 13))
@@ -44,7 +47,7 @@ HOLLOW = {"markersize": 5.0, "markerfacecolor": "white"}
 @study("twente-contact")
 def run(
     scene: Scene, *, cycles: tuple[int, ...] = CYCLES, wanted: tuple[float, ...] = WANTED, lines: int = 4,
-    tolerance: float = 1e-3, progress=None,
+    tolerance: float = 1e-3,
 ) -> Answered:  # fmt: skip
     """Return the steps of given numbers of cycles, and the numbers of cycles for given steps.
 
@@ -59,13 +62,13 @@ def run(
     tolerance : float
         Of the slider velocity, for the stator.
     """
-    driven = driven_contact(scene, tolerance=tolerance, progress=progress)
+    driven = driven_contact(scene, tolerance=tolerance)
     levels = driven.spread(1.5, lines)
-    bursts = Steps.of(driven, progress=progress)
+    bursts = Steps.of(driven)
     steps, planned = {}, {}
     for level in levels:
         name = driven.scene.named(level)
-        progress(f"step planner: {name}")
+        LOGGER.info(f"step planner: {name}")
         steps[name] = [bursts.step(level, number) for number in cycles]
         planned[name] = [bursts.reaching(level, size) for size in wanted]
     pairs = [(size, *pair) for plans in planned.values() for size, pair in zip(wanted, plans, strict=True)]

@@ -8,6 +8,8 @@ dashed line shows a slider that starts at the position of the scene and travels 
 it follows the mean. Expected: Fresnel fringes of the aperture. Run time: about 30 s.
 """
 
+import logging
+
 import numpy as np
 
 import contact
@@ -19,6 +21,8 @@ from studies.record.quantities import quantity
 from studies.scene import Scene
 from studies.study import Answered, Panel, driven_contact, judged, of_record, study
 
+LOGGER = logging.getLogger(__name__)
+
 QUICK = {"count": 10, "duration": 2e-3}
 LINES = 3
 WITHIN = 4  # points over half a wavelength around each position
@@ -26,7 +30,7 @@ CLEAR = 0.5  # least distance from the fingers in wavelengths
 
 
 @study("twente")
-def run(scene: Scene, *, count: int = 240, duration: float = 0.3, tolerance: float = 1e-3, progress=None) -> Answered:
+def run(scene: Scene, *, count: int = 240, duration: float = 0.3, tolerance: float = 1e-3) -> Answered:
     """Return amplitude and steady velocity against the position of the slider, and the motion of a travelling slider.
 
     Parameters
@@ -38,7 +42,7 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, tolerance: flo
     tolerance : float
         Of the slider velocity.
     """
-    driven = driven_contact(scene, tolerance=tolerance, progress=progress)
+    driven = driven_contact(scene, tolerance=tolerance)
     if driven.record is None:
         driven.scene.refuse("wave", "must be absent: along a given wave every place is alike")
     resolved_scene, slider, motion = driven.scene, driven.slider, driven.record.surface_motion
@@ -48,12 +52,12 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, tolerance: flo
     positions = np.linspace(low + half_wavelength / 2, high - half_wavelength / 2, count)
     ripple = half_wavelength * ((np.arange(WITHIN) + 0.5) / WITHIN - 0.5)
     shifts = np.append(np.add.outer(positions, ripple), center) - center
-    progress("stroke: the field along the stator")
+    LOGGER.info("stroke: the field along the stator")
     orbits = along.orbits(shifts)
     velocities, paths, speeds = {}, {}, {}
     for level in driven.spread(1.05, LINES):
         name = driven.scene.named(level)
-        progress(f"stroke: {name}")
+        LOGGER.info(f"stroke: {name}")
         rows = averaged([(slider, each, 0.0, level) for each in orbits])
         velocities[name] = np.array([velocity for velocity, *_ in rows[:-1]]).reshape(count, WITHIN)
         velocity_at_center = float(rows[-1][0])

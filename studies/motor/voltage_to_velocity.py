@@ -5,8 +5,6 @@ and the steady motion of the slider. Expected: rest below a threshold voltage; a
 transducer that increases through slip to intermittent contact. Run time: about 3 s.
 """
 
-from collections.abc import Callable
-
 from studies.chain import run as run_chain
 from studies.record import Record
 from studies.scene import Scene
@@ -14,9 +12,7 @@ from studies.scene import Scene
 QUICK = {"tolerance": 1e-2}
 
 
-def run(
-    scene: str | Scene = "twente", *, tolerance: float = 1e-3, progress: Callable[[str], None] | None = None
-) -> Record:
+def run(scene: str | Scene = "twente", *, tolerance: float = 1e-3) -> Record:
     """Return the record of a scene with a slider.
 
     Parameters
@@ -25,13 +21,11 @@ def run(
         A path, a shipped name or a scene.
     tolerance : float
         Of the velocity, relative to max(|v|, omega |u_x| / 10).
-    progress : callable, optional
-        Told what is being done.
     """
     loaded = Scene.load(scene)
     if loaded.slider is None:
         loaded.refuse("slider", "is missing: without a slider there is no velocity")
-    return run_chain(loaded, tolerance=tolerance, progress=progress)
+    return run_chain(loaded, tolerance=tolerance)
 
 
 def figure(record: Record, ax):

@@ -10,6 +10,7 @@ within its band; the band of predictions from the voltage is as wide as the unkn
 Run time: about 40 s.
 """
 
+import logging
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -23,6 +24,8 @@ from studies.record.plots import COLOURS, finished
 from studies.record.text import csv_text, markdown
 from studies.study import Answered, Finding, Panel, StudyRecord, of_record, study
 
+LOGGER = logging.getLogger(__name__)
+
 MOTORS = tuple(dict.fromkeys(each.motor for each in comparisons()))
 QUICK = {"motors": (*MOTORS[1:4], *MOTORS[5:])}
 WIDE = 5.0  # highest over lowest of a band from which on an agreement says little
@@ -30,7 +33,7 @@ WIDE = 5.0  # highest over lowest of a band from which on an agreement says litt
 
 def seed_release(case: dict) -> float:
     """Return the release amplitude of the seed paper's slider with another modulus, m."""
-    seed = Seed(lambda text: None)
+    seed = Seed()
     return contact.release_amplitude(replace(seed.slider, effective_modulus=case["modulus"]), seed.shape)
 
 
@@ -58,20 +61,18 @@ MODELS: dict[str, Callable[[dict], float]] = {
 
 
 @study()
-def run(*, motors: tuple[str, ...] = MOTORS, progress=None) -> Answered:
+def run(*, motors: tuple[str, ...] = MOTORS) -> Answered:
     """Return predictions with their bands beside what is published.
 
     Parameters
     ----------
     motors : tuple of str
         Of `MOTORS`.
-    progress : callable, optional
-        Told what is being done.
     """
     rows = []
     for each in comparisons():
         if each.motor in motors:
-            progress(f"{each.motor}: {each.quantity}")
+            LOGGER.info(f"{each.motor}: {each.quantity}")
             rows.append(compared(each, MODELS[each.model]))
     title = "Published motors (bands: what the papers do not state)"
     return (Panel.of_rows("published_motors", title, rows),), map(finding_of, rows)

@@ -13,6 +13,7 @@ to the reactance or in series with it, and 20.5 V as peak or as peak-to-peak val
 in its band, and one layout meets all numbers of KAKEN 22360101 to 15 %. Run time: about 5 s.
 """
 
+import logging
 from itertools import product
 
 import numpy as np
@@ -22,6 +23,8 @@ from studies.papers.published import Unknown
 from studies.record.plots import COLOURS, finished
 from studies.refusal import RunError
 from studies.study import Answered, Panel, judged, of_record, study
+
+LOGGER = logging.getLogger(__name__)
 
 FREQUENCY, PERIOD, APERTURE, THICKNESS, PAIRS, STRIP_PAIRS = 9.61e6, 400e-6, 9e-3, 1.5e-3, 21, 32
 ELECTRODES = {"open": "o", "connected": "+"}
@@ -45,7 +48,7 @@ PUBLISHED = {
 @study()
 def run(
     *, scales: tuple[float, ...] = SCALES, electrodes: tuple[str, ...] = tuple(ELECTRODES), pairs: int = PAIRS,
-    strip_pairs: int = STRIP_PAIRS, tolerance: float = 2e-2, progress=None,
+    strip_pairs: int = STRIP_PAIRS, tolerance: float = 2e-2,
 ) -> Answered:  # fmt: skip
     """Return predictions with their bands beside what is published.
 
@@ -59,12 +62,10 @@ def run(
         Of the transducer, and of the strips.
     tolerance : float
         Of the P-matrices.
-    progress : callable, optional
-        Told what is being done.
     """
     row, cases = p_matrix_of_row(None, 1.0, pairs, tolerance), []
     for kind, scale in product(electrodes, scales):
-        progress(f"strips {kind}, period {scale:g} of the fingers'")
+        LOGGER.info(f"strips {kind}, period {scale:g} of the fingers'")
         strips = p_matrix_of_row(ELECTRODES[kind], scale, strip_pairs, tolerance)
         cases += [{"electrodes": kind, "scale": scale} | case for case in one_sided(row, strips)]
     columns = {key: [case[key] for case in cases] for key in cases[0]}

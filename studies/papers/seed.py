@@ -1,7 +1,5 @@
 """The slider and the wave of the seed paper's simulation, and what its figures ask of them."""
 
-from collections.abc import Callable
-
 import contact
 from studies.chain import bridge
 from studies.chain.resolve import resolved
@@ -13,9 +11,9 @@ TOLERANCE = 1e-3  # relative tolerance of steady velocities
 class Seed:
     """The paper's slider and wave, and what several figures share; ``steps`` are the amplitudes of its bursts in m."""
 
-    def __init__(self, progress: Callable[[str], None], *, steps: tuple[float, ...] = ()):
+    def __init__(self, *, steps: tuple[float, ...] = ()):
         scene = resolved(Scene.load("twente-contact"))
-        self.progress, self.steps = progress, steps
+        self.steps = steps
         self.slider = bridge.contact_slider(scene.slider)
         self.shape = bridge.given_orbits(scene.wave)
         self.levels = scene.levels

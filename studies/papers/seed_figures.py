@@ -8,31 +8,33 @@ the elastic law, only R_t damps the ring, and an R_t that is large enough to be 
 of a hysteretic law have the right size. Run time: about 15 s.
 """
 
+import logging
+
 from studies.papers.seed import Seed
 from studies.papers.seed_contact import figure_6a, figure_6b, figure_7
 from studies.papers.seed_slider import figure_2, figure_5a, figure_5b
 from studies.record.plots import COLOURS, legend_below, titled
 from studies.study import Answered, Panel, of_record, study
 
+LOGGER = logging.getLogger(__name__)
+
 QUICK = {"steps": (10e-9,)}
 FEW = 25  # curves with at most this number of values are drawn as points
 
 
 @study()
-def run(*, steps: tuple[float, ...] = (), progress=None) -> Answered:
+def run(*, steps: tuple[float, ...] = ()) -> Answered:
     """Return the panels of the paper's figures and the findings beside its sentences.
 
     Parameters
     ----------
     steps : tuple of float
         Amplitudes of the bursts of Fig. 5(a) in m, 10 nm among them; the paper's when empty.
-    progress : callable, optional
-        Told what is being done.
     """
-    seed = Seed(progress, steps=steps)
+    seed = Seed(steps=steps)
     panels, findings = [], []
     for make in (figure_2, figure_5a, figure_5b, figure_6a, figure_6b, figure_7):
-        seed.progress(f"seed figures: {str(make.__doc__).split(':')[0]}")
+        LOGGER.info(f"seed figures: {str(make.__doc__).split(':')[0]}")
         of_figure, checks = make(seed)
         panels += of_figure
         findings += checks

@@ -1,10 +1,14 @@
 """Slider behaviour in the seed paper: its Figs 2, 5(a) and 5(b), with its sentences and our numbers."""
 
+import logging
+
 import numpy as np
 
 import contact
 from studies.papers.seed import Seed
 from studies.study import Panel, judged
+
+LOGGER = logging.getLogger(__name__)
 
 BURST = 0.3  # duration of the burst, s
 STEPS = (1e-9, 3e-9, 5e-9, 10e-9, 20e-9)  # m
@@ -38,7 +42,7 @@ def figure_5a(seed: Seed):
     """Fig. 5(a): step response to a burst."""
     x, curves = {}, {}
     for amplitude in seed.steps or STEPS:
-        seed.progress(f"seed figures: Fig. 5(a), {amplitude * 1e9:g} nm")
+        LOGGER.info(f"seed figures: Fig. 5(a), {amplitude * 1e9:g} nm")
         steady = seed.steady(amplitude).velocity
         stopping = steady * seed.slider.mass / (seed.slider.friction_coefficient * seed.slider.preload)
         motion = contact.burst(

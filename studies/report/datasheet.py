@@ -20,6 +20,7 @@ from studies.chain.bridge import DrivenContact
 from studies.chain.pillar_points import PillarContact
 from studies.chain.pillar_points import burst as pillar_burst
 from studies.chain.steps import Steps
+from studies.progress import reported_to
 from studies.record import Record
 from studies.record.quantities import quantity
 from studies.record.text import sentences
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from contact.answers.transient import Trajectory
     from studies.chain.pillar_points import PillarBurst
 
-LOGGER = logging.getLogger("studies.datasheet")
+LOGGER = logging.getLogger(__name__)
 LOADS = 13  # number of loads of a load line
 LINES = (0.5, 0.75, 1.0)  # fractions of the rated level; the nearest levels of the scene get a load line
 STEPS = (1e-9, 1e-8, 1e-7)  # smallest displacements of the steps, m
@@ -132,7 +133,7 @@ def datasheet(
     tolerance : float
         Relative tolerance of the slider velocity, as for a run.
     progress : callable, optional
-        Function that receives progress messages.
+        Called with a few words about each step, as it is logged.
 
     Raises
     ------
@@ -141,57 +142,57 @@ def datasheet(
     RunError
         If a quantity of the datasheet cannot be computed.
     """
-    say = progress or LOGGER.info
-    scene = Scene.load(scene)
-    if scene.slider is None:
-        scene.refuse("slider", "is missing: a datasheet is of a whole motor")
-    record = run(scene.with_source(burst=None), tolerance=tolerance, progress=say)
-    if record.shortfall:
-        raise RunError(record.shortfall)
-    driven = DrivenContact.of_run(record)
-    on_pillars = record.scene.on_pillars
-    moving = record.moving_levels if on_pillars else driven.above(1.0)
-    if not moving:
-        record.scene.refuse(record.scene.level_key, "must hold a value at which the slider moves")
-    rated = moving[-1]
-    levels = sorted({min(moving, key=lambda level: abs(level - part * rated)) for part in LINES})
-    try:
-        answer = (_of_pillars if on_pillars else _of_balls)(driven, rated, levels, say)
-    except contact.ConvergenceError as error:
-        raise RunError(f"the datasheet is incomplete: {' '.join(str(error).split())}") from None
-    line = answer["lines"][driven.scene.named(rated)]
-    rows = (
-        *_speeds(record, driven, rated),
-        *answer.pop("rows"),
-        *_powers(record, driven, rated, line, answer["balls"]),
-        *answer.pop("powers", ()),
-        *_resonances(record, driven, say),
-    )
-    return Datasheet(record=record, driven=driven, rated=rated, rows=rows, **answer)
+    with reported_to(progress):
+        scene = Scene.load(scene)
+        if scene.slider is None:
+            scene.refuse("slider", "is missing: a datasheet is of a whole motor")
+        record = run(scene.with_source(burst=None), tolerance=tolerance)
+        if record.shortfall:
+            raise RunError(record.shortfall)
+        driven = DrivenContact.of_run(record)
+        on_pillars = record.scene.on_pillars
+        moving = record.moving_levels if on_pillars else driven.above(1.0)
+        if not moving:
+            record.scene.refuse(record.scene.level_key, "must hold a value at which the slider moves")
+        rated = moving[-1]
+        levels = sorted({min(moving, key=lambda level: abs(level - part * rated)) for part in LINES})
+        try:
+            answer = (_of_pillars if on_pillars else _of_balls)(driven, rated, levels)
+        except contact.ConvergenceError as error:
+            raise RunError(f"the datasheet is incomplete: {' '.join(str(error).split())}") from None
+        line = answer["lines"][driven.scene.named(rated)]
+        rows = (
+            *_speeds(record, driven, rated),
+            *answer.pop("rows"),
+            *_powers(record, driven, rated, line, answer["balls"]),
+            *answer.pop("powers", ()),
+            *_resonances(record, driven),
+        )
+        return Datasheet(record=record, driven=driven, rated=rated, rows=rows, **answer)
 
 
-def _of_balls(driven: DrivenContact, rated: float, levels: list[float], say: Any) -> dict:
+def _of_balls(driven: DrivenContact, rated: float, levels: list[float]) -> dict:
     """Return load lines, start and stop, steps, and the rows on forces and positioning of a slider on balls."""
-    say("load lines")
+    LOGGER.info("load lines")
     options, named = {"points": LOADS, "tolerance": CONTACT_TOLERANCE}, driven.scene.named
     lines = {named(level): contact.load_line(driven.slider, driven.at(level), **options) for level in levels}
-    say("start and stop")
+    LOGGER.info("start and stop")
     start_stop = _start_stop(driven, rated)
-    say("steps")
-    bursts = Steps.of(driven, progress=say)
+    LOGGER.info("steps")
+    bursts = Steps.of(driven)
     steps = tuple(bursts.reaching(rated, size)[1] for size in STEPS)
     balls = driven.scene.slider.share
     rows = (*_forces(driven, rated, lines[named(rated)], balls), *_positioning(bursts, rated, steps, start_stop))
     return {"lines": lines, "start_stop": start_stop, "steps": steps, "balls": balls, "rows": rows}
 
 
-def _of_pillars(driven: DrivenContact, rated: float, levels: list[float], say: Any) -> dict:
+def _of_pillars(driven: DrivenContact, rated: float, levels: list[float]) -> dict:
     """Return the fields of `_of_balls` for a slider on pillars, without steps, because its bounce is not modelled."""
     body, slider = PillarContact.of(driven), driven.scene.slider
-    say("load lines")
+    LOGGER.info("load lines")
     lines = {driven.scene.named(level): body.load_line(level, LOADS) for level in levels}
     line = lines[driven.scene.named(rated)]
-    say("start and stop")
+    LOGGER.info("start and stop")
     free, holding_force = line.motions[0], slider.static_coefficient * slider.preload_force
     start_stop = pillar_burst(body, rated, free, LONG * abs(free.velocity) / (holding_force / slider.mass))
     relative_error = 2.0 * driven.stator_error + CONTACT_TOLERANCE
@@ -308,11 +309,11 @@ def _powers(record: Record, driven: DrivenContact, rated: float, line: Any, ball
         yield Row("power", "efficiency of the motor", efficiency, "1", error, condition)
 
 
-def _resonances(record: Record, driven: DrivenContact, say: Any) -> Any:
+def _resonances(record: Record, driven: DrivenContact) -> Any:
     scene, contacts, slider = record.scene, len(driven.orbits), driven.slider
     yield Row("resonance", "drive frequency", float(scene.frequency), "Hz")
     if scene.transducer:
-        say("stator: search for the strongest wave")
+        LOGGER.info("stator: search for the strongest wave")
         best = resolve.resolved(replace(scene, drive=replace(scene.drive, frequency="center"))).frequency
         condition = "per volt, sent by the driven fingers alone"
         yield Row("resonance", "frequency of the strongest wave", float(best), "Hz", CENTRE, condition)

@@ -20,7 +20,7 @@ QUICK = {"count": 5, "tolerance": 0.1}
 
 
 @study("twente")
-def run(scene: Scene, *, count: int | None = None, tolerance: float = 1e-2, progress=None) -> Answered:
+def run(scene: Scene, *, count: int | None = None, tolerance: float = 1e-2) -> Answered:
     """Return the admittance against frequency and its estimate.
 
     Parameters
@@ -32,7 +32,7 @@ def run(scene: Scene, *, count: int | None = None, tolerance: float = 1e-2, prog
     """
     resolved = passband.driven_scene(scene)
     at = passband.frequencies(resolved, count, 81)
-    ports = port_admittances(resolved, at, tolerance, progress)
+    ports = port_admittances(resolved, at, tolerance)
     admittance = driving_point(ports, fem_model.transducers(resolved), fem_model.drive(resolved))
     theory = passband.expected(resolved)
     susceptance, conductance = 2 * np.pi * at * theory.capacitance, theory.conductance(at)

@@ -32,9 +32,7 @@ STEEPEST, DIRECTIONS = 0.36, 16  # of the slowness curve: its end over the waven
 
 
 @study("twente")
-def run(
-    scene: Scene, *, measured: str | None = None, count: int = 400, tolerance: float = 1e-3, progress=None
-) -> Answered:
+def run(scene: Scene, *, measured: str | None = None, count: int = 400, tolerance: float = 1e-3) -> Answered:
     """Return the amplitude on the axis and across the beam.
 
     Parameters
@@ -52,7 +50,7 @@ def run(
     transducers, driven = fem_model.transducers(row_scene), fem_model.driven(row_scene)
     section = replace(row_scene, stator=replace(row_scene.stator, diffraction=False))
     try:
-        wave = solved_motion(section, [(place, 0.0)], tolerance=tolerance, progress=progress).wave
+        wave = solved_motion(section, [(place, 0.0)], tolerance=tolerance).wave
         beam = fem.surface_beam(wave, mirror_width=row_scene.stator.mirror_width)
         # on the slider's side of the driven transducer, up to the next one or the end
         edge, clear = driven.extent[place >= driven.center], CLEAR * wave.phase_velocity / wave.frequency
@@ -96,7 +94,7 @@ def run(
                expected="below twice the tolerance of the section"),
     )  # fmt: skip
     if scan is not None:
-        panels.append(scan_panel(whole, scan, tolerance=tolerance, progress=progress))
+        panels.append(scan_panel(whole, scan, tolerance=tolerance))
     return panels, findings, scan_answer(panels)
 
 

@@ -13,6 +13,8 @@ open (Datta and Hunsinger 1980), P the Legendre functions; the capacitance per p
 eps K(sin^2(pi m / 2)) / K(cos^2(pi m / 2)), K the complete elliptic integral of its parameter (Engan 1969).
 """
 
+import logging
+
 import numpy as np
 from scipy.special import ellipk, eval_legendre
 
@@ -23,12 +25,14 @@ from studies.record.quantities import quantity
 from studies.scene import Scene
 from studies.study import Answered, Panel, judged, of_record, study
 
+LOGGER = logging.getLogger(__name__)
+
 QUICK = {"count": 8, "tolerance": 0.5}
 REACH = 2.0  # widths of the stop bands shown on either side
 
 
 @study("twente-left")
-def run(scene: Scene, *, count: int = 61, tolerance: float = 1e-2, progress=None) -> Answered:
+def run(scene: Scene, *, count: int = 61, tolerance: float = 1e-2) -> Answered:
     """Return the cells' numbers and the gratings' Bloch waves.
 
     Parameters
@@ -42,9 +46,9 @@ def run(scene: Scene, *, count: int = 61, tolerance: float = 1e-2, progress=None
     driven = resolved.driven_transducer
     solid, above, m = fem_model.solid(resolved.stator), resolved.stator.above, driven.metallisation
     period = driven.wavelength / (2 if driven.split else 1)  # of two fingers and two gaps
-    progress(f"gratings of {solid.name}")
+    LOGGER.info(f"gratings of {solid.name}")
     cell = fem.cell_parameters(solid, period=period, metallisation=m, above=above, tolerance=tolerance)
-    progress("Bloch waves")
+    LOGGER.info("Bloch waves")
     cells = fem.grating(solid, period=period, metallisation=m, above=above, resolution=fem.LEVELS[int(tolerance < 0.1)])
     bands, edges = {"shorted": cell.shorted, "open": cell.open}, (cell.shorted.lower, cell.open.upper)
     width = edges[1] - edges[0]

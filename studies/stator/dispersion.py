@@ -7,6 +7,8 @@ wave of the section has the velocity of the half-space to 1e-4 if the plate is a
 plate has no such wave. Run time: about 5 s.
 """
 
+import logging
+
 import numpy as np
 
 import fem
@@ -16,6 +18,8 @@ from studies.record.quantities import quantity
 from studies.scene import Scene
 from studies.study import Answered, Panel, judged, of_record, study
 
+LOGGER = logging.getLogger(__name__)
+
 QUICK = {"count": 9}
 LOWEST, HIGHEST = 1 / 12, 1.2  # of the drive frequency
 DECAY = 0.01  # |Im k| over |Re k| below which a mode propagates
@@ -24,7 +28,7 @@ THICK = 4.0  # wavelengths: above it the faces' waves hardly split
 
 
 @study("rayleigh")
-def run(scene: Scene, *, count: int = 60, progress=None) -> Answered:
+def run(scene: Scene, *, count: int = 60) -> Answered:
     """Return propagating wavenumbers against frequency.
 
     Parameters
@@ -37,7 +41,7 @@ def run(scene: Scene, *, count: int = 60, progress=None) -> Answered:
     scene = resolve.resolved(scene)
     stator, drive = fem_model.stator(scene.stator), scene.frequency
     frequencies = np.linspace(LOWEST, HIGHEST, count) * drive
-    progress(f"{count} frequencies of {scene.title}")
+    LOGGER.info(f"{count} frequencies of {scene.title}")
     at, wavenumbers, near = _propagating(stator, frequencies)
     half_space = fem.rayleigh(stator.solid, stator.bare_surface).velocity
     free = fem.free_wave(stator, frequency=drive, tolerance=1e-6)

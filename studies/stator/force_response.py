@@ -12,6 +12,7 @@ tolerances. An estimated error above the tolerance is a remark, also near the fo
 out. Run time: about 8 s; a frequency of a band takes 2 s with a beam and 0.05 s in the plane section.
 """
 
+import logging
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,6 +26,8 @@ from studies.report.explanation import band_seconds, plan
 from studies.scene import Scene
 from studies.study import Answered, Panel, judged, of_record, study
 
+LOGGER = logging.getLogger(__name__)
+
 QUICK = {"count": 60, "tolerance": 0.1}
 BY_CHARGES = "largest relative difference of the currents by induced charges from those by reciprocity with the beams"
 BY_VOLT = "largest relative difference of the current per newton from the velocity at the force per volt"
@@ -35,7 +38,6 @@ FORCES = {"z": "normal", "x": "tangential"}
 @study("twente")
 def run(
     scene: Scene, *, band: str | None = None, width: float | None = None, count: int = 400, tolerance: float = 1e-3,
-    progress=None,
 ) -> Answered:  # fmt: skip
     """Return the motion along the stator and the currents into the transducers.
 
@@ -52,7 +54,7 @@ def run(
     """
     resolved = passband.driven_scene(scene)
     problem = _ForceProblem.of(resolved, width, tolerance)
-    progress("stator: the response to a force")
+    LOGGER.info("stator: the response to a force")
     answers = {component: problem.response(component, resolved.frequency) for component in FORCES}
     x = np.linspace(0.0, resolved.stator.length, count)
     x = x[abs(x - problem.place[0]) > problem.wavelength]
@@ -82,10 +84,10 @@ def run(
         answer.append(("", f"{of_currents:.1e} of the currents into transducers at a voltage of zero"))
     panels = [Panel(name="along", title=f"{resolved.title}: u_z by 1 N at {problem.place[0] * 1e3:g} mm", data=data)]
     if band is not None:
-        panels += _over_the_band(problem, passband.band_frequencies(resolved, band), progress)
+        panels += _over_the_band(problem, passband.band_frequencies(resolved, band))
     bound = {"high": 1.000001 * tolerance, "expected": f"at most {tolerance:g}"}
     findings = (
-        *_reciprocity(problem, answers, progress),
+        *_reciprocity(problem, answers),
         judged("The motion beside the force meets the tolerance.",
                "estimated error two wavelengths beside the force", beside, **bound),
         judged("The motion along the whole stator meets the tolerance.",
@@ -186,7 +188,7 @@ class _ForceProblem:
         return motion[2], error * abs(motion[[0, 2]]).max(axis=0) / abs(motion[2])
 
 
-def _over_the_band(problem: _ForceProblem, at: np.ndarray, progress) -> list[Panel]:
+def _over_the_band(problem: _ForceProblem, at: np.ndarray) -> list[Panel]:
     """Return currents and voltages of all transducers per newton at frequencies in Hz; open ones have no current."""
     sizes: dict[str, dict] = {"A": {"frequency_Hz": at}, "V": {"frequency_Hz": at}}
     prepared = None if problem.spreads else _band(problem, at)
@@ -194,7 +196,7 @@ def _over_the_band(problem: _ForceProblem, at: np.ndarray, progress) -> list[Pan
         if prepared is None:
             circuits = []
             for frequency in at:
-                progress(f"stator: force along {component} at {frequency / 1e6:.5g} MHz")
+                LOGGER.info(f"stator: force along {component} at {frequency / 1e6:.5g} MHz")
                 circuits.append(problem.response(component, frequency).circuit)
         else:
             circuits = prepared.forced(at, problem.force(component), fem_model.drive(problem.scene))
@@ -221,7 +223,7 @@ def _band(problem: _ForceProblem, at: np.ndarray):
     )  # fmt: skip
 
 
-def _reciprocity(problem: _ForceProblem, answers: dict, progress) -> tuple:
+def _reciprocity(problem: _ForceProblem, answers: dict) -> tuple:
     """Return the finding that a newton gives the current that a volt gives as velocity."""
     if problem.spreads:
         worst, quantity, high = max(each.scattering_error for each in answers.values()), BY_CHARGES, 0.3
@@ -229,7 +231,7 @@ def _reciprocity(problem: _ForceProblem, answers: dict, progress) -> tuple:
         drive, scene = fem_model.drive(problem.scene), problem.scene
         if len(drive.sources) > 1 or drive.match:
             return ()
-        progress("stator: the response to a volt")
+        LOGGER.info("stator: the response to a volt")
         driven = problem.solved(fem.driven_wave, scene.frequency, places=(problem.place[0],))
         (name, volts), worst = next(iter(drive.sources.items())), 0.0
         own = next(each.aperture for each in fem_model.section_row(scene) if each.name == name)

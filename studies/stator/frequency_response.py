@@ -9,6 +9,8 @@ of the path and the circuit); and in that band a median delay equal to the dista
 the velocity of the Rayleigh wave. Run time: about 8 s.
 """
 
+import logging
+
 import numpy as np
 
 import fem
@@ -21,13 +23,13 @@ from studies.scene import Scene
 from studies.stator.scan_panel import scan_answer, scan_file, scan_panel
 from studies.study import Answered, Finding, Panel, judged, of_record, study
 
+LOGGER = logging.getLogger(__name__)
+
 QUICK = {"count": 9, "tolerance": 0.1}
 
 
 @study("twente-left")
-def run(
-    scene: Scene, *, measured: str | None = None, count: int | None = None, tolerance: float = 1e-2, progress=None
-) -> Answered:
+def run(scene: Scene, *, measured: str | None = None, count: int | None = None, tolerance: float = 1e-2) -> Answered:
     """Return amplitude and group delay against frequency.
 
     Parameters
@@ -43,8 +45,8 @@ def run(
     scan = None if measured is None else scan_file(resolved, measured, "frequency")
     place, at = resolved.places[0][0], passband.frequencies(resolved, count, 161)
     driven = resolved.driven_transducer
-    prepared = response(resolved, at[0], at[-1], places=(place,), tolerance=tolerance, progress=progress)
-    progress(f"stator: {len(at)} frequencies")
+    prepared = response(resolved, at[0], at[-1], places=(place,), tolerance=tolerance)
+    LOGGER.info(f"stator: {len(at)} frequencies")
     waves = prepared.waves(at, fem_model.drive(resolved))
     normal = np.array([each.motion(place)[1] for each in waves])
     covered = any(each.covered(place) for each in waves)
@@ -72,7 +74,7 @@ def run(
                np.median(delay[inside]) * free.velocity / way, low=0.9, high=1.1, expected="1, within 10 %",
                **judgement),
     )  # fmt: skip
-    aperture, spreading = _aperture(resolved, place, tolerance, progress)
+    aperture, spreading = _aperture(resolved, place, tolerance)
     title = f"{resolved.title}: x = {place * 1e3:g} mm, plane section"
     error = max(each.relative_error for each in waves)
     panels = [
@@ -85,15 +87,15 @@ def run(
         }),
     ]  # fmt: skip
     if scan is not None:
-        panels.append(scan_panel(resolved, scan, tolerance=tolerance, progress=progress))
+        panels.append(scan_panel(resolved, scan, tolerance=tolerance))
     return panels, findings + spreading, scan_answer(panels)
 
 
-def _aperture(scene: Scene, place: float, tolerance: float, progress) -> tuple[dict, tuple[Finding, ...]]:
+def _aperture(scene: Scene, place: float, tolerance: float) -> tuple[dict, tuple[Finding, ...]]:
     """Return the amplitude of the finite aperture at the drive's frequency, where it counts, and what it changes."""
     if not fem_model.diffracts(scene):
         return {}, ()
-    progress("stator: the beam at the drive's frequency")
+    LOGGER.info("stator: the beam at the drive's frequency")
     at = (place, 0.0) if scene.slider is None else scene.slider.center
     motion = solved_motion(scene, [at], tolerance=tolerance, slider=True)
     amplitude = abs(motion.at([at])[2, 0])

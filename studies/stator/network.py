@@ -43,7 +43,6 @@ def run(
     measured: str | None = None,
     count: int | None = None,
     tolerance: float = 1e-3,
-    progress=None,
 ) -> Answered:
     """Return the S-parameters of a scene's transducers and their circuits.
 
@@ -67,7 +66,7 @@ def run(
     if measured is not None:  # what is wrong with the file is said before anything is solved
         number = sum(each.has_two_combs for each in resolved.transducer)
         lab_file = _measured(Path(measured), resolved, number, reference)
-    names, ports, scattering = scattering_matrix(resolved, at, reference, tolerance, progress)
+    names, ports, scattering = scattering_matrix(resolved, at, reference, tolerance)
     shared = {"frequency_Hz": at, "ports": names, "reference_ohm": reference, "scattering": scattering}
     if lab_file is not None:
         shared |= {"measured_frequency_Hz": lab_file.frequency, "measured_scattering": lab_file.scattering,
@@ -92,7 +91,7 @@ def run(
         panels.append(_circuit_panel(name, at, seen, models[name]))
     answer = []
     if lab_file is not None:
-        _, _, own = scattering_matrix(resolved, lab_file.frequency, reference, tolerance, progress)
+        _, _, own = scattering_matrix(resolved, lab_file.frequency, reference, tolerance)
         answer = deviations(lab_file, own, names)
         answer += [("", panel.data["not_drawn"]) for panel in panels if "not_drawn" in panel.data]
     gain = float(np.linalg.svd(scattering, compute_uv=False).max())

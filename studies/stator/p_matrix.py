@@ -8,6 +8,7 @@ takes at most the whole conductance if the solid is lossless; the cascade agrees
 maximum of the transfer admittance. Run time: about 15 s.
 """
 
+import logging
 from dataclasses import replace
 from itertools import pairwise
 
@@ -23,11 +24,13 @@ from studies.scene import Scene
 from studies.stator.reflector import from_the_left, stator_beside_pieces
 from studies.study import Answered, Panel, judged, of_record, study
 
+LOGGER = logging.getLogger(__name__)
+
 QUICK = {"count": 3, "tolerance": 0.2}
 
 
 @study("twente")
-def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None) -> Answered:
+def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2) -> Answered:
     """Return P-matrices, their cascade and the whole stator.
 
     Parameters
@@ -46,7 +49,7 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None
     at, known, first, cascade = passband.frequencies(resolved, count), {}, [], []
     pieces: list[fem.Reflector] = []
     for f in at:
-        progress(f"P-matrices at {f / 1e6:.5g} MHz")
+        LOGGER.info(f"P-matrices at {f / 1e6:.5g} MHz")
         kinds = [(f, each.signs, each.pitch, each.metallisation) for each in row]
         with answered(f"at {f / 1e6:.6g} MHz"):
             for kind, each in zip(kinds, row, strict=True):
@@ -66,7 +69,7 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2, progress=None
         first.append(parts[ports[0]])
     plane = replace(resolved, stator=replace(resolved.stator, diffraction=False, sides="absorbing"))
     last = len(ports) - 1
-    whole = port_admittances(plane, at, tolerance, progress).matrix[:, last, 0]
+    whole = port_admittances(plane, at, tolerance).matrix[:, last, 0]
     joined = np.array(cascade)[:, last, 0]
     apart = abs(joined - whole).max() / abs(whole).max()
     sent = np.array([np.sum(abs(part.excitation) ** 2) for part in first])

@@ -5,6 +5,7 @@ Method: the pieces between semi-infinite uniform segments, joined to the guided 
 power than arrives. ``--band 2.1:2.3:5`` (MHz) gives the frequencies. Run time: about 1 s for each frequency and file.
 """
 
+import logging
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,12 +17,14 @@ from studies.record.plots import lines
 from studies.scene import Scene
 from studies.study import Answered, Panel, judged, of_record, study
 
+LOGGER = logging.getLogger(__name__)
+
 QUICK = {"count": 3, "tolerance": 0.1}
 REACH = 0.05  # of the drive's frequency, either side
 
 
 @study("reflector")
-def run(scene: Scene, *, band: str | None = None, count: int = 11, tolerance: float = 1e-3, progress=None) -> Answered:
+def run(scene: Scene, *, band: str | None = None, count: int = 11, tolerance: float = 1e-3) -> Answered:
     """Return reflection and transmission of the surface wave at the scene's pieces.
 
     Parameters
@@ -42,7 +45,7 @@ def run(scene: Scene, *, band: str | None = None, count: int = 11, tolerance: fl
         at = passband.band_frequencies(resolved, band)
     answers = []
     for f in at:
-        progress(f"reflection at {f / 1e6:.5g} MHz")
+        LOGGER.info(f"reflection at {f / 1e6:.5g} MHz")
         with answered(f"at {f / 1e6:.6g} MHz"):
             answers.append(fem.reflector(stator, frequency=float(f), tolerance=tolerance))
     center = answers[len(answers) // 2]

@@ -28,9 +28,9 @@ def scan_file(scene: Scene, path: str, over: str) -> Scan:
     return scan.as_displacement(scene.frequency)
 
 
-def scan_panel(scene: Scene, scan: Scan, *, tolerance: float, progress) -> Panel:
+def scan_panel(scene: Scene, scan: Scan, *, tolerance: float) -> Panel:
     """Return the panel of a scan beside the motion computed at its own points, for the study to draw."""
-    block = scan_block(scene, scan, predicted_scan(scene, scan, tolerance=tolerance, progress=progress))
+    block = scan_block(scene, scan, predicted_scan(scene, scan, tolerance=tolerance))
     return Panel(name="measured", title=f"{scene.title}: measured", data=block)
 
 

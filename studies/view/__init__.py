@@ -4,6 +4,7 @@ The files are pictures, movies, HTML pages and data. For a scene without a stato
 directory of the run is needed: the field is computed again and drawn by pyvista; the contact is drawn by matplotlib.
 """
 
+import logging
 import os
 import warnings
 from collections.abc import Callable
@@ -27,6 +28,8 @@ from studies.view.run_field import NO_STATOR, left_run, motion_again, run_field
 from studies.view.views import limits, near, span_views, views
 from studies.view.window import open_window
 
+LOGGER = logging.getLogger(__name__)
+
 __all__ = ["view"]
 
 STILL_SIZE, MOVIE_SIZE, WINDOW_SIZE = (1600, 1100), (1000, 400), (1500, 900)
@@ -34,9 +37,7 @@ FRAMES, RATE = 24, 16.0  # pictures of a movie, which shows one period of the wa
 INSTANTS = 12  # instants of a .pvd file
 
 
-def view(
-    folder: str | Path, wanted: Wanted, *, progress: Callable[[str], None], note: Callable[[str], None] = warnings.warn
-) -> None:
+def view(folder: str | Path, wanted: Wanted, *, note: Callable[[str], None] = warnings.warn) -> None:
     """Show a run.
 
     Parameters
@@ -44,8 +45,6 @@ def view(
     folder : str or Path
         Directory written by ``sawmotor run``.
     wanted : Wanted
-    progress : callable
-        Function that receives progress messages.
     note : callable, optional
         Function that receives remarks for the user: why there is no field, or how large a file will be.
 
@@ -65,13 +64,13 @@ def view(
     if not wanted.files:
         _refuse_without_display()
     if show == "contact":
-        writers = contact_writers(record, wanted, progress)
+        writers = contact_writers(record, wanted)
     elif show == "beam":
-        writers = _beam_writers(record, wanted, progress)
+        writers = _beam_writers(record, wanted)
     else:
-        writers = _field_writers(record, wanted, show, progress, note)
+        writers = _field_writers(record, wanted, show, note)
     for option, file in wanted.files.items():
-        progress(f"writing {file}")
+        LOGGER.info(f"writing {file}")
         try:
             writers[option](file)
         except OSError as error:
@@ -82,9 +81,9 @@ def view(
         note(f"{NO_STATOR}; this is its contact")
 
 
-def _field_writers(record: Record, wanted: Wanted, show: str, progress, note) -> dict[str, Callable]:
+def _field_writers(record: Record, wanted: Wanted, show: str, note) -> dict[str, Callable]:
     """Return functions that write the field of a run, by option, and the function ``window`` that opens a window."""
-    field = run_field(record, progress=progress)
+    field = run_field(record)
     span = None if wanted.span is None else limits(field, wanted.span)
     max_factor = -float(field.field.z[0]) / (float(abs(field.field.displacement).max()) or 1.0)
     if wanted.factor is not None and wanted.factor > max_factor:
@@ -102,16 +101,15 @@ def _field_writers(record: Record, wanted: Wanted, show: str, progress, note) ->
         count = wanted.frames or FRAMES
         movie.save(
             lambda number: picture.image(wanted.phase + 2 * np.pi * number / count), count, file, rate=RATE,
-            progress=progress, palette=palette(picture.shade.colour_map),
+            palette=palette(picture.shade.colour_map),
         )  # fmt: skip
 
     def page(file) -> None:
         Path(file).write_text(wave_page.page(field, span=span, **options), encoding="utf-8")
 
     def data(file) -> None:
-        reports = {"progress": progress, "note": note}
         instants = wanted.frames or INSTANTS
-        field_data.save(field, file, span=span, surface=wanted.surface, instants=instants, **reports)
+        field_data.save(field, file, span=span, surface=wanted.surface, instants=instants, note=note)
 
     def window() -> None:
         stretch = () if show == "solid" else span_views(field, span or near(field))[-1:]
@@ -120,14 +118,14 @@ def _field_writers(record: Record, wanted: Wanted, show: str, progress, note) ->
     return {"screenshot": still, "movie": film, "html": page, "data": data, "window": window}
 
 
-def _beam_writers(record: Record, wanted: Wanted, progress) -> dict[str, Callable]:
+def _beam_writers(record: Record, wanted: Wanted) -> dict[str, Callable]:
     """Return functions that draw the beam of a run from above, by option, and the function that opens a window."""
     scene = record.scene
     if not scene.transducer:
         raise SceneError("--show", "beam needs a driven stator: this run has none")
-    progress("solving the stator")
+    LOGGER.info("solving the stator")
     try:
-        motion = motion_again(record, progress=progress)
+        motion = motion_again(record)
         beam = motion.beam or fem.surface_beam(motion.wave, mirror_width=scene.stator.mirror_width)
     except fem.BeamError as error:
         raise RunError(f"no beam to show: {error}") from None

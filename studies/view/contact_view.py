@@ -5,6 +5,7 @@ to scale in nm. The radius of the ball is not to scale, because the ball would l
 table of columns in SI units, see `moments`.
 """
 
+import logging
 import tempfile
 from collections.abc import Callable
 from dataclasses import replace
@@ -27,6 +28,8 @@ from studies.report.page import rendered
 from studies.view import movie
 from studies.view.run_field import motion_again
 
+LOGGER = logging.getLogger(__name__)
+
 CYCLES, INSTANTS = 2, 240  # cycles, and instants per cycle
 FRAMES, RATE = 48, 12.0  # pictures of a movie, and pictures per second
 DPI = 110
@@ -48,9 +51,9 @@ DRAWN = (
 LETTERS = "abcdefgh"  # marks of the snapshots
 
 
-def contact_writers(record: Record, wanted, progress: Callable[[str], None]) -> dict[str, Callable]:
+def contact_writers(record: Record, wanted) -> dict[str, Callable]:
     """Return functions that write the contact of a run, by option, and the function that opens a window."""
-    history, title = contact_moments(record, level=wanted.level, progress=progress)
+    history, title = contact_moments(record, level=wanted.level)
 
     def film(file) -> None:
         film_contact(history, title, wanted.frames or FRAMES, file, rate=RATE)
@@ -76,7 +79,7 @@ def contact_writers(record: Record, wanted, progress: Callable[[str], None]) -> 
     }
 
 
-def contact_moments(record: Record, *, level: float | None, progress: Callable[[str], None]):
+def contact_moments(record: Record, *, level: float | None):
     """Return the history of the first contact over two cycles of the steady state, and a title.
 
     ``level`` is a voltage in V, or the amplitude in m for a scene with a [wave]. None selects the largest level.
@@ -88,12 +91,12 @@ def contact_moments(record: Record, *, level: float | None, progress: Callable[[
     if level == 0:
         raise SceneError("--voltage", "must be above 0: at 0 nothing moves")
     if scene.wave is None and record.surface_motion is None:
-        progress("solving the stator")
-        motion = motion_again(record, progress=progress)
+        LOGGER.info("solving the stator")
+        motion = motion_again(record)
         if motion.beam is None:
             motion = surface_motion(motion.wave, scene.stator, scene.slider.places)
         record = replace(record, surface_motion=motion)
-    progress("following the contact")
+    LOGGER.info("following the contact")
     driven = DrivenContact.of_run(record)
     slider, orbits = driven.slider, driven.at(level)
     with answered():

@@ -4,6 +4,7 @@ The whole section of a motor has several 100 000 nodes. The expected size of a l
 written. A .csv file with only the surface is about a thousand times smaller.
 """
 
+import logging
 from collections.abc import Callable
 from pathlib import Path
 from xml.etree import ElementTree
@@ -13,6 +14,8 @@ import numpy as np
 from fem import write_instant, write_vtu
 from studies.record.files import write_columns
 from studies.view.run_field import LINES, RunField
+
+LOGGER = logging.getLogger(__name__)
 
 LARGE = 20e6  # bytes above which the size is announced before writing
 # Bytes per number in a table, in a .vtu file (vectors have a third component), and in an instant (single precision)
@@ -25,7 +28,6 @@ def save(
     *,
     span: tuple[float, float] | None,
     instants: int,
-    progress: Callable[[str], None],
     note: Callable[[str], None],
     surface: bool = False,
 ) -> None:
@@ -61,7 +63,7 @@ def save(
     elif file.suffix.lower() == ".vtu":
         write_vtu(field, file)
     else:
-        _write_series(field, file, instants, progress)
+        _write_series(field, file, instants)
 
 
 def expected_size(field, file: Path, instants: int) -> float:
@@ -96,13 +98,13 @@ def columns(field) -> dict[str, np.ndarray]:
     return {name: values.ravel() for name, values in table.items()}
 
 
-def _write_series(field, file: Path, instants: int, progress) -> None:
+def _write_series(field, file: Path, instants: int) -> None:
     folder = file.with_suffix("")
     folder.mkdir(parents=True, exist_ok=True)
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
     collection = ElementTree.SubElement(root, "Collection")
     for number in range(instants):
-        progress(f"instant {number + 1} of {instants}")
+        LOGGER.info(f"instant {number + 1} of {instants}")
         name = f"{number:03d}.vtu"
         write_instant(field, 2 * np.pi * number / instants, folder / name)
         moment = repr(number / instants / field.frequency)

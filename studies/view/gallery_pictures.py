@@ -4,7 +4,7 @@
 show theory, points show computed values.
 """
 
-from collections.abc import Callable
+import logging
 from pathlib import Path
 
 import matplotlib
@@ -24,6 +24,8 @@ from studies.view.picture import Picture
 from studies.view.quantities import palette
 from studies.view.views import span_views, views
 
+LOGGER = logging.getLogger(__name__)
+
 NM, MM = 1e9, 1e3
 TURN = np.linspace(0.0, 2 * np.pi, 121)
 ORBITS = 12
@@ -36,8 +38,8 @@ FIELD = {"quantity": "u_z", "phase": 0.0, "factor": None}
 SUPPLIED = ("wave_normal", "wave_tangential")
 
 
-def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
-    """Draw the pictures of a gallery into a directory; ``progress`` receives messages."""
+def draw_all(gallery, folder: Path) -> None:
+    """Draw the pictures of a gallery into a directory."""
     run, record = gallery.wave_field, gallery.record
     title = record.scene.title
     places = (np.arange(ORBITS) + 0.5) / ORBITS * run.length
@@ -57,11 +59,11 @@ def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
         ("ledger", bars(ledger, "pJ", "energy per cycle (pJ); blue: from the wave, orange: taken up",
                         f"{title}: {gallery.voltage:g} V\nledger of one contact, {balance}")),
     ):  # fmt: skip
-        progress(f"drawing {picture}")
+        LOGGER.info(f"drawing {picture}")
         figure.savefig(folder / f"{picture}.png", dpi=DPI)
         _reduce(folder / f"{picture}.png")
     for picture, name in (("wave", "u_z"), ("wave_power_flow", "power_flow")):
-        progress(f"drawing {picture}")
+        LOGGER.info(f"drawing {picture}")
         still(Picture(run, views(run), size=STILL, **(FIELD | {"quantity": name})), folder / f"{picture}.png")
     saved(folder / "velocity.png", lambda ax: velocity(record, ax))
     _reduce(folder / "velocity.png")
@@ -69,7 +71,7 @@ def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
         saved(folder / f"{panel.name}.png", lambda ax, module=module, panel=panel: module.figure(panel, ax))
         _reduce(folder / f"{panel.name}.png")
     if gallery.films:
-        _films(gallery, folder, progress)
+        _films(gallery, folder)
 
 
 def orbits(places, tangential, normal, *, title: str):
@@ -256,9 +258,9 @@ def _depth(run):
     return depth_profile(at, parts(theory), computed, title=f"{scene.title}\n{title}")
 
 
-def _films(gallery, folder: Path, progress) -> None:
+def _films(gallery, folder: Path) -> None:
     run = gallery.wave_field
-    progress("wave and contact in slow motion")
+    LOGGER.info("wave and contact in slow motion")
     moving = Picture(run, span_views(run, None), size=MOVIE, **FIELD)
     movie.save(
         lambda number: moving.image(2 * np.pi * number / FRAMES), FRAMES, folder / "wave.gif", rate=12.0,
@@ -266,7 +268,7 @@ def _films(gallery, folder: Path, progress) -> None:
     )  # fmt: skip
     history, title = gallery.contact
     film_contact(history, title, 2 * FRAMES, folder / "contact.gif", rate=10.0, dpi=DPI)
-    progress("drawing the solid")
+    LOGGER.info("drawing the solid")
     still(Picture(run, size=SOLID, **FIELD), folder / "solid.png")
 
 

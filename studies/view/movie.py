@@ -1,5 +1,6 @@
 """Write movies: GIF with Pillow, which is always installed, and MP4 with ffmpeg."""
 
+import logging
 import shutil
 import subprocess
 from collections.abc import Callable
@@ -10,18 +11,12 @@ from PIL import Image
 
 from studies.refusal import RunError
 
+LOGGER = logging.getLogger(__name__)
+
 COLOURS = 128  # palette size of a GIF without a given palette
 
 
-def save(
-    image: Callable[[int], np.ndarray],
-    count: int,
-    file: str | Path,
-    *,
-    rate: float,
-    progress=lambda text: None,
-    palette=None,
-) -> None:
+def save(image: Callable[[int], np.ndarray], count: int, file: str | Path, *, rate: float, palette=None) -> None:
     """Write ``count`` pictures as a repeating GIF or as an MP4 with ``rate`` pictures per second.
 
     ``image`` returns the picture of a number as bytes of shape (height, width, 3). A GIF uses the colours of
@@ -29,7 +24,7 @@ def save(
     """
     pictures = []
     for number in range(count):
-        progress(f"picture {number + 1} of {count}")
+        LOGGER.info(f"picture {number + 1} of {count}")
         pictures.append(image(number))
     if Path(file).suffix.lower() == ".gif":
         _gif(pictures, file, rate, palette)

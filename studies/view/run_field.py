@@ -1,5 +1,6 @@
 """The wave field of a saved run, computed again from its scene at the resolution of the run."""
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -21,6 +22,8 @@ from studies.scene import Scene
 if TYPE_CHECKING:
     from fem.beam.crossed_beam import CrossedBeam
     from fem.results.driven_answer import SurfaceWave
+
+LOGGER = logging.getLogger(__name__)
 
 
 LINES = 16  # nodes per wavelength in the uniform parts of a driven stator
@@ -125,15 +128,13 @@ def left_run(folder: str | Path) -> Record:
         raise SceneError("", f"{shown(str(folder))} is no directory that sawmotor run left") from None
 
 
-def run_field(run: str | Path | Record, *, progress: Callable[[str], None]) -> RunField:
+def run_field(run: str | Path | Record) -> RunField:
     """Compute the field of a run again.
 
     Parameters
     ----------
     run : str, Path or Record
         Directory written by ``sawmotor run``, or its record.
-    progress : callable
-        Function that receives progress messages.
 
     Raises
     ------
@@ -143,12 +144,12 @@ def run_field(run: str | Path | Record, *, progress: Callable[[str], None]) -> R
     record = run if isinstance(run, Record) else left_run(run)
     if record.scene.stator is None:
         raise SceneError("", NO_STATOR)
-    progress("computing the field")
-    return _driven(record, progress) if record.scene.transducer else _free(record)
+    LOGGER.info("computing the field")
+    return _driven(record) if record.scene.transducer else _free(record)
 
 
-def _driven(record: Record, progress) -> RunField:
-    scene, motion = record.scene, motion_again(record, progress=progress)
+def _driven(record: Record) -> RunField:
+    scene, motion = record.scene, motion_again(record)
     wave, crossed = motion.wave, motion.beam if isinstance(motion.beam, fem.CrossedBeam) else None
     rows = fem_model.transducers(scene) if crossed is None else crossed.rows[0].transducers
     places = tuple(dict.fromkeys(map(motion.in_section, scene.places)))
@@ -174,7 +175,7 @@ def _driven(record: Record, progress) -> RunField:
     )
 
 
-def motion_again(record: Record, *, progress) -> SurfaceMotion:
+def motion_again(record: Record) -> SurfaceMotion:
     """Return the section or the crossing beams of a run at the resolution in run.json.
 
     If run.json names no known resolution, the chain is run again without the slider.
@@ -183,7 +184,7 @@ def motion_again(record: Record, *, progress) -> SurfaceMotion:
     level = [each for each in LEVELS if resolution_name == f"order {each.order}, {each.edge_layers} edge layers"]
     if not level:
         without_slider = replace(scene, slider=None)
-        motion = run_chain(without_slider, tolerance=record.tolerance, progress=progress).surface_motion
+        motion = run_chain(without_slider, tolerance=record.tolerance).surface_motion
         return motion if scene.crossed else SurfaceMotion(wave=motion.wave)
 
     def solve(stator, row, drive, _places=()):

@@ -38,7 +38,7 @@ def rows_of(
     from contact.answers.methods import rest, rest_problem
     from contact.stepping.time_stepping import steps
 
-    seed = Seed(lambda text: None)
+    seed = Seed()
     slider, orbits = seed.slider, seed.orbits(amplitude)
     problem = rest_problem(slider, orbits)
 

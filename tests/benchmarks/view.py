@@ -32,7 +32,7 @@ def pictures(folder: Path, quantity: str) -> tuple[float, float]:
     from studies.view.run_field import run_field
     from studies.view.views import span_views
 
-    found = run_field(folder, progress=lambda text: None)
+    found = run_field(folder)
     given = {"quantity": quantity, "phase": 0.0, "factor": None, "size": (1000, 400)}
     drawn = Picture(found, span_views(found, None), **given)
     drawn.image(0.0)

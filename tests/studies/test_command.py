@@ -93,7 +93,7 @@ def test_a_run_and_a_study_of_one_name_have_directories_of_their_own(call, tmp_p
     from studies.study import StudyRecord
 
     record = StudyRecord(name="rayleigh", panels=(), findings=(), seconds=0.0)
-    monkeypatch.setattr("studies.evidence.rayleigh.run", lambda progress: record)
+    monkeypatch.setattr("studies.evidence.rayleigh.run", lambda: record)
     assert call("study", "rayleigh")[0] == 0
     assert call("run", "rayleigh", "--no-plot")[0] == 0
     assert {path.name for path in (tmp_path / "results").iterdir()} == {"rayleigh", "rayleigh-study"}
@@ -145,7 +145,7 @@ def test_a_contradicted_finding_is_a_warning_and_the_study_an_answer(call, monke
         return StudyRecord(name="rayleigh", panels=(), findings=(finding,), seconds=0.0)
 
     for confirmed in (True, False):
-        monkeypatch.setattr("studies.evidence.rayleigh.run", lambda progress, held=confirmed: record(held))
+        monkeypatch.setattr("studies.evidence.rayleigh.run", lambda held=confirmed: record(held))
         status, _, err = call("study", "rayleigh", "--out", str(confirmed))
         assert status == 0
         warned = "sawmotor: warning: 1 of 1 checks are contradicted: ratio is 2, expected 1\n" in err

@@ -90,7 +90,7 @@ def test_the_smallest_step_is_one_cycle_too_long_to_be_shorter(sheet):
     smallest = sheet.steps[0]
     found = row(sheet, "smallest step of 1 nm or more")
     assert found.value == abs(smallest.displacement) >= 1e-9
-    bursts = Steps.of(sheet.driven, progress=lambda text: None)
+    bursts = Steps.of(sheet.driven)
     assert bursts.step(90.0, smallest.cycles) == smallest
     assert abs(bursts.step(90.0, smallest.cycles - 1).displacement) < 1e-9
     assert f"{smallest.cycles} cycles" in found.condition
@@ -117,7 +117,7 @@ def test_a_step_is_what_a_burst_of_as_many_cycles_moves(motor, sheet):
 def test_where_the_wave_s_growth_is_not_in_the_steps_they_say_so(sheet, changes, words):
     scene = replace(sheet.record.scene, slider=replace(sheet.record.scene.slider, **changes))
     driven = DrivenContact.of_run(replace(sheet.record, scene=scene))
-    bursts = Steps.of(driven, progress=lambda text: None)
+    bursts = Steps.of(driven)
     assert bursts.reason == words
     assert "at full size from the first cycle" in bursts.sentence
     assert bursts.shape(5) == (None, None)

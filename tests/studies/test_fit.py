@@ -359,4 +359,6 @@ def test_the_residual_s_derivatives_are_differences_of_it():
 def test_what_a_fit_does_is_logged(caplog):
     with caplog.at_level("INFO", logger="studies"):
         fit("twente-contact", LAB, {RATIO: (0.3, 1.5)})
-    assert "fit: least squares" in [each.message for each in caplog.records if each.name == "studies.fit"]
+    assert "fit: least squares" in [
+        each.message for each in caplog.records if each.name == "studies.inverse.prediction"
+    ]

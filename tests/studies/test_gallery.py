@@ -44,8 +44,8 @@ def test_the_documents_show_every_picture_of_the_gallery_and_all_are_small():
 
 @pytest.mark.slow
 def test_the_gallery_draws_what_is_kept(tmp_path):
-    record = run_study("gallery", None, tmp_path, progress=lambda text: None)
-    draw_study("gallery", record, tmp_path, progress=lambda text: None)
+    record = run_study("gallery", None, tmp_path)
+    draw_study("gallery", record, tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {path.name for path in KEPT.iterdir()} - {MANIFEST}
 
 

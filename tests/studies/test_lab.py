@@ -37,14 +37,10 @@ SMALL = Scene.load("twente-left").replace(
 )
 
 
-def quiet(text):
-    """Say nothing."""
-
-
 @cache
 def clean():
     """What a vibrometer would see of a short stator, without noise."""
-    return virtual_scan(SMALL, Recording(), 1e-2, quiet)[0]
+    return virtual_scan(SMALL, Recording(), 1e-2)[0]
 
 
 def noisy(seed, share=0.01):
@@ -99,7 +95,7 @@ def test_uff_round_trip_is_exact_to_the_format_s_twelve_digits(kind, form, tmp_p
 
 @cache
 def network():
-    made = touchstone_files(SMALL, "small", Recording(band="2.1:2.3:9"), tolerance=1e-2, progress=quiet)
+    made = touchstone_files(SMALL, "small", Recording(band="2.1:2.3:9"), tolerance=1e-2)
     return made.files["small.s1p"]
 
 
@@ -292,7 +288,7 @@ def test_a_network_analysers_file_is_predicted_as_its_study_computes_it():
     file = NetworkData(name="lab.snp", frequency=at, scattering=np.zeros((2, count, count)), reference=50.0)
     measurement = Measurement(name="lab.snp", quantity="network", values=tuple(file.flat()), network=file)
     (predicted,) = fit_predictor().predict([(measurement, {})])
-    expected = scattering_matrix(scene, at, 50.0, 1e-2, lambda text: None)[2]
+    expected = scattering_matrix(scene, at, 50.0, 1e-2)[2]
     np.testing.assert_array_equal(predicted, [*expected.real.ravel(), *expected.imag.ravel()])
     assert np.ptp(predicted) > 0.1
 
@@ -336,7 +332,7 @@ def trace_of_a_burst(folder, seed, sampling):
     from scipy.signal import lsim
 
     scene = Scene.load("twente-contact").replace(wave={"normal_amplitude": "10 nm", "burst": "30 ms"})
-    driven = driven_contact(scene, progress=quiet)
+    driven = driven_contact(scene)
     path = contact.burst(driven.slider, driven.at(10e-9), duration=30e-3, after=10e-3, tolerance=1e-5, samples=4000)
     fine = np.arange(0.0, 39e-3, 2e-6)
     delay = [1.0 / (2 * np.pi * 60.0), 1.0]  # of a bandwidth of 60 Hz
@@ -378,7 +374,7 @@ def test_an_exported_trace_is_filtered_and_averaged_as_the_encoder_does(tmp_path
 
     def recorded(**encoder):
         scene = Scene.load("twente-contact").replace(wave={"normal_amplitude": "10 nm", "burst": "30 ms"})
-        made = csv_files(scene, "trace", Recording(**encoder), tolerance=1e-3, progress=quiet)
+        made = csv_files(scene, "trace", Recording(**encoder), tolerance=1e-3)
         lines = [line for line in made.files["burst.csv"].splitlines() if line[0].isdigit()]
         return np.array([[float(each) for each in line.split(",")] for line in lines])
 

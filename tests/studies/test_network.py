@@ -117,7 +117,7 @@ def test_impossible_options_are_refused(options, words):
 
 def test_other_studies_take_no_such_options(tmp_path):
     with pytest.raises(SceneError, match="--z0 is not taken by the study admittance"):
-        run_study("admittance", None, tmp_path, progress=print, options={"z0": "50"})
+        run_study("admittance", None, tmp_path, options={"z0": "50"})
 
 
 def test_the_command_hands_its_options_on(capsys):

@@ -74,7 +74,7 @@ def test_a_groove_runs_from_the_scene_to_the_surface(tmp_path):
     assert abs(changed) > 1e-2
     again = run(Scene.from_table("", record.scene.to_table()), tolerance=1e-2)
     assert again.electrical["admittance_S"] == record.electrical["admittance_S"]
-    _drawn_with_its_groove(run_field(record, progress=lambda text: None), 6e-3, (6.4e-3, 6.6e-3), -0.15e-3)
+    _drawn_with_its_groove(run_field(record), 6e-3, (6.4e-3, 6.6e-3), -0.15e-3)
 
 
 def _drawn_with_its_groove(found, start, groove, foot):
@@ -121,7 +121,7 @@ def test_a_left_end_is_the_mirror_image_of_a_right_end(tmp_path):
     expected = -left.motion(length - place) * np.array([[-1], [1]])
     assert abs(right.motion(place) - expected).max() < 1e-6 * abs(expected).max()
     assert not any("ends at x" in line for record in records for line in record.warnings)
-    drawn = [run_field(record, progress=lambda text: None).field for record in records]
+    drawn = [run_field(record).field for record in records]
     (right_piece,), (left_piece,) = (each.pieces for each in drawn)
     assert right_piece.span == pytest.approx((11e-3, 12e-3))
     assert left_piece.span == pytest.approx((0, 1e-3), abs=1e-9)
@@ -147,13 +147,13 @@ def test_a_stator_that_is_one_mesh(tmp_path):
     assert not [line for line in record.warnings if "mesh draws" in line]
     (aperture,) = [row["size"] for row in record.model_error if row["effect"] == "finite aperture"]
     assert 1e-5 < abs(aperture) < 0.2
-    field = run_field(record, progress=lambda text: None).field
+    field = run_field(record).field
     assert field.pieces[0].span == pytest.approx((0, 8e-3))
     moved = record.surface_motion.wave.motion(field.x.clip(0, 8e-3))
     assert abs(field.displacement[:, -1, [0, 2]].T - moved).max() < 1e-6 * abs(moved).max()
     for name in ("p_matrix", "reflector"):
         with pytest.raises(SceneError, match="piece must leave some uniform stator: this piece is all of it"):
-            module(name).run(given, progress=lambda text: None)
+            module(name).run(given)
     wider = ROW | {"metallisation": 0.6}
     (said,) = [line for line in run(whole(tmp_path, row=wider), tolerance=0.5).warnings if "mesh draws" in line]
     assert said == (
@@ -166,7 +166,7 @@ def test_the_reflector_at_the_frequencies_of_a_band():
     """The study's frequencies are those asked for, and its answer states the reflection of each."""
     groove, tolerance = Path(studies.__file__).parent / "scenes" / "meshes" / "groove.msh", 0.1
     given = scene(groove, {"thickness": "2 mm", "ends": "absorbing"}, position="9 mm")
-    found = module("reflector").run(given, band="2.1:2.3:2", tolerance=tolerance, progress=lambda text: None)
+    found = module("reflector").run(given, band="2.1:2.3:2", tolerance=tolerance)
     stator = whole_stator(resolved(given))
     lines = dict(found.answer)
     for frequency, name in ((2.1e6, "2.1 MHz"), (2.3e6, "2.3 MHz")):
@@ -174,19 +174,19 @@ def test_the_reflector_at_the_frequencies_of_a_band():
         expected = f"reflection {abs(alone.reflection):.4f}, transmission {abs(alone.transmission):.4f}"
         assert lines[name] == expected
     with pytest.raises(SceneError, match="--band must rise from START"):
-        module("reflector").run(given, band="2.3:2.1:2", progress=lambda text: None)
+        module("reflector").run(given, band="2.3:2.1:2")
 
 
 def test_a_mask_of_a_mesh(tmp_path):
     """Its picture asks for no beam; a block with other fingers than the mesh is refused."""
-    drawn = gds_files(whole(tmp_path), "chip", tolerance=1e-2, progress=lambda text: None)
+    drawn = gds_files(whole(tmp_path), "chip", tolerance=1e-2)
     ax = Figure().subplots()
     drawn.pictures["mask.png"](ax)
     assert ax.patches or ax.collections
     with pytest.raises(
         SceneError, match='must have the fingers of the mesh, as a mask follows the block: transducer "t": the mesh'
     ):
-        gds_files(whole(tmp_path, row=ROW | {"metallisation": 0.6}), "chip", tolerance=1e-2, progress=print)
+        gds_files(whole(tmp_path, row=ROW | {"metallisation": 0.6}), "chip", tolerance=1e-2)
 
 
 def test_pillars_on_a_mesh_are_refused(tmp_path):

@@ -81,10 +81,10 @@ def test_levels_are_those_that_the_run_solves():
     scene = changed("twente-left", 'drive.voltage=["9 V"]', "-slider")
     said = []
     record = run(scene, tolerance=1e-2, progress=said.append)
-    solved = [text for text in said if text.startswith("stator: order")]
+    solved = [text for text in said if text.startswith("stator 1, order")]
     planned = plan(scene, tolerance=1e-2)
     (part,) = planned["parts"]
-    assert solved == [f"stator: order {each['order']}, {each['edge_layers']} edge layers" for each in part["levels"]]
+    assert solved == [f"stator 1, order {each['order']}, {each['edge_layers']} edge layers" for each in part["levels"]]
     assert record.surface_wave.unknowns == part["levels"][-1]["unknowns"]
     assert planned["left_out"] == record.left_out
 

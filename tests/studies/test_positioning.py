@@ -313,11 +313,11 @@ def test_scatter_of_a_step_follows_from_the_tolerances():
     scene = Scene.load("twente-contact").replace(
         wave={"normal_amplitude": "12 nm"}, uncertain={"slider.friction_coefficient": 0.01}
     )
-    mean, deviation = step_scatter(scene, motor(), lambda text: None)
+    mean, deviation = step_scatter(scene, motor())
     truth = contact.step(motor().slider, orbits(12e-9), cycles=SCATTER_CYCLES).displacement
     assert mean == pytest.approx(truth, rel=0.1)
     assert deviation == pytest.approx(0.01 / 1.96 / 0.08 * truth, rel=0.5)
-    assert step_scatter(Scene.load("twente-contact"), motor(), lambda text: None) is None
+    assert step_scatter(Scene.load("twente-contact"), motor()) is None
 
 
 def test_controllers_are_data():

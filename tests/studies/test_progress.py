@@ -1,13 +1,16 @@
 """Progress: on stderr, and only when something takes long."""
 
+import logging
 import time
 
-from studies.progress import Progress
+from studies.progress import Progress, reported_to
+
+FIRST, SECOND = logging.getLogger("studies.chain.runs"), logging.getLogger("fem.solve.harmonic")
 
 
 def test_a_quick_task_says_nothing(capsys):
-    with Progress() as progress:
-        progress("quick")
+    with Progress():
+        FIRST.info("quick")
     assert capsys.readouterr() == ("", "")
 
 
@@ -17,11 +20,28 @@ def test_a_slow_task_is_shown_on_stderr(capsys, monkeypatch):
     progress("first")  # before the clock starts: a busy machine may be late with what comes after
     with progress:
         time.sleep(0.1)
-        progress("second")
+        SECOND.info("second")
     out, err = capsys.readouterr()
     assert out == ""
     assert "first (0." in err
     assert "second (0." in err
+
+
+def test_a_detail_is_reported_behind_its_step_and_nothing_afterwards():
+    levels = [logging.getLogger(name).level for name in ("studies", "fem")]
+    texts = []
+    with reported_to(texts.append):
+        SECOND.debug("order 3")
+        FIRST.info("stator 1")
+        SECOND.debug("order 4")
+        SECOND.debug("order 5")
+        FIRST.info("stator 2")
+    FIRST.info("nobody listens")
+    assert texts == ["order 3", "stator 1", "stator 1, order 4", "stator 1, order 5", "stator 2"]
+    assert [logging.getLogger(name).level for name in ("studies", "fem")] == levels
+    with reported_to(None):
+        FIRST.info("nobody asked")
+    assert len(texts) == 5
 
 
 def test_a_sweep_says_how_many_points_are_kept(monkeypatch):

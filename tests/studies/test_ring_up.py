@@ -96,7 +96,7 @@ def test_the_error_knows_the_envelope_s(record):
     longer = run(chip("drive.burst=0.4 ms"), tolerance=2e-2)
     parts = [each.error["parts"]["stator"] for each in (record, longer)]
     scene = resolved(chip())
-    own = ring_up(scene, scene.slider.center, progress=lambda text: None)
+    own = ring_up(scene, scene.slider.center)
     assert own.error == pytest.approx(own.response.relative_error * own.response.settling / 0.1e-3, rel=1e-12)
     assert parts[0] - parts[1] == pytest.approx(0.75 * own.error, rel=1e-2)
 
@@ -134,7 +134,7 @@ def test_a_ring_up_that_is_not_resolved_errs_by_its_part_of_the_burst_or_the_who
     monkeypatch.setattr(ring, "response", lambda *given, **rest: None)
     monkeypatch.setattr(fem, "burst_response", refuse)
     monkeypatch.setattr(ring, "MAX_FREQUENCIES", 4096)
-    found = ring.ring_up(chip(f"drive.burst={burst}"), (0.018, 0.0), progress=lambda text: None)
+    found = ring.ring_up(chip(f"drive.burst={burst}"), (0.018, 0.0))
     assert found.response is None
     assert found.error == pytest.approx(error, rel=1e-12)
 

@@ -25,7 +25,7 @@ def predictor():
 
 def test_release_follows_hertz(predictor):
     """The rest approach goes as (preload / (E* sqrt R))^(2/3); the bounce moves it by (f_n/f)^2 = 2e-5."""
-    found = elasticities(predictor, ("release",), 6.3e-9, lambda text: None)["release"]
+    found = elasticities(predictor, ("release",), 6.3e-9)["release"]
     exact = {"slider.preload": 2 / 3, "slider.effective_modulus": -2 / 3, "slider.radius": -1 / 3}
     assert set(found) == set(numbers(predictor))
     for key, (value, error) in found.items():
@@ -35,7 +35,7 @@ def test_release_follows_hertz(predictor):
 
 def test_blocked_thrust_is_mu_times_preload(predictor):
     """Well above release every contact slips forwards all the time it touches: nothing but mu and preload counts."""
-    found = elasticities(predictor, ("thrust",), 30e-9, lambda text: None)["thrust"]
+    found = elasticities(predictor, ("thrust",), 30e-9)["thrust"]
     for key, (value, error) in found.items():
         exact = 1.0 if key in ("slider.friction_coefficient", "slider.preload") else 0.0
         assert abs(value - exact) < max(error, 1e-8), key
@@ -43,7 +43,7 @@ def test_blocked_thrust_is_mu_times_preload(predictor):
 
 def test_velocity_against_richardson_extrapolation(predictor):
     """An independent table of differences, of sixth order, of single steady states; the errors are kept."""
-    found = elasticities(predictor, ("velocity",), 6.3e-9, lambda text: None)["velocity"]
+    found = elasticities(predictor, ("velocity",), 6.3e-9)["velocity"]
 
     def log_velocity(key, s):
         motor = predictor.contact({key: predictor.value(key) * np.exp(s)})
@@ -72,7 +72,7 @@ def test_richardson_s_error_is_that_of_the_last_extrapolation(monkeypatch):
             return [{"status": "ok", "relative_error": 1e-11, "velocity_m_per_s": speed} for speed in speeds]
 
     monkeypatch.setattr(elasticity, "numbers", lambda predictor: [])
-    ((value, error),) = elasticities(Known(), ("velocity",), 6.3e-9, lambda text: None)["velocity"].values()
+    ((value, error),) = elasticities(Known(), ("velocity",), 6.3e-9)["velocity"].values()
     step = 1e-11**0.2
     # Closed form: steps h, h/2, h/4 leave c h^6 / 64 of c s^7, and the last extrapolation changes 84/64 of that
     left = size * step**6 / 64
@@ -106,9 +106,7 @@ def test_numbers_of_a_stator(monkeypatch):
         transducer={"left": {"finger_pairs": 2, "center": "6 mm"}}, slider={"position": "20 mm"},
         drive={"voltage": "60 V"},
     )  # fmt: skip
-    found = elasticities(MeasurementPredictor(short, tolerance=1e-3), ("velocity",), 60.0, lambda text: None)[
-        "velocity"
-    ]
+    found = elasticities(MeasurementPredictor(short, tolerance=1e-3), ("velocity",), 60.0)["velocity"]
     assert abs(found["transducer.0.aperture"][0]) < 1e-9
     runs = [
         run_chain(short.replace(stator={"thickness": 1e-3 * (1 + s)}), tolerance=1e-4).velocity[0]
@@ -121,7 +119,7 @@ def test_numbers_of_a_stator(monkeypatch):
 
 def test_what_is_said_to_have_no_effect_is_tried(predictor):
     """A number that does move the answer among the silent ones contradicts the finding."""
-    rows = elasticities(predictor, ("release",), 6.3e-9, lambda text: None)["release"]
+    rows = elasticities(predictor, ("release",), 6.3e-9)["release"]
     (silent,) = without_effect(predictor, "release", rows, 6.3e-9)
     assert silent.confirmed
     (wrong,) = without_effect(predictor, "release", rows | {"slider.radius": (0.0, 0.0)}, 6.3e-9)
@@ -173,7 +171,7 @@ def test_the_error_of_an_exact_state_s_elasticity_holds_its_numerical_error(pred
         Scene.load("twente-contact").replace(wave={"normal_amplitude": "8 nm"}, slider={"method": "exact"})
     )
     averaged = MeasurementPredictor(Scene.load("twente-contact").replace(wave={"normal_amplitude": "8 nm"}))
-    one, other = (elasticities(each, ("velocity",), 8e-9, lambda text: None)["velocity"] for each in (exact, averaged))
+    one, other = (elasticities(each, ("velocity",), 8e-9)["velocity"] for each in (exact, averaged))
     stated = exact.answers([{}], tolerance=1e-11)[0]["numerical_error"]
     for key, (value, error) in one.items():
         # the term of the rounding: 8 of the answers' errors over the step, the fifth root of 1e-11

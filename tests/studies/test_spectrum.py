@@ -15,10 +15,6 @@ from studies.scene import read_table
 from tests.studies.settings import assigned
 
 
-def quiet(text):
-    return None
-
-
 def chip(*settings):
     """A short motor with its periods fixed, its slider left out."""
     base = [
@@ -38,7 +34,7 @@ def chip(*settings):
 
 
 def prepared(scene, lowest=2.1e6, highest=2.2e6, place=20e-3):
-    return response(scene, lowest, highest, places=(place,), tolerance=3e-2, progress=quiet)
+    return response(scene, lowest, highest, places=(place,), tolerance=3e-2)
 
 
 @pytest.fixture(scope="module")

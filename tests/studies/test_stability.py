@@ -125,7 +125,7 @@ def test_the_atlas_leaves_tables_pictures_and_numbers(tmp_path):
     files = stability.tables(found)
     assert files["cases.csv"].count("\n") == 13
     assert "| chain | a quantity | 1 m | 100 m | 3 | 1 | 1 | 1 |  | 0.33 | 1.5 | a/guard |" in files["summary.md"]
-    stability.draw(found, tmp_path, progress=lambda text: None)
+    stability.draw(found, tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {
         "free_wave.png", "stator.png", "contact.png", "chain.png", "error_against_estimate.png",
     }  # fmt: skip

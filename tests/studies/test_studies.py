@@ -16,10 +16,6 @@ from studies.scene.toml import document
 from studies.study import ALIASES, STUDIES, Finding, Panel, StudyRecord, draw_study, module, question, run_study
 
 
-def quiet(text):
-    return None
-
-
 def test_every_study_says_question_method_expectation_and_run_time():
     for name in STUDIES:
         text = " ".join(module(name).__doc__.split())
@@ -121,8 +117,8 @@ def test_the_elements_give_the_wave_of_the_half_space(studied):
 
 
 def test_a_study_of_a_scene_takes_one_and_leaves_its_run(tmp_path):
-    record = run_study("voltage_to_velocity", "twente-contact", tmp_path, progress=quiet)
-    draw_study("voltage_to_velocity", record, tmp_path, progress=quiet)
+    record = run_study("voltage_to_velocity", "twente-contact", tmp_path)
+    draw_study("voltage_to_velocity", record, tmp_path)
     assert "threshold" in str(record)
     files = {path.name for path in tmp_path.iterdir()}
     assert files == {"run.json", "scene.toml", "velocity.csv", "voltage_to_velocity.png"}
@@ -138,7 +134,7 @@ def test_a_study_of_a_scene_takes_one_and_leaves_its_run(tmp_path):
 )
 def test_a_study_that_cannot_be_is_refused(tmp_path, name, scene, words):
     with pytest.raises(SceneError, match=words):
-        run_study(name, scene, tmp_path, progress=quiet)
+        run_study(name, scene, tmp_path)
 
 
 def test_a_finding_reads_as_a_sentence_with_its_verdict():
@@ -234,4 +230,4 @@ def test_a_tolerance_is_the_stator_s_and_the_contact_s():
 
 def test_an_option_that_a_study_does_not_take_is_refused_with_those_that_it_takes():
     with pytest.raises(SceneError, match="--band is not taken by the study load_line, which takes --tolerance"):
-        run_study("load_line", None, Path(), progress=print, options={"band": "1:2:3"})
+        run_study("load_line", None, Path(), options={"band": "1:2:3"})

@@ -109,7 +109,7 @@ def test_the_picture_colours_fingers_by_their_comb(tmp_path):
     scene = chip("transducer.0.pattern=++-o", "transducer.1.pattern=0+-0", slider=True)
     record = run(replace(scene, slider=None), tolerance=3e-2)
     write_run(record, tmp_path, field=True)
-    fingers = run_field(tmp_path, progress=lambda text: None).fingers
+    fingers = run_field(tmp_path).fingers
     assert {sign: len(strips) for sign, strips in fingers.items()} == {"+": 3, "-": 2, "o": 1}
     left = transducers(record.scene)[0].fingers
     assert fingers["-"][0] == tuple(left[2])

@@ -92,13 +92,13 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def found(folder):
-    return run_field(folder, progress=quiet)
+    return run_field(folder)
 
 
 @pytest.fixture
 def computed(found, folder, monkeypatch):
     """The same motor, whose field is not computed again by what shows it."""
-    monkeypatch.setattr(view, "run_field", lambda folder, progress: found)
+    monkeypatch.setattr(view, "run_field", lambda folder: found)
     return folder
 
 
@@ -111,7 +111,7 @@ def long(tmp_path_factory):
         table = assigned(table, setting)
     folder = tmp_path_factory.mktemp("long")
     write_run(run(Scene.from_table("", table), tolerance=1e-2), folder, field=False)
-    return run_field(folder, progress=quiet)
+    return run_field(folder)
 
 
 @pytest.fixture(scope="module")
@@ -125,7 +125,7 @@ def given(tmp_path_factory):
 
 def test_the_exported_field_moves_the_surface_as_the_run_says(found, folder, tmp_path):
     """Read by meshio, linear interpolation along the surface gives run.json's motion of the section there."""
-    field_data.save(found, tmp_path / "field.vtu", span=None, instants=0, progress=quiet, note=quiet)
+    field_data.save(found, tmp_path / "field.vtu", span=None, instants=0, note=quiet)
     mesh = meshio.read(tmp_path / "field.vtu")
     wave = json.loads((folder / "run.json").read_text())["wave"]
     top = mesh.points[:, 2] == 0
@@ -143,7 +143,7 @@ def test_a_run_that_does_not_tell_its_resolution_is_run_again(found, folder, tmp
     record = json.loads((folder / "run.json").read_text())
     del record["wave"]["resolution"]
     (tmp_path / "older" / "run.json").write_text(json.dumps(record))
-    again = run_field(tmp_path / "older", progress=quiet)
+    again = run_field(tmp_path / "older")
     assert again.surface(14.123e-3) == pytest.approx(found.surface(14.123e-3), rel=2e-2)
 
 
@@ -228,7 +228,7 @@ def test_the_enlarged_displacement_is_seen_and_its_factor_round(found):
 
 
 def test_a_screenshot_shows_section_electrodes_and_slider_where_they_are(found, computed, tmp_path):
-    view.view(computed, Wanted(screenshot=str(tmp_path / "a.png"), size=(1000, 700)), progress=quiet)
+    view.view(computed, Wanted(screenshot=str(tmp_path / "a.png"), size=(1000, 700)))
     pixels = np.asarray(Image.open(tmp_path / "a.png").convert("RGB")).astype(int)
     assert pixels.shape == (700, 1000, 3)
     assert (pixels[:, :, 0] - pixels[:, :, 2] > 60).mean() > 1e-3  # orange
@@ -247,7 +247,7 @@ def test_a_screenshot_shows_section_electrodes_and_slider_where_they_are(found, 
 @pytest.mark.parametrize("show", ["field", "solid"])
 def test_the_smallest_picture_is_drawn_whatever_the_case_of_its_format(computed, tmp_path, show):
     wanted = Wanted(screenshot=str(tmp_path / "a.JPEG"), size=(200, 100), show=show)
-    view.view(computed, wanted, progress=quiet)
+    view.view(computed, wanted)
     with Image.open(tmp_path / "a.JPEG") as picture:
         assert picture.size == (200, 100)
         assert np.asarray(picture).std() > 5
@@ -320,7 +320,7 @@ def test_fingers_ride_on_the_surface(found):
 
 def test_a_free_wave_is_drawn_from_its_profile(tmp_path):
     write_run(run(Scene.load("rayleigh"), tolerance=1e-3), tmp_path, field=True)
-    free = run_field(tmp_path, progress=quiet)
+    free = run_field(tmp_path)
     assert free.fingers == {}
     assert free.spans == ()
     u_x, _, u_z = free.field.displacement[0, -1]
@@ -423,7 +423,7 @@ def test_surface_electrodes_and_balls_of_the_solid_move_as_the_section_does(plan
 
 def test_a_movie_holds_one_period(computed, tmp_path):
     file = tmp_path / "a.gif"
-    view.view(computed, Wanted(movie=str(file), size=(500, 220), frames=4, span="slider"), progress=quiet)
+    view.view(computed, Wanted(movie=str(file), size=(500, 220), frames=4, span="slider"))
     with Image.open(file) as picture:
         assert (picture.n_frames, picture.size) == (4, (500, 220))
         frames = []
@@ -452,7 +452,7 @@ def test_without_ffmpeg_the_sentence_says_what_to_install(monkeypatch, tmp_path)
 def test_without_pyvista_the_sentence_says_what_to_install(monkeypatch, computed, tmp_path):
     monkeypatch.setitem(sys.modules, "pyvista", None)
     with pytest.raises(RunError, match="pip install pyvista"):
-        view.view(computed, Wanted(screenshot=str(tmp_path / "a.png")), progress=quiet)
+        view.view(computed, Wanted(screenshot=str(tmp_path / "a.png")))
 
 
 def test_without_a_display_the_window_is_refused_with_what_to_do(monkeypatch, folder, given):
@@ -460,7 +460,7 @@ def test_without_a_display_the_window_is_refused_with_what_to_do(monkeypatch, fo
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     for which in (folder, given):
         with pytest.raises(RunError, match="no display to open a window on; --screenshot"):
-            view.view(which, Wanted(), progress=quiet)
+            view.view(which, Wanted())
 
 
 def test_without_a_toolkit_the_contact_s_window_is_refused_with_what_to_install(monkeypatch, given):
@@ -469,7 +469,7 @@ def test_without_a_toolkit_the_contact_s_window_is_refused_with_what_to_install(
     monkeypatch.setenv("DISPLAY", ":0")
     monkeypatch.setattr(pyplot, "get_backend", lambda: "agg")
     with pytest.raises(RunError, match="needs a toolkit that matplotlib can use: pip install PySide6"):
-        view.view(given, Wanted(), progress=quiet)
+        view.view(given, Wanted())
 
 
 def test_the_window_plays_pauses_and_picks(found, monkeypatch):
@@ -594,7 +594,7 @@ def test_the_page_opens_in_a_browser_without_an_error(page, tmp_path):
 
 
 def test_a_time_series_is_the_field_at_its_instants(found, tmp_path):
-    field_data.save(found, tmp_path / "wave.pvd", span=(0.013, 0.015), instants=3, progress=quiet, note=quiet)
+    field_data.save(found, tmp_path / "wave.pvd", span=(0.013, 0.015), instants=3, note=quiet)
     sets = ElementTree.parse(tmp_path / "wave.pvd").getroot().findall("Collection/DataSet")
     assert [float(each.get("timestep")) * 2.2e6 for each in sets] == pytest.approx([0, 1 / 3, 2 / 3])
     field = found.compute(span=(0.013, 0.015), energies=True)
@@ -610,7 +610,7 @@ def test_a_time_series_is_the_field_at_its_instants(found, tmp_path):
 
 
 def test_a_table_of_the_field_is_one_row_a_node(found, tmp_path):
-    field_data.save(found, tmp_path / "field.csv", span=(0.0135, 0.014), instants=0, progress=quiet, note=quiet)
+    field_data.save(found, tmp_path / "field.csv", span=(0.0135, 0.014), instants=0, note=quiet)
     table = np.genfromtxt(tmp_path / "field.csv", delimiter=",", names=True)
     field = found.compute(span=(0.0135, 0.014), energies=True)
     assert len(table) == field.potential.size
@@ -629,7 +629,7 @@ def test_the_size_of_a_large_file_is_said_before_it_is_written(found, tmp_path, 
         said.append(text)
 
     monkeypatch.setattr(field_data, "LARGE", 1e4)
-    given = {"span": (0.0135, 0.0155), "instants": instants, "progress": quiet, "note": note}
+    given = {"span": (0.0135, 0.0155), "instants": instants, "note": note}
     field_data.save(found, tmp_path / name, **given)
     (sentence,) = said
     assert before == [[]]
@@ -646,7 +646,7 @@ def test_the_size_of_a_large_file_is_said_before_it_is_written(found, tmp_path, 
 
 
 def test_a_table_of_the_surface_alone(found, folder, tmp_path):
-    view.view(folder, Wanted(data=str(tmp_path / "a.csv"), surface=True), progress=quiet)
+    view.view(folder, Wanted(data=str(tmp_path / "a.csv"), surface=True))
     table = np.genfromtxt(tmp_path / "a.csv", delimiter=",", names=True)
     np.testing.assert_array_equal(table["x_m"], found.field.x)
     np.testing.assert_array_equal(table["u_z_m_per_V_im"], found.field.displacement[:, -1, 2].imag)
@@ -661,7 +661,7 @@ def test_a_scene_without_a_stator_shows_its_contact_and_says_why(given, tmp_path
     assert captured.out.strip() == str(tmp_path / "a.png")
     assert np.asarray(Image.open(tmp_path / "a.png")).std() > 20
     with pytest.raises(SceneError, match="there is no wave field"):
-        view.view(given, Wanted(screenshot=str(tmp_path / "a.png"), show="field"), progress=quiet)
+        view.view(given, Wanted(screenshot=str(tmp_path / "a.png"), show="field"))
 
 
 def test_a_contact_as_page_and_table(given, tmp_path, monkeypatch):
@@ -669,7 +669,7 @@ def test_a_contact_as_page_and_table(given, tmp_path, monkeypatch):
 
     monkeypatch.setattr(contact_view, "FRAMES", 2)
     wanted = Wanted(html=str(tmp_path / "a.html"), data=str(tmp_path / "a.csv"), level=3e-9)
-    view.view(given, wanted, progress=quiet, note=quiet)
+    view.view(given, wanted, note=quiet)
     page = (tmp_path / "a.html").read_text()
     assert page.count('src="data:image/') == 2
     assert "3 nm" in page
@@ -680,7 +680,7 @@ def test_a_contact_as_page_and_table(given, tmp_path, monkeypatch):
 
 def test_a_run_with_a_stator_shows_its_contact_too(folder, tmp_path):
     """On the orbit of the run's own surface motion."""
-    view.view(folder, Wanted(data=str(tmp_path / "a.csv"), show="contact", level=30.0), progress=quiet)
+    view.view(folder, Wanted(data=str(tmp_path / "a.csv"), show="contact", level=30.0))
     table = np.genfromtxt(tmp_path / "a.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
     told = json.loads((folder / "run.json").read_text())["wave"]["normal_m_per_V"]
     assert table["u_z_m"].max() == pytest.approx(30.0 * np.hypot(*told), rel=1e-3)  # 240 instants a cycle
@@ -692,10 +692,10 @@ def test_a_stuck_slider_is_drawn_at_rest(given):
     from studies.view.run_field import left_run
 
     record = left_run(given)
-    drawn, title = contact_moments(record, level=0.3e-9, progress=quiet)
+    drawn, title = contact_moments(record, level=0.3e-9)
     assert title.endswith(": 0.3 nm, slider held at rest")
     assert abs(drawn["slider_velocity_m_per_s"].mean()) < 1e-6 * abs(drawn["slider_velocity_m_per_s"]).max()
-    _, moving = contact_moments(record, level=10e-9, progress=quiet)
+    _, moving = contact_moments(record, level=10e-9)
     speed = next(point["velocity_m_per_s"] for point in record.points if point["normal_amplitude_m"] == 10e-9)
     assert moving.endswith(f": 10 nm, slider at {speed * 1e3:.4g} mm/s")
 
@@ -705,7 +705,7 @@ def test_what_is_no_run_is_refused(tmp_path, content):
     if content is not None:
         (tmp_path / "run.json").write_text(content)
     with pytest.raises(SceneError, match="no directory that sawmotor run left"):
-        run_field(tmp_path, progress=quiet)
+        run_field(tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -746,8 +746,8 @@ def test_bad_options_are_refused_in_one_sentence(computed, tmp_path, monkeypatch
 
 def test_a_place_that_cannot_be_written_is_said(computed, tmp_path, found):
     with pytest.raises(SceneError, match="cannot write"):
-        view.view(computed, Wanted(screenshot=str(tmp_path / "no" / "a.png"), size=(300, 200)), progress=quiet)
+        view.view(computed, Wanted(screenshot=str(tmp_path / "no" / "a.png"), size=(300, 200)))
     for option, file in (("movie", "a.gif"), ("data", "a.csv")):
         wanted = Wanted(**{option: str(tmp_path / "no" / file)}, frames=2, size=(300, 200), span=(13.5e-3, 14e-3))
         with pytest.raises(SceneError, match=f"--{option} cannot write .*no/{file}': No such file"):
-            view.view(computed, wanted, progress=quiet)
+            view.view(computed, wanted)

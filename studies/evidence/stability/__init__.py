@@ -9,15 +9,17 @@ is the part of the difference that exceeds the error of the reference.
 Expected: at least 150 cases, none WRONG.  Run time: about 6 min of one processor.
 """
 
+import logging
 import math
 from collections import Counter
-from collections.abc import Callable
 from importlib import import_module
 
 from studies.evidence.stability.verdict import VERDICTS, cases_of, judge
 from studies.record.plots import finished, saved
 from studies.record.text import csv_text, markdown
 from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
+
+LOGGER = logging.getLogger(__name__)
 
 PARTS = {"free wave": "free", "stator": "stator", "contact": "contact", "chain": "chain"}
 LEAST = 150
@@ -32,7 +34,7 @@ COLOURS = {"free wave": "#009E73", "stator": "#0072B2", "contact": "#CC79A7", "c
 
 
 @study()
-def run(*, parts: tuple[str, ...] = tuple(PARTS), cases: int | None = None, progress=None) -> Answered:
+def run(*, parts: tuple[str, ...] = tuple(PARTS), cases: int | None = None) -> Answered:
     """Return the verdicts on all cases, with one panel for each part.
 
     Parameters
@@ -41,8 +43,6 @@ def run(*, parts: tuple[str, ...] = tuple(PARTS), cases: int | None = None, prog
         Names in `PARTS`.
     cases : int, optional
         Number of cases of each part, evenly spaced; all cases if None.
-    progress : callable, optional
-        Function that receives a message for each case.
     """
     selected = [
         (module, case)
@@ -53,7 +53,7 @@ def run(*, parts: tuple[str, ...] = tuple(PARTS), cases: int | None = None, prog
     rows = []
     for number, (module, case) in enumerate(selected, start=1):
         value = f"{case.value:g} {case.unit}".rstrip()
-        progress(f"stability: {number} of {len(selected)}, {case.part}, {case.varied} {value}")
+        LOGGER.info(f"stability: {number} of {len(selected)}, {case.part}, {case.varied} {value}")
         rows.append(case_row(case, judge(module, case)))
     return [part_panel(part, [row for row in rows if row["part"] == part]) for part in parts], atlas_findings(rows)
 
@@ -140,10 +140,10 @@ def against_estimate(panels: tuple[Panel, ...], ax):
     return finished(ax, "stated relative error (1)", "error against the other way (1)", title)
 
 
-def draw(record: StudyRecord, folder, *, progress: Callable[[str], None]) -> None:
+def draw(record: StudyRecord, folder) -> None:
     """Draw the verdicts of each part, and true against stated errors."""
     for panel in record.panels:
-        progress(f"drawing {panel.name}")
+        LOGGER.info(f"drawing {panel.name}")
         height = 0.3 * len(dict.fromkeys(panel.data["varied"])) + 1.6
         name = panel.name.replace(" ", "_")
         saved(folder / f"{name}.png", lambda ax, panel=panel: figure(panel, ax), size=(9.0, height))

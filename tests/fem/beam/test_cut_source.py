@@ -7,7 +7,7 @@ import pytest
 from scipy.special import fresnel
 
 from fem.beam.cut_source import TILT, LateralPolynomials, ReducedSection, cut_source, surface_unknowns
-from fem.beam.surface_beam import surface_beam
+from fem.beam.from_section import surface_beam
 from tests.fem.stators import comb, cut, lossless, plate, solution, wave_of
 from tests.oracles.fem_half_space_field import HalfSpaceField
 

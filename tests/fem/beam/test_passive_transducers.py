@@ -7,8 +7,9 @@ import pytest
 
 from fem.beam.crossed_beam import interpolated_on_grid
 from fem.beam.electrode_charges import ElectrodeCharges, electrode_charges
+from fem.beam.from_section import surface_beam
 from fem.beam.reception import aperture_solver
-from fem.beam.surface_beam import aperture_beam, surface_beam
+from fem.beam.surface_beam import aperture_beam
 from fem.condense.transducer import finger_ports
 from fem.convergence_error import ConvergenceError
 from fem.discretize.grading import Resolution

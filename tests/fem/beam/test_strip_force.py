@@ -8,9 +8,10 @@ import pytest
 from fem.analytic.wave_compliance import wave_compliance
 from fem.beam.cut_source import cut_source
 from fem.beam.electrode_charges import all_charges, electrode_charges
+from fem.beam.emitters import Strip
+from fem.beam.from_section import surface_beam
 from fem.beam.reception import aperture_coupling, with_apertures
-from fem.beam.strip_forces import Strip
-from fem.beam.surface_beam import BeamError, surface_beam
+from fem.beam.surface_beam import BeamError
 from fem.discretize.error_estimate import LEVELS
 from fem.geometry import Stator
 from fem.input_error import InputError

@@ -7,9 +7,10 @@ import pytest
 from scipy.special import hankel2
 
 from fem.beam.electrode_charges import electrode_charges
+from fem.beam.from_section import surface_beam
 from fem.beam.own_aperture import STEPS
 from fem.beam.reception import with_apertures
-from fem.beam.surface_beam import BeamError, aperture_beam, surface_beam
+from fem.beam.surface_beam import BeamError, aperture_beam
 from fem.discretize.error_estimate import LEVELS
 from fem.results.solution import driven_solution
 from fem.solve.harmonic import solve_driven

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
-from fem.condense.column import ELECTRODES
+from fem.condense.column import ELECTRODES, ColumnField
 from fem.condense.columns import condensed
+from fem.discretize.element_matrices import element_matrix
+from fem.discretize.section import FIELD_COLUMN
 from fem.waveguide.modes import guided_modes
 from tests.fem.stators import FREQUENCY, cut, lossless, plate, section
 
@@ -57,6 +59,30 @@ def test_constant_potential_is_a_gauge(depth, comb):
     size = np.abs(block.matrix @ raised).max() / np.abs(block.matrix).max()
     assert (size < 1e-13) == depth.floating_potential
     assert np.abs(block.matrix - block.matrix.T).max() == 0
+
+
+@pytest.mark.parametrize("comb", [None, 0, 1])
+def test_recovered_field_is_in_equilibrium_inside(depth, comb):
+    """The matrices of the elements, assembled here: no reactions between the lines but those on the finger."""
+    order, column = depth.order, condensed(depth, FREQUENCY, width=WIDTH, electrode=comb).column
+    sides = np.random.default_rng(3).normal(size=(2 * depth.size + len(ELECTRODES), 2)) + 0j
+    values = ColumnField(column).values(sides)  # (order + 1, nodes, fields, 2)
+    reactions, largest = np.zeros_like(values), 0.0
+    for element, (height, medium) in enumerate(zip(depth.heights, depth.media, strict=True)):
+        matrix = element_matrix(medium, WIDTH, height, order, 2 * np.pi * FREQUENCY * depth.length_unit)
+        nodes = slice(element * order, (element + 1) * order + 1)
+        fields = [FIELD_COLUMN[name] for name in medium.fields]
+        own = values[:, nodes][:, :, fields]
+        reactions[:, nodes, fields] += (matrix @ own.reshape(len(matrix), 2)).reshape(own.shape)
+        largest = max(largest, abs(matrix).max() * abs(own).max())
+    phi = FIELD_COLUMN["phi"]
+    if comb is not None:
+        assert np.all(values[:, depth.surface, phi] == sides[2 * depth.size + comb])
+        charge = column.matrix[2 * depth.size + comb] @ sides
+        np.testing.assert_allclose(reactions[:, depth.surface, phi].sum(axis=0), charge, atol=1e-10 * largest)
+        reactions[:, depth.surface, phi] = 0.0
+    free = (depth.dofs >= 0)[None, ..., None]
+    assert abs(np.where(free, reactions, 0.0)[1:-1]).max() < 1e-10 * largest
 
 
 def test_combs_differ_by_name_only(depth):
