@@ -9,6 +9,10 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.text import Text
 
 LOGGERS = ("studies", "fem")
 PATIENCE = 1.0  # s
@@ -106,16 +110,20 @@ class Progress:
             if sys.stderr.isatty():
                 from rich.console import Console
 
-                self._live = Console(stderr=True).status(self.text)
+                self._live = Console(stderr=True).status(self)
                 self._live.start()
             self._show()
 
+    def __rich__(self) -> "Text":
+        """Return what the live line shows; rich asks for it at each drawing."""
+        from rich.text import Text
+
+        return Text(f"{self.text} ({duration(time.perf_counter() - self._begun)})")
+
     def _show(self) -> None:
-        if not self._shown:
+        if not self._shown or self._live is not None:
             return
-        if self._live is not None:
-            self._live.update(self.text)
-        elif (now := time.perf_counter()) > self._printed + max(PATIENCE, BETWEEN * (now - self._begun)):
+        if (now := time.perf_counter()) > self._printed + max(PATIENCE, BETWEEN * (now - self._begun)):
             self._printed = now
             print(f"{self.text} ({now - self._begun:.1f} s)", file=sys.stderr, flush=True)
 

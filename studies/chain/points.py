@@ -54,16 +54,18 @@ class SliderAnswer:
 def slider_answer(driven: DrivenContact, *, tolerance: float) -> SliderAnswer:
     """Return the answers at all levels of the scene; the contact solvers get ``SHARE`` of the tolerance."""
     scene, on_pillars = driven.scene, driven.scene.slider.pillars is not None
+    LOGGER.info("contact")
     summary: dict = {}
-    threshold, waiting = math.inf, ""
+    threshold = math.inf
     if not on_pillars:
         with slider_keys():
             driven.slider  # noqa: B018  the slider is built when it is first asked for
+        if not contact.kernels.ready():
+            LOGGER.debug(f"compiling its kernels, {contact.kernels.how_often()}")
         summary, threshold = _summary(driven)
-        waiting = "" if contact.kernels.ready() else f", compiling {contact.kernels.how_often()}"
     points, parts, trajectories, last = [], [], [], None
     for number, level in enumerate(scene.levels, start=1):
-        LOGGER.debug(f"contact: point {number} of {len(scene.levels)}{waiting if number == 1 else ''}")
+        LOGGER.debug(f"point {number} of {len(scene.levels)}")
         point = {} if scene.wave is not None else {"voltage_V": level}
         answer = point_answer(driven, level, tolerance)
         point |= driven.amplitudes_at(level) | answer.values

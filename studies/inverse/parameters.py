@@ -155,7 +155,7 @@ def as_parameters(parameters: Any) -> tuple[Parameter, ...]:
     ----------
     parameters : list, dict or lmfit.Parameters
         `Parameter` objects or texts ``"slider.preload=1 mN:5 mN"``; a dict of a key's range, (low, high) in SI units or
-        ``"1 mN:5 mN"``; or lmfit's, whose names hold ``__`` for a dot.
+        with units, or ``"1 mN:5 mN"``; or lmfit's, whose names hold ``__`` for a dot.
 
     Examples
     --------
@@ -174,11 +174,17 @@ def as_parameters(parameters: Any) -> tuple[Parameter, ...]:
 
 
 def ranges(parameters: list | dict) -> list:
-    """Return a list of parameters or their texts, from such a list or a dict of a key's range."""
+    """Return a list of parameters or their texts, from such a list or a dict of a key's range.
+
+    Examples
+    --------
+    >>> ranges({"slider.preload": ("1 mN", "5 mN"), "slider.mass": (1e-5, 1e-3)})
+    ['slider.preload=1 mN:5 mN', 'slider.mass=1e-05:0.001']
+    """
     if not isinstance(parameters, dict):
         return list(parameters)
     return [
-        f"{key}={span}" if isinstance(span, str) else Parameter(key=key, low=span[0], high=span[1])
+        f"{key}={span if isinstance(span, str) else ':'.join(str(end) for end in span)}"
         for key, span in parameters.items()
     ]
 

@@ -34,6 +34,9 @@ def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
         several = f"{len(scene.levels)} values, {low} to {high}"
         name = "voltage" if scene.wave is None else "amplitude"
         yield name, [f"{several if len(scene.levels) > 1 else high} {shown.shown}"]
+    if scene.drive is not None and (powers := scene.drive.available_powers):
+        low, high = (si(power, "W") for power in (min(powers), max(powers)))
+        yield "power", [f"{high if low == high else f'{low} to {high}'}, what the sources give to matched loads"]
     if scene.slider is not None:
         slider = scene.slider
         moduli = f"E* {slider.effective_modulus / 1e9:.4g} GPa, G* {slider.tangential_modulus / 1e9:.4g} GPa"

@@ -179,9 +179,20 @@ class Drive(Block):
         """Peak voltages of the source in V, those of the powers where these are given; empty without either."""
         if self.power is None:
             return self.voltage or ()
+        return tuple((self._squared_voltage_per_watt * power) ** 0.5 for power in self.power)
+
+    @property
+    def available_powers(self) -> tuple[float, ...]:
+        """Available power of all sources in W at each level; empty where the sources have no resistance."""
+        if complex(self.source_impedance).real == 0:
+            return ()
+        return tuple(voltage**2 / self._squared_voltage_per_watt for voltage in self.levels)
+
+    @property
+    def _squared_voltage_per_watt(self) -> float:
+        """Squared peak voltage of the source over the available power of all sources, in V^2/W."""
         squares = sum(abs(amplitude) ** 2 for amplitude in self.driven.values())
-        per_watt = 8 * complex(self.source_impedance).real / squares
-        return tuple((per_watt * power) ** 0.5 for power in self.power)
+        return 8 * complex(self.source_impedance).real / squares
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,6 +17,7 @@ from studies.inverse import fit as fit_function
 from studies.inverse.directions import undetermined
 from studies.inverse.fitting import fit_about
 from studies.inverse.least_squares import Problem
+from studies.inverse.parameters import as_parameters
 from studies.inverse.prediction import MeasurementPredictor
 from studies.refusal import SceneError
 
@@ -296,6 +297,16 @@ def test_a_file_that_is_no_measurement_is_refused(tmp_path, text, settings, word
 def test_what_is_no_free_number_is_refused(text, words):
     with pytest.raises(SceneError, match=words):
         read_parameter(text)
+
+
+def test_a_range_of_a_dict_may_have_units_and_keeps_the_rules_of_a_text():
+    preload = Parameter(key="slider.preload", low=1e-3, high=4e-3)
+    for span in ("1 mN:4 mN", ("1 mN", "4 mN"), (1e-3, 4e-3), np.array([1e-3, 4e-3])):
+        assert as_parameters({"slider.preload": span}) == (preload,)
+    with pytest.raises(SceneError, match="LOW below HIGH"):
+        as_parameters({"slider.preload": (4e-3, 1e-3)})
+    with pytest.raises(SceneError, match="did you mean preload"):
+        as_parameters({"slider.prelod": (1e-3, 4e-3)})
 
 
 def test_a_place_may_be_free():

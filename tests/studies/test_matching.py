@@ -9,6 +9,7 @@ from studies import Scene, run
 from studies.chain.resolve import resolved
 from studies.record.text import answer
 from studies.refusal import SceneError
+from studies.report.contents import contents
 from studies.scene import read_table
 from studies.scene.drive import Element
 from studies.scene.toml import document
@@ -52,6 +53,13 @@ def test_a_match_needs_a_transducer():
     table["drive"] |= {"match": LADDER}
     with pytest.raises(SceneError, match=r"drive\.match must be absent without a \[\[transducer\]\]"):
         Scene.from_table("", table)
+
+
+def test_a_check_states_the_available_power():
+    """50 V behind 50 ohm: 2500 / (8 * 50) = 6.25 W."""
+    assert dict(contents(resolved(motor(power=["1 W", "4 W"]))))["power"][0].startswith("1 W to 4 W,")
+    assert dict(contents(resolved(motor(voltage="50 V"))))["power"][0].startswith("6.25 W,")
+    assert "power" not in dict(contents(resolved(motor(voltage="50 V", source_impedance="0 ohm"))))
 
 
 @pytest.mark.parametrize("match", ["none", "auto", LADDER])

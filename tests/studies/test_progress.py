@@ -1,8 +1,13 @@
 """Progress: on stderr, and only when something takes long."""
 
 import logging
+import os
+import pty
+import re
 import time
 
+import contact
+from studies import Scene, run
 from studies.progress import Progress, reported_to
 
 FIRST, SECOND = logging.getLogger("studies.chain.runs"), logging.getLogger("fem.solve.harmonic")
@@ -52,3 +57,28 @@ def test_a_sweep_says_how_many_points_are_kept(monkeypatch):
     progress.points(100, 10, 1, 0.0)
     progress.points(100, 30, 2, 75.0)
     assert progress.text == "30 of 100 points kept: 10 points/s, 7.0 s left, 2 failed, 1 min 15 s of work"
+
+
+def test_a_terminal_shows_the_time_that_goes_on_within_a_step(monkeypatch):
+    monkeypatch.setattr("studies.progress.PATIENCE", 0.01)
+    ours, theirs = pty.openpty()
+    with os.fdopen(theirs, "w", encoding="utf-8") as terminal:
+        monkeypatch.setattr("sys.stderr", terminal)
+        with Progress() as progress:
+            progress("[drive] point 1 of 20")
+            time.sleep(1.0)  # some drawings of the same step
+        shown = os.read(ours, 100_000).decode()
+    os.close(ours)
+    times = {float(each) for each in re.findall(r"\[drive\] point 1 of 20 \(([0-9.]+) s\)", shown)}
+    assert len(times) > 1
+    assert max(times) < 30.0
+
+
+def test_the_compilation_of_the_kernels_is_announced_before_it_begins(monkeypatch):
+    """The threshold, which comes before the first point, waits for the compiler."""
+    compiled, texts = [], []
+    threshold_factor = contact.threshold_factor
+    monkeypatch.setattr("contact.kernels.ready", lambda: bool(compiled))
+    monkeypatch.setattr("contact.threshold_factor", lambda *of: compiled.append(1) or threshold_factor(*of))
+    run(Scene.load("twente-contact").replace(wave={"normal_amplitude": "5 nm"}), progress=texts.append)
+    assert texts[:3] == ["contact", "contact, compiling its kernels, once", "contact, point 1 of 1"]
