@@ -5,6 +5,7 @@ towards the slider. ``normal=A, tangential=-1j*r*A`` describes an elliptic motio
 whose surface points move towards +x at its crests. A Rayleigh wave of this orbit (retrograde) runs towards -x.
 """
 
+import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -47,6 +48,11 @@ class Orbit:
         if self.normal == 0:
             return 0.0
         return (1j * self.omega * self.tangential * self.normal.conjugate()).real / abs(self.normal)
+
+    @property
+    def upward_zero(self) -> float:
+        """Angle of the wave in rad at which u_z crosses zero upwards."""
+        return -0.5 * math.pi - cmath.phase(self.normal)
 
     def scaled(self, factor: complex) -> "Orbit":
         """Return the same orbit with both amplitudes multiplied by `factor` (its angle shifts time)."""

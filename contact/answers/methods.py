@@ -20,7 +20,7 @@ from contact.choice import Choice, Method, Result, choose, refused
 from contact.convergence_error import ConvergenceError
 from contact.drive import reference_speed
 from contact.events.collocation import collocation
-from contact.events.motion import Motion
+from contact.events.motion import Motion, rest_state
 from contact.events.segment import At, Column
 from contact.law.normal import load
 from contact.orbit import Orbit
@@ -77,8 +77,7 @@ CALIBRATION, BEYOND, UNCHECKED = 2.0, 1.5, 5.0
 
 def rest_problem(slider, orbits):
     """Return the scaled problem; at phase 0 u_z of the first contact crosses zero upwards."""
-    start = -0.5 * math.pi - float(np.angle(orbits[0].normal))
-    return scaled(slider, orbits, direction=opposed(slider, orbits), start=start)
+    return scaled(slider, orbits, direction=opposed(slider, orbits), start=orbits[0].upward_zero)
 
 
 def rest(slider, orbits, problem, *, nodes, truncation, factor=1.0):
@@ -87,12 +86,9 @@ def rest(slider, orbits, problem, *, nodes, truncation, factor=1.0):
     `factor` is the envelope's value at phase 0. The wave of that size decides which contacts touch at the start: a
     contact that touches keeps its deformation.
     """
-    contacts = len(orbits)
-    begun = problem._replace(paths=_times(problem.paths, factor))
+    begun, state = problem._replace(paths=_times(problem.paths, factor)), rest_state(slider, problem)
     motion = Motion(begun, grid=collocation(nodes), truncation=truncation)
-    depth = slider.rest_approach(contacts) / problem.length
-    x = slider.rest_deformations(contacts) / problem.length
-    motion.place(-depth, 0.0, 0.0, math.copysign(1.0, problem.load) * x)
+    motion.place(*state[: At.DEFORMATIONS], state[At.DEFORMATIONS :])
     motion.problem = problem
     return motion
 

@@ -140,19 +140,13 @@ def burst(
     share = cycles / frequency / (cycles / frequency + after)
     stride = max(1, round(cycles / max(1.0, samples * share)))
     side, driven = towards_plus(listed)
-    problem = rest_problem(slider, driven)
-    shape, bend = np.empty(0, complex), 0.0
+    asked = Burst(slider, driven, rest_problem(slider, driven), cycles, stride, tolerance, np.empty(0, complex))
     if envelope is not None:
-        shape, bend = envelope.at(np.arange(cycles + 1) / frequency), envelope.bend(cycles, frequency)
-    asked = Burst(slider, driven, problem, cycles, stride, tolerance, shape, bend)
+        at_ends = envelope.at(np.arange(cycles + 1) / frequency)
+        asked = asked._replace(envelope=at_ends, bend=envelope.bend(cycles, frequency))
     result, method, reasons = run(method, asked)
-    (motion, rows), statistics = result.run, result.statistics
-    end = side * float(motion.state[At.VELOCITY]) * problem.speed
-    ends = stride * np.arange(1, len(rows) + 1)
-    start = np.full(1, -slider.rest_approach(len(listed)) / problem.length)
-    parts = [(np.zeros(1), np.zeros(1), start), (ends / frequency, rows[:, Column.VELOCITY], rows[:, Column.POSITION])]
-    if cycles % stride:
-        parts.append((np.full(1, cycles / frequency), motion.state[[At.VELOCITY]], motion.state[[At.POSITION]]))
+    (motion, rows), statistics, problem = result.run, result.statistics, asked.problem
+    end, parts = side * float(motion.state[At.VELOCITY]) * problem.speed, _during(asked, motion, rows)
     ledgers = [ledger(slider, motion)] if motion.begun is not None else []
     slid, rang, still = _follow_on(slider, motion, after, fading, samples * (1.0 - share))
     parts += [(cycles / frequency + part[0], *part[1:]) for part in slid]
@@ -172,6 +166,19 @@ def burst(
         ledger=together(*ledgers) if ledgers and not rang else None, after_ledger=after_ledger, statistics=statistics,
         seconds=clock.perf_counter() - begun,
     )  # fmt: skip
+
+
+def _during(burst, motion, rows):
+    """Return the parts of a burst: start, rows and, if the last row is not its end, the end; see `_follow_on`."""
+    frequency, start = burst.orbits[0].frequency, -burst.slider.rest_approach(len(burst.orbits)) / burst.problem.length
+    ends = burst.stride * np.arange(1, len(rows) + 1)
+    parts = [
+        (np.zeros(1), np.zeros(1), np.full(1, start)),
+        (ends / frequency, rows[:, Column.VELOCITY], rows[:, Column.POSITION]),
+    ]
+    if burst.cycles % burst.stride:
+        parts.append((np.full(1, burst.cycles / frequency), motion.state[[At.VELOCITY]], motion.state[[At.POSITION]]))
+    return parts
 
 
 def _advice(method, envelope):

@@ -122,30 +122,22 @@ def mean_normal_force(problem, h, rule):
 
 @compiled
 def riding(problem, rule):
-    """Return the mean approach at which the cycle mean of sum P is the preload (safeguarded Newton)."""
-    paths, target = problem.paths, problem.preload
-    n = paths.height.size
-    # h lies above `low`, where no contact touches, and below `high`
-    least, reach, low = np.inf, 0.0, np.inf
+    """Return the mean approach at which the cycle mean of sum P is the preload.
+
+    The mean load is convex in h, so that Newton's method falls from any h that is too large, until rounding stops it.
+    """
+    paths, target, n = problem.paths, problem.preload, problem.paths.height.size
+    least, reach = np.inf, 0.0
     for i in range(n):
-        a = normal_amplitude(paths, i)
-        reach, least, low = max(reach, a), min(least, paths.height[i]), min(low, -a - paths.height[i])
-    # the mean load is at least that of the mean approach, and every contact is at least as high as the lowest
-    high = approach_under(target / (problem.stiffness * n), problem.shape) - least
-    h = high
+        least, reach = min(least, paths.height[i]), max(reach, normal_amplitude(paths, i))
+    # too large: the mean load is at least that of the mean approach, and no contact is lower than the lowest
+    h = approach_under(target / (problem.stiffness * n), problem.shape) - least
     for _ in range(80):
         force, steepness = mean_normal_force(problem, h, rule)
-        if force > target:
-            high = h
-        else:
-            low = h
-        step = (target - force) / steepness if steepness > 0.0 else high - low
-        new = h + step
-        if not low < new < high:
-            new = 0.5 * (low + high)
-        if abs(new - h) < 1e-15 * (reach + abs(h)) or high - low < 1e-15 * (reach + abs(h)):
-            return new
-        h = new
+        step = (force - target) / steepness if steepness > 0.0 else 0.0
+        h -= step
+        if step < 1e-15 * (reach + abs(h)):
+            break
     return h
 
 

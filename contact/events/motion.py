@@ -18,6 +18,7 @@ from contact.events.segment import At, Column, Sample
 from contact.events.transitions import open_regimes
 from contact.law import elastic, hysteretic, normal
 from contact.problem import Problem
+from contact.slider import Slider
 
 FAILURES = {
     Status.NOT_FINITE: "not finite: the motion overflowed; check mass, dampers and amplitude",
@@ -25,6 +26,12 @@ FAILURES = {
     Status.FULL: "memory full: the contact remembers more reversals than there is room for; raise the dampers",
     Status.STIFF: "stiff: contact or dampers are too stiff for the exact way on this time scale; raise the mass",
 }
+
+
+def rest_state(slider: Slider, problem: Problem) -> np.ndarray:
+    """Return the scaled state (z_s, z_s', v, x) of a slider at rest whose contacts are deformed by the load alone."""
+    x = math.copysign(1.0, problem.load) * slider.rest_deformations(problem.contacts) / problem.length
+    return np.array([-slider.rest_approach(problem.contacts) / problem.length, 0.0, 0.0, *x])
 
 
 class Motion:

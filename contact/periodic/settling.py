@@ -27,7 +27,7 @@ from contact.codes import Count, Tangential
 from contact.convergence_error import ConvergenceError
 from contact.events.collocation import collocation
 from contact.events.energy import Sum
-from contact.events.motion import Motion
+from contact.events.motion import Motion, rest_state
 from contact.events.segment import At, Column, Sample
 from contact.orbit import Orbit
 from contact.periodic.shooting import MULTIPLIER_ERROR, Periodic
@@ -219,11 +219,15 @@ class Near(NamedTuple):
 def start_at_rest(slider, orbits, direction):
     """Return the scaled problem and the state (3 + contacts,) of a slider at rest, in its units.
 
-    At phase 0 u_z of the first contact crosses zero upwards. `direction` is that of `problem.scaled`.
+    Where the wave is slow for the contacts, the slider moves with the surface from the start. At phase 0 u_z of the
+    first contact crosses zero upwards. `direction` is that of `problem.scaled`.
     """
-    start = -0.5 * math.pi - float(np.angle(orbits[0].normal))
-    problem = scaled(slider, orbits, direction=direction, start=start)
-    return problem, _rest(slider, orbits, problem)
+    problem = scaled(slider, orbits, direction=direction, start=orbits[0].upward_zero)
+    begin = rest_state(slider, problem)
+    if slider.tangential_resonance(problem.contacts) >= SLOW * orbits[0].frequency:
+        u_z, z_rate, _, x_rate = at_phase(problem.paths, np.arange(problem.contacts), 1.0, 0.0)
+        begin[: At.DEFORMATIONS] += np.mean(u_z), np.mean(z_rate), np.mean(x_rate)
+    return problem, begin
 
 
 def _perturbed(begin):
@@ -317,16 +321,6 @@ def _refuse_unless_affordable(problem, rate):
             f"no stable motion repeats with the wave's period, and the slider takes {cycles:.3g} cycles to settle, too "
             "many to follow; follow a burst by method stepped",
         )
-
-
-def _rest(slider, orbits, problem):
-    """Return (z_s, z_s', v, x) at phase 0: at rest, or moving with the surface if the wave is slow for the contacts."""
-    depth = slider.rest_approach(len(orbits)) / problem.length
-    x = math.copysign(1.0, problem.load) * slider.rest_deformations(len(orbits)) / problem.length
-    if slider.tangential_resonance(len(orbits)) < SLOW * orbits[0].frequency:
-        return np.array([-depth, 0.0, 0.0, *x])
-    u_z, z_rate, _, x_rate = at_phase(problem.paths, np.arange(problem.contacts), 1.0, 0.0)
-    return np.array([np.mean(u_z) - depth, np.mean(z_rate), np.mean(x_rate), *x])
 
 
 def _arrived(rows, near):

@@ -124,19 +124,24 @@ def fingers_in_row(
         return singles[sign, left, right]
 
     fingers = [(sign, *gaps(place)) for place, sign in enumerate(signs)]
-    runs: dict[tuple, FingerColumns] = {}
+    return _joined_run(make, single, {}, fingers)
 
-    def run(start: int, stop: int) -> FingerColumns:
-        key = tuple(fingers[start:stop])
-        if key not in runs:
-            if stop - start == 1:
-                runs[key] = single(*fingers[start])
-            else:
-                half = start + _left_half(stop - start)
-                runs[key] = make.joined(run(start, half), run(half, stop))
-        return runs[key]
 
-    return run(0, len(fingers))
+def _joined_run(make: Condensation, single: Callable, runs: dict, fingers: list) -> FingerColumns:
+    """Join fingers, each its sign and gaps; ``runs``: what is joined already.
+
+    A function within `fingers_in_row` that called itself would keep all superelements until the next search for cyclic
+    garbage.
+    """
+    key = tuple(fingers)
+    if key not in runs:
+        if len(fingers) == 1:
+            runs[key] = single(*fingers[0])
+        else:
+            half = _left_half(len(fingers))
+            left, right = (_joined_run(make, single, runs, each) for each in (fingers[:half], fingers[half:]))
+            runs[key] = make.joined(left, right)
+    return runs[key]
 
 
 def _left_half(count: int) -> int:
@@ -150,21 +155,22 @@ def finger_ports(row: FingerColumns, signs: str) -> tuple[FingerColumns, np.ndar
     Also the first moments of these fingers' reactions about their middles as functions of its sides, length units,
     shape (fingers, 2 n + fingers).
     """
-    done: dict[tuple[int, int], tuple[FingerColumns, np.ndarray]] = {}
+    return _ports_of_run(row, signs, {})
 
-    def of(piece: FingerColumns, own: str) -> tuple[FingerColumns, np.ndarray]:
-        key = id(piece), len(own)
-        if key not in done:
-            done[key] = _single(piece, own) if len(own) == 1 else both(piece, own)
-        return done[key]
 
-    def both(piece: FingerColumns, own: str) -> tuple[FingerColumns, np.ndarray]:
-        half = _left_half(len(own))
-        (left, below), (right, above) = (of(piece.pair.left, own[:half]), of(piece.pair.right, own[half:]))
-        whole = with_fingers(piece, left, right)
-        return whole, np.concatenate([whole.pair.from_left(below), whole.pair.from_right(above)])
-
-    return of(row, signs)
+def _ports_of_run(piece: FingerColumns, signs: str, done: dict) -> tuple[FingerColumns, np.ndarray]:
+    """`finger_ports` of a part of the row; ``done``: results by piece and number of fingers."""
+    key = id(piece), len(signs)
+    if key not in done:
+        if len(signs) == 1:
+            done[key] = _single(piece, signs)
+        else:
+            half = _left_half(len(signs))
+            left, below = _ports_of_run(piece.pair.left, signs[:half], done)
+            right, above = _ports_of_run(piece.pair.right, signs[half:], done)
+            whole = with_fingers(piece, left, right)
+            done[key] = whole, np.concatenate([whole.pair.from_left(below), whole.pair.from_right(above)])
+    return done[key]
 
 
 def _single(piece: FingerColumns, sign: str) -> tuple[FingerColumns, np.ndarray]:
