@@ -9,11 +9,12 @@ formalism's matrix N3, with m in the direction of k and n the normal, turned tog
 T. C. T. Ting, Anisotropic Elasticity, Oxford 1996, eqs. 7.6-3 and 6.4-14. No eigenvalue is found, so that isotropic and
 other degenerate solids are no exception. The imaginary part is odd in k and has no mean.
 
-A load that is spread over a circle like that of a rigid flat punch, 1/sqrt(a^2 - r^2), moves all of the circle by the
-mean of C over psi times F/(2 a) (the integral over |k| of sin(k a)/(k a) exp(i k.x) is the same inside the circle): the
-contact stiffness. J. R. Willis, J. Mech. Phys. Solids 14 (1966) 163; for a sphere, where the circle is an approximation
-to a slender ellipse, J. J. Vlassak and W. D. Nix, Phil. Mag. A 67 (1993) 1045. The elastic constants are c^E: the
-electric field that the load raises, and its stiffening, are left out.
+A force F that is spread over a circle of radius a like that of a rigid flat punch, 1/sqrt(a^2 - r^2), moves all points
+of the circle alike, by F/(2 a) times the mean of C over psi: the integral over |k| of sin(k a)/(k a) exp(i k.x) is the
+same for all x inside the circle. This mean gives the contact stiffness. J. R. Willis, J. Mech. Phys. Solids 14 (1966)
+163; for a sphere, where the circle is an approximation to a slender ellipse, J. J. Vlassak and W. D. Nix, Phil. Mag. A
+67 (1993) 1045. The elastic constants are c^E: the electric field that the load raises, and its stiffening, are left
+out.
 """
 
 from dataclasses import dataclass
@@ -22,9 +23,9 @@ import numpy as np
 
 __all__ = ["PointLoad", "point_load", "surface_compliance"]
 
-VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
+VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])  # Voigt index of the components ij of a tensor
 ACCURACY = 1e-12  # relative, of the averages: they converge exponentially in the number of directions
-MAX_DIRECTIONS = 4096
+MAX_DIRECTIONS = 4096  # at which the averages are returned even if they have not converged
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,15 +75,16 @@ def point_load(stiffness: np.ndarray) -> PointLoad:
     230.769231
     """
     count = 16
-    every = _compliances(stiffness, count)
-    mean = every.mean(axis=0)
+    by_direction = _compliances(stiffness, count)
+    mean = by_direction.mean(axis=0)
     while count < MAX_DIRECTIONS:
         count *= 2
-        every, before = _compliances(stiffness, count), mean
-        mean = every.mean(axis=0)
-        if np.max(np.abs(mean - before)) <= ACCURACY * np.max(np.abs(mean)):
+        coarser_mean = mean
+        by_direction = _compliances(stiffness, count)
+        mean = by_direction.mean(axis=0)
+        if np.max(np.abs(mean - coarser_mean)) <= ACCURACY * np.max(np.abs(mean)):
             break
-    normal = every[:, 2, 2]
+    normal = by_direction[:, 2, 2]
     spread = float((normal.max() - normal.min()) / (2 * normal.mean()))
     mean.flags.writeable = False
     return PointLoad(compliance=mean, spread=spread)
@@ -93,9 +95,11 @@ def surface_compliance(stiffness: np.ndarray, directions: np.ndarray, *, turns: 
 
     ``stiffness``: c in Pa; ``turns``: points of the average over theta.
     """
-    full = np.asarray(stiffness)[VOIGT][:, :, VOIGT]
+    full = np.asarray(stiffness)[VOIGT][:, :, VOIGT]  # c_ijkl
     psi = np.asarray(directions, dtype=float)[:, None]
     theta = np.arange(turns) * np.pi / turns
+    # at theta = 0: m = along, in the direction of k, and n = up, the normal; shape (n, turns, 3), the terms 0 * theta
+    # and 0 * psi only broadcast
     along = np.stack([np.cos(psi) + 0 * theta, np.sin(psi) + 0 * theta, 0 * (psi + theta)], axis=-1)
     up = np.array([0.0, 0.0, 1.0])
     cos, sin = np.cos(theta)[:, None], np.sin(theta)[:, None]
@@ -106,5 +110,5 @@ def surface_compliance(stiffness: np.ndarray, directions: np.ndarray, *, turns: 
 
 
 def _compliances(stiffness: np.ndarray, count: int) -> np.ndarray:
-    """Return Re C for directions evenly spread over half a turn, as many points in theta."""
+    """Return Re C for ``count`` directions evenly spread over half a turn, with as many points in theta."""
     return surface_compliance(stiffness, np.arange(count) * np.pi / count, turns=count)

@@ -2,13 +2,14 @@
 
 The fingers end at y = +-W/2.  Along y the charge is found by Galerkin's method.  It is a sum of sheets, each uniform
 over |y| < L_b / 2: L_0 = W is the aperture, and the other sheets are shorter, because the charge concentrates and
-oscillates near both ends (`sheet_lengths`).  The potential of every finger is tested by the same functions.  With T of
-`point_potential.py`, the potential of a charge on sheet b of one finger tested by sheet a of another, minus the value
-that the section gives where both sheets are present, is
+oscillates near both ends (`sheet_lengths`).  The potential of every finger is integrated over the same sheets (it is
+tested by them).  Let Z(x) be the potential of a line of charge in the section, where all is infinitely long in y.  The
+potential of sheet b of one finger, integrated over sheet c of another at the distance x, differs from the integral of Z
+over the length that both sheets cover, min(L_c, L_b) = s - d, by
 
-    D_ab(x) = [T(a) - a Z(x)] - [T(b) - b Z(x)],    a, b = (L_a +- L_b) / 2,                                    (1)
+    D_cb(x) = [T(s, x) - s Z(x)] - [T(d, x) - d Z(x)],    s = (L_c + L_b) / 2,    d = |L_c - L_b| / 2,          (1)
 
-with Z(x) the potential of a line of charge in the section, which is infinitely long in y.
+with T of `point_potential.py`, equation (1).
 
 Across the fingers the charge is a combination of the distributions that the section has for one volt on each finger.
 The change D is small, so that for D alone a simple distribution suffices: a finger of half width a with charge q has
@@ -16,7 +17,9 @@ the density q / (pi (a^2 - x^2)^(1/2)), and its dipole moment adds a density pro
 the potential varies across a finger, the finger gets an additional dipole moment M, to first order that of a strip on a
 half-space,
 
-    M = -(a^2 / 2) (d phi / d x) / [x d G(x; 0) / d x],    x << wavelength.                                     (2)
+    M = -(a^2 / 2) (d phi / d x) / [x d Z / d x],    x << wavelength,                                           (2)
+
+where x dZ/dx hardly depends on x, because Z is a logarithm there; it is taken at x = a.
 """
 
 from functools import lru_cache
@@ -31,8 +34,9 @@ from fem.geometry import Transducer
 
 # Points across a finger for the density 1 / sqrt(1 - s^2): Chebyshev nodes, exact up to the seventh power of s.
 ACROSS = 4
-# Over the largest wavenumber: largest k_y of the sum over mirror images, and largest |k| of modes that reach mirrors.
-WIDEST, SLOW = 16.0, 4.0
+# Sums over mirror images, with k_max the largest wavenumber of a propagating mode: they end at k_y = MAX_LATERAL k_max,
+# and include the modes with |k| < MAX_IMAGED k_max.  The others decay before they reach the mirrors.
+MAX_LATERAL, MAX_IMAGED = 16.0, 4.0
 # Distance in periods from a finger's end to the end of each shorter sheet, finest set first.  Errors against 64 and 96
 # equal steps in PZT-8: maximum and rms of |u_z| relative to the section's, and admittance
 # (tests/fem/beam/test_finger_ends.py).
@@ -57,8 +61,8 @@ class Coupling(NamedTuple):
     """Change of the fingers' potentials by the charges and dipoles of all sheets, tested by all sheets; in SI units.
 
     ``charges``, ``mixed`` and ``moments`` couple charge to charge, charge to dipole and dipole to dipole, in V m, V and
-    V/m per C/m or C m/m.  Shape (sheets, sheets, 2 fingers - 1); the last index is the offset from one finger to the
-    other, from 1 - fingers to fingers - 1.
+    V/m per C/m or C m/m.  Shape (sheets, sheets, 2 fingers - 1); the last index k stands for two fingers that are
+    k + 1 - fingers pitches apart.
     """
 
     charges: np.ndarray
@@ -102,15 +106,14 @@ def mirrored_mode_mean(k: complex, aperture: float, x: np.ndarray, width: float,
 def image_potential(source: LineSource, aperture: float, x: np.ndarray, width: float) -> np.ndarray:
     """Mean potential over the aperture by its mirror images in two faces ``width`` apart, V per C/m, shape (n,)."""
     k = source.wavenumbers
-    highest = WIDEST * highest_wavenumber(k)
-    slow = abs(k) < highest / WIDEST * SLOW  # the other modes decay before they reach the mirrors
-    part = source.some(slow)
-    total = sum(
-        potential * mirrored_mode_mean(each, aperture, x, width, highest)
-        for each, potential in zip(part.wavenumbers, part.potential, strict=True)
+    k_max = highest_wavenumber(k)
+    imaged = source.some(abs(k) < MAX_IMAGED * k_max)
+    with_images = sum(
+        potential * mirrored_mode_mean(mode, aperture, x, width, MAX_LATERAL * k_max)
+        for mode, potential in zip(imaged.wavenumbers, imaged.potential, strict=True)
     )
-    alone = StripPotential(part, x, aperture)(np.array([aperture]))[0]
-    return total - (alone / aperture - section_potential(part, x))
+    alone = StripPotential(imaged, x, aperture)(np.array([aperture]))[0] / aperture  # mean without images
+    return with_images - (alone - section_potential(imaged, x))
 
 
 def polarisability(source: LineSource, finger_width: float) -> complex:
@@ -131,7 +134,7 @@ def finger_coupling(
 ) -> Coupling:
     """Change of a transducer's potentials by its own charges, for sheets of the given lengths (m).
 
-    D_ab(x) of equation (1) is evaluated at all distances between points on two fingers and averaged over them with the
+    D_cb(x) of equation (1) is evaluated at all distances between points on two fingers and averaged over them with the
     weights of a charge, 1 / ACROSS each, and of a unit dipole, x / sum x^2.
     """
     half, count = transducer.finger_width / 2, len(transducer.signs)
@@ -149,20 +152,19 @@ def finger_coupling(
     change = change[..., number.reshape(distances.shape)]  # (sheets, sheets, offsets, ACROSS, ACROSS)
     charge, dipole = np.full(ACROSS, 1 / ACROSS), across / np.sum(across**2)
     pairs = ((charge, charge), (charge, dipole), (dipole, dipole))
-    charges, mixed, moments = (change @ right @ left for left, right in pairs)
+    charges, mixed, moments = (change @ second @ first for first, second in pairs)  # weights on the two fingers
     return Coupling(charges, mixed, moments, polarisability(source, transducer.finger_width))
 
 
 def _change_of_potential(source: LineSource, lengths: np.ndarray, distances: np.ndarray) -> np.ndarray:
-    """D_ab of equation (1) in V m per C/m at distances in m, shape (sheets, sheets, distances)."""
+    """D_cb of equation (1) in V m per C/m at distances in m, shape (sheets, sheets, distances)."""
     line, strips = section_potential(source, distances), _strip_potential(source, tuple(distances), lengths[0])
-    sums, differences = (np.add.outer(lengths, lengths) / 2, abs(np.subtract.outer(lengths, lengths)) / 2)
-    spans = np.concatenate([[0.0], sums.ravel(), differences.ravel()]).round(12)  # a and b of all pairs of sheets
-    distinct, number = np.unique(spans, return_inverse=True)
-    terms = np.zeros((len(distinct), len(distances)), dtype=complex)  # T(a) - a Z; 0 for a = 0
+    s, d = (np.add.outer(lengths, lengths) / 2, abs(np.subtract.outer(lengths, lengths)) / 2)  # of all pairs of sheets
+    distinct, number = np.unique(np.concatenate([[0.0], s.ravel(), d.ravel()]).round(12), return_inverse=True)
+    terms = np.zeros((len(distinct), len(distances)), dtype=complex)  # T(h) - h Z for each distinct h; 0 for h = 0
     terms[1:] = strips(distinct[1:]) - np.multiply.outer(distinct[1:], line)
-    of_sums, of_differences = np.split(number[1:], 2)
-    change = (terms[of_sums] - terms[of_differences]).reshape(*sums.shape, -1)
+    number_of_s, number_of_d = np.split(number[1:], 2)
+    change = (terms[number_of_s] - terms[number_of_d]).reshape(*s.shape, -1)
     # The zero of the potential is arbitrary if the section floats.  For fingers without net charge it cancels, but only
     # after a loss of digits, so that it is subtracted here.
     if source.slope:

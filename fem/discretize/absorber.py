@@ -35,8 +35,10 @@ MATCHED_LAYER = ((0.5, 1 - 1j), (0.5, 1.5 - 2j), (0.5, 4 - 4j), (0.5, 12 - 8j), 
 STATIC_ELEMENT = (0.5, 300 + 0j)
 
 # Selective layer, with t = 0 at its top and t = 1 at its bottom.  The complex stretching factor of the depth is
-#     1 + STRETCH t^STRETCH_POWER + STATIC_STRETCH t^STATIC_POWER - i DECAY t,
-# and the loss of the motion of a slowness sheet is its backwardness times DAMPING t^DAMPING_POWER.  On 128YX LiNbO3 a
+#     1 + STRETCH t^STRETCH_POWER + STATIC_STRETCH t^STATIC_POWER - i DECAY t,                                (1)
+# and the loss of the motion of a slowness sheet is its backwardness times
+#     f DAMPING t^DAMPING_POWER,                                                                              (2)
+# with a factor f of DAMPING_TRIALS.  On 128YX LiNbO3 a
 # layer of 2 wavelengths has errors of 1.4e-6 in u_z and 5.6e-6 in u_x, measured by
 # tests/fem/discretize/test_half_space.py; with STRETCH 9 or 12, STRETCH_POWER 2 or DAMPING_POWER 4 they are 4e-5 and
 # more.  STATIC_STRETCH serves the static field of a transducer, which the grounded bottom disturbs without it (2e-4 of
@@ -45,10 +47,10 @@ STRETCH, STRETCH_POWER, DECAY = 21.0, 1.6, 6.0
 STATIC_STRETCH, STATIC_POWER = 1000.0, 24
 DAMPING, DAMPING_POWER = 13.0, 8
 NODES = 17  # per wavelength of a selective layer; with 12 modes grow (128YX, by 6e-4 of k)
-# Pairs that are tried in turn: factor of the damping, and least damping of the other sheets over that of the most
-# concave sheet.  If the polarisation of a sheet changes with the direction (X quartz), a loss of one polarisation is
-# not sufficient.
-STRENGTHS = ((1.0, 0.0), (2.0, 0.0), (2.0, 0.25), (4.0, 0.0), (4.0, 0.25), (8.0, 0.25))
+# Pairs (f, share) that are tried in turn until no mode grows: f of equation (2), and the least backwardness that is
+# assumed of a sheet, as a share of that of the most concave sheet.  If the polarisation of a sheet changes with the
+# direction (X quartz), a loss of one polarisation is not sufficient.
+DAMPING_TRIALS = ((1.0, 0.0), (2.0, 0.0), (2.0, 0.25), (4.0, 0.0), (4.0, 0.25), (8.0, 0.25))
 # Nepers per slowest bulk wavelength, as `layer_growth` returns them; 1e-3 causes errors of the motion of 1e-3 and more.
 MAX_GROWTH = 1e-4
 TYPICAL_ORDER, TYPICAL_LEVEL = 7, 2  # order and level at which the kind of layer is selected
@@ -94,8 +96,8 @@ def absorber(solid: Solid, body: Medium, order: int, level: int, *, lateral: boo
         return _matched(body, DEPTHS[level].static)
     if kind == "viscous":
         return _viscous(body, DEPTHS[level].viscous)
-    strength, _ = _strength(solid, order, level)
-    return _selective(solid, body, order, DEPTHS[level].selective, *strength)
+    trial, _ = _damping_trial(solid, order, level)
+    return _selective(solid, body, order, DEPTHS[level].selective, *trial)
 
 
 @lru_cache(maxsize=32)
@@ -104,7 +106,7 @@ def absorber_kind(solid: Solid) -> Kind:
     body = _lossless(solid)
     if stretch_absorbs(solid) and layer_growth(solid, body, _matched(body, False), TYPICAL_ORDER) < MAX_GROWTH:
         return "matched"
-    if not np.isfinite(backwardness(solid)) or _strength(solid, TYPICAL_ORDER, TYPICAL_LEVEL)[1] > MAX_GROWTH:
+    if not np.isfinite(backwardness(solid)) or _damping_trial(solid, TYPICAL_ORDER, TYPICAL_LEVEL)[1] > MAX_GROWTH:
         return "viscous"
     return "selective"
 
@@ -115,16 +117,19 @@ def backwardness(solid: Solid) -> float:
 
 
 @lru_cache(maxsize=64)
-def _strength(solid: Solid, order: int, level: int) -> tuple[tuple[float, float], float]:
-    """First pair of `STRENGTHS` for which no guided mode grows, or else the pair with the least growth; that growth."""
+def _damping_trial(solid: Solid, order: int, level: int) -> tuple[tuple[float, float], float]:
+    """The pair of `DAMPING_TRIALS` to use, and the growth of the guided modes with it.
+
+    It is the first pair for which no mode grows, or else the pair with the least growth.
+    """
     body, tried = _lossless(solid), []
-    for strength in STRENGTHS:
-        layer = _selective(solid, body, order, DEPTHS[level].selective, *strength)
-        tried.append((layer_growth(solid, body, layer, order), strength))
+    for trial in DAMPING_TRIALS:
+        layer = _selective(solid, body, order, DEPTHS[level].selective, *trial)
+        tried.append((layer_growth(solid, body, layer, order), trial))
         if tried[-1][0] < MAX_GROWTH:
             break
-    growth, strength = min(tried)
-    return strength, growth
+    growth, trial = min(tried)
+    return trial, growth
 
 
 def _lossless(solid: Solid) -> Medium:
@@ -142,28 +147,30 @@ def _viscous(body: Medium, count: int) -> Layer:
     return [(1.0, 1.0, damped(body, 1 - 1j * loss)) for loss in losses[::-1]]
 
 
-def _selective(solid: Solid, body: Medium, order: int, depth: float, strength: float, least: float) -> Layer:
-    """Selective layer of a depth in wavelengths, for one pair (strength, least) of `STRENGTHS`.
+def _selective(solid: Solid, body: Medium, order: int, depth: float, factor: float, least_share: float) -> Layer:
+    """Selective layer of a depth in wavelengths, for one pair (factor, least_share) of `DAMPING_TRIALS`.
 
     ``loss`` is the matrix of the damping over the displacements: for each slowness sheet its modulus times its
-    backwardness, or times ``least`` of the largest backwardness if that is more, projected on its polarisation.
+    backwardness, which counts at least as ``least_share`` of the largest one, projected on its polarisation.
     """
     names, sheets = fields(solid), slowness_sheets(solid)
     worst = max(sheet.backwardness for sheet in sheets)
     displaced = [body.fields.index(name) for name in names if name != "phi"]
     loss = np.zeros((len(body.fields),) * 2)
     for sheet in sheets:
-        weight = max(sheet.backwardness, least * worst) * sheet.modulus
+        weight = max(sheet.backwardness, least_share * worst) * sheet.modulus
         loss[np.ix_(displaced, displaced)] += weight * np.outer(sheet.polarisation, sheet.polarisation)
     count = int(np.ceil(NODES * depth / order))
 
     def element(number: int) -> tuple[float, complex, Medium]:
-        def stretch(height: np.ndarray) -> np.ndarray:
+        """Element number 0 is the lowest; ``height`` runs from 0 to 1 within an element, upwards."""
+
+        def stretch(height: np.ndarray) -> np.ndarray:  # equation (1)
             t = 1 - (number + height) / count
             return 1 + STRETCH * t**STRETCH_POWER + STATIC_STRETCH * t**STATIC_POWER - 1j * DECAY * t
 
-        def damping(height: np.ndarray) -> np.ndarray:
-            return strength * DAMPING * (1 - (number + height) / count) ** DAMPING_POWER
+        def damping(height: np.ndarray) -> np.ndarray:  # equation (2)
+            return factor * DAMPING * (1 - (number + height) / count) ** DAMPING_POWER
 
         mean, part = graded_medium(body, order, stretch=stretch, damping=damping, loss=loss)
         return depth / count, mean, part

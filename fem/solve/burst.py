@@ -41,7 +41,7 @@ from fem.input_error import InputError
 from fem.results.driven_answer import SurfaceWave
 
 FLAT = 0.5  # G = 1 up to this fraction of the distance from the drive's frequency to either end of the band
-NARROWER = 0.5  # width of the band for comparison over that of the band
+NARROWER = 0.5  # width of the narrower band that shows the error, over the width of the band
 PROBES = 6  # frequencies between the steps where the response is checked
 GOLDEN = 0.6180339887498949  # spreads the probes evenly between two steps
 LEAD = 0.125  # the time -a before the switch, over 1 / df
@@ -135,7 +135,7 @@ class _Spectrum:
     def switched(self, first: float, count: int, phase: float = 0.0, share: float = 1.0) -> np.ndarray:
         """S of equation (2) at ``count`` instants from ``first`` on, one tick apart, shape (2, count).
 
-        It is zero before -a and the steady motion after 1 / df - a, the period of the sum in t.
+        The sum has the period 1 / df in t.  It is used from -a to 1 / df - a; S is zero before and H(f0) after that.
 
         ``phase``: of the voltage when it is switched on, rad; ``share`` narrows the band.
         """
@@ -146,19 +146,18 @@ class _Spectrum:
         x = 2 * np.pi * self.offsets
         weights = self.motion * self.taper(share) * self.step  # G_k H_k df
         steady = self.motion[:, self.offsets == 0]  # H(f0), where G = 1
-        safe = np.where(x == 0, 1.0, x)
         out = np.where(time >= last, steady, 0.0 * steady)
-        rotating = np.where(x == 0, 0.0, weights / (1j * safe))
+        rotating = np.where(x == 0, 0.0, weights / (1j * np.where(x == 0, 1.0, x)))  # the limit x = 0 is added below
         counter_rotating = weights * np.exp(-2j * phase) / (1j * (x + 4 * np.pi * self.frequency))
         # Offsets and instants are evenly spaced, so that the sum of exp(i x t) is a discrete Fourier transform.
-        period = round(1 / (self.step * self.tick))
-        lines = np.zeros((2, period), complex)
-        line_numbers = np.round(self.offsets / self.step).astype(int) % period
-        lines[:, line_numbers] = (rotating + counter_rotating) * np.exp(1j * x * first)
-        waves = period * np.fft.ifft(lines)[:, np.arange(count) % period]
-        at_start = (rotating @ np.exp(-1j * x * a))[:, None]
-        switched = waves - at_start + steady * self.step * (time + a)  # the last term is that of x = 0
-        out[:, inside] = switched[:, inside]
+        ticks_per_period = round(1 / (self.step * self.tick))
+        coefficients = np.zeros((2, ticks_per_period), complex)
+        numbers = np.round(self.offsets / self.step).astype(int) % ticks_per_period
+        coefficients[:, numbers] = (rotating + counter_rotating) * np.exp(1j * x * first)
+        varying = ticks_per_period * np.fft.ifft(coefficients)[:, np.arange(count) % ticks_per_period]
+        constant = (rotating @ np.exp(-1j * x * a))[:, None]
+        total = varying - constant + steady * self.step * (time + a)  # the last term is that of x = 0
+        out[:, inside] = total[:, inside]
         return out
 
     def probes(self) -> np.ndarray:
@@ -215,9 +214,10 @@ def burst_response(
     if not low < frequency < high:
         raise InputError("frequency", f"must lie in the band, {low:g} to {high:g} Hz", frequency, "Hz")
     _refuse_endless(duration)
-    known: dict[float, tuple[complex, complex, float]] = {}
+    known: dict[float, tuple[complex, complex, float]] = {}  # by frequency: u_z, u_x, relative error
 
     def motions(frequencies: np.ndarray) -> np.ndarray:
+        """Rows (u_z, u_x, relative error) at frequencies in Hz, each of which is solved once."""
         new = [float(at) for at in frequencies if float(at) not in known]
         for at, wave in zip(new, band.waves(new, drive), strict=True):
             tangential, normal = wave.motion(place)
@@ -227,6 +227,7 @@ def burst_response(
     reach = frequency - low, high - frequency
 
     def at_divisions(divisions: int) -> tuple[_Spectrum, float]:
+        """Spectrum with the band divided into so many steps, and the largest relative error of its responses."""
         step = (high - low) / divisions
         numbers = np.arange(-int(reach[0] / step), int(reach[1] / step) + 1)
         rows = motions(frequency + numbers * step)
@@ -239,8 +240,9 @@ def burst_response(
         count = math.ceil((1 - LEAD) / (2 * spectrum.step * spectrum.tick))
         change = abs(spectrum.switched(0.0, count) - coarse[0].switched(0.0, count)).max()
         exact = motions(frequency + spectrum.probes())[:, :2].T
+        missed = abs(spectrum.between(spectrum.probes()) - exact).max()
         steady = abs(spectrum.motion[0, spectrum.offsets == 0])[0]
-        return (float(max(change, abs(spectrum.between(spectrum.probes()) - exact).max()) / steady),)
+        return (float(max(change, missed) / steady),)
 
     # Gain 2: the coarse level uses every second frequency of the fine one, so the whole difference is the error.
     divisions = [FIRST_FREQUENCIES // 2, FIRST_FREQUENCIES]
@@ -278,20 +280,17 @@ def _envelope(
 
     def burst(share: float) -> np.ndarray:
         """U of equation (1) during the burst and after it, with a share of the band."""
-
-        def switched(first: float, count: int, phase: float = 0.0):
-            return spectrum.switched(first, count, phase, share)
-
-        rise = switched(0.0, during) - switched(-duration, during, end_phase)
-        fall = switched(duration, len(span)) - switched(0.0, len(span), end_phase)
+        s = partial(spectrum.switched, share=share)
+        rise = s(0.0, during) - s(-duration, during, end_phase)
+        fall = s(duration, len(span)) - s(0.0, len(span), end_phase)
         return np.concatenate((rise, fall), axis=1)
 
     whole, narrower = burst(share), burst(NARROWER * share)
     steady = spectrum.motion[:, spectrum.offsets == 0][:, 0]
     lead = LEAD / spectrum.step
-    before = spectrum.switched(-lead, math.ceil(lead / spectrum.tick))[0]
-    start = spectrum.switched(0.0, len(span))[0]
-    unsettled = np.flatnonzero(abs(start / steady[0] - 1) > 0.01)
+    before_switch = spectrum.switched(-lead, math.ceil(lead / spectrum.tick))[0]
+    after_switch = spectrum.switched(0.0, len(span))[0]
+    unsettled = np.flatnonzero(abs(after_switch / steady[0] - 1) > 0.01)
     return BurstEnvelope(
         place=place,
         frequency=spectrum.frequency,
@@ -302,7 +301,7 @@ def _envelope(
         steady_normal=complex(steady[0]),
         steady_tangential=complex(steady[1]),
         settling=float(span[unsettled[-1]] if len(unsettled) else 0.0),
-        early=float(abs(before).max() / abs(steady[0])),
+        early=float(abs(before_switch).max() / abs(steady[0])),
         band_error=float(abs(whole - narrower).max() / abs(steady[0])),
         step_error=errors[0],
         response_error=errors[1],

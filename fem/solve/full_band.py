@@ -20,7 +20,7 @@ from fem.waveguide.modes import guided_modes
 from fem.waveguide.port_fields import StatorRow, joined_row, stator_row
 from fem.waveguide.row import PieceRow
 
-FIRST_NODES = 3  # of the interpolation: both limits and the middle of the band
+FIRST_NODES = 3  # first frequencies of the interpolation: both limits and the middle of the band
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,23 +39,25 @@ class FullModel:
         stator, transducers, resolution = self.stator, self.transducers, self.resolution
         if self.interpolation is None:
             return stator_row(stator, transducers, frequency=frequency, resolution=resolution, forces=forces)
-        meshes, piece = self.interpolation
-        modes = guided_modes(meshes.section, frequency)
-        pieces = meshes.arranged(dict.fromkeys(meshes.assemblies, piece.at(frequency)), modes)
+        piece_row, piece = self.interpolation
+        modes = guided_modes(piece_row.section, frequency)
+        (contents,) = piece_row.assemblies  # the mesh that is the whole stator
+        pieces = piece_row.arranged({contents: piece.at(frequency)}, modes)
         return joined_row(stator, transducers, [], modes=modes, resolution=resolution, pieces=pieces, forces=forces)
 
     def interpolated(self, potentials: np.ndarray, places: np.ndarray, tolerance: float) -> tuple["FullModel", float]:
-        """Return the model of a stator of one mesh with its interpolation, and the relative error of that.
+        """Return this model with an interpolation over the band, and the relative error of the interpolation.
 
-        ``potentials``: of the mesh's ports, (ports, columns), and ``places`` (m): where the error is checked.  The
-        model itself is returned, without an error, if the stator resonates too often in the band.
+        The stator must be a single mesh.  The error is that of the motion at ``places`` (m) and of the reactions of the
+        ports for ``potentials``, shape (ports, columns).  If it exceeds the tolerance, because the stator resonates too
+        often in the band, the model is returned as it is, with an error of 0.
         """
         unit = slowest_wavelength(self.stator.solid, self.limits[1])
         section = discretise(self.stator, self.resolution, wavelength=unit, surface_scale=np.inf)
-        row = PieceRow(self.stator, section, self.resolution, self.limits[1])
-        (assembly,) = row.assemblies.values()
-        nodes = [assembly.condensed(float(frequency)) for frequency in np.linspace(*self.limits, FIRST_NODES)]
-        piece, error = piece_of_whole_stator(nodes, potentials, places / unit, self.limits, tolerance)
+        piece_row = PieceRow(self.stator, section, self.resolution, self.limits[1])
+        (assembly,) = piece_row.assemblies.values()
+        condensed = [assembly.condensed(float(frequency)) for frequency in np.linspace(*self.limits, FIRST_NODES)]
+        piece, error = piece_of_whole_stator(condensed, potentials, places / unit, self.limits, tolerance)
         if error > tolerance:
             return self, 0.0
-        return replace(self, interpolation=(row, piece)), error
+        return replace(self, interpolation=(piece_row, piece)), error

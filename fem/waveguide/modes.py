@@ -28,7 +28,7 @@ POLISHING_STEPS = 6
 # Residual of the radiation impedance, and error of the flux of a slow mode by it: ordinary sections reach 1e-15, and
 # 1e-7 on the finest level.  Both decide: a residual below 1e-10 has been seen where the fluxes were off by their size.
 RICCATI_TOLERANCE, MODES_TOLERANCE = 1e-12, 1e-3
-SLOW = 40.0  # radians per slowest bulk wavelength
+SLOW = 40.0  # |k| below which a mode is slow, radians per slowest bulk wavelength
 PROPAGATING = 0.3  # a mode whose |Im k| is below this share of |Re k| counts as propagating
 # |Im k| / |Re k| below which the power flux decides the direction of a mode that carries power
 NEARLY_REAL = 3e-3
@@ -40,13 +40,13 @@ class GuidedModes:
 
     section: LineSpace
     frequency: float  # Hz
-    # shape (n,): of the modes going right, in radians per length unit; ``backwards`` those going left
+    # k of the modes that go right and of those that go left, shape (n,), radians per length unit
     wavenumbers: np.ndarray = field(repr=False)
     backwards: np.ndarray = field(repr=False)
-    # right, left: shape (n, n): mode shapes in columns
+    # shapes of the same modes in columns, (n, n)
     right: np.ndarray = field(repr=False)
     left: np.ndarray = field(repr=False)
-    # right_flux, left_flux: shape (n, n): their nodal fluxes
+    # nodal fluxes of the same modes in columns, (n, n)
     right_flux: np.ndarray = field(repr=False)
     left_flux: np.ndarray = field(repr=False)
     # k_y in radians per length unit, of fields that vary as exp(-i k_y y).  Where y -> -y is a symmetry of
@@ -157,7 +157,7 @@ def guided_modes(section: LineSpace, frequency: float, lateral_wavenumber: compl
         reversed_ones = ~_goes_right(wavenumbers, right, right_flux)
         wavenumbers = np.where(reversed_ones, -wavenumbers, wavenumbers)
         right = np.where(reversed_ones, mirror[:, None] * right, right)
-        wavenumbers, right = _grounded(constant, wavenumbers, right)
+        wavenumbers, right = _with_constant(constant, wavenumbers, right)
         right_flux = _flux(second, first, wavenumbers, right)
         backwards, left = -wavenumbers, mirror[:, None] * right
         left_flux = -mirror[:, None] * right_flux
@@ -192,7 +192,11 @@ def _radiation_impedance(second, first, zeroth, wavenumbers, shapes, flux):
 
     The eigensolver gives strongly evanescent modes to few digits.  With the residual R of the equation the correction Z
     obeys G^T Z + Z G = -R, where G = K2^-1 (X - K1) = V (-i k) V^-1.  In the basis of the modes, Z' = V^T Z V and
-    R' = V^T R V, this is Z'_ij = R'_ij / (i (k_i + k_j)).
+    R' = V^T R V, this is
+
+        Z'_ij = R'_ij / (i (k_i + k_j)),    Z = V^-T Z' V^-1.                                                    (1)
+
+    X is symmetric; rounding is removed at each step.
     """
     impedance = _symmetric(np.linalg.solve(shapes.T, flux.T).T)
     sums = 1j * (wavenumbers[:, None] + wavenumbers[None, :])
@@ -208,9 +212,9 @@ def _radiation_impedance(second, first, zeroth, wavenumbers, shapes, flux):
         best_residual, best = relative, impedance
         if relative < 1e-15:
             break
-        in_modes = weights * (shapes.T @ residual @ shapes)  # Z'
-        half = np.linalg.solve(shapes.T, in_modes)
-        impedance = _symmetric(impedance + np.linalg.solve(shapes.T, half.T).T)
+        in_modes = weights * (shapes.T @ residual @ shapes)  # Z' of equation (1)
+        from_left = np.linalg.solve(shapes.T, in_modes)  # V^-T Z'
+        impedance = _symmetric(impedance + np.linalg.solve(shapes.T, from_left.T).T)
     slow = (abs(wavenumbers) < SLOW) & (wavenumbers != 0)  # the constant potential has no flux
     fluxes = flux[:, slow]
     missed = float(np.max(abs(best @ shapes[:, slow] - fluxes).max(axis=0) / abs(fluxes).max(axis=0), initial=0.0))
@@ -223,38 +227,53 @@ def _radiation_impedance(second, first, zeroth, wavenumbers, shapes, flux):
     return best
 
 
-def _grounded(constant, wavenumbers, shapes):
-    """Shapes of unit norm.  In a floating section the mode nearest to the constant potential is replaced by it."""
-    shapes = shapes / np.sqrt(np.sum(abs(shapes) ** 2, axis=0))
+def _unit_shapes(shapes):
+    return shapes / np.sqrt(np.sum(abs(shapes) ** 2, axis=0))
+
+
+def _nearest_to_constant(constant, wavenumbers, shapes):
+    """Modes sorted by |k|, those last (1 is added) whose unit shape is not nearly the constant potential."""
+    return np.argsort(abs(wavenumbers) + (abs(constant @ shapes) < 0.9), kind="stable")
+
+
+def _with_constant(constant, wavenumbers, shapes):
+    """Modes with shapes of unit norm.  In a floating section the constant potential replaces the mode nearest to it.
+
+    ``constant``: its unit shape; None where the section is grounded.
+    """
+    shapes = _unit_shapes(shapes)
     if constant is not None:
-        at = int(np.argmin(abs(wavenumbers) + (abs(constant @ shapes) < 0.9)))
+        at = int(_nearest_to_constant(constant, wavenumbers, shapes)[0])
         wavenumbers = wavenumbers.copy()
         wavenumbers[at], shapes[:, at] = 0.0, constant
     return wavenumbers, shapes
 
 
 def _both_ways(constant, second, first, skew, zeroth):
-    """Modes going right and left where x -> -x is no symmetry, ordered so that their wavenumbers are about opposite."""
+    """Modes going right and left where x -> -x is no symmetry: twice (wavenumbers, shapes).
+
+    A mode that goes left stands at the place of the mode that goes right whose wavenumber is most nearly opposite; the
+    modes with the smallest |k| choose first.  The constant potential is a double mode, once in each direction.
+    """
     size = len(second)
     wavenumbers, shapes = companion_modes(second, 1j * skew, zeroth)
     rightgoing = _goes_right(wavenumbers, shapes, _flux(second, first, wavenumbers, shapes))
     if constant is not None:
-        unit = shapes / np.sqrt(np.sum(abs(shapes) ** 2, axis=0))
-        pair = np.argsort(abs(wavenumbers) + (abs(constant @ unit) < 0.9))[:2]
+        pair = _nearest_to_constant(constant, wavenumbers, _unit_shapes(shapes))[:2]
         rightgoing[pair] = True, False
     if rightgoing.sum() != size:
         raise ConvergenceError(
             f"{int(rightgoing.sum())} of {2 * size} modes go right where {size} should: a mode without loss is at "
             "its cut-off; change the frequency slightly or give the solid a mechanical_quality"
         )
-    right = _grounded(constant, wavenumbers[rightgoing], shapes[:, rightgoing])
-    left = _grounded(constant, wavenumbers[~rightgoing], shapes[:, ~rightgoing])
-    order, free = np.empty(size, dtype=int), np.ones(size, dtype=bool)
+    right = _with_constant(constant, wavenumbers[rightgoing], shapes[:, rightgoing])
+    backwards, left_shapes = _with_constant(constant, wavenumbers[~rightgoing], shapes[:, ~rightgoing])
+    partner, free = np.empty(size, dtype=int), np.ones(size, dtype=bool)
     for index in np.argsort(abs(right[0])):
         candidates = np.flatnonzero(free)
-        order[index] = candidates[np.argmin(abs(left[0][candidates] + right[0][index]))]
-        free[order[index]] = False
-    return right, (left[0][order], left[1][:, order])
+        partner[index] = candidates[np.argmin(abs(backwards[candidates] + right[0][index]))]
+        free[partner[index]] = False
+    return right, (backwards[partner], left_shapes[:, partner])
 
 
 def _goes_right(wavenumbers, shapes, flux):

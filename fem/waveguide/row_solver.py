@@ -52,7 +52,7 @@ class RowWaves:
     leaving, arriving : ndarray, shape (waves, excitations)
         b and a.
     coupling : ndarray, shape (waves, waves)
-        M = S P: what leaves the elements by what left the ones beside them.
+        M = S P: waves that leave the elements, per wave that left an element one scattering earlier.
     """
 
     leaving: np.ndarray = field(repr=False)
