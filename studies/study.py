@@ -213,14 +213,20 @@ def question(name: str) -> str:
     return file.read_text(encoding="utf-8").partition("\n")[0].strip('"')
 
 
-def expected_seconds(name: str, scene: str | None) -> float:
-    """Return how long a study takes, s: as long as on its default scene, times the ratio of the stators' work."""
+def expected_seconds(name: str, scene: str | None, options: dict) -> float:
+    """Return how long a study takes, s: as long as on its default scene, times the ratio of the stators' work.
+
+    A study whose number of solutions depends on its ``options``, such as ``band``, says it itself.
+    """
     default = signature(module(name).run).parameters.get("scene")
     _, seconds = STUDIES[ALIASES.get(name, name)]
+    own = getattr(module(name), "expected_seconds", None)
+    if own is not None and default is not None:
+        options = {key: value for key, value in options.items() if key in signature(own).parameters}
+        if scene is not None or options:
+            return own(Scene.load(scene or default.default), **options)
     if scene is None or default is None:
         return seconds
-    if hasattr(module(name), "expected_seconds"):  # a study of its own number of solutions
-        return module(name).expected_seconds(Scene.load(scene))
     from studies.report.explanation import plan
 
     own, usual = (plan(Scene.load(each), tolerance=1e-3)["expected"]["seconds"] for each in (scene, default.default))

@@ -166,6 +166,8 @@ def _slip(problem, passage, sign):
     v_old, v_new = _slip_speeds(problem, passage, sign)
     if v_new >= 0.0:
         return sign * new, sign
+    if v_old <= 0.0:  # at its limit at the start of the step, and sticks from there
+        return sign * old + passage.along, 0.0
     _, lag = edges.last_part(v_old, v_new, (sign * passage.along - (new - old)) / h)
     return sign * (new + h * lag), 0.0
 

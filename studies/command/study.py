@@ -73,7 +73,7 @@ def call(arguments: argparse.Namespace) -> int:
     arguments.over = read_axes(arguments.over) or None
     options = {key: value for key in COMMAND_OPTIONS if (value := getattr(arguments, key)) is not None}
     if not arguments.quick:
-        say(announced(expected_seconds(arguments.name, arguments.scene)))
+        say(announced(expected_seconds(arguments.name, arguments.scene, options)))
     with result_directory(out, origin, named_by_user=arguments.out is not None) as result, Progress():
         done = run_study(arguments.name, arguments.scene, result.folder, options=options, quick=arguments.quick)
         result.commit()

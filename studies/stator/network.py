@@ -110,10 +110,10 @@ def run(
     return panels, findings, [*_in_words(names, at, scattering, models), *answer]
 
 
-def expected_seconds(scene: Scene) -> float:
-    """Return about how long the study takes for a scene over its passband, s: the field, pictures and circuits."""
+def expected_seconds(scene: Scene, band: str | None = None, tolerance: float = 1e-3) -> float:
+    """Return about how long the study takes for a scene and a band, s: the field, pictures and circuits."""
     resolved = passband.driven_scene(scene)
-    return 5.0 + band_seconds(resolved, passband.band_frequencies(resolved, None, None), tolerance=1e-3)
+    return 5.0 + band_seconds(resolved, passband.band_frequencies(resolved, band), tolerance=tolerance)
 
 
 def _in_words(names, at, scattering, models):

@@ -3,6 +3,8 @@
 Truths of the rising wave: an event-driven Runge-Kutta integrator that shares no code with this package (1e-11).
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -43,3 +45,19 @@ def test_a_rising_wave_moves_a_loaded_slider_as_an_independent_integrator_says()
     run = burst(body(), PATHS, duration=400 / F, after=0.0, tolerance=1e-6, samples=400, envelope=rise)
     assert run.velocity_at_burst_end == pytest.approx(2.8348781584e-4, rel=1e-6)
     assert step(body(), PATHS, cycles=400, envelope=rise).during == pytest.approx(1.755e-9, rel=1e-3)
+
+
+@pytest.mark.parametrize("phase", [-0.9, -1.2])
+def test_a_contact_that_starts_at_its_slip_limit_and_sticks_is_followed_in_fixed_steps(phase):
+    # at the start the surface falls under the second contact, whose deformation by the load is cut to its slip limit
+    heavy = body(mass=2e-5, preload=4e-3, friction_coefficient=0.2, load=0.0, normal_damping=0.3)
+    heavy = replace(heavy, load=4e-4)
+    paths = tuple(PATHS[0].scaled(7.5 / 15.0 * np.exp(1j * each)) for each in (0.0, phase))
+    exact, stepped = (
+        burst(heavy, paths, duration=20 / F, after=0.0, tolerance=tolerance, samples=2, method=method)
+        for tolerance, method in ((1e-8, "exact"), (1e-2, "stepped"))
+    )
+    assert stepped.method == "stepped"
+    assert stepped.velocity_at_burst_end == pytest.approx(
+        exact.velocity_at_burst_end, abs=1e-5 * abs(paths[0].tangential) * paths[0].omega / 10
+    )

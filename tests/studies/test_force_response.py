@@ -33,7 +33,7 @@ def driven(scene, place):
 
 def test_the_current_per_newton_is_the_velocity_of_the_beam_per_volt(scene):
     """A strip of 0.1 mm hardly differs from a point: (k w)^2 / 24 of the motion."""
-    record = run(scene, band="2.19:2.21:2", width=1e-4, count=8, tolerance=1e-2)
+    record = run(scene, band="2.19:2.21:2", width=1e-4, count=8, tolerance=4e-3)
     along, received = record.panels
     beam = fem.surface_beam(driven(scene, 9e-3))
     middle = np.mean([received.data[f"left_{name}_A_per_N"] for name in ("normal", "tangential")], axis=1)
@@ -43,7 +43,13 @@ def test_the_current_per_newton_is_the_velocity_of_the_beam_per_volt(scene):
     assert said["force"].startswith("1 N on a strip of 0.1 mm at x = 9 mm, y = 0 mm")
     current = 1e-6 * float(next(text for name, text in record.answer if name == "left").split()[0])
     assert current == pytest.approx(velocity[0], rel=1e-2)
-    assert record.findings[0].confirmed
+    own, beside, anywhere = record.findings
+    assert own.confirmed
+    # the tolerance is met beside the force and missed among the fingers, which is said
+    assert (beside.confirmed, anywhere.confirmed) == (True, False)
+    assert said["relative error"].startswith(f"{beside.found:.1e} two wavelengths beside the force, asked for 4.0e-03")
+    assert said["relative error"].endswith(f"up to {anywhere.found:.1e} of the rms motion elsewhere")
+    assert record.remark.startswith("warning: 1 of 3 checks are contradicted: largest estimated error over the rms")
     assert abs(along.data["x_m"] - 9e-3).min() > 0.9e-3
     # the wave of a point: Gamma (k / 2 pi r)^(1/2), with the ripple of the plate
     far = along.data["x_m"] > 12e-3
@@ -72,6 +78,7 @@ def test_the_plane_section_takes_the_force_over_the_aperture(scene):
     received = [abs(record.panels[1].data[f"left_{name}_A_per_N"][0]) for name in ("tangential", "normal")]
     assert received == pytest.approx(velocity, rel=1e-2)
     assert record.findings[0].found < 1e-2
+    assert [finding.confirmed for finding in record.findings] == [True] * 3
     with pytest.raises(SceneError, match="must allow a beam for a strip of a given width"):
         run(plane, width=1e-3)
 

@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+from studies.__main__ import main
 from studies.chain import run
 from studies.report.explanation import COMPILE, MEMORY_WITHIN, TIME_WITHIN, explanation, plan
 from studies.scene import Scene, shipped_scenes
@@ -129,3 +130,24 @@ def test_a_run_of_more_than_a_minute_is_said_before_it_begins(levels, said):
     sentences = long_wait(chosen, tolerance=1e-3)
     assert bool(sentences) == (said is not None)
     assert said is None or said in sentences[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "band", "said"), [("force_response", "1.9:2.5:401", True), ("network", "1:3:2", False)]
+)
+def test_a_study_over_a_band_announces_its_time(name, band, said, monkeypatch, capsys, tmp_path):
+    """Two forces at each frequency, with the stator's solution and its beam; an interpolated band is cheap."""
+    from studies import study
+    from studies.refusal import RunError
+
+    def refused(*given, **options):
+        raise RunError("here the study would begin")
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(study, "run_study", refused)
+    assert main(["study", name, "--band", band]) == 3
+    one = plan(Scene.load("twente").replace(slider=None), tolerance=1e-3)["expected"]["stator_seconds"]
+    minutes = round((5.0 + 2 * 402 * one) / 60.0)
+    error = capsys.readouterr().err
+    assert ("expected time" in error) == said
+    assert not said or f"expected time: about {minutes} minutes, within a factor of 3" in error
