@@ -271,16 +271,14 @@ class PassingWave:
     @property
     def compliance_per_width(self) -> float:
         """Gamma/w, 1/(Pa m); 0 where Gamma is not known."""
-        return self.compliance / self.strip_width if self.compliance > 0.0 else 0.0
+        return 0.0 if self.strip_width is None else self.compliance / self.strip_width
 
     def power(self, amplitude: complex) -> float:
         """Return the power in W of one wave of this amplitude within the strip; 0 where Gamma is not known."""
-        if self.compliance == 0.0:
+        if self.compliance == 0.0 or self.strip_width is None:
             return 0.0
         return float(abs(amplitude)) ** 2 * self.omega * self.strip_width / (4.0 * self.compliance)
 
     def loading_number(self, preload: float) -> float:
         """Return Lambda = 2 Gamma F/(w A), about the phase advance in rad under a hopping slider; 0 without Gamma."""
-        if self.compliance == 0.0 or self.amplitude == 0.0:
-            return 0.0
-        return 2.0 * self.compliance * preload / (self.strip_width * self.amplitude)
+        return 2.0 * self.compliance_per_width * preload / self.amplitude if self.amplitude > 0.0 else 0.0

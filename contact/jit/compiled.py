@@ -3,6 +3,8 @@
 - `formula` marks a few lines of arithmetic, inlined in kernels and plain Python for Python.
 - `compiled` marks a function that numba compiles when Python first calls it, or as a part of a kernel that calls it.
 - `summed` marks the same, with sums in the order that suits the processor.
+- `callback` marks a function of numbers that kernels call by its address, so that they are compiled once for all such
+  functions, as for a user's friction law.
 - `native` marks the few kernels that Python calls. They allocate nothing and raise nothing, so that their machine code
   needs no runtime: it is optimised once as a whole and stored in a file that llvmlite loads. Numba is not imported
   then, whose import costs more time than a sweep.
@@ -81,6 +83,14 @@ def native(types: str, shapes: Mapping[str, str] | None = None):
     return lambda function: function if PLAIN else Native(function, tuple(types.split()), shapes)
 
 
+def callback(name: str):
+    """Return a decorator for a function that kernels call by its address; it takes numbers and returns one.
+
+    The machine code is kept in a file of this name, which must change with all sources outside the package.
+    """
+    return lambda function: function if PLAIN else Callback(function, name)
+
+
 def per_thread(make, most: int = 16):
     """Return a function that keeps what `make` returns for each thread and arguments; a decorator.
 
@@ -109,12 +119,11 @@ _KERNELS: "weakref.WeakSet[Kernel]" = weakref.WeakSet()
 class Kernel:
     """A function that numba compiles; called from Python or from another kernel."""
 
-    def __init__(self, function, freedom=frozenset(), source=""):
+    def __init__(self, function, freedom=frozenset()):
         self.freedom = set(freedom)
-        # A named tuple can hold a function, such as a contact law. This word then represents it among the argument
-        # types that name the cached file. The digest of the folder covers functions of the package; ``source`` is the
-        # digest of the source of any other function.
-        self.word = f"{function.__module__}.{function.__qualname__}{source}"
+        # A named tuple can hold a function of the package, such as one of a contact law. This word then represents it
+        # among the argument types that name the cached file; the digest of the folder covers its source.
+        self.word = f"{function.__module__}.{function.__qualname__}"
         self.function, self.__doc__, self.__name__ = function, function.__doc__, function.__name__
         self.__module__, self.__wrapped__ = function.__module__, function
         _KERNELS.add(self)
@@ -199,60 +208,97 @@ class Native(Kernel):
     def _load(self, words, arguments):
         """Load the function for arguments of these types from its file, which is written if there is none.
 
-        If anything fails here, such as a file that the installed llvmlite does not load, numba's ordinary compiler
-        compiles the kernel. It raises an error of the kernel itself again.
+        If that fails, numba's ordinary compiler compiles the kernel. It raises an error of the kernel itself again.
         """
         name = f"{self.__module__}-{self.__name__}-{hashlib.sha256(words.encode()).hexdigest()[:8]}.o"
         with _LOCK:
             if words in self._loaded:  # by another thread
                 return
-            try:
-                self._loaded[words] = _from_file(name) or _compiled_to_file(name, self, words.split(), arguments)
-            except Exception as failed:
-                ORDINARY[self.__name__] = f"{type(failed).__name__}: {failed}"
-                self._loaded[words] = None
-                for kernel in _KERNELS:  # what was half compiled for the machine code is compiled afresh
-                    vars(kernel).pop("_inner", None)
+            address = _kept_or_compiled(name, self.__name__, "machine_code", self, words.split(), arguments)
+            self._loaded[words] = address and _ENTRY(address)
+
+
+class Callback:
+    """A function of numbers that kernels call by its address; see `callback`."""
+
+    def __init__(self, function, name):
+        self.function, self.__doc__, self.__name__ = function, function.__doc__, function.__name__
+        self.name, self.count = name, function.__code__.co_argcount
+        self.word = f"callback{self.count}"  # among the argument types of a kernel: any function of so many numbers
+
+    def __call__(self, *arguments):
+        """Run the function itself, as Python."""
+        return self.function(*arguments)
+
+    @cached_property
+    def address(self):
+        """Address of the C function: of its machine code or, if the function can allocate or raise, of numba's own.
+
+        What raises an error in a kernel returns NaN there.
+        """
+        with _LOCK:
+            address = _kept_or_compiled(f"{self.name}.o", self.name, "callback_code", self.function, self.count)
+            if address is None:
+                from contact.jit.compiler import guarded_callback
+
+                self._numba = guarded_callback(self.function, self.count, _numba())
+                address = self._numba.address
+        return address
+
+
+def _kept_or_compiled(name, called, make, *arguments):
+    """Return the address of the machine code in a file, which is written if there is none; None if that fails.
+
+    `make` of `contact.jit.compiler` makes the code. If anything fails here, such as a file that the installed llvmlite
+    does not load, `ORDINARY` says why of what is `called` so, and what was half compiled is compiled afresh.
+    """
+    try:
+        return _from_file(name) or _compiled_to_file(name, make, arguments)
+    except Exception as failed:
+        ORDINARY[called] = f"{type(failed).__name__}: {failed}"
+        for kernel in _KERNELS:
+            vars(kernel).pop("_inner", None)
+        return None
 
 
 # Dispatchers for other kernels are kept until the process ends. Numba's types hold only weak references to them and are
 # looked up by the address of a function. A new law at the address of a deleted one would be given the dead type, with
 # the error "underlying object has vanished".
 _DISPATCHERS: list = []
-# kernels that numba's ordinary compiler compiles, and why
+# kernels and callbacks that numba's ordinary compiler compiles, and why
 ORDINARY: dict[str, str] = {}
 
 
 def _from_file(name):
-    """Return the function of a file in any of the folders, None without a complete file that can be loaded."""
+    """Return the address of the code of a file in any folder, None without a complete file that can be loaded."""
     for folder in cache_folders():
         code = _read(Path(folder) / name)
         if code is not None:
             try:
-                return _entry(code)
+                return _address(code)
             except Exception:  # the installed llvmlite does not load it: it is compiled again
                 continue
     return None
 
 
-def _compiled_to_file(name, kernel, words, arguments):
-    """Return the function, compiled now, and store its machine code if possible.
+def _compiled_to_file(name, make, arguments):
+    """Return the address of machine code that is compiled now and stored if possible.
 
-    A process waits for another one that compiles the same kernel.
+    A process waits for another one that compiles the same.
     """
-    from contact.jit.compiler import machine_code
+    from contact.jit import compiler
 
     folder = cache_folder()
     if folder is None:
-        return _entry(machine_code(kernel, words, arguments, _numba()))
+        return _address(getattr(compiler, make)(*arguments, _numba()))
     path = Path(folder) / name
     with _file_lock(path.with_suffix(".lock")):
-        entry = _from_file(name)
-        if entry is None:
-            code = machine_code(kernel, words, arguments, _numba())
-            entry = _entry(code)
+        address = _from_file(name)
+        if address is None:
+            code = getattr(compiler, make)(*arguments, _numba())
+            address = _address(code)
             _write(path, code)
-    return entry
+    return address
 
 
 @contextmanager
@@ -301,6 +347,10 @@ def _packed_argument(name, kind, argument):
             shapes.append(shape)
         elif isinstance(field, Kernel):
             words.append(field.word)
+        elif isinstance(field, Callback):
+            words.append(field.word)
+            values.append(field.address)
+            layout.append("q")
         elif field is None or isinstance(field, tuple):
             word, packed, inner = _packed_argument(name, "t", field)
             words.append(word)
@@ -348,10 +398,12 @@ def _llvm():
 # how object files begin: ELF, Mach-O, COFF
 OBJECT_FILES = (b"\x7fELF", b"\xcf\xfa\xed\xfe", b"\x64\x86")
 _ENGINES: list = []  # what holds the code that is in use
+# the C function of a kernel's code; calls let other threads run
+_ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_char_p)
 
 
-def _entry(code):
-    """Return the C function in the machine code; calls let other threads run."""
+def _address(code):
+    """Return the address of the C function in the machine code."""
     llvm = _llvm()
     if not code.startswith(OBJECT_FILES):  # llvmlite ends the process over what is no object file
         raise ValueError("no object file")
@@ -360,12 +412,10 @@ def _entry(code):
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
     _ENGINES.append(engine)
-    pointer = ctypes.c_void_p
-    kind = ctypes.CFUNCTYPE(ctypes.c_int32, pointer, pointer, ctypes.c_char_p)
     address = engine.get_function_address("kernel")
     if not address:
         raise RuntimeError("the machine code has no entry")
-    return kind(address)
+    return address
 
 
 @cache
@@ -452,13 +502,19 @@ def source_digest():
 
 @cache
 def _numba():
-    """Return numba, taught that a `Kernel` in a kernel is a function."""
+    """Return numba, taught that a `Kernel` in a kernel is a function, and a `Callback` a pointer to one."""
     import numba
     from numba.core import types
     from numba.extending import typeof_impl
 
+    from contact.jit.compiler import pointer_type
+
     @typeof_impl.register(Kernel)
     def _(kernel, context):
         return types.Dispatcher(kernel.inner)
+
+    @typeof_impl.register(Callback)
+    def _(callback, context):
+        return pointer_type(callback)
 
     return numba

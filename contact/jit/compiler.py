@@ -10,8 +10,11 @@ take none.
 """
 
 import hashlib
+import math
 import re
+from contextlib import contextmanager
 from functools import cache
+from operator import attrgetter
 
 # the only outside functions that a kernel may call: LLVM's intrinsics, mathematics and memory functions of the C
 # library, and complex arithmetic of the compiler's runtime
@@ -32,6 +35,53 @@ def machine_code(kernel, words: list[str], arguments: tuple, numba) -> bytes:
         of axes behind it ("f2") for an array.
     arguments : an example, for the classes of the named tuples among them.
     """
+    with _deferred():
+        library = lowered(kernel, words, arguments, numba)
+    return optimised(library)
+
+
+def callback_code(function, count: int, numba) -> bytes:
+    """Return the object file of a C function `kernel` of so many doubles that returns one."""
+    with _deferred():
+        library = numba.cfunc(_signature(count), error_model="numpy")(function)._library
+    return optimised(library, wrapper=True)
+
+
+def guarded_callback(function, count: int, numba):
+    """Return numba's own C callback of a function that may allocate or raise; where it raises, it returns NaN."""
+    numbers = ", ".join(f"number{k}" for k in range(count))
+    scope = {"function": numba.njit(error_model="numpy")(function), "nan": math.nan}
+    source = (
+        f"def guarded({numbers}):\n"
+        f"    try:\n"
+        f"        return float(function({numbers}))\n"
+        f"    except Exception:\n"
+        f"        return nan\n"
+    )
+    exec(source, scope)
+    return numba.cfunc(_signature(count), error_model="numpy")(scope["guarded"])
+
+
+def _signature(count):
+    """Return numba's signature of a function of so many doubles that returns one."""
+    from numba.core.types import float64
+
+    return float64(*[float64] * count)
+
+
+_ADDRESS = attrgetter("address")
+
+
+def pointer_type(callback):
+    """Return numba's type of a pointer to a C function, as it has for one of ctypes."""
+    from numba.core import types
+
+    return types.ExternalFunctionPointer(_signature(callback.count), _ADDRESS)
+
+
+@contextmanager
+def _deferred():
+    """Let numba lower functions without optimising them."""
     from numba.core.compiler_lock import global_compiler_lock
     from numba.core.registry import cpu_target
 
@@ -40,11 +90,10 @@ def machine_code(kernel, words: list[str], arguments: tuple, numba) -> bytes:
     with global_compiler_lock:
         codegen._library_class, codegen.set_env = deferred_library(usual), lambda name, environment: None
         try:
-            library = lowered(kernel, words, arguments, numba)
+            yield
         finally:
             codegen._library_class = usual
             del codegen.set_env
-    return optimised(library)
 
 
 def deferred_library(usual):
@@ -90,6 +139,9 @@ def argument_type(kind, argument, words, numba):
     """Return numba's type of an argument; of a named tuple that of the record which lies in the table."""
     if argument is None:
         return numba.none
+    if hasattr(argument, "address"):  # a callback
+        next(words)
+        return pointer_type(argument)
     if hasattr(argument, "inner"):  # a kernel, such as a function of the law
         next(words)
         return numba.types.Dispatcher(argument.inner)
@@ -217,8 +269,8 @@ def _linked(library):
     return modules[0]
 
 
-def optimised(library):
-    """Return the object file of the library's entry."""
+def optimised(library, *, wrapper=False):
+    """Return the object file of the library's entry, or of the C function that wraps it."""
     import llvmlite.binding as llvm
 
     machine = llvm.Target.from_default_triple().create_target_machine(
@@ -233,7 +285,7 @@ def optimised(library):
     entry = next(
         f.name
         for f in module.functions
-        if not f.is_declaration and "entry" in f.name and not f.name.startswith("cfunc.")
+        if not f.is_declaration and f.name.startswith("cfunc.") == wrapper and (wrapper or "entry" in f.name)
     )
     for function in module.functions:
         if not function.is_declaration:

@@ -30,7 +30,8 @@ and stuck annuli). `level` is the moment M of the memory, integrated with the mo
 slip has come in. Laws without memory take None and ignore both.
 
 The functions are fields of a named tuple, so that a solver is compiled for each law: a law that needs no slip speed
-does not pay for it.
+does not pay for it. What a user has written is called by address instead (`callbacks`), so that one compiled solver
+serves all users' laws.
 """
 
 from collections.abc import Callable
@@ -61,6 +62,7 @@ class Law(NamedTuple):
     guard: Callable
     guard_rate: Callable
     follow: Callable
+    callbacks: tuple | None = None  # A user's functions, called by address (`law.user.Callbacks`)
 
 
 @formula
@@ -69,6 +71,7 @@ def with_numbers(law, numbers):
     return Law(
         law.kind, law.rated, law.bent, numbers, law.coefficient, law.limit_ratio, law.limit_rate, law.stuck,
         law.sliding, law.deformation, law.energy, law.back, law.force, law.guard, law.guard_rate, law.follow,
+        law.callbacks,
     )  # fmt: skip
 
 

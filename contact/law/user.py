@@ -1,4 +1,4 @@
-r"""A tangential law from a user's own file: compiled into the solvers as the built-in ones are, in SI units.
+r"""A tangential law from a user's own file, in SI units. The solvers call its machine code by address.
 
 A file of plain Python that numba compiles (numbers, `math` or `numpy` functions, own helper functions, constants):
 
@@ -18,12 +18,14 @@ kink. A file cannot define guards, transitions or a memory of its own; one that 
 `contact` has friction_coefficient, radius, effective_modulus, tangential_modulus (SI units) and punch (0 or 1). Without
 `limit` and `stuck` the spring is that of `law.elastic` with the coefficient sliding(..., 0, ...)/normal_force.
 
-The text of the file is part of the name under which compiled kernels are kept: an edited law is compiled anew.
+The solvers' kernels are compiled once for all such laws, and each law's functions by themselves, within a second. The
+text of the file is part of the name under which their machine code is kept: an edited law is compiled anew.
 """
 
 import hashlib
 import inspect
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -34,7 +36,7 @@ import numpy as np
 
 from contact.codes import Tangential
 from contact.input_error import InputError
-from contact.jit.compiled import formula
+from contact.jit.compiled import callback, formula
 from contact.law import elastic
 from contact.law.normal import load
 from contact.law.protocol import Law, slip_limit
@@ -47,8 +49,8 @@ ARGUMENTS = {
 }
 # Functions of `protocol.Law` that a user's file may not define: guards, transitions and memory
 RESERVED = ("force", "guard", "guard_rate", "follow", "memory")
-# Place of K in `Law.numbers`, behind the fields of `Contact`
-STIFFNESS = 5
+# Places in `Law.numbers`: the fields of `Contact`, and behind them K
+EFFECTIVE_MODULUS, TANGENTIAL_MODULUS, STIFFNESS = 2, 3, 5
 # Smallest scaled approach at which the coefficient is evaluated; relative step of differences
 CLOSEST, STEP = 1e-9, 1e-5
 # Approaches in m and slip speeds in m/s at which a law is tried when it is read
@@ -181,39 +183,59 @@ def user_law(user: UserLaw, contact: Contact, stiffness: float) -> Law:
     """Return the law of a text for a contact with P = K p(z), K = `stiffness`."""
     _, _, rated, bent = tried(user, contact, stiffness)
     return elastic.coulomb(Tangential.ELASTIC)._replace(
-        rated=int(rated), bent=int(bent), numbers=np.array([*contact, stiffness]), **_compiled(user, bent)
-    )
+        rated=int(rated), bent=int(bent), numbers=np.array([*contact, stiffness]), callbacks=_callbacks(user),
+        **_functions_of(user, bent),
+    )  # fmt: skip
+
+
+def _functions_of(user, bent):
+    """Return the functions by field of `Law` that are not those of the elastic law."""
+    functions = {"sliding": sliding, "deformation": elastic.deformation}
+    if bent or not user.functions.keys().isdisjoint(ARGUMENTS.keys() - {"sliding"}):
+        ratio = limit_ratio if "limit" in user.functions else elastic_ratio
+        functions |= {"coefficient": coefficient, "limit_ratio": ratio, "limit_rate": limit_rate, "back": back}
+    if "stuck" in user.functions:
+        functions |= {"stuck": stuck, "deformation": deformation, "energy": energy}
+    return functions
+
+
+class Callbacks(NamedTuple):
+    """A user's functions with the numbers of `Contact` as their last arguments; None where the file has none."""
+
+    sliding: Callable
+    limit: Callable | None
+    stuck: Callable | None
 
 
 @lru_cache(64)
-def _compiled(user, bent):
-    """Return the functions by field of `Law` that are not those of the elastic law."""
-    functions = {"sliding": _sliding(user), "deformation": elastic.deformation}
-    if bent or not user.functions.keys().isdisjoint(("limit", "stuck")):
-        functions |= _limit(user)
-        functions |= {"back": _back(elastic.energy_stored, user)}
-    if "stuck" in user.functions:
-        functions |= _own_spring(user)
-    return functions
+def _callbacks(user):
+    """Return a user's functions as kernels call them; of one text always the same."""
+    own = user.functions
+
+    def called(name):
+        return callback(f"{__name__}-{name}-{_digest(user.source)}")
+
+    @called("sliding")
+    def sliding(approach, normal_force, slip_speed, friction, radius, effective_modulus, tangential_modulus, punch):
+        contact = Contact(friction, radius, effective_modulus, tangential_modulus, punch)
+        return own_sliding(approach, normal_force, slip_speed, contact)
+
+    @called("limit")
+    def limit(approach, normal_force, friction, radius, effective_modulus, tangential_modulus, punch):
+        contact = Contact(friction, radius, effective_modulus, tangential_modulus, punch)
+        return own_limit(approach, normal_force, contact)
+
+    @called("stuck")
+    def stuck(approach, normal_force, deformation, friction, radius, effective_modulus, tangential_modulus, punch):
+        contact = Contact(friction, radius, effective_modulus, tangential_modulus, punch)
+        return own_stuck(approach, normal_force, deformation, contact)
+
+    own_sliding, own_limit, own_stuck = (own.get(name) for name in ARGUMENTS)
+    return Callbacks(sliding, own_limit and limit, own_stuck and stuck)
 
 
 def _digest(source):
     return hashlib.sha256(source.encode()).hexdigest()[:16]
-
-
-def _named(function, user):
-    """Return the compiled function; the law's text becomes part of the name under which its kernel is kept."""
-    kernel = formula(function)
-    if hasattr(kernel, "word"):
-        kernel.word += _digest(user.source)
-    return kernel
-
-
-@formula
-def contact_of(problem):
-    """Return the numbers that a user's functions take."""
-    n = problem.law.numbers
-    return Contact(n[0], n[1], n[2], n[3], n[4])
 
 
 @formula
@@ -222,95 +244,86 @@ def force_unit(problem):
     return problem.law.numbers[STIFFNESS] * load(problem.length, problem.shape)
 
 
-def _sliding(user):
-    """Return the function for the sliding force over kappa."""
-    user_sliding = user.functions["sliding"]
-
-    def sliding(problem, z, w):
-        up = 0.5 * (z + abs(z))
-        unit = force_unit(problem)
-        normal_force = unit * load(up, problem.shape)
-        speed = w * problem.length * problem.omega
-        return user_sliding(up * problem.length, normal_force, speed, contact_of(problem)) / unit
-
-    return _named(sliding, user)
+@formula
+def sliding(problem, z, w):
+    """Return the sliding force over kappa."""
+    up, unit, n = 0.5 * (z + abs(z)), force_unit(problem), problem.law.numbers
+    normal_force = unit * load(up, problem.shape)
+    speed = w * problem.length * problem.omega
+    own = problem.law.callbacks.sliding
+    return own(up * problem.length, normal_force, speed, n[0], n[1], n[2], n[3], n[4]) / unit
 
 
-def _limit(user):
-    """Return the functions by field of `Law` of a coefficient and a slip limit that depend on the approach."""
-    user_sliding = user.functions["sliding"]
-
-    def coefficient(problem, z):
-        up = max(z, CLOSEST)
-        normal_force = force_unit(problem) * load(up, problem.shape)
-        return user_sliding(up * problem.length, normal_force, 0.0, contact_of(problem)) / normal_force
-
-    coefficient = _named(coefficient, user)
-    if "limit" in user.functions:
-        user_limit = user.functions["limit"]
-
-        def limit_ratio(problem, z):
-            up = max(z, CLOSEST)
-            normal_force = force_unit(problem) * load(up, problem.shape)
-            return user_limit(up * problem.length, normal_force, contact_of(problem)) / (up * problem.length)
-
-    else:
-
-        def limit_ratio(problem, z):
-            contact = contact_of(problem)
-            return coefficient(problem, z) * contact.effective_modulus / (4.0 * contact.tangential_modulus)
-
-    limit_ratio = _named(limit_ratio, user)
-
-    def limit_rate(problem, z):
-        up = max(z, 2.0 * CLOSEST)
-        step = STEP * up
-        high, low = up + step, up - step
-        return (limit_ratio(problem, high) * high - limit_ratio(problem, low) * low) / (2.0 * step)
-
-    return {"coefficient": coefficient, "limit_ratio": limit_ratio, "limit_rate": _named(limit_rate, user)}
+@formula
+def coefficient(problem, z):
+    """Return a coefficient of friction that depends on the approach."""
+    up, n = max(z, CLOSEST), problem.law.numbers
+    normal_force = force_unit(problem) * load(up, problem.shape)
+    own = problem.law.callbacks.sliding
+    return own(up * problem.length, normal_force, 0.0, n[0], n[1], n[2], n[3], n[4]) / normal_force
 
 
-def _back(energy, user):
-    """Return the derivative of a spring's energy in the approach, by a difference."""
+@formula
+def limit_ratio(problem, z):
+    """Return X/z of a user's slip limit."""
+    up, n = max(z, CLOSEST), problem.law.numbers
+    normal_force = force_unit(problem) * load(up, problem.shape)
+    own = problem.law.callbacks.limit
+    return own(up * problem.length, normal_force, n[0], n[1], n[2], n[3], n[4]) / (up * problem.length)
 
-    def back(problem, z, x):
-        step = STEP * z
-        return (energy(problem, z + step, x) - energy(problem, z - step, x)) / (2.0 * step)
 
-    return _named(back, user)
+@formula
+def elastic_ratio(problem, z):
+    """Return X/z of the elastic spring with a coefficient that depends on the approach."""
+    n = problem.law.numbers
+    return coefficient(problem, z) * n[EFFECTIVE_MODULUS] / (4.0 * n[TANGENTIAL_MODULUS])
 
 
-def _own_spring(user):
-    """Return the functions by field of `Law` of a user's spring: energy by quadrature, inverse by bisection."""
-    user_stuck = user.functions["stuck"]
+@formula
+def limit_rate(problem, z):
+    """Return dX/dz, by a difference."""
+    up = max(z, 2.0 * CLOSEST)
+    step = STEP * up
+    return (slip_limit(problem, up + step) - slip_limit(problem, up - step)) / (2.0 * step)
 
-    def stuck(problem, z, x):
-        up, unit = max(z, CLOSEST), force_unit(problem)
-        size = abs(x) * problem.length
-        force = user_stuck(up * problem.length, unit * load(up, problem.shape), size, contact_of(problem)) / unit
-        return force if x >= 0.0 else -force
 
-    stuck = _named(stuck, user)
+@formula
+def back(problem, z, x):
+    """Return the derivative of the spring's energy in the approach, by a difference."""
+    step, law = STEP * z, problem.law
+    return (law.energy(problem, z + step, x) - law.energy(problem, z - step, x)) / (2.0 * step)
 
-    def deformation(problem, z, force):
-        low, high = 0.0, slip_limit(problem, z)
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            if stuck(problem, z, middle) < force:
-                low = middle
-            else:
-                high = middle
-        return 0.5 * (low + high)
 
-    def energy(problem, z, x):
-        # int_0^x Q dx with x = limit (1 - s^2), because the force may have a square root at the limit
-        limit, total = max(slip_limit(problem, z), x), 0.0
-        start = math.sqrt(max(1.0 - x / limit, 0.0)) if limit > 0.0 else 1.0
-        for k in range(len(POINT)):
-            s = start + (1.0 - start) * 0.5 * (POINT[k] + 1.0)
-            total += WEIGHT[k] * stuck(problem, z, limit * (1.0 - s * s)) * 2.0 * s * limit
-        return 0.5 * (1.0 - start) * total
+@formula
+def stuck(problem, z, x):
+    """Return the force over kappa of a user's spring."""
+    up, unit, n = max(z, CLOSEST), force_unit(problem), problem.law.numbers
+    normal_force, size = unit * load(up, problem.shape), abs(x) * problem.length
+    own = problem.law.callbacks.stuck
+    force = own(up * problem.length, normal_force, size, n[0], n[1], n[2], n[3], n[4]) / unit
+    return force if x >= 0.0 else -force
 
-    energy = _named(energy, user)
-    return {"stuck": stuck, "deformation": _named(deformation, user), "energy": energy, "back": _back(energy, user)}
+
+@formula
+def deformation(problem, z, force):
+    """Return the deformation at which a user's spring carries a force, by bisection."""
+    low, high = 0.0, slip_limit(problem, z)
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if stuck(problem, z, middle) < force:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
+
+
+@formula
+def energy(problem, z, x):
+    """Return the energy of a user's spring, by quadrature."""
+    # int_0^x Q dx with x = limit (1 - s^2), because the force may have a square root at the limit
+    limit, total = max(slip_limit(problem, z), x), 0.0
+    start = math.sqrt(max(1.0 - x / limit, 0.0)) if limit > 0.0 else 1.0
+    for k in range(len(POINT)):
+        s = start + (1.0 - start) * 0.5 * (POINT[k] + 1.0)
+        total += WEIGHT[k] * stuck(problem, z, limit * (1.0 - s * s)) * 2.0 * s * limit
+    return 0.5 * (1.0 - start) * total

@@ -41,8 +41,10 @@ class Condensation:
 
     def mirrored(self, superelement: FingerColumns) -> FingerColumns:
         """Reflect in x -> -x."""
-        solid = self.section.solid
-        return mirrored(superelement, self.section.odd, bool(solid.parity[solid.fields.index("phi")]))
+        solid, odd = self.section.solid, self.section.odd
+        if odd is None or solid.parity is None:
+            raise ValueError(f"x -> -x is no symmetry of {solid}")
+        return mirrored(superelement, odd, bool(solid.parity[solid.fields.index("phi")]))
 
     exchanged = staticmethod(exchanged)
     open_circuited = staticmethod(open_circuited)

@@ -132,7 +132,8 @@ def refine(
         raise InputError("tolerance", "must be positive", tolerance)
     if start < 0:
         return Refined(answer=at_level(levels[0]), level=0, errors=(np.inf, np.inf), obstacle="")
-    coarse = best = None
+    coarse: Answer | None = None
+    best: Refined[Answer] | None = None
 
     def compared(fine: Answer, coarse: Answer, level: int) -> Refined[Answer]:
         errors = tuple(float(each) / (gain - 1) for each in differences(fine, coarse))
@@ -157,8 +158,10 @@ def refine(
                 with suppress(ConvergenceError):
                     best = compared(coarse, at_level(levels[start - 1]), start)
             grows = best is not None and latest.errors[0] >= best.errors[0]
-            best = _kept(best, latest) if grows else latest
+            best = _kept(best, latest) if best and grows else latest
         coarse = answer
+    if best is None:
+        raise InputError("levels", "must hold at least two from the start on", len(levels) - start)
     return best
 
 

@@ -25,7 +25,7 @@ import numpy as np
 from fem.condense.column import ColumnField
 from fem.results.solution import Solution
 from fem.results.surface import CondensedPiece, Surface, UniformSegment
-from fem.waveguide.ends import Wall
+from fem.waveguide.ends import Beyond, Wall
 from fem.waveguide.modes import GuidedModes
 from fem.waveguide.network import SegmentWaves
 
@@ -79,7 +79,7 @@ def _pieces(solution: Solution, solve: Callable[[], Solution]) -> tuple:
             low, high = meshed.extent
             span = (low, beside.start) if side == 0 else (beside.stop, high)
         piece = condensed(*span, ENDS[side], beside=None if meshed else beside, transducer=False)
-        outside = [] if wall.beyond is None else [_beyond(solution, side, length)]
+        outside = [] if wall.beyond is None else [_beyond(solution, side, length, wall.beyond)]
         pieces = [*outside, piece, *pieces] if side == 0 else [*pieces, piece, *outside]
     return tuple(pieces)
 
@@ -89,10 +89,9 @@ def _in_metres(field, origin: float, unit: float) -> Callable[[np.ndarray], np.n
     return lambda x: field.motion((x - origin) / unit)
 
 
-def _beyond(solution: Solution, side: int, length: float) -> UniformSegment:
+def _beyond(solution: Solution, side: int, length: float, outside: Beyond) -> UniformSegment:
     """Surface of the stator of another thickness behind a step, with the waves that leave there."""
-    outside, unit = wall_of(solution, side).beyond, solution.fields.section.length_unit
-    modes, line = outside.modes, outside.far_line @ end_line(solution, side)
+    unit, modes, line = solution.fields.section.length_unit, outside.modes, outside.far_line @ end_line(solution, side)
     right, left = (np.zeros(len(line), dtype=complex) for _ in range(2))
     if side:
         right = modes.right_amplitudes(line)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fem.input_error import InputError
 from fem.results.field import PieceField, WaveField
 
 DISPLACEMENT, POTENTIAL = "displacement_m_per_V", "potential_V_per_V"
@@ -39,6 +40,8 @@ def write_instant(wave_field: WaveField, phase: float, path: str | Path) -> None
 
     def data(part: WaveField | PieceField) -> dict:
         densities = part.densities
+        if densities is None:
+            raise InputError("densities", "must have been computed with the field")
         arrays = {
             DISPLACEMENT: (part.displacement * factor).real,
             POTENTIAL: (part.potential * factor).real,

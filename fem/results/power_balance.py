@@ -16,9 +16,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from fem.results.evaluation import end_line, recovered, wall_of
+from fem.results.evaluation import end_line, recovered
 from fem.results.solution import Solution
-from fem.waveguide.ends import Wall
+from fem.waveguide.ends import Beyond, Wall
 from fem.waveguide.modes import power
 from fem.waveguide.network import SegmentWaves
 from fem.waveguide.port_fields import PortFields
@@ -93,7 +93,7 @@ def power_balance(solution: Solution) -> PowerBalance:
         # thickness, which counts as radiated.
         passed = 0.0
         if isinstance(end, Wall) and end.beyond is not None:
-            passed = to_watts * _power_behind_step(solution, side)
+            passed = to_watts * _power_behind_step(solution, side, end.beyond)
         lost_between, radiated[side] = lost_between + radiated[side] - passed, passed
     apparent_power = circuit.apparent_power
     if solution.forces is not None:
@@ -132,7 +132,8 @@ def _at_piece(solution: Solution, index: int) -> _Crossing:
     fields, circuit, scatterer = solution.fields, solution.circuit, solution.fields.network.scatterers[index]
     modes, at, frequency = fields.modes, scatterer.at, fields.frequency
     owner = fields.owners[index]
-    aperture = fields.transducers[owner].aperture if fields.own_apertures else circuit.aperture
+    own = None if owner is None or not fields.own_apertures else fields.transducers[owner]
+    aperture = circuit.aperture if own is None else own.aperture
     to_watts = fields.section.solid.stress_unit * aperture
     sides, incident = solution.sides(index), solution.incoming(index)
     crossing = [0.0, 0.0]
@@ -182,9 +183,8 @@ def _at_force(solution: Solution, number: int, before: SegmentWaves, after: Segm
     )
 
 
-def _power_behind_step(solution: Solution, side: int) -> float:
+def _power_behind_step(solution: Solution, side: int, outside: Beyond) -> float:
     """Power radiated behind a step of thickness, away from the stator, scaled."""
-    outside = wall_of(solution, side).beyond
     line = outside.far_line @ end_line(solution, side)
     impedance = outside.modes.right_impedance if side else -outside.modes.left_impedance
     flow = float(power(line, impedance @ line, outside.modes.frequency))

@@ -69,17 +69,24 @@ class Reflector:
     @property
     def reflection(self) -> complex:
         """Reflected amplitude for a surface wave of amplitude 1 from the left."""
-        return complex(self.scattering[0, 0])
+        return complex(self._scattered[0])
 
     @property
     def transmission(self) -> complex:
         """Transmitted amplitude for a surface wave of amplitude 1 from the left."""
-        return complex(self.scattering[len(self.scattering) // 2, 0])
+        return complex(self._scattered[len(self._scattered) // 2])
 
     @property
     def scattered(self) -> float:
         """Share of the incident power, from the left, that is scattered into bulk waves or lost in the solid."""
-        return float(1 - np.sum(abs(self.scattering[:, 0]) ** 2))
+        return float(1 - np.sum(abs(self._scattered) ** 2))
+
+    @property
+    def _scattered(self) -> np.ndarray:
+        """Amplitudes that leave the row for a surface wave of amplitude 1 from the left, (2 waves,)."""
+        if self.row is None:
+            raise InputError("piece", "must stand between the ends: the ends alone have no transmission")
+        return self.row.scattering[:, 0]
 
 
 @one_blas_thread
@@ -147,15 +154,15 @@ def _of_row(stator: Stator, modes: GuidedModes, row: CondensedPieces) -> Reflect
             alone[id(condensed)] = piece.name, p_matrix_of([(place, condensed)])
         places.append((place * modes.section.length_unit, list(alone).index(id(condensed))))
     ends = []
-    for side, (piece, wall) in enumerate(zip(stator.placement.ends, row.ends, strict=True)):
-        if piece is None or not isinstance(wall, Wall):
+    for side, (end_piece, wall) in enumerate(zip(stator.placement.ends, row.ends, strict=True)):
+        if end_piece is None or not isinstance(wall, Wall):
             continue
         reflected = wall.sent_back(modes, side, waves.modes)[waves.modes]
         outgoing, incident = (waves.right, waves.left) if side == 0 else (waves.left, waves.right)
-        kind = "step" if is_step(piece, stator.depth) else "end"
+        kind = "step" if is_step(end_piece, stator.depth) else "end"
         # from amplitudes of modes to those of the scaled surface waves, which in a plate are mixtures of two modes
         reflection = np.linalg.solve(outgoing, reflected @ incident)[0, 0]
-        ends.append((f"{piece.name} ({kind})", complex(reflection)))
+        ends.append((f"{end_piece.name} ({kind})", complex(reflection)))
     surface = modes.wavenumbers[waves.modes].real.mean() / modes.section.length_unit
     return Reflector(
         frequency=modes.frequency,

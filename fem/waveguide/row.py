@@ -103,8 +103,10 @@ def _step(piece: MeshPiece, side: int, stator: Stator, modes: GuidedModes, resol
     The near line is the one towards the middle of the stator.  ``side``: 0 for the left end, 1 for the right.
     """
     near, far = ("right", "left") if side == 0 else ("left", "right")
-    section, frequency = modes.section.full, modes.frequency
-    behind = replace(stator, thickness=piece.interface(far)[1], pieces=())
+    section, frequency, interface = modes.section.full, modes.frequency, piece.interface(far)
+    if interface is None:
+        raise ValueError(f"piece {piece.name!r} has no group {far}: nothing lies behind it")
+    behind = replace(stator, thickness=interface[1], pieces=())
     other = discretise(behind, resolution, wavelength=section.length_unit, surface_scale=np.inf)
     outside = guided_modes(other, frequency)
     sections = {near: section, far: other}
@@ -114,8 +116,8 @@ def _step(piece: MeshPiece, side: int, stator: Stator, modes: GuidedModes, resol
     near_line, far_line = (right_line, left_line) if side == 0 else (left_line, right_line)
     impedance = outside.left_impedance if side == 0 else outside.right_impedance
     wall, far_from_near = closed(assembly.condensed(frequency), near_line, far_line, impedance)
-    place = piece.interface(far)[0] / section.length_unit
-    return replace(wall, beyond=Beyond(modes=outside, place=place, far_line=far_from_near))
+    beyond = Beyond(modes=outside, place=interface[0] / section.length_unit, far_line=far_from_near)
+    return replace(wall, beyond=beyond)
 
 
 def _frame(stator: Stator) -> Stator:

@@ -5,6 +5,7 @@ import hashlib
 import os
 import tempfile
 import time
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import FunctionType
@@ -268,6 +269,73 @@ def test_kernels_that_call_others_are_the_same_by_numbas_ordinary_compiler(place
     assert interpolate.inner is not lowered, "what was made for the machine code is not used again"
     assert found[0] == pytest.approx(np.cos(0.3), rel=1e-10)  # truncation of twelve points
     assert found[1] == pytest.approx(found[0], rel=1e-13)
+
+
+class Curve(NamedTuple):
+    """A function that is called by its address, as one of a user's law."""
+
+    height: Callable
+
+
+def risen(curve, values):
+    """Replace values by the heights of a curve there."""
+    for k in range(values.size):
+        values[k] = curve.height(values[k], 2.0)
+    return 0
+
+
+def parabola(x, factor):
+    return factor * x * x
+
+
+def line(x, factor):
+    return factor * x
+
+
+def listed(x, factor):
+    terms = [x]  # allocates
+    terms.append(factor)
+    return sum(terms)
+
+
+def bounded(x, factor):
+    if x > 2.5:
+        raise ValueError
+    return factor * x
+
+
+def raised(function, kernel):
+    """Return what a kernel makes of 1, 2 and 3 by a function under the address of a new callback."""
+    values = np.array([1.0, 2.0, 3.0])
+    kernel(Curve(compiled.Callback(function, f"test-{function.__name__}")), values)
+    return list(values)
+
+
+def test_one_kernel_serves_all_functions_that_it_calls_by_address(places, tmp_path):
+    places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    for _ in range(2):
+        kernel = compiled.Native(risen, ("t", "f1"))
+        assert raised(parabola, kernel) == [2.0, 8.0, 18.0]
+        assert raised(line, kernel) == [2.0, 4.0, 6.0]
+        assert len(files(tmp_path)) == 3
+        # the next start does not compile
+        places.setattr(compiler, "machine_code", None)
+        places.setattr(compiler, "callback_code", None)
+    assert not compiled.ORDINARY
+
+
+def test_a_function_that_allocates_or_raises_is_called_by_address_too(places):
+    kernel = compiled.Native(risen, ("t", "f1"))
+    assert raised(listed, kernel) == [3.0, 4.0, 5.0]
+    np.testing.assert_array_equal(raised(bounded, kernel), [2.0, 4.0, np.nan])
+    assert compiled.ORDINARY.keys() == {"test-listed", "test-bounded"}
+
+
+def test_numbas_ordinary_compiler_calls_by_address_too(places):
+    places.setattr(compiler, "optimised", gone)
+    kernel = compiled.Native(risen, ("t", "f1"))
+    assert raised(parabola, kernel) == [2.0, 8.0, 18.0]
+    assert compiled.ORDINARY.keys() == {"test-parabola", "risen"}
 
 
 def larger(values, limit):

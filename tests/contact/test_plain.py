@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from contact import PassingWave, Pillars, mean_motion, pillar_motion
+from contact import PassingWave, Pillars, UserLaw, mean_motion, pillar_motion
 from contact.answers.methods import rest, rest_problem
 from contact.averaged.riding import quadrature
 from contact.averaged.transient import Span, response
@@ -16,6 +16,8 @@ from contact.stepping.time_stepping import steps
 from tests.contact.motors import orbit, slider
 
 PUNCH = {"shape": "punch", "radius": 1e-6}
+# as in test_user_law.py, for which the same kernels are compiled
+OWN = "def sliding(approach, normal_force, slip_speed, contact): return normal_force * (0.15 + 0.4 * slip_speed)"
 PAIR = (orbit(8e-9), orbit(6e-9).scaled(np.exp(0.7j)))
 
 
@@ -74,10 +76,12 @@ CASES = {
     "events, stick band": lambda: events(2, stick_band=1e-3),
     "events, reciprocal force": lambda: events(2, reciprocal=True),
     "events, hysteretic": lambda: events(2, law="hysteretic"),
+    "events, user law": lambda: events(2, friction=UserLaw("own.py", OWN)),
     "events, punch": lambda: events(2, **PUNCH),
     "events, heights": lambda: events(1, contacts=2, heights=(0.0, -2e-9)),
     "stepped": stepped,
     "stepped, heights": lambda: stepped(heights=(0.0, -2e-9)),
+    "stepped, user law": lambda: stepped(friction=UserLaw("own.py", OWN)),
     "stepped, punch": lambda: stepped(**PUNCH),
     "averaged": averaged,
     "averaged, punch": lambda: averaged(**PUNCH),
