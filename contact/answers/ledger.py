@@ -17,6 +17,8 @@ from contact.slider import Slider
 class Ledger(NamedTuple):
     """Energies over an interval of the motion, J.
 
+    `ledger` relies on the order of the fields: to `leak` that of `energy.Sum`, then that of `Motion.energy`.
+
     Attributes
     ----------
     wave_normal, wave_tangential : float
@@ -83,5 +85,6 @@ def together(*ledgers: Ledger) -> Ledger:
 def ledger(slider: Slider, motion, spans: int = 1) -> Ledger:
     """Return the ledger of a `motion.Motion` since its start, divided by `spans` (its number of cycles)."""
     unit = slider.mass * motion.problem.speed**2 / spans
-    done, gained = motion.sums[Sum.WAVE_NORMAL : Sum.LEAK + 1], motion.energy() - motion.begun
-    return Ledger(*(unit * done).tolist(), *(unit * gained).tolist())
+    works_and_losses = motion.sums[Sum.WAVE_NORMAL : Sum.LEAK + 1]
+    increases = motion.energy() - motion.begun  # of the springs, the preload and the slider
+    return Ledger(*(unit * works_and_losses).tolist(), *(unit * increases).tolist())

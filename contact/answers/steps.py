@@ -39,8 +39,8 @@ from contact.slider import Slider
 from contact.stepping.time_stepping import steps
 
 MAX_CYCLES = 2**21  # the last number that `cycles_for` tries when it doubles from 256
-# The slider counts as held after this many half periods of the ring without slip: QUIET_SPANS if no slip can follow,
-# UNSURE_SPANS if one might. A beat of bounce and ring takes 2/(f_n/f_t - 1) half periods, 4 to 30 for usual moduli.
+# The slider counts as held after this many spans (half periods of the ring) without slip: QUIET_SPANS if no slip can
+# follow, UNSURE_SPANS if one might. A beat of bounce and ring takes 2/(f_n/f_t - 1) spans, 4 to 30 for usual moduli.
 QUIET_SPANS, UNSURE_SPANS = 12, 200
 # A load moves a slider further at every bounce, and without a damper the bounce never ends: such a slider still slips
 # after this many half periods of the ring.
@@ -135,23 +135,23 @@ def step(
         _step_at(slider, listed, cycles, envelope, after, level) for level in (FINE, COARSE)
     )
     scale = max(abs(fine.displacement), abs(fine.during), slider.limit_slope * slider.rest_approach(len(listed)))
-    # Fixed time steps are assumed to converge with first order. The event-driven solver has spectral accuracy, so that
-    # a difference to it is the error of the other level.
+    # Fixed time steps are assumed to converge with first order: the error of the fine level is 1/(f/c - 1) times the
+    # difference, for f and c steps per cycle. The event-driven solver (0 steps) has spectral accuracy, so that the
+    # difference is the error of the coarse level.
     factors = [1.0 / (f / c - 1.0) for f, c in zip(fine_steps, coarse_steps, strict=True) if f and c]
     estimate = max(factors, default=1.0) * abs(fine.displacement - coarse.displacement)
     shift = MEMORY_SHIFT * fine.ring if slider.law == "hysteretic" else 0.0
-    frequency, bend, left = listed[0].frequency, 0.0, 0.0
+    frequency, bend, amplitude_left = listed[0].frequency, 0.0, 0.0
     if envelope is not None:
         bend += envelope.bend(cycles, frequency)
     if after is not None:
         bend += after.bend(math.ceil(after.time[-1] * frequency), frequency)
-        left = abs(complex(after.at(np.array([spent(after)]))[0])) * max(
-            abs(amplitude) for each in listed for amplitude in (each.normal, each.tangential)
-        )
+        largest = max(abs(amplitude) for each in listed for amplitude in (each.normal, each.tangential))
+        amplitude_left = abs(complex(after.at(np.array([spent(after)]))[0])) * largest
     # a change of the wave in one cycle changes the slider's speed for at most the rest of the burst: with a constant
     # acceleration that is twice the cycle's share of the travel
     unseen = 2.0 * ENVELOPE_CHANGE * bend * scale / cycles
-    return replace(fine, error=estimate + LEAST_ERROR * scale + shift + unseen + CUT * left)
+    return replace(fine, error=estimate + LEAST_ERROR * scale + shift + unseen + CUT * amplitude_left)
 
 
 class _Level(NamedTuple):
@@ -284,38 +284,64 @@ def _distance(rows) -> float:
     return float(2.0 * math.pi * np.sum(rows[:, Column.MEAN_VELOCITY]))
 
 
+@dataclass
+class _Quiet:
+    """What has been observed since the last slip that changed the final position, scaled."""
+
+    final_position: float
+    spans: int  # half periods of the ring
+    ring: float  # largest distance of the slider from the final position
+    least_approach: np.ndarray  # (contacts,)
+    largest_deformation: np.ndarray  # (contacts,), absolute
+
+    @classmethod
+    def begin(cls, final_position: float, contacts: int) -> "_Quiet":
+        """Return the state right after a slip."""
+        return cls(final_position, 0, 0.0, np.full(contacts, math.inf), np.zeros(contacts))
+
+    def add(self, to_rest, approach, deformation):
+        """Add one span: the slider's distances to rest (samples,), the contacts' states (samples, contacts)."""
+        self.spans += 1
+        self.ring = max(self.ring, float(np.max(np.abs(to_rest))))
+        self.least_approach = np.minimum(self.least_approach, np.min(approach, axis=0))
+        self.largest_deformation = np.maximum(self.largest_deformation, np.max(np.abs(deformation), axis=0))
+
+    def is_held(self, problem, holding) -> bool:
+        """Return True if the slider counts as held; `holding`: contacts that touch at rest."""
+        if self.spans < QUIET_SPANS:
+            return False
+        if self.spans >= UNSURE_SPANS:
+            return True
+        return _surely_sticks(problem, self.least_approach[holding], self.largest_deformation[holding])
+
+
 def _stopped(slider, motion):
     """Follow the slider until it is held; return (travel, phase of the last visible slip, remaining ring), scaled.
 
     While every contact sticks, the travel so far plus the distance to rest, at which the springs carry just the load,
-    is constant: the final position. A slip changes it. The run proceeds in intervals of half a ring period. It ends
-    after a number of intervals in which the final position changes by less than `SETTLED`. The number is `QUIET_SPANS`
-    if the largest deformation stays below the slip limit at the least approach, because no slip can then follow.
-    Otherwise it is `UNSURE_SPANS`, because the beat of bounce and ring may cause a later slip.
+    is constant: the final position. A slip changes it. The run proceeds in spans of half a ring period, longer ones
+    while the slider brakes. It ends after a number of spans in which the final position changes by less than `SETTLED`.
+    The number is `QUIET_SPANS` if the largest deformation stays below the slip limit at the least approach, because no
+    slip can then follow. Otherwise it is `UNSURE_SPANS`, because the beat of bounce and ring may cause a later slip.
     """
-    problem, contacts, speed = motion.problem, motion.problem.contacts, abs(float(motion.state[2]))
+    problem, contacts = motion.problem, motion.problem.contacts
     holding = np.flatnonzero(slider.rest_approaches(contacts))
     still = silence(motion)
 
-    def to_rest():
+    def distance_to_rest():
         load = math.copysign(slider.load, problem.load)
         return slider.distance_to_rest(still.state[3:] * problem.length, load) / problem.length
 
-    period = problem.omega / slider.tangential_resonance(contacts)
-    friction = slider.least_friction(contacts) - slider.load
-    if friction <= 0.0:  # the estimate only sets the length of the intervals
-        friction = slider.static_friction(contacts) - slider.load
-    brake = speed * problem.speed * slider.mass / friction * problem.omega
-    unit = problem.limit_slope * slider.rest_approach(contacts) / problem.length
-    bounces = problem.load != 0.0 and problem.normal_damping == problem.contact_damping == 0.0
-    longest = brake + ENDLESS_SPANS * 0.5 * period if bounces else 1e9
-    phase, last, quiet = 0.0, 0.0, 0
-    now = settled = to_rest()
-    ring, lowest, farthest = 0.0, np.full(contacts, math.inf), np.zeros(contacts)
-    while quiet < QUIET_SPANS or (
-        quiet < UNSURE_SPANS and not _surely_sticks(problem, lowest[holding], farthest[holding])
-    ):
-        span = 0.5 * period if phase >= brake else max(0.5 * period, 0.25 * brake)
+    half_period = 0.5 * problem.omega / slider.tangential_resonance(contacts)  # of the ring, as a phase of the wave
+    braking = _braking_phase(slider, motion)
+    slip_limit_at_rest = problem.limit_slope * slider.rest_approach(contacts) / problem.length
+    slips_at_bounces = problem.load != 0.0 and problem.normal_damping == problem.contact_damping == 0.0
+    max_phase = braking + ENDLESS_SPANS * half_period if slips_at_bounces else 1e9
+    phase, last_slip = 0.0, 0.0
+    final_position = distance_to_rest()
+    quiet = _Quiet.begin(final_position, contacts)
+    while not quiet.is_held(problem, holding):
+        span = half_period if phase >= braking else max(half_period, 0.25 * braking)
         at = phase + span * np.arange(1, 33) / 32
         still.tally[:] = 0
         samples = still.move(phase, float(at[-1]) * (1.0 + 1e-14), at)
@@ -324,28 +350,35 @@ def _stopped(slider, motion):
         # a contact that does not touch at rest does not hold the slider, so that its separation is ignored
         loose = ~np.isin(regime, HOLDING) & ((regime != Regime.SEPARATED) | np.isin(np.arange(contacts), holding))
         slipping = np.flatnonzero(np.any(loose, axis=1))
-        left = to_rest()
-        before, now = now, float(still.sums[Sum.DISPLACEMENT]) + left
+        to_rest = distance_to_rest()
+        before, final_position = final_position, float(still.sums[Sum.DISPLACEMENT]) + to_rest
         # many slips are shorter than the sampling interval, but the tally counts every event
         slipped = slipping.size or still.tally[Event.STICK_TO_SLIP] + still.tally[Event.RELEASE] > 0
-        if slipped and abs(now - before) > VISIBLE * unit:
-            last = float(at[slipping[-1] if slipping.size else -1])
-        if slipped and abs(now - settled) > SETTLED * unit:
-            quiet, settled = 0, now
-            ring, lowest, farthest = 0.0, np.full(contacts, math.inf), np.zeros(contacts)
+        if slipped and abs(final_position - before) > VISIBLE * slip_limit_at_rest:
+            last_slip = float(at[slipping[-1] if slipping.size else -1])
+        if slipped and abs(final_position - quiet.final_position) > SETTLED * slip_limit_at_rest:
+            quiet = _Quiet.begin(final_position, contacts)
         else:
-            quiet += 1
-            one = holding[0]  # all that hold move alike
-            ring = max(ring, float(np.max(np.abs(left + deformation[:, one] - still.state[3 + one]))))
-            lowest = np.minimum(lowest, np.min(approach, axis=0))
-            farthest = np.maximum(farthest, np.max(np.abs(deformation), axis=0))
-        if phase > longest:
-            dampers = "normal" if bounces else "normal or tangential"
+            # A contact that sticks to the surface at rest is deformed by as much as the slider moves back. All that
+            # hold move alike: the first one gives the distance to rest at the earlier samples.
+            first = holding[0]
+            quiet.add(to_rest + deformation[:, first] - still.state[3 + first], approach, deformation)
+        if phase > max_phase:
+            dampers = "normal" if slips_at_bounces else "normal or tangential"
             raise ConvergenceError("not converged", f"the slider goes on slipping; give it {dampers} damping")
-    return now, last, ring
+    return final_position, last_slip, quiet.ring
 
 
-def _surely_sticks(problem, lowest, farthest):
+def _braking_phase(slider, motion):
+    """Return an estimate of the phase in which friction stops the slider; it only sets the length of the spans."""
+    problem, speed = motion.problem, abs(float(motion.state[2]))
+    force = slider.least_friction(problem.contacts) - slider.load
+    if force <= 0.0:
+        force = slider.static_friction(problem.contacts) - slider.load
+    return speed * problem.speed * slider.mass / force * problem.omega
+
+
+def _surely_sticks(problem, least_approach, largest_deformation):
     """Return True if contacts with these least approaches and largest deformations stay below the slip limit."""
-    limits = [slip_limit(problem, float(z)) if z > 0.0 else 0.0 for z in lowest]
-    return bool(np.all(farthest < limits))
+    limits = [slip_limit(problem, float(z)) if z > 0.0 else 0.0 for z in least_approach]
+    return bool(np.all(largest_deformation < limits))

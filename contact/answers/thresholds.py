@@ -141,21 +141,23 @@ def _by_averaging(slider, orbits, factor):
 def _by_full_motion(slider, orbits, averaged_factor, margins=None):
     """Return the factor from the periodic motion of the full equations, searched near the averaged factor.
 
-    `margins(problem, motion, slider)` returns two margins that decrease with the factor. The first vanishes at a lower
-    bound of the threshold (or release), the second at an upper bound. The two roots are computed with different numbers
-    of samples. The answer is their mean, and their distance is its error. If there is no root, the averaged factor is
-    returned.
+    `margins(problem, motion, slider)` returns two margins that decrease with the factor: the first vanishes at a lower
+    bound of the threshold (or release), the second at an upper bound. The root of each is computed, with a different
+    number of samples per cycle, so that their distance shows both the uncertainty of the bounds and that of sampling.
+    The answer is their mean, and their distance is its error. If one has no root, the averaged factor is returned.
     """
     averaged, margins = _by_averaging(slider, orbits, averaged_factor), margins or _stick_margins
     if math.isinf(averaged_factor) or averaged_factor == 0.0:
         return averaged
 
-    def root(samples, bound):
+    def root(samples, which):
+        """Return the factor at which one of the two margins vanishes; `which` is its index."""
+
         @cache
         def margin(factor):
             problem = scaled(slider, tuple(o.scaled(factor) for o in orbits), direction=1.0, start=0.0)
             motion = normal_motion(problem, riding_approach(problem), samples)
-            return margins(problem, motion, slider)[bound]
+            return margins(problem, motion, slider)[which]
 
         distance = averaged.error
         while not (margin(averaged_factor - distance) > 0.0 > margin(averaged_factor + distance)):
@@ -174,7 +176,7 @@ def _by_full_motion(slider, orbits, averaged_factor, margins=None):
 
 
 def _contact_margins(problem, motion, slider):
-    """Return the smallest approach of the contacts that touch at rest, twice: it is exact, lower and upper bound."""
+    """Return the smallest approach of the contacts that touch at rest, as both margins: it is exact."""
     contacts = problem.contacts
     touch = slider.rest_approach(contacts) + slider.offsets(contacts) > 0.0
     margin = float(np.min(least(motion.approaches[touch])))
@@ -206,29 +208,34 @@ def _load_margin(least, largest, load, friction):
 
 
 def _own_mirror_image(slider, orbits):
-    """True if the orbits with u_x negated equal the orbits at a later time, on contacts of the same heights."""
+    """True if the orbits with u_x negated equal the orbits at a later time, on contacts of the same heights.
+
+    A later time multiplies all amplitudes by one phase factor. Every factor that turns the first mirrored orbit that
+    moves into one of the orbits is tried.
+    """
     heights = slider.offsets(len(orbits))
     amplitudes = [np.array([o.normal, o.tangential]) for o in orbits]
     size = max(float(np.max(np.abs(each))) for each in amplitudes)
     mirrored = [np.array([o.normal, -o.tangential]) for o in orbits]
-    axis = 0 if any(o.normal != 0 for o in orbits) else 1
-    first = next(k for k, each in enumerate(amplitudes) if each[axis] != 0)
+    component = 0 if any(o.normal != 0 for o in orbits) else 1  # u_z, or u_x if no orbit has a u_z
+    first = next(k for k, each in enumerate(amplitudes) if each[component] != 0)
 
-    def same(shift):
-        """Return True if each mirrored orbit times the phase factor `shift` equals one orbit."""
-        left = list(range(len(orbits)))
+    def equal_after(phase_factor):
+        """Return True if the mirrored orbits times a phase factor are the orbits, in any order."""
+        unmatched = list(range(len(orbits)))
         for each, height in zip(mirrored, heights, strict=True):
             match = [
-                k for k in left
-                if np.max(np.abs(amplitudes[k] - shift * each)) < ALIKE * size and abs(heights[k] - height) < 1e-15
+                k for k in unmatched
+                if np.max(np.abs(amplitudes[k] - phase_factor * each)) < ALIKE * size
+                and abs(heights[k] - height) < 1e-15
             ]  # fmt: skip
             if not match:
                 return False
-            left.remove(match[0])
+            unmatched.remove(match[0])
         return True
 
-    shifts = [each[axis] / mirrored[first][axis] for each in amplitudes]
-    return any(abs(abs(shift) - 1.0) < ALIKE and same(shift / abs(shift)) for shift in shifts)
+    factors = [each[component] / mirrored[first][component] for each in amplitudes]
+    return any(abs(abs(factor) - 1.0) < ALIKE and equal_after(factor / abs(factor)) for factor in factors)
 
 
 def _released(slider, listed):
@@ -236,7 +243,7 @@ def _released(slider, listed):
     if not slider.heights and not slider.reciprocal:
         normal = [abs(o.normal) for o in listed]
         return _factor_at(max(normal), slider, normal) if max(normal) > 0.0 else math.inf
-    touch = slider.rest_approach(len(listed)) + slider.offsets(len(listed)) > 0.0
+    touch = slider.rest_approach(len(listed)) + slider.offsets(len(listed)) > 0.0  # at rest
     normal, heights = np.array([abs(o.normal) for o in listed])[touch], slider.offsets(len(listed))[touch]
     if not touch.any() or np.max(normal) == 0.0:
         return math.inf if slider.preload > 0.0 else 0.0
@@ -280,7 +287,7 @@ def _elastic_threshold(slider, orbits):
     c = slider.limit_slope
     # smallest h at which the two bounds on the offset of every contact leave an interval, for the orbits as they are
     lowest = max(abs(o.tangential - c * o.normal) + abs(o.tangential + c * o.normal) for o in orbits) / (2.0 * c)
-    # By homogeneity: the factor at which the slider rides at this height, so that the interval of one contact vanishes
+    # at this factor the slider rides at that height, and the interval of one contact vanishes
     first_slip = _factor_at(lowest, slider, [abs(o.normal) for o in orbits])
     if _holding_margin(slider, orbits, first_slip * (1.0 - 1e-9)) >= 0.0:
         return first_slip
@@ -288,13 +295,15 @@ def _elastic_threshold(slider, orbits):
 
 
 def _factor_at(height, slider, normal):
-    """Return the factor f at which a slider on the amplitudes f |U_z| (`normal`) rides at the mean approach f `height`.
+    """Return the factor f for which a slider on the amplitudes f `normal` rides at the mean approach f `height`.
 
-    The force is homogeneous in approach and amplitudes: at the factor f it is K f^n times its value at f = 1 and K = 1.
+    Contacts have equal heights. The mean force is homogeneous: with P = K p(z), the one at the factor f is
+    K p(f unit) sum <p>, the sum that of the means at lengths over `unit`. Hence f unit is the approach of one contact
+    under the force preload / sum <p>.
     """
     unit = max(height, *normal)
-    mean = sum(mean_load(height / unit, each / unit, slider.contact_shape) for each in normal)
-    return slider.approach_under(slider.preload / mean, 1) / unit
+    mean_sum = sum(mean_load(height / unit, each / unit, slider.contact_shape) for each in normal)
+    return slider.approach_under(slider.preload / mean_sum, 1) / unit
 
 
 def _alike(orbits):

@@ -8,8 +8,15 @@ it is not conservative. The friction power of a ball is defined as the power tha
 give to the slider.
 
 `contact_cycles` solves contacts of one stiffness and one slip limit c. All classes are brought to that form by scaling:
-with normal lengths over a unit and tangential lengths over c times that unit, P/k_n and Q/(c k_t) are the forces of a
-contact with stiffness, mu and c equal to 1.
+with normal lengths over a unit ell and tangential lengths over c ell,
+
+    P/(k_n p(ell))   and   Q/(c k_t p(ell))                                                                     (1)
+
+are the forces of a contact with stiffness, mu and c equal to 1, because p(z) is a power of z. A velocity over omega is
+divided by c ell. The friction power over omega, a force times a length along the wave, has the unit
+(c k_t p(ell)) (c ell).
+
+The unknown waves are U+ and U- at the rows, `forward` and `backward`; `march` states their equations.
 """
 
 import numpy as np
@@ -34,7 +41,25 @@ NODES = 24  # per smooth piece of a ball's cycle; errors of 1e-10 of the largest
 
 
 class PillarCycle:
-    """Contacts in classes and rows, with the current wave amplitudes at the rows."""
+    """Contacts in classes and rows, with the current wave amplitudes at the rows.
+
+    Attributes
+    ----------
+    g : float
+        Gamma/w of `march`, 1/(Pa m); 0 if the contacts do not act back on the wave.
+    turn : ndarray, shape (m,)
+        Phase factor exp(-i k x) of the forward wave from the slider's centre to each row.
+    incident : ndarray, shape (2,)
+        U+ on the left and U- on the right of the slider, m.
+    forward, backward : ndarray, shape (m,)
+        Mean amplitudes u_z of the two waves on the two sides of each row, m.
+    evaluations : int
+        Number of cycles solved for all contacts.
+    problem : Problem
+        Contacts in the scaled form of equation (1); its paths are overwritten by `forces`.
+
+    `_set_classes` adds those of classes and rows.
+    """
 
     def __init__(self, pillars: Pillars, wave: PassingWave, loading: bool):
         self.pillars, self.wave, self.shape = pillars, wave, SHAPES.index(pillars.shape)
@@ -100,7 +125,7 @@ class PillarCycle:
         """Return the mean approach of each class for a height of the plane (or one per row) and tilts in rad."""
         height_at_row = height[self.row] if np.ndim(height) else height
         plane = tilted(Coordinates(-height_at_row, 0.0), pitch, roll, self.x, self.y)
-        return body.approach(self, slice(None), 0.0, plane)  # uses `self.height`
+        return body.approach(self, slice(None), 0.0, plane)  # `self` stands for the paths, of which `height` is read
 
     def mean_normal(self, height):
         """Return <P> of each class in N and its derivative with respect to the approach in N/m, without tilt."""
@@ -112,19 +137,25 @@ class PillarCycle:
         return (self.k_n * each for each in mean_loads(approach, abs(u_z)[self.row], self.shape))
 
     def forces(self, approach, w: float, side: float) -> MeanForces:
-        """Return the forces per class, without weights, at mean approaches in m and a velocity over omega in m."""
+        """Return the forces per class, without weights, at mean approaches in m and a velocity over omega, `w`, in m.
+
+        At rest the forces depend on the motion before: it was towards +x or, if `side` is negative, towards -x.
+        """
         self.evaluations += 1
-        problem = self.problem
         c, (u_z, u_x) = self.limit_slope, (each[self.row] for each in self.amplitudes())
-        unit = max(float(np.max(np.abs(approach))), float(np.max(np.abs(u_z))), 1e-300)
-        for path, part in zip(problem.paths[:3], (approach, u_z.real, -u_z.imag), strict=True):
-            np.divide(part, unit, out=path)
-        for path, part in zip(problem.paths[3:], (u_x.real, -u_x.imag), strict=True):
-            np.divide(part, c * unit, out=path)
-        velocities = np.full(self.x.size, -1e-300) if w == 0.0 and side < 0.0 else float(w) / (c * unit)
-        out, force = np.empty((len(Each), self.x.size)), float(load(unit, self.shape))
-        contact_cycles(problem, 0.0, velocities, self._rule, self._work, out)
-        out[Each.FRICTION] *= force * unit * c**2
+        ell = max(float(np.max(np.abs(approach))), float(np.max(np.abs(u_z))), 1e-300)
+        # the scaled problem of the module docstring; the mean approach stands for the contact's height
+        paths = self.problem.paths
+        np.divide(approach, ell, out=paths.height)
+        np.divide(u_z.real, ell, out=paths.normal_cos)
+        np.divide(-u_z.imag, ell, out=paths.normal_sin)
+        np.divide(u_x.real, c * ell, out=paths.tangential_cos)
+        np.divide(-u_x.imag, c * ell, out=paths.tangential_sin)
+        # -1e-300 stands for rest after a motion towards -x (see `contact_cycles`)
+        velocities = np.full(self.x.size, -1e-300) if w == 0.0 and side < 0.0 else float(w) / (c * ell)
+        out, force = np.empty((len(Each), self.x.size)), float(load(ell, self.shape))  # p(ell)
+        contact_cycles(self.problem, 0.0, velocities, self._rule, self._work, out)
+        out[Each.FRICTION] *= force * ell * c**2  # over k_t, m^2
         return forces_of(out, self.k_n * force, self.k_t * force * c)
 
     @property
@@ -158,7 +189,8 @@ class PillarCycle:
         moves = abs(u_x) > TANGENTIAL_SHARE * abs(c) * largest
         s_n = np.divide(normal, u_z, out=np.zeros_like(u_z), where=abs(u_z) > 1e-9 * largest)
         s_t = np.divide(tangential, u_x, out=np.zeros_like(u_x), where=moves)
-        # dF/dq of F = (P_1 + C* Q_1, P_1 + C Q_1) with u_z = q_0 + q_1 and u_x = C q_0 + C* q_1
+        # J = dF/dq of F = (P_1 + C* Q_1, P_1 + C Q_1), P_1 = s_n u_z and Q_1 = s_t u_x, with u_z = q_0 + q_1 and
+        # u_x = C q_0 + C* q_1 in the amplitudes q = (forward, backward): s_n [[1, 1], [1, 1]] + s_t times this matrix
         by_tangential = np.array([[abs(c) ** 2, c.conjugate() ** 2], [c**2, abs(c) ** 2]])
         return s_n[:, None, None] + by_tangential * s_t[:, None, None]
 
@@ -169,7 +201,8 @@ class PillarCycle:
         driving, size = self._driving(forces).view(float), max(self.wave.amplitude, 1e-300)
         slope = np.empty((self.turn.size, 4, 4))
         amplitudes = self.forward, self.backward
-        # real and imaginary part of U+, then of U-, at all rows at once: the forces of a row depend on its own only
+        # Column k: real and imaginary part of U+, then of U-. All rows are changed at once, because the forces of a row
+        # depend on its own amplitudes only. The views alternate real and imaginary parts.
         for k, step in enumerate((STEP, 1j * STEP, STEP, 1j * STEP)):
             changed = list(amplitudes)
             changed[k // 2] = amplitudes[k // 2] + step * size

@@ -11,8 +11,8 @@ from contact.convergence_error import ConvergenceError
 from contact.input_error import InputError
 
 HARMONICS = "harmonics"  # value of `loading` that includes the overtones of the wave
-# Numbers of harmonics to try, until the change of the velocity by the last doubling gives an error below
-# OVERTONE_ERROR.
+# Numbers of harmonics to try, until the error of the velocity by those left out is below OVERTONE_ERROR. The error is
+# taken as a third of the change by the last doubling, as if it fell with the square of the number.
 NUMBERS = (8, 16, 32, 64)
 OVERTONE_ERROR = 5e-4  # half of the default tolerance
 
@@ -78,19 +78,19 @@ def pillar_motion(
         motion = truncated_motion(pillars, wave, load, True, near, 1)
     except InputError:  # the slider cannot carry the load without the overtones, but perhaps with them
         motion = truncated_motion(pillars, wave, load, True, None, NUMBERS[0])
-    change = 0.0
+    truncation_error = 0.0
     for number in NUMBERS:
-        last = motion.velocity
+        coarser = motion
         try:
-            motion = truncated_motion(pillars, wave, load, True, motion, number)
-        except ConvergenceError:
+            motion = truncated_motion(pillars, wave, load, True, coarser, number)
+        except ConvergenceError:  # this number has no equilibrium that is found from `coarser`; perhaps the next has
             if number == NUMBERS[-1]:
                 raise
             continue
-        change = abs(motion.velocity - last) / motion.speed_scale / 3.0
-        if change < OVERTONE_ERROR:
+        truncation_error = abs(motion.velocity - coarser.velocity) / motion.speed_scale / 3.0
+        if truncation_error < OVERTONE_ERROR:
             break
-    return replace(motion, relative_error=motion.relative_error + change, truncation=change)
+    return replace(motion, relative_error=motion.relative_error + truncation_error, truncation=truncation_error)
 
 
 def truncated_motion(pillars, wave, load, loading, near, harmonics) -> PillarMotion:
@@ -102,21 +102,23 @@ def truncated_motion(pillars, wave, load, loading, near, harmonics) -> PillarMot
     slider = PillarSlider(pillars, wave, loading, harmonics)
     if near is not None:
         slider.begin_at(near)
-    signed = slider.directed(load) if near is None or near.velocity == 0.0 else math.copysign(load, near.velocity)
-    equilibrium = None
+    # the load with the sign of the unloaded motion, which it opposes
+    signed_load = slider.directed(load) if near is None or near.velocity == 0.0 else math.copysign(load, near.velocity)
+    equilibrium = None  # remains so if the load accelerates the slider without end
     try:
-        equilibrium = slider.under(signed)
+        equilibrium = slider.under(signed_load)
     except ConvergenceError as error:
         if error.status != "runaway" or load == 0.0:
             raise
-    if equilibrium is None or (load > 0.0 and equilibrium.w * signed < 0.0):
-        stall, max_load = slider.stall(math.copysign(1.0, signed))
+    moves_backwards = equilibrium is not None and load > 0.0 and equilibrium.w * signed_load < 0.0
+    if equilibrium is None or moves_backwards:
+        stall, max_load = slider.stall(math.copysign(1.0, signed_load))
         raise InputError(
             "load",
             f"must be at most {max_load:.6g} N, above which it drags the slider backwards (in motion this carries "
             f"{stall:.6g} N, its stall)", load, "N",
         )  # fmt: skip
-    return slider.motion(equilibrium, signed)
+    return slider.motion(equilibrium, signed_load)
 
 
 def pillar_load_line(
@@ -133,15 +135,15 @@ def pillar_load_line(
     slider = PillarSlider(pillars, wave, free.loading, free.harmonics)
     slider.begin_at(free)
     direction, motions = math.copysign(1.0, free.velocity), [free]
-    start = slider.equilibrium.unknowns.copy()
-    stall, held = slider.stall(direction)
-    slider.equilibrium.unknowns = start
+    unloaded = slider.equilibrium.unknowns.copy()
+    stall, max_held_load = slider.stall(direction)
+    slider.equilibrium.unknowns = unloaded  # the search for the stall has moved them
     for number in range(1, points - 1):
         load = direction * stall * number / (points - 1)
         motions.append(slider.motion(slider.under(load), load))
     last = slider.rest(direction, direction * stall)
     motions.append(slider.motion(last, direction * stall))
-    return PillarLoadLine(motions=tuple(motions), stall=stall, held_up_to=held)
+    return PillarLoadLine(motions=tuple(motions), stall=stall, held_up_to=max_held_load)
 
 
 def pillar_traction(
@@ -159,13 +161,16 @@ def pillar_traction(
     else:
         slider = PillarSlider(pillars, wave, near.loading, near.harmonics)
         slider.begin_at(near)
-    cycle, equilibrium, full, last = slider.cycle, slider.equilibrium, slider.cycle.incident.copy(), 1.0
+    cycle, equilibrium = slider.cycle, slider.equilibrium
+    full_incident, last_factor = cycle.incident.copy(), 1.0
 
-    def traction(velocity: float, size: float = 1.0) -> float:
-        nonlocal last
-        cycle.incident = full * size
-        cycle.forward, cycle.backward = cycle.forward * (size / last), cycle.backward * (size / last)
-        last = size
+    def traction(velocity: float, factor: float = 1.0) -> float:
+        nonlocal last_factor
+        cycle.incident = full_incident * factor
+        # the search starts from the amplitudes of the last call, scaled to this wave
+        change = factor / last_factor
+        cycle.forward, cycle.backward = cycle.forward * change, cycle.backward * change
+        last_factor = factor
         side = math.copysign(1.0, load) if velocity == 0.0 else math.copysign(1.0, velocity)
         return equilibrium.solve(load, velocity / wave.omega, side).traction
 

@@ -62,16 +62,16 @@ class SweepArrays(NamedTuple):
     """Work arrays of a sweep."""
 
     work: Work
-    tried: np.ndarray  # (len(Entry),): row of the same problem on a changed wave
     paths: Paths  # scaled paths of the problem
-    changed_paths: Paths  # of the problem on a changed wave
+    changed_row: np.ndarray  # (len(Entry),): row of the same problem on a changed wave
+    changed_paths: Paths  # its paths
 
 
 @per_thread
 def sweep_arrays(harmonics: int, contacts: int) -> SweepArrays:
     """Return the work arrays for so many harmonics and contacts."""
     paths, changed_paths = (Paths(*np.zeros((5, contacts))) for _ in range(2))
-    return SweepArrays(work_arrays(harmonics), np.zeros(len(Entry)), paths, changed_paths)
+    return SweepArrays(work_arrays(harmonics), paths, np.zeros(len(Entry)), changed_paths)
 
 
 def solve_rows(sweep: Sweep, out, todo, harmonics: int, first: int, stride: int) -> None:
@@ -113,7 +113,7 @@ def _solve_rows(sweep, out, todo, harmonics, first, stride, arrays):
 @compiled
 def _solve_row(problem, ratio, wave_error, harmonics, arrays, row):
     """Fill the row of one scaled problem, its velocities and thrusts scaled."""
-    tried, work, spare = arrays.tried, arrays.work, arrays.changed_paths
+    work, changed_row, changed_paths = arrays.work, arrays.changed_row, arrays.changed_paths
     status = balance_row(problem, harmonics, work, row)
     row[Entry.STATUS] = status.value
     if status != Status.DONE:
@@ -124,22 +124,25 @@ def _solve_row(problem, ratio, wave_error, harmonics, arrays, row):
     error = max(row[Entry.TAIL], row[Entry.RESIDUAL], row[Entry.QUADRATURE], LEAST_ERROR * abs(v))
     error = max(error, CORRECTION_ERROR * abs(v - row[Entry.FIRST_ORDER]))
     if row[Entry.HELD] == 1.0 or abs(v) < EDGE * reference:
-        larger = 1.0 + min(THRESHOLD_ERROR * ratio**2, MAX_THRESHOLD_ERROR)
-        status = balance_row(_with_error(problem, larger, 0.0, 0.0, spare), 0, work, tried)
-        beyond = abs(tried[Entry.VELOCITY] - row[Entry.FIRST_ORDER])
-        if status == Status.DONE and beyond > 0.0 and ratio > MAX_RATIO_HELD:
+        # Averaging may have misjudged the threshold by this factor: does the slider move on the larger wave?
+        factor = 1.0 + min(THRESHOLD_ERROR * ratio**2, MAX_THRESHOLD_ERROR)
+        status = balance_row(_changed_wave(problem, factor, 0.0, 0.0, changed_paths), 0, work, changed_row)
+        difference = abs(changed_row[Entry.VELOCITY] - row[Entry.FIRST_ORDER])
+        if status == Status.DONE and difference > 0.0 and ratio > MAX_RATIO_HELD:
             status = Status.NEAR_THRESHOLD
         row[Entry.STATUS] = status.value
         if status != Status.DONE:
             return
-        error = max(error, beyond)
-        reference = max(reference, beyond) if reference == 0.0 else reference
-    from_wave = _error_from_wave(problem, spare, row[Entry.COARSE], wave_error, work, tried)
+        error = max(error, difference)
+        reference = max(reference, difference) if reference == 0.0 else reference
+    from_wave = _error_from_wave(problem, changed_paths, row[Entry.COARSE], wave_error, work, changed_row)
     if not (np.isfinite(v) and np.isfinite(error) and np.isfinite(from_wave)):
         return
-    stall = row[Entry.LEAST_AT_REST]
-    if row[Entry.LARGEST_AT_REST] <= -stall:  # driven against its crests
-        stall = -row[Entry.LARGEST_AT_REST]
+    # A slider at rest carries the least mean force that its contacts can have there; if the wave drives it towards -x,
+    # against the direction of its crests, minus the largest one.
+    thrust = row[Entry.LEAST_AT_REST]
+    if row[Entry.LARGEST_AT_REST] <= -thrust:
+        thrust = -row[Entry.LARGEST_AT_REST]
     row[Entry.REGIME] = Steady.STICK.value
     if row[Entry.MADE_PER_CYCLE] > 0.0:
         row[Entry.REGIME] = Steady.INTERMITTENT.value
@@ -147,7 +150,7 @@ def _solve_row(problem, ratio, wave_error, harmonics, arrays, row):
         row[Entry.REGIME] = Steady.SLIP.value
     row[Entry.ERROR] = error / reference if reference > 0.0 else 0.0
     row[Entry.FROM_WAVE] = from_wave / reference if reference > 0.0 else 0.0
-    row[Entry.THRUST] = max(stall, 0.0)
+    row[Entry.THRUST] = max(thrust, 0.0)
     row[Entry.THRUST_ERROR] = row[Entry.THRUST] * min(STALL_ERROR * ratio**2, 1.0)
 
 
@@ -168,7 +171,7 @@ def _scaled(slider, law, heights, motion, factor, omega, paths):
 
 
 @compiled
-def _with_error(problem, factor, ratio_change, phase_change, out):
+def _changed_wave(problem, factor, ratio_change, phase_change, out):
     """Return the problem on a changed wave, whose paths are written to `out`.
 
     Both amplitudes are multiplied by `factor`; u_x/u_z changes by `ratio_change` (relative) and `phase_change` (rad),
@@ -189,10 +192,11 @@ def _with_error(problem, factor, ratio_change, phase_change, out):
 
 
 @compiled
-def _error_from_wave(problem, spare, base, wave_error, work, tried):
+def _error_from_wave(problem, changed_paths, base, wave_error, work, changed_row):
     """Return the change of the first-order velocity `base` by the wave's relative error; inf if it cannot be computed.
 
-    Root of the sum of squares over larger or smaller amplitudes, another u_x/u_z and another phase between u_x and u_z.
+    It is the root of the sum of three squares: the changes by another amplitude (larger or smaller, whichever changes
+    more), by another ratio u_x/u_z and by another phase between u_x and u_z.
     """
     if wave_error == 0.0:
         return 0.0
@@ -201,19 +205,19 @@ def _error_from_wave(problem, spare, base, wave_error, work, tried):
     if base != 0.0:
         high, low = (1.0 + LEAST_STEP) * base, (1.0 - LEAST_STEP) * base
         slope = (_surplus(problem, high, work) - _surplus(problem, low, work)) / (high - low)
-    larger = _change(_with_error(problem, 1.0 + step, 0.0, 0.0, spare), base, slope, work, tried)
-    smaller = _change(_with_error(problem, 1.0 - step, 0.0, 0.0, spare), base, slope, work, tried)
-    ratio = _change(_with_error(problem, 1.0, step, 0.0, spare), base, slope, work, tried)
-    phase = _change(_with_error(problem, 1.0, 0.0, step, spare), base, slope, work, tried)
+    larger = _change(_changed_wave(problem, 1.0 + step, 0.0, 0.0, changed_paths), base, slope, work, changed_row)
+    smaller = _change(_changed_wave(problem, 1.0 - step, 0.0, 0.0, changed_paths), base, slope, work, changed_row)
+    ratio = _change(_changed_wave(problem, 1.0, step, 0.0, changed_paths), base, slope, work, changed_row)
+    phase = _change(_changed_wave(problem, 1.0, 0.0, step, changed_paths), base, slope, work, changed_row)
     return np.sqrt(max(larger, smaller) ** 2 + (ratio**2 + phase**2)) * wave_error / step
 
 
 @compiled
-def _change(problem, base, slope, work, tried):
-    """Return the distance of the first-order velocity of a problem from `base`.
+def _change(problem, base, slope, work, row):
+    """Return the distance of the first-order velocity of a problem on a changed wave from `base`, inf if it has none.
 
-    A Newton step with the slope of the mean force in the velocity at `base`, of a problem nearby, and a secant step are
-    enough if both are small; otherwise the equilibrium is solved.
+    `slope` is the derivative of the mean force with respect to the velocity at `base`, on the unchanged wave. A Newton
+    step with it and a secant step are enough if both are small; otherwise the equilibrium is solved into `row`.
     """
     if slope < 0.0:
         f_base = _surplus(problem, base, work)
@@ -224,7 +228,7 @@ def _change(problem, base, slope, work, tried):
                 secant = v - f * (v - base) / (f - f_base)
                 if abs(secant - v) < 0.1 * abs(v - base):
                     return abs(secant - base)
-    return abs(tried[Entry.COARSE] - base) if balance_row(problem, 0, work, tried) == Status.DONE else np.inf
+    return abs(row[Entry.COARSE] - base) if balance_row(problem, 0, work, row) == Status.DONE else np.inf
 
 
 @compiled

@@ -2,8 +2,11 @@
 
 Numba would optimise every function by itself and again inside each that calls it, and wrap each for Python.  Here
 optimisation waits until all functions are linked into one module with one entry, so that LLVM runs once and inlines
-across them.  The entry takes a table of 64-bit words (addresses,
-lengths, numbers).  Reference counts are left out, for nothing is allocated.
+across them.  Reference counts are left out, for nothing is allocated.
+
+The entry takes the address of a table of 64-bit words, in which the arguments lie one after the other: a number is one
+word, an array 1 + ndim words (its address and its lengths), a named tuple the words of its fields.  Kernels and None
+take none.
 """
 
 import hashlib
@@ -170,7 +173,7 @@ def _record():
 
     class Record(types.BaseTuple):
         def __init__(self, name, fields):
-            self.fields, self.places, at = dict(fields), {}, 0
+            self.fields, self.places, at = dict(fields), {}, 0  # `places`: the first word of each field
             self.types = tuple(self.fields.values())
             for field, kind in fields:
                 self.places[field] = at
@@ -223,6 +226,7 @@ def _record():
             return context.get_dummy_value()
         if not isinstance(kind, types.Array):
             return loaded(at, context.get_value_type(kind))
+        # numba's own structure of an array with contiguous data, from the address and the lengths
         model = context.data_model_manager[kind]
         value = ir.Constant(model.get_value_type(), None)
         size, count = word(context.get_abi_sizeof(context.get_data_type(kind.dtype))), word(1)

@@ -41,12 +41,15 @@ PERIODS, REPEATS = 12, 1e-9
 CLOSE = 1e-5
 # two mean velocities belong to the same motion if they differ by less than this times the reference speed
 SAME = 1e-3
-# REGULAR: a transient of at most this many cycles is accepted from a single run.
-# IRREGULAR: if irregular transients from two starts both end within this many cycles, one from a third start is
-# unlikely to last ten times as long.
-# SURELY: number of e-foldings after which a perturbation has decayed.
-# MAX_SETTLING: longest decay time in cycles that is followed with fixed time steps (about one second).
-REGULAR, IRREGULAR, SURELY, MAX_SETTLING = 200, 1000, 8.0, 100_000
+# A transient of at most this many cycles is regular: it is accepted from a single run.
+MAX_REGULAR = 200
+# If irregular transients from two starts both end within this many cycles, one from a third start is unlikely to last
+# ten times as long.
+MAX_IRREGULAR = 1000
+# number of e-foldings after which a perturbation has decayed
+DECAYED = 8.0
+# longest decay time in cycles that is followed with fixed time steps (about one second)
+MAX_DECAY_CYCLES = 100_000
 # After this many cycles without slip (several bounce periods) every contact counts as sticking permanently.
 STUCK_CYCLES = 64
 # fixed time steps per cycle for the slow decay of a bounce, and the largest omega_n dt for which they are used
@@ -109,17 +112,17 @@ def long_run(slider: Slider, orbits: tuple[Orbit, ...], direction: float) -> Lon
     _refuse_unless_affordable(problem, rate)
     first = run_from(problem, begin, rate)
     settled = first.period or first.sticks
-    if settled and first.passed <= REGULAR:
+    if settled and first.passed <= MAX_REGULAR:
         return first
     second = run_from(problem, _perturbed(begin), rate)
-    apart = abs(first.speed - second.speed)
+    difference = abs(first.speed - second.speed)
     if not settled:
-        other = second if second.period or second.sticks else first
-        return replace(other, error=max(first.error, second.error, apart), starts=2)
-    if _together(first, second, _same(first.speed, problem)):
+        better = second if second.period or second.sticks else first
+        return replace(better, error=max(first.error, second.error, difference), starts=2)
+    if _together(first, second, _same_speed(first.speed, problem)):
         return first
     # the transient is irregular, or several steady motions exist: a start may keep the mean velocity of the transient
-    doubt = max(abs(first.transient - first.speed), abs(second.transient - first.speed), apart)
+    doubt = max(abs(first.transient - first.speed), abs(second.transient - first.speed), difference)
     return replace(first, error=first.error + doubt, starts=2)
 
 
@@ -134,7 +137,7 @@ def mean_from_rest(slider: Slider, orbits: tuple[Orbit, ...], direction: float, 
     return float(np.mean(rows[cycles // 2 :, Column.MEAN_VELOCITY])) * problem.speed
 
 
-def _same(speed, problem):
+def _same_speed(speed, problem):
     """Return the largest difference of two mean velocities that count as those of the same motion, scaled."""
     reach = float(np.max(tangential_amplitude(problem.paths, np.arange(problem.contacts))))
     return SAME * max(abs(speed), reach / 10.0)
@@ -151,34 +154,36 @@ def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, target:
     motion = target.motion.copy()
     motion.move(0.0, 0.5 * math.pi, np.empty(0))  # from the trough of u_z to its upward zero
     problem, begin = start_at_rest(slider, orbits, balance.load_sign)
-    same = _same(target.speed, problem)
-    unit, near = same / SAME, Near(motion.state, target.speed, same, target.growth)
+    same = _same_speed(target.speed, problem)
+    reference_speed, near = same / SAME, Near(motion.state, target.speed, same, target.growth)
     rate = relaxation_rate(problem)
     try:
         _refuse_unless_affordable(problem, math.inf)
         first = run_from(problem, begin, rate, near)
-        # an irregular transient may end much earlier or later from another start
-        is_irregular = first.passed > REGULAR or not first.arrived
-        second = run_from(problem, _perturbed(begin), rate, near) if is_irregular else first
+        # A second start is needed unless the first one soon arrives: an irregular transient may end much earlier or
+        # later from another start.
+        soon = first.arrived and first.passed <= MAX_REGULAR
+        second = first if soon else run_from(problem, _perturbed(begin), rate, near)
     except ConvergenceError as failed:
-        return Reached(doubt=unit, reason=f"whether a slider from rest comes to it was not seen: {failed}")
-    if first.arrived and second.arrived:
+        return Reached(doubt=reference_speed, reason=f"whether a slider from rest comes to it was not seen: {failed}")
+    if first.arrived and second.arrived:  # both
         if _together(first, second, near.same):
             return Reached()
-        later = first if first.passed > second.passed else second
-        return _irregular(later, second.passed + first.passed - later.passed, unit, target.speed)
-    if first.arrived or second.arrived:
-        run = second if first.arrived else first
-        return _irregular(run, first.passed + second.passed - run.passed, unit, target.speed)
+        slower, faster = (first, second) if first.passed > second.passed else (second, first)
+        return _matter_of_chance(slower, faster, reference_speed, target.speed)
+    if first.arrived or second.arrived:  # one of them
+        absent, arrived = (second, first) if first.arrived else (first, second)
+        return _matter_of_chance(absent, arrived, reference_speed, target.speed)
+    # neither: what they do instead
     run = second if second.period or second.sticks else first
     run = replace(run, error=max(first.error, second.error, abs(first.speed - second.speed)), starts=2)
     difference = abs(run.speed - target.speed) + run.error
     if difference <= near.same:
         return Reached()
-    if run.period or run.sticks or run.passed + run.cycles > SURELY * near.decay_cycles:
+    if run.period or run.sticks or run.passed + run.cycles > DECAYED * near.decay_cycles:
         return Reached(instead=run)
     reason = f"a start from rest still bounces after {run.passed + run.cycles} cycles"
-    decayed = [each.eventual for each in (first, second) if not math.isnan(each.eventual)]
+    decayed = [each.eventual for each in (first, second) if not math.isnan(each.eventual)]  # by fixed time steps
     doubt = max([difference, *(abs(speed - target.speed) for speed in decayed)])
     return Reached(doubt=doubt, reason=reason, speed=decayed[0] if decayed else run.speed)
 
@@ -187,19 +192,22 @@ def _together(first, second, same):
     """Return True if two runs from almost the same start stay together or soon reach the same motion."""
     common = min(first.velocities.size, second.velocities.size)
     difference = float(np.max(np.abs(first.velocities[:common] - second.velocities[:common])))
-    soon = max(first.passed, second.passed) <= IRREGULAR and abs(first.speed - second.speed) <= same
+    soon = max(first.passed, second.passed) <= MAX_IRREGULAR and abs(first.speed - second.speed) <= same
     return difference <= same or (soon and bool(second.period or second.sticks))
 
 
-def _irregular(run, other, unit, speed):
-    """Return the doubt if two neighbouring starts reach a motion after very different times, or one never does."""
-    doubt = max(abs(run.transient - speed), SAME * unit)
-    until = "has not come to it" if not run.arrived else "comes to it"
+def _matter_of_chance(slower, faster, reference_speed, speed):
+    """Return the doubt if two neighbouring starts reach a motion after very different times, or `slower` never does.
+
+    The doubt is the difference of `slower`'s mean velocity during the transient from the motion's, `speed`.
+    """
+    doubt = max(abs(slower.transient - speed), SAME * reference_speed)
+    until = "has not come to it" if not slower.arrived else "comes to it"
     reason = (
-        f"a start from rest {until} after {run.passed} cycles of irregular motion, another after {other}: how long it "
-        "takes is a matter of chance"
+        f"a start from rest {until} after {slower.passed} cycles of irregular motion, another after {faster.passed}: "
+        "how long it takes is a matter of chance"
     )
-    return Reached(doubt=doubt, reason=reason, speed=run.transient)
+    return Reached(doubt=doubt, reason=reason, speed=slower.transient)
 
 
 class Near(NamedTuple):
@@ -238,7 +246,9 @@ def _perturbed(begin):
 def run_from(problem, begin, rate, near=None):
     """Return the mean of the motion from the scaled state `begin`, as a `LongRun`.
 
-    `rate` is that of `relaxation_rate`. The run ends early if it comes close to the motion `near`.
+    `rate` is that of `relaxation_rate`. The run proceeds in blocks of cycles, each at most twice as long as the one
+    before. After each block it ends if every contact has stuck for long enough, if it has come close to the motion
+    `near`, if it repeats, or if a quarter of the budget is spent; the mean is then taken over the cycles to come.
     """
     motion = Motion(problem, grid=collocation(14), truncation=1e-11)
     motion.place(*begin[:3], begin[3:])
@@ -263,7 +273,7 @@ def run_from(problem, begin, rate, near=None):
             run = _repeating(motion, begin, period, gap, passed)
             close = near is not None and abs(run.speed - near.speed) <= near.same
             return replace(run, arrived=close, velocities=rows[:, Column.VELOCITY])
-        if near is not None and passed > REGULAR and eventual is None:
+        if near is not None and passed > MAX_REGULAR and eventual is None:
             eventual = _eventual(problem, motion, near)
             if abs(eventual - near.speed) <= near.same:
                 return _arrival(motion, rows, passed, near)
@@ -290,11 +300,13 @@ def _eventual(problem, motion, near):
     The mean covers the last tenth of the steps. It is NaN if the decay is fast enough for the event-driven solver, if
     it takes too long, or if fixed time steps do not apply.
     """
-    if not REGULAR < near.decay_cycles < MAX_SETTLING or problem.law.kind != Tangential.ELASTIC or problem.stick_band:
+    if not MAX_REGULAR < near.decay_cycles < MAX_DECAY_CYCLES:
+        return math.nan
+    if problem.law.kind != Tangential.ELASTIC or problem.stick_band:
         return math.nan
     if 2.0 * math.pi / STEPS_PER_CYCLE * largest_resonance(problem) > MAX_STEP or problem.limit_slope == 0.0:
         return math.nan
-    cycles = int(SURELY * near.decay_cycles)
+    cycles = int(DECAYED * near.decay_cycles)
     rows = steps(problem, motion.state.copy(), cycles, STEPS_PER_CYCLE)
     return float(np.mean(rows[-max(1, cycles // 10) :, Column.MEAN_VELOCITY]))
 
@@ -314,7 +326,7 @@ def _refuse_unless_affordable(problem, rate):
             f"a cycle takes {segments:.3g} stretches of the motion, for contact or dampers are so much faster than "
             "the wave; raise the mass or lower the dampers",
         )
-    cycles = 2.0 / (2.0 * math.pi * rate)
+    cycles = 2.0 / (2.0 * math.pi * rate)  # in two relaxation times
     if cycles > min(MAX_CYCLES, BUDGET / max(segments, 16.0)) / 4:
         raise ConvergenceError(
             "out of reach",
@@ -333,8 +345,8 @@ def _arrived(rows, near):
 def _period(rows):
     """Return (period in cycles or 0, estimated distance from the periodic motion).
 
-    The rows of the last three periods are compared with those one period before. `left` is the ratio of this difference
-    to the same difference two periods earlier, and the distance is the sum of a geometric series with this ratio.
+    The rows of the last three periods are compared with those one period before. `ratio` is that of this difference to
+    the same difference two periods earlier, and the distance is the sum of a geometric series with this ratio.
     """
     for period in range(1, PERIODS + 1):
         if len(rows) < 6 * period:
@@ -345,10 +357,10 @@ def _period(rows):
         gap, former = float(np.max(np.abs(late))), float(np.max(np.abs(early)))
         if gap > REPEATS * scale:
             continue
-        left = gap / former if former > 0.0 else 0.0
+        ratio = gap / former if former > 0.0 else 0.0
         rounding = 1e-13 * scale
-        if gap <= rounding or left < 0.9:
-            return period, gap * left / (1.0 - min(left, 0.9)) + rounding
+        if gap <= rounding or ratio < 0.9:
+            return period, gap * ratio / (1.0 - min(ratio, 0.9)) + rounding
     return 0, math.inf
 
 
@@ -373,21 +385,26 @@ def _repeating(motion, begin, period, gap, passed):
 
 
 def _mean(motion, cycles, passed, rate):
-    """Return the mean over `cycles` more cycles from batch means; the remaining drift counts as an error."""
+    """Return the mean over `cycles` more cycles from batch means; the remaining drift counts as an error.
+
+    The drift is the change from the first to the second half of the batches. If v relaxes with `rate`, only the share
+    `settled` of the remaining change is seen in it, so that the errors are divided by this share.
+    """
     motion.begin()
-    each = max(1, cycles // BATCHES)
-    means = motion.turn(each * BATCHES, stride=1)[:, Column.MEAN_VELOCITY].reshape(BATCHES, each).mean(axis=1)
+    batch_cycles = max(1, cycles // BATCHES)
+    velocities = motion.turn(batch_cycles * BATCHES, stride=1)[:, Column.MEAN_VELOCITY]
+    means = velocities.reshape(BATCHES, batch_cycles).mean(axis=1)
     spread = STUDENT * float(np.std(means, ddof=1)) / math.sqrt(BATCHES)
     half = BATCHES // 2
     drift = abs(float(np.mean(means[half:]) - np.mean(means[:half])))
-    settled = -math.expm1(-rate * 2.0 * math.pi * 0.5 * BATCHES * each)
+    settled = -math.expm1(-rate * 2.0 * math.pi * 0.5 * BATCHES * batch_cycles)
     if drift > 3.0 * spread or settled < 0.2:
         raise ConvergenceError(
             "not settled",
-            f"after {passed + BATCHES * each} cycles the slider's speed still drifts by "
+            f"after {passed + BATCHES * batch_cycles} cycles the slider's speed still drifts by "
             f"{drift * motion.problem.speed:.2g} m/s; raise the dampers or follow a burst",
         )
     return LongRun(
         speed=float(np.mean(means)), error=(spread + drift) / settled, period=0, sticks=False,
-        cycles=each * BATCHES, passed=passed, motion=motion,
+        cycles=batch_cycles * BATCHES, passed=passed, motion=motion,
     )  # fmt: skip

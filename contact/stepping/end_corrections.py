@@ -42,7 +42,7 @@ def zeta_five_halves(theta):
 
 @compiled
 def edge_excess(theta, h, first, second, shape):
-    """Return the excess (1) of the rule for first p(t) + second t p(t), the nearest sample at theta h."""
+    """Return the excess (1) for first p(t) + second t p(t); the sample next to the edge is at t = theta h."""
     if shape == Shape.PUNCH:  # zeta(-1, theta) = -B_2/2 and zeta(-2, theta) = -B_3/3
         b2, b3 = theta * (theta - 1.0) + 1.0 / 6.0, theta * (theta - 0.5) * (theta - 1.0)
         return -h * h * (0.5 * first * b2 + h * second * b3 / 3.0)
@@ -74,9 +74,16 @@ def closing_share(ratio, shape):
 def slip_edge(problem, z_old, z_new, below, above, v_old, v_new, h):
     """Return the excess (1) of the rule for mu P - |Q| if stick ends within the step.
 
-    Before the end of stick, mu P - |Q| = mu K p(z - |x|/c) = mu K p((X - |x|)/c), which falls to zero there; time is
-    counted backwards from it. `below` and `above` are |x| - X(z) at the ends of the step, `v_old` and `v_new` their
-    rates, and `s` is the fraction of the step at which stick ends.
+    `below` and `above` are |x| - X(z) at the ends of the step, with X = c z the slip limit, and `v_old` and `v_new` are
+    their rates. Stick ends at the fraction s of the step, where |x| - X rises through zero with the rate v_edge. Before
+
+        mu P - |Q| = mu K p((X - |x|)/c),                                                                       (3)
+
+    which falls to zero. In the time t counted backwards from the edge, the argument is z' t + z'' t^2/2 with
+
+        z' = v_edge/c,    z'' = (v_old - v_new)/(c h),                                                          (4)
+
+    so that (2) gives the two terms. Limits keep them finite where v_edge or z is near zero.
     """
     if above <= 0.0:
         return 0.0
@@ -87,7 +94,7 @@ def slip_edge(problem, z_old, z_new, below, above, v_old, v_new, h):
     # c and mu at this approach: a limit that is not proportional to z is replaced by X = c z near the edge
     limit = slip_limit(problem, z)
     c, friction = limit / z, problem.law.stuck(problem, z, limit) / load(z, shape)
-    bend = 0.5 * slope(1.0, shape) * (v_old - v_new) / max(v_edge, 1e-300)
+    bend = 0.5 * slope(1.0, shape) * (v_old - v_new) / max(v_edge, 1e-300)  # h m z''/(2 z'), with m = p'(1)
     first = friction * problem.stiffness * load(v_edge / c, shape)
     excess = edge_excess(s, h, first, first * min(max(bend, -1.0), 1.0) / h, shape)
     if problem.law.rated and v_new >= 0.0:
@@ -116,7 +123,7 @@ def passage_excess(s, h, bend):
 def last_part(v0, v1, whole):
     """Return (root s, integral from s to 1) of a parabola on [0, 1] with the ends v0 > 0 > v1 and the integral `whole`.
 
-    The parabola is v0 + s (v1 - v0) + bulge s (1 - s).
+    The parabola is v0 + s (v1 - v0) + bulge s (1 - s); Newton's method finds its root from that of the chord.
     """
     bulge = 6.0 * (whole - 0.5 * (v0 + v1))
     s = v0 / (v0 - v1)

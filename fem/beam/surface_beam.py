@@ -40,13 +40,14 @@ from fem.results.driven_answer import SurfaceWave
 from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.solution import Solution
 
-# Wavelengths from the charges: limits of the groups of points that share a quadrature rule in k_y.
+# Distances from the nearest charge, in wavelengths, between the groups of points that share a quadrature rule in k_y.
 GROUPS = (1.0, 8.0)
-# Error by the steps of the charge along the fingers, over the change by taking fewer steps: with the finest steps
-# (measured: 0.2 to 0.4, test_finger_ends.py), and where a limit has left fewer (rms over 24 places of five layouts on
-# PZT-8 and PZT-4, 6 to 30 finger pairs of 15 and 20 wavelengths, against 22 steps: 0.5 to 1.6, at single places 2.4).
+# The charge along a finger is a sum of steps (sheets of several lengths).  Its error over the change that fewer steps
+# make: with the finest steps (measured: 0.2 to 0.4, test_finger_ends.py), and where a limit has left fewer (rms over 24
+# places of five layouts on PZT-8 and PZT-4, 6 to 30 finger pairs of 15 and 20 wavelengths, against 22 steps: 0.5 to
+# 1.6, at single places 2.4).
 COARSER_SHARE, FEWER_SHARE = 0.5, 2.0
-# Offsets along y, in half Fresnel lengths, at which the change is taken; the first is the point itself.
+# Offsets along y, in half Fresnel lengths, at which that change is taken; the first is the point itself.
 NEIGHBOURS = (0.0, -1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0)
 # Part of the error that more steps do not reduce, because the charge across a finger is that of the section up to its
 # ends: relative to the largest |u_z| at NEIGHBOURS, and in periods over the aperture.  Measured against boundary
@@ -59,8 +60,9 @@ ACROSS_SHARE, END_PERIODS, FEWER_END_PERIODS = 0.0015, 0.01, 0.1
 # with 0 (9 and 6 %); the truth is the solution two levels finer.
 SECTION_SHARE = 0.5
 CHUNK = 2000  # points for which distances are tabulated at a time, to limit memory
-# The spacing of the nodes in k_y is halved, at most MAX_HALVINGS times, while the rule with half of them differs by
-# more than UNCONVERGED of the motion: waves whose power leaves obliquely grow on the contour, the more the farther.
+# The spacing of the nodes in k_y is halved, at most MAX_HALVINGS times, while the rule with every second node differs
+# by more than UNCONVERGED of the motion.  It is too wide where the power of a wave leaves obliquely: such a wave grows
+# along the complex contour, and the more the farther the point is.
 UNCONVERGED, MAX_HALVINGS = 0.03, 4
 TINY = 1e-300  # avoids division by zero
 
@@ -156,27 +158,29 @@ class SurfaceBeam:
         return self.motion_and_error(x, y)[1]
 
     def motion_and_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0):
-        """`motion` and `relative_error` at once."""
+        """`motion` and `relative_error` at once; the three errors are those that `relative_error` lists."""
         fine, half, quarter, narrow = self.motion_by_rules(x, y)
         size = abs(fine[[0, 2]]).max(axis=0)
         largest = float(size.max())
-        second, fourth = (abs(fine - each).max(axis=0) / largest for each in (half, quarter))
-        # e_2^2 / e_4, see `relative_error`.  e_4 is raised to e_2, which bounds the estimate by e_2, and limited to 1:
-        # if a quarter of the nodes is far too few, a huge e_4 must not make the estimate small.
-        rule = second**2 / np.clip(fourth, np.maximum(second, TINY), 1.0) * largest / size
-        rule = rule + abs(fine - narrow).max(axis=0) / size
+        # 1. e_2^2 / e_4.  e_4 is raised to e_2, which bounds the estimate by e_2, and limited to 1: if a quarter of the
+        # nodes is far too few, a huge e_4 must not make the estimate small.
+        e_2, e_4 = (abs(fine - coarser).max(axis=0) / largest for coarser in (half, quarter))
+        of_rule = e_2**2 / np.clip(e_4, np.maximum(e_2, TINY), 1.0) * largest / size
+        of_rule = of_rule + abs(fine - narrow).max(axis=0) / size  # an earlier end of the integral
         if self.faces is not None:  # the static part of the reflection depends on |k_y|
             static = self._returned(*(each.ravel() for each in np.broadcast_arrays(x, y)), self.faces.static)
-            rule = rule + abs(static[0, 0]).reshape(size.shape) / size
+            of_rule = of_rule + abs(static[0, 0]).reshape(size.shape) / size
+        # 2. and 3. in m, computed once for each distinct x
         places, where = np.unique(np.broadcast_to(x, size.shape), return_inverse=True)
-        of_places = (self.wave.motion(places), self.motion_beyond_modes(places))
-        section, left_out = (abs(each).max(axis=0)[where.reshape(size.shape)] for each in of_places)
-        left_out = np.maximum(left_out, self.source.error * section)
+        at_places = (self.wave.motion(places), self.motion_beyond_modes(places))
+        section, beyond_modes = (abs(each).max(axis=0)[where.reshape(size.shape)] for each in at_places)
+        beyond_modes = np.maximum(beyond_modes, self.source.error * section)
         if self.strips:  # transducers receive less than in the section, where beams do not spread
             spread = self._spread(np.broadcast_to(x, size.shape))
-            section, left_out = section * spread, left_out * spread
-            left_out = left_out + self._error_of_forces(np.broadcast_to(x, size.shape), y, size)
-        return fine, rule + (np.maximum(size, SECTION_SHARE * section) * self.wave.relative_error + left_out) / size
+            section, beyond_modes = section * spread, beyond_modes * spread
+            beyond_modes = beyond_modes + self._error_of_forces(np.broadcast_to(x, size.shape), y, size)
+        of_section = np.maximum(size, SECTION_SHARE * section) * self.wave.relative_error
+        return fine, of_rule + (of_section + beyond_modes) / size
 
     @property
     def length(self) -> float:
@@ -228,14 +232,14 @@ class SurfaceBeam:
         return all(len(own.steps) + 1 == len(sheet_lengths(transducer, most=sys.maxsize)) for own, transducer in each)
 
     def charge_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray | None:
-        """Relative error of |u_z| by the approximate charge along the fingers, in steps, and across their ends.
+        """Relative error of |u_z| by the approximate charge of the fingers: along them, and across them at their ends.
 
-        The error of the steps is estimated from the change by taking fewer.  The change oscillates along y, and can
-        vanish at a point by chance: the estimate takes the larger of the change at the point and its root mean square
-        over NEIGHBOURS, places beside it within half the Fresnel length (wavelength times distance)^(1/2).  It bounds
-        the difference from 100 steps in transducers on PZT (tests/fem/beam/test_finger_ends.py).  Added to it is the
-        error that more steps do not reduce (ACROSS_SHARE, END_PERIODS).  None if the charge is uniform along the
-        fingers.
+        Along a finger the charge is a sum of steps, whose error is estimated from the change by taking fewer.  The
+        change oscillates along y, and can vanish at a point by chance: the estimate takes the larger of the change at
+        the point and its root mean square over NEIGHBOURS, places beside it within half the Fresnel length (wavelength
+        times distance)^(1/2).  It bounds the difference from 100 steps in transducers on PZT
+        (tests/fem/beam/test_finger_ends.py).  Added to it is the error that more steps do not reduce (ACROSS_SHARE,
+        END_PERIODS).  None if the charge is uniform along the fingers.
         """
         if self.coarser is None:
             return None
@@ -262,7 +266,8 @@ class SurfaceBeam:
         near = abs(self.wavelength)
         transducers = self.solution.fields.transducers
         beside = [(*each.extent, each.center_y, each.aperture) for each in transducers]
-        beside += [(each.x[0], each.x[0], each.center, each.length) for strip in self.strips for each in [strip.sheet]]
+        sheets = [strip.sheet for strip in self.strips]
+        beside += [(sheet.x[0], sheet.x[0], sheet.center, sheet.length) for sheet in sheets]
         return isinstance(self.source, CutSource) and any(
             start - near < x < stop + near and abs(y - center) > length / 2 - near
             for start, stop, center, length in beside
@@ -273,7 +278,7 @@ class SurfaceBeam:
         return replace(self, mirror_width=width)
 
     def with_longer_fingers(self, periods: float) -> "SurfaceBeam":
-        """The same charges per length on fingers that are longer at both ends, by a part of their period."""
+        """The same charges per length on fingers that are longer at both ends by a number of periods."""
         longer = (each.aperture + 2 * periods * each.period for each in self.solution.fields.transducers)
         return replace(self, apertures=tuple(longer))
 
@@ -300,14 +305,15 @@ class SurfaceBeam:
 
     @cached_property
     def emitters(self) -> list[Emitter]:
-        """What sends waves: the charges, then the forces."""
+        """Sources of waves: the charges of all transducers, if there are any, then each force."""
         return self._emitting(self._sheets)
 
     @cached_property
     def _section_emitters(self) -> list[Emitter]:
-        """The same in the section, with one sheet for each transducer."""
+        """`emitters` with the charges of the section, uniform along y: one sheet for each transducer."""
         each = zip(self._section_charges, self.apertures, self.centers, strict=True)
-        return self._emitting([replace(own, steps=()).sheets(*at)[0] for own, *at in each])
+        uniform = [replace(charges, steps=()).sheets(aperture, center)[0] for charges, aperture, center in each]
+        return self._emitting(uniform)
 
     def _emitting(self, sheets: list[ChargeSheet]) -> list[Emitter]:
         charges = [Emitter(self.source, sheets)] if sheets else []
@@ -318,7 +324,7 @@ class SurfaceBeam:
         return all_charges(self.wave.solution)
 
     def motion_by_rules(self, x, y) -> tuple[np.ndarray, ...]:
-        """Motion by all RULES of the integral over k_y."""
+        """Motion by all RULES of the integral over k_y: all nodes, half, a quarter, and an earlier end."""
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         shape, x, y = x.shape, x.ravel(), y.ravel()
         self._refuse(x, y)
@@ -326,10 +332,10 @@ class SurfaceBeam:
         group = np.searchsorted(np.multiply(GROUPS, self.wavelength), distance)
         total = np.empty((RULES, 3, len(x)), dtype=complex)
         for number in set(group.tolist()):
-            some = group == number
-            total[..., some] = self._converged(x[some], y[some], float(distance[some].min()))
-            if self.complete and number == 0:
-                total[..., some] += self._local(x[some], y[some])
+            members = group == number
+            total[..., members] = self._converged(x[members], y[members], float(distance[members].min()))
+            if self.complete and number == 0:  # within GROUPS[0] wavelengths
+                total[..., members] += self._local(x[members], y[members])
         if self.mirror_width is None:
             total += self._static(x, y)
         if self.faces is not None:
@@ -384,15 +390,14 @@ class SurfaceBeam:
         """
         places, column = np.unique(x, return_inverse=True)
         sheets = [sheet for emitter in self._section_emitters for sheet in emitter.sheets]
-        apart = np.array([abs(np.subtract.outer(places, each.x)).min(axis=1) for each in sheets])
-        nearest = apart.argmin(axis=0)[column]
-        lengths, centers = (
-            np.array([getattr(each, name) for each in sheets])[nearest] for name in ("length", "center")
-        )
+        distances = np.array([abs(np.subtract.outer(places, sheet.x)).min(axis=1) for sheet in sheets])
+        nearest = distances.argmin(axis=0)[column]  # number of the nearest sheet to each point
+        lengths, centers = (np.array([getattr(each, key) for each in sheets])[nearest] for key in ("length", "center"))
         within = abs(y - centers) < lengths / 2
         if self.strips:
-            within &= nearest >= len(self.charges)
-        return np.insert(self.motion_beyond_modes(places), 1, 0.0, axis=0)[:, column] * within
+            within &= nearest >= len(self.charges)  # the sheets of the forces follow those of the charges
+        all_axes = np.insert(self.motion_beyond_modes(places), 1, 0.0, axis=0)  # with u_y = 0
+        return all_axes[:, column] * within
 
     def _distances(self, x) -> np.ndarray:
         """Distance along x from each point to the nearest charge or force, m."""
@@ -424,18 +429,18 @@ class SurfaceBeam:
 
         Shape (2, places): u_x and u_z in m. It measures what the modes of the beam leave out.
         """
-        rest = self.wave.motion(places)
+        remainder = self.wave.motion(places)
         for emitter in self._section_emitters:
-            rest -= emitter.plane_waves(places, self.wavelength).T[[0, 2]]
+            remainder -= emitter.plane_waves(places, self.wavelength).T[[0, 2]]
         if self.faces is not None:
             plane = self.faces.plane(self._section_emitters[0].sheets)
             ones = np.ones((len(self.apertures), 1))
-            rest -= plane.spectra(places, self.wave.length, ones, self.faces.wanted)[..., 0].T[[0, 2]]
-        if self.charges:
+            remainder -= plane.spectra(places, self.wave.length, ones, self.faces.wanted)[..., 0].T[[0, 2]]
+        if self.charges:  # the pole at k = 0: u_x = +-static times the charge, + to the right of it
             charges = self._section_emitters[0]
-            to_the_left = np.append(0.0, np.cumsum(charges.charge))[np.searchsorted(charges.x, places, side="right")]
-            rest[0] -= self.source.static * (2 * to_the_left - charges.charge.sum())
-        return rest
+            left_of = np.append(0.0, np.cumsum(charges.charge))[np.searchsorted(charges.x, places, side="right")]
+            remainder[0] -= self.source.static * (2 * left_of - charges.charge.sum())
+        return remainder
 
     @property
     def wavelength(self) -> float:
@@ -445,15 +450,17 @@ class SurfaceBeam:
     def _static(self, x, y) -> np.ndarray:
         """Field of the pole at k = 0 in closed form (`LineSource.static_motion`), shape (3, points)."""
         out = np.zeros((3, len(x)), dtype=complex)
-        for source, sheets in ((each.source, each.sheets) for each in self.emitters):
-            for sheet in sheets if source.static else ():
-                nodes, charge = sheet.lumps
-                for start in range(0, len(x), CHUNK):
-                    some = slice(start, start + CHUNK)
-                    ends = (sheet.length / 2 + sign * (y[some, None] - sheet.center) for sign in (1, -1))
-                    inward, sideways = source.static_motion(np.subtract.outer(x[some], nodes), *ends)
-                    out[0, some] += inward @ charge
-                    out[1, some] += sideways @ charge
+        with_pole = [
+            (emitter.source, sheet) for emitter in self.emitters if emitter.source.static for sheet in emitter.sheets
+        ]
+        for source, sheet in with_pole:
+            nodes, charge = sheet.lumps
+            for start in range(0, len(x), CHUNK):
+                chunk = slice(start, start + CHUNK)
+                to_ends = (sheet.length / 2 + sign * (y[chunk, None] - sheet.center) for sign in (1, -1))
+                along_x, along_y = source.static_motion(np.subtract.outer(x[chunk], nodes), *to_ends)
+                out[0, chunk] += along_x @ charge
+                out[1, chunk] += along_y @ charge
         return out
 
 

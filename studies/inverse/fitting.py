@@ -30,6 +30,7 @@ from studies.scene import Scene
 
 LOGGER = logging.getLogger(__name__)
 FIRST_STEP = 1.96  # standard deviations to the expected end of an interval
+MAX_ATTEMPTS = 4  # a profile may come to a better minimum, about which the fit is then made again
 
 
 def fit(
@@ -91,11 +92,11 @@ def fit(
         if degrees < (1 if estimated else 0):
             raise SceneError("parameters", f"asks for {len(free)} numbers from {problem.points} measured values")
         minima = problem.minima()
-        for _ in range(4):
+        for _ in range(MAX_ATTEMPTS):
             try:
                 return replace(fit_about(problem, minima, degrees, estimated, next_measurements), fixed=fixed)
-            except BetterMinimumError as minimum:
-                minima = [problem.minimum(minimum.x), *minima]
+            except BetterMinimumError as better:
+                minima = [problem.minimum(better.x), *minima]
         raise RunError(
             "the fit has several minima, none of which is clearly the lowest: narrow the ranges of the parameters"
         )
@@ -125,9 +126,13 @@ def prepared(
 
 
 def fit_about(problem: Any, minima: Any, degrees: int, estimated: bool, next_measurements: bool) -> Fit:
-    """Return the fit about its least minimum: directions, profiles and, if asked for, next measurements."""
+    """Return the fit about its least minimum: directions, profiles and, if asked for, next measurements.
+
+    ``minima``: pairs (x, sum of squares), the least first, x as in `least_squares.Problem`; ``degrees``: of freedom;
+    ``estimated``: True if the scatter of the measurements is estimated from the residuals.
+    """
     if estimated:
-        scale = math.sqrt(minima[0][1] / degrees) or 1e-9
+        scale = math.sqrt(minima[0][1] / degrees) or 1e-9  # not 0 if the fit is exact
         problem = replace(problem, measurements=tuple(each.scattered(scale) for each in problem.measurements))
         minima = [(x, squares / scale**2) for x, squares in minima]
         if problem.systematic:  # what is known of them does not scale with the scatter
@@ -148,8 +153,8 @@ def fit_about(problem: Any, minima: Any, degrees: int, estimated: bool, next_mea
         if parameter.key in lost:
             ends[parameter.key] = (None, None)
             continue
-        tried = problem, [(best, least), *rivals], j
-        ends[parameter.key] = (_outermost(*tried, -1.0, step, allowed), _outermost(*tried, 1.0, step, allowed))
+        lower, upper = (_outermost(problem, [(best, least), *rivals], j, sign, step, allowed) for sign in (-1.0, 1.0))
+        ends[parameter.key] = lower, upper
     directions += _open_directions(problem, best, ends, lost)
     candidates = None
     if next_measurements:
@@ -164,7 +169,10 @@ def fit_about(problem: Any, minima: Any, degrees: int, estimated: bool, next_mea
 
 
 def _informed(problem: Problem, slopes: Any) -> tuple[tuple[str, dict[str, float]], ...]:
-    """Return, for each measurement, how far it alone narrows each number: the range's width over the width then."""
+    """Return, for each measurement, how far it alone narrows each number.
+
+    That is half the width of the number's range over the standard deviation that this measurement would leave.
+    """
     ends, shares = np.cumsum([len(each.values) for each in problem.measurements]), []
     for each, rows in zip(problem.measurements, np.split(slopes, ends)[: len(ends)], strict=True):
         own = standard_deviations(problem.information(rows))
@@ -174,39 +182,52 @@ def _informed(problem: Problem, slopes: Any) -> tuple[tuple[str, dict[str, float
 
 
 def _outermost(problem: Any, minima: Any, j: int, sign: float, step: float, allowed: float) -> End:
-    """Return the end of an interval: the outermost of those about each minimum that the data do not rule out."""
+    """Return the end of the interval of parameter number j, downwards (``sign`` -1) or upwards (+1).
+
+    Each minimum that the data do not rule out has an end: the outermost counts, and before all others one at which the
+    profile stays open.
+    """
     least = minima[0][1]
     profiles = [profile(problem, each, least, j, sign=sign, step=step, allowed=allowed) for each in minima]
     return min(profiles, key=lambda end: (end.closed, -sign * end.x[j]))
 
 
 def _nearest(problem: Problem, best: Any, least: Any, directions: Any) -> np.ndarray:
-    """Return the minimum nearest to the scene's own values, along directions of no effect."""
-    ways = [[each.components.get(p.key, 0.0) for p in problem.parameters] for each in directions if each.exact]
-    if not ways:
+    """Return the minimum nearest to the scene's own values, along directions of no effect.
+
+    The step towards the scene's values is projected on these directions. If it raises the sum of squares clearly, for
+    instance because a range cuts it off, the minimum stays where it is.
+    """
+    without_effect = [
+        [each.components.get(p.key, 0.0) for p in problem.parameters] for each in directions if each.exact
+    ]
+    if not without_effect:
         return best
-    basis = np.linalg.qr(np.array(ways).T)[0]
-    count, moved = len(problem.parameters), best.copy()
-    start = [p.start(problem.predictor.value(p.key)) for p in problem.parameters]
-    moved[:count] -= basis @ (basis.T @ (best[:count] - start))
+    basis = np.linalg.qr(np.array(without_effect).T)[0]
+    count, moved = len(problem.parameters), best.copy()  # behind the parameters: systematic errors of the measurements
+    scene_values = [p.start(problem.predictor.value(p.key)) for p in problem.parameters]
+    moved[:count] -= basis @ (basis.T @ (best[:count] - scene_values))
     moved = np.clip(moved, problem.low, problem.high)
     return moved if np.sum(problem.residuals([moved])[0] ** 2) <= least + CLEARLY * max(1.0, least) else best
 
 
 def _open_directions(problem: Any, best: Any, ends: Any, lost: Any) -> list[Direction]:
-    """Return the directions along which a profile went on to the end of a range without making an interval."""
+    """Return the directions along which a profile went on to the end of a range without making an interval.
+
+    Each parameter that is not in ``lost`` adds at most one, and none that combines the same parameters as another.
+    """
     directions: list[Direction] = []
-    said = set(lost)
+    stated = set(lost)
     for key, pair in ends.items():
         for end in pair:
-            if end is None or end.closed or key in said:
+            if end is None or end.closed or key in stated:
                 continue
             moved = (end.x - best)[: len(problem.parameters)]
             if np.max(np.abs(moved)) > 0.0:
-                open_way = direction(moved, problem.parameters, exact=False)
-                said.add(key)
-                if all(open_way.components.keys() != each.components.keys() for each in directions):
-                    directions.append(open_way)
+                open_direction = direction(moved, problem.parameters, exact=False)
+                stated.add(key)
+                if all(open_direction.components.keys() != each.components.keys() for each in directions):
+                    directions.append(open_direction)
     return directions
 
 
@@ -259,6 +280,7 @@ def _signed(problem: Problem) -> tuple[Measurement, ...]:
     predicted, signed = problem.predictions(problem.starts()[:8]), []
     for k, each in enumerate(problem.measurements):
         total = np.nansum([values[k] for values in predicted])
-        unsigned = each.quantity in ("velocity", "burst", "position") and min(each.values) >= 0.0 and total < 0.0
-        signed.append(replace(each, values=tuple(-value for value in each.values)) if unsigned else each)
+        is_speed = each.quantity in ("velocity", "burst", "position") and min(each.values) >= 0.0
+        reverse = is_speed and total < 0.0
+        signed.append(replace(each, values=tuple(-value for value in each.values)) if reverse else each)
     return tuple(signed)

@@ -51,19 +51,19 @@ class MeasurementPredictor(Predictor):
         if scene.wave is None and not scene.transducer:
             scene.refuse("transducer", "is missing: nothing drives the slider")
         super().__init__(resolved(scene).to_table(), tolerance=tolerance, steps=1)
-        self._fields: dict = {}  # of scans and networks that are known, by the stator and the data
-        self._stage, self._total, self._done, self._told = "", 0, 0, 0.0
+        self._fields: dict = {}  # data and prediction of scans and networks, by (stator, identity of the data)
+        self._stage, self._total, self._done, self._last_report = "", 0, 0, 0.0
 
     def begin(self, stage: str, total: int = 0) -> None:
-        """Report a stage; its predictions are counted from now on, of a total where that is known."""
-        self._stage, self._total, self._done, self._told = stage, total, 0, time.monotonic()
+        """Report a stage and count its predictions from now on; ``total``: their number, 0 if it is unknown."""
+        self._stage, self._total, self._done, self._last_report = stage, total, 0, time.monotonic()
         LOGGER.info(stage)
 
     def _count_one(self) -> None:
         """Count a prediction, and report the number of them about once a second."""
         self._done += 1
-        if self._stage and time.monotonic() > self._told + 1.0:
-            self._told = time.monotonic()
+        if self._stage and time.monotonic() > self._last_report + 1.0:
+            self._last_report = time.monotonic()
             of_total = f" of {self._total}" if self._total else ""
             LOGGER.info(f"{self._stage}: {self._done}{of_total} predictions")
 
@@ -74,28 +74,32 @@ class MeasurementPredictor(Predictor):
 
     def contact(self, changes: dict, step: int = 0) -> DrivenContact:
         """Return the contact with some keys changed; ``amplitude_factor`` among them multiplies its motion."""
-        prediction, factor = super().contact(changes, step), changes.get(AMPLITUDE_FACTOR, 1.0)
-        amplitudes = tuple(each * factor for each in prediction.amplitudes)
-        return replace(prediction, orbits=prediction.at(factor), amplitudes=amplitudes)
+        driven, factor = super().contact(changes, step), changes.get(AMPLITUDE_FACTOR, 1.0)
+        amplitudes = tuple(each * factor for each in driven.amplitudes)
+        return replace(driven, orbits=driven.at(factor), amplitudes=amplitudes)
 
     @property
     def one_by_one(self) -> bool:
-        """Whether each velocity is solved by itself, as on pillars (0.06 s for 2500), and not all in one loop."""
+        """Whether velocities are solved one by one, as on pillars (0.06 s for 2500 of them), and not in one loop."""
         return "pillars" in self.table.get("slider", {})
 
     def value(self, key: str) -> float | None:
         """Return the scene's own value of a key; None where it has none."""
         if key in (AMPLITUDE_FACTOR, WAVE_VELOCITY_FACTOR):
             return 1.0
-        at = value_at(self.table, key) if "." in key else None
-        return at if isinstance(at, (int, float)) and not isinstance(at, bool) else None
+        value = value_at(self.table, key) if "." in key else None
+        return value if isinstance(value, (int, float)) and not isinstance(value, bool) else None
 
     def needs_stator(self, key: str) -> bool:
         """Whether a change of the key asks for a new solution of the stator."""
         return not self.given_wave and (key in PLACE_KEYS or of_stator(key))
 
     def predict(self, questions: list[tuple[Measurement, dict]]) -> list[np.ndarray]:
-        """Return the values of measurements, each with its own numbers; NaN where there is no answer."""
+        """Return the values of measurements, each with its own numbers by key; NaN where there is no answer.
+
+        Steady velocities of all questions are collected in ``states`` and solved together at the end: until then the
+        answer of such a question is its slice of them.
+        """
         answers: list[np.ndarray | slice] = []
         states: list[tuple[DrivenContact, float]] = []
         for measurement, numbers in questions:
@@ -124,9 +128,9 @@ class MeasurementPredictor(Predictor):
         return [speeds[each] if isinstance(each, slice) else each for each in answers]
 
     def _field(self, measurement: Measurement, data: NetworkData | Scan, numbers: dict) -> np.ndarray:
-        """Return the numbers of a scan or of a network analyser's file.
+        """Return the values of a scan or of a network analyser's file; complex ones as real, then imaginary parts.
 
-        A scan's phase has no origin of its own: the prediction is turned by the angle that fits best.
+        The phase of a scan has an arbitrary origin: the prediction is multiplied by the phase factor that fits best.
         """
         scene, stator = self.resolved(numbers)
         if stator is None:
@@ -134,25 +138,24 @@ class MeasurementPredictor(Predictor):
         key = stator, id(data)
         if isinstance(data, NetworkData):
             if key not in self._fields:
-                scattering = network_prediction(scene, data, tolerance=self.tolerance)
-                self._keep(key, data, scattering)
-            known = self._fields[key][1]
-            return np.concatenate([known.real.ravel(), known.imag.ravel()])
+                self._keep(key, data, network_prediction(scene, data, tolerance=self.tolerance))
+            _, scattering = self._fields[key]
+            return np.concatenate([scattering.real.ravel(), scattering.imag.ravel()])
         scan = placed(scene, data, "measurements")
         if key not in self._fields:
-            # solved as the scans that the program writes are: what differs is the data alone
-            motion = predicted_scan(scene, scan, tolerance=self.tolerance)
-            self._keep(key, data, motion)
+            # by the function that also makes the scans of `sawmotor export`: both have the same numerical error
+            self._keep(key, data, predicted_scan(scene, scan, tolerance=self.tolerance))
         motion = self._fields[key][1] * numbers.get(AMPLITUDE_FACTOR, 1.0)
         motion = at_other_velocity(scene, scan, motion, numbers.get(WAVE_VELOCITY_FACTOR, 1.0))
         if not scan.is_complex:
             return np.abs(motion)
         if measurement.values:
-            motion = motion * np.exp(1j * np.angle(np.vdot(motion, scan.as_displacement(scene.frequency).values)))
+            measured = scan.as_displacement(scene.frequency).values
+            motion = motion * np.exp(1j * np.angle(np.vdot(motion, measured)))
         return np.concatenate([motion.real, motion.imag])
 
     def _keep(self, key, data, values) -> None:
-        """Keep what is known of a stator, and the data, whose identity is part of the key."""
+        """Keep a prediction, and the data, so that their identity in the key stays theirs."""
         if len(self._fields) > MAX_FIELDS:
             self._fields.clear()
         self._fields[key] = data, values
@@ -183,9 +186,9 @@ class MeasurementPredictor(Predictor):
         return np.array([answer.get("velocity_m_per_s", math.nan) for answer in answers])
 
     def _burst(self, measurement: Measurement, driven: DrivenContact, level: float, numbers: dict) -> np.ndarray:
-        """Return v, or the position, at the instants of a burst, whose ring-up and travel are those of a run.
+        """Return v or the position at the measured instants of a burst; ring-up and travel are as in a run.
 
-        What the instrument does to it - its bandwidth, its own origin of time - is done to the prediction.
+        The instrument's bandwidth, sampling and origin of time are applied to the prediction.
         """
         duration = driven.scene.burst
         if duration is None:
@@ -196,13 +199,13 @@ class MeasurementPredictor(Predictor):
             driven = replace(driven, along=driven.along.scaled(numbers.get(AMPLITUDE_FACTOR, 1.0)))
         (speed,) = self.velocities([(driven, level)])
         offset = float(numbers.get(TIME_OFFSET, 0.0))
-        after = max(0.0, 1.01 * (measurement.time[-1] - offset) - duration)
+        after = max(0.0, 1.01 * (measurement.time[-1] - offset) - duration)  # a little beyond the last instant
         try:
-            prediction, _ = followed_burst(driven, level, speed, self.tolerance, after=after)
+            trajectory, _ = followed_burst(driven, level, speed, self.tolerance, after=after)
         except contact.ConvergenceError:
             return np.full(len(measurement.time), math.nan)
-        curve = prediction.velocity
+        curve = trajectory.velocity
         if measurement.quantity == "position":
-            curve = travelled_distance(prediction.time, curve)
+            curve = travelled_distance(trajectory.time, curve)
         encoder = {name: float(numbers[name]) for name in (BANDWIDTH, SAMPLING) if name in numbers}
-        return recorded(prediction.time, curve, np.array(measurement.time) - offset, **encoder)
+        return recorded(trajectory.time, curve, np.array(measurement.time) - offset, **encoder)

@@ -14,10 +14,11 @@ import contact
 import fem
 
 SURFACE, MATERIAL = "open", "LiNbO3 (Kovacs)"
-STIFFNESS = 1.8e6, 1.52e6  # N/m: silicon pillars of 20 um x 2 um on 128YX
-LENGTH = 4e-3  # m, along and across: of Kurosawa's slider
+STIFFNESS = 1.8e6, 1.52e6  # N/m, normal and tangential: a silicon pillar of 20 um x 2 um on 128YX
+LENGTH = 4e-3  # m, of Kurosawa's slider, along and across
+FRICTION = 0.18  # coefficient of the silicon slider that makes a step
 CLASSES = 32  # of the normal distribution of the heights, equally likely
-ROWS = 50
+ROWS = 50  # of pillars, along the slider
 
 
 def wave(*, frequency: float, amplitude: float, width: float):
@@ -50,12 +51,19 @@ def wave_power(width: float) -> float:
 
 
 def kurosawa_speed(case: dict) -> float:
-    """Return the speed of the 10 MHz motor at a peak amplitude in m/s; 0 if the slider stays at rest."""
+    """Return the speed of the 10 MHz motor in m/s; 0 if the slider stays at rest.
+
+    ``case``: ``amplitude`` of the wave (m, peak), ``friction``, ``scatter`` (m) and ``number`` of the pillars,
+    ``preload`` (N).
+    """
     return abs(contact.pillar_motion(*_kurosawa(case)).velocity)
 
 
 def kurosawa_stall(case: dict) -> float:
-    """Return the stall force of the 10 MHz motor in N; 0 if the slider stays at rest."""
+    """Return the stall force of the 10 MHz motor in N; 0 if the slider stays at rest.
+
+    ``case`` is that of `kurosawa_speed`.
+    """
     try:
         return contact.pillar_load_line(*_kurosawa(case), points=2).stall
     except contact.ConvergenceError as error:
@@ -72,7 +80,11 @@ def _kurosawa(case: dict) -> tuple:
 
 
 def rear_amplitude(length: float) -> float:
-    """Return what is left of 15 nm behind a slider of a length in m at 1.2 MPa, mu 0.3 and half its stall."""
+    """Return the amplitude behind a slider over that before it, for a slider of a length in m.
+
+    The wave has 15 nm before the slider; the contact pressure is 1.2 MPa over the slider's area, mu = 0.3, one pillar
+    stands on every 40 um x 40 um, and the load is half the stall.
+    """
     width = LENGTH
     preload = 1.2e6 * length * width
     passing = wave(frequency=9.6e6, amplitude=15e-9, width=width)
@@ -85,7 +97,7 @@ def rear_amplitude(length: float) -> float:
 @cache
 def _traction_at_rest(amplitude: float, frequency: float, preload: float) -> float:
     """Return the force in N on a silicon slider that does not move."""
-    body = slider(friction=0.18, scatter=10e-9, number=1e4, preload=preload)
+    body = slider(friction=FRICTION, scatter=10e-9, number=1e4, preload=preload)
     passing = wave(frequency=frequency, amplitude=amplitude, width=LENGTH)
     return abs(contact.pillar_traction(body, passing)(0.0))
 
@@ -93,13 +105,15 @@ def _traction_at_rest(amplitude: float, frequency: float, preload: float) -> flo
 def shigematsu_step(mass: float, *, cycles: int = 25, amplitude: float = 20e-9, preload: float = 30.0) -> float:
     """Return how far a burst of so many cycles moves a slider of a mass in kg, m.
 
-    The traction of a slider that has hardly moved is that at rest; friction mu F stops it afterwards.
+    The tangential force on a slider that has hardly moved is that at rest, so that the speed rises linearly during the
+    burst. Afterwards the friction mu F, F the preload, stops it.
     """
     frequency = 9.6e6
     force = _traction_at_rest(amplitude, frequency, preload)
     duration = cycles / frequency
     velocity = force / mass * duration
-    return 0.5 * velocity * duration + velocity**2 * mass / (2 * 0.18 * preload)
+    during, stopping = 0.5 * velocity * duration, velocity**2 * mass / (2 * FRICTION * preload)
+    return during + stopping
 
 
 def crest_speed(amplitude: float, frequency: float) -> float:

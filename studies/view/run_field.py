@@ -35,18 +35,17 @@ NO_STATOR = "there is no wave field: the scene of this run gives the surface mot
 class RunField:
     """The wave field of a run, with the positions of electrodes and slider."""
 
-    # Function that returns the field, in m per V or, for a free wave, relative to u_z at the surface. Keywords ``span``
-    # (m), ``per_wavelength`` and ``energies`` as in `fem.wave_field`.
+    # function that returns the field, in m per V or, for a free wave, relative to u_z at the surface; its keywords
+    # ``span`` (m), ``per_wavelength`` and ``energies`` are those of `fem.wave_field`
     compute: Callable = field(repr=False)
     length: float  # largest length that can be shown, m
-    record: Record = field(repr=False)  # record of the run
-    wavelength: float  # wavelength of the surface wave, m
-    # Edges of the electrodes in m, by sign: "+" and "-" for the combs, "o" for open strips
+    record: Record = field(repr=False)
+    wavelength: float  # of the surface wave, m
+    # edges (left, right) of the fingers in m, by sign: "+" and "-" for the combs, "o" for open strips
     fingers: dict = field(repr=False)
     spans: tuple[tuple[float, float], ...]  # first and last x of each transducer, m
-    wave: "SurfaceWave | None" = field(default=None, repr=False)  # the fem.SurfaceWave of a driven stator
-    # fem.CrossedBeam for rotated transducers
-    crossed: "CrossedBeam | None" = field(default=None, repr=False)
+    wave: "SurfaceWave | None" = field(default=None, repr=False)  # None for a free wave
+    crossed: "CrossedBeam | None" = field(default=None, repr=False)  # None unless transducers are rotated
 
     def in_section(self, place: tuple[float, float]) -> float:
         """Return the coordinate of a point (x, y) along the section in m."""
@@ -75,13 +74,15 @@ class RunField:
     @cached_property
     def beam(self):
         """The beam of a run whose wave spreads in three dimensions, or None."""
-        if self.crossed is not None or self.wave is None or not self.scene.stator.diffraction:
+        if self.crossed is not None:
             return self.crossed
+        if self.wave is None or not self.scene.stator.diffraction:
+            return None
         return surface_beam(self.wave, mirror_width=self.scene.stator.mirror_width)
 
     @property
     def radius(self) -> float:
-        """Radius of the balls, m."""
+        """Radius of the balls or of the pillars, m; 0 without a slider or if it is unknown."""
         slider = self.scene.slider
         return 0.0 if slider is None else slider.radius or (slider.pillars.diameter or 0.0) / 2
 
@@ -150,15 +151,15 @@ def run_field(run: str | Path | Record) -> RunField:
 
 def _driven(record: Record) -> RunField:
     scene, motion = record.scene, motion_again(record)
-    wave, crossed = motion.wave, motion.beam if isinstance(motion.beam, fem.CrossedBeam) else None
-    rows = fem_model.transducers(scene) if crossed is None else crossed.rows[0].transducers
+    wave = motion.wave
+    crossed = motion.beam if isinstance(motion.beam, fem.CrossedBeam) else None
+    transducers = fem_model.transducers(scene) if crossed is None else crossed.rows[0].transducers
     places = tuple(dict.fromkeys(map(motion.in_section, scene.places)))
+    whole_mesh = fem_model.whole_stator(scene).placement.whole  # a mesh of the whole stator defines the fingers itself
 
-    whole = fem_model.whole_stator(scene).placement.whole
-
-    def strips(row, sign: str):
-        """Return the edges of the fingers; a mesh of the whole stator defines its own edges."""
-        return row.strips(sign) if whole is None else whole.strips(row.name + sign)
+    def fingers(transducer, sign: str):
+        """Return the edges of the fingers of one sign."""
+        return transducer.strips(sign) if whole_mesh is None else whole_mesh.strips(transducer.name + sign)
 
     def compute(*, per_wavelength: float = LINES, **wanted):
         return fem.wave_field(wave, places=places, per_wavelength=per_wavelength, **wanted)
@@ -168,8 +169,8 @@ def _driven(record: Record) -> RunField:
         length=wave.length,
         record=record,
         wavelength=record.wave["phase_velocity_m_per_s"] / scene.frequency,
-        fingers={sign: [tuple(edges) for row in rows for edges in strips(row, sign)] for sign in "+-o"},
-        spans=tuple(tuple(row.extent) for row in rows),
+        fingers={sign: [tuple(edges) for each in transducers for edges in fingers(each, sign)] for sign in "+-o"},
+        spans=tuple(tuple(each.extent) for each in transducers),
         wave=wave,
         crossed=crossed,
     )
@@ -181,23 +182,26 @@ def motion_again(record: Record) -> SurfaceMotion:
     If run.json names no known resolution, the chain is run again without the slider.
     """
     scene, resolution_name = record.scene, record.wave.get("resolution")
-    level = [each for each in LEVELS if resolution_name == f"order {each.order}, {each.edge_layers} edge layers"]
-    if not level:
+    named = [each for each in LEVELS if resolution_name == f"order {each.order}, {each.edge_layers} edge layers"]
+    if not named:
         without_slider = replace(scene, slider=None)
         motion = run_chain(without_slider, tolerance=record.tolerance).surface_motion
         return motion if scene.crossed else SurfaceMotion(wave=motion.wave)
 
-    def solve(stator, row, drive, _places=()):
+    def solve(stator, transducers, drive, _places=()):  # the signature that `crossed_motion` calls
+        solution = one_blas_thread(solve_driven)(
+            stator, transducers, frequency=scene.frequency, drive=drive, resolution=named[0]
+        )
         return surface_wave(
-            one_blas_thread(solve_driven)(stator, row, frequency=scene.frequency, drive=drive, resolution=level[0]),
+            solution,
             relative_error=record.error["relative"],
             admittance_error=record.electrical["admittance_relative_error"],
         )
 
     if scene.crossed:
         return crossed_motion(scene, (), solve)
-    whole = fem_model.whole_stator(scene), fem_model.transducers(scene), fem_model.drive(scene)
-    return SurfaceMotion(wave=solve(*whole))
+    wave = solve(fem_model.whole_stator(scene), fem_model.transducers(scene), fem_model.drive(scene))
+    return SurfaceMotion(wave=wave)
 
 
 def _free(record: Record) -> RunField:

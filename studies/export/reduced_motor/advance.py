@@ -20,8 +20,8 @@ def begin(p: Array, tables: Array, state: Array, preload: float, force: float) -
         i = i + 1
     state[index.APPROACH] = rest_approach(p, preload)
     state[index.STICKS] = 1.0
-    limit = p[index.FRICTION] * preload
-    held = bounded(-force, -limit, limit)
+    slip_limit = p[index.FRICTION] * preload
+    held = bounded(-force, -slip_limit, slip_limit)
     state[index.DEFORMATION] = spring_deformation(p, preload, held)
     state[index.FORCE] = held
     return 0.0
@@ -34,31 +34,36 @@ def advance(
     """Move the motor by a duration in s under constant inputs; return 0, or 1 where a number is not finite.
 
     `level`: of the drive, V or m, negative for the second drive; `force`: external, N along +x; `preload`: N, positive.
+    In the code s is the normal amplitude of the wave and h the mean approach, both in m.
     """
     drive: int = 0
-    second: int = int(p[index.DRIVES]) - 1
+    regime_changes: int = 0
+    two_drives: int = int(p[index.DRIVES]) - 1
     changed = change_drive(p, state, 0, max(level, 0.0))
-    if second == 1:
+    if two_drives == 1:
         changed = abs(changed) + abs(change_drive(p, state, 1, max(-level, 0.0)))
-    done = 0.0
     start = state[index.TIME]
-    pending = state[index.HISTORY + index.COUNT]
-    if second == 1:
-        pending = pending + state[index.HISTORY + index.HISTORY_SIZE + index.COUNT]
-    anew = 1.0 if changed != 0.0 or state[index.PRELOAD] != preload else 0.0
+    done = 0.0  # part of the duration, s
+    # changes of the drives that the surface still answers; while there are any the wave varies
+    unsettled = state[index.HISTORY + index.COUNT]
+    if two_drives == 1:
+        unsettled = unsettled + state[index.HISTORY + index.HISTORY_SIZE + index.COUNT]
+    # above 0: what follows from the wave and the preload is to be computed anew
+    outdated = 1.0 if changed != 0.0 or state[index.PRELOAD] != preload else 0.0
     state[index.PRELOAD] = preload
     while done < duration * (1.0 - 1e-12):
-        if pending > 0.0:
-            pending = forget(p, state, 0)
-            if second == 1:
-                pending = pending + forget(p, state, 1)
-            if pending == 0.0:
-                anew = anew + 1.0
-        if pending > 0.0 or anew > 0.0:
-            anew = 0.0
+        # 1. The wave now, that of the drive with the larger amplitude; the approach and the bounce on it.
+        if unsettled > 0.0:
+            unsettled = forget(p, state, 0)
+            if two_drives == 1:
+                unsettled = unsettled + forget(p, state, 1)
+            if unsettled == 0.0:
+                outdated = outdated + 1.0
+        if unsettled > 0.0 or outdated > 0.0:
+            outdated = 0.0
             s = wave(p, tables, state, 0, state[index.TIME])
             drive = 0
-            if second == 1:
+            if two_drives == 1:
                 other = wave(p, tables, state, 1, state[index.TIME])
                 if other > s:
                     drive = 1
@@ -72,7 +77,8 @@ def advance(
         elif state[index.BOUNCES] > 0.5:
             settle(p, state, state[index.SURFACE])
         drive = int(state[index.ACTIVE])
-        if pending == 0.0 and state[index.BOUNCES] < 0.5:
+        # 2. On a steady wave without bounce: all that is left at once, or up to the next end of slip or stick.
+        if unsettled == 0.0 and state[index.BOUNCES] < 0.5:
             if state[index.STICKS] < 0.5:
                 done = duration - glide(p, tables, state, force, preload, duration - done)
             elif (
@@ -82,30 +88,31 @@ def advance(
             else:
                 done = duration - hold(p, tables, state, force, preload, duration - done)
             state[index.TIME] = start + done
+        # 3. Otherwise one step with the wave and the approach in its middle; slip and stick may alternate within it.
         if done < duration * (1.0 - 1e-12):
-            d = p[index.MAX_STEP]
-            if pending > 0.0 or state[index.STICKS] > 0.5:
-                d = p[index.FAST_STEP]
+            step = p[index.MAX_STEP]
+            if unsettled > 0.0 or state[index.STICKS] > 0.5:
+                step = p[index.FAST_STEP]
             elif state[index.BOUNCES] > 0.5:  # on a surface at rest contacts stick and slip in turn
-                d = p[index.RING_STEP] if state[index.SURFACE] > 0.0 else p[index.FAST_STEP]
-            d = min(d, duration - done)
+                step = p[index.RING_STEP] if state[index.SURFACE] > 0.0 else p[index.FAST_STEP]
+            step = min(step, duration - done)
             s = state[index.SURFACE]
-            if pending > 0.0:
-                s = wave(p, tables, state, drive, state[index.TIME] + 0.5 * d)
+            if unsettled > 0.0:
+                s = wave(p, tables, state, drive, state[index.TIME] + 0.5 * step)
             h = state[index.APPROACH]
             if state[index.BOUNCES] > 0.5:
-                h = fall(p, tables, state, drive, s, preload, d)
-            left = d
-            turns: int = 0
-            while left > 0.0 and turns < 4:
+                h = fall(p, tables, state, drive, s, preload, step)
+            left = step
+            regime_changes = 0
+            while left > 0.0 and regime_changes < 4:
                 if state[index.STICKS] > 0.5:
                     left = stick_step(p, tables, state, h, s, force, left)
                 else:
                     left = slip_step(p, tables, state, h, s, force, left)
-                turns = turns + 1
-            done = done + d
+                regime_changes = regime_changes + 1
+            done = done + step
             state[index.TIME] = start + done
-    if pending > 0.0:
+    if unsettled > 0.0:
         state[index.SURFACE] = wave(p, tables, state, int(state[index.ACTIVE]), state[index.TIME])
-    check = state[index.POSITION] + state[index.VELOCITY] + state[index.APPROACH] + state[index.DEFORMATION]
-    return 0.0 if check - check == 0.0 else 1.0
+    total = state[index.POSITION] + state[index.VELOCITY] + state[index.APPROACH] + state[index.DEFORMATION]
+    return 0.0 if total - total == 0.0 else 1.0  # inf - inf and nan - nan are not 0
