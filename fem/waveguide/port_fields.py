@@ -24,7 +24,7 @@ from fem.condense.transducer import Condensation, transducer_superelements
 from fem.convergence_error import ConvergenceError
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
-from fem.discretize.section import Section
+from fem.discretize.section import LineSpace
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
 from fem.waveguide.force import LineForce
@@ -55,8 +55,8 @@ class StatorRow:
         return self.network.modes
 
     @property
-    def section(self) -> Section:
-        """Section of the uniform segments."""
+    def section(self) -> LineSpace:
+        """Lines of the uniform segments."""
         return self.modes.section
 
     @property
