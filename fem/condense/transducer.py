@@ -11,8 +11,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.condense.column import Skeleton, column_skeleton
-from fem.condense.columns import FingerColumns, condensed
-from fem.condense.join import exchanged, joined, mirrored, open_circuited, repeated, with_fingers, with_ports
+from fem.condense.columns import FingerColumns, Restated, condensed
+from fem.condense.electrodes import open_circuit
+from fem.condense.join import exchanged, joined, mirrored, repeated, with_fingers, with_ports
 from fem.condense.moments import finger_dipole
 from fem.discretize.grading import Resolution, edge_layers, graded
 from fem.discretize.section import LineSpace
@@ -51,7 +52,11 @@ class Condensation:
         return mirrored(superelement, odd, bool(solid.parity[solid.fields.index("phi")]))
 
     exchanged = staticmethod(exchanged)
-    open_circuited = staticmethod(open_circuited)
+
+    def open_circuited(self, superelement: FingerColumns) -> FingerColumns:
+        """Disconnect the finger from electrode 0: it carries no net charge."""
+        matrix, sides = open_circuit(superelement.matrix, superelement.at.ports.start)
+        return replace(superelement, matrix=matrix, inside=Restated(piece=superelement, sides=sides))
 
 
 @dataclass(frozen=True, kw_only=True)
