@@ -134,7 +134,7 @@ def aperture_beam(wave: SurfaceWave, solution: Solution, mirror_width: float | N
 
 
 def sheets_of_forces(solution: Solution) -> list[ChargeSheet]:
-    """Strips of the forces of a solution, with N/m in place of charges."""
+    """Strips of the forces of a solution, with N/m instead of charges."""
     if solution.forces is None:
         return []
     unit, ports = solution.fields.section.length_unit, solution.fields.network.ports
@@ -144,7 +144,7 @@ def sheets_of_forces(solution: Solution) -> list[ChargeSheet]:
             raise InputError("force.width", "must be finite in three dimensions", each.width, "m", owner=each.name)
     return [
         ChargeSheet(
-            x=np.array([each.place * unit]),
+            x=np.array([each.position * unit]),
             charge=np.array([amplitude]),
             finger=np.zeros(1, dtype=int),
             length=each.width * unit,
@@ -161,16 +161,16 @@ def with_scattering(beam: SurfaceBeam) -> PortFields:
     over its value at k_y = 0, on the bare surface.
     """
     fields, ports = beam.solution.fields, len(beam.solution.fields.names)
-    places = np.array([each.center for each in fields.transducers])
-    shares = np.ones((len(places), ports + len(beam.strips)), dtype=complex)
+    middles = np.array([each.center for each in fields.transducers])
+    shares = np.ones((len(middles), ports + len(beam.strips)), dtype=complex)
     for column, strip in enumerate(beam.strips, start=ports):
         unit = replace(strip.sheet, charge=np.ones(1))
         alone = replace(beam, charges=(), apertures=(), centers=(), strips=(Strip(unit, strip.source),)).surface_mode
         (emitter,) = alone.emitters
-        plane = emitter.plane_waves(places, beam.wavelength)
+        plane = emitter.plane_waves(middles, beam.wavelength)
         for index, (aperture, center) in enumerate(zip(beam.apertures, beam.centers, strict=True)):
             y, weights = _points_across(beam, center, aperture)
-            shares[index, column] = alone.motion(places[index], y)[2] @ weights / plane[index, 2]
+            shares[index, column] = alone.motion(middles[index], y)[2] @ weights / plane[index, 2]
     named = [index for index, each in enumerate(fields.transducers) if each.name in fields.names]
     return replace(
         fields,
@@ -194,8 +194,8 @@ def with_reciprocal_currents(beam: SurfaceBeam) -> SurfaceBeam:
     solution, fields = beam.solution, beam.solution.fields
     forces = [each for each in fields.network.ports if each.kind == "force"]
     received, coarser = np.empty_like(fields.received), np.empty_like(fields.received)
-    for row in range(len(fields.names)):
-        circuit = replace(solution.circuit, voltages=np.eye(len(fields.names))[row])
+    for port in range(len(fields.names)):
+        circuit = replace(solution.circuit, voltages=np.eye(len(fields.names))[port])
         unit = replace(solution, circuit=circuit, forces=None)
         sent = replace(beam, solution=unit, charges=all_charges(unit), strips=(), complete=False)
         for column, (force, strip) in enumerate(zip(forces, beam.strips, strict=True)):
@@ -203,7 +203,7 @@ def with_reciprocal_currents(beam: SurfaceBeam) -> SurfaceBeam:
             rules = sent.motion_by_rules(strip.sheet.x[0], y)[:2]
             fine, half = (each["xyz".index(force.component)] @ weights for each in rules)
             rate = 2j * np.pi * fields.frequency * strip.sheet.length
-            received[row, column], coarser[row, column] = rate * fine, rate * half
+            received[port, column], coarser[port, column] = rate * fine, rate * half
     # of open strips alone no current tells how much is missed: their waves are in doubt as a whole
     missed, error = 1.0, 0.0
     if fields.names:

@@ -3,7 +3,7 @@
     Y = i omega C0 + 1/R0 + sum_k 1 / (R_k + i omega L_k + 1 / (i omega C_k))
 
 With one branch it is the Butterworth-Van Dyke circuit (Van Dyke, Proc. IRE 16, 1928, 742), which has the main resonance
-but not the sidelobes of a row of fingers; a few branches represent the whole passband (Foster's sum of resonances, with
+but not the sidelobes of a transducer; a few branches represent the whole passband (Foster's sum of resonances, with
 losses).  The fit minimises the sum of |Y - Y_fitted|^2 over the frequencies.  Its unknowns are the logarithms of C0,
 1/R0, 1/R_k and R_k/L_k, and the resonance frequencies themselves.  The elements therefore stay positive and the circuit
 passive.
@@ -121,8 +121,8 @@ def motional_model(frequency: np.ndarray, admittance: np.ndarray, branches: int 
     fits = []
     for spread in SPREADS if branches > 1 else (0.0,):
         start = [np.log(abs(np.median(y.imag))), np.log(1e-3 * scale)]
-        for place in np.linspace(-spread, spread, branches):
-            start += [np.log(y.real.max() / branches), place, np.log(1.0 / branches)]
+        for offset in np.linspace(-spread, spread, branches):
+            start += [np.log(y.real.max() / branches), offset, np.log(1.0 / branches)]
         fits.append(least_squares(residual, start, jac=jacobian, method="trf", max_nfev=400))
     best = min(fits, key=lambda fit: fit.cost)
     static, leak, peak, resonance, rate = parts(best.x)

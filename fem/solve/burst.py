@@ -60,11 +60,11 @@ class Response(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class BurstEnvelope:
-    """Motion of one place of the surface during a burst and after it, per volt of the source (peak).
+    """Motion of one point of the surface during a burst and after it, per volt of the source (peak).
 
     Attributes
     ----------
-    place : float
+    position : float
         m from the left end.
     frequency : float
         Hz, of the drive.
@@ -90,7 +90,7 @@ class BurstEnvelope:
         ``share`` below 1 uses that share of the band, to show the effect of the band's width on an answer.
     """
 
-    place: float
+    position: float
     frequency: float
     duration: float
     time: np.ndarray = field(repr=False)
@@ -178,7 +178,7 @@ class _Spectrum:
 
 def burst_response(
     band: Response,
-    place: float,
+    position: float,
     *,
     drive: str | Drive,
     frequency: float,
@@ -186,13 +186,13 @@ def burst_response(
     tolerance: float,
     max_frequencies: int = MAX_FREQUENCIES,
 ) -> BurstEnvelope:
-    """Envelope of the surface's motion at a place for a rectangular burst.
+    """Envelope of the surface's motion at a position for a rectangular burst.
 
     Parameters
     ----------
     band : Response
         For instance from `fem.frequency_band`; a wider band resolves sharper corners.
-    place, duration : float
+    position, duration : float
         m from the left end; s.
     drive : str or Drive
         Name of the driven transducer, or sources at several.
@@ -220,7 +220,7 @@ def burst_response(
         """Rows (u_z, u_x, relative error) at frequencies in Hz, each of which is solved once."""
         new = [float(at) for at in frequencies if float(at) not in known]
         for at, wave in zip(new, band.waves(new, drive), strict=True):
-            tangential, normal = wave.motion(place)
+            tangential, normal = wave.motion(position)
             known[at] = (complex(normal), complex(tangential), wave.relative_error)
         return np.array([known[float(at)] for at in frequencies])
 
@@ -230,9 +230,11 @@ def burst_response(
         """Spectrum with the band divided into so many steps, and the largest relative error of its responses."""
         step = (high - low) / divisions
         numbers = np.arange(-int(reach[0] / step), int(reach[1] / step) + 1)
-        rows = motions(frequency + numbers * step)
-        spectrum = _Spectrum(offsets=numbers * step, motion=rows[:, :2].T, step=step, reach=reach, frequency=frequency)
-        return spectrum, float(rows[:, 2].real.max())
+        samples = motions(frequency + numbers * step)
+        spectrum = _Spectrum(
+            offsets=numbers * step, motion=samples[:, :2].T, step=step, reach=reach, frequency=frequency
+        )
+        return spectrum, float(samples[:, 2].real.max())
 
     def aliased(fine: tuple[_Spectrum, float], coarse: tuple[_Spectrum, float]) -> tuple[float]:
         """Aliased motion over the steady one, from steps twice as wide and from frequencies between the steps."""
@@ -255,7 +257,7 @@ def burst_response(
             f"the surface still rings {1 / spectrum.step:.1e} s after the switch, by {error:.1e} of its amplitude: "
             "give the solid a mechanical_quality, or ask for less"
         )
-    return _envelope(duration, spectrum, place, (error, response), len(known))
+    return _envelope(duration, spectrum, position, (error, response), len(known))
 
 
 def _refuse_endless(duration: float) -> None:
@@ -266,7 +268,7 @@ def _refuse_endless(duration: float) -> None:
 def _envelope(
     duration: float,
     spectrum: _Spectrum,
-    place: float,
+    position: float,
     errors: tuple[float, float],
     frequencies: int,
     share: float = 1.0,
@@ -292,7 +294,7 @@ def _envelope(
     after_switch = spectrum.switched(0.0, len(span))[0]
     unsettled = np.flatnonzero(abs(after_switch / steady[0] - 1) > 0.01)
     return BurstEnvelope(
-        place=place,
+        position=position,
         frequency=spectrum.frequency,
         duration=duration,
         time=time,
@@ -306,5 +308,5 @@ def _envelope(
         step_error=errors[0],
         response_error=errors[1],
         frequencies=frequencies,
-        lasting=partial(_envelope, spectrum=spectrum, place=place, errors=errors, frequencies=frequencies),
+        lasting=partial(_envelope, spectrum=spectrum, position=position, errors=errors, frequencies=frequencies),
     )
