@@ -74,33 +74,39 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     >>> f"{abs(u_z) * 1e9:.2f} nm"
     '0.96 nm'
     """
-    solution, forced = wave.solution, wave.solution.forces is not None
-    stator, transducers = solution.fields.stator, solution.fields.transducers
-    refusal = beam_refusal(stator)
-    if not refusal and forced and stator.ends != "absorbing":
-        refusal = f"the field of forces in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"
-    if refusal:
-        raise BeamError(refusal)
-    refuse_short_apertures(transducers, wave.phase_velocity / wave.frequency)
-    sheets = sheets_of_forces(solution)
-    widths = [each.aperture for each in transducers] + [each.length for each in sheets]
-    if mirror_width is not None and not max(widths) <= mirror_width < np.inf:
-        raise BeamError(f"mirror_width must be at least the largest aperture, {max(widths):g} m, got {mirror_width!r}")
-    isotropic = isotropic_about_normal(stator.solid)
-    if any(each.center_y for each in transducers) and (mirror_width is not None or not isotropic):
-        raise BeamError("transducers beside the middle line need a solid isotropic about z and absorbing sides")
-    if any(each.center for each in sheets) and mirror_width is not None:
-        raise BeamError("forces beside the middle line need absorbing sides")
+    solution = wave.solution
+    _refuse(wave, mirror_width)
     fields = with_apertures(solution.fields, mirror_width)
     if fields is not solution.fields:
         solution = driven_solution(fields, solution.circuit.drive, solution.forces)
     beam = aperture_beam(wave, solution, mirror_width)
-    if not (sheets and transducers):
+    if not (beam.strips and beam.charges):
         return beam
-    if not isotropic:
+    if not isotropic_about_normal(fields.stator.solid):
         solution = driven_solution(with_scattering(beam), solution.circuit.drive, solution.forces)
         beam = replace(beam, solution=solution, charges=all_charges(solution))
     return with_reciprocal_currents(beam)
+
+
+def _refuse(wave: SurfaceWave, mirror_width: float | None) -> None:
+    """Raise a BeamError or an InputError for what `surface_beam` does not cover."""
+    solution, stator = wave.solution, wave.solution.fields.stator
+    transducers = solution.fields.transducers
+    refusal = beam_refusal(stator)
+    if not refusal and solution.forces is not None and stator.ends != "absorbing":
+        refusal = f"the field of forces in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"
+    if refusal:
+        raise BeamError(refusal)
+    refuse_short_apertures(transducers, wave.phase_velocity / wave.frequency)
+    strips = sheets_of_forces(solution)
+    widths = [each.aperture for each in transducers] + [each.length for each in strips]
+    if mirror_width is not None and not max(widths) <= mirror_width < np.inf:
+        raise BeamError(f"mirror_width must be at least the largest aperture, {max(widths):g} m, got {mirror_width!r}")
+    symmetric = mirror_width is None and isotropic_about_normal(stator.solid)
+    if any(each.center_y for each in transducers) and not symmetric:
+        raise BeamError("transducers beside the middle line need a solid isotropic about z and absorbing sides")
+    if any(each.center for each in strips) and mirror_width is not None:
+        raise BeamError("forces beside the middle line need absorbing sides")
 
 
 def aperture_beam(wave: SurfaceWave, solution: Solution, mirror_width: float | None = None) -> SurfaceBeam:

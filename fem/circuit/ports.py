@@ -8,7 +8,7 @@ everything below it solves for unit voltage at every port.  The open strips of a
 ports: they are eliminated with the condition of zero charge (`fem.condense.electrodes`).
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -180,12 +180,8 @@ def solve_circuit(
         If a source's transducer does not exist or has one electrode only, or all voltages are zero.
     """
     drive = None if drive is None else as_drive(drive)
-    everyone = {transducer.name: transducer for transducer in transducers}
-    for name in drive.sources if drive else ():
-        if name not in everyone:
-            raise InputError("sources", f"must name transducers of the stator, {', '.join(everyone)}", name)
-        if name not in names:
-            raise InputError("sources", f"must name transducers that have two electrodes, but {name!r} has not")
+    apertures = {each.name: each.aperture for each in transducers}
+    _refuse_sources(drive, names, apertures)
     voltages = _voltages(admittances, names, transducers, drive, frequency, received)
     if drive is None or received is not None:
         return Circuit(
@@ -193,7 +189,7 @@ def solve_circuit(
             voltages=voltages,
             currents=admittances @ voltages + (0.0 if received is None else received),
             sources=(),
-            aperture=min((each.aperture for each in transducers), default=1.0),
+            aperture=min(apertures.values(), default=1.0),
             drive=drive,
             network=SourcePowers(available=0.0, delivered=0.0, in_sources=0.0, in_ladders=0.0),
         )
@@ -207,10 +203,19 @@ def solve_circuit(
         voltages=voltages,
         currents=currents,
         sources=tuple(driven),
-        aperture=everyone[by_amplitude[0]].aperture,
+        aperture=apertures[by_amplitude[0]],
         drive=drive,
         network=_source_powers(drive, amplitudes, *into_ladders[1:]),
     )
+
+
+def _refuse_sources(drive: Drive | None, names: tuple[str, ...], known: Collection[str]) -> None:
+    """Raise an InputError for a source at a transducer that is not ``known``, or is no port."""
+    for name in drive.sources if drive else ():
+        if name not in known:
+            raise InputError("sources", f"must name transducers of the stator, {', '.join(known)}", name)
+        if name not in names:
+            raise InputError("sources", f"must name transducers that have two electrodes, but {name!r} has not")
 
 
 def _voltages(admittances, names, transducers, drive: Drive | None, frequency: float, received=None) -> np.ndarray:

@@ -167,14 +167,7 @@ def frequency_band(
         raise InputError("band", f"must run from a lower to a higher frequency, got {lowest!r} to {highest!r} Hz")
     check_driven(stator, transducers, highest, tolerance)
     transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
-    for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
-        if min(gaps) < (1 - 1e-9) * transducer.half_gap:
-            raise InputError(
-                "transducer",
-                f"needs in a band half a gap of bare surface on either side, {transducer.half_gap:g} m, and has "
-                f"{min(gaps):g} m",
-                owner=transducer.name,
-            )
+    _refuse_narrow_gaps(stator, transducers)
     problem = BandProblem(
         stator=stator,
         transducers=transducers,
@@ -200,6 +193,18 @@ def frequency_band(
         "asked for: ask for less, give the solid a lower mechanical_quality, or solve one frequency at a time",
         reached=band,
     )
+
+
+def _refuse_narrow_gaps(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
+    """Raise an InputError for a transducer with less than half a gap of bare surface on one side."""
+    for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
+        if min(gaps) < (1 - 1e-9) * transducer.half_gap:
+            raise InputError(
+                "transducer",
+                f"needs in a band half a gap of bare surface on either side, {transducer.half_gap:g} m, and has "
+                f"{min(gaps):g} m",
+                owner=transducer.name,
+            )
 
 
 def _unreduced_attempt(problem: BandProblem, level_tolerance: float) -> tuple[Band, float]:

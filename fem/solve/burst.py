@@ -214,50 +214,56 @@ def burst_response(
     if not low < frequency < high:
         raise InputError("frequency", f"must lie in the band, {low:g} to {high:g} Hz", frequency, "Hz")
     _refuse_endless(duration)
-    known: dict[float, tuple[complex, complex, float]] = {}  # by frequency: u_z, u_x, relative error
-
-    def motions(frequencies: np.ndarray) -> np.ndarray:
-        """Rows (u_z, u_x, relative error) at frequencies in Hz, each of which is solved once."""
-        new = [float(at) for at in frequencies if float(at) not in known]
-        for at, wave in zip(new, band.waves(new, drive), strict=True):
-            tangential, normal = wave.motion(position)
-            known[at] = (complex(normal), complex(tangential), wave.relative_error)
-        return np.array([known[float(at)] for at in frequencies])
-
-    reach = frequency - low, high - frequency
-
-    def at_divisions(divisions: int) -> tuple[_Spectrum, float]:
-        """Spectrum with the band divided into so many steps, and the largest relative error of its responses."""
-        step = (high - low) / divisions
-        numbers = np.arange(-int(reach[0] / step), int(reach[1] / step) + 1)
-        samples = motions(frequency + numbers * step)
-        spectrum = _Spectrum(
-            offsets=numbers * step, motion=samples[:, :2].T, step=step, reach=reach, frequency=frequency
-        )
-        return spectrum, float(samples[:, 2].real.max())
-
-    def aliased(fine: tuple[_Spectrum, float], coarse: tuple[_Spectrum, float]) -> tuple[float]:
-        """Aliased motion over the steady one, from steps twice as wide and from frequencies between the steps."""
-        spectrum = fine[0]
-        count = math.ceil((1 - LEAD) / (2 * spectrum.step * spectrum.tick))
-        change = abs(spectrum.switched(0.0, count) - coarse[0].switched(0.0, count)).max()
-        exact = motions(frequency + spectrum.probes())[:, :2].T
-        missed = abs(spectrum.between(spectrum.probes()) - exact).max()
-        steady = abs(spectrum.motion[0, spectrum.offsets == 0])[0]
-        return (float(max(change, missed) / steady),)
-
+    motions = _Motions(band, position, drive, frequency)
     # Gain 2: the coarse level uses every second frequency of the fine one, so the whole difference is the error.
     divisions = [FIRST_FREQUENCIES // 2, FIRST_FREQUENCIES]
     while 2 * divisions[-1] <= max_frequencies:
         divisions.append(2 * divisions[-1])
-    refined = refine(at_divisions, divisions, differences=aliased, gain=2.0, tolerance=tolerance)
+    refined = refine(motions.spectrum, divisions, differences=motions.aliased, gain=2.0, tolerance=tolerance)
     (spectrum, response), error = refined.answer, refined.errors[0]
     if error > tolerance:
         raise ConvergenceError(
             f"the surface still rings {1 / spectrum.step:.1e} s after the switch, by {error:.1e} of its amplitude: "
             "give the solid a mechanical_quality, or ask for less"
         )
-    return _envelope(duration, spectrum, position, (error, response), len(known))
+    return _envelope(duration, spectrum, position, (error, response), len(motions.known))
+
+
+class _Motions:
+    """Motion of the surface at a position, solved once at every frequency that is needed."""
+
+    def __init__(self, band: Response, position: float, drive: str | Drive, frequency: float):
+        self.band, self.position, self.drive, self.frequency = band, position, drive, frequency
+        self.known: dict[float, tuple[complex, complex, float]] = {}  # by frequency: u_z, u_x, relative error
+
+    def at(self, frequencies: np.ndarray) -> np.ndarray:
+        """Rows (u_z, u_x, relative error) at frequencies in Hz."""
+        new = [float(each) for each in frequencies if float(each) not in self.known]
+        for each, wave in zip(new, self.band.waves(new, self.drive), strict=True):
+            tangential, normal = wave.motion(self.position)
+            self.known[each] = (complex(normal), complex(tangential), wave.relative_error)
+        return np.array([self.known[float(each)] for each in frequencies])
+
+    def spectrum(self, divisions: int) -> tuple[_Spectrum, float]:
+        """Spectrum with the band divided into so many steps, and the largest relative error of its responses."""
+        low, high = self.band.limits
+        step, reach = (high - low) / divisions, (self.frequency - low, high - self.frequency)
+        numbers = np.arange(-int(reach[0] / step), int(reach[1] / step) + 1)
+        samples = self.at(self.frequency + numbers * step)
+        spectrum = _Spectrum(
+            offsets=numbers * step, motion=samples[:, :2].T, step=step, reach=reach, frequency=self.frequency
+        )
+        return spectrum, float(samples[:, 2].real.max())
+
+    def aliased(self, fine: tuple[_Spectrum, float], coarse: tuple[_Spectrum, float]) -> tuple[float]:
+        """Aliased motion over the steady one, from steps twice as wide and from frequencies between the steps."""
+        spectrum = fine[0]
+        count = math.ceil((1 - LEAD) / (2 * spectrum.step * spectrum.tick))
+        change = abs(spectrum.switched(0.0, count) - coarse[0].switched(0.0, count)).max()
+        exact = self.at(self.frequency + spectrum.probes())[:, :2].T
+        missed = abs(spectrum.between(spectrum.probes()) - exact).max()
+        steady = abs(spectrum.motion[0, spectrum.offsets == 0])[0]
+        return (float(max(change, missed) / steady),)
 
 
 def _refuse_endless(duration: float) -> None:

@@ -77,15 +77,7 @@ def forced_wave(
     for name, value, unit in (("tolerance", tolerance, ""), ("frequency", frequency, "Hz")):
         if not (np.isfinite(value) and value > 0):
             raise InputError(name, "must be positive and finite", value, unit)
-    if not forces:
-        raise InputError("force", "is missing: at least one must act")
-    for each in forces:
-        if not 0 <= each.position <= stator.length:
-            raise InputError(
-                "force.position", f"must lie on the stator, 0 to {stator.length:g} m", each.position, "m", each.name
-            )
-    if not any(each.amplitude for each in forces):
-        raise InputError("force.amplitude", "must differ from zero for one force at least", 0.0, "N/m")
+    _refuse_forces(stator, forces)
     at = np.array(places)
     amplitudes = np.array([each.amplitude for each in forces])
 
@@ -101,3 +93,16 @@ def forced_wave(
     advice = "ask for less, or at positions farther from the forces"
     refuse_above(wave.relative_error, tolerance, "the surface motion is", advice=advice, reached=wave)
     return wave
+
+
+def _refuse_forces(stator: Stator, forces: tuple[LineForce, ...]) -> None:
+    """Raise an InputError if there is no force, all amplitudes are zero, or one force stands beside the stator."""
+    if not forces:
+        raise InputError("force", "is missing: at least one must act")
+    for each in forces:
+        if not 0 <= each.position <= stator.length:
+            raise InputError(
+                "force.position", f"must lie on the stator, 0 to {stator.length:g} m", each.position, "m", each.name
+            )
+    if not any(each.amplitude for each in forces):
+        raise InputError("force.amplitude", "must differ from zero for one force at least", 0.0, "N/m")

@@ -217,7 +217,7 @@ def test_refusals():
         crossed(LEFT, replace(FRONT, pattern="oo"))
     with pytest.raises(BeamError, match="need a solid isotropic about z and absorbing sides"):
         surface_beam(solve(STATOR, (replace(LEFT, center_y=1e-3),), "a"), mirror_width=WIDTH)
-    with pytest.raises(BeamError, match="places must lie on the stator"):
+    with pytest.raises(BeamError, match="points must lie on the stator"):
         crossed(LEFT, FRONT).motion(MIDDLE, WIDTH)
 
 

@@ -111,7 +111,7 @@ def test_a_band_falls_back_where_the_reduced_model_fails(monkeypatch):
             self.stator, self.transducers, self.resolution = model.stator, model.transducers, model.resolution
             self.limits = model.limits
 
-        def row(self, frequency, forces=()):
+        def cascade(self, frequency, forces=()):
             raise ConvergenceError("too few lines")
 
     again = Band(model=Failing(band.model), relative_error=1e-2, admittance_error=1e-2)
