@@ -21,6 +21,7 @@ from fem.beam.crossed_rows import Row, admittances_of_rows, driven_names, row_ci
 from fem.beam.reception import with_apertures
 from fem.beam.surface_beam import BeamError, SurfaceBeam
 from fem.circuit import Circuit, Drive, as_drive, solve_circuit
+from fem.condense.electrodes import is_port
 from fem.geometry import Stator, Transducer, turn
 from fem.layout import check_plan
 from fem.materials import isotropic_about_normal
@@ -300,5 +301,5 @@ def _refuse(stator: Stator, width: float, transducers: tuple[Transducer, ...]) -
             "transducers at an angle or beside one another need a solid isotropic about z and absorbing ends"
         )
     for each in transducers:
-        if not {"+", "-"} <= set(each.signs):
+        if not is_port(each):
             raise BeamError(f"transducer {each.name!r} must have + and - fingers beside transducers at an angle")
