@@ -16,7 +16,7 @@ import numpy as np
 
 from fem.beam.lateral import sheet_spectrum
 from fem.condense.columns import distinct_columns
-from fem.input_error import InputError
+from fem.exceptions import InputError
 from fem.results.evaluation import left_edge
 from fem.results.solution import Solution
 

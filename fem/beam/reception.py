@@ -49,8 +49,8 @@ from fem.beam.line_source import line_source
 from fem.beam.own_aperture import MAX_UNKNOWNS, Coupling, finger_coupling, sheet_lengths
 from fem.condense.transducer import finger_ports
 from fem.discretize.spectral import chebyshev_nodes, lagrange_weights
+from fem.exceptions import InputError
 from fem.geometry import Stator, Transducer
-from fem.input_error import InputError
 from fem.materials import isotropic_about_normal
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.network import Network, PortSolution, Scatterer, Sheet

@@ -26,9 +26,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.condense.piece import Blocks, Port
-from fem.convergence_error import ConvergenceError
 from fem.discretize.element_matrices import element_matrix
 from fem.discretize.section import FIELD_COLUMN, Section
+from fem.exceptions import ConvergenceError
 from fem.materials.medium import Medium
 
 # Ports of every column of a row of fingers: the potentials of its two electrodes.

@@ -24,10 +24,10 @@ from fem.condense.layer_columns import LayerColumns
 from fem.condense.mesh_field import MeshField, TopEdges
 from fem.condense.mesh_unknowns import MeshUnknowns
 from fem.condense.piece import Port
-from fem.convergence_error import ConvergenceError
 from fem.discretize.grading import Resolution
 from fem.discretize.quads import QuadSpace, medium_block, medium_tables
 from fem.discretize.section import Section
+from fem.exceptions import ConvergenceError
 from fem.geometry import Stator
 from fem.materials import fields as coupled_fields
 from fem.materials.christoffel import slowest_wavelength

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.condense.piece import Blocks, Piece, Port
-from fem.input_error import InputError
+from fem.exceptions import InputError
 from fem.waveguide.ends import End, end_reflection, with_gauge
 from fem.waveguide.force import ForceResponse, force_response
 from fem.waveguide.modes import GuidedModes

@@ -21,10 +21,10 @@ import numpy as np
 from fem.condense.columns import FingerColumns
 from fem.condense.piece import Port
 from fem.condense.transducer import Condensation, transducer_superelements
-from fem.convergence_error import ConvergenceError
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
+from fem.exceptions import ConvergenceError
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
 from fem.waveguide.force import LineForce

@@ -11,9 +11,8 @@ from fem.beam.from_section import surface_beam
 from fem.beam.reception import aperture_solver
 from fem.beam.surface_beam import aperture_beam
 from fem.condense.transducer import finger_ports
-from fem.convergence_error import ConvergenceError
 from fem.discretize.grading import Resolution
-from fem.input_error import InputError
+from fem.exceptions import ConvergenceError, InputError
 from fem.solve.band import Band, frequency_band
 from fem.solve.port_admittance import port_admittance
 from fem.waveguide.port_fields import check_passive, stator_row

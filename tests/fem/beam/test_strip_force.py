@@ -13,8 +13,8 @@ from fem.beam.from_section import surface_beam
 from fem.beam.reception import aperture_coupling, with_apertures
 from fem.beam.surface_beam import BeamError
 from fem.discretize.error_estimate import LEVELS
+from fem.exceptions import InputError
 from fem.geometry import Stator
-from fem.input_error import InputError
 from fem.materials import isotropic
 from fem.results.solution import driven_solution
 from fem.solve.forced import forced_wave
