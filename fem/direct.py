@@ -12,6 +12,7 @@ from functools import partial
 
 import numpy as np
 
+from fem.condense.electrodes import electrode_potentials, transducer_ports
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.element_matrices import scikit_fem_derivatives
 from fem.discretize.grading import Resolution, edge_layers, graded
@@ -21,7 +22,7 @@ from fem.layout import check_layout
 from fem.materials import fields
 from fem.materials.medium import Medium, medium, units
 from fem.waveguide.modes import guided_modes
-from fem.waveguide.port_fields import charge_currents, electrode_potentials, transducer_ports
+from fem.waveguide.port_fields import charge_currents
 
 MATRIX_TYPE = 6  # of Pardiso: complex symmetric
 # Raised without pypardiso, without MKL, or by another version of pypardiso's private interface

@@ -88,7 +88,9 @@ class Poles(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class CutSource:
-    """Surface motion of the modes sent by 1 C/m or 1 N/m on the line x = 0 of a section, at any lateral wavenumber.
+    """`ModeSource` in any crystal cut.
+
+    It has the surface motion of the modes sent by 1 C/m or 1 N/m on the line x = 0, at any lateral wavenumber.
 
     Attributes
     ----------
@@ -105,7 +107,9 @@ class CutSource:
     surface_only : bool
         True if the field is that of the surface wave alone.
     static : float
-        As in `LineSource`; here 0, because the modes contain the pole at k = 0.
+        0, because the modes contain the pole at k = 0.
+    omits_oblique : bool
+        As of `ModeSource`.
     kept_poles : dict
         Poles at the nodes of the rules that were integrated so far, by the number of nodes and the last node.
     """
@@ -116,6 +120,7 @@ class CutSource:
     wavenumber: float
     surface_only: bool = False
     static: float = 0.0
+    omits_oblique: bool = True
     load: Load = "charge"
     kept_poles: dict = field(default_factory=dict, repr=False, compare=False)
 
@@ -142,12 +147,9 @@ class CutSource:
         return np.where(np.asarray(lateral) < 0, -backward[which], forward[which])
 
     def branches(
-        self, reach: float, distance: float, _resolved: float, mirror_width, spacing: float = 1.0
+        self, reach: float, distance: float, resolved: float, mirror_width: float | None, spacing: float = 1.0
     ) -> Iterator[Branch]:
-        """Waves to both sides, at the nodes of a rule for points with a lateral reach of at most ``reach`` (m).
-
-        The parameters are those of `LineSource.branches`; ``_resolved`` has no effect here.
-        """
+        """Waves to both sides: as of `ModeSource`; all modes are kept, whatever the length ``resolved``."""
         low, high = (each * self.wavenumber for each in FADE)
         floats = self.section.floating_potential
         options: dict = {"cusp": True} if floats else {"max_tilt": TILT_GROUNDED}
@@ -156,11 +158,17 @@ class CutSource:
         rule = lateral_rule(self.wavenumber, rounded_reach(reach), (low, high), mirror_width, narrow=narrow, **options)
         yield from self._branches_at(rule, distance)
 
-    def plane(self, _resolved: float) -> Iterator[Branch]:
+    def plane(self, resolved: float) -> Iterator[Branch]:
         """Waves at k_y = 0, for fields that do not depend on y."""
         for branch in self._branches_at(PLANE, 0.0):
             if branch.signs[0][0] > 0:
                 yield branch
+
+    def static_motion(
+        self, distance: np.ndarray, above: np.ndarray, below: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Zero: the modes contain the pole at k = 0."""
+        return np.zeros_like(distance), np.zeros_like(distance)
 
     def _branches_at(self, rule: LateralRule, distance: float) -> Iterator[Branch]:
         """Waves to both sides at the nodes of a rule, without those that decay within ``distance`` (m)."""

@@ -129,10 +129,15 @@ def lateral_rule(
 
 
 class Waves(Protocol):
-    """Waves with a quadrature rule, and the signs of k_y for which they hold, each with factors of u_x, u_y and u_z."""
+    """Waves at the nodes of a quadrature rule."""
 
-    rule: LateralRule
-    signs: tuple
+    @property
+    def rule(self) -> LateralRule:
+        """The rule."""
+
+    @property
+    def signs(self) -> tuple:
+        """Signs of k_y for which the waves hold, each with its factors of u_x, u_y and u_z."""
 
 
 class Points(NamedTuple):

@@ -12,48 +12,41 @@ Massless fingers scatter by their charges alone.  The wave that a transducer sen
 response of the section minus the transmitted wave, and the waves of all other transducers pass it as if its surface
 were bare.  W_j B_ij,p does not change if i and j are exchanged, so that the admittance matrix is symmetric.
 
-For one transducer, let q_b be the charges of its fingers on sheet b (a vector over the fingers), a_b the amplitudes of
-the arriving waves, U_b the potentials of the fingers that would cause q_b in the section, O_cb = min(L_c, L_b) the
-overlaps of the sheets of lengths L, D_cb the change of the potentials in own_aperture.py and V the potentials of the
-fingers by the voltages.  Then, with the matrices Q_a and Q_U of the section,
-
-    q_b = Q_a a_b + Q_U U_b,                                                                                    (2)
-    sum_b O_cb U_b - sum_b D_cb q_b = L_c V     for all sheets c.                                               (3)
-
-Sheet 0 is the whole aperture, so that L_c = O_c0 and O^-1 L V = V on sheet 0, zero on the others.  With this, (2)
-in (3) gives the system that `_response` solves for the U of all sheets,
-
-    (1 - O^-1 D Q_U) U = [V on sheet 0] + O^-1 D Q_a a.                                                         (4)
-
-An arriving beam phi(y) is projected on the sheets f_c: sum_b O_cb a_b = int f_c phi dy.
+An arriving beam phi(y) is projected on the sheets f_c of lengths L: sum_b O_cb a_b = int f_c phi dy, with the overlaps
+O_cb = min(L_c, L_b).  How a transducer answers the amplitudes a_b is in own_aperture.py.
 
 The waves between transducers are those at the receiver's centre.  Those of a force are a_b there and a_b + A_bf on
-finger f.  By (2) the change A has the same effect as additional potentials (Q_U^-1 Q_a A)_f, which are added to the
-right side of (4).
+finger f.
 
 Limits: the solid must be isotropic about z and the ends must absorb.  Otherwise transducers receive waves, and respond
 to their own charges, as in the section.  Open strips always respond as in the section.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
 from itertools import combinations
 from threading import Lock
-from typing import NamedTuple
 
 import numpy as np
 
 from fem.beam.lateral import evanescent, highest_wavenumber, lateral_rule, sheet_spectrum, turned, wavenumber_along
 from fem.beam.line_source import line_source
-from fem.beam.own_aperture import MAX_UNKNOWNS, Coupling, finger_coupling, sheet_lengths
-from fem.condense.transducer import finger_ports
+from fem.beam.own_aperture import (
+    MAX_UNKNOWNS,
+    ApertureResponse,
+    Coupling,
+    aperture_response,
+    finger_coupling,
+    sheet_lengths,
+)
+from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes, lagrange_weights
 from fem.exceptions import InputError
 from fem.geometry import Stator, Transducer
 from fem.materials import isotropic_about_normal
 from fem.waveguide.modes import guided_modes
-from fem.waveguide.network import Network, PortSolution, Scatterer, Sheet
+from fem.waveguide.network import Network, PortSolution
 from fem.waveguide.port_fields import PortFields, StatorRow
 from fem.waveguide.row_solver import Element, solve_row
 
@@ -177,7 +170,7 @@ class OwnApertures:
     def coupling(self, network: Network, transducer: Transducer, lengths: np.ndarray) -> Coupling:
         """Coupling at the frequency of the network."""
         section, frequency = network.modes.section, network.modes.frequency
-        section = getattr(section, "full", section)
+        section = section.full
         if self.limits is None:
             modes = network.modes if section is network.modes.section else guided_modes(section, frequency)
             return finger_coupling(line_source(modes), transducer, lengths, self.mirror_width)
@@ -185,14 +178,22 @@ class OwnApertures:
         with self._lock:
             if key not in self._at_nodes:
                 wavenumber = abs(network.modes.wavenumbers[network.modes.rayleigh[0]]) / section.length_unit
-                self._at_nodes[key] = (section, *self._solved(section, transducer, lengths, wavenumber / frequency))
+                at_nodes = self._solved(section, self.limits, transducer, lengths, wavenumber / frequency)
+                self._at_nodes[key] = (section, *at_nodes)
         _, nodes, values = self._at_nodes[key]
         weights = lagrange_weights(nodes, frequency)
-        return Coupling(*(np.tensordot(weights, each, axes=1) for each in values))
+        return Coupling._make(np.tensordot(weights, each, axes=1) for each in values)
 
-    def _solved(self, section, transducer: Transducer, lengths: np.ndarray, slowness: float) -> tuple[np.ndarray, list]:
+    def _solved(
+        self,
+        section: Section,
+        limits: tuple[float, float],
+        transducer: Transducer,
+        lengths: np.ndarray,
+        slowness: float,
+    ) -> tuple[np.ndarray, list]:
         """Nodes in Hz, and the arrays of `Coupling` at the nodes; ``slowness``: wavenumber over frequency, rad s/m."""
-        low, high = self.limits
+        low, high = limits
         farthest = np.hypot(np.diff(transducer.extent).item(), transducer.aperture)
         swing = slowness * farthest * (high - low) / 2  # change of a wave's phase over half the band, rad
         nodes = chebyshev_nodes(low, high, int(np.ceil(LEAST_NODES + NODES_PER_SWING * swing)))
@@ -201,44 +202,6 @@ class OwnApertures:
             for each in nodes
         ]
         return nodes, [np.stack(each) for each in zip(*at, strict=True)]
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Response:
-    """Response of a transducer to the waves that arrive on each of its sheets, to its ports and to forces.
-
-    The columns of the arrays are, for every sheet, the modes from the left and those from the right; then the ports;
-    then for each force the change of its waves from finger to finger.
-    """
-
-    scatterer: Scatterer
-    lengths: np.ndarray
-    # (2 n, 2 modes): incident fields on both lines, for a unit amplitude of each mode
-    arriving: np.ndarray = field(repr=False)
-    # (2 n, 2 modes + fingers): total fields on both lines, for unit modes and unit finger potentials
-    lines: np.ndarray = field(repr=False)
-    potentials: np.ndarray = field(repr=False)  # U, (sheets, fingers, columns)
-    sent: np.ndarray = field(repr=False)  # (sheets 2 modes, columns): amplitudes to the right and to the left
-    # first moments of the fingers' reactions that the section does not have, (sheets, fingers, columns)
-    dipoles: np.ndarray = field(repr=False)
-
-    def sheets(self, weights: np.ndarray) -> tuple[Sheet, ...]:
-        """Fields of the sheets for a combination of the columns, ``weights`` of shape (columns, ports)."""
-        waves = weights[: len(self.sent)].reshape(len(self.lengths), -1, weights.shape[1])
-        potentials = self.potentials @ weights
-        return tuple(
-            Sheet(
-                length=float(length),
-                sides=np.concatenate([self.lines @ np.concatenate([waves[at], potentials[at]]), potentials[at]]),
-                dipoles=self.dipoles[at] @ weights,
-            )
-            for at, length in enumerate(self.lengths)
-        )
-
-    def incoming(self, weights: np.ndarray) -> np.ndarray:
-        """Mean over the aperture of the incident waves on both lines, (2 n, ports)."""
-        waves = weights[: len(self.sent)].reshape(len(self.lengths), -1, weights.shape[1])
-        return self.arriving @ np.tensordot(self.lengths / self.lengths[0], waves, axes=1)
 
 
 def _solved(own_apertures: OwnApertures, row: StatorRow, *, fineness: int) -> PortFields:
@@ -264,20 +227,20 @@ def _sheets_and_modes(
     gaps = between if len(between) else [abs(gap) for _, _, gap in _force_gaps(network)]
     kept = network.survivors(float(min(gaps))) if len(gaps) else np.empty(0, int)
     decay = -network.modes.wavenumbers[kept].imag * float(min(gaps, default=0.0))
-    needed = np.count_nonzero(decay < NEEDED)
+    needed = int(np.count_nonzero(decay < NEEDED))
     lengths = []
     for each in transducers:
         fingers = max(sum(sign in "+-" for sign in each.signs), 1)
         most_sheets = MAX_WAVES // max(2 * needed * len(transducers), 1)  # forces alone do not change the sheets
-        limit = {} if len(transducers) == 1 else {"most": min(MAX_UNKNOWNS, most_sheets * fingers)}
-        lengths.append(sheet_lengths(each, fineness, **limit))
+        most = MAX_UNKNOWNS if len(transducers) == 1 else min(MAX_UNKNOWNS, most_sheets * fingers)
+        lengths.append(sheet_lengths(each, fineness, most))
     most_modes = max(MAX_WAVES // (2 * sum(map(len, lengths))), needed if len(transducers) > 1 else 1)
     return lengths, np.sort(kept[np.argsort(decay, kind="stable")[:most_modes]])
 
 
 def _responses(
     own_apertures: OwnApertures, row: StatorRow, kept: np.ndarray, lengths: list[np.ndarray], changes: list[np.ndarray]
-) -> list[_Response]:
+) -> list[ApertureResponse]:
     """Response of each transducer; equal transducers share a scatterer, and without forces a response."""
     network = row.network
     responses, couplings, by_kind = [], {}, {}
@@ -289,13 +252,19 @@ def _responses(
             couplings[kind] = own_apertures.coupling(network, replace(transducer, name="", center=0.0), own_lengths)
         key = (*kind, index if network.forces else 0)
         if key not in by_kind:
-            by_kind[key] = _response(plain, transducer.signs, kept, own_lengths, couplings[kind], changes[index])
+            by_kind[key] = aperture_response(
+                plain, transducer.signs, kept, own_lengths, couplings[kind], changes[index]
+            )
         responses.append(by_kind[key])
     return responses
 
 
 def _port_solution(
-    network: Network, responses: list[_Response], travel: np.ndarray, outside: np.ndarray | None, kept: np.ndarray
+    network: Network,
+    responses: list[ApertureResponse],
+    travel: np.ndarray,
+    outside: np.ndarray | None,
+    kept: np.ndarray,
 ) -> PortSolution:
     """Solve the row for the waves between the transducers, and return the fields for a unit at each port."""
     ports, first = len(network.ports), np.cumsum([0, *(len(each.sent) for each in responses)])
@@ -329,14 +298,6 @@ def _port_solution(
         sheets=tuple(sheets),
         own_apertures=True,
     )
-
-
-def _by_fingers(scatterer: Scatterer, signs: str) -> tuple[Scatterer, np.ndarray]:
-    """Scatterer with one potential per finger, and the matrix from its sides to the dipoles of the fingers."""
-    electrodes = ["+-".index(sign) for sign in signs if sign in "+-"]
-    superelement, dipoles = finger_ports(scatterer.piece, signs)
-    own = scatterer.potentials[electrodes]
-    return Scatterer(piece=superelement, modes=scatterer.modes, potentials=own), dipoles
 
 
 def _travel(
@@ -450,126 +411,3 @@ def _from_forces(
         on_fingers = np.swapaxes(amplitudes[1:] - amplitudes[0], 0, 1)
         changes[index][:, :, direction, :, numbers.index(number)] = on_fingers
     return out if numbers else None, [each.reshape(*each.shape[:2], 2 * m, len(numbers)) for each in changes]
-
-
-class _InSection(NamedTuple):
-    """Response of a transducer in the section to unit modes from both sides and unit finger potentials.
-
-    The columns are the modes from the left, those from the right, and the fingers.
-    """
-
-    lines: np.ndarray  # (2 n, 2 modes + fingers): fields on both lines
-    charge_by_waves: np.ndarray  # Q_a, (fingers, 2 modes), of reactions
-    charge_by_potentials: np.ndarray  # Q_U, (fingers, fingers)
-    leaving: np.ndarray  # (2 modes, 2 modes + fingers): waves sent, without those that pass the bare surface
-    effective: np.ndarray  # Q_U^-1 Q_a, (fingers, 2 modes): finger potentials that have the effect of a wave
-    dipoles: np.ndarray  # (fingers, fingers): dipole moment of each finger per charge on each finger
-
-
-def _in_section(scatterer: Scatterer, moments: np.ndarray, kept: np.ndarray, arriving: np.ndarray) -> _InSection:
-    """Response in the section; ``arriving``: incident fields on both lines, (2 n, 2 modes), ``moments``: by sides."""
-    modes, width, at, m = scatterer.modes, scatterer.piece.width, scatterer.at, len(kept)
-    fingers = len(scatterer.potentials)
-    incident = np.concatenate([arriving, np.zeros((len(arriving), fingers))], axis=1)
-    potentials = np.eye(fingers, 2 * m + fingers, 2 * m)
-    lines = scatterer.sides(incident, potentials)
-    sides = np.concatenate([lines, potentials])
-    reactions = scatterer.piece.matrix[at.ports] @ sides
-    by_waves, by_potentials = reactions[:, : 2 * m], reactions[:, 2 * m :]
-    # In a floating section the same potential on all fingers causes no charge; a constant removes this null vector.
-    gauge = abs(np.diag(by_potentials)).sum() / max(fingers, 1) ** 2 if modes.section.floating_potential else 0.0
-    dipoles = np.linalg.solve((by_potentials + gauge).T, (moments @ sides[:, 2 * m :]).T).T
-    effective = np.linalg.solve(by_potentials + gauge, by_waves)
-    passed = np.append(np.exp(-1j * modes.wavenumbers[kept] * width), np.exp(1j * modes.backwards[kept] * width))
-    outgoing = lines - incident
-    leaving = np.concatenate(
-        [modes.right_amplitudes(outgoing[at.right])[kept], modes.left_amplitudes(outgoing[at.left])[kept]]
-    )
-    leaving[:, : 2 * m] -= np.diag(passed)
-    return _InSection(lines, by_waves, by_potentials, leaving, effective, dipoles)
-
-
-def _change_by_charges(
-    scatterer: Scatterer, signs: str, lengths: np.ndarray, change: Coupling, dipoles: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """O^-1 D of equation (4), and the dipoles that the change of the potentials adds, per charge (reaction).
-
-    Both are matrices over the fingers of all sheets, (sheets fingers, sheets fingers).  ``change`` has the blocks of
-    `Coupling`: C of charges to potentials, X of dipoles to potentials, Y of dipoles to gradients.  A charge has the
-    dipoles P of the section, ``dipoles``, and causes the gradient G of the potential on each finger; with the
-    polarisability alpha of a strip this adds the dipoles A, which act back on the potentials by G^T (reciprocity):
-
-        G = X^T + Y P,    A = alpha O^-1 G,    D = C + X P + P^T G + G^T A.
-    """
-    section = scatterer.modes.section
-    medium, unit = section.solid, section.length_unit
-    scale = medium.stress_unit / medium.potential_unit**2  # of charges in SI to reactions
-    charged = np.flatnonzero([sign in "+-" for sign in signs])
-    offsets = np.subtract.outer(charged, charged) + len(signs) - 1  # place of each pair of fingers in ``change``
-    charges, mixed, moments = (
-        scale * unit**power * each[..., offsets]
-        for power, each in enumerate((change.charges, change.mixed, change.moments))
-    )
-    polarisability = -change.polarisability / (scale * unit**2)
-    inverse = np.linalg.inv(np.minimum.outer(lengths, lengths))  # O^-1
-    sheets, fingers = len(lengths), len(charged)
-    size = sheets * fingers
-
-    def stacked(each: np.ndarray) -> np.ndarray:
-        """One matrix over the fingers of all sheets, from (sheets, sheets, fingers, fingers)."""
-        return each.transpose(0, 2, 1, 3).reshape(size, size)
-
-    def projected(each: np.ndarray) -> np.ndarray:
-        """O^-1 times a matrix over the fingers of all sheets; O mixes the sheets of each finger alone."""
-        return np.tensordot(inverse, each.reshape(sheets, fingers, size), axes=1).reshape(size, size)
-
-    by_sheets = np.swapaxes(mixed, 2, 3) + moments @ dipoles  # G
-    direct = stacked(charges + mixed @ dipoles + dipoles.T @ by_sheets)
-    gradient = stacked(by_sheets)
-    added = polarisability * projected(gradient)
-    return projected(direct + gradient.T @ added), added
-
-
-def _response(
-    plain: Scatterer, signs: str, kept: np.ndarray, lengths: np.ndarray, change: Coupling, of_forces: np.ndarray
-) -> _Response:
-    """Response of a transducer with fingers of finite length, from that of the section: equation (4).
-
-    ``kept``: modes by which the transducers are coupled; ``of_forces``: changes A of the amplitudes from finger to
-    finger (`_from_forces`).  The waves that it sends are S_a a + S_U U, with the blocks S of ``leaving``.
-    """
-    scatterer, moments = _by_fingers(plain, signs)
-    modes, at, m, sheets = scatterer.modes, scatterer.at, len(kept), len(lengths)
-    fingers, ports = scatterer.potentials.shape
-    arriving = np.zeros((at.ports.start, 2 * m), dtype=complex)
-    arriving[at.left, :m] = modes.right[:, kept]
-    arriving[at.right, m:] = modes.left[:, kept]
-    section = _in_section(scatterer, moments, kept, arriving)
-    change_by_charge, added = _change_by_charges(scatterer, signs, lengths, change, section.dipoles)
-
-    size, waves = sheets * fingers, sheets * 2 * m
-    before_forces = waves + ports
-    columns = before_forces + of_forces.shape[-1]
-    by_arriving = np.zeros((sheets, fingers, columns), dtype=complex)  # Q_a a
-    load = np.zeros((sheets, fingers, columns), dtype=complex)  # right side of (4)
-    for sheet in range(sheets):
-        by_arriving[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] = section.charge_by_waves
-    load[0, :, waves:before_forces] = scatterer.potentials
-    load[..., before_forces:] = np.einsum("fp,sfpn->sfn", section.effective, of_forces)
-    load += (change_by_charge @ by_arriving.reshape(size, columns)).reshape(load.shape)
-    by_potentials = (change_by_charge.reshape(size, sheets, fingers) @ section.charge_by_potentials).reshape(size, size)
-    finger_potentials = np.linalg.solve(np.eye(size) - by_potentials, load.reshape(size, columns)).reshape(load.shape)
-    charges = by_arriving + section.charge_by_potentials @ finger_potentials  # equation (2)
-
-    sent = section.leaving[:, 2 * m :] @ finger_potentials
-    for sheet in range(sheets):
-        sent[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] += section.leaving[:, : 2 * m]
-    return _Response(
-        scatterer=scatterer,
-        lengths=lengths,
-        arriving=arriving,
-        lines=section.lines,
-        potentials=finger_potentials,
-        sent=sent.reshape(waves, columns),
-        dipoles=(added @ charges.reshape(size, columns)).reshape(finger_potentials.shape),
-    )

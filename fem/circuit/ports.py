@@ -5,7 +5,7 @@ loaded transducer V + Z I = 0, a short-circuited one V = 0, an open one I = 0.  
 transforms voltage and current to V' = A V + B I and I' = C V + D I at the source's end, where V' + Z I' = S; its
 impedance at the electrodes is then (B + Z D) / (A + Z C).  Only this module knows which transducers are driven:
 everything below it solves for unit voltage at every port.  The open strips of a transducer ("o" in its pattern) are not
-ports: they are eliminated with the condition of zero charge (`fem.condense.join.open_circuited`).
+ports: they are eliminated with the condition of zero charge (`fem.condense.electrodes`).
 """
 
 from collections.abc import Mapping
@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.circuit.ladder import Ladder, carried
+from fem.condense.electrodes import terminated
 from fem.exceptions import InputError
 from fem.geometry import Transducer
 
@@ -218,14 +219,11 @@ def _voltages(admittances, names, transducers, drive: Drive | None, frequency: f
     across, along = np.ones(len(names), dtype=complex), np.zeros(len(names), dtype=complex)
     source = np.zeros(len(names), dtype=complex)
     for row, name in enumerate(names):
-        termination = terminations[name]
         if drive is not None and name in drive.sources:
             across[row], along[row] = _source_rows(drive, 2 * np.pi * frequency)
             source[row] = drive.sources[name]
-        elif termination == "open":
-            across[row], along[row] = 0.0, 1 / abs(admittances[row, row])
-        elif termination != "short":
-            along[row] = termination
+        else:
+            across[row], along[row] = terminated(terminations[name], admittances[row, row])
     load = source if received is None else -along * received
     return np.linalg.solve(np.diag(across) + along[:, None] * admittances, load)
 

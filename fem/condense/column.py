@@ -25,6 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.condense.electrodes import equipotential
 from fem.condense.piece import Blocks, Port
 from fem.discretize.element_matrices import element_matrix
 from fem.discretize.section import FIELD_COLUMN, Section
@@ -117,7 +118,7 @@ def condensed_column(
     if electrode is not None:
         # The corners remain as empty rows of the sides; their potential is that of the electrode.
         tied = electrode_dofs(section, faces)
-        whole = folded(whole, tied, at.ports.start + electrode)
+        whole = equipotential(whole, tied, at.ports.start + electrode)
         drop = drop[~np.isin(drop, tied)]
     matrix, back = schur(whole, np.arange(sides), drop)
     surface_from = np.zeros((len(whole) - sides, sides), dtype=back.dtype)
@@ -200,16 +201,6 @@ def electrode_dofs(section: Section, faces: np.ndarray) -> np.ndarray:
     corner = section.surface_dofs["phi"]
     between = faces[section.surface // section.order][:, FIELD_COLUMN["phi"]]
     return np.concatenate([[corner, corner + section.size], between])
-
-
-def folded(matrix: np.ndarray, tied: np.ndarray, port: int) -> np.ndarray:
-    """Add rows and columns of tied unknowns to those of the port and set them to zero."""
-    matrix = matrix.copy()
-    matrix[port] += matrix[tied].sum(axis=0)
-    matrix[tied] = 0.0
-    matrix[:, port] += matrix[:, tied].sum(axis=1)
-    matrix[:, tied] = 0.0
-    return matrix
 
 
 def schur(matrix, keep, drop):

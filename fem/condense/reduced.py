@@ -72,7 +72,7 @@ class RationalPiece:
     @property
     def resonances(self) -> np.ndarray:
         """Omega^2 of the resonances with lines and ports at zero, as far as the nodes show them, (rad/s)^2, complex."""
-        from scipy.linalg import eigvals  # see `fem.condense.mesh_unknowns`
+        from scipy.linalg import eigvals  # see `fem.block_matrix`
 
         kept = self.frame.shape[1]
         return eigvals(self.stiffness[kept:, kept:], self.inertia[kept:, kept:])

@@ -6,7 +6,8 @@ from typing import cast
 import numpy as np
 
 from fem.condense.column import ELECTRODES
-from fem.condense.mesh import Assembly, assembled
+from fem.condense.mesh import Assembly
+from fem.condense.mesh_assembly import assembled
 from fem.condense.transducer import Condensation, transducer_superelements
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution

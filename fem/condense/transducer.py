@@ -11,19 +11,23 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.condense.column import Skeleton, column_skeleton
-from fem.condense.columns import FingerColumns, condensed
-from fem.condense.join import exchanged, joined, mirrored, open_circuited, repeated, with_fingers, with_ports
+from fem.condense.columns import FingerColumns, Restated, condensed
+from fem.condense.electrodes import open_circuit
+from fem.condense.join import exchanged, joined, mirrored, repeated, with_fingers, with_ports
 from fem.condense.moments import finger_dipole
 from fem.discretize.grading import Resolution, edge_layers, graded
-from fem.discretize.section import Section
+from fem.discretize.section import LineSpace
 from fem.geometry import Stator, Transducer, outer_gaps
 
 
 @dataclass(eq=False)
 class Condensation:
-    """Elementary steps of the condensation on a section at a frequency in Hz; a new finger is on electrode 0."""
+    """Elementary steps of the condensation on a section at a frequency in Hz; a new finger is on electrode 0.
 
-    section: Section
+    A column is condensed on the lines of the full section; pieces on reduced lines are only joined.
+    """
+
+    section: LineSpace
     frequency: float
     skeletons: dict[float, Skeleton] = field(default_factory=dict, repr=False)  # by width, of fingers and of gaps
 
@@ -31,12 +35,13 @@ class Condensation:
         """Condense one column of elements."""
         key = round(width, 12)
         if key not in self.skeletons:
-            self.skeletons[key] = column_skeleton(self.section, self.frequency, width)
-        return condensed(self.section, self.frequency, width=width, electrode=electrode, skeleton=self.skeletons[key])
+            self.skeletons[key] = column_skeleton(self.section.full, self.frequency, width)
+        skeleton = self.skeletons[key]
+        return condensed(self.section.full, self.frequency, width=width, electrode=electrode, skeleton=skeleton)
 
     def joined(self, left: FingerColumns, right: FingerColumns, electrode: int | None = None) -> FingerColumns:
         """Join two neighbours; ``electrode`` if a finger lies on the line they share."""
-        phi = None if electrode is None else self.section.surface_dofs["phi"]
+        phi = None if electrode is None else self.section.full.surface_dofs["phi"]
         return joined(left, right, phi=phi, electrode=electrode)
 
     def mirrored(self, superelement: FingerColumns) -> FingerColumns:
@@ -47,7 +52,11 @@ class Condensation:
         return mirrored(superelement, odd, bool(solid.parity[solid.fields.index("phi")]))
 
     exchanged = staticmethod(exchanged)
-    open_circuited = staticmethod(open_circuited)
+
+    def open_circuited(self, superelement: FingerColumns) -> FingerColumns:
+        """Disconnect the finger from electrode 0: it carries no net charge."""
+        matrix, sides = open_circuit(superelement.matrix, superelement.at.ports.start)
+        return replace(superelement, matrix=matrix, inside=Restated(piece=superelement, sides=sides))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,6 +17,7 @@ CHUNK_BYTES = 2e8  # largest memory of the basis functions in a batch of element
 KEPT_BYTES = 3e8
 LOCATED = 1e-8  # a point lies in an element if it is nearer to it than this fraction of the element's size
 NEWTON_STEPS = 8
+ROUNDED = 1e-3  # of a piece's width, which is 1e-3 of the stator or more: fem.layout allows 1e-6 of the stator
 
 
 class QuadSpace:
@@ -228,3 +229,49 @@ def medium_block(scalars: np.ndarray, tables: np.ndarray, rows: slice, columns: 
         blocks = (factors @ own).reshape(m, fields, fields, first, second)
         target[...] = blocks.swapaxes(2, 3)
     return out.reshape(m, fields * first, fields * second)
+
+
+class TopEdges:
+    """Upper boundary of a mesh: the highest boundary edge at each x, and the basis functions there."""
+
+    def __init__(self, space: QuadSpace):
+        self.space = space
+        edges, points = space.mesh.boundary, space.mesh.points / space.unit
+        self.numbers = space.edge_numbers(edges)
+        start, stop = points[edges[:, 0]], points[edges[:, 1]]
+        middle = 0.5 * (start + stop)
+        if space.mesh.quads.shape[1] > 4:
+            middles = {}
+            for quad in space.mesh.quads.tolist():
+                for side, (one, other) in enumerate(((0, 1), (1, 2), (2, 3), (0, 3))):
+                    middles[min(quad[one], quad[other]), max(quad[one], quad[other])] = quad[4 + side]
+            middle = points[[middles[min(a, b), max(a, b)] for a, b in edges.tolist()]]
+        # position = start + t * linear + t^2 * quadratic
+        self.start, self.quadratic = start, 2 * (start - 2 * middle + stop)
+        self.linear = stop - start - self.quadratic
+        low, high = np.minimum(start[:, 0], stop[:, 0]), np.maximum(start[:, 0], stop[:, 0])
+        flat = high - low > 1e-9 * np.linalg.norm(stop - start, axis=1)
+        self.low, self.high = np.where(flat, low, np.inf), np.where(flat, high, -np.inf)
+
+    def at(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers (points, order + 1) and values of the functions at the highest boundary point above each x.
+
+        A mesh may end beside the stator's end by a rounding of its file: a place there is moved to the mesh.
+        """
+        numbers, along = np.empty((len(x), self.numbers.shape[1]), dtype=int), np.empty(len(x))
+        lowest, highest = self.low.min(), self.high.max()
+        room = 1e-9 * (highest - lowest)
+        if np.any(abs(x - np.clip(x, lowest, highest)) > ROUNDED * (highest - lowest)):
+            raise ValueError("x must lie on the piece")
+        x = np.clip(x, lowest, highest)
+        for index, place in enumerate(x):
+            here = np.flatnonzero((self.low <= place + room) & (self.high >= place - room))
+            if not len(here):
+                raise ValueError("x must lie on the piece: it has no surface there")
+            a, b, c = self.quadratic[here, 0], self.linear[here, 0], self.start[here, 0] - place
+            root = np.sqrt(np.maximum(b**2 - 4 * a * c, 0.0))
+            t = np.clip(-2 * c / (b + np.where(b < 0, -root, root)), 0.0, 1.0)
+            heights = self.start[here, 1] + t * self.linear[here, 1] + t**2 * self.quadratic[here, 1]
+            best = int(np.argmax(heights))
+            numbers[index], along[index] = self.numbers[here[best]], t[best]
+        return numbers, self.space.edge_values(along)

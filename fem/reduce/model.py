@@ -101,13 +101,13 @@ class ReducedModel:
         if self.walls is not None:
             plain = [isinstance(end, str) for end in arranged.ends]
             matrices = np.tensordot(weights, self.walls, axes=1)
-            walls = [
+            left, right = (
                 Wall(matrix=matrix, recover=partial(full.end, side)) if plain[side] else arranged.ends[side]
                 for side, matrix in enumerate(matrices)
-            ]
+            )
             arranged = replace(
                 arranged,
-                ends=tuple(walls),
+                ends=(left, right),
                 start=arranged.start + WALL_WIDTH * plain[0],
                 stop=arranged.stop - WALL_WIDTH * plain[1],
             )

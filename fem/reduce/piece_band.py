@@ -11,8 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem.block_matrix import block_diagonal
-from fem.condense.mesh import MeshedPiece
-from fem.condense.mesh_field import MeshField
+from fem.condense.mesh import MeshedPiece, MeshField
 from fem.condense.piece import Blocks
 from fem.condense.reduced import PieceSample, RationalPiece, ReducedPiece, rational_piece
 from fem.reduce.basis import ReducedSection

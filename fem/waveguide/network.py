@@ -21,6 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.condense.columns import FingerColumns
 from fem.condense.piece import Blocks, Piece, Port
 from fem.exceptions import InputError
 from fem.waveguide.ends import End, end_reflection, with_gauge
@@ -46,6 +47,13 @@ class Scatterer:
     def at(self) -> Blocks:
         """Slices of the lines and ports in the piece's matrix."""
         return Blocks(self.piece.size)
+
+    @property
+    def columns(self) -> FingerColumns:
+        """The piece, if it consists of columns of fingers; a TypeError otherwise."""
+        if not isinstance(self.piece, FingerColumns):
+            raise TypeError("the piece is not made of columns of fingers")
+        return self.piece
 
     @cached_property
     def _between_ends(self):

@@ -19,11 +19,12 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.condense.columns import FingerColumns
+from fem.condense.electrodes import electrode_potentials, transducer_ports, uncharged
 from fem.condense.piece import Port
 from fem.condense.transducer import Condensation, transducer_superelements
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
-from fem.discretize.section import Section
+from fem.discretize.section import LineSpace
 from fem.exceptions import ConvergenceError
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
@@ -55,8 +56,8 @@ class StatorRow:
         return self.network.modes
 
     @property
-    def section(self) -> Section:
-        """Section of the uniform segments."""
+    def section(self) -> LineSpace:
+        """Lines of the uniform segments."""
         return self.modes.section
 
     @property
@@ -84,7 +85,7 @@ class StatorRow:
         charges = widths * solution.reactions[:count]
         voltage = np.array([port.kind == "voltage" for port in ports], dtype=bool)
         names = tuple(port.name for port in ports if port.kind == "voltage")
-        weights = _uncharged(charges, voltage)
+        weights = uncharged(charges, voltage)
         weights[:, : len(names)] /= medium.potential_unit
         charge_unit = medium.stress_unit / medium.potential_unit
         currents = charge_currents(charges[voltage] @ weights * charge_unit, self.frequency)
@@ -146,13 +147,6 @@ class PortFields(StatorRow, PortSolution):
         return float(1 / abs(1 - factors).min()), float(1 / abs(1 - turned).min())
 
 
-def transducer_ports(transducer: Transducer, mean: bool) -> tuple[Port, ...]:
-    """Ports of a transducer: the voltage of two electrodes, and their mean potential unless it is arbitrary."""
-    electrodes = {"+", "-"} & set(transducer.signs)
-    own = (Port(kind="voltage", name=transducer.name),) if len(electrodes) == 2 else ()
-    return (*own, Port(kind="mean", name=transducer.name)) if electrodes and mean else own
-
-
 def _means(transducers: tuple[Transducer, ...], pieces: CondensedPieces, floating: bool) -> set[str]:
     """Names of the transducers whose mean potential is not arbitrary, because something else determines it.
 
@@ -171,13 +165,6 @@ def _means(transducers: tuple[Transducer, ...], pieces: CondensedPieces, floatin
         if connected & grounded or (connected and piece.grounded):
             grounded.add(min(connected))
     return {name for name, first in group.items() if name != first or first in grounded}
-
-
-def electrode_potentials(transducer: Transducer, ports: tuple[Port, ...]) -> np.ndarray:
-    """Potentials of a transducer's two electrodes for a unit at each of its ports, shape (2, ports)."""
-    exists = [float(sign in transducer.signs) for sign in "+-"]
-    columns = [(0.5, -0.5) if port.kind == "voltage" else exists for port in ports]
-    return np.array(columns).reshape(-1, 2).T
 
 
 def stator_row(
@@ -342,17 +329,3 @@ def check_passive(admittances: np.ndarray, names: tuple[str, ...]) -> None:
 def charge_currents(charges: np.ndarray, frequency: float) -> np.ndarray:
     """Currents in A of reactions int grad psi . D over an aperture, which are minus the charges, C."""
     return -2j * np.pi * frequency * charges
-
-
-def _uncharged(charges: np.ndarray, voltage: np.ndarray) -> np.ndarray:
-    """Weights of the excitations for a unit of each voltage, force and wave from outside, with no net charge.
-
-    ``charges``: of the ports, means included, by unit potentials of these, then by forces and waves from outside.
-    """
-    count, excitations = charges.shape
-    independent = np.append(voltage, np.ones(excitations - count, dtype=bool))  # the others are mean potentials
-    out = np.eye(excitations, dtype=complex)[:, independent]
-    if not voltage.all():
-        net_charges = charges[~voltage] / abs(np.diag(charges))[~voltage, None]  # scaled, one row per mean
-        out[~independent] = -np.linalg.solve(net_charges[:, ~independent], net_charges[:, independent])
-    return out

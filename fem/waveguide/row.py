@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fem.condense.mesh import Assembly, MeshedPiece, assembled
+from fem.condense.mesh import Assembly, MeshedPiece
+from fem.condense.mesh_assembly import assembled
 from fem.condense.reduced import ReducedPiece
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution

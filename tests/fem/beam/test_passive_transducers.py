@@ -5,11 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fem.beam.beam_of_section import aperture_beam, surface_beam
 from fem.beam.crossed_beam import interpolated_on_grid
 from fem.beam.electrode_charges import ElectrodeCharges, electrode_charges
-from fem.beam.from_section import surface_beam
 from fem.beam.reception import aperture_solver
-from fem.beam.surface_beam import aperture_beam
 from fem.condense.transducer import finger_ports
 from fem.discretize.grading import Resolution
 from fem.exceptions import ConvergenceError, InputError
@@ -170,7 +169,7 @@ def test_the_stated_error_in_an_interference_minimum(monkeypatch):
         )
     )
     monkeypatch.setattr(lateral, "SPACING", 1.1)  # coarse, so that the integral's error decides
-    monkeypatch.setattr("fem.beam.surface_beam.MAX_HALVINGS", 0)
+    monkeypatch.setattr("fem.beam.beam_of_charges.MAX_HALVINGS", 0)
     x, y = 12e-3, np.linspace(0.0, 9e-3, 181)
     motion, stated = beam.motion_and_error(x, y)
     size = abs(motion[[0, 2]]).max(axis=0)

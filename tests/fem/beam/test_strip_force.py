@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from fem.analytic.wave_compliance import wave_compliance
+from fem.beam.beam_of_charges import Strip
+from fem.beam.beam_of_section import surface_beam
 from fem.beam.cut_source import cut_source
 from fem.beam.electrode_charges import all_charges, electrode_charges
-from fem.beam.emitters import Strip
-from fem.beam.from_section import surface_beam
 from fem.beam.reception import aperture_coupling, with_apertures
 from fem.beam.surface_beam import BeamError
 from fem.discretize.error_estimate import LEVELS

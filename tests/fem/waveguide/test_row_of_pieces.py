@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.beam.surface_beam import aperture_beam
+from fem.beam.beam_of_section import aperture_beam
 from fem.condense.columns import condensed
 from fem.condense.join import repeated, with_ports
 from fem.condense.transducer import Condensation, transducer_superelements

@@ -1,6 +1,6 @@
-"""Surface beam of a solved section: reception by the apertures, and forces on strips beside transducers.
+"""Surface beam of a solved section: charges received by the apertures, and forces on strips beside transducers.
 
-A force on a strip |y - y_0| < W / 2 at x_j is a sheet of one node (surface_beam.py) with N/m for its charge.
+A force on a strip |y - y_0| < W / 2 at x_j is a sheet of one node (beam_of_charges.py) with N/m for its charge.
 Transducers scatter and receive its waves.
 """
 
@@ -8,14 +8,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.beam.electrode_charges import all_charges, sheets_of_forces
-from fem.beam.emitters import Strip
+from fem.beam.beam_of_charges import ChargeSheet, Strip
+from fem.beam.cut_source import cut_source
+from fem.beam.electrode_charges import all_charges
+from fem.beam.faces import faces, with_all_displacements
+from fem.beam.line_source import Load, ModeSource, line_source
 from fem.beam.reception import refuse_short_apertures, with_apertures
-from fem.beam.surface_beam import BeamError, SurfaceBeam, aperture_beam
+from fem.beam.surface_beam import BeamError, SurfaceBeam
+from fem.exceptions import InputError
 from fem.geometry import Stator
 from fem.materials import isotropic_about_normal
 from fem.results.driven_answer import SurfaceWave
-from fem.results.solution import driven_solution
+from fem.results.solution import Solution, driven_solution
 from fem.waveguide.port_fields import PortFields
 
 TINY = 1e-300  # avoids division by zero
@@ -97,6 +101,57 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
         solution = driven_solution(with_scattering(beam), solution.circuit.drive, solution.forces)
         beam = replace(beam, solution=solution, charges=all_charges(solution))
     return with_reciprocal_currents(beam)
+
+
+def aperture_beam(wave: SurfaceWave, solution: Solution, mirror_width: float | None = None) -> SurfaceBeam:
+    """Beam of the charges and forces of a solution; its circuit may be a part of a larger one (`crossed_beam`)."""
+    fields, transducers, stator = solution.fields, solution.fields.transducers, solution.fields.stator
+    in_cut = None if isotropic_about_normal(stator.solid) else cut_source(fields)
+
+    def source(load: Load) -> ModeSource:
+        if in_cut is not None:
+            return in_cut.loaded(load)
+        own = line_source(fields.modes, load)
+        return own.with_shear(with_all_displacements(fields), fields.frequency) if load == "x" else own
+
+    forces = [each for each in fields.network.ports if each.kind == "force"] if solution.forces is not None else []
+    by_load = {load: source(load) for load in {each.component for each in forces}}
+    of_charges = source("charge") if transducers else next(iter(by_load.values()))
+    return SurfaceBeam(
+        wave=wave,
+        solution=solution,
+        source=of_charges,
+        faces=None if stator.ends == "absorbing" else faces(fields, line_source(fields.modes)),
+        charges=all_charges(solution),
+        apertures=tuple(each.aperture for each in transducers),
+        centers=tuple(each.center_y for each in transducers),
+        mirror_width=mirror_width,
+        strips=tuple(
+            Strip(sheet, by_load[force.component])
+            for force, sheet in zip(forces, sheets_of_forces(solution), strict=True)
+        ),
+    )
+
+
+def sheets_of_forces(solution: Solution) -> list[ChargeSheet]:
+    """Strips of the forces of a solution, with N/m in place of charges."""
+    if solution.forces is None:
+        return []
+    unit, ports = solution.fields.section.length_unit, solution.fields.network.ports
+    forces = [each for each in ports if each.kind == "force"]
+    for each in forces:
+        if not np.isfinite(each.width):
+            raise InputError("force.width", "must be finite in three dimensions", each.width, "m", owner=each.name)
+    return [
+        ChargeSheet(
+            x=np.array([each.place * unit]),
+            charge=np.array([amplitude]),
+            finger=np.zeros(1, dtype=int),
+            length=each.width * unit,
+            center=each.center * unit,
+        )
+        for each, amplitude in zip(forces, solution.forces, strict=True)
+    ]
 
 
 def with_scattering(beam: SurfaceBeam) -> PortFields:
