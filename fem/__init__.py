@@ -69,7 +69,7 @@ __all__ = sorted(_HOME)
 
 
 def __getattr__(name: str):
-    """Import a public name from its module when it is first asked for: importing the package stays cheap."""
+    """Import a public name from its module on first use: importing the package stays cheap."""
     if name not in _HOME:
         raise AttributeError(f"module 'fem' has no attribute {name!r}")
     return getattr(import_module(f"fem.{_HOME[name]}"), name)

@@ -12,9 +12,9 @@ class InputError(ValueError):
     key : str
         Name of the argument or of the field, such as ``stator.length``.
     rule : str
-        The rest of the sentence: what is allowed, what was given and its unit.
+        The rest of the sentence: what is allowed, the value and its unit.
     value : object
-        What was given; None where the rule itself says it.
+        The value; None where the rule itself says it.
     owner : str
         Which of several transducers the key belongs to, by its name; empty where there is one object alone.
 

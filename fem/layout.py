@@ -1,4 +1,4 @@
-"""Rules for the places of transducers and meshed pieces on a stator, and for what a piece is made of."""
+"""Rules for the positions of transducers and meshed pieces on a stator, and for what a piece is made of."""
 
 from itertools import combinations, pairwise
 from typing import NamedTuple

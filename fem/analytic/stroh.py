@@ -78,7 +78,7 @@ class SurfaceImpedance:
         return self.upper + 1j * self.inverse @ self.of_all_fields(velocity)
 
     def _condensed(self, full: np.ndarray) -> np.ndarray:
-        """Impedance of the displacements: phi is eliminated by its own row, Z_pu u + (Z_pp - gap) phi = 0."""
+        """Impedance of the displacements: phi is eliminated by its own equation, Z_pu u + (Z_pp - gap) phi = 0."""
         m = self.displaced
         stiff = full[np.ix_(m, m)]
         if not self.electric:

@@ -5,7 +5,7 @@ isotropic about z every row is a section problem of the same stator in its own a
 Each row sends a `SurfaceBeam` in its axes, and the beams add up.  The rows are coupled through their charges
 (crossed_rows.py).
 
-Two effects between rows are neglected: the scattering of one row's beam by the metal of another row at given voltages
+Two effects between rows are neglected: the scattering of one row's beam by the metal of another row at fixed voltages
 (to that beam the fingers are bare surface), and the electrostatic coupling of the rows.  Scattering within a row is
 included (reception.py).
 """
@@ -167,7 +167,7 @@ class CrossedBeam:
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         if not np.all((x >= 0) & (x <= self.length) & (abs(y) <= self.width / 2)):
             raise BeamError(
-                f"places must lie on the stator, x from 0 to {self.length:g} m and y within +-{self.width / 2:g} m"
+                f"points must lie on the stator, x from 0 to {self.length:g} m and y within +-{self.width / 2:g} m"
             )
         s, t = (each.ravel() for each in np.broadcast_arrays(*row.local(x, y)))
         if len(s) > FEW and not row.along_an_axis:

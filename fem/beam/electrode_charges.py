@@ -116,7 +116,7 @@ def _node_charges(solution: Solution, transducer: int, sides: np.ndarray) -> tup
     for part, starts, part_sides in distinct_columns(fields.network.scatterers[piece].columns, sides, finest=half_cell):
         own = part.surface_reactions
         positions.append(np.add.outer(own.position, starts).ravel())
-        reaction = np.tensordot(own.rows, part_sides, axes=1)  # (nodes, sheets, places)
+        reaction = np.tensordot(own.rows, part_sides, axes=1)  # (nodes, sheets, occurrences)
         reactions.append(np.moveaxis(reaction, 1, 0).reshape(sides.shape[1], -1))
         metal.append(np.repeat(own.on_metal, len(starts)))
     position = left_edge(solution, piece) + np.concatenate(positions) * section.length_unit

@@ -1,6 +1,6 @@
 """Response of a transducer with fingers of finite length to its own charges, which vary along the fingers.
 
-The fingers end at y = +-W/2.  Along y the charge is found by Galerkin's method.  It is a sum of sheets, each uniform
+The fingers end at y = +-W/2.  Along y the charge is computed by Galerkin's method.  It is a sum of sheets, each uniform
 over |y| < L_b / 2: L_0 = W is the aperture, and the other sheets are shorter, because the charge concentrates and
 oscillates near both ends (`sheet_lengths`).  The potential of every finger is integrated over the same sheets (it is
 tested by them).  Let Z(x) be the potential of a line of charge in the section, where all is infinitely long in y.  The
@@ -151,7 +151,7 @@ def _strip_potential(source: LineSource, distances: tuple[float, ...], aperture:
 def finger_coupling(
     source: LineSource, transducer: Transducer, lengths: np.ndarray, mirror_width: float | None = None
 ) -> Coupling:
-    """Change of a transducer's potentials by its own charges, for sheets of the given lengths (m).
+    """Change of a transducer's potentials by its own charges, for sheets of the lengths (m).
 
     D_cb(x) of equation (1) is evaluated at all distances between points on two fingers and averaged over them with the
     weights of a charge, 1 / ACROSS each, and of a unit dipole, x / sum x^2.
@@ -335,7 +335,7 @@ def _change_by_charges(
     medium, unit = section.solid, section.length_unit
     scale = medium.stress_unit / medium.potential_unit**2  # of charges in SI to reactions
     charged = np.flatnonzero([sign in "+-" for sign in signs])
-    offsets = np.subtract.outer(charged, charged) + len(signs) - 1  # place of each pair of fingers in ``change``
+    offsets = np.subtract.outer(charged, charged) + len(signs) - 1  # index of each pair of fingers in ``change``
     charges, mixed, moments = (
         scale * unit**power * each[..., offsets]
         for power, each in enumerate((change.charges, change.mixed, change.moments))

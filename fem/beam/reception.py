@@ -1,4 +1,4 @@
-"""Coupling of transducers of finite aperture in one row: each receives the beams of the others and sends its own.
+"""Coupling of transducers of finite aperture in cascade: each receives the beams of the others and sends its own.
 
 In the section a transducer sends waves of amplitude c_p, and another one receives c_p exp(-i k_p L), with L the
 distance of their centres.  For fingers of finite length, charges that are uniform over lengths W_i and W_j along y
@@ -45,10 +45,10 @@ from fem.discretize.spectral import chebyshev_nodes, lagrange_weights
 from fem.exceptions import InputError
 from fem.geometry import Stator, Transducer
 from fem.materials import isotropic_about_normal
+from fem.waveguide.cascade import Element, solve_cascade
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.network import Network, PortSolution
-from fem.waveguide.port_fields import PortFields, StatorRow
-from fem.waveguide.row_solver import Element, solve_row
+from fem.waveguide.port_fields import PortFields, StatorCascade
 
 SHORTEST = 0.5  # smallest aperture over wavelength: shorter fingers are not line sources
 # Largest size of the system of waves between transducers, two waves per sheet and mode.  To keep it, modes that decay
@@ -146,8 +146,8 @@ def with_apertures(fields: PortFields, mirror_width: float | None = None, finene
 
 def aperture_solver(
     stator: Stator, mirror_width: float | None = None, fineness: int = 0, limits: tuple[float, float] | None = None
-) -> Callable[[StatorRow], PortFields] | None:
-    """Solver of a stator's row for finite apertures; None if the limits of this module are not met.
+) -> Callable[[StatorCascade], PortFields] | None:
+    """Solver of a stator's cascade for finite apertures; None if the limits of this module are not met.
 
     ``limits``: lowest and highest frequency (Hz), if the solver will be called at many frequencies of a band.
     """
@@ -204,18 +204,18 @@ class OwnApertures:
         return nodes, [np.stack(each) for each in zip(*at, strict=True)]
 
 
-def _solved(own_apertures: OwnApertures, row: StatorRow, *, fineness: int) -> PortFields:
-    """Fields of the row's ports, with one potential per finger."""
-    network, transducers = row.network, row.transducers
+def _solved(own_apertures: OwnApertures, cascade: StatorCascade, *, fineness: int) -> PortFields:
+    """Fields of the cascade's ports, with one potential per finger."""
+    network, transducers = cascade.network, cascade.transducers
     section = network.modes.section
     surface = network.modes.wavenumbers[network.modes.rayleigh].real.mean() / section.length_unit
     refuse_short_apertures(transducers, 2 * np.pi / surface)
     lengths, kept = _sheets_and_modes(network, transducers, fineness)
     travel = _travel(network, transducers, kept, lengths, own_apertures.mirror_width)
     outside, changes = _from_forces(network, transducers, kept, lengths, own_apertures.mirror_width)
-    responses = _responses(own_apertures, row, kept, lengths, changes)
+    responses = _responses(own_apertures, cascade, kept, lengths, changes)
     network = replace(network, scatterers=tuple(each.scatterer for each in responses))
-    return replace(row, network=network).solved(_port_solution(network, responses, travel, outside, kept))
+    return replace(cascade, network=network).solved(_port_solution(network, responses, travel, outside, kept))
 
 
 def _sheets_and_modes(
@@ -239,13 +239,17 @@ def _sheets_and_modes(
 
 
 def _responses(
-    own_apertures: OwnApertures, row: StatorRow, kept: np.ndarray, lengths: list[np.ndarray], changes: list[np.ndarray]
+    own_apertures: OwnApertures,
+    cascade: StatorCascade,
+    kept: np.ndarray,
+    lengths: list[np.ndarray],
+    changes: list[np.ndarray],
 ) -> list[ApertureResponse]:
     """Response of each transducer; equal transducers share a scatterer, and without forces a response."""
-    network = row.network
+    network = cascade.network
     responses, couplings, by_kind = [], {}, {}
     for index, (plain, transducer, own_lengths) in enumerate(
-        zip(network.scatterers, row.transducers, lengths, strict=True)
+        zip(network.scatterers, cascade.transducers, lengths, strict=True)
     ):
         kind = id(plain), transducer.aperture
         if kind not in couplings:
@@ -266,7 +270,7 @@ def _port_solution(
     outside: np.ndarray | None,
     kept: np.ndarray,
 ) -> PortSolution:
-    """Solve the row for the waves between the transducers, and return the fields for a unit at each port."""
+    """Solve the cascade for the waves between the transducers, and return the fields for a unit at each port."""
     ports, first = len(network.ports), np.cumsum([0, *(len(each.sent) for each in responses)])
     # of each transducer: which ports and forces its last columns belong to
     own_ports = [np.eye(ports)[[*numbers, *network.forces]] for numbers in network.numbers]
@@ -279,7 +283,7 @@ def _port_solution(
         )
         for each, selection, start, stop in zip(responses, own_ports, first, first[1:], strict=False)
     ]
-    solved = solve_row(elements, travel, outside)
+    solved = solve_cascade(elements, travel, outside)
     sides, incoming, charges, sheets = [], [], [], []
     for each, selection, element in zip(responses, own_ports, elements, strict=True):
         weights = np.concatenate([solved.arriving[element.arrives], selection])
@@ -316,7 +320,7 @@ def _travel(
     """
     modes, unit, m = network.modes, network.modes.section.length_unit, len(kept)
     edges = [  # left and right line of each transducer
-        (place, place + each.piece.width) for place, each in zip(network.places, network.scatterers, strict=True)
+        (left, left + each.piece.width) for left, each in zip(network.positions, network.scatterers, strict=True)
     ]
     first = np.cumsum([0, *(2 * m * len(each) for each in lengths)])
     out = np.zeros((first[-1], first[-1]), dtype=complex)
@@ -349,11 +353,11 @@ def _force_gaps(network: Network) -> list[tuple[int, int, float]]:
 
     The gap is the distance to the nearest line of the transducer, length units; positive if it lies on the right.
     """
-    edges = [(place, place + each.piece.width) for place, each in zip(network.places, network.scatterers, strict=True)]
-    places = [(number, network.ports[number].place) for number in network.forces]
+    edges = [(left, left + each.piece.width) for left, each in zip(network.positions, network.scatterers, strict=True)]
+    positions = [(number, network.ports[number].position) for number in network.forces]
     return [
-        (number, index, left - place if left > place else right - place)
-        for number, place in places
+        (number, index, left - position if left > position else right - position)
+        for number, position in positions
         for index, (left, right) in enumerate(edges)
     ]
 
@@ -401,7 +405,7 @@ def _from_forces(
                 transducers[index].center_y - port.center * unit,
                 tangential=port.component == "x",
             )
-            for distance in (to_centre, *abs(finger_x[index] - port.place))
+            for distance in (to_centre, *abs(finger_x[index] - port.position))
         ]
         overlaps = np.minimum.outer(own_lengths, own_lengths) / own_lengths[:, None]  # O / L, as in `_travel`
         amplitudes = np.linalg.solve(overlaps, np.array(mean_beams))  # at the centre, then on each finger

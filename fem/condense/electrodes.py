@@ -58,7 +58,7 @@ def open_circuit(matrix: np.ndarray, port: int) -> tuple[np.ndarray, Callable[[n
     ndarray
         The matrix without v_f, whose row and column remain, with zeros.
     callable
-        Returns the unknowns u with the potential v_f, for unknowns with any value in its place.
+        Returns the unknowns u with the potential v_f, for unknowns with any value instead of it.
     """
     by_others = -matrix[port] / matrix[port, port]
     by_others[port] = 0.0

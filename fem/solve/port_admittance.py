@@ -13,7 +13,7 @@ from fem.geometry import Stator, Transducer
 from fem.solve.band import frequency_band
 from fem.solve.harmonic import check_driven
 from fem.threads import one_blas_thread
-from fem.waveguide.port_fields import PortFields, StatorRow, stator_row
+from fem.waveguide.port_fields import PortFields, StatorCascade, stator_cascade
 
 BAND_ROUNDS = 3
 
@@ -96,7 +96,7 @@ def port_admittance(
     frequencies = np.asarray(frequency, dtype=float)
     limits = (float(frequencies.min()), float(frequencies.max())) if frequencies.size > 1 else None
     apertures = aperture_solver(stator, mirror_width, limits=limits) if finite_apertures else None
-    solve = apertures or StatorRow.solved
+    solve = apertures or StatorCascade.solved
     if frequencies.size > 1:
         return _over_band(stator, transducers, frequencies, tolerance, solve)
     (single,) = frequencies.reshape(-1).tolist()
@@ -104,7 +104,7 @@ def port_admittance(
     _check_ports(transducers)
 
     def at_level(resolution) -> PortFields:
-        return solve(stator_row(stator, transducers, frequency=single, resolution=resolution))
+        return solve(stator_cascade(stator, transducers, frequency=single, resolution=resolution))
 
     refined = refine_stator(stator, at_level, differences=_difference, tolerance=tolerance)
     fields, error = refined.answer, refined.errors[0]

@@ -154,7 +154,7 @@ class Grating:
         return complex(best if best.imag < 0 else np.conj(best))
 
     def stop_band(self, *, open_fingers: bool) -> StopBand:
-        """Edges of the first stop band; a ConvergenceError if no two surface waves with lambda = -1 are found."""
+        """Edges of the first stop band; a ConvergenceError if no two surface waves with lambda = -1 exist."""
         from scipy.linalg import eig
 
         start = (2 * np.pi * self.middle) ** 2

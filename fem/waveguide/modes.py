@@ -252,7 +252,7 @@ def _with_constant(constant, wavenumbers, shapes):
 def _both_ways(constant, second, first, skew, zeroth):
     """Modes going right and left where x -> -x is no symmetry: twice (wavenumbers, shapes).
 
-    A mode that goes left stands at the place of the mode that goes right whose wavenumber is most nearly opposite; the
+    A mode that goes left has the number of the mode that goes right whose wavenumber is most nearly opposite; the
     modes with the smallest |k| choose first.  The constant potential is a double mode, once in each direction.
     """
     size = len(second)
