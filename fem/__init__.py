@@ -61,8 +61,7 @@ _PUBLIC = {
     "beam.crossed_beam": "crossed_beam CrossedBeam",
     "beam.crossed_rows": "rows_of",
     "direct": "direct_solution sparse_solution",
-    "convergence_error": "ConvergenceError",
-    "input_error": "InputError",
+    "exceptions": "ConvergenceError InputError",
     "threads": "blas_on_one_thread one_blas_thread set_workers side_by_side",
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names.split()}

@@ -15,7 +15,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from fem.input_error import InputError
+from fem.exceptions import InputError
 from fem.materials import Solid
 from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.piece import MeshPiece

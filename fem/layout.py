@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.exceptions import InputError
 from fem.geometry import Stator, Transducer, separation
-from fem.input_error import InputError
 from fem.materials.solids import Solid
 from fem.mesh.piece import FLOATING, GROUNDED, MAX_UNKNOWNS, SAME, MeshPiece
 from fem.mesh.placement import Placement, is_step

@@ -15,8 +15,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from fem.analytic.stroh import SurfaceImpedance, limiting_velocity
-from fem.convergence_error import ConvergenceError
-from fem.input_error import InputError
+from fem.exceptions import ConvergenceError, InputError
 from fem.materials import Solid, fields
 from fem.materials.medium import Medium, medium
 

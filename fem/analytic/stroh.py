@@ -22,7 +22,7 @@ fall with v (Lothe and Barnett 1976).
 
 import numpy as np
 
-from fem.convergence_error import ConvergenceError
+from fem.exceptions import ConvergenceError
 from fem.materials import VACUUM_PERMITTIVITY
 from fem.materials.christoffel import christoffel
 from fem.materials.medium import Medium

@@ -15,8 +15,8 @@ from fem.beam.faces import faces, with_all_displacements
 from fem.beam.line_source import Load, ModeSource, line_source
 from fem.beam.reception import refuse_short_apertures, with_apertures
 from fem.beam.surface_beam import BeamError, SurfaceBeam
+from fem.exceptions import InputError
 from fem.geometry import Stator
-from fem.input_error import InputError
 from fem.materials import isotropic_about_normal
 from fem.results.driven_answer import SurfaceWave
 from fem.results.solution import Solution, driven_solution

@@ -43,8 +43,8 @@ from fem.beam.own_aperture import (
 from fem.condense.electrodes import charged
 from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes, lagrange_weights
+from fem.exceptions import InputError
 from fem.geometry import Stator, Transducer
-from fem.input_error import InputError
 from fem.materials import isotropic_about_normal
 from fem.waveguide.cascade import Element, solve_cascade
 from fem.waveguide.modes import guided_modes

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.input_error import InputError
+from fem.exceptions import InputError
 
 EQUAL = 1e-9  # relative difference of stored energies that is rounding
 

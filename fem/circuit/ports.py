@@ -15,8 +15,8 @@ import numpy as np
 
 from fem.circuit.ladder import Ladder, carried
 from fem.condense.electrodes import terminated
+from fem.exceptions import InputError
 from fem.geometry import Transducer
-from fem.input_error import InputError
 
 # Load and source are matched in turn; each round multiplies the error by the power gain there and back, below 1.
 MATCHING_ROUNDS = 200

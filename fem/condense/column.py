@@ -27,9 +27,9 @@ import numpy as np
 
 from fem.condense.electrodes import equipotential
 from fem.condense.piece import Blocks, Port
-from fem.convergence_error import ConvergenceError
 from fem.discretize.element_matrices import element_matrix
 from fem.discretize.section import FIELD_COLUMN, Section
+from fem.exceptions import ConvergenceError
 from fem.materials.medium import Medium
 
 # Ports of every column of a transducer: the potentials of its two electrodes.

@@ -17,9 +17,9 @@ import numpy as np
 from fem.condense.fronts import Dissection, Factor
 from fem.condense.layer_columns import LayerColumns
 from fem.condense.piece import Port
-from fem.convergence_error import ConvergenceError
 from fem.discretize.quads import QuadSpace, TopEdges, medium_block, medium_tables
 from fem.discretize.section import FIELD_COLUMN
+from fem.exceptions import ConvergenceError
 from fem.materials.medium import Medium
 from fem.mesh.piece import MeshPiece
 

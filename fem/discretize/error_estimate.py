@@ -11,11 +11,10 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from fem.convergence_error import ConvergenceError
 from fem.discretize.absorber import absorber_kind, backwardness
 from fem.discretize.grading import Resolution
+from fem.exceptions import ConvergenceError, InputError
 from fem.geometry import Stator
-from fem.input_error import InputError
 
 # From coarse to fine: measured on Feenstra and Breedveld's stator (admittance and surface motion move together).
 LEVELS = (

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from fem.input_error import InputError
+from fem.exceptions import InputError
 from fem.mesh.piece import MeshPiece
 
 

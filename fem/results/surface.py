@@ -11,8 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.convergence_error import ConvergenceError
-from fem.input_error import InputError
+from fem.exceptions import ConvergenceError, InputError
 
 MAX_SAMPLES = 50_000  # along the whole surface
 # M per V; a resonant PZT stator reaches 1e-8: beyond this an answer is a numerical artefact

@@ -15,10 +15,9 @@ from fem.circuit import Circuit, Drive
 from fem.condense.electrodes import is_port
 from fem.condense.mesh import MeshedPiece
 from fem.condense.reduced import PieceSample, rational_piece
-from fem.convergence_error import ConvergenceError
 from fem.discretize.error_estimate import LEVELS, first_level
+from fem.exceptions import ConvergenceError, InputError
 from fem.geometry import Stator, Transducer, outer_gaps
-from fem.input_error import InputError
 from fem.mesh.placement import is_step
 from fem.reduce.model import ReducedModel
 from fem.reduce.projection import BandProblem, NodeSolutions, project, solve_at_nodes

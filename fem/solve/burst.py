@@ -35,9 +35,8 @@ from typing import Protocol
 import numpy as np
 
 from fem.circuit import Drive
-from fem.convergence_error import ConvergenceError
 from fem.discretize.error_estimate import refine
-from fem.input_error import InputError
+from fem.exceptions import ConvergenceError, InputError
 from fem.results.driven_answer import SurfaceWave
 
 FLAT = 0.5  # G = 1 up to this fraction of the distance from the drive's frequency to either end of the band

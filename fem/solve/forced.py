@@ -9,11 +9,10 @@ its received current produces across its termination.
 import numpy as np
 
 from fem.circuit import Drive
-from fem.convergence_error import refuse_above
 from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
+from fem.exceptions import InputError, refuse_above
 from fem.geometry import Stator, Transducer
-from fem.input_error import InputError
 from fem.layout import check_layout
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of

@@ -14,13 +14,12 @@ from functools import cache
 
 import numpy as np
 
-from fem.convergence_error import refuse_above
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.error_estimate import absorbs_slowly, refine
 from fem.discretize.grading import Resolution
 from fem.discretize.section import FIELD_COLUMN, Section
+from fem.exceptions import InputError, refuse_above
 from fem.geometry import Stator
-from fem.input_error import InputError
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.segment_modes import FreeWave, SegmentModes
 from fem.threads import one_blas_thread

@@ -22,10 +22,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.block_matrix import block_diagonal
-from fem.convergence_error import refuse_above
 from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
 from fem.discretize.section import FIELD_COLUMN
+from fem.exceptions import refuse_above
 from fem.geometry import Stator, Transducer
 from fem.threads import one_blas_thread
 from fem.waveguide.cascade import Element, solve_cascade

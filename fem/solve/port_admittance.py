@@ -8,10 +8,9 @@ import numpy as np
 from fem.beam.reception import aperture_solver
 from fem.circuit import Drive
 from fem.condense.electrodes import is_port
-from fem.convergence_error import refuse_above
 from fem.discretize.error_estimate import refine_stator
+from fem.exceptions import InputError, refuse_above
 from fem.geometry import Stator, Transducer
-from fem.input_error import InputError
 from fem.solve.band import frequency_band
 from fem.solve.harmonic import check_driven
 from fem.threads import one_blas_thread

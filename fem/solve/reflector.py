@@ -12,12 +12,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.condense.piece import Piece
-from fem.convergence_error import refuse_above
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
+from fem.exceptions import InputError, refuse_above
 from fem.geometry import Stator
-from fem.input_error import InputError
 from fem.layout import check_interfaces
 from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.placement import is_step

@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from fem.input_error import InputError
+from fem.exceptions import InputError
 from fem.waveguide.ends import with_gauge
 from fem.waveguide.modes import GuidedModes
 

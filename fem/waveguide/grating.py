@@ -27,13 +27,12 @@ import numpy as np
 from fem.analytic.half_space import automatic_period
 from fem.condense.columns import FingerColumns
 from fem.condense.transducer import Condensation, FingerShape, finger_cell, half_cells
-from fem.convergence_error import ConvergenceError
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes, lagrange_weights
+from fem.exceptions import ConvergenceError, InputError
 from fem.geometry import Above, Stator, Transducer
-from fem.input_error import InputError
 from fem.materials import Solid, fields
 from fem.materials.christoffel import slowest_wavelength
 

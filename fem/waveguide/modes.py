@@ -19,9 +19,9 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.convergence_error import ConvergenceError
 from fem.discretize.section import LineSpace
 from fem.eigenproblem import companion_modes, even_odd_modes
+from fem.exceptions import ConvergenceError
 from fem.waveguide.surface_modes import surface_modes
 
 POLISHING_STEPS = 6

@@ -23,7 +23,7 @@ import numpy as np
 
 from fem.condense.columns import FingerColumns
 from fem.condense.piece import Blocks, Piece, Port
-from fem.input_error import InputError
+from fem.exceptions import InputError
 from fem.waveguide.cascade import Element, solve_cascade
 from fem.waveguide.ends import End, end_reflection, with_gauge
 from fem.waveguide.force import ForceResponse, force_response

@@ -22,10 +22,10 @@ from fem.condense.columns import FingerColumns
 from fem.condense.electrodes import electrode_potentials, transducer_ports, uncharged
 from fem.condense.piece import Port
 from fem.condense.transducer import Condensation, transducer_superelements
-from fem.convergence_error import ConvergenceError
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import LineSpace
+from fem.exceptions import ConvergenceError
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
 from fem.waveguide.force import LineForce

@@ -9,12 +9,11 @@ import pytest
 
 from fem.circuit import Drive
 from fem.condense.reduced import PieceSample, rational_piece
-from fem.convergence_error import ConvergenceError
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.error_estimate import LEVELS
 from fem.discretize.grading import Resolution
+from fem.exceptions import ConvergenceError, InputError
 from fem.geometry import Stator, Transducer
-from fem.input_error import InputError
 from fem.layout import check_layout
 from fem.materials import material
 from fem.materials.christoffel import slowest_wavelength

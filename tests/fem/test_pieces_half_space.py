@@ -8,8 +8,8 @@ import pytest
 from fem.analytic.half_space import rayleigh
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
+from fem.exceptions import InputError
 from fem.geometry import Stator
-from fem.input_error import InputError
 from fem.layout import check_layout
 from fem.materials import fields
 from fem.materials.christoffel import slowest_wavelength

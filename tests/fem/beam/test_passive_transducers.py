@@ -10,9 +10,8 @@ from fem.beam.crossed_beam import interpolated_on_grid
 from fem.beam.electrode_charges import ElectrodeCharges, electrode_charges
 from fem.beam.reception import aperture_solver
 from fem.condense.transducer import finger_ports
-from fem.convergence_error import ConvergenceError
 from fem.discretize.grading import Resolution
-from fem.input_error import InputError
+from fem.exceptions import ConvergenceError, InputError
 from fem.solve.band import Band, frequency_band
 from fem.solve.port_admittance import port_admittance
 from fem.waveguide.port_fields import check_passive, stator_cascade

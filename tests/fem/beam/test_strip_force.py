@@ -13,8 +13,8 @@ from fem.beam.electrode_charges import all_charges, electrode_charges
 from fem.beam.reception import aperture_coupling, with_apertures
 from fem.beam.surface_beam import BeamError
 from fem.discretize.error_estimate import LEVELS
+from fem.exceptions import InputError
 from fem.geometry import Stator
-from fem.input_error import InputError
 from fem.materials import isotropic
 from fem.results.solution import driven_solution
 from fem.solve.forced import forced_wave

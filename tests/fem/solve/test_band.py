@@ -7,8 +7,8 @@ from unittest.mock import MagicMock
 import numpy as np
 import pytest
 
-from fem.convergence_error import ConvergenceError
 from fem.discretize.error_estimate import LEVELS
+from fem.exceptions import ConvergenceError
 from fem.geometry import Stator, Transducer
 from fem.materials import material, rotated
 from fem.reduce.projection import BandProblem, project, solve_at_nodes

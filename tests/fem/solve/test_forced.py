@@ -9,7 +9,7 @@ from fem.analytic.half_space import rayleigh
 from fem.analytic.wave_compliance import wave_compliance
 from fem.circuit import Drive
 from fem.discretize.grading import Resolution
-from fem.input_error import InputError
+from fem.exceptions import InputError
 from fem.mesh.piece import MeshPiece
 from fem.mesh.section_mesh import read_mesh
 from fem.results.evaluation import surface_of

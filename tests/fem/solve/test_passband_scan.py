@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fem import Stator, Transducer, best_period, driven_wave, material, p_matrix, rotated
-from fem.convergence_error import ConvergenceError
 from fem.discretize.error_estimate import LEVELS
+from fem.exceptions import ConvergenceError
 from fem.reduce.basis import bases_of
 from fem.solve.p_matrix import matrix_difference
 from fem.solve.passband import surface_power
