@@ -105,7 +105,7 @@ def test_a_piece_is_freed_with_its_last_user(tmp_path):
     stator = _with_pieces(plate(cut("PZT-4", "Z", quality=200), length=9.0), path, (4.2,))
     level = Resolution(order=5, edge_layers=0)
     section = discretise(stator, level, wavelength=slowest_wavelength(stator.solid, 2.3e6), surface_scale=np.inf)
-    (piece,) = PieceRow(stator, section, level, 2.3e6).condensed(2.3e6).values()
+    (piece,) = StatorMeshes(stator, section, level, 2.3e6).condensed(2.3e6).values()
     field = piece.recover(np.ones(len(piece.matrix)))
     assert field.piece is piece
     gc.disable()
