@@ -1,7 +1,7 @@
 """Charges and forces on the surface become a beam: sheets, their lateral spectra, and the motion that they send.
 
 A sheet is a charge on nodes x_j of the surface, uniform along y over |y - y_0| < W / 2; a force on a strip is a sheet
-of one node, with N/m in place of C/m.  Along y the charge of a finger is a sum of sheets: one over the whole aperture,
+of one node, with N/m instead of C/m.  Along y the charge of a finger is a sum of sheets: one over the whole aperture,
 and shorter ones with the same middle, which together make a charge that is concentrated at the finger's ends
 (own_aperture.py).  For every lateral wavenumber k_y the bare stator's response to a line of charge or of force
 (`ModeSource`) is a sum of guided modes p, of motion M_p and wavenumber kappa_p along x.  The charges q_j at x_j < x
@@ -154,13 +154,13 @@ class Emitter:
         """Charges of the nodes."""
         return np.concatenate([each.charge for each in self.sheets])
 
-    def plane_waves(self, places: np.ndarray, distance: float) -> np.ndarray:
-        """Motion u in the section, k_y = 0, at positions in m, by the modes that reach a distance in m; (places, 3)."""
+    def plane_waves(self, positions: np.ndarray, distance: float) -> np.ndarray:
+        """Motion u at k_y = 0 and positions in m by the modes that reach a distance in m, shape (positions, 3)."""
         ones = np.ones((len(self.sheets), 1))
-        return np.sum([self.spectra(branch, places, ones) for branch in self.source.plane(distance)], axis=0)[..., 0]
+        return np.sum([self.spectra(branch, positions, ones) for branch in self.source.plane(distance)], axis=0)[..., 0]
 
-    def spectra(self, branch: Branch, places: np.ndarray, shapes: np.ndarray) -> np.ndarray:
-        """Spectra of u at the positions ``places`` by all charges upstream of them in one branch, (places, 3, n).
+    def spectra(self, branch: Branch, positions: np.ndarray, shapes: np.ndarray) -> np.ndarray:
+        """Spectra of u at the positions ``positions`` by all charges upstream of them in one branch, (positions, 3, n).
 
         u^(x) = sum_m M_m sum_j q_j s_j exp(-i kappa_m |x - x_j|) with the modes m of the branch, their motion M_m, and
         the charges q_j at x_j upstream of x on sheets of spectrum s_j, the rows of ``shapes``, (sheets, n).  The inner
@@ -168,39 +168,39 @@ class Emitter:
         added at each charge.
         """
         side, along = branch.side, branch.along
-        out = np.zeros((len(places), 3, shapes.shape[1]), dtype=complex)
+        out = np.zeros((len(positions), 3, shapes.shape[1]), dtype=complex)
         if not along.size:
             return out
-        sources, waves = self._sources_beside(places, side * along, shapes)
+        sources, waves = self._sources_beside(positions, side * along, shapes)
         count = len(sources)
-        at = side * np.append(sources, places)
-        is_place = np.arange(len(at)) >= count
+        at = side * np.append(sources, positions)
+        is_position = np.arange(len(at)) >= count
         arrived = np.zeros((len(along), shapes.shape[1]), dtype=complex)
         steps: dict[int, np.ndarray] = {}
         before, sends = 0.0, False  # position of the last stop; whether any charge lies upstream of it
         # Walk downstream from charge to charge.  The sort counts a charge at its own position in one direction only.
-        for number in np.lexsort((side * is_place, at)):
+        for number in np.lexsort((side * is_position, at)):
             if sends and at[number] != before:
                 key = round((at[number] - before) / SAME_STEP)
                 if key not in steps:
                     steps[key] = np.exp(-1j * along * (at[number] - before))
                 arrived *= steps[key]
             before = at[number]
-            if not is_place[number]:
+            if not is_position[number]:
                 arrived += waves[number]
                 sends = True
             elif sends:
                 out[number - count] = np.einsum("cmn,mn->cn", branch.motion, arrived)
         return out
 
-    def _sources_beside(self, places, along, shapes) -> tuple[np.ndarray, list[np.ndarray]]:
+    def _sources_beside(self, x_of_field, along, shapes) -> tuple[np.ndarray, list[np.ndarray]]:
         """Positions of the charges, and what they send, (modes, n) or, where that is the same for all modes, (n,).
 
         The charges of all sheets on the same fingers are added.  All charges of a finger without any requested position
         on it are combined to one source at its centre, by the Taylor series of the exponentials about the centre,
         equation (2) of `Fingers`.  ``along`` is signed by the direction of the branch.
         """
-        positions, waves, first, ordered = [], [], 0, np.sort(places)
+        positions, waves, first, ordered = [], [], 0, np.sort(x_of_field)
         for _, same_nodes in groupby(self.sheets, key=lambda sheet: id(sheet.x)):
             sheets = list(same_nodes)
             x, finger, own_shapes = sheets[0].x, sheets[0].finger, shapes[first : first + len(sheets)]
@@ -287,7 +287,7 @@ class EmittedBeam:
         total = np.zeros((RULES, 3, len(x)), dtype=complex)
         for emitter in self.emitters:
             for branch in emitter.source.branches(reach, distance, self.wavelength, self.mirror_width, spacing):
-                spectra = partial(emitter.spectra, branch, points.places)
+                spectra = partial(emitter.spectra, branch, points.x)
                 total += inverse_transform(branch, emitter.sheets, points, spectra, self.mirror_width is None)
         return total
 

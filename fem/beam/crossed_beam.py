@@ -5,7 +5,7 @@ isotropic about z every row is a section problem of the same stator in its own a
 Each row sends a `SurfaceBeam` in its axes, and the beams add up.  The rows are coupled through their charges
 (crossed_rows.py).
 
-Two effects between rows are neglected: the scattering of one row's beam by the metal of another row at given voltages
+Two effects between rows are neglected: the scattering of one row's beam by the metal of another row at fixed voltages
 (to that beam the fingers are bare surface), and the electrostatic coupling of the rows.  Scattering within a row is
 included (reception.py).
 """
@@ -21,6 +21,7 @@ from fem.beam.crossed_rows import Row, admittances_of_rows, driven_names, row_ci
 from fem.beam.reception import with_apertures
 from fem.beam.surface_beam import BeamError, SurfaceBeam
 from fem.circuit import Circuit, Drive, as_drive, solve_circuit
+from fem.condense.electrodes import is_port
 from fem.geometry import Stator, Transducer, turn
 from fem.layout import check_plan
 from fem.materials import isotropic_about_normal
@@ -167,7 +168,7 @@ class CrossedBeam:
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         if not np.all((x >= 0) & (x <= self.length) & (abs(y) <= self.width / 2)):
             raise BeamError(
-                f"places must lie on the stator, x from 0 to {self.length:g} m and y within +-{self.width / 2:g} m"
+                f"points must lie on the stator, x from 0 to {self.length:g} m and y within +-{self.width / 2:g} m"
             )
         s, t = (each.ravel() for each in np.broadcast_arrays(*row.local(x, y)))
         if len(s) > FEW and not row.along_an_axis:
@@ -300,5 +301,5 @@ def _refuse(stator: Stator, width: float, transducers: tuple[Transducer, ...]) -
             "transducers at an angle or beside one another need a solid isotropic about z and absorbing ends"
         )
     for each in transducers:
-        if not {"+", "-"} <= set(each.signs):
+        if not is_port(each):
             raise BeamError(f"transducer {each.name!r} must have + and - fingers beside transducers at an angle")

@@ -76,14 +76,14 @@ class Poles(NamedTuple):
     """Modes of both directions at one k_y.
 
     ``wavenumbers`` (modes,) are in rad/m; ``right`` is True for modes that run to the right, ``surface`` for those of
-    the surface wave.  ``column`` and ``row`` (modes, 3): residues of u per load and of the transposed response.
+    the surface wave.  ``column`` and ``transposed`` (modes, 3): residues of u per load and of the transposed response.
     """
 
     wavenumbers: np.ndarray
     right: np.ndarray
     surface: np.ndarray
     column: np.ndarray
-    row: np.ndarray
+    transposed: np.ndarray
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -184,7 +184,7 @@ class CutSource:
                     kept = (each.right == (side * sign > 0)) & (each.surface | (not self.surface_only))
                     kept &= -side * sign * each.wavenumbers.imag * distance < -np.log(KEPT)
                     along.append(side * sign * each.wavenumbers[kept])
-                    motion.append(-1j * side * sign * (each.column if sign > 0 else each.row)[kept])
+                    motion.append(-1j * side * sign * (each.column if sign > 0 else each.transposed)[kept])
                 count = max(len(each) for each in along)
                 k, u = (np.full((count, len(poles)), -1j * self.wavenumber), np.zeros((3, count, len(poles)), complex))
                 for node, (some, moved) in enumerate(zip(along, motion, strict=True)):
@@ -214,7 +214,8 @@ class CutSource:
 
         A mode is right-going if its power flows to the right or, if it hardly propagates, if it decays to the right.
         The field of a unit load is sum_p v_p (l_p . e) / (k - k_p) (module docstring): ``column`` of the result has
-        u of v_p times l_p . e, of a charge phi of l_p.  ``row`` has v_p . e times u of l_p, the transposed response.
+        u of v_p times l_p . e, of a charge phi of l_p.  ``transposed``, of the transposed response, has v_p . e times u
+        of l_p.
 
         The modes have wavenumbers ``k``, ``shapes`` in the reduced basis, left shapes ``left`` at the surface (4, m)
         and powers ``carried``.
@@ -245,8 +246,8 @@ class CutSource:
             factors[section.solid.mirror_y] = 1j
         shapes, left = factors * (self.reduced.surface @ shapes), factors.conj() * left
         scale, at = load_scale(section.solid, self.load), SURFACE_FIELDS.index(LOADED[self.load])
-        column, row = scale * shapes[:3] * left[at], scale * shapes[at] * left[:3]
-        return Poles(k[kept] / unit, right[kept], surface[kept], column.T[kept], row.T[kept])
+        column, transposed = scale * shapes[:3] * left[at], scale * shapes[at] * left[:3]
+        return Poles(k[kept] / unit, right[kept], surface[kept], column.T[kept], transposed.T[kept])
 
 
 def surface_unknowns(section: Section) -> list[int]:

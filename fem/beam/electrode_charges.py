@@ -11,6 +11,7 @@ import numpy as np
 from fem.beam.beam_of_charges import ChargeSheet
 from fem.beam.lateral import sheet_spectrum
 from fem.condense.columns import distinct_columns
+from fem.condense.electrodes import charged
 from fem.results.evaluation import left_edge
 from fem.results.solution import Solution
 
@@ -84,8 +85,8 @@ def all_charges(solution: Solution) -> tuple[ElectrodeCharges, ...]:
 
 def _finger_numbers(finger: np.ndarray, signs: str) -> np.ndarray:
     """Number of each node's finger, counting the fingers "+" and "-" only; -1 on an open strip."""
-    charged = np.array([sign in "+-" for sign in signs])
-    return np.where(charged, np.cumsum(charged) - 1, -1)[finger - finger[0]]
+    connected = charged(signs)
+    return np.where(connected, np.cumsum(connected) - 1, -1)[finger - finger[0]]
 
 
 def _unit_dipole(x: np.ndarray, number: np.ndarray) -> np.ndarray:
@@ -116,7 +117,7 @@ def _node_charges(solution: Solution, transducer: int, sides: np.ndarray) -> tup
     for part, starts, part_sides in distinct_columns(fields.network.scatterers[piece].columns, sides, finest=half_cell):
         own = part.surface_reactions
         positions.append(np.add.outer(own.position, starts).ravel())
-        reaction = np.tensordot(own.rows, part_sides, axes=1)  # (nodes, sheets, places)
+        reaction = np.tensordot(own.rows, part_sides, axes=1)  # (nodes, sheets, occurrences)
         reactions.append(np.moveaxis(reaction, 1, 0).reshape(sides.shape[1], -1))
         metal.append(np.repeat(own.on_metal, len(starts)))
     position = left_edge(solution, piece) + np.concatenate(positions) * section.length_unit

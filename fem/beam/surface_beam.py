@@ -34,8 +34,8 @@ from fem.results.solution import Solution
 
 # The charge along a finger is a sum of steps (sheets of several lengths).  Its error over the change that fewer steps
 # make: with the finest steps (measured: 0.2 to 0.4, test_finger_ends.py), and where a limit has left fewer (rms over 24
-# places of five layouts on PZT-8 and PZT-4, 6 to 30 finger pairs of 15 and 20 wavelengths, against 22 steps: 0.5 to
-# 1.6, at single places 2.4).
+# points of five layouts on PZT-8 and PZT-4, 6 to 30 finger pairs of 15 and 20 wavelengths, against 22 steps: 0.5 to
+# 1.6, at single points 2.4).
 COARSER_SHARE, FEWER_SHARE = 0.5, 2.0
 # Offsets along y, in half Fresnel lengths, at which that change is taken; the first is the point itself.
 NEIGHBOURS = (0.0, -1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0)
@@ -45,7 +45,7 @@ NEIGHBOURS = (0.0, -1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0)
 # with 20 wavelengths; 0.0087 periods with 1.5 and 0.0066 with 5.  Where a limit has left fewer steps, those nearest to
 # the ends are missing in all that are compared: up to 0.15 periods with 5 and 0.25 with 9 (test_reception.py).
 ACROSS_SHARE, END_PERIODS, FEWER_END_PERIODS = 0.0015, 0.01, 0.1
-# Part of the section's amplitude to which its error is at least relative.  At 144 places of twente and twente-left the
+# Part of the section's amplitude to which its error is at least relative.  At 144 points of twente and twente-left the
 # error exceeds twice its estimate as often with 0.5 as with 1 (8 and 4 %, beside fingers and in minima), and more often
 # with 0 (9 and 6 %); the truth is the solution two levels finer.
 SECTION_SHARE = 0.5
@@ -157,9 +157,9 @@ class SurfaceBeam:
             static = self._returned(self.faces, x_of_points, y_of_points, self.faces.static)
             of_rule = of_rule + abs(static[0, 0]).reshape(size.shape) / size
         # 2. and 3. in m, computed once for each distinct x
-        places, where = np.unique(np.broadcast_to(x, size.shape), return_inverse=True)
-        at_places = (self.wave.motion(places), self.motion_beyond_modes(places))
-        section, beyond_modes = (abs(each).max(axis=0)[where.reshape(size.shape)] for each in at_places)
+        positions, where = np.unique(np.broadcast_to(x, size.shape), return_inverse=True)
+        at_positions = (self.wave.motion(positions), self.motion_beyond_modes(positions))
+        section, beyond_modes = (abs(each).max(axis=0)[where.reshape(size.shape)] for each in at_positions)
         beyond_modes = np.maximum(beyond_modes, self.source.error * section)
         if self.strips:  # transducers receive less than in the section, where beams do not spread
             spread = self._spread(np.broadcast_to(x, size.shape))
@@ -223,7 +223,7 @@ class SurfaceBeam:
 
         Along a finger the charge is a sum of steps, whose error is estimated from the change by taking fewer.  The
         change oscillates along y, and can vanish at a point by chance: the estimate takes the larger of the change at
-        the point and its root mean square over NEIGHBOURS, places beside it within half the Fresnel length (wavelength
+        the point and its root mean square over NEIGHBOURS, points beside it within half the Fresnel length (wavelength
         times distance)^(1/2).  It bounds the difference from 100 steps in transducers on PZT
         (tests/fem/beam/test_finger_ends.py).  Added to it is the error that more steps do not reduce (ACROSS_SHARE,
         END_PERIODS).  None if the charge is uniform along the fingers.
@@ -339,7 +339,7 @@ class SurfaceBeam:
         """Motion of the waves that the end faces reflect, in some modes, shape (RULES, 3, points)."""
         points = Points.of(x, y)
         reflected = faces.returned(self._emitted.reach(y), self._sheets, self.mirror_width)
-        spectra = partial(reflected.spectra, points.places, self.wave.length, modes=modes)
+        spectra = partial(reflected.spectra, points.x, self.wave.length, modes=modes)
         return inverse_transform(reflected, self._sheets, points, spectra, self.mirror_width is None)
 
     def _local(self, x, y) -> np.ndarray:
@@ -348,15 +348,15 @@ class SurfaceBeam:
         Under forces it is that of the forces alone: a transducer receives less than in the section, where beams do not
         spread.
         """
-        places, column = np.unique(x, return_inverse=True)
+        positions, column = np.unique(x, return_inverse=True)
         sheets = [sheet for emitter in self._section_emitters for sheet in emitter.sheets]
-        distances = np.array([abs(np.subtract.outer(places, sheet.x)).min(axis=1) for sheet in sheets])
+        distances = np.array([abs(np.subtract.outer(positions, sheet.x)).min(axis=1) for sheet in sheets])
         nearest = distances.argmin(axis=0)[column]  # number of the nearest sheet to each point
         lengths, centers = (np.array([getattr(each, key) for each in sheets])[nearest] for key in ("length", "center"))
         within = abs(y - centers) < lengths / 2
         if self.strips:
             within &= nearest >= len(self.charges)  # the sheets of the forces follow those of the charges
-        all_axes = np.insert(self.motion_beyond_modes(places), 1, 0.0, axis=0)  # with u_y = 0
+        all_axes = np.insert(self.motion_beyond_modes(positions), 1, 0.0, axis=0)  # with u_y = 0
         return all_axes[:, column] * within
 
     def _error_of_forces(self, x: np.ndarray, y, size: np.ndarray) -> np.ndarray:
@@ -378,21 +378,21 @@ class SurfaceBeam:
             ratios.append(np.where(distance < wavelength, 1.0, spread))
         return np.minimum(np.max(ratios, axis=0), 1.0)
 
-    def motion_beyond_modes(self, places) -> np.ndarray:
-        """Motion of the section at ``places`` (m) minus that of the modes at k_y = 0 by the same charges.
+    def motion_beyond_modes(self, positions) -> np.ndarray:
+        """Motion of the section at ``positions`` (m) minus that of the modes at k_y = 0 by the same charges.
 
-        Shape (2, places): u_x and u_z in m. It measures what the modes of the beam leave out.
+        Shape (2, positions): u_x and u_z in m. It measures what the modes of the beam leave out.
         """
-        remainder = self.wave.motion(places)
+        remainder = self.wave.motion(positions)
         for emitter in self._section_emitters:
-            remainder -= emitter.plane_waves(places, self.wavelength).T[[0, 2]]
+            remainder -= emitter.plane_waves(positions, self.wavelength).T[[0, 2]]
         if self.faces is not None:
             plane = self.faces.plane(self._section_emitters[0].sheets)
             ones = np.ones((len(self.apertures), 1))
-            remainder -= plane.spectra(places, self.wave.length, ones, self.faces.wanted)[..., 0].T[[0, 2]]
+            remainder -= plane.spectra(positions, self.wave.length, ones, self.faces.wanted)[..., 0].T[[0, 2]]
         if self.charges:  # the pole at k = 0: u_x = +-static times the charge, + to the right of it
             charges = self._section_emitters[0]
-            left_of = np.append(0.0, np.cumsum(charges.charge))[np.searchsorted(charges.x, places, side="right")]
+            left_of = np.append(0.0, np.cumsum(charges.charge))[np.searchsorted(charges.x, positions, side="right")]
             remainder[0] -= self.source.static * (2 * left_of - charges.charge.sum())
         return remainder
 

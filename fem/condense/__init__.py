@@ -1,4 +1,4 @@
-"""From a transducer's columns of elements, or a mesh, to a piece of the row: static condensation, join, mirror, double.
+"""From columns of elements under fingers, or a mesh, to a piece of the stator: condensation, join, mirror, double.
 
 Input: a section and the transducer's fingers, or a mesh.  Output: a `fem.condense.piece.Piece`, a matrix between two
 lines and the ports (the potentials of electrodes), with the way back to every interior unknown.

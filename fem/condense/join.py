@@ -19,7 +19,7 @@ Where a finger lies on the shared line, u_m has no potential of its own at the s
 those of the finger's electrode before (1) (`fem.condense.electrodes.equipotential`).
 
 N equal pieces take about log2(N) joins instead of N (cyclic reduction, Buzbee, Golub and Nielson 1970).  The unknowns
-between are found again from the sides by (2), level by level (`fem.condense.columns.distinct_columns`).
+between are recovered from the sides by (2), level by level (`fem.condense.columns.distinct_columns`).
 
 Example: two springs of stiffness s, A = B = [[s, -s], [-s, s]], joined: T = [1/2, 1/2], and (3) is the spring s/2,
 s/2 [[1, -1], [-1, 1]].

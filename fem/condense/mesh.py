@@ -17,9 +17,9 @@ import numpy as np
 from fem.condense.fronts import Dissection, Factor
 from fem.condense.layer_columns import LayerColumns
 from fem.condense.piece import Port
-from fem.convergence_error import ConvergenceError
 from fem.discretize.quads import QuadSpace, TopEdges, medium_block, medium_tables
 from fem.discretize.section import FIELD_COLUMN
+from fem.exceptions import ConvergenceError
 from fem.materials.medium import Medium
 from fem.mesh.piece import MeshPiece
 
@@ -69,7 +69,7 @@ class Assembly:
         """The order in which its unknowns are eliminated."""
         mesh = self.space.mesh
         order = np.concatenate([elements for _, elements, _ in self.parts])
-        unknowns = [row for _, _, numbers in self.parts for row in self.numbers[numbers]]
+        unknowns = [of_element for _, _, numbers in self.parts for of_element in self.numbers[numbers]]
         centers = mesh.points[mesh.quads[order, :4]].mean(axis=1)
         if self.layer is not None:
             unknowns += [self.numbers[numbers] for numbers in self.layer.numbers]
@@ -158,7 +158,7 @@ class MeshedPiece:
     _last: dict = field(default_factory=dict, init=False, repr=False)
 
     def recover(self, sides: np.ndarray) -> "MeshField":
-        """Field inside for given lines and ports, shape (len(matrix),)."""
+        """Field inside for values on lines and ports, shape (len(matrix),)."""
         sides = np.asarray(sides, dtype=complex)
         key = sides.tobytes()
         if key not in self._last:
@@ -198,7 +198,7 @@ class MeshedPiece:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MeshField:
-    """Field of a meshed piece for given lines and ports."""
+    """Field of a meshed piece for values on lines and ports."""
 
     assembly: "Assembly" = field(repr=False)
     skeleton: np.ndarray = field(repr=False)  # scaled unknowns of edges and vertices, fields innermost
@@ -210,7 +210,7 @@ class MeshField:
         return self.condense()
 
     def motion(self, x: np.ndarray) -> np.ndarray:
-        """u_x and u_z of the highest point of the mesh at places x from the piece's left edge, length units."""
+        """u_x and u_z of the highest point of the mesh at positions x from the piece's left edge, length units."""
         space, names = self.assembly.space, self.assembly.fields
         left = self.assembly.piece.mesh.extent[0] / space.unit
         numbers, weights = self.assembly.surface.at(np.asarray(x, dtype=float) + left)
@@ -224,7 +224,7 @@ class MeshField:
         solid's group at each point, empty outside the mesh.
         """
         space = self.assembly.space
-        owner, places = space.locate(np.asarray(points) + self._origin)
+        owner, references = space.locate(np.asarray(points) + self._origin)
         order = np.argsort(owner, kind="stable")
         first = np.searchsorted(owner[order], np.arange(space.elements + 1))
         out = np.zeros((3, len(points), 4), dtype=complex)
@@ -233,7 +233,7 @@ class MeshField:
             for element, nodal in zip(elements, values[..., 0], strict=True):
                 here = order[first[element] : first[element + 1]]
                 if len(here):
-                    out[:, here[:, None], columns] = _local_fields(space, element, places[here], nodal)
+                    out[:, here[:, None], columns] = _local_fields(space, element, references[here], nodal)
         return *out, np.where(owner >= 0, space.mesh.solids[owner], "")
 
     @property
@@ -241,7 +241,7 @@ class MeshField:
         """The left edge at the surface in the mesh's own axes, length units."""
         return np.array([self.assembly.piece.mesh.extent[0] / self.assembly.space.unit, 0.0])
 
-    def on_elements(self, places: np.ndarray):
+    def on_elements(self, references: np.ndarray):
         """Yield the field at reference positions (m, 2) of every element, in batches of elements of one solid.
 
         Each batch has the name of the solid's group; the points, measured from the left edge and the surface in length
@@ -250,11 +250,11 @@ class MeshField:
         """
         space = self.assembly.space
         for own, elements, values in self.piece.elements(self.skeleton[:, None]):
-            out = np.zeros((3, len(elements), len(places), 4), dtype=complex)
+            out = np.zeros((3, len(elements), len(references), 4), dtype=complex)
             out[..., [FIELD_COLUMN[name] for name in own.fields]] = _local_fields(
-                space, elements, places, values[..., 0]
+                space, elements, references, values[..., 0]
             )
-            yield space.mesh.solids[elements[0]], space.positions(elements, places) - self._origin, out
+            yield space.mesh.solids[elements[0]], space.positions(elements, references) - self._origin, out
 
     def loss(self) -> float:
         """Power lost inside, scaled, (omega / 2) sum u^H Im(A) u, from the imaginary moduli element by element."""
@@ -271,12 +271,12 @@ class MeshField:
         return np.pi * self.piece.frequency * total
 
 
-def _local_fields(space: QuadSpace, elements, places: np.ndarray, nodal: np.ndarray) -> np.ndarray:
+def _local_fields(space: QuadSpace, elements, references: np.ndarray, nodal: np.ndarray) -> np.ndarray:
     """Fields and their derivatives along x and z at reference positions (m, 2) of elements: (3, ..., m, fields).
 
     ``elements``: one index or an array of them; ``nodal``: their unknowns, (..., functions, fields).
     """
-    value, by_first, by_second = space.local_values(places)
+    value, by_first, by_second = space.local_values(references)
     slopes = np.stack([by_first @ nodal, by_second @ nodal], axis=-2)  # (..., m, reference, fields)
-    along = np.moveaxis(space.slopes(elements, places).swapaxes(-1, -2) @ slopes, -2, 0)
+    along = np.moveaxis(space.slopes(elements, references).swapaxes(-1, -2) @ slopes, -2, 0)
     return np.concatenate([(value @ nodal)[None], along])

@@ -16,10 +16,10 @@ from fem.condense.electrodes import MeshElectrodes
 from fem.condense.interface import line_projection
 from fem.condense.layer_columns import LayerColumns
 from fem.condense.mesh import Assembly
-from fem.convergence_error import ConvergenceError
 from fem.discretize.grading import Resolution
 from fem.discretize.quads import QuadSpace
 from fem.discretize.section import Section
+from fem.exceptions import ConvergenceError
 from fem.geometry import Stator
 from fem.materials import fields as coupled_fields
 from fem.materials.christoffel import slowest_wavelength

@@ -94,8 +94,8 @@ class RationalPiece:
     def at(self, frequency: float, recover: Callable[[np.ndarray], RecoveredField] | None = None) -> ReducedPiece:
         """Piece at a frequency in Hz.
 
-        ``recover`` returns the field inside for given reduced lines and ports; without it, the full piece is condensed
-        for that.
+        ``recover`` returns the field inside for values on reduced lines and ports; without it, the full piece is
+        condensed for that.
         """
         low, high = self.assembly.piece.extent
         return ReducedPiece(

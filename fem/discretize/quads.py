@@ -88,7 +88,7 @@ class QuadSpace:
     def locate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Element that contains each point (m, 2), or -1, and the position of the point in its reference square."""
         nodes = self._nodes(slice(None))
-        owner, places = np.full(len(points), -1), np.zeros((len(points), 2))
+        owner, references = np.full(len(points), -1), np.zeros((len(points), 2))
         low, high = nodes.min(axis=1), nodes.max(axis=1)
         room = LOCATED * (high - low).max(axis=1)
         order = np.argsort(points[:, 0], kind="stable")
@@ -102,22 +102,22 @@ class QuadSpace:
                 continue
             reference, error = _inverse(self._kind, nodes[element], points[here])
             inside = (np.abs(reference - 0.5) <= 0.5 + LOCATED).all(axis=1) & (error <= room[element])
-            owner[here[inside]], places[here[inside]] = element, np.clip(reference[inside], 0.0, 1.0)
-        return owner, places
+            owner[here[inside]], references[here[inside]] = element, np.clip(reference[inside], 0.0, 1.0)
+        return owner, references
 
-    def local_values(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def local_values(self, reference: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Values and both derivatives of an element's functions at reference positions (m, 2), (m, functions) each."""
-        across, along = (self._line_values(places[:, axis]) for axis in (0, 1))
+        across, along = (self._line_values(reference[:, axis]) for axis in (0, 1))
         pairs = np.array(self._pairs)
         (a, da), (b, db) = ((each[0], each[1]) for each in (across, along))
         i, j = pairs.T
         return a[:, i] * b[:, j], da[:, i] * b[:, j], a[:, i] * db[:, j]
 
-    def _line_values(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _line_values(self, reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         from skfem.element.element_line.element_line_pp import ElementLinePp
 
         element = ElementLinePp(self.order)
-        both = [element.lbasis(places[None], index) for index in range(self.order + 1)]
+        both = [element.lbasis(reference[None], index) for index in range(self.order + 1)]
         return np.stack([each for each, _ in both], axis=1), np.stack([each[0] for _, each in both], axis=1)
 
     @cached_property
@@ -128,13 +128,13 @@ class QuadSpace:
         inside = [(i, j) for i in more for j in more]
         return [(0, 0), (1, 0), (1, 1), (0, 1), *(pair for edge in edges for pair in edge), *inside]
 
-    def slopes(self, elements, places: np.ndarray) -> np.ndarray:
-        """Derivatives of the reference coordinates of elements by x and z at places (m, 2): (..., m, reference, 2)."""
-        return np.linalg.inv(_jacobian(self._kind, self._nodes(elements), places))
+    def slopes(self, elements, reference: np.ndarray) -> np.ndarray:
+        """Derivatives of the reference coordinates by x and z at reference positions (m, 2): (..., m, reference, 2)."""
+        return np.linalg.inv(_jacobian(self._kind, self._nodes(elements), reference))
 
-    def positions(self, elements, places: np.ndarray) -> np.ndarray:
-        """Points of elements at reference places (m, 2): (..., m, 2)."""
-        return shape_functions(self._kind, places) @ self._nodes(elements)
+    def positions(self, elements, reference: np.ndarray) -> np.ndarray:
+        """Points of elements at reference positions (m, 2): (..., m, 2)."""
+        return shape_functions(self._kind, reference) @ self._nodes(elements)
 
     @property
     def _kind(self) -> str:
@@ -144,25 +144,25 @@ class QuadSpace:
         """Nodes of elements, length units, (..., 4 or 9, 2)."""
         return self.mesh.points[self.mesh.quads[elements]] / self.unit
 
-    def chunks(self, chosen: np.ndarray):
+    def chunks(self, elements: np.ndarray):
         """Yield elements in parts whose basis functions fit into memory."""
         per_element = self.functions * (self.order + 2) ** 2 * 3 * 8
         count = max(1, int(CHUNK_BYTES / per_element))
-        for start in range(0, len(chosen), count):
-            yield chosen[start : start + count]
+        for start in range(0, len(elements), count):
+            yield elements[start : start + count]
 
-    def _basis(self, chosen: np.ndarray):
+    def _basis(self, elements: np.ndarray):
         from skfem import Basis, ElementQuadP
 
         # A new ElementQuadP for each call, because it caches values of its last evaluation, which threads would share.
-        return Basis(self._mesh, ElementQuadP(self.order), elements=chosen, intorder=2 * self.order + 2)
+        return Basis(self._mesh, ElementQuadP(self.order), elements=elements, intorder=2 * self.order + 2)
 
-    def scalar_matrices(self, chosen: np.ndarray) -> np.ndarray:
+    def scalar_matrices(self, elements: np.ndarray) -> np.ndarray:
         """Integrals of v_x u_x, v_x u_z, v_z u_x, v_z u_z and v u of some elements, (m, 5, functions, functions)."""
-        key = chosen.tobytes()
+        key = elements.tobytes()
         if key in self._scalars:
             return self._scalars[key]
-        basis = self._basis(chosen)
+        basis = self._basis(elements)
         weights = basis.dx[:, None, :]
         value = np.stack([np.array(each[0]) for each in basis.basis], axis=1)
         across, up = (np.stack([each[0].grad[axis] for each in basis.basis], axis=1) for axis in (0, 1))
@@ -183,25 +183,25 @@ class QuadSpace:
         return scalars
 
 
-def _jacobian(kind: str, nodes: np.ndarray, places: np.ndarray) -> np.ndarray:
+def _jacobian(kind: str, nodes: np.ndarray, reference: np.ndarray) -> np.ndarray:
     """Derivatives of x and z by the reference coordinates, (m, 2, reference); exact for polynomials of degree 2."""
     step = 0.5
     columns = []
     for axis in (0, 1):
         shift = step * np.eye(2)[axis]
-        ahead, behind = (shape_functions(kind, places + sign * shift) @ nodes for sign in (1, -1))
+        ahead, behind = (shape_functions(kind, reference + sign * shift) @ nodes for sign in (1, -1))
         columns.append((ahead - behind) / (2 * step))
     return np.stack(columns, axis=-1)
 
 
 def _inverse(kind: str, nodes: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Reference positions of points by Newton's method, and the distances that remain."""
-    places = np.full(points.shape, 0.5)
+    reference = np.full(points.shape, 0.5)
     for _ in range(NEWTON_STEPS):
-        gap = shape_functions(kind, places) @ nodes - points
-        places = places - np.linalg.solve(_jacobian(kind, nodes, places), gap[..., None])[..., 0]
-        places = np.clip(places, -1.0, 2.0)
-    return places, np.abs(shape_functions(kind, places) @ nodes - points).max(axis=1)
+        gap = shape_functions(kind, reference) @ nodes - points
+        reference = reference - np.linalg.solve(_jacobian(kind, nodes, reference), gap[..., None])[..., 0]
+        reference = np.clip(reference, -1.0, 2.0)
+    return reference, np.abs(shape_functions(kind, reference) @ nodes - points).max(axis=1)
 
 
 def medium_tables(medium: Medium, angular: float, *, part: str = "all") -> np.ndarray:
@@ -256,7 +256,7 @@ class TopEdges:
     def at(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Numbers (points, order + 1) and values of the functions at the highest boundary point above each x.
 
-        A mesh may end beside the stator's end by a rounding of its file: a place there is moved to the mesh.
+        A mesh may end beside the stator's end by a rounding of its file: a point there is moved to the mesh.
         """
         numbers, along = np.empty((len(x), self.numbers.shape[1]), dtype=int), np.empty(len(x))
         lowest, highest = self.low.min(), self.high.max()
@@ -264,11 +264,11 @@ class TopEdges:
         if np.any(abs(x - np.clip(x, lowest, highest)) > ROUNDED * (highest - lowest)):
             raise ValueError("x must lie on the piece")
         x = np.clip(x, lowest, highest)
-        for index, place in enumerate(x):
-            here = np.flatnonzero((self.low <= place + room) & (self.high >= place - room))
+        for index, position in enumerate(x):
+            here = np.flatnonzero((self.low <= position + room) & (self.high >= position - room))
             if not len(here):
                 raise ValueError("x must lie on the piece: it has no surface there")
-            a, b, c = self.quadratic[here, 0], self.linear[here, 0], self.start[here, 0] - place
+            a, b, c = self.quadratic[here, 0], self.linear[here, 0], self.start[here, 0] - position
             root = np.sqrt(np.maximum(b**2 - 4 * a * c, 0.0))
             t = np.clip(-2 * c / (b + np.where(b < 0, -root, root)), 0.0, 1.0)
             heights = self.start[here, 1] + t * self.linear[here, 1] + t**2 * self.quadratic[here, 1]

@@ -236,7 +236,7 @@ def test_reciprocity_gives_the_opposite_lateral_wavenumber(name):
         other = np.argmin(abs(there.wavenumbers + here.wavenumbers[mode]))
         assert there.wavenumbers[other] == pytest.approx(-here.wavenumbers[mode], rel=1e-6)
         scale = abs(there.column[other]).max()
-        np.testing.assert_allclose(there.column[other], -here.row[mode], atol=1e-4 * scale)
+        np.testing.assert_allclose(there.column[other], -here.transposed[mode], atol=1e-4 * scale)
 
 
 @pytest.mark.parametrize(("name", "gamma"), [("128YX", -0.34), ("YZ", -1.10), ("ST-X", 0.378)])
